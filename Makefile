@@ -1,0 +1,52 @@
+# Everything runs in .venv, which the first target that needs it installs.
+# PYTHON chooses the interpreter that makes it: make test PYTHON=python3.12
+
+PYTHON ?= python3
+VENV   := .venv
+BIN    := $(VENV)/bin
+READY  := $(VENV)/ready
+
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+export PIP_NO_INPUT := 1
+# The problems are small and the processes several: threads inside BLAS only get in the way.
+export OMP_NUM_THREADS := 1
+export OPENBLAS_NUM_THREADS := 1
+
+.PHONY: test demo slow lint types layers docs all install clean
+
+test: $(READY)
+	$(BIN)/python -m pytest -q -n 2
+
+demo: $(READY)
+	$(BIN)/python studies/oscillator/demo.py
+
+slow: $(READY)
+	$(BIN)/python -m pytest -q -n 2 -m slow
+
+lint: $(READY)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+
+types: $(READY)
+	$(BIN)/mypy
+
+layers: $(READY)
+	$(BIN)/lint-imports --no-logo --no-cache
+
+docs: $(READY)
+	$(BIN)/python -m pytest -q tests/test_repository.py -k links
+
+all: test lint types layers docs slow demo
+
+install: $(READY)
+
+$(READY): pyproject.toml constraints.txt
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "symhyb needs Python 3.11 or newer, $(PYTHON) is " + sys.version.split()[0])'
+	@echo "installing symhyb and its tools into $(VENV) (about a minute, once)"
+	@$(PYTHON) -m venv $(VENV)
+	@$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev]'
+	@touch $@
+
+clean:
+	rm -rf $(VENV) build dist out *.egg-info .pytest_cache .mypy_cache .ruff_cache
+	find symhyb tests studies -name __pycache__ -type d -prune -exec rm -rf {} +

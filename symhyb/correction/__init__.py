@@ -1,0 +1,1 @@
+"""From mismatch to model: candidate forces screened, fitted on trajectories, applied."""

@@ -1,0 +1,99 @@
+"""The screen: every cause pushed once through the linearised dynamics along the recording.
+
+The dynamics are linearised along the *measured* (smoothed) motion, so that a poor model does not
+carry the windows away before the causes are compared; what the model fails to do from sample to
+sample is the defect that the causes compete to explain. Screening names causes to try and gives
+starting values; it does not decide. Sizes: W windows, L samples, n coordinates, C columns.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from symhyb.correction.selection import Problem
+from symhyb.discrepancy.hypotheses import Hypothesis, Library
+from symhyb.discrepancy.windows import Laid, Reduced, reduce
+from symhyb.numeric.buffers import Array
+from symhyb.numeric.windows import Linear, WindowModel
+
+GAIN_REACH = 0.5  # a gain further from 1 is a wrong unit or sign, not a gain
+
+
+@dataclass(frozen=True, slots=True)
+class Screened:
+    """The reduced problem of one window length and its parts by recording."""
+
+    problem: Problem
+    parts: tuple[Reduced, ...]
+
+    @property
+    def count(self) -> float:
+        """Samples of the fitted windows, less their initial states."""
+        return float(sum(part.count[~part.held].sum() for part in self.parts))
+
+
+def screen(
+    library: Library,
+    model: WindowModel,
+    dull: Sequence[Hypothesis],
+    laid: Sequence[Laid],
+    p: Array,
+    sd: Array,
+    starts: Sequence[Array] | None = None,
+) -> Screened:
+    """Reduce windows to a linear problem in the forces of ``library`` and the free parameters.
+
+    The first free parameters of ``model`` are those of the ``dull`` causes; any others are in every
+    subset. With ``starts`` (one (W, 2n) a recording) the linearisation is along the simulation from
+    there instead of the motion. ``p`` (P,), ``sd`` (m,) in SI.
+    """
+    parts = []
+    for i, item in enumerate(laid):
+        if starts is None:
+            linear = model.along(item.block, item.motion, p)
+        else:
+            linear = model.differentiate(item.block, starts[i], p)
+        residual = item.block.y - linear.output - linear.from_defect()
+        columns = [_force_columns(library, item, linear), linear.from_free()]
+        parts.append(
+            reduce(residual, linear.from_start(), np.concatenate(columns, axis=3), sd, item.held)
+        )
+    forces, free = sum(map(len, library.columns)), len(model.free)
+    lower, upper = _bounds(library, dull, free)
+    problem = Problem(
+        gram=np.sum([part.grams[~part.held].sum(axis=0) for part in parts], axis=0),
+        held=np.sum([part.grams[part.held].sum(axis=0) for part in parts], axis=0),
+        hypotheses=(*library.hypotheses, *dull),
+        columns=(*library.columns, *((forces + i,) for i in range(len(dull)))),
+        always=tuple(range(forces + len(dull), forces + free)),
+        prior=np.concatenate([np.zeros(forces), _priors(model, dull), np.zeros(free - len(dull))]),
+        lower=lower,
+        upper=upper,
+    )
+    return Screened(problem, tuple(parts))
+
+
+def _force_columns(library: Library, item: Laid, linear: Linear) -> Array:
+    """Responses of the sensors (W, L, m, C) to the forces of all probes along the windows."""
+    windows, length, states = linear.x.shape
+    n, flat = states // 2, linear.x.reshape(windows * length, states)
+    u, t = item.block.u.reshape(windows * length, -1), item.block.t.reshape(-1)
+    forces = library.forces(flat[:, :n], flat[:, n:], u, t)
+    return linear.from_forces(forces.reshape(windows, length, n, -1))
+
+
+def _bounds(library: Library, dull: Sequence[Hypothesis], free: int) -> tuple[Array, Array]:
+    """Bounds of the coefficients: dissipation is positive, a gain is off by half at most."""
+    lower = [0.0 if sign else -np.inf for h in library.hypotheses for sign in h.positive]
+    lower += [-GAIN_REACH if h.kind == "gain" else -np.inf for h in dull]
+    upper = [np.inf] * (len(lower) - len(dull))
+    upper += [GAIN_REACH if h.kind == "gain" else np.inf for h in dull]
+    rest = np.full(free - len(dull), np.inf)
+    return np.concatenate([lower, -rest]), np.concatenate([upper, rest])
+
+
+def _priors(model: WindowModel, dull: Sequence[Hypothesis]) -> Array:
+    """1/sd² of the parameters that state an sd, 0 for gains and offsets, SI."""
+    spread = {item.path: item.si_sd for item in model.machine.model.all_parameters()}
+    return np.array([0.0 if (sd := spread[h.path]) is None else sd**-2 for h in dull])

@@ -1,0 +1,100 @@
+"""Which few causes explain the mismatch: best subsets on the reduced linear problem.
+
+Everything happens on Gram matrices of whitened columns with initial states projected out, so that
+thousands of subsets cost milliseconds. A beam of the best subsets grows by one cause at a time;
+forbidden signs drop out. Sizes: F columns, the residual is column F.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from symhyb.discrepancy.hypotheses import Hypothesis
+from symhyb.numeric.buffers import Array
+
+BEAM = 24
+LARGEST = 7  # causes at once
+CONDITION = 1e10  # of scaled columns: beyond, a subset cannot be told apart
+
+
+@dataclass(frozen=True, slots=True)
+class Subset:
+    """Causes by their index, coefficients of their columns, χ² on fitted and held windows."""
+
+    causes: tuple[int, ...]
+    values: Array
+    chi2: float
+    held: float
+    numbers: int
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """The reduced problem: Gram matrices (F + 1, F + 1) of the fitted and the held windows,
+    ``columns`` of each cause, columns that are ``always`` in, priors 1/sd² (F,), and bounds of the
+    coefficients (F,), beyond which a subset is not physics."""
+
+    gram: Array
+    held: Array
+    hypotheses: tuple[Hypothesis, ...]
+    columns: tuple[tuple[int, ...], ...]
+    always: tuple[int, ...]
+    prior: Array
+    lower: Array
+    upper: Array
+
+
+def best_subsets(problem: Problem, largest: int = LARGEST) -> list[list[Subset]]:
+    """The best subsets of each size 0, 1, 2 … up to ``largest`` causes by χ², best first."""
+    empty = solve(problem, ())
+    sizes: list[list[Subset]] = [[empty]] if empty is not None else []
+    while sizes and len(sizes) <= largest:
+        seen: dict[tuple[int, ...], Subset | None] = {}
+        for parent in sizes[-1]:
+            for cause in range(len(problem.hypotheses)):
+                key = tuple(sorted({*parent.causes, cause}))
+                if len(key) > len(parent.causes) and key not in seen:
+                    seen[key] = None if _repeats(problem, key) else solve(problem, key)
+        found = [subset for subset in seen.values() if subset is not None]
+        if not found:
+            break
+        sizes.append(sorted(found, key=lambda subset: subset.chi2)[:BEAM])
+    return sizes
+
+
+def solve(problem: Problem, causes: Sequence[int]) -> Subset | None:
+    """Least squares for one set of causes; None if a coefficient is out of its bounds or the data
+    cannot tell it."""
+    columns = [c for cause in causes for c in problem.columns[cause]]
+    joined = [*columns, *problem.always]
+    last = problem.gram.shape[0] - 1
+    values = np.zeros(0)
+    if joined:
+        block = problem.gram[np.ix_(joined, joined)] + np.diag(problem.prior[joined])
+        scale = np.sqrt(np.diag(block))
+        if np.any(scale <= 0):
+            return None
+        unit = block / np.outer(scale, scale)
+        eigen = np.linalg.eigvalsh(unit)
+        if eigen[0] < eigen[-1] / CONDITION:
+            return None
+        values = np.linalg.solve(unit, problem.gram[joined, last] / scale) / scale
+        if np.any(values < problem.lower[joined]) or np.any(values > problem.upper[joined]):
+            return None
+    mix = np.zeros(last + 1)
+    mix[joined], mix[last] = -values, 1
+    chi2, held = float(mix @ problem.gram @ mix), float(mix @ problem.held @ mix)
+    penalty = float(np.sum(problem.prior[joined] * values**2)) if joined else 0.0
+    numbers = sum(problem.hypotheses[cause].numbers for cause in causes)
+    return Subset(tuple(causes), values[: len(columns)], chi2 + penalty, held, numbers)
+
+
+def _repeats(problem: Problem, causes: Sequence[int]) -> bool:
+    """Whether two of the causes fit the same term at the same place (in another shape)."""
+    terms = [
+        (hypothesis.kind, hypothesis.place, hypothesis.path, term)
+        for hypothesis in (problem.hypotheses[cause] for cause in causes)
+        for term in hypothesis.terms
+    ]
+    return len(set(terms)) < len(terms)

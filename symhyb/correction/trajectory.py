@@ -1,0 +1,114 @@
+"""A structure (a set of causes) fitted on trajectories, at full nonlinearity.
+
+The model with its candidate elements is an ordinary model; its terms, the shapes that are worth a
+number and the dull parameters are fitted by :mod:`symhyb.discrepancy.matching`.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from symhyb.discrepancy.hypotheses import Hypothesis
+from symhyb.discrepancy.matching import Fit, Task, fit
+from symhyb.discrepancy.windows import Laid
+from symhyb.model.types import Element, Model
+from symhyb.numeric.buffers import Array
+from symhyb.numeric.machine import Machine, build
+from symhyb.numeric.windows import WindowModel
+
+SHAPE_REACH = 30.0  # a refined shape stays within this factor of where it was tried
+GAIN_REACH = 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class Refined:
+    """A fitted structure: its causes, the lowered model, the parameter columns of each number
+    (``paths``), the full parameter vector ``p`` (P,) with the fitted values, and the fit."""
+
+    causes: tuple[Hypothesis, ...]
+    machine: Machine
+    paths: tuple[str, ...]
+    p: Array
+    fit: Fit
+
+    @property
+    def numbers(self) -> int:
+        """How many numbers were fitted."""
+        return len(self.paths)
+
+    def value(self, path: str) -> tuple[float, float]:
+        """Fitted value and one standard deviation of a parameter, SI."""
+        i = self.paths.index(path)
+        return float(self.fit.values[i]), float(np.sqrt(self.fit.covariance[i, i]))
+
+
+def element_name(index: int) -> str:
+    """Name of the element of the i-th cause while it is on trial."""
+    return f"cause{index}"
+
+
+def refine(
+    model: Model,
+    causes: Sequence[Hypothesis],
+    start: Mapping[int, Sequence[float]],
+    laid: Sequence[Laid],
+    sd: Array,
+    starts: Sequence[Array] | None = None,
+    everything: bool = False,
+) -> Refined:
+    """Fit the causes on windows; ``start`` has the first guess of the terms of each cause, SI.
+
+    ``model`` states its channels' gains and offsets (:func:`with_channels`); ``starts`` are initial
+    states (W, 2n) of each recording to begin with; ``everything`` fits the held windows too.
+    """
+    elements: list[Element] = []
+    for i, cause in enumerate(causes):
+        if cause.place is not None:
+            values = dict(zip(cause.terms, start[i], strict=True))
+            elements.append(cause.element(model, element_name(i), values))
+    extended = replace(model, elements=(*model.elements, *elements))
+    machine = build(extended)
+    paths = tuple(path for i, cause in enumerate(causes) for path in _paths(i, cause))
+    free = tuple(machine.column(path) for path in paths)
+    p = machine.values.copy()
+    for i, cause in enumerate(causes):
+        if cause.place is None:
+            p[machine.column(cause.path)] += start[i][0]
+    lower, upper, mean, spread = _limits(machine, causes)
+    task = Task(tuple(laid), sd, lower, upper, mean, spread, everything)
+    fitted = fit(WindowModel(machine, free), task, p, starts)
+    p[list(free)] = fitted.values
+    return Refined(tuple(causes), machine, paths, p, fitted)
+
+
+def _paths(index: int, cause: Hypothesis) -> list[str]:
+    if cause.place is None:
+        return [cause.path]
+    return [f"{element_name(index)}.{key}" for key in (*cause.terms, *cause.refined)]
+
+
+def _limits(machine: Machine, causes: Sequence[Hypothesis]) -> tuple[Array, Array, Array, Array]:
+    """Bounds, prior means and prior deviations of the fitted numbers, SI."""
+    declared = {item.path: item for item in machine.model.all_parameters()}
+    rows: list[tuple[float, float, float, float]] = []
+    for cause in causes:
+        if cause.place is None:
+            value, sd = declared[cause.path].si, declared[cause.path].si_sd
+            if cause.kind == "gain":
+                rows.append((value - GAIN_REACH, value + GAIN_REACH, value, np.inf))
+            else:
+                low = 1e-6 * value if cause.positive[0] else -np.inf
+                rows.append((low, np.inf, value, np.inf if sd is None else sd))
+            continue
+        shape = dict(cause.shape)
+        rows += [(0.0 if sign else -np.inf, np.inf, 0.0, np.inf) for sign in cause.positive]
+        rows += [
+            (shape[key] / SHAPE_REACH, shape[key] * SHAPE_REACH, shape[key], np.inf)
+            for key in cause.refined
+        ]
+    if not rows:
+        empty = np.zeros(0)
+        return empty, empty, empty, empty
+    lower, upper, mean, spread = (np.array(column) for column in zip(*rows, strict=True))
+    return lower, upper, mean, spread

@@ -1,0 +1,131 @@
+"""What is peculiar about a recording, in sentences: sampling, missing samples, clipping, steps.
+
+Nothing is changed here. Signals are in SI; the sentences use the units of the model.
+"""
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symhyb.data.rows import Block, blocks
+from symhyb.units import Unit
+
+UNEVEN = 1e-3  # of the median step: above that, sampling is called uneven
+GAP = 5.0  # median steps
+CLIPPED = 0.01  # part of the samples at the extreme value
+CLIPPED_RUN = 3  # samples in a row
+FEWEST_STEPS = 4  # between levels: fewer lie on a lattice by chance
+
+
+def sampling_notes(t: NDArray[np.float64]) -> Iterator[str]:
+    """Say whether the steps of ``t`` (N,) in s are uneven and where time is missing."""
+    steps = np.diff(t)
+    median = float(np.median(steps))
+    gaps = np.flatnonzero(steps > GAP * median)
+    if gaps.size:
+        places = [f"{t[k]:.6g} … {t[k + 1]:.6g} s" for k in gaps]
+        noun = "a gap" if gaps.size == 1 else f"{gaps.size} gaps"
+        yield f"{noun} in time: t = {_listed(places)} (step otherwise {median:.4g} s)"
+    usual = np.delete(steps, gaps)
+    shortest, longest = float(usual.min()), float(usual.max())
+    if longest - shortest > UNEVEN * median:
+        yield (
+            f"sampling is uneven: steps of {shortest:.4g} to {longest:.4g} s,"
+            f" median {median:.4g} s; kept as it is"
+        )
+
+
+def input_notes(
+    inputs: Mapping[str, NDArray[np.float64]], units: Mapping[str, Unit]
+) -> Iterator[str]:
+    """Say which inputs, (N,) each in SI, never change; ``units`` are those of the model."""
+    for name, values in inputs.items():
+        if np.ptp(values) == 0.0:
+            yield f"input {name} is constant at {_quantity(values[0], units[name])}"
+
+
+def sensor_notes(
+    t: NDArray[np.float64],
+    sensors: Mapping[str, NDArray[np.float64]],
+    units: Mapping[str, Unit],
+) -> Iterator[str]:
+    """Say for every sensor what is missing, constant, clipped or coarse.
+
+    ``sensors`` are (N,) each in SI, NaN where a sample is missing; ``t`` (N,) in s; the sentences
+    are in ``units``.
+    """
+    for name, values in sensors.items():
+        missing = np.isnan(values)
+        if missing.any():
+            yield _missing_note(name, missing, t)
+        present = values[~missing]
+        if np.ptp(present) == 0.0:
+            yield f"sensor {name} is constant at {_quantity(present[0], units[name])}"
+            continue
+        yield from _clipping_notes(name, values, t, units[name])
+        step = lattice_step(present)
+        if step is not None:
+            yield f"sensor {name} is quantised in steps of {_quantity(step, units[name])}"
+
+
+def _missing_note(name: str, missing: NDArray[np.bool_], t: NDArray[np.float64]) -> str:
+    holes = blocks(missing)
+    longest = max(holes, key=lambda hole: hole.size)
+    text = f"sensor {name}: {missing.sum()} of {missing.size} samples are missing"
+    if longest.size == 1:
+        return f"{text}, one at a time, first at {longest.span(t)}"
+    length = t[min(longest.last + 1, t.size - 1)] - t[longest.first]
+    return f"{text}; the longest block lasts {length:.4g} s, {longest.span(t)}"
+
+
+def _clipping_notes(
+    name: str, values: NDArray[np.float64], t: NDArray[np.float64], unit: Unit
+) -> Iterator[str]:
+    """Say where a sensor stands still at its very extreme, as it does when it is saturated."""
+    levels = np.unique(values[~np.isnan(values)])
+    for extreme, next_level, word in (
+        (levels[-1], levels[-2], "maximum"),
+        (levels[0], levels[1], "minimum"),
+    ):
+        runs = [run for run in blocks(values == extreme) if run.size >= CLIPPED_RUN]
+        count = sum(run.size for run in runs)
+        # The crest of a coarse signal is populated too, but so is the level beside it.
+        if count < CLIPPED * values.size or count < 5 * np.count_nonzero(values == next_level):
+            continue
+        longest: Block = max(runs, key=lambda run: run.size)
+        yield (
+            f"sensor {name} stands at its {word} of {_quantity(extreme, unit)} in"
+            f" {100 * count / values.size:.2g} % of the samples (longest: {longest.span(t)});"
+            " it is saturated or at rest there"
+        )
+
+
+def lattice_step(values: NDArray[np.float64]) -> float | None:
+    """Return the step of the lattice on which all ``values`` lie, None if there is none.
+
+    ``values`` (N,) without NaN; the step is in their unit.
+
+    A converter of b bits gives x = x_0 + i·step with whole i. Steps below 1e-6 of the range are
+    not looked for: there the digits of the file itself are the lattice.
+    """
+    levels = np.unique(values)
+    span = levels[-1] - levels[0]
+    differences = np.diff(levels)
+    differences = differences[differences > 1e-9 * span]
+    if differences.size < FEWEST_STEPS or differences.min() < 1e-6 * span:
+        return None
+    counts = np.round(differences / differences.min())
+    step = float(differences.sum() / counts.sum())
+    off = np.abs(differences - np.round(differences / step) * step)
+    return step if off.max() < 0.02 * step else None
+
+
+def _quantity(value: float, unit: Unit) -> str:
+    text = f"{value / unit.factor + 0.0:.4g}"  # + 0.0: minus zero is written as zero
+    return text if unit.text == "1" else f"{text} {unit.text}"
+
+
+def _listed(places: list[str], most: int = 3) -> str:
+    more = f" and {len(places) - most} more" if len(places) > most else ""
+    return ", ".join(places[:most]) + more

@@ -1,0 +1,208 @@
+"""The rows of a recording: time that increases, inputs without holes, ends that hold something.
+
+Whatever is changed is said in a sentence; what cannot be repaired honestly is refused.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symhyb.data.columns import Channels
+from symhyb.data.table import Table
+from symhyb.errors import InputError, Problem
+
+SHORTEST = 20  # samples: below that no noise level can be measured
+LONGEST_HOLE = 3  # samples of an input that a straight line may bridge
+
+
+Span = tuple[float | None, float | None]
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """Consecutive samples ``first`` to ``last``, both included."""
+
+    first: int
+    last: int
+
+    @property
+    def size(self) -> int:
+        """The number of samples."""
+        return self.last - self.first + 1
+
+    def span(self, t: NDArray[np.float64]) -> str:
+        """Say when, by the times ``t`` (N,) in s: ``t = 1.25 s`` or ``t = 1.2 … 1.4 s``."""
+        first, last = t[self.first], t[self.last]
+        return f"t = {first:g} s" if first == last else f"t = {first:.6g} … {last:.6g} s"
+
+
+def blocks(flags: NDArray[np.bool_]) -> list[Block]:
+    """Return the runs of True in ``flags`` (N,), dimensionless, in their order."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
+    return [Block(int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+
+
+def tidy(channels: Channels, table: Table, span: Span = (None, None)) -> Channels:
+    """Drop rows that say nothing new, check the time, and bridge short holes of the inputs.
+
+    ``span`` = (start, end) in s drops what is outside, None: to that end of the file.
+
+    Raises:
+        InputError: time that is missing or does not increase, an input with a long hole or that
+            stops before the sensors do, or fewer than 20 samples left.
+    """
+    channels = _finite_or_missing(channels)
+    if all(np.isnan(values).all() for values in channels.sensors.values()):
+        text = f"no sensor ({', '.join(channels.sensors)}) has a finite sample"
+        raise InputError(Problem(text, file=table.file))
+    rows = np.arange(channels.t.size)
+    for drop in (partial(_outside, span=span), _empty_rows, _repeated_rows, _unmeasured_ends):
+        keep, note = drop(channels)
+        rows = rows[keep]
+        channels = take(channels, keep, note)
+    _check_time(channels, rows, table)
+    if channels.t.size < SHORTEST:
+        text = f"usable samples: {channels.t.size}; at least {SHORTEST} are needed"
+        text += f" ({note})" if (note := _outside(channels, span)[1]) else ""
+        raise InputError(Problem(text, file=table.file))
+    return without_silent_sensors(_fill_inputs(channels, table))
+
+
+def take(channels: Channels, keep: NDArray[np.bool_], note: str = "") -> Channels:
+    """Return the rows that are flagged in ``keep`` (N,), with a note if there is one."""
+    return Channels(
+        channels.t[keep],
+        {name: values[keep] for name, values in channels.inputs.items()},
+        {name: values[keep] for name, values in channels.sensors.items()},
+        (*channels.notes, note) if note else channels.notes,
+    )
+
+
+def without_silent_sensors(channels: Channels) -> Channels:
+    """Leave out the sensors that have a column but not one sample in it."""
+    silent = [name for name, values in channels.sensors.items() if np.isnan(values).all()]
+    sensors = {name: values for name, values in channels.sensors.items() if name not in silent}
+    notes = (f"sensor {name} has no finite sample: left out" for name in silent)
+    return replace(channels, sensors=sensors, notes=(*channels.notes, *notes))
+
+
+def _finite_or_missing(channels: Channels) -> Channels:
+    """Write NaN for infinity, which is no measurement."""
+
+    def clean(values: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.where(np.isfinite(values), values, np.nan)
+
+    inputs = {name: clean(values) for name, values in channels.inputs.items()}
+    sensors = {name: clean(values) for name, values in channels.sensors.items()}
+    return replace(channels, t=clean(channels.t), inputs=inputs, sensors=sensors)
+
+
+def _all_signals(channels: Channels) -> NDArray[np.float64]:
+    return np.vstack([channels.t, *channels.inputs.values(), *channels.sensors.values()])
+
+
+def _outside(channels: Channels, span: Span) -> tuple[NDArray[np.bool_], str]:
+    """Flag the rows within ``span``; a row without a time is kept, to be complained about."""
+    start, end = span
+    if start is None and end is None:
+        return np.ones(channels.t.size, dtype=bool), ""
+    first, last = -np.inf if start is None else start, np.inf if end is None else end
+    beyond = (channels.t < first) | (channels.t > last)
+    return ~beyond, f"only t = {first:g} … {last:g} s was read"
+
+
+def _empty_rows(channels: Channels) -> tuple[NDArray[np.bool_], str]:
+    signals = _all_signals(channels)
+    empty = np.count_nonzero(np.isnan(signals), axis=0) == len(signals)
+    return ~empty, _dropped(int(empty.sum()), "without any number")
+
+
+def _repeated_rows(channels: Channels) -> tuple[NDArray[np.bool_], str]:
+    """Flag the rows that repeat the row before them, the time included."""
+    signals = _all_signals(channels)
+    before, after = signals[:, :-1], signals[:, 1:]
+    same = ((before == after) | (np.isnan(before) & np.isnan(after))).all(axis=0)
+    repeated = np.concatenate([[False], same])[: channels.t.size]
+    return ~repeated, _dropped(int(repeated.sum()), "that repeat the row before them")
+
+
+def _unmeasured_ends(channels: Channels) -> tuple[NDArray[np.bool_], str]:
+    """Flag the rows before the first and after the last sample of any sensor."""
+    measured = np.flatnonzero(~np.isnan([*channels.sensors.values()]).all(axis=0))
+    keep = np.zeros(channels.t.size, dtype=bool)
+    if measured.size:
+        keep[measured[0] : measured[-1] + 1] = True
+    count = int((~keep).sum())
+    return keep, _dropped(count, "before the first or after the last sample of a sensor")
+
+
+def _dropped(count: int, which: str) -> str:
+    return f"{count} row{'s' * (count > 1)} {which}: dropped" if count else ""
+
+
+def _check_time(channels: Channels, rows: NDArray[np.intp], table: Table) -> None:
+    t = channels.t
+    missing = np.flatnonzero(np.isnan(t))
+    if missing.size:
+        text = f"time is missing at {table.row(rows[missing[0]])}" + _more(missing.size)
+        raise InputError(Problem(text, "t", table.file))
+    wrong = np.flatnonzero(np.diff(t) <= 0) + 1
+    if wrong.size:
+        now, before = t[wrong[0]], t[wrong[0] - 1]
+        text = f"time does not increase at {table.row(rows[wrong[0]])}: {now:.9g} s after"
+        cure = "; sort the rows, or cut the file there"
+        raise InputError(
+            Problem(f"{text} {before:.9g} s{_more(wrong.size)}{cure}", "t", table.file)
+        )
+
+
+def _more(count: int) -> str:
+    return f" (and {count - 1} more)" if count > 1 else ""
+
+
+def _fill_inputs(channels: Channels, table: Table) -> Channels:
+    inputs: dict[str, NDArray[np.float64]] = {}
+    notes: list[str] = []
+    problems: list[Problem] = []
+    for name, values in channels.inputs.items():
+        missing = np.isnan(values)
+        holes = blocks(missing)
+        complaints = list(_complaints(name, holes, channels.t))
+        problems.extend(Problem(text, f"input {name}", table.file) for text in complaints)
+        if holes and not complaints:
+            notes.append(
+                f"input {name}: {missing.sum()} missing sample{'s' * (int(missing.sum()) > 1)}"
+                f" interpolated, first at {holes[0].span(channels.t)}"
+            )
+            values = np.interp(channels.t, channels.t[~missing], values[~missing])
+        inputs[name] = values
+    if problems:
+        raise InputError(problems)
+    return replace(channels, inputs=inputs, notes=(*channels.notes, *notes))
+
+
+def _complaints(name: str, holes: list[Block], t: NDArray[np.float64]) -> Iterator[str]:
+    """Say why an input cannot be repaired, if so: the simulation needs it from end to end."""
+    for hole in holes:
+        if hole.size == t.size:
+            yield "has no finite sample"
+        elif hole.last == t.size - 1:
+            end = t[hole.first - 1]
+            yield (
+                f"stops at t = {end:.6g} s, before the sensors do at t = {t[-1]:.6g} s;"
+                f" crop the recording to end at {end:.6g} s"
+            )
+        elif hole.first == 0:
+            start = t[hole.last + 1]
+            yield (
+                f"begins only at t = {start:.6g} s, after the sensors do at t = {t[0]:.6g} s;"
+                f" crop the recording to start at {start:.6g} s"
+            )
+        elif hole.size > LONGEST_HOLE:
+            yield (
+                f"is missing for {hole.size} samples, {hole.span(t)}; crop the recording to the"
+                " part before or after it"
+            )

@@ -1,0 +1,1 @@
+"""Where model and recording differ: motion, ΔF, scores, places and named hypotheses."""

@@ -1,0 +1,250 @@
+"""Trajectory matching: parameters fitted by simulation error over windows.
+
+Every window has its own initial state, eliminated in each Gauss–Newton step by variable
+projection, so a record of any length costs one sweep a step (multiple shooting: Bock 1983; the
+projection: Golub & Pereyra 1973). Residuals are whitened by the measured noise.
+Sizes: F free parameters, W windows, L samples a window, m sensors, n coordinates.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import lsq_linear
+
+from symhyb.discrepancy.windows import Laid, correlation_time
+from symhyb.numeric.buffers import Array
+from symhyb.numeric.windows import WindowModel
+
+PREDICTED_DECREASE = 1e-5  # of the cost: stop
+ITERATIONS = 30
+DAMPING_MOST = 1e8
+
+
+@dataclass(frozen=True, slots=True)
+class Fit:
+    """Fitted parameters and how well the windows are met.
+
+    ``values`` (F,) SI; ``covariance`` (F, F), widened for coloured residuals; ``chi2`` of each
+    window (W,) in the order of the recordings, ``count`` (W,) its samples less its initial states,
+    ``held`` (W,); ``correlation`` c ≥ 1 of the fitted windows; ``starts`` the fitted initial
+    states of each recording (W, 2n). ``reason`` is empty, or says why the fit failed.
+    """
+
+    values: Array
+    covariance: Array
+    chi2: Array
+    count: Array
+    held: Array
+    correlation: float
+    starts: tuple[Array, ...]
+    reason: str = ""
+
+    @property
+    def train(self) -> float:
+        """χ² of the windows that were fitted."""
+        return float(self.chi2[~self.held].sum())
+
+    @property
+    def validation(self) -> float:
+        """χ² of the windows that were held out."""
+        return float(self.chi2[self.held].sum())
+
+    @property
+    def scale(self) -> float:
+        """χ² per degree of freedom of the fitted windows, at least 1."""
+        return max(self.train / max(float(self.count[~self.held].sum()), 1.0), 1.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """What to fit: windows, noise ``sd`` (m,), bounds (F,), and priors mean and sd (F,; sd inf
+    for none). With ``everything`` the held windows are fitted too."""
+
+    laid: tuple[Laid, ...]
+    sd: Array
+    lower: Array
+    upper: Array
+    mean: Array
+    spread: Array
+    everything: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class _Part:
+    """One recording, whitened: residual (W, L·m), by starts (W, L·m, 2n), by parameters."""
+
+    residual: Array
+    by_start: Array
+    by_free: Array
+    used: Array
+
+
+def fit(
+    model: WindowModel, task: Task, p: Array, starts: Sequence[Array] | None = None
+) -> Fit:
+    """Fit the free parameters of ``model`` from ``p`` (P,) by damped Gauss–Newton steps.
+
+    Initial states start at ``starts`` (default: those of the smoothed motion) and are fitted on
+    every window, parameters on those that are not held.
+    """
+    free = list(model.free)
+    values = np.clip(p[free], task.lower, task.upper)
+    now = [item.start for item in task.laid] if starts is None else list(starts)
+    cost = _cost(model, task, p, values, now)
+    if not np.isfinite(cost):
+        return _failed(task, now, values, "the simulation grew without bound")
+    damping = 0.0
+    for _ in range(ITERATIONS):
+        parts = _linearise(model, task, p, values, now)
+        accepted = False
+        while damping <= DAMPING_MOST:
+            change, moved, predicted = _step(task, parts, values, damping)
+            if predicted <= PREDICTED_DECREASE * cost:
+                break
+            trial, ahead = values + change, [s + d for s, d in zip(now, moved, strict=True)]
+            after = _cost(model, task, p, trial, ahead)
+            if after < cost:
+                accepted, damping = True, damping / 10 if damping > 1e-4 else 0.0
+                gained, values, now, cost = cost - after, trial, ahead, after
+                break
+            damping = max(10 * damping, 1e-3)
+        if not accepted or gained <= PREDICTED_DECREASE * cost:
+            break
+    return _finish(task, _linearise(model, task, p, values, now), values, now)
+
+
+def _whitened(model: WindowModel, item: Laid, p: Array, start: Array, sd: Array) -> Array:
+    _, y = model.simulate(item.block, start, p)
+    residual = (item.block.y - y) / sd
+    return np.where(np.isfinite(item.block.y), residual, 0.0)
+
+
+def _cost(
+    model: WindowModel, task: Task, p: Array, values: Array, starts: Sequence[Array]
+) -> float:
+    """Cost of the fitted windows, plus that of initial states on held ones, plus the prior."""
+    full = _filled(p, model.free, values)
+    total = float(np.sum(((values - task.mean) / task.spread) ** 2))
+    for item, start in zip(task.laid, starts, strict=True):
+        with np.errstate(over="ignore", invalid="ignore"):
+            total += float(np.sum(_whitened(model, item, full, start, task.sd) ** 2))
+    return total if np.isfinite(total) else np.inf
+
+
+def _linearise(
+    model: WindowModel, task: Task, p: Array, values: Array, starts: Sequence[Array]
+) -> list[_Part]:
+    parts = []
+    full = _filled(p, model.free, values)
+    for item, start in zip(task.laid, starts, strict=True):
+        linear = model.differentiate(item.block, start, full)
+        windows, length, m = item.block.y.shape
+        seen = np.isfinite(item.block.y)
+        weight = np.where(seen, 1 / task.sd, 0.0).reshape(windows, length * m, 1)
+        residual = np.where(seen, item.block.y - linear.output, 0.0).reshape(windows, -1)
+        used = np.ones(windows, bool) if task.everything else ~item.held
+        parts.append(
+            _Part(
+                residual * weight[..., 0],
+                linear.from_start().reshape(windows, length * m, -1) * weight,
+                linear.from_free().reshape(windows, length * m, -1) * weight,
+                used,
+            )
+        )
+    return parts
+
+
+def _project(part: _Part) -> tuple[Array, Array, Array, Array]:
+    """QR of the initial-state columns: basis, scaled triangle, scale, and [columns, residual]
+    with the initial states projected out."""
+    scale = np.linalg.norm(part.by_start, axis=1, keepdims=True)
+    scale = np.where(scale > 0, scale, 1.0)
+    windows, _, states = part.by_start.shape
+    ridge = np.broadcast_to(1e-7 * np.eye(states), (windows, states, states))
+    basis, triangle = np.linalg.qr(np.concatenate([part.by_start / scale, ridge], axis=1))
+    basis = basis[:, :-states]
+    joined = np.concatenate([part.by_free, part.residual[..., None]], axis=2)
+    return basis, triangle, scale, joined - basis @ (basis.transpose(0, 2, 1) @ joined)
+
+
+def _step(
+    task: Task, parts: Sequence[_Part], values: Array, damping: float
+) -> tuple[Array, list[Array], float]:
+    """Bounded Gauss–Newton step of the parameters, and of the initial states that go with it."""
+    count = values.size
+    projections = [_project(part) for part in parts]
+    gram, right = np.diag(1 / task.spread**2), (task.mean - values) / task.spread**2
+    for part, (*_, joined) in zip(parts, projections, strict=True):
+        used = joined[part.used]
+        gram = gram + np.einsum("wai,waj->ij", used[..., :count], used[..., :count])
+        right = right + np.einsum("wai,wa->i", used[..., :count], used[..., count])
+    change = _bounded(gram, right, damping, task.lower - values, task.upper - values)
+    predicted = float(2 * right @ change - change @ gram @ change)
+    moved = []
+    for part, (basis, triangle, scale, _) in zip(parts, projections, strict=True):
+        left = part.residual - part.by_free @ change
+        target = (basis.transpose(0, 2, 1) @ left[..., None])[..., 0]
+        predicted += float(np.sum(target**2))
+        solved = np.linalg.solve(triangle, target[..., None])[..., 0]
+        moved.append(solved / scale[:, 0] / (1 + damping))
+    return change, moved, predicted
+
+
+def _bounded(gram: Array, right: Array, damping: float, lower: Array, upper: Array) -> Array:
+    """Minimise ½ xᵀ G x − rᵀ x within bounds, columns scaled to unit length."""
+    if right.size == 0:
+        return np.zeros(0)
+    scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
+    unit = gram / np.outer(scale, scale) + (damping + 1e-12) * np.eye(right.size)
+    triangle = np.linalg.cholesky(unit + 1e-12 * np.eye(right.size)).T
+    target = np.linalg.solve(triangle.T, right / scale)
+    x = np.linalg.solve(triangle, target)
+    low, high = lower * scale, upper * scale
+    if np.any(x < low) or np.any(x > high):
+        room = np.maximum(high - low, 1e-300)
+        low, high = low - 1e-12 * room, high + 1e-12 * room
+        x = np.clip(lsq_linear(triangle, target, bounds=(low, high)).x, lower * scale, upper * scale)
+    return np.asarray(x / scale)
+
+
+def _finish(task: Task, parts: Sequence[_Part], values: Array, starts: list[Array]) -> Fit:
+    count = values.size
+    joined = [_project(part)[3] for part in parts]
+    chi2 = np.concatenate([np.sum(j[..., count] ** 2, axis=1) for j in joined])
+    seen = np.concatenate([np.isfinite(i.block.y).sum(axis=(1, 2)) for i in task.laid])
+    held = np.concatenate([~part.used for part in parts])
+    states = task.laid[0].start.shape[1]
+    used = [j[part.used] for j, part in zip(joined, parts, strict=True)]
+    correlation = correlation_time([j[..., count] for j in used], task.laid[0].block.y.shape[2])
+    gram = np.diag(1 / task.spread**2)
+    for j in used:
+        gram = gram + np.einsum("wai,waj->ij", j[..., :count], j[..., :count])
+    degrees = max(float((seen - states)[~held].sum()) - count, 1.0)
+    scale = max(float(chi2[~held].sum()) / degrees, 1.0)
+    covariance = _inverse(gram) * scale * correlation
+    return Fit(values, covariance, chi2, seen - states, held, correlation, tuple(starts))
+
+
+def _inverse(gram: Array) -> Array:
+    if gram.size == 0:
+        return gram
+    scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
+    return np.linalg.pinv(gram / np.outer(scale, scale), rcond=1e-13) / np.outer(scale, scale)
+
+
+def _failed(task: Task, starts: list[Array], values: Array, reason: str) -> Fit:
+    windows = sum(len(item.start) for item in task.laid)
+    held = np.concatenate([item.held for item in task.laid])
+    size = values.size
+    worst = np.full(windows, np.inf)
+    return Fit(
+        values, np.full((size, size), np.inf), worst, np.ones(windows), held, 1.0,
+        tuple(starts), reason,
+    )  # fmt: skip
+
+
+def _filled(p: Array, free: Sequence[int], values: Array) -> Array:
+    full = p.copy()
+    full[list(free)] = values
+    return full

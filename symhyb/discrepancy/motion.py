@@ -1,0 +1,231 @@
+"""From a recording to the motion of the coordinates: q, q', q'' with bands.
+
+Every coordinate is a quintic spline; all sensors together, whether they measure positions, speeds
+or accelerations, determine its coefficients by weighted least squares (Gauss–Newton where a
+sensor is nonlinear). The spacing of the knots is chosen by the Bayesian information criterion.
+No second derivative of noisy data is formed by differences. Uneven and missing samples need no
+special care. Sizes: N samples, n coordinates, m sensors, B coefficients a coordinate.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+from scipy.interpolate import BSpline
+from scipy.sparse.linalg import splu
+
+from symhyb.data.recording import Recording
+from symhyb.numeric.buffers import Array, call, mapped
+from symhyb.numeric.machine import Machine
+
+DEGREE = 5
+SPACINGS = (2, 3, 4, 6, 8, 11, 16, 23, 32, 45, 64, 91, 128)  # samples between two knots
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """Smoothed motion of one recording, SI: ``q``, ``v``, ``a`` (N, n) and one standard deviation
+    of each in ``q_sd``, ``v_sd``, ``a_sd`` (n,); ``sd`` (m,) is the measured noise of the sensors
+    (NaN for a sensor without samples), ``spacing_s`` the distance of the knots in s."""
+
+    t: Array
+    q: Array
+    v: Array
+    a: Array
+    q_sd: Array
+    v_sd: Array
+    a_sd: Array
+    sd: Array
+    spacing_s: float
+
+
+def measured(recording: Recording, machine: Machine) -> Array:
+    """The measurements as (N, m) in the order of the model's sensors, NaN where missing."""
+    missing = np.full(recording.t.size, np.nan)
+    return np.column_stack(
+        [recording.sensors.get(sensor.name, missing) for sensor in machine.model.sensors]
+    )
+
+
+def acting(recording: Recording, machine: Machine) -> Array:
+    """The recorded inputs as (N, k) in the order of the model's inputs, delays applied."""
+    columns = []
+    for item in machine.model.inputs:
+        column = recording.inputs[item.name]
+        if item.delay is not None:
+            column = np.interp(recording.t - item.delay.si, recording.t, column)
+        columns.append(column)
+    return np.column_stack(columns) if columns else np.empty((recording.t.size, 0))
+
+
+def noise_level(values: Array) -> float:
+    """Standard deviation of the noise of an evenly sampled signal, from high differences.
+
+    The d-th difference of white noise has variance σ²·C(2d, d), that of a smooth signal vanishes as
+    d grows; the smallest estimate over d = 2 … 10 is taken (Gasser, Sroka, Jennen-Steinmetz,
+    Biometrika 73, 1986, for d = 2). ``values`` (N,), missing samples NaN; NaN if fewer than 30.
+    """
+    from scipy.special import comb
+
+    estimates = []
+    for order in range(2, 11):
+        difference = np.diff(values, n=order)
+        difference = difference[np.isfinite(difference)]
+        if difference.size < 20:
+            break
+        estimates.append(np.sqrt(np.mean(difference**2) / comb(2 * order, order)))
+    return float(min(estimates)) if estimates else float("nan")
+
+
+def motion_of(recording: Recording, machine: Machine) -> Motion:
+    """Estimate the motion of all coordinates from whatever the sensors of a recording give."""
+    y, u = measured(recording, machine), acting(recording, machine)
+    t = recording.t
+    sd = np.array([noise_level(column) for column in y.T])
+    weights = _weights(y, sd)
+    step = float(np.median(np.diff(t)))
+    best: tuple[float, _Fit] | None = None
+    for spacing in SPACINGS:
+        if t.size < 4 * spacing:
+            break
+        fit = _fit(machine, t, u, y, weights, spacing * step)
+        if best is None or fit.criterion < best[0]:
+            best = (fit.criterion, fit)
+    assert best is not None
+    fit = best[1]
+    q, v, a = (np.column_stack([b @ c for c in fit.coefficients]) for b in fit.basis)
+    scale = np.sqrt(fit.variance)
+    bands = [scale * band for band in fit.bands]
+    spread = np.array([_rms(column) for column in fit.residual.T])
+    return Motion(t, q, v, a, *bands, spread, fit.spacing)
+
+
+@dataclass(frozen=True, slots=True)
+class _Fit:
+    coefficients: Sequence[Array]
+    basis: Sequence[sparse.csr_array]
+    residual: Array
+    variance: float
+    bands: tuple[Array, Array, Array]
+    criterion: float
+    spacing: float
+
+
+def _fit(
+    machine: Machine, t: Array, u: Array, y: Array, weights: Array, spacing: float
+) -> _Fit:
+    basis = spline_basis(t, spacing)
+    n, size = machine.n, basis[0].shape[1]
+    starts = [c.start * c.unit.factor for c in machine.model.coordinates]
+    coefficients = np.repeat(np.array(starts)[:, None], size, axis=1)
+    used = np.isfinite(y) & (weights > 0)
+    residual = np.full(y.shape, np.nan)
+    normal = sparse.csc_array((n * size, n * size))
+    for _ in range(12):
+        q, v, a = (np.column_stack([b @ c for c in coefficients]) for b in basis)
+        predicted, slopes = _sense(machine, q, v, a, u, t)
+        residual = np.where(used, y - predicted, np.nan)
+        design = _design(basis, slopes, used, weights)
+        target = (residual * weights).T[used.T]
+        normal = (design.T @ design).tocsc() + _ridge(basis, n)
+        change = splu(normal).solve(design.T @ target).reshape(n, size)
+        coefficients = coefficients + change
+        moved = np.abs(basis[0] @ change.T).max() / max(np.abs(q).max(), 1e-300)
+        if moved < 1e-9:
+            break
+    q, v, a = (np.column_stack([b @ c for c in coefficients]) for b in basis)
+    residual = np.where(used, y - _sense(machine, q, v, a, u, t)[0], np.nan)
+    count = int(used.sum())
+    cost = float(np.nansum((residual * weights) ** 2))
+    free = max(count - n * size, 1)
+    criterion = count * np.log(max(cost, 1e-300) / count) + n * size * np.log(count)
+    if free < 0.2 * count:
+        criterion = np.inf
+    bands = _bands(basis, normal, n)
+    return _Fit(list(coefficients), basis, residual, cost / free, bands, criterion, spacing)
+
+
+def spline_basis(t: Array, spacing: float) -> tuple[sparse.csr_array, ...]:
+    """Sparse (N, B) matrices of the values, first and second derivatives of quintic B-splines."""
+    pieces = max(int(round((t[-1] - t[0]) / spacing)), 1)
+    inner = np.linspace(t[0], t[-1], pieces + 1)
+    knots = np.concatenate([np.full(DEGREE, t[0]), inner, np.full(DEGREE, t[-1])])
+    result = [sparse.csr_array(BSpline.design_matrix(t, knots, DEGREE))]
+    lowered = sparse.eye_array(knots.size - DEGREE - 1, format="csr")
+    for degree in (DEGREE, DEGREE - 1):
+        # c'_i = degree (c_{i+1} − c_i) / (τ_{i+degree+1} − τ_{i+1})
+        rise = degree / (knots[degree + 1 : -1] - knots[1 : -degree - 1])
+        count = rise.size
+        differ = sparse.diags_array([-rise, rise], offsets=[0, 1], shape=(count, count + 1))
+        lowered = sparse.csr_array(differ @ lowered)
+        knots = knots[1:-1]
+        result.append(sparse.csr_array(BSpline.design_matrix(t, knots, degree - 1) @ lowered))
+    return tuple(result)
+
+
+def _weights(y: Array, sd: Array) -> Array:
+    spread = np.nanstd(np.where(np.isfinite(y), y, np.nan), axis=0) if y.size else sd
+    floor = np.maximum(1e-9 * spread, 1e-300)
+    return 1 / np.where(np.isfinite(sd), np.maximum(sd, floor), np.inf)
+
+
+def _sense(
+    machine: Machine, q: Array, v: Array, a: Array, u: Array, t: Array
+) -> tuple[Array, tuple[Array, ...]]:
+    total, m, n = t.size, len(machine.model.sensors), machine.n
+    arguments = (q, v, a, u, t, machine.values)
+    (y,) = call(mapped(machine.outputs, total, repeated=(5,)), arguments)
+    slopes = call(mapped(machine.output_slopes, total, repeated=(5,)), arguments)
+    shaped = tuple(s.reshape(total, n, m).transpose(0, 2, 1) for s in slopes)
+    return y.reshape(total, m), shaped
+
+
+def _design(
+    basis: Sequence[sparse.csr_array], slopes: Sequence[Array], used: Array, weights: Array
+) -> sparse.csr_array:
+    rows = []
+    for j in range(used.shape[1]):
+        keep = np.flatnonzero(used[:, j])
+        if keep.size == 0:
+            continue
+        cells = []
+        for i in range(slopes[0].shape[2]):
+            cell = sum(
+                sparse.diags_array(slope[keep, j, i] * weights[j]) @ b[keep]
+                for slope, b in zip(slopes, basis, strict=True)
+            )
+            cells.append(cell)
+        rows.append(sparse.hstack(cells, format="csr"))
+    return sparse.csr_array(sparse.vstack(rows, format="csr"))
+
+
+def _ridge(basis: Sequence[sparse.csr_array], n: int) -> sparse.csc_array:
+    """A hair of stiffness, so that what no sensor sees stays at its start."""
+    size = basis[0].shape[1]
+    return sparse.csc_array(1e-9 * sparse.eye_array(n * size))
+
+
+def _bands(
+    basis: Sequence[sparse.csr_array], normal: sparse.csc_array, n: int
+) -> tuple[Array, Array, Array]:
+    """Typical sd of q, v, a (n each) for unit noise, from rows in the middle of the record."""
+    total, size = basis[0].shape
+    rows = np.unique(np.linspace(total * 0.3, total * 0.7, 15).astype(int))
+    solver = splu(normal)
+    bands = []
+    for b in basis:
+        chosen = b[rows].toarray()
+        spread = np.empty(n)
+        for i in range(n):
+            right = np.zeros((n * size, rows.size))
+            right[i * size : (i + 1) * size] = chosen.T
+            variance = np.sum(right * solver.solve(right), axis=0)
+            spread[i] = np.sqrt(np.median(variance))
+        bands.append(spread)
+    return bands[0], bands[1], bands[2]
+
+
+def _rms(values: Array) -> float:
+    good = values[np.isfinite(values)]
+    return float(np.sqrt(np.mean(good**2))) if good.size else float("nan")

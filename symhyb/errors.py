@@ -1,0 +1,62 @@
+"""What goes wrong, said once: where it is, what is wrong, and how to cure it.
+
+User mistakes are collected as :class:`Problem` values and raised together in one
+:class:`InputError`; numerical failure is not an exception but an outcome with a reason
+(see :mod:`symhyb.numeric.integrate`).
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """One mistake in something a person gave.
+
+    ``place`` is a dotted name inside the file (``elements.damper.dampin``), ``file`` and
+    ``line`` say where it stands (``line`` 0: the whole file). ``text`` says what is wrong with the
+    value quoted, and ends with the cure where there is one.
+    """
+
+    text: str
+    place: str = ""
+    file: str = ""
+    line: int = 0
+
+    def __str__(self) -> str:
+        where = self.file + (f":{self.line}" if self.line else "")
+        return ": ".join(part for part in (where, self.place, self.text) if part)
+
+
+class SymhybError(Exception):
+    """Base of every error that symhyb raises on purpose."""
+
+
+class InputError(SymhybError):
+    """Something a person gave is wrong: all problems at once.
+
+    Attributes:
+        problems: every :class:`Problem` found, in the order of the file.
+    """
+
+    def __init__(self, problems: Problem | Iterable[Problem]):
+        self.problems: tuple[Problem, ...] = (
+            (problems,) if isinstance(problems, Problem) else tuple(problems)
+        )
+        super().__init__("\n".join(str(problem) for problem in self.problems))
+
+
+class NumericsError(SymhybError):
+    """The numerics failed; the message is the sentence that says why (exit status 3)."""
+
+
+def did_you_mean(name: str, known: Sequence[str]) -> str:
+    """Return ``"; did you mean 'x'?"`` for the nearest of ``known``, or what there is."""
+    near = get_close_matches(name, known, n=1, cutoff=0.6)
+    if near:
+        return f"; did you mean '{near[0]}'?"
+    if known:
+        listed = ", ".join(list(known)[:12]) + (" …" if len(known) > 12 else "")
+        return f"; known: {listed}"
+    return ""

@@ -1,0 +1,1 @@
+"""Mechanics in SymPy: kinematics, force laws and equations of motion, never simplified."""

@@ -1,0 +1,115 @@
+"""Plain SymPy symbols for what a model declares, and expressions turned into SymPy.
+
+Coordinates and their derivatives are independent symbols (not functions of t), so that
+nothing is ever differentiated through time by SymPy; see docs/design.md.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import sympy as sp
+
+from symhyb.model.expression import Expression, Name, Node, Number, Operation
+from symhyb.model.types import Model
+
+_FUNCTIONS = {
+    "sin": sp.sin, "cos": sp.cos, "tan": sp.tan, "asin": sp.asin, "acos": sp.acos,
+    "atan": sp.atan, "atan2": sp.atan2, "sinh": sp.sinh, "cosh": sp.cosh, "tanh": sp.tanh,
+    "exp": sp.exp, "log": sp.log, "sqrt": sp.sqrt, "abs": sp.Abs, "sign": sp.sign,
+    "min": sp.Min, "max": sp.Max,
+}  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Symbols:
+    """The symbols of one model: q, v = q', a = q'' (n each), u (k), p (P, in the order of
+    :meth:`Model.all_parameters`), time t; ``scope`` resolves names of the shared namespace,
+    ``owned`` the parameters of one element."""
+
+    q: tuple[sp.Symbol, ...]
+    v: tuple[sp.Symbol, ...]
+    a: tuple[sp.Symbol, ...]
+    u: tuple[sp.Symbol, ...]
+    p: tuple[sp.Symbol, ...]
+    t: sp.Symbol
+    scope: Mapping[tuple[str, int], sp.Expr]
+    owned: Mapping[str, Mapping[tuple[str, int], sp.Expr]]
+
+    def within(self, element: str) -> Mapping[tuple[str, int], sp.Expr]:
+        """The names as an element sees them: its own parameters before the model's."""
+        return {**self.scope, **self.owned.get(element, {})}
+
+
+def symbols_of(model: Model) -> Symbols:
+    """Make the symbols of a model; inputs stand for the *acting* signal (gain and offset
+    applied), so that ``u`` is always what was recorded."""
+    q = tuple(_real(c.name) for c in model.coordinates)
+    v = tuple(_real(c.name + "'") for c in model.coordinates)
+    a = tuple(_real(c.name + "''") for c in model.coordinates)
+    u = tuple(_real(i.name) for i in model.inputs)
+    p = {parameter.path: _real(parameter.path) for parameter in model.all_parameters()}
+    t = _real("t")
+    scope: dict[tuple[str, int], sp.Expr] = {("t", 0): t}
+    for order, row in enumerate((q, v, a)):
+        scope.update(
+            {(c.name, order): s for c, s in zip(model.coordinates, row, strict=True)}
+        )
+    scope.update({(parameter.name, 0): p[parameter.path] for parameter in model.parameters})
+    for item, recorded in zip(model.inputs, u, strict=True):
+        gain = p[item.gain.path] if item.gain else sp.Integer(1)
+        offset = p[item.offset.path] if item.offset else sp.Integer(0)
+        scope[item.name, 0] = gain * recorded + offset
+    owned = {
+        element.name: {(own.name, 0): p[own.path] for own in element.parameters}
+        for element in model.elements
+    }
+    return Symbols(q, v, a, u, tuple(p.values()), t, scope, owned)
+
+
+def to_sympy(
+    expression: Expression | Node, scope: Mapping[tuple[str, int], sp.Expr]
+) -> sp.Expr:
+    """Turn a parsed expression into SymPy; nothing is evaluated by name, so a model file cannot
+    reach code. Numbers stay floats except small integer exponents.
+
+    Raises:
+        KeyError: a name that ``scope`` lacks (the checker reports those before).
+    """
+    node = expression.tree if isinstance(expression, Expression) else expression
+    match node:
+        case Number(value):
+            return _number(value)
+        case Name(name, order):
+            return scope[name, order]
+        case Operation(operator, arguments):
+            return _operation(operator, [to_sympy(item, scope) for item in arguments])
+    raise TypeError(f"not an expression: {node!r}")
+
+
+def _operation(operator: str, parts: list[sp.Expr]) -> sp.Expr:
+    match operator, parts:
+        case "+", [x, y]:
+            return x + y
+        case "-", [x, y]:
+            return x - y
+        case "*", [x, y]:
+            return x * y
+        case "/", [x, y]:
+            return x / y
+        case "**", [x, y]:
+            return x**y
+        case "neg", [x]:
+            return -x
+        case name, _:
+            return _FUNCTIONS[name](*parts)
+    raise TypeError(f"not an operation: {operator}")
+
+
+def _number(value: float) -> sp.Expr:
+    if value == int(value) and abs(value) <= 64:
+        return sp.Integer(int(value))
+    return sp.Float(value)
+
+
+def _real(name: str) -> sp.Symbol:
+    return sp.Symbol(name, real=True)

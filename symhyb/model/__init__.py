@@ -1,0 +1,1 @@
+"""What a person declares: types, vocabulary, expressions, and the model file read and written."""

@@ -1,0 +1,167 @@
+"""What two models say differently: in sentences first, then line by line."""
+
+import re
+from collections.abc import Iterator, Mapping
+from difflib import unified_diff
+
+from symhyb.model.expression import Expression, Name
+from symhyb.model.types import (
+    Body,
+    Coordinate,
+    Element,
+    Input,
+    Model,
+    Parameter,
+    Point,
+    Sensor,
+    place_text,
+)
+from symhyb.model.write import text_of
+
+Part = Coordinate | Parameter | Input | Point | Body | Element | Sensor
+Facets = Mapping[str, str]
+
+
+def diff(first: Model, second: Model) -> str:
+    """Return what changed from the first model to the second: sentences, then a unified diff.
+
+    A correction shows only ``+`` lines; a re-estimated parameter one ``-`` and one ``+`` line.
+    """
+    before, after = text_of(first), text_of(second)
+    lines = unified_diff(
+        before.splitlines(),
+        after.splitlines(),
+        first.file or "first model",
+        second.file or "second model",
+        lineterm="",
+    )
+    sentences = changes(first, second) or ("The two models say the same.",)
+    return "\n".join((*sentences, "", *lines) if before != after else sentences)
+
+
+def changes(first: Model, second: Model) -> tuple[str, ...]:
+    """Return one sentence for each difference in meaning.
+
+    ``+ element found_drag: drag on x, drag = 0.42 ± 0.03 N*s^2/m^2`` for what was added, ``-`` for
+    what is gone, ``~ parameter k: 980 -> 1010 N/m`` for what has another value.
+    """
+    return tuple(_changes(first, second))
+
+
+def _changes(first: Model, second: Model) -> Iterator[str]:
+    yield from _changed("model", _whole(first), _whole(second))
+    before, after = _parts(first), _parts(second)
+    for name, facets in before.items():
+        if name in after:
+            yield from _changed(name, facets, after[name])
+        else:
+            yield f"- {name}: {_listed(facets)}"
+    for name, facets in after.items():
+        if name not in before:
+            yield f"+ {name}: {_listed(facets)}"
+
+
+def _changed(name: str, before: Facets, after: Facets) -> Iterator[str]:
+    """Yield a sentence for each facet that differs."""
+    for facet in {**before, **after}:
+        old, new = before.get(facet, ""), after.get(facet, "")
+        if old != new:
+            label = f"{facet} " if facet else ""
+            yield f"~ {name}: {label}{_without_unit(old, new) or 'unset'} -> {new or 'unset'}"
+
+
+def _without_unit(old: str, new: str) -> str:
+    """Drop the unit of a quantity that the next one repeats: ``980 -> 1010 N/m``."""
+    quantity = re.compile(r"(-?[\d.]\S*(?: ± \S+)?) (\S+)")
+    before, after = quantity.fullmatch(old), quantity.fullmatch(new)
+    return before[1] if before and after and before[2] == after[2] else old
+
+
+def _listed(facets: Facets) -> str:
+    """Write facets one after the other, those without a name first."""
+    return ", ".join(f"{facet} = {text}" if facet else text for facet, text in facets.items())
+
+
+def _whole(model: Model) -> Facets:
+    """What the model says of itself, apart from its parts."""
+    facets = {"title": f"'{model.title}'"}
+    if model.gravity:
+        facets["gravity"] = _pair(model.gravity)
+    for name, energy in (("kinetic", model.energy.kinetic), ("potential", model.energy.potential)):
+        if energy is not None:
+            facets[name] = energy.text
+    return facets
+
+
+def _parts(model: Model) -> dict[str, Facets]:
+    """Every part of a model under its kind and name, with what can be said of it."""
+    sections: tuple[tuple[str, tuple[Part, ...]], ...] = (
+        ("coordinate", model.coordinates),
+        ("parameter", model.parameters),
+        ("input", model.inputs),
+        ("point", model.points),
+        ("body", model.bodies),
+        ("element", model.elements),
+        ("sensor", model.sensors),
+    )
+    return {
+        f"{section} {part.name}": _facets(part) for section, parts in sections for part in parts
+    }
+
+
+def _facets(part: Part) -> Facets:
+    match part:
+        case Parameter():
+            return {"": _quantity(part)}
+        case Coordinate():
+            facets = {"unit": part.unit.text, "start": f"{part.start:.6g}"}
+            return {**facets, "start_rate": f"{part.start_rate:.6g}"}
+        case Point():
+            return {"": _pair(part.at)}
+        case Body():
+            facets = {"mass": part.mass.text, "at": _pair(part.at)}
+            extra = (("inertia", part.inertia), ("angle", part.angle))
+            return {**facets, **{name: value.text for name, value in extra if value is not None}}
+        case Element():
+            return _element_facets(part)
+        case Input() | Sensor():
+            return _channel_facets(part)
+
+
+def _element_facets(element: Element) -> Facets:
+    """The kind and the place, then every key; a key that is an own parameter shows its value."""
+    facets = {"": f"{element.kind} {place_text(element.place)}"}
+    own = {parameter.name: parameter for parameter in element.parameters}
+    shown = set()
+    for key, expression in element.values:
+        tree = expression.tree
+        if isinstance(tree, Name) and tree.name in own:
+            facets[key] = _quantity(own[tree.name])
+            shown.add(tree.name)
+        else:
+            facets[key] = expression.text
+    return {**facets, **{name: _quantity(own[name]) for name in own if name not in shown}}
+
+
+def _channel_facets(channel: Input | Sensor) -> Facets:
+    facets: dict[str, str] = {}
+    if isinstance(channel, Sensor):
+        facets["measures"] = channel.measures.text
+    facets["unit"] = channel.unit.text
+    if isinstance(channel, Sensor) and channel.sd is not None:
+        facets["sd"] = f"{channel.sd:.6g}"
+    for value in (channel.gain, channel.offset, channel.delay):
+        if value is not None:
+            facets[value.name] = _quantity(value)
+    return facets
+
+
+def _quantity(parameter: Parameter) -> str:
+    """Write a value with its deviation and unit: ``0.42 ± 0.03 N*s^2/m^2``."""
+    band = "" if parameter.sd is None else f" ± {parameter.sd:.2g}"
+    unit = "" if parameter.unit.text == "1" else f" {parameter.unit}"
+    return f"{parameter.value:.6g}{band}{unit}"
+
+
+def _pair(at: tuple[Expression, Expression]) -> str:
+    return f"({at[0]}, {at[1]})"

@@ -1,0 +1,258 @@
+"""Read a model file (TOML, format 1): a checked Model, or every problem at once.
+
+Nothing of the file is executed: ``tomllib`` gives values, expressions go through a whitelist.
+"""
+
+import re
+import tomllib
+from collections.abc import Iterable
+from dataclasses import replace
+from pathlib import Path as FilePath
+from typing import TypeVar
+
+from symhyb.errors import InputError, Problem, did_you_mean
+from symhyb.model.check import energy_unit, faults_of
+from symhyb.model.expression import Expression
+from symhyb.model.read_elements import read_element, read_parameter
+from symhyb.model.render import FORMAT
+from symhyb.model.source import Source, scan
+from symhyb.model.tables import Fault, Table, describe, shorten
+from symhyb.model.types import (
+    Body,
+    Coordinate,
+    Energy,
+    Input,
+    Model,
+    Parameter,
+    Point,
+    Sensor,
+)
+from symhyb.units import ONE, Unit, parse_unit
+
+LARGEST = 1_000_000
+"""Bytes; a model file is written by hand."""
+
+SECTIONS = (
+    "symhyb", "title", "about", "gravity", "coordinates", "parameters", "inputs", "points",
+    "bodies", "energy", "elements", "sensors",
+)  # fmt: skip
+_CHANNEL_KEYS = ("unit", "about", "gain", "offset", "delay")
+
+Value = TypeVar("Value")
+
+
+def read_model(path: str | FilePath) -> Model:
+    """Read and check a model file.
+
+    Raises:
+        InputError: every problem of the file, each with file, line and dotted name.
+    """
+    file = str(path)
+    try:
+        with open(path, "rb") as stream:
+            data = stream.read(LARGEST + 1)
+    except FileNotFoundError:
+        raise InputError(Problem("there is no such file", file=file)) from None
+    except IsADirectoryError:
+        raise InputError(Problem("is a directory, not a model file", file=file)) from None
+    except (OSError, ValueError) as error:
+        raise InputError(Problem(f"cannot be read: {error}", file=file)) from None
+    if len(data) > LARGEST:
+        raise InputError(Problem("is larger than 1 MB; a model file is text", file=file))
+    try:
+        text = data.decode("utf-8")
+    except UnicodeDecodeError as error:
+        line = data[: error.start].count(b"\n") + 1
+        raise InputError(
+            Problem("is not UTF-8 text; save the file as UTF-8", file=file, line=line)
+        ) from None
+    return parse_model(text, file)
+
+
+def parse_model(text: str, file: str = "") -> Model:
+    """Read and check the text of a model file; ``file`` is its name in messages.
+
+    Raises:
+        InputError: every problem of the text.
+    """
+    if not text.strip().removeprefix("\ufeff"):
+        raise InputError(Problem("the file is empty", file=file))
+    document, source = _toml(text, file)
+    faults: list[Fault] = []
+    root = Table((), document, faults)
+    unit = None
+    if _format_is_known(root):
+        model, unreadable = _draft(root.checked(SECTIONS), text, file)
+        unit, energy_faults = energy_unit(model, unreadable)
+        faults += [*energy_faults, *faults_of(model, unit, unreadable)]
+        if unit is None and not faults:
+            root.fault("the unit of energy cannot be told from the masses", "bodies")
+    if faults or unit is None:
+        raise InputError(_problems(faults, source, file))
+    return replace(model, energy_unit=unit)
+
+
+def _toml(text: str, file: str) -> tuple[dict[str, object], Source]:
+    try:
+        return tomllib.loads(text.removeprefix("\ufeff")), scan(text)
+    except RecursionError:
+        raise InputError(Problem("is nested too deeply", file=file)) from None
+    except ValueError as error:  # TOMLDecodeError, and integers beyond Python's digit limit
+        where = re.search(r"\(at line (\d+), column \d+\)", str(error))
+        line = int(where[1]) if where else text.count("\n") + 1 if "end of doc" in str(error) else 0
+        reason = re.sub(r" \(at .*\)$", "", str(error))
+        if re.search("twice|overwrite|redefine", reason):
+            reason = f"a name is stated twice ({reason})"
+        raise InputError(Problem(f"is not valid TOML: {reason}", file=file, line=line)) from None
+
+
+def _problems(faults: Iterable[Fault], source: Source, file: str) -> list[Problem]:
+    """Give faults their lines, in the order of the file."""
+    found = [Problem(text, ".".join(path), file, source.line(*path)) for path, text in faults]
+    return sorted(dict.fromkeys(found), key=lambda problem: problem.line)
+
+
+def _format_is_known(root: Table) -> bool:
+    """Check ``symhyb = 1``; a file of a newer format is not read any further."""
+    version = root.entries.get("symhyb")
+    if version is None:
+        if root.lacks("symhyb"):
+            root.fault(f"the file does not state its format; begin it with: symhyb = {FORMAT}")
+        return True
+    if isinstance(version, bool) or not isinstance(version, int) or version < 1:
+        root.fault(f"must be the number {FORMAT}, not {describe(version)}", "symhyb")
+        return True
+    if version > FORMAT:
+        root.fault(f"format {version} is newer than {FORMAT}, which this version reads", "symhyb")
+    return version <= FORMAT
+
+
+def _draft(root: Table, text: str, file: str) -> tuple[Model, frozenset[str]]:
+    """Read every section; also return the dotted names of what could not be read.
+
+    Those names stay known, so that one mistake does not return as "unknown name" elsewhere.
+    """
+    points = _present(_point(table, name) for table, name in root.pairs("points"))
+    energy = root.table("energy")
+    model = Model(
+        title=root.text("title") or "",
+        about=root.about(),
+        coordinates=_present(map(_coordinate, root.tables("coordinates"))),
+        parameters=_present(read_parameter(table) for table in root.tables("parameters")),
+        inputs=_present(map(_input, root.tables("inputs"))),
+        points=points,
+        bodies=_present(_body(table, root, points) for table in root.tables("bodies")),
+        elements=_present(map(read_element, root.tables("elements"))),
+        sensors=_present(map(_sensor, root.tables("sensors"))),
+        energy=_energy(energy) if energy else Energy(),
+        gravity=root.pair("gravity") if "gravity" in root.entries else None,
+        text=text,
+        file=file,
+    )
+    if root.lacks("coordinates"):
+        root.fault("[coordinates] is missing: name at least one coordinate")
+    elif root.entries.get("coordinates") == {}:
+        root.fault("has no coordinate; name at least one", "coordinates")
+    read = {
+        *(f"coordinates.{value.name}" for value in model.coordinates),
+        *(f"parameters.{value.name}" for value in model.parameters),
+        *(f"inputs.{value.name}" for value in model.inputs),
+        *(f"points.{value.name}" for value in model.points),
+        *(f"bodies.{value.name}" for value in model.bodies),
+    }
+    sections = ("coordinates", "parameters", "inputs", "points", "bodies")
+    unreadable = {f"{key}.{name}" for key in sections for name in root.declared(key)} - read
+    if "energy" not in root.entries:
+        unreadable |= {f"energy.{name}" for name in root.declared("energy")}
+    return model, frozenset(unreadable)
+
+
+def _present(values: Iterable[Value | None]) -> tuple[Value, ...]:
+    return tuple(value for value in values if value is not None)
+
+
+def _coordinate(table: Table) -> Coordinate | None:
+    table = table.checked(("unit", "start", "start_rate", "about"))
+    unit = table.unit()
+    start, rate, about = table.number("start"), table.number("start_rate"), table.about()
+    if unit is None:
+        return None
+    return Coordinate(table.path[-1], unit, start or 0.0, rate or 0.0, about)
+
+
+def _input(table: Table) -> Input | None:
+    table = table.checked(_CHANNEL_KEYS)
+    unit, about = table.unit(), table.about()
+    gain, offset, delay = (_channel(table, key, unit) for key in ("gain", "offset", "delay"))
+    return None if unit is None else Input(table.path[-1], unit, about, gain, offset, delay)
+
+
+def _sensor(table: Table) -> Sensor | None:
+    table = table.checked(("measures", "sd", *_CHANNEL_KEYS))
+    measures, unit = table.expression("measures", required=True), table.unit()
+    sd, about = table.deviation(), table.about()
+    gain, offset, delay = (_channel(table, key, unit) for key in ("gain", "offset", "delay"))
+    if measures is None or unit is None:
+        return None
+    return Sensor(table.path[-1], measures, unit, sd, about, gain, offset, delay)
+
+
+def _channel(table: Table, key: str, unit: Unit | None) -> Parameter | None:
+    """Read the gain, offset or delay of a channel: a number, or a table with value and sd."""
+    owner = table.path[-1]
+    usual = {"gain": ONE, "offset": unit, "delay": parse_unit("s")}[key]
+    if not isinstance(table.entries.get(key), dict):
+        value, own, sd, was, about = table.number(key), None, None, None, ""
+    else:
+        inner = Table((*table.path, key), table.entries[key], table.faults)  # type: ignore[arg-type]
+        inner = inner.checked(("value", "sd", "unit", "was", "about"))
+        value, own = inner.number("value", required=True), inner.unit(required=False)
+        sd, was, about = inner.deviation(), inner.number("was"), inner.about()
+    if own and usual and not own.same_dimension(usual):
+        table.fault(f"is in {own}, needs {usual}", key, "unit")
+    if key == "gain" and value == 0:
+        table.fault("must not be 0: such a channel says nothing", key)
+    if value is None or usual is None:
+        return None
+    return Parameter(key, value, own or usual, sd, about, was, owner)
+
+
+def _point(table: Table, name: str) -> Point | None:
+    at = table.pair(name)
+    return None if at is None else Point(name, at)
+
+
+def _body(table: Table, root: Table, points: tuple[Point, ...]) -> Body | None:
+    table = table.checked(("mass", "at", "inertia", "angle", "about"))
+    mass = table.expression("mass", required=True)
+    inertia, angle = table.expression("inertia"), table.expression("angle")
+    if table.lacks("angle") and "inertia" in table.entries:
+        table.fault("has 'inertia' but no 'angle'; say which angle turns the body")
+    if table.lacks("inertia") and "angle" in table.entries:
+        table.fault("has 'angle' but no 'inertia'")
+    at, about = _place_of_body(table, root, points), table.about()
+    if mass is None or at is None:
+        return None
+    return Body(table.path[-1], mass, at, inertia, angle, about)
+
+
+def _place_of_body(
+    table: Table, root: Table, points: tuple[Point, ...]
+) -> tuple[Expression, Expression] | None:
+    """Read ``at``: the name of a point, or two expressions."""
+    name = table.entries.get("at")
+    if name is None:
+        if table.lacks("at"):
+            table.fault("'at' is missing: the name of a point or a list of two expressions")
+        return None
+    if not isinstance(name, str):
+        return table.pair("at")
+    known = root.declared("points")
+    if name not in known:
+        table.fault(f"'{shorten(name)}' is not a known point{did_you_mean(name, known)}", "at")
+    return next((point.at for point in points if point.name == name), None)
+
+
+def _energy(table: Table) -> Energy:
+    table = table.checked(("kinetic", "potential"))
+    return Energy(table.expression("kinetic"), table.expression("potential"))

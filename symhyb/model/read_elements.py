@@ -1,0 +1,140 @@
+"""Read the elements of a model file: kind, place, values and their own parameters."""
+
+from symhyb.errors import did_you_mean
+from symhyb.model.expression import Expression
+from symhyb.model.tables import Table, describe, shorten
+from symhyb.model.types import At, Between, Element, On, Parameter, Place
+from symhyb.model.vocabulary import KINDS, LATER, Key, Kind, placement_of
+
+_COMMON = ("kind", "on", "between", "at", "about", "found", "parameters")
+
+
+def read_parameter(table: Table, owner: str = "") -> Parameter | None:
+    """Read one parameter; with a wrong value it stays known by its unit."""
+    table = table.checked(("value", "unit", "sd", "about", "was"))
+    value, unit = table.number("value", required=True), table.unit()
+    sd, was, about = table.deviation(), table.number("was"), table.about()
+    if unit is None:
+        return None
+    return Parameter(table.path[-1], 1.0 if value is None else value, unit, sd, about, was, owner)
+
+
+def read_element(table: Table) -> Element | None:
+    """Read one element, None if its kind or its place cannot be told."""
+    kind = _kind(table)
+    if kind is None:
+        return None
+    table = table.checked((*_COMMON, *(key.name for key in kind.keys)))
+    place = _place(table, kind)
+    owner = table.path[-1]
+    parameters = tuple(read_parameter(inner, owner) for inner in table.tables("parameters"))
+    about, found = table.about(), table.table("found")
+    if place is None:
+        return None
+    values = _values(table, kind, place)
+    if None in parameters:  # the fault is noted; without its unit the laws cannot be checked
+        return None
+    return Element(
+        name=owner,
+        kind=kind.name,
+        place=place,
+        values=values,
+        parameters=tuple(parameter for parameter in parameters if parameter),
+        found=tuple((key, _frozen(value)) for key, value in found.entries.items()) if found else (),
+        about=about,
+    )
+
+
+def _kind(table: Table) -> Kind | None:
+    name = table.text("kind", required=True)
+    if name is None or name in KINDS:
+        return KINDS[name] if name else None
+    if name in LATER:
+        table.fault(f"kind '{name}' is not available yet", "kind")
+    else:
+        cure = did_you_mean(name, (*KINDS, *LATER))
+        table.fault(f"'{shorten(name)}' is not a known kind{cure}", "kind")
+    return None
+
+
+def _place(table: Table, kind: Kind) -> Place | None:
+    """Read ``on``, ``between`` or ``at``; exactly one of them, and one that the kind can have."""
+    given = [key for key in ("on", "between", "at") if key in table.entries]
+    allowed = " or ".join(f"'{key}'" for key in kind.placements)
+    if len(given) > 1:
+        listed = " and ".join(f"'{key}'" for key in given)
+        table.fault(f"stands {listed}; an element has one place")
+        return None
+    if not given:
+        if not set(table.excused) & set(kind.placements):
+            table.fault(f"the place is missing: {allowed}")
+        return None
+    if given[0] not in kind.placements:
+        table.fault(f"kind '{kind.name}' cannot stand '{given[0]}'; it needs {allowed}", given[0])
+        return None
+    if given[0] == "between":
+        return _between(table)
+    name = table.text(given[0])
+    if name is None:
+        return None
+    return On(name) if given[0] == "on" else At(name)
+
+
+def _between(table: Table) -> Place | None:
+    names = table.entries.get("between")
+    if not isinstance(names, list) or [type(name) for name in names] != [str, str]:
+        table.fault(f"must be a list of two points, not {describe(names)}", "between")
+        return None
+    if names[0] == names[1]:
+        table.fault(f"goes from the point '{shorten(names[0])}' to itself", "between")
+        return None
+    return Between(names[0], names[1])
+
+
+def _values(table: Table, kind: Kind, place: Place) -> tuple[tuple[str, Expression], ...]:
+    """Read the keys of the kind, in the order of the kind, and say which are missing."""
+    placement = placement_of(place)
+    values: list[tuple[str, Expression]] = []
+    for key in kind.keys:
+        if key.name not in table.entries:
+            continue
+        if placement not in key.placements:
+            where = " or ".join(f"'{name}'" for name in key.placements)
+            table.fault(f"'{key.name}' is for an element {where}, not '{placement}'", key.name)
+            continue
+        values += _value(table, key, placement)
+    _complete(table, kind, placement)
+    return tuple(values)
+
+
+def _value(table: Table, key: Key, placement: str) -> list[tuple[str, Expression]]:
+    if key.signal and placement == "at":
+        pair = table.pair(key.name)
+        return [(f"{key.name}.x", pair[0]), (f"{key.name}.y", pair[1])] if pair else []
+    value = table.expression(key.name)
+    return [(key.name, value)] if value else []
+
+
+def _complete(table: Table, kind: Kind, placement: str) -> None:
+    """Check that the element has a strength, and only one where it is a signal."""
+    usable = [
+        key for key in kind.keys if key.name in kind.strengths and placement in key.placements
+    ]
+    given = [key for key in usable if key.name in table.entries]
+    listed = " or ".join(f"'{key.name}'" for key in usable)
+    elsewhere = any(name in table.entries for name in kind.strengths)
+    if not given and not elsewhere and not set(table.excused) & set(kind.strengths):
+        table.fault(f"kind '{kind.name}' needs {listed}")
+    if len(given) > 1 and given[0].signal:
+        table.fault(f"kind '{kind.name}' takes only one of {listed}")
+    if "static" in table.entries and kind.name == "friction" and table.lacks("stribeck"):
+        table.fault("'static' needs 'stribeck', the speed at which it falls to 'coulomb'")
+
+
+def _frozen(value: object) -> object:
+    """Turn the lists of the file into tuples."""
+    if isinstance(value, list):
+        return tuple(_frozen(item) for item in value)
+    if isinstance(value, dict):
+        return tuple((key, _frozen(item)) for key, item in value.items())
+    return value

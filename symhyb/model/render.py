@@ -1,0 +1,163 @@
+"""Write values of a model as TOML text that reads back to the same values."""
+
+import json
+from collections.abc import Iterable, Iterator, Mapping
+
+from symhyb.model.expression import Expression
+from symhyb.model.types import At, Between, Body, Element, Input, Model, On, Parameter, Sensor
+
+FORMAT = 1
+"""The version of the file format that is written and read."""
+
+
+def render(model: Model) -> str:
+    """Write a whole model as text that reads back to the same values."""
+    return "\n".join(_lines(model)) + "\n"
+
+
+def rounded(value: float, digits: int = 12) -> str:
+    """Write a number for people and machines: no more digits than it has."""
+    return repr(float(f"{value:.{digits}g}"))
+
+
+def newline_of(text: str) -> str:
+    """Return the line end that a text uses."""
+    return "\r\n" if "\r\n" in text else "\n"
+
+
+def _string(text: str) -> str:
+    """Write a TOML basic string; JSON's escapes are TOML's, except for DEL."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def _toml(value: object) -> str:
+    """Write a plain value: text, number, truth value, list, or a mapping as pairs."""
+    match value:
+        case bool():
+            return str(value).lower()
+        case int():
+            return str(value)
+        case float():
+            return rounded(value)
+        case str() | Expression():
+            return _string(str(value))
+        case list() | tuple():
+            return "[" + ", ".join(_toml(item) for item in value) + "]"
+    return _string(str(value))
+
+
+def _inline(entries: Iterable[tuple[str, object]]) -> str:
+    """Write an inline table without the entries that are None or empty text."""
+    given = [(key, value) for key, value in entries if value is not None and value != ""]
+    return "{ " + ", ".join(f"{key} = {_toml(value)}" for key, value in given) + " }"
+
+
+def _aligned(entries: Iterable[tuple[str, str]]) -> Iterator[str]:
+    """Write ``key = value`` lines with the signs below each other."""
+    entries = [(key, value) for key, value in entries if value not in ("", '""')]
+    width = max((len(key) for key, _ in entries), default=0)
+    for key, value in entries:
+        yield f"{key:<{width}} = {value}"
+
+
+def _parameter(parameter: Parameter) -> str:
+    sd = None if parameter.sd is None else float(rounded(parameter.sd, 6))
+    return _inline(
+        (
+            ("value", parameter.value),
+            ("sd", sd),
+            ("unit", parameter.unit.text),
+            ("about", parameter.about),
+            ("was", parameter.was),
+        )
+    )
+
+
+def element_lines(element: Element) -> Iterator[str]:
+    """Write one element as its table, and its own parameters as another."""
+    places: Mapping[str, object]
+    match element.place:
+        case On(coordinate):
+            places = {"on": coordinate}
+        case Between(first, second):
+            places = {"between": [first, second]}
+        case At(point):
+            places = {"at": point}
+    values = dict(element.values)
+    vectors = {key.split(".")[0] for key in values if key.endswith((".x", ".y"))}
+    for key in vectors:
+        values_of_key = [values.pop(f"{key}.x"), values.pop(f"{key}.y")]
+        places = {**places, key: values_of_key}
+    entries = {"kind": element.kind, **places, **values, "about": element.about}
+    lines = [(key, _toml(value)) for key, value in entries.items()]
+    if element.found:
+        lines.append(("found", _inline(element.found)))
+    yield f"[elements.{element.name}]"
+    yield from _aligned(lines)
+    if element.parameters:
+        yield f"[elements.{element.name}.parameters]"
+        yield from _aligned((own.name, _parameter(own)) for own in element.parameters)
+
+
+def _lines(model: Model) -> Iterator[str]:
+    """Write every section in the order of format 1."""
+    gravity = _toml(model.gravity) if model.gravity else ""
+    yield from _aligned(
+        (
+            ("symhyb", str(FORMAT)),
+            ("title", _string(model.title)),
+            ("about", _string(model.about)),
+            ("gravity", gravity),
+        )
+    )
+    coordinates = (
+        (c.name, _inline((("unit", c.unit.text), ("start", c.start), ("start_rate", c.start_rate),
+                          ("about", c.about))))
+        for c in model.coordinates
+    )  # fmt: skip
+    sections = {
+        "coordinates": coordinates,
+        "parameters": ((p.name, _parameter(p)) for p in model.parameters),
+        "inputs": ((channel.name, _channel(channel)) for channel in model.inputs),
+        "points": ((point.name, _toml(point.at)) for point in model.points),
+        "energy": (
+            (key, _toml(value))
+            for key in ("kinetic", "potential")
+            if (value := getattr(model.energy, key)) is not None
+        ),
+        "sensors": ((channel.name, _channel(channel)) for channel in model.sensors),
+    }
+    for section, entries in sections.items():
+        lines = list(_aligned(entries))
+        if lines:
+            yield from ("", f"[{section}]", *lines)
+    for body in model.bodies:
+        yield from ("", f"[bodies.{body.name}]", *_aligned(_body_entries(body)))
+    for element in model.elements:
+        yield from ("", *element_lines(element))
+
+
+def _body_entries(body: Body) -> Iterator[tuple[str, str]]:
+    entries = (
+        ("mass", body.mass),
+        ("at", body.at),
+        ("inertia", body.inertia),
+        ("angle", body.angle),
+        ("about", body.about),
+    )
+    yield from ((key, _toml(value)) for key, value in entries if value is not None)
+
+
+def _channel(channel: Input | Sensor) -> str:
+    """Write an input or a sensor as one line."""
+    entries: list[tuple[str, object]] = []
+    if isinstance(channel, Sensor):
+        entries.append(("measures", channel.measures))
+    entries += [("unit", channel.unit.text)]
+    if isinstance(channel, Sensor):
+        entries.append(("sd", channel.sd))
+    text = _inline([*entries, ("about", channel.about)])
+    for value in (channel.gain, channel.offset, channel.delay):
+        if value is not None:
+            text = text[:-2] + f", {value.name} = {_parameter(value)} }}"
+    return text

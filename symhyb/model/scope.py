@@ -1,0 +1,143 @@
+"""What names mean in a model, which of them may stand where, and the units that follow."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from symhyb.errors import did_you_mean
+from symhyb.model.expression import Expression, ExpressionError, Name, names, unit_of
+from symhyb.model.source import Path
+from symhyb.model.tables import Fault, shorten
+from symhyb.model.types import Coordinate, Input, Model, Parameter
+from symhyb.units import Unit, parse_unit
+
+
+@dataclass(frozen=True, slots=True)
+class Use:
+    """What an expression may contain: derivatives up to ``order`` (−1: no coordinates at all),
+    ``inputs``, and the time (``time``). ``words`` name the place in sentences."""
+
+    words: str
+    order: int
+    inputs: bool
+    time: bool
+
+
+MASS = Use("a mass or inertia", -1, False, False)
+GRAVITY = Use("gravity", -1, False, True)
+POSITION = Use("a position", 0, False, True)
+KINETIC = Use("a kinetic energy", 1, False, True)
+POTENTIAL = Use("a potential energy", 0, False, True)
+COEFFICIENT = Use("a coefficient", -1, True, True)
+FORCE = Use("a force", 1, True, True)
+MEASURED = Use("a sensor", 2, True, True)
+
+
+@dataclass(frozen=True, slots=True)
+class Scope:
+    """What the names mean: units by name (None: unreadable), and which are what."""
+
+    units: Mapping[str, Unit | None]
+    coordinates: frozenset[str]
+    inputs: frozenset[str]
+
+
+def scope_of(model: Model, unreadable: frozenset[str] = frozenset()) -> Scope:
+    """Collect the shared namespace of a model; ``unreadable`` holds dotted names."""
+    units: dict[str, Unit | None] = {"t": parse_unit("s")}
+    kinds: dict[str, set[str]] = {"coordinates": set(), "parameters": set(), "inputs": set()}
+    named: list[tuple[str, str, Unit | None]] = [
+        (section, value.name, value.unit)
+        for section, values in shared_names(model)
+        for value in values
+    ]
+    for dotted in sorted(unreadable):
+        section, name = dotted.split(".", 1)
+        if section in kinds:
+            named.append((section, name, None))
+    for section, name, unit in named:
+        if name not in units:  # a name declared twice is a fault of its own; the first one counts
+            kinds[section].add(name)
+            units[name] = unit
+    return Scope(units, frozenset(kinds["coordinates"]), frozenset(kinds["inputs"]))
+
+
+def shared_names(
+    model: Model,
+) -> tuple[tuple[str, tuple[Coordinate | Parameter | Input, ...]], ...]:
+    """Return the sections whose names are one namespace, with what they declare."""
+    return (
+        ("coordinates", model.coordinates),
+        ("parameters", model.parameters),
+        ("inputs", model.inputs),
+    )
+
+
+def vector_faults(
+    path: Path, vector: tuple[Expression, Expression], scope: Scope, use: Use
+) -> Iterator[Fault]:
+    """Yield what is wrong with a vector: each component, then whether their units agree."""
+    faults = [fault for part in vector for fault in expression_faults(path, part, scope, use, None)]
+    yield from faults
+    first, second = (unit_in(part, scope) for part in vector)
+    if first is not None and second is not None and not first.same_dimension(second):
+        yield path, f"its two components differ: {first} and {second}"
+
+
+def vector_unit(vector: tuple[Expression, Expression], scope: Scope) -> Unit | None:
+    """Return the unit of a vector; a component of literal 0 takes that of the other."""
+    first, second = (unit_in(part, scope) for part in vector)
+    return first if first is not None else second
+
+
+def unit_in(expression: Expression, scope: Scope) -> Unit | None:
+    """Return the unit of an expression, None if it has none or cannot be told."""
+    try:
+        return unit_of(expression, lambda name: _unit_of_name(name, scope))
+    except (ExpressionError, LookupError):
+        return None
+
+
+def _unit_of_name(name: Name, scope: Scope) -> Unit:
+    unit = scope.units[name.name]
+    if unit is None:
+        raise LookupError(name.name)
+    return unit / parse_unit("s") ** name.order
+
+
+def expression_faults(
+    path: Path, expression: Expression, scope: Scope, use: Use, needed: Unit | None
+) -> Iterator[Fault]:
+    """Yield what is wrong with the names; only if they are all good, units against ``needed``."""
+    faults = list(_use_faults(path, expression, scope, use))
+    yield from faults
+    if faults:
+        return
+    try:
+        unit = unit_of(expression, lambda name: _unit_of_name(name, scope))
+    except LookupError:
+        return
+    except ExpressionError as error:
+        yield path, str(error)
+        return
+    if unit is not None and needed is not None and not unit.same_dimension(needed):
+        yield path, f"'{shorten(expression.text)}' is {unit}, needs {needed}"
+
+
+def _use_faults(path: Path, expression: Expression, scope: Scope, use: Use) -> Iterator[Fault]:
+    """Names that are unknown, or may not stand here."""
+    for name in sorted(names(expression), key=str):
+        moving = name.name in scope.coordinates
+        if name.name not in scope.units:
+            cure = did_you_mean(name.name, [known for known in scope.units if known != "t"])
+            yield path, f"'{shorten(name.name)}' is not a known name{cure}"
+        elif name.order and not moving:
+            yield path, f"{name}: only coordinates have derivatives here"
+        elif moving and use.order < 0:
+            yield path, f"{use.words} cannot depend on the coordinate {name}"
+        elif moving and name.order > use.order:
+            what = ("a position", "a speed", "an acceleration")[name.order]
+            yield path, f"{name} is {what}, on which {use.words} cannot depend"
+        elif name.name in scope.inputs and not use.inputs:
+            yield path, f"{name} is an input, on which {use.words} cannot depend"
+        elif name.name == "t" and not use.time:
+            yield path, f"{use.words} cannot depend on the time"

@@ -1,0 +1,210 @@
+"""What a person declares: a model as small frozen values, exactly as the file says it.
+
+Numbers keep the unit they were written in; ``Parameter.si`` gives the value in coherent SI
+units, in which everything below this layer computes. Sizes: n coordinates, k inputs,
+m sensors, P parameters.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Literal
+
+from symhyb.model.expression import Expression
+from symhyb.units import ONE, Unit
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """A number with a unit; with ``sd`` (one standard deviation) it may be estimated.
+
+    ``owner`` is empty for a parameter of the model, else the name of the element that declares it
+    in its own ``parameters`` table; ``was`` is the value before a re-estimation.
+    """
+
+    name: str
+    value: float
+    unit: Unit
+    sd: float | None = None
+    about: str = ""
+    was: float | None = None
+    owner: str = ""
+
+    @property
+    def path(self) -> str:
+        """Unique name within a model: ``"k"``, or ``"found_drag.b"`` for an element's own."""
+        return f"{self.owner}.{self.name}" if self.owner else self.name
+
+    @property
+    def si(self) -> float:
+        """The value in coherent SI units."""
+        return self.value * self.unit.factor
+
+    @property
+    def si_sd(self) -> float | None:
+        """The standard deviation in coherent SI units, None if the parameter is held."""
+        return None if self.sd is None else self.sd * self.unit.factor
+
+
+@dataclass(frozen=True, slots=True)
+class Coordinate:
+    """A generalized coordinate; ``start`` and ``start_rate`` (unit per s) serve simulations."""
+
+    name: str
+    unit: Unit
+    start: float = 0.0
+    start_rate: float = 0.0
+    about: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Input:
+    """A recorded signal that acts: acting(t) = gain·recorded(t − delay) + offset."""
+
+    name: str
+    unit: Unit
+    about: str = ""
+    gain: Parameter | None = None
+    offset: Parameter | None = None
+    delay: Parameter | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Sensor:
+    """A recorded signal that measures: recorded(t) = gain·true(t − delay) + offset.
+
+    ``measures`` is an expression in coordinates, their derivatives, parameters, inputs and t;
+    ``sd`` is the standard deviation of its noise, in ``unit``.
+    """
+
+    name: str
+    measures: Expression
+    unit: Unit
+    sd: float | None = None
+    about: str = ""
+    gain: Parameter | None = None
+    offset: Parameter | None = None
+    delay: Parameter | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Point:
+    """A named place: expressions for its two components in the inertial frame."""
+
+    name: str
+    at: tuple[Expression, Expression]
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """A point mass at ``at`` (two expressions), or a rigid body with ``inertia`` and ``angle``."""
+
+    name: str
+    mass: Expression
+    at: tuple[Expression, Expression]
+    inertia: Expression | None = None
+    angle: Expression | None = None
+    about: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class On:
+    """Placement on a coordinate: the stretch is s = q."""
+
+    coordinate: str
+
+
+@dataclass(frozen=True, slots=True)
+class Between:
+    """Placement between two points: the stretch is s = |b − a| − length, a tension pulls."""
+
+    first: str
+    second: str
+
+
+@dataclass(frozen=True, slots=True)
+class At:
+    """Placement at a point: a force vector acts there."""
+
+    point: str
+
+
+Place = On | Between | At
+
+
+@dataclass(frozen=True, slots=True)
+class Element:
+    """A force law at a place. ``values`` maps the keys of its kind to expressions.
+
+    ``parameters`` are the element's own; its expressions see them before the model's.
+    ``found`` is the provenance of a discovered element (a plain mapping as pairs), else empty.
+    """
+
+    name: str
+    kind: str
+    place: Place
+    values: tuple[tuple[str, Expression], ...]
+    parameters: tuple[Parameter, ...] = ()
+    found: tuple[tuple[str, object], ...] = ()
+    about: str = ""
+
+    def value(self, key: str) -> Expression | None:
+        """The expression under ``key``, or None where the file leaves it unset."""
+        return dict(self.values).get(key)
+
+
+@dataclass(frozen=True, slots=True)
+class Energy:
+    """Energies that bodies and elements cannot say, added to theirs."""
+
+    kinetic: Expression | None = None
+    potential: Expression | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Model:
+    """A checked model file. ``energy_unit`` is the unit of T and V (J for mechanics; volts give
+    others), ``text`` the file as written, which a correction extends by appending."""
+
+    title: str
+    coordinates: tuple[Coordinate, ...]
+    parameters: tuple[Parameter, ...] = ()
+    inputs: tuple[Input, ...] = ()
+    points: tuple[Point, ...] = ()
+    bodies: tuple[Body, ...] = ()
+    elements: tuple[Element, ...] = ()
+    sensors: tuple[Sensor, ...] = ()
+    energy: Energy = Energy()
+    gravity: tuple[Expression, Expression] | None = None
+    energy_unit: Unit = ONE
+    text: str = ""
+    file: str = ""
+    about: str = ""
+
+    def all_parameters(self) -> tuple[Parameter, ...]:
+        """Every parameter in the order of the machine's vector p: the model's own, the elements',
+        then the gains, offsets and delays that inputs and sensors state."""
+        return tuple(self._parameters())
+
+    def _parameters(self) -> Iterator[Parameter]:
+        yield from self.parameters
+        for element in self.elements:
+            yield from element.parameters
+        channels: tuple[Input | Sensor, ...] = (*self.inputs, *self.sensors)
+        for channel in channels:
+            for value in (channel.gain, channel.offset, channel.delay):
+                if value is not None:
+                    yield value
+
+
+def place_text(place: Place) -> str:
+    """Say a place as the model file does: ``on x``, ``between anchor and tip``, ``at tip``."""
+    match place:
+        case On(coordinate):
+            return f"on {coordinate}"
+        case Between(first, second):
+            return f"between {first} and {second}"
+        case At(point):
+            return f"at {point}"
+
+
+ChannelKind = Literal["gain", "offset", "delay"]

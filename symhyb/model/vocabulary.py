@@ -1,0 +1,202 @@
+"""The closed vocabulary of elements: kinds of force laws, their keys, units, energy and words.
+
+The same table serves people who write a model and the diagnosis that looks for what is missing.
+With s the stretch of a place and s' its rate, *passive* kinds resist,
+
+    Q = −(∂s/∂q)ᵀ F(s, s')        a tension pulls:   a o──▶ F    F ◀──o b
+
+and *active* kinds push: Q = +F on a coordinate, a tension between two points, a vector at a point.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from symhyb.model.types import At, Between, Model, On, Place
+from symhyb.units import ONE, Unit, parse_unit
+
+Energy = Literal["conservative", "dissipative", "active"]
+Placement = Literal["on", "between", "at"]
+STRETCHED: tuple[Placement, ...] = ("on", "between")
+
+
+@dataclass(frozen=True, slots=True)
+class Key:
+    """One entry of a kind: a coefficient or an expression with its unit and default.
+
+    The unit is [force]^``force`` · [stretch]^``stretch`` · s^``time`` at the place. ``default`` is
+    the expression of an unset key: a number, another key, or None where unset has its own meaning
+    (said in ``about``). ``placements``: where the key may be written. ``signal`` marks the
+    expression of a force, which may use the motion, where other keys are coefficients.
+    """
+
+    name: str
+    force: int
+    stretch: int
+    time: int
+    default: str | None = "0"
+    about: str = ""
+    placements: tuple[Placement, ...] = STRETCHED
+    signal: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """A force law. ``law`` is F for people, ``words`` name the physics, ``strengths`` are the keys
+    of which at least one must be set (exactly one where they are signals)."""
+
+    name: str
+    keys: tuple[Key, ...]
+    energy: Energy
+    words: str
+    law: str
+    strengths: tuple[str, ...]
+    placements: tuple[Placement, ...] = STRETCHED
+
+    @property
+    def passive(self) -> bool:
+        """Whether the force resists (Q = −(∂s/∂q)ᵀF) instead of pushing."""
+        return self.energy != "active"
+
+    def key(self, name: str) -> Key | None:
+        """The key of that name, None if the kind has no such key."""
+        return next((key for key in self.keys if key.name == name), None)
+
+
+_LENGTH = Key("length", 0, 1, 0, "0", "stretch is counted from this distance", ("between",))
+_ASYMMETRY = Key("asymmetry", 0, 0, 0, "0", "F is multiplied by 1 + asymmetry*sgn(s')")
+_FORCE = Key("force", 1, 0, 0, None, "what acts; at a point a list [Fx, Fy]", ("on", "at"), True)
+_TORQUE = Key("torque", 1, 0, 0, None, "what acts on an angle", ("on",), True)
+_TENSION = Key("tension", 1, 0, 0, None, "pulls the two points together", ("between",), True)
+
+_ALL = (
+    Kind(
+        "spring",
+        (
+            Key("stiffness", 1, -1, 0),
+            Key("quadratic", 1, -2, 0),
+            Key("cubic", 1, -3, 0),
+            _LENGTH,
+        ),
+        "conservative",
+        "a spring",
+        "stiffness*s + quadratic*s^2 + cubic*s^3",
+        ("stiffness", "quadratic", "cubic"),
+    ),
+    Kind(
+        "damper",
+        (Key("damping", 1, -1, 1), _ASYMMETRY),
+        "dissipative",
+        "viscous damping",
+        "damping*s'",
+        ("damping",),
+    ),
+    Kind(
+        "drag",
+        (Key("drag", 1, -2, 2),),
+        "dissipative",
+        "drag quadratic in speed",
+        "drag*abs(s')*s'",
+        ("drag",),
+    ),
+    Kind(
+        "friction",
+        (
+            Key("coulomb", 1, 0, 0),
+            Key("static", 1, 0, 0, "coulomb", "breakaway level"),
+            Key("stribeck", 0, 1, -1, None, "speed at which static falls to coulomb"),
+            Key("transition", 0, 1, -1, None, "unset: 1e-4 of the scale of the speed"),
+            _ASYMMETRY,
+        ),
+        "dissipative",
+        "dry (Coulomb) friction",
+        "g*tanh(s'/transition), g = coulomb + (static - coulomb)*exp(-(s'/stribeck)^2)",
+        ("coulomb", "static"),
+    ),
+    Kind(
+        "constant",
+        (Key("constant", 1, 0, 0),),
+        "active",
+        "a constant force",
+        "constant",
+        ("constant",),
+    ),
+    Kind(
+        "force",
+        (_FORCE, _TENSION),
+        "active",
+        "an applied force",
+        "force",
+        ("force", "tension"),
+        ("on", "between", "at"),
+    ),
+    Kind("torque", (_TORQUE,), "active", "an applied torque", "torque", ("torque",), ("on",)),
+    Kind(
+        "law",
+        (_FORCE, _TORQUE, _TENSION),
+        "active",
+        "a force given by an expression",
+        "force, torque or tension as written",
+        ("force", "torque", "tension"),
+        ("on", "between", "at"),
+    ),
+)
+KINDS: Mapping[str, Kind] = {kind.name: kind for kind in _ALL}
+LATER = (
+    "gap", "hysteresis", "friction_dynamic", "relaxation", "harmonic", "ripple", "added_mass",
+    "network",
+)  # fmt: skip
+"""Kinds of format 1 that this version cannot compute yet."""
+
+
+def placement_of(place: Place) -> Placement:
+    """Return the key under which the file writes this kind of place."""
+    match place:
+        case On():
+            return "on"
+        case Between():
+            return "between"
+        case At():
+            return "at"
+
+
+def stretch_unit(model: Model, place: Place) -> Unit:
+    """Return the unit of s: m along any length, rad on any angle, else the coordinate's own (V)."""
+    if not isinstance(place, On):
+        return parse_unit("m")
+    unit = next(c.unit for c in model.coordinates if c.name == place.coordinate)
+    if unit.is_angle:
+        return parse_unit("rad")
+    return parse_unit("m") if unit.same_dimension(parse_unit("m")) else unit
+
+
+def force_unit(model: Model, place: Place) -> Unit:
+    """Return the unit of F: N along a length, N*m on an angle, else energy over coordinate."""
+    stretch = stretch_unit(model, place)
+    if stretch.text == "m":
+        return parse_unit("N")
+    if stretch.text == "rad":
+        return parse_unit("N*m")
+    return model.energy_unit / stretch
+
+
+def key_unit(model: Model, element_kind: str, key: str, place: Place) -> Unit:
+    """Return the unit that a key of a kind has at a place, as readable text (``N*s^2/m^2``).
+
+    ``force.x`` and ``force.y`` are the components of a force at a point.
+
+    Raises:
+        KeyError: an unknown kind or key.
+    """
+    declared = KINDS[element_kind].key(key.split(".")[0])
+    if declared is None:
+        raise KeyError(f"{element_kind} has no key '{key}'")
+    parts = (
+        (force_unit(model, place), declared.force),
+        (parse_unit("s"), declared.time),
+        (stretch_unit(model, place), declared.stretch),
+    )
+    unit = ONE
+    for part, power in parts:
+        unit = unit * part**power
+    return unit

@@ -1,0 +1,137 @@
+"""Write model files: a correction is text appended at the end, a re-estimate a number in place.
+
+Every other byte of what a person wrote stays as it was, so a diff shows only the correction.
+"""
+
+import os
+from collections.abc import Iterable, Mapping
+from pathlib import Path as FilePath
+
+from symhyb.errors import InputError, Problem, did_you_mean
+from symhyb.model.read import parse_model
+from symhyb.model.render import element_lines, newline_of, render, rounded
+from symhyb.model.source import Entry, Path, Source, scan
+from symhyb.model.types import Element, Input, Model, Sensor
+
+Edit = tuple[int, int, str]
+"""Replace the characters from one offset to another by a text."""
+
+
+def append_elements(model: Model, elements: Iterable[Element]) -> Model:
+    """Return the model with more elements; its text begins with every byte of the old one.
+
+    Raises:
+        InputError: the result would not be a valid model (a name that is taken, a wrong unit).
+    """
+    text = text_of(model)
+    newline = newline_of(text)
+    taken = {element.name for element in model.elements}
+    for element in elements:
+        if element.name in taken:
+            sentence = f"there is already an element '{element.name}'"
+            raise InputError(Problem(sentence, "elements", model.file))
+        taken.add(element.name)
+        text += newline if text.endswith("\n") else newline * 2
+        text += newline.join((*element_lines(element), ""))
+    return parse_model(text, model.file)
+
+
+def replace_parameters(model: Model, values: Mapping[str, tuple[float, float | None]]) -> Model:
+    """Return the model with re-estimated parameters, changed in place; ``was`` keeps the old value.
+
+    ``values`` maps ``Parameter.path`` to (value, sd) in the unit that the file states there; an sd
+    of None leaves the file's. ``laser.gain`` is added to its channel where the file has none.
+
+    Raises:
+        InputError: a path that the model does not have.
+    """
+    text = text_of(model)
+    source = scan(text)
+    edits: list[Edit] = []
+    for path, (value, sd) in values.items():
+        edits += _edits(source, _path_of(model, path), value, sd)
+    for start, end, new in sorted(edits, reverse=True):
+        text = text[:start] + new + text[end:]
+    return parse_model(text, model.file)
+
+
+def write_model(model: Model, path: str | FilePath) -> None:
+    """Write a model file whole or not at all: a temporary file beside it takes its place.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
+    target = FilePath(path)
+    part = target.with_name(target.name + ".part")
+    try:
+        part.write_bytes(text_of(model).encode("utf-8"))
+        os.replace(part, target)
+    except OSError as error:
+        part.unlink(missing_ok=True)
+        reason = error.strerror or str(error)
+        raise InputError(Problem(f"cannot be written: {reason}", file=str(path))) from None
+
+
+def text_of(model: Model) -> str:
+    """Return the text of a model: as it was written if it still says the same, else rendered."""
+    if model.text and parse_model(model.text, model.file) == model:
+        return model.text
+    return render(model)
+
+
+def _path_of(model: Model, path: str) -> Path:
+    """Say where in the file a parameter stands, from its unique path."""
+    owner, _, name = path.rpartition(".")
+    if not owner and any(parameter.name == name for parameter in model.parameters):
+        return ("parameters", name)
+    for element in model.elements:
+        if element.name == owner and any(own.name == name for own in element.parameters):
+            return ("elements", owner, "parameters", name)
+    sections: tuple[tuple[str, tuple[Input | Sensor, ...]], ...] = (
+        ("inputs", model.inputs), ("sensors", model.sensors),
+    )  # fmt: skip
+    for section, channels in sections:
+        if name in ("gain", "offset", "delay") and owner in [channel.name for channel in channels]:
+            return (section, owner, name)
+    known = [parameter.path for parameter in model.all_parameters()]
+    raise InputError(
+        Problem(f"there is no parameter '{path}'{did_you_mean(path, known)}", file=model.file)
+    )
+
+
+def _edits(source: Source, path: Path, value: float, sd: float | None) -> list[Edit]:
+    """Return the edits that change one parameter and keep its past."""
+    deviation = "" if sd is None else f", sd = {rounded(sd, 6)}"
+    stated = source.entries.get(path)
+    entry = source.entries.get((*path, "value"))
+    if stated is None:  # a channel without this key acts as if it stated the neutral value
+        neutral = 1.0 if path[-1] == "gain" else 0.0
+        table = f"{{ value = {rounded(value)}, was = {neutral}{deviation} }}"
+        return [_insertion(source, source.entries[(*path[:-1], "unit")], {path[-1]: table})]
+    if entry is None:  # a plain number, as in: gain = 1.0
+        was = source.text[stated.start : stated.end]
+        table = f"{{ value = {rounded(value)}, was = {was}{deviation} }}"
+        return [(stated.start, stated.end, table)]
+    news = {"was": source.text[entry.start : entry.end]}
+    if sd is not None:
+        news["sd"] = rounded(sd, 6)
+    edits = [(entry.start, entry.end, rounded(value))]
+    missing = {}
+    for key, new in news.items():
+        old = source.entries.get((*path, key))
+        if old is None:
+            missing[key] = new
+        else:
+            edits.append((old.start, old.end, new))
+    return [*edits, _insertion(source, entry, missing)] if missing else edits
+
+
+def _insertion(source: Source, after: Entry, values: Mapping[str, str]) -> Edit:
+    """Add keys beside an entry: behind it inside braces, else on lines of their own."""
+    if after.inline:
+        return (after.end, after.end, "".join(f", {key} = {new}" for key, new in values.items()))
+    newline = newline_of(source.text)
+    prefix = source.text[after.key : after.last]
+    lines = "".join(f"{prefix}{key} = {new}{newline}" for key, new in values.items())
+    end = source.text.find("\n", after.end) + 1
+    return (end, end, lines) if end else (len(source.text), len(source.text), newline + lines)

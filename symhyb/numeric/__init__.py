@@ -1,0 +1,1 @@
+"""Numbers: SymPy lowered to CasADi once, integration by CVODES, windows with sensitivities."""

@@ -1,0 +1,65 @@
+"""CasADi functions called on NumPy memory without copies.
+
+CasADi matrices are column-major, so a C-contiguous array (N, rows) is the matrix (rows, N).
+"""
+
+from collections.abc import Sequence
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+def call(function: ca.Function, arguments: Sequence[Array | float]) -> tuple[Array, ...]:
+    """Evaluate ``function`` with dense outputs; shapes are CasADi's, transposed.
+
+    An argument that CasADi declares as (rows, N) is given as (N, rows) (any shape with as many
+    entries in that order), SI; each output (rows, columns) comes back as (columns, rows).
+
+    Raises:
+        ValueError: an argument has not as many entries as the function declares.
+    """
+    buffer, trigger = function.buffer()
+    kept = []
+    for i, argument in enumerate(arguments):
+        dense = np.ascontiguousarray(argument, dtype=np.float64).reshape(-1)
+        if dense.size != function.nnz_in(i):
+            raise ValueError(
+                f"{function.name()}: argument {function.name_in(i)} has {dense.size} entries, "
+                f"needs {function.nnz_in(i)}"
+            )
+        kept.append(dense)
+        buffer.set_arg(i, memoryview(dense))
+    results = []
+    for i in range(function.n_out()):
+        rows, columns = function.size_out(i)
+        result = np.zeros((columns, rows))
+        if result.size:
+            buffer.set_res(i, memoryview(result.reshape(-1)))
+        results.append(result)
+    trigger()
+    return tuple(results)
+
+
+def mapped(function: ca.Function, total: int, repeated: Sequence[int] = ()) -> ca.Function:
+    """``function`` over ``total`` samples; the arguments ``repeated`` are the same for all."""
+    arguments = [
+        ca.MX.sym(function.name_in(i), function.size1_in(i), 1 if i in repeated else total)
+        for i in range(function.n_in())
+    ]
+    wide = [ca.repmat(a, 1, total) if i in repeated else a for i, a in enumerate(arguments)]
+    return ca.Function(function.name(), arguments, function.map(total).call(wide))
+
+
+def accumulated(function: ca.Function, total: int, repeated: Sequence[int] = ()) -> ca.Function:
+    """``function`` applied ``total`` times, its first output fed back into its first argument."""
+    arguments = [
+        ca.MX.sym(
+            function.name_in(i), function.size1_in(i), 1 if i == 0 or i in repeated else total
+        )
+        for i in range(function.n_in())
+    ]
+    wide = [ca.repmat(a, 1, total) if i in repeated else a for i, a in enumerate(arguments)]
+    return ca.Function(function.name(), arguments, function.mapaccum(total).call(wide))

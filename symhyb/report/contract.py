@@ -1,0 +1,203 @@
+"""The output contract: a diagnosis and its verdict as the mapping that ``diagnosis.json`` holds.
+
+Valid under ``diagnosis.schema.json`` beside this file. Keys of that schema are stable; ``format``,
+``log``, ``notes``, ``remainder.notes`` and the scores ``*_rmse``, ``force_residual``,
+``force_band_hz`` and ``carries`` are extensions of it.
+"""
+
+import math
+import sys
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from symhyb.discrepancy.results import (
+    Activity,
+    Alternative,
+    Comparison,
+    Diagnosis,
+    Estimate,
+    Found,
+    PlaceShare,
+    Score,
+    Verdict,
+)
+from symhyb.errors import NumericsError
+from symhyb.model.types import At, Between, On, Place
+
+FORMAT = 1
+UNBOUNDED = sys.float_info.max
+"""Stands for a standard deviation or an evidence that is infinite: JSON has no infinity."""
+
+_SCORES = (
+    "force_nrmse",
+    "window_nrmse",
+    "free_run_nrmse",
+    "force_residual",
+    "window_rmse",
+    "free_run_rmse",
+)
+
+
+def to_json(diagnosis: Diagnosis, verdict: Verdict) -> dict[str, Any]:
+    """Give the diagnosis as plain mappings, lists, text and finite numbers.
+
+    A number that could not be computed becomes null; where the contract demands a number, a
+    standard deviation or evidence that is not finite becomes :data:`UNBOUNDED` and a noise level
+    that is not known is left out.
+
+    Raises:
+        NumericsError: a fitted value is not finite, so that there is nothing to report.
+    """
+    return {
+        "format": FORMAT,
+        "verdict": diagnosis.verdict,
+        "sentence": diagnosis.sentence,
+        "found": [_found(effect) for effect in diagnosis.found],
+        "parameters": [
+            {
+                "name": parameter.name,
+                "was": _fitted(parameter.was, parameter.name),
+                "value": _fitted(parameter.value, parameter.name),
+                "sd": _bounded(parameter.sd),
+                "unit": parameter.unit,
+            }
+            for parameter in diagnosis.parameters
+        ],
+        "measurement": [
+            {
+                "channel": fault.channel,
+                "kind": fault.kind,
+                "value": _fitted(fault.value, f"{fault.kind} of {fault.channel}"),
+                "sd": _bounded(fault.sd),
+                "unit": fault.unit,
+            }
+            for fault in diagnosis.measurement
+        ],
+        "alternatives": [_alternative(rival) for rival in diagnosis.alternatives],
+        "record_next": diagnosis.record_next,
+        "remainder": {
+            "share": finite(diagnosis.remainder),
+            "notes": list(diagnosis.remainder_notes),
+        },
+        "scores": _scores(verdict),
+        "noise": {sensor: float(sd) for sensor, sd in diagnosis.noise.items() if math.isfinite(sd)},
+        "places": [_place_share(share) for share in diagnosis.places],
+        "log": list(diagnosis.log),
+        "notes": list(diagnosis.notes),
+    }
+
+
+def exit_status(diagnosis: Diagnosis) -> int:
+    """Give the exit status of a diagnosis: 0 if nothing is missing, 1 for any other verdict."""
+    return 0 if diagnosis.verdict == "nothing missing" else 1
+
+
+def finite(value: float | None) -> float | None:
+    """Give the number if it is one, else None: what could not be computed is never a number."""
+    return None if value is None or not math.isfinite(value) else float(value)
+
+
+def _found(effect: Found) -> dict[str, Any]:
+    element = effect.element
+    return {
+        "name": element.name,
+        "kind": element.kind,
+        "place": _place(element.place),
+        "law": effect.law,
+        "parameters": _estimates(effect.estimates),
+        "share": finite(effect.share),
+        "sentence": effect.sentence,
+        **_active(effect.active),
+    }
+
+
+def _alternative(rival: Alternative) -> dict[str, Any]:
+    where: dict[str, Any] = {
+        "place": None if rival.place is None else _place(rival.place),
+        "channel": rival.channel,
+        "parameter": rival.parameter,
+    }
+    return {
+        "instead_of": rival.instead_of,
+        "kind": rival.kind,
+        **{key: value for key, value in where.items() if value is not None},
+        "parameters": _estimates(rival.estimates),
+        "evidence": _bounded(rival.evidence),
+    }
+
+
+def _place_share(share: PlaceShare) -> dict[str, Any]:
+    return {
+        "place": _place(share.place),
+        "explained": finite(share.explained),
+        **_active(share.active),
+    }
+
+
+def _scores(verdict: Verdict) -> dict[str, Any]:
+    return {
+        "window_s": _fitted(verdict.window_s, "window_s"),
+        "initial_states": verdict.initial_states,
+        "force_band_hz": finite(verdict.force_band_hz),
+        "carries": verdict.carries,
+        "train": _comparison(verdict.train),
+        "holdout": None if verdict.holdout is None else _comparison(verdict.holdout),
+    }
+
+
+def _comparison(comparison: Comparison) -> dict[str, Any]:
+    return {"before": _score(comparison.before), "after": _score(comparison.after)}
+
+
+def _score(score: Score) -> dict[str, dict[str, float | None]]:
+    return {name: _channels(getattr(score, name)) for name in _SCORES}
+
+
+def _channels(values: Mapping[str, float | None]) -> dict[str, float | None]:
+    return {name: finite(value) for name, value in values.items()}
+
+
+def _estimates(estimates: Iterable[Estimate]) -> dict[str, dict[str, Any]]:
+    return {
+        estimate.name: {
+            "value": _fitted(estimate.value, estimate.name),
+            "sd": _bounded(estimate.sd),
+            "unit": estimate.unit,
+            "term": estimate.term,
+        }
+        for estimate in estimates
+    }
+
+
+def _place(place: Place) -> dict[str, Any]:
+    match place:
+        case On(coordinate):
+            return {"on": coordinate}
+        case Between(first, second):
+            return {"between": [first, second]}
+        case At(point):
+            return {"at": point}
+
+
+def _active(active: Activity | None) -> dict[str, Any]:
+    """The key ``active`` with the ranges that are known, or nothing."""
+    if active is None:
+        return {}
+    ranges = {"stretch": active.stretch, "rate": active.rate}
+    known: dict[str, Any] = {
+        name: [float(bound) for bound in bounds]
+        for name, bounds in ranges.items()
+        if all(map(math.isfinite, bounds))
+    }
+    return {"active": {**known, "time": [[float(start), float(end)] for start, end in active.time]}}
+
+
+def _bounded(value: float) -> float:
+    """A number that must be one: what is not finite is larger than anything."""
+    return float(value) if math.isfinite(value) else UNBOUNDED
+
+
+def _fitted(value: float, name: str) -> float:
+    if not math.isfinite(value):
+        raise NumericsError(f"{name} came out as {value}, so that there is nothing to report")
+    return float(value)

@@ -1,0 +1,103 @@
+"""The files that a diagnosis leaves behind, each written whole or not at all."""
+
+import csv
+import io
+import json
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symhyb.discrepancy.results import Diagnosis, Trace, Verdict
+from symhyb.errors import InputError, Problem
+from symhyb.model.types import Model
+from symhyb.report.contract import to_json
+from symhyb.report.page import render_page
+
+
+def write_report(
+    path: str | os.PathLike[str],
+    diagnosis: Diagnosis,
+    verdict: Verdict,
+    model: Model | None = None,
+    *,
+    title: str | None = None,
+    difference: str = "",
+    provenance: Mapping[str, str] | None = None,
+) -> None:
+    """Write the diagnosis as one self-contained HTML page (see :func:`render_page`).
+
+    ``model`` gives the units to show signals in and the title, if none is given.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
+    heading = title or (model.title if model is not None else "Diagnosis")
+    page = render_page(heading, diagnosis, verdict, difference, provenance, model)
+    _write(Path(path), page)
+
+
+def write_diagnosis(path: str | os.PathLike[str], diagnosis: Diagnosis, verdict: Verdict) -> None:
+    """Write ``diagnosis.json``, valid under the output contract.
+
+    Raises:
+        InputError: the file cannot be written.
+        NumericsError: a fitted value is not finite.
+    """
+    content = to_json(diagnosis, verdict)
+    _write(Path(path), json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
+
+
+def write_simulation(path: str | os.PathLike[str], traces: Sequence[Trace], model: Model) -> None:
+    """Write ``simulation.csv``: every recording with its simulations before and after.
+
+    Columns ``recording``, ``role``, ``t`` (s) and for each sensor ``<sensor>_measured [unit]``,
+    ``_before``, ``_after`` in the sensor's unit; an empty cell where there is no value.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow(
+        ["recording", "role", "t"]
+        + [
+            f"{sensor.name}_{moment} [{sensor.unit.text}]"
+            for sensor in model.sensors
+            for moment in ("measured", "before", "after")
+        ]
+    )
+    for trace in traces:
+        columns = [_cells(trace.t, 12), *_signals(trace, model)]
+        for row in zip(*columns, strict=True):
+            table.writerow([trace.recording, trace.role, *row])
+    _write(Path(path), text.getvalue())
+
+
+def _signals(trace: Trace, model: Model) -> Iterator[list[str]]:
+    for sensor in model.sensors:
+        for signals in (trace.measured, trace.before, trace.after):
+            values = signals.get(sensor.name)
+            known = np.full(len(trace.t), np.nan) if values is None else values
+            yield _cells(known / sensor.unit.factor, 9)
+
+
+def _cells(values: NDArray[np.float64], digits: int) -> list[str]:
+    return [f"{value:.{digits}g}" if np.isfinite(value) else "" for value in values.tolist()]
+
+
+def _write(path: Path, text: str) -> None:
+    """Replace the file at once, so that a reader never meets half of it."""
+    unfinished = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            unfinished.write_text(text, encoding="utf-8", newline="")
+            os.replace(unfinished, path)
+        finally:
+            unfinished.unlink(missing_ok=True)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise InputError(Problem(f"cannot be written: {reason}", file=str(path))) from error

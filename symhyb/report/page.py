@@ -1,0 +1,188 @@
+"""The report as one self-contained HTML page: sentences first, then pictures, then tables."""
+
+from base64 import b64encode
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from importlib import resources
+
+import numpy as np
+from jinja2 import Environment, StrictUndefined
+
+from symhyb.discrepancy.results import Cloud, Diagnosis, Trace, Verdict
+from symhyb.discrepancy.wording import (
+    measurement_phrase,
+    parameter_phrase,
+)
+from symhyb.model.types import Model, place_text
+from symhyb.report import figures
+from symhyb.report.sentences import (
+    alternative_sentence,
+    method_sentences,
+    remainder_sentence,
+    score_sentences,
+    typeset,
+)
+from symhyb.report.tables import SCORES, place_table, place_units, tables
+from symhyb.units import Unit
+
+_TRACES_SHOWN, _CLOUDS_SHOWN, _BARS_SHOWN = (
+    12,
+    6,
+    24,
+)  # each picture costs a second and a hundred kilobytes
+
+
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """An inline image with its words."""
+
+    source: str
+    alternative: str
+    caption: str
+    failures: tuple[str, ...] = ()
+
+
+def render_page(
+    title: str,
+    diagnosis: Diagnosis,
+    verdict: Verdict,
+    difference: str = "",
+    provenance: Mapping[str, str] | None = None,
+    model: Model | None = None,
+) -> str:
+    """Write the report as HTML that needs no other file and no network.
+
+    ``difference`` is the text of the model diff, ``provenance`` says what the result was made from
+    (files, SHA-256, versions). ``model`` gives the units in which sensors and places are shown;
+    without it they are shown in SI.
+    """
+    units = {} if model is None else {sensor.name: sensor.unit for sensor in model.sensors}
+    pages = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True)
+    pages.filters["typeset"] = typeset
+    template = resources.files("symhyb.report").joinpath("page.html.j2").read_text("utf-8")
+    return pages.from_string(template).render(
+        title=title,
+        diagnosis=diagnosis,
+        verdict=verdict,
+        besides=[f"{phrase}." for phrase in _besides(diagnosis)],
+        alternatives=[alternative_sentence(rival) for rival in diagnosis.alternatives],
+        scores=score_sentences(verdict, {name: unit.text for name, unit in units.items()}),
+        remainder=remainder_sentence(diagnosis.remainder),
+        methods=method_sentences(verdict),
+        traces=[
+            _trace_picture(trace, sensor, units.get(sensor, Unit("SI")))
+            for trace, sensor in _drawn_traces(verdict)
+        ],
+        clouds=[
+            picture
+            for cloud in _drawn_clouds(diagnosis)
+            for picture in _cloud_pictures(cloud, place_units(model, cloud.place))
+        ],
+        score_picture=_score_picture(verdict),
+        place_picture=_place_picture(diagnosis),
+        omitted=_omitted(diagnosis, verdict),
+        corrected=any(
+            scores.before != scores.after for scores in (verdict.train, verdict.holdout) if scores
+        ),
+        tables=[table for table in tables(diagnosis, verdict, units) if table.rows],
+        places=place_table(diagnosis, model),
+        difference=difference.strip("\n").splitlines(),
+        provenance=dict(provenance or {}),
+    )
+
+
+def _besides(diagnosis: Diagnosis) -> Iterable[str]:
+    yield from map(parameter_phrase, diagnosis.parameters)
+    yield from map(measurement_phrase, diagnosis.measurement)
+
+
+def _image(svg: bytes) -> str:
+    return f"data:image/svg+xml;base64,{b64encode(svg).decode('ascii')}"
+
+
+def _drawn_traces(verdict: Verdict) -> list[tuple[Trace, str]]:
+    """Signals worth a picture: those that hold values, unseen recordings (the proof) first."""
+    signals = [
+        (trace, sensor)
+        for trace in verdict.traces
+        for sensor, values in trace.measured.items()
+        if np.isfinite(values).any()
+    ]
+    return sorted(signals, key=lambda signal: signal[0].role != "holdout")[:_TRACES_SHOWN]
+
+
+def _drawn_clouds(diagnosis: Diagnosis) -> list[Cloud]:
+    return [cloud for cloud in diagnosis.clouds if np.isfinite(cloud.force).any()][:_CLOUDS_SHOWN]
+
+
+def _trace_picture(trace: Trace, sensor: str, unit: Unit) -> Picture:
+    role = "unseen" if trace.role == "holdout" else "training"
+    return Picture(
+        _image(figures.trace_figure(trace, sensor, unit)),
+        f"{sensor} in recording {trace.recording}: measured, and simulated in a free run "
+        "before and after the correction, with the residuals below.",
+        f"{trace.recording} ({role} recording). Residual: simulated minus measured.",
+        trace.failures,
+    )
+
+
+def _cloud_pictures(cloud: Cloud, units: figures.PlaceUnits) -> Iterable[Picture]:
+    where = place_text(cloud.place)
+    yield Picture(
+        _image(figures.cloud_figure(cloud, units)),
+        f"The force that the model leaves over {where}, against rate and against stretch, with the "
+        "found law drawn through the points.",
+        f"ΔF {where}, over rate and stretch ({cloud.recording})",
+    )
+    yield Picture(
+        _image(figures.force_figure(cloud, units.force)),
+        f"The force that the model leaves over {where} over time, with its band and the found law.",
+        f"The same over time ({cloud.recording})",
+    )
+
+
+def _score_picture(verdict: Verdict) -> Picture | None:
+    scores = verdict.holdout or verdict.train
+    pairs = [
+        figures.Pair(f"{words}, {name}", old.get(name), new.get(name))
+        for key, _, words in SCORES
+        if key != "force_nrmse"  # the residual says the same against a scale that people know
+        for old, new in [(getattr(scores.before, key), getattr(scores.after, key))]
+        for name in dict.fromkeys((*old, *new))
+    ]
+    if not pairs:
+        return None
+    which = "unseen recordings" if verdict.holdout else "training recordings"
+    return Picture(
+        _image(figures.score_figure(pairs[:_BARS_SHOWN])),
+        f"Bars of the scores before and after the correction, on {which}.",
+        f"Scores on {which}: before (upper bar, orange) and after the correction (lower bar, blue)",
+    )
+
+
+def _place_picture(diagnosis: Diagnosis) -> Picture | None:
+    if not diagnosis.places:
+        return None
+    found = {effect.element.place for effect in diagnosis.found}
+    shown = diagnosis.places[:_BARS_SHOWN]
+    rows = [(place_text(row.place), row.explained, row.place in found) for row in shown]
+    return Picture(
+        _image(figures.places_figure(rows)),
+        "Bars of the share of the mismatch that each place explains.",
+        "How much of the mismatch any smooth function of a place's own motion explains, on data "
+        "that it was not fitted to. Blue: something was found there.",
+    )
+
+
+def _omitted(diagnosis: Diagnosis, verdict: Verdict) -> list[str]:
+    """Sentences on what has no picture: it is too much, or it holds no values."""
+    traces = sum(len(trace.measured) for trace in verdict.traces) - len(_drawn_traces(verdict))
+    clouds = len(diagnosis.clouds) - len(_drawn_clouds(diagnosis))
+    return [
+        sentence
+        for count, sentence in (
+            (traces, f"Not drawn here, but in simulation.csv: {traces} more measured signals."),
+            (clouds, f"Not drawn here: the force at {clouds} more places and recordings."),
+        )
+        if count
+    ]

@@ -1,0 +1,119 @@
+"""Long series made fit for a picture: thinned, zoomed, binned and scaled (NumPy only)."""
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symhyb.discrepancy.wording import power_text, unit_text
+
+Array = NDArray[np.float64]
+
+BINS = 600  # of a drawn line: about one a pixel
+_CELLS = 160  # of a law drawn through a cloud
+_CYCLES_LONG, _CYCLES_SHOWN = 12.0, 4.0
+_PREFIXES = {-9: "n", -6: "µ", -3: "m", 3: "k", 6: "M"}
+_PREFIXED = frozenset({"m", "N", "V", "A", "s", "W", "J", "Pa"})
+
+
+def envelope(t: Array, y: Array, bins: int = BINS) -> tuple[Array, Array]:
+    """Thin a series to the smallest and the largest value of each bin, in the order met.
+
+    ``t``, ``y``: (N,) in any unit; returns at most 2·bins points, so no peak is lost. A bin without
+    any finite value becomes one NaN: a gap stays a gap.
+    """
+    if len(y) <= 2 * bins:
+        return np.asarray(t, dtype=float), np.asarray(y, dtype=float)
+    edges = np.linspace(0, len(y), bins + 1).astype(int)
+    kept: list[int] = []
+    for start, end in pairwise(edges.tolist()):
+        part = y[start:end]
+        if np.isfinite(part).any():
+            extremes = {start + int(np.nanargmin(part)), start + int(np.nanargmax(part))}
+            kept.extend(sorted(extremes))
+        else:
+            kept.append(start)
+    return t[kept], y[kept]
+
+
+def zoom_window(t: Array, y: Array) -> tuple[float, float] | None:
+    """Choose a few cycles where ``y`` moves most, or None if the series has few cycles anyway.
+
+    ``t``, ``y``: (N,) in any unit. A cycle is two crossings of the mean by a third of the standard
+    deviation, so that noise about the mean makes no cycles.
+    """
+    known = np.isfinite(y)
+    t, y = t[known], y[known]
+    if len(t) < 50:
+        return None
+    away = y - y.mean()
+    above = away[np.abs(away) > away.std() / 3.0] > 0.0
+    cycles = np.count_nonzero(above[1:] != above[:-1]) / 2.0
+    if cycles < _CYCLES_LONG:
+        return None
+    length = (t[-1] - t[0]) * _CYCLES_SHOWN / cycles
+    starts = np.linspace(t[0], t[-1] - length, 40)
+    spans = [np.searchsorted(t, (start, start + length)) for start in starts]
+    ranges = [np.ptp(y[first : last + 1]) if last > first else 0.0 for first, last in spans]
+    start = float(starts[int(np.argmax(ranges))])
+    return start, start + float(length)
+
+
+def shown_unit(size: float, unit: str) -> tuple[float, str]:
+    """Choose a factor and a unit in which numbers of this size read well: (1e-3, ``mm``)."""
+    known = size > 0.0 and np.isfinite(size)
+    exponent = int(np.floor((np.log10(size) + 1.0) / 3.0)) * 3 if known else 0
+    if exponent == 0 or 0.1 <= size < 1e5:
+        return 1.0, unit_text(unit)
+    head, mark, rest = unit.partition("/")
+    if head in _PREFIXED and exponent in _PREFIXES:
+        return 10.0**exponent, _PREFIXES[exponent] + unit_text(head + mark + rest)
+    return 10.0**exponent, f"{power_text(exponent)} {unit_text(unit)}".rstrip()
+
+
+def shortened(name: str, length: int = 60) -> str:
+    """Make a name fit for a picture: printable, one line, at most ``length`` characters."""
+    clean = "".join(
+        letter if letter.isprintable() else "\N{REPLACEMENT CHARACTER}" for letter in name
+    )
+    return clean if len(clean) <= length else f"{clean[: length - 1]}…"
+
+
+def binned(x: Array, law: Array, band: Array) -> tuple[Array, Array, Array, Array]:
+    """Sum up a law in narrow bins of x: median of x and of the law, and what law ± band spans.
+
+    ``x``, ``law``, ``band``: (N,) in any unit. The span is from the 16th percentile of law - band
+    to the 84th of law + band. Returns four arrays, one entry a bin that holds samples.
+    """
+    known = np.isfinite(x) & np.isfinite(law) & np.isfinite(band)
+    x, law, band = x[known], law[known], band[known]
+    if not x.size:
+        return (np.empty(0),) * 4
+    count = int(np.clip(x.size // 50, 30, _CELLS))
+    cells = np.digitize(x, np.linspace(x.min(), x.max(), count + 1)[1:-1])
+    rows = [
+        (
+            np.median(x[cell]),
+            np.median(law[cell]),
+            np.percentile((law - band)[cell], 16),
+            np.percentile((law + band)[cell], 84),
+        )
+        for cell in (cells == index for index in np.unique(cells))
+    ]
+    centre, middle, lower, upper = np.array(rows, dtype=float).T
+    return centre, middle, lower, upper
+
+
+def halves(y: Array) -> tuple[NDArray[np.bool_], ...]:
+    """Split samples (N,) in any unit by sign, or at the median if a sign is rare: two masks."""
+    known = y[np.isfinite(y)]
+    mixed = not known.size or 0.1 < np.mean(known > 0.0) < 0.9
+    above = y > (0.0 if mixed else np.median(known))
+    return ~above, above
+
+
+def spread(series: Sequence[Array]) -> float:
+    """The size of series (N,), in their unit, but for rare peaks: 0 if nothing is finite."""
+    known = np.concatenate([values[np.isfinite(values)] for values in series])
+    return float(np.percentile(np.abs(known), 99.0)) if known.size else 0.0

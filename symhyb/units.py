@@ -1,0 +1,238 @@
+"""Units as values: parsed once with pint, then multiplied and divided as readable text.
+
+Power is ``^`` and a product ``*``: ``N*s^2/m^2``. ``rad`` is a number (factor 1) but stays in
+the text. Scales with an offset (degC) are refused: a difference of 1 degC is 1 K.
+"""
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import lru_cache
+from typing import Any
+
+from symhyb.errors import did_you_mean
+
+DIMENSIONS = (
+    "[length]", "[mass]", "[time]", "[current]", "[temperature]", "[substance]", "[luminosity]",
+)  # fmt: skip
+
+# pint knows a thousand names, also constants (k, c, e) and yarn counts (Nm): those would turn a
+# slip of the pen into a valid unit. These are the ones a model of a machine needs.
+_KNOWN = {
+    "meter": "m", "second": "s", "gram": "g", "newton": "N", "radian": "rad", "degree": "deg",
+    "hertz": "Hz", "joule": "J", "watt": "W", "pascal": "Pa", "volt": "V", "ampere": "A",
+    "ohm": "ohm", "coulomb": "C", "farad": "F", "henry": "H", "tesla": "T", "weber": "Wb",
+    "siemens": "S", "kelvin": "K", "mole": "mol", "candela": "cd", "minute": "min", "hour": "h",
+    "day": "d", "turn": "turn", "revolution": "revolution", "revolutions_per_minute": "rpm",
+    "inch": "in", "foot": "ft", "yard": "yd", "mile": "mi", "nautical_mile": "nmi",
+    "pound": "lb", "ounce": "oz", "slug": "slug", "force_pound": "lbf", "kip": "kip",
+    "kilogram_force": "kgf", "pound_force_per_square_inch": "psi", "bar": "bar",
+    "standard_atmosphere": "atm", "liter": "l", "metric_ton": "t", "knot": "knot",
+    "mile_per_hour": "mph", "kilometer_per_hour": "kph", "metric_horsepower": "metric_horsepower",
+    "arcminute": "arcmin", "arcsecond": "arcsec",
+}  # fmt: skip
+_ANGLES = frozenset({"radian", "degree", "turn", "revolution", "arcminute", "arcsecond"})
+_USUAL = (*_KNOWN.values(), "kg", "mm", "um", "cm", "km", "ms", "us", "kN", "mN", "mV", "kHz", "mA")
+
+Atoms = tuple[tuple[str, Fraction], ...]
+
+
+class UnitError(ValueError):
+    """A text that is no unit; the message is a sentence with the nearest known one."""
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """A unit of measurement: ``text`` for people, ``factor`` to coherent SI for numbers.
+
+    ``dimension`` holds the exponents of length, mass, time, current, temperature, substance and
+    luminosity. Two units may be equal in dimension and factor and still read differently.
+    """
+
+    text: str = "1"
+    factor: float = 1.0
+    dimension: tuple[Fraction, ...] = (Fraction(0),) * len(DIMENSIONS)
+
+    def __mul__(self, other: "Unit") -> "Unit":
+        return Unit(
+            _text((*_atoms(self.text), *_atoms(other.text))),
+            self.factor * other.factor,
+            tuple(a + b for a, b in zip(self.dimension, other.dimension, strict=True)),
+        )
+
+    def __truediv__(self, other: "Unit") -> "Unit":
+        return self * other**-1
+
+    def __pow__(self, power: int | Fraction) -> "Unit":
+        return Unit(
+            _text((name, exponent * power) for name, exponent in _atoms(self.text)),
+            self.factor ** float(power),
+            tuple(exponent * power for exponent in self.dimension),
+        )
+
+    def __str__(self) -> str:
+        return self.text
+
+    def same_dimension(self, other: "Unit") -> bool:
+        """Say whether a value in one unit can be converted to the other."""
+        return self.dimension == other.dimension
+
+    @property
+    def is_number(self) -> bool:
+        """Whether the unit has no dimension (``1``, ``rad``, ``mm/m``)."""
+        return not any(self.dimension)
+
+    @property
+    def is_angle(self) -> bool:
+        """Whether the unit is that of an angle (``rad``, ``deg``, ``mrad``)."""
+        atoms = _atoms(self.text)
+        return len(atoms) == 1 and atoms[0][1] == 1 and _is_angle(atoms[0][0])
+
+
+ONE = Unit()
+
+
+@lru_cache(maxsize=1024)
+def parse_unit(text: str) -> Unit:
+    """Read a unit such as ``N*s^2/m^2``; ``1`` is the unit of a plain number.
+
+    Raises:
+        UnitError: an unknown name, a wrong sign, or a scale with an offset.
+    """
+    if len(text) > 100:
+        raise UnitError(f"'{text[:40]}…' is too long for a unit")
+    result = ONE
+    atoms = _atoms(text)
+    for name, exponent in atoms:
+        result = result * _named(name) ** exponent
+    return Unit(_text(atoms), result.factor, result.dimension)
+
+
+@lru_cache(maxsize=1)
+def _registry() -> Any:
+    import pint
+
+    return pint.UnitRegistry()
+
+
+@lru_cache(maxsize=256)
+def _pint_name(name: str) -> str:
+    """Return pint's name of a unit without its prefix, empty if it is not one of ours."""
+    for _, base, plural in _registry().parse_unit_name(name):
+        if base in _KNOWN and not plural:
+            return str(base)
+    return ""
+
+
+def _is_angle(name: str) -> bool:
+    return _pint_name(name) in _ANGLES
+
+
+@lru_cache(maxsize=256)
+def _named(name: str) -> Unit:
+    """Look up one name without power."""
+    registry = _registry()
+    if not _pint_name(name):
+        raise UnitError(_unknown(name))
+    si = registry.Quantity(1.0, name).to_base_units()
+    dimensions = dict(si.dimensionality)
+    exponents = (Fraction(dimensions.get(key, 0)).limit_denominator(12) for key in DIMENSIONS)
+    return Unit(name, float(si.magnitude), tuple(exponents))
+
+
+def _unknown(name: str) -> str:
+    """Say that a name is no unit, with the likeliest cure."""
+    if name in ("degC", "degF", "celsius", "fahrenheit"):
+        return f"'{name}' is a scale with an offset; write temperatures in K"
+    glued = r"kg|rad|mm|[NmsVAJ]"
+    if re.fullmatch(f"(?:{glued}){{2,4}}", name):
+        product = "*".join(re.findall(glued, name))
+        return f"'{name}' is not a known unit; did you mean '{product}'?"
+    return f"'{name}' is not a known unit{did_you_mean(name, (*_USUAL, *_KNOWN))}"
+
+
+@lru_cache(maxsize=4096)
+def _atoms(text: str) -> Atoms:
+    """Split ``N*s^2/m^2`` into (N, 1), (s, 2), (m, -2), in the order met."""
+    tokens = re.findall(r"[A-Za-zµμΩ]+|\d+\.\d+|\d+|\*\*|[^\s]", text)
+    atoms, rest = _product(tokens, text)
+    if rest:
+        raise UnitError(_unreadable(text, rest[0]))
+    return _merged(atoms)
+
+
+def _product(tokens: list[str], text: str) -> tuple[list[tuple[str, Fraction]], list[str]]:
+    """Read ``factor (*|/) factor …`` and return what is left of the tokens."""
+    atoms, rest = _power(tokens, text)
+    while rest and rest[0] in "*/" and len(rest[0]) == 1:
+        sign = 1 if rest[0] == "*" else -1
+        more, rest = _power(rest[1:], text)
+        atoms = atoms + [(name, sign * exponent) for name, exponent in more]
+    return atoms, rest
+
+
+def _power(tokens: list[str], text: str) -> tuple[list[tuple[str, Fraction]], list[str]]:
+    """Read a name, ``1`` or a group in parentheses, with its power."""
+    if not tokens:
+        raise UnitError(f"'{text}' ends too early for a unit" if text.strip() else "unit is empty")
+    first, rest = tokens[0], tokens[1:]
+    if first == "(":
+        atoms, rest = _product(rest, text)
+        if not rest or rest[0] != ")":
+            raise UnitError(f"'{text}' lacks a ')'")
+        rest = rest[1:]
+    elif first == "1":
+        atoms = []
+    elif first[0].isalpha():
+        atoms = [(first, Fraction(1))]
+    else:
+        raise UnitError(_unreadable(text, first))
+    if rest and rest[0] == "^":
+        exponent, rest = _exponent(rest[1:], text)
+        atoms = [(name, power * exponent) for name, power in atoms]
+    return atoms, rest
+
+
+def _exponent(tokens: list[str], text: str) -> tuple[Fraction, list[str]]:
+    """Read ``2``, ``-1``, ``0.5`` or ``(1/2)``."""
+    found = re.match(r"\(-?\d+/\d+\)|-?\d+(\.\d+)?", "".join(tokens[:6]))
+    if not found:
+        raise UnitError(f"'{text}' needs a number after '^'")
+    try:
+        exponent = Fraction(found.group().strip("()"))
+    except ZeroDivisionError:
+        raise UnitError(f"'{text}' has a power over 0") from None
+    if abs(exponent) > 20 or exponent.denominator > 12:
+        raise UnitError(f"'{text}' has the power {exponent}, which no unit needs")
+    used = 0
+    while used < len(tokens) and len("".join(tokens[:used])) < len(found.group()):
+        used += 1
+    return exponent, tokens[used:]
+
+
+def _unreadable(text: str, part: str) -> str:
+    if part == "**":
+        return f"'{text}' is not a unit: power is '^' in units"
+    return f"'{text}' is not a unit: '{part}' is unexpected; write it like 'N*s^2/m^2'"
+
+
+def _merged(atoms: Iterable[tuple[str, Fraction]]) -> Atoms:
+    total: dict[str, Fraction] = {}
+    for name, exponent in atoms:
+        total[name] = total.get(name, Fraction(0)) + exponent
+    return tuple((name, exponent) for name, exponent in total.items() if exponent)
+
+
+def _text(atoms: Iterable[tuple[str, Fraction]]) -> str:
+    """Write atoms with the numerators first: ``N*s^2/m^2``, ``1/s``."""
+    merged = _merged(atoms)
+    above = "*".join(_written(name, power) for name, power in merged if power > 0)
+    below = "".join("/" + _written(name, -power) for name, power in merged if power < 0)
+    return (above or "1") + below
+
+
+def _written(name: str, power: Fraction) -> str:
+    if power == 1:
+        return name
+    return f"{name}^{power}" if power.denominator == 1 else f"{name}^({power})"

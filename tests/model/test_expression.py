@@ -1,0 +1,270 @@
+"""Expressions: what they mean, and that nothing else than arithmetic gets in."""
+
+import math
+import time
+
+import numpy as np
+import pytest
+
+from symhyb.model.expression import (
+    ExpressionError,
+    Name,
+    Number,
+    Operation,
+    evaluate,
+    names,
+    parse_expression,
+    show,
+    unit_of,
+)
+from symhyb.units import ONE, Unit, parse_unit
+
+VALUES: dict[tuple[str, int] | str, float] = {
+    "a": 0.3,
+    "b": -1.7,
+    "c": 2.5,
+    ("x", 0): 0.4,
+    ("x", 1): -0.6,
+    ("x", 2): 1.1,
+}
+
+TEXTS = [
+    ("a + b*c", 0.3 - 1.7 * 2.5),
+    ("-a**2", -(0.3**2)),
+    ("2**-a", 2**-0.3),
+    ("a - (b - c)", 0.3 + 1.7 + 2.5),
+    ("a/(b*c)/a", 1 / (-1.7 * 2.5)),
+    ("-(a - b)", -2.0),
+    ("c**2**0.5", 2.5 ** (2**0.5)),
+    ("(c**2)**0.5", 2.5),
+    ("min(a, b, c) + max(a, c)", 0.8),
+    ("atan2(b, a)", math.atan2(-1.7, 0.3)),
+    ("sgn(b) + sign(a)", 0.0),
+    ("2*pi*abs(x')", 2 * math.pi * 0.6),
+    ("x'' + x' + x", 0.9),
+    ("exp(log(c)) + sqrt(c*c)", 5.0),
+    ("tanh(a)*cosh(a) - sinh(a)", 0.0),
+    ("sin(a)/cos(a) - tan(a)", 0.0),
+    ("asin(a) + acos(a) - 2*atan(1)", 0.0),
+    ("+1e-3", 1e-3),
+    ("a\n  + b", -1.4),
+]
+
+
+@pytest.mark.parametrize(("text", "value"), TEXTS)
+def test_value_of_text_and_of_what_is_shown(text: str, value: float) -> None:
+    tree = parse_expression(text).tree
+    assert evaluate(tree, VALUES) == pytest.approx(value, abs=1e-15)
+    assert parse_expression(show(tree)).tree == tree
+
+
+def test_trees_are_plain_values() -> None:
+    assert parse_expression("x'' * 2").tree == Operation("*", (Name("x", 2), Number(2.0)))
+    assert parse_expression("sgn(x)").tree == Operation("sign", (Name("x"),))
+    assert parse_expression("pi").tree == Number(math.pi)
+
+
+@pytest.mark.parametrize("number", [0, 3, -2.5, 1e-9])
+def test_a_number_reads_back_from_its_text(number: float) -> None:
+    expression = parse_expression(number)
+    assert evaluate(expression, {}) == number
+    assert parse_expression(expression.text) == expression
+
+
+def test_names_come_with_their_order() -> None:
+    assert names(parse_expression("sin(x)*x' + k")) == {Name("x"), Name("x", 1), Name("k")}
+    assert names(parse_expression("2*pi")) == frozenset()
+
+
+def test_arrays_go_through() -> None:
+    x = np.linspace(-1.0, 1.0, 5)
+    value = evaluate(parse_expression("k*x + abs(x)"), {"k": 2.0, "x": x})
+    np.testing.assert_allclose(value, 2 * x + np.abs(x))
+
+
+def test_what_has_no_value_is_not_finite_and_not_a_warning() -> None:
+    assert np.isnan(evaluate(parse_expression("log(0 - 1)"), {}))
+    assert np.isinf(evaluate(parse_expression("1/0"), {}))
+
+
+def test_a_name_without_value_is_a_key_error() -> None:
+    with pytest.raises(KeyError):
+        evaluate(parse_expression("a + q"), VALUES)
+
+
+HOSTILE = [
+    "__import__('os').system('true')",
+    "a.__class__",
+    "x'.real",
+    "(1).__class__.__bases__",
+    "open(a)",
+    "exec(a)",
+    "eval(a)",
+    "getattr(a, b)",
+    "lambda: 1",
+    "(lambda x: x)(1)",
+    "[a for a in b]",
+    "(a for a in b)",
+    "{a: b}",
+    "a[0]",
+    "'text'",
+    "x'text'",
+    '"text"',
+    "f'{a}'",
+    "b'0'",
+    "a if b else c",
+    "a and b",
+    "not a",
+    "a == b",
+    "a < b",
+    "(a := 1)",
+    "a, b",
+    "()",
+    "...",
+    "None",
+    "True",
+    "1j",
+    "a @ b",
+    "a % b",
+    "a // b",
+    "a << b",
+    "~a",
+    "a; b",
+    "yield a",
+    "await a",
+    "import os",
+    "sin(a, b)",
+    "sin()",
+    "sin(x=a)",
+    "sin(*a)",
+    "min(a)",
+    "sin",
+    "a'b",
+    "a'''",
+    "pi(2)",
+    "a(b)",
+    "a^2",
+    "2a",
+    "1e999",
+    "nan^nan",
+    "",
+    "  ",
+    "a +",
+    "(a",
+    "φ",
+    "a\\b",
+    "a # b",
+    "a\x00b",
+    "lambda",
+]
+
+
+@pytest.mark.parametrize("text", HOSTILE)
+def test_everything_but_arithmetic_is_refused(text: str) -> None:
+    with pytest.raises(ExpressionError):
+        parse_expression(text)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "(" * 300 + "a" + ")" * 300,
+        "-" * 1500 + "a",
+        "+".join(["a"] * 900),
+        "sin(" * 100 + "a" + ")" * 100,
+        "a" * 2001,
+        "9" * 1999,
+        "a**" * 600 + "a",
+    ],
+    ids=["parentheses", "minus", "sum", "calls", "long", "digits", "powers"],
+)
+def test_deep_long_and_large_is_refused_at_once(text: str) -> None:
+    begin = time.perf_counter()
+    with pytest.raises(ExpressionError):
+        parse_expression(text)
+    assert time.perf_counter() - begin < 1.0
+
+
+def test_a_huge_power_does_not_hang() -> None:
+    begin = time.perf_counter()
+    assert np.isinf(evaluate(parse_expression("9**9**9**9**9"), {}))
+    assert time.perf_counter() - begin < 1.0
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("a^2", "power is '**'"),
+        ("ssin(a)", "did you mean 'sin'"),
+        ("sin", "'sin(x)'"),
+        ("(a", "parentheses do not match"),
+        ("a.b", "'a.b' is not allowed"),
+        ("x'''", "second derivative is the highest"),
+        ("lambda*2", "'lambda' is a reserved word"),
+        ("atan2(a)", "takes 2 arguments, not 1"),
+    ],
+)
+def test_messages_quote_the_part_and_say_the_cure(text: str, sentence: str) -> None:
+    with pytest.raises(ExpressionError) as caught:
+        parse_expression(text)
+    assert sentence in str(caught.value)
+
+
+def unit(name: Name) -> Unit:
+    units = {"x": "m", "k": "N/m", "phi": "rad", "m": "kg", "n": "1", "l": "mm", "y": "V"}
+    return parse_unit(units[name.name]) / parse_unit("s") ** name.order
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("k*x", "N"),
+        ("m*x''", "N"),
+        ("k*x + m*x''", "N"),
+        ("x + l", "m"),
+        ("0 + x", "m"),
+        ("sin(phi) + cos(n) + 1", "1"),
+        ("sqrt(k/m)", "1/s"),
+        ("(k/m)**0.5", "1/s"),
+        ("x**-2", "1/m^2"),
+        ("x**(1/2)*x**(3/2)", "m^2"),
+        ("abs(x')*x'", "m^2/s^2"),
+        ("sign(x')*k", "N/m"),
+        ("max(x, 0)", "m"),
+        ("atan2(x, l)", "1"),
+        ("n**phi", "1"),
+        ("y**3", "V^3"),
+        ("-x", "m"),
+    ],
+)
+def test_unit_of_an_expression(text: str, expected: str) -> None:
+    found = unit_of(parse_expression(text), unit)
+    assert found is not None
+    assert found.same_dimension(parse_unit(expected))
+
+
+def test_a_literal_zero_fits_every_unit() -> None:
+    assert unit_of(parse_expression("0"), unit) is None
+    assert unit_of(parse_expression("-0"), unit) is None
+    assert unit_of(parse_expression("2"), unit) == ONE
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("x + m", "adds 'x' in m and 'm' in kg"),
+        ("x - 1", "subtracts 'x' in m and '1' in 1"),
+        ("min(x, m)", "min() compares"),
+        ("sin(x)", "sin() needs a plain number, but 'x' is in m"),
+        ("exp(k*x)", "'k*x' is in N"),
+        ("2**x", "the power 'x' is in m"),
+        ("x**n", "'x' is in m"),
+        ("x**0.123", "'x' is in m"),
+        ("atan2(x, m)", "compares"),
+        ("((x**20)**20)**20", "no readable unit"),
+    ],
+)
+def test_units_that_do_not_fit_are_said(text: str, sentence: str) -> None:
+    with pytest.raises(ExpressionError) as caught:
+        unit_of(parse_expression(text), unit)
+    assert sentence in str(caught.value)

@@ -1,0 +1,86 @@
+"""The vocabulary: units of every key at every kind of place."""
+
+import pytest
+
+from symhyb.model.types import At, Between, Coordinate, Model, On, Place
+from symhyb.model.vocabulary import KINDS, LATER, force_unit, key_unit, stretch_unit
+from symhyb.units import parse_unit
+
+MODEL = Model(
+    "",
+    (
+        Coordinate("x", parse_unit("mm")),
+        Coordinate("phi", parse_unit("deg")),
+    ),
+    energy_unit=parse_unit("J"),
+)
+VOLTS = Model("", (Coordinate("y", parse_unit("V")),), energy_unit=parse_unit("V^2"))
+SPAN = Between("a", "b")
+
+
+@pytest.mark.parametrize(
+    ("kind", "key", "place", "text"),
+    [
+        ("spring", "stiffness", On("x"), "N/m"),
+        ("spring", "quadratic", On("x"), "N/m^2"),
+        ("spring", "cubic", SPAN, "N/m^3"),
+        ("spring", "length", SPAN, "m"),
+        ("spring", "stiffness", On("phi"), "N*m/rad"),
+        ("damper", "damping", On("x"), "N*s/m"),
+        ("damper", "damping", On("phi"), "N*m*s/rad"),
+        ("damper", "asymmetry", On("x"), "1"),
+        ("drag", "drag", On("x"), "N*s^2/m^2"),
+        ("drag", "drag", On("phi"), "N*m*s^2/rad^2"),
+        ("friction", "coulomb", On("phi"), "N*m"),
+        ("friction", "static", SPAN, "N"),
+        ("friction", "stribeck", On("x"), "m/s"),
+        ("friction", "transition", On("phi"), "rad/s"),
+        ("constant", "constant", On("x"), "N"),
+        ("law", "tension", SPAN, "N"),
+        ("force", "force.x", At("a"), "N"),
+        ("torque", "torque", On("phi"), "N*m"),
+    ],
+)
+def test_unit_of_a_key(kind: str, key: str, place: Place, text: str) -> None:
+    unit = key_unit(MODEL, kind, key, place)
+    assert unit.text == text
+    assert unit.factor == 1.0
+
+
+def test_other_coordinates_take_energy_over_coordinate() -> None:
+    place = On("y")
+    assert stretch_unit(VOLTS, place).text == "V"
+    assert force_unit(VOLTS, place).text == "V"
+    assert key_unit(VOLTS, "spring", "cubic", place).text == "1/V^2"
+    assert key_unit(VOLTS, "damper", "damping", place).text == "s"
+    assert key_unit(VOLTS, "friction", "transition", place).text == "V/s"
+
+
+@pytest.mark.parametrize("kind", KINDS.values(), ids=lambda kind: kind.name)
+def test_every_kind_is_complete(kind) -> None:  # type: ignore[no-untyped-def]
+    assert kind.words
+    assert kind.law
+    assert kind.strengths
+    assert {kind.key(name) is not None for name in kind.strengths} == {True}
+    for key in kind.keys:
+        if kind.name not in ("force", "torque", "law"):
+            assert key.name in kind.law or key.name in ("length", "asymmetry")
+        assert set(key.placements) <= set(kind.placements)
+        if key.default not in (None, "0"):
+            assert kind.key(str(key.default)) is not None
+
+
+def test_energy_says_whether_a_kind_resists() -> None:
+    passive = {name for name, kind in KINDS.items() if kind.passive}
+    assert passive == {"spring", "damper", "drag", "friction"}
+    assert KINDS["spring"].energy == "conservative"
+    assert KINDS["drag"].energy == "dissipative"
+
+
+def test_later_kinds_are_not_offered_yet() -> None:
+    assert not set(LATER) & set(KINDS)
+
+
+def test_an_unknown_key_is_a_key_error() -> None:
+    with pytest.raises(KeyError, match="has no key 'mass'"):
+        key_unit(MODEL, "spring", "mass", On("x"))

@@ -1,0 +1,85 @@
+"""diagnosis.json: valid under the schema for every verdict, finite numbers only."""
+
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from importlib import resources
+
+import jsonschema
+import pytest
+
+from symhyb.discrepancy.results import Diagnosis, Verdict
+from symhyb.errors import NumericsError
+from symhyb.report import exit_status, to_json
+from symhyb.report.contract import UNBOUNDED
+
+Cases = dict[str, Callable[[], tuple[Diagnosis, Verdict]]]
+SCHEMA = json.loads(resources.files("symhyb.report").joinpath("diagnosis.schema.json").read_text())
+
+
+def test_every_verdict_is_valid_and_strict_json(case: tuple[Diagnosis, Verdict]) -> None:
+    content = to_json(*case)
+    jsonschema.validate(content, SCHEMA, jsonschema.Draft202012Validator)
+    assert json.loads(json.dumps(content, allow_nan=False)) == content
+
+
+def test_found_effects_say_place_terms_and_numbers(cases: Cases) -> None:
+    content = to_json(*cases["missing"]())
+    friction, _, constant = content["found"]
+    assert friction["place"] == {"on": "q"}
+    assert friction["parameters"]["F_c"] == {
+        "value": 20.41, "sd": 0.12, "unit": "N", "term": "coulomb",
+    }  # fmt: skip
+    assert constant["law"] == "constant"
+    assert content["places"][1]["place"] == {"between": ["anchor", "tip"]}
+    assert content["places"][0]["active"]["time"] == [[0.4, 5.6], [6.4, 11.6]]
+    assert content["remainder"]["share"] == 0.0043
+    assert content["format"] == 1
+    assert content["log"]
+    assert content["notes"]
+
+
+def test_scores_hold_every_kind_before_and_after(cases: Cases) -> None:
+    scores = to_json(*cases["missing"]())["scores"]
+    assert scores["window_s"] == 0.25
+    assert scores["force_band_hz"] == 60.0
+    assert scores["carries"].startswith("The errors over windows")
+    assert scores["holdout"]["before"]["window_nrmse"] == {"encoder": 0.024}
+    assert set(scores["train"]["after"]) == {
+        "force_nrmse", "window_nrmse", "free_run_nrmse",
+        "force_residual", "window_rmse", "free_run_rmse",
+    }  # fmt: skip
+
+
+def test_what_could_not_be_computed_is_null_or_unbounded(cases: Cases) -> None:
+    content = to_json(*cases["failed"]())
+    assert content["scores"]["train"]["before"]["window_nrmse"] == {"encoder": None}
+    assert content["remainder"]["share"] is None
+    assert content["noise"] == {}
+    assert [row["explained"] for row in content["places"]] == [None, None]
+    assert content["found"][0]["share"] is None
+    assert content["found"][0]["parameters"]["F_c"]["sd"] == UNBOUNDED
+    assert "stretch" not in content["found"][0]["active"]
+    assert content["found"][0]["active"]["rate"] == [-0.1, 0.1]
+
+
+def test_alternatives_name_exactly_one_cause(cases: Cases) -> None:
+    place, channel, parameter = to_json(*cases["undecided"]())["alternatives"]
+    named = {"place", "channel", "parameter"}
+    assert [named & set(rival) for rival in (place, channel, parameter)] == [
+        {"place"}, {"channel"}, {"parameter"},
+    ]  # fmt: skip
+    assert place["instead_of"] is None
+
+
+def test_a_fitted_value_that_is_no_number_is_refused(cases: Cases) -> None:
+    diagnosis, verdict = cases["parameters"]()
+    broken = replace(diagnosis.parameters[0], value=float("nan"))
+    with pytest.raises(NumericsError, match="k came out as nan"):
+        to_json(replace(diagnosis, parameters=(broken,)), verdict)
+
+
+def test_exit_status_is_zero_only_if_nothing_is_missing(cases: Cases) -> None:
+    status = {name: exit_status(make()[0]) for name, make in cases.items()}
+    assert status.pop("null") == 0
+    assert set(status.values()) == {1}

@@ -1,0 +1,161 @@
+"""The report page: parses, needs nothing from outside, escapes names, says things in order."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import pytest
+
+from symhyb.discrepancy.results import Diagnosis, Verdict
+from symhyb.model.types import Between, Model, On
+from symhyb.report import render_page
+from symhyb.report.tables import place_units
+
+Cases = dict[str, Callable[[], tuple[Diagnosis, Verdict]]]
+VOID = frozenset({"meta", "img", "br"})
+DIFFERENCE = "--- a.toml\n+++ b.toml\n [elements.motor]\n+[elements.found_drag]\n-k = 980\n"
+
+
+class Page(HTMLParser):
+    """What a browser sees: text, headings, images; fails where tags do not match."""
+
+    def __init__(self, html: str):
+        super().__init__()
+        self.open: list[str] = []
+        self.seen: list[str] = []
+        self.attributes: list[tuple[str, str, str | None]] = []
+        self.texts: list[str] = []
+        self.feed(html)
+        self.close()
+        assert self.open == []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.seen.append(tag)
+        self.attributes += [(tag, name, value) for name, value in attrs]
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        if "style" not in self.open:
+            self.texts.append(data)
+
+    @property
+    def text(self) -> str:
+        return " ".join(" ".join(self.texts).replace("\u00a0", " ").split())
+
+    def values(self, tag: str, name: str) -> list[str | None]:
+        return [value for at, key, value in self.attributes if (at, key) == (tag, name)]
+
+
+def rendered(case: tuple[Diagnosis, Verdict], model: Model | None) -> tuple[str, Page]:
+    made_from = {"model": "emps.toml", "SHA-256": "ab" * 32}
+    html = render_page("Slide & rail", *case, DIFFERENCE, made_from, model)
+    return html, Page(html)
+
+
+def test_every_verdict_makes_a_page_that_needs_nothing_else(
+    case: tuple[Diagnosis, Verdict], model: Model
+) -> None:
+    html, page = rendered(case, model)
+    assert "script" not in page.seen
+    assert "link" not in page.seen
+    assert "http://" not in html
+    assert "https://" not in html
+    assert "url(" not in html
+    assert "@import" not in html
+    assert all(value and value.startswith("data:image/") for value in page.values("img", "src"))
+    assert not page.values("a", "href")
+
+
+def test_every_verdict_is_accessible(case: tuple[Diagnosis, Verdict], model: Model) -> None:
+    _, page = rendered(case, model)
+    assert page.seen.count("h1") == 1
+    assert all(len(alternative or "") > 20 for alternative in page.values("img", "alt"))
+    assert len(page.values("img", "alt")) == page.seen.count("img")
+    assert page.values("html", "lang") == ["en"]
+    assert set(page.values("th", "scope")) <= {"col"}
+
+
+def test_sentences_come_first_then_pictures_then_tables(cases: Cases, model: Model) -> None:
+    html, page = rendered(cases["missing"](), model)
+    order = [
+        "Missing physics", "On q the model lacks", "What was found",
+        "cannot tell apart", "Record next", "How well the model simulates", "What is left",
+        "Measured and simulated", "The force that the model leaves over", "Numbers",
+        "Found effects", "Scores before and after", "Map of the mismatch",
+        "What changes in the model file", "What was handled", "How it was decided", "Made from",
+    ]  # fmt: skip
+    text = page.text[page.text.index("Slide & rail", 20) :]
+    positions = [text.index(words) for words in order]
+    assert positions == sorted(positions)
+    assert html.index("<img") < html.index("<table")
+
+
+def test_values_are_given_with_deviation_and_unit(cases: Cases, model: Model) -> None:
+    _, page = rendered(cases["missing"](), model)
+    assert "20.41 ± 0.12 N" in page.text
+    assert "203.4 ± 1.3 N·s/m" in page.text
+    assert "0.0123 mm" in page.text  # noise in the unit of the sensor
+    assert "0.02 to 0.24 m" in page.text
+    assert "carry the verdict" in page.text
+
+
+def test_lines_of_the_difference_are_marked(cases: Cases, model: Model) -> None:
+    html, _ = rendered(cases["missing"](), model)
+    assert '<span class="plus">+[elements.found_drag]</span>' in html
+    assert '<span class="minus">-k = 980</span>' in html
+    assert '<span class="place">--- a.toml</span>' in html
+
+
+def test_hostile_names_stay_text(cases: Cases, model: Model) -> None:
+    html, page = rendered(cases["hostile"](), model)
+    assert "<script" not in html
+    assert "<script>alert('x')</script>" in page.text
+
+
+def test_nothing_missing_makes_a_short_page(cases: Cases, model: Model) -> None:
+    _, page = rendered(cases["null"](), model)
+    assert "What was found" not in page.text
+    assert "unexplained" not in page.text
+    assert "No recording was held out" in page.text
+    assert "Before is the model as given" not in page.text
+
+
+def test_failures_are_said(cases: Cases, model: Model) -> None:
+    _, page = rendered(cases["failed"](), model)
+    assert "It stopped at 12 s" in page.text
+    assert "could not be computed" in page.text
+    assert "in simulation.csv: 1 more measured signals" in page.text
+    assert "nan" not in page.text.lower().split()
+
+
+def test_many_signals_are_not_all_drawn_and_that_is_said(cases: Cases, model: Model) -> None:
+    diagnosis, verdict = cases["null"]()
+    trace = verdict.traces[0]
+    many = {f"s{index}": trace.measured["encoder"][:50] for index in range(20)}
+    full = replace(trace, t=trace.t[:50], measured=many, before=many, after=many)
+    _, page = rendered((replace(diagnosis, clouds=()), replace(verdict, traces=(full,))), model)
+    assert "in simulation.csv: 8 more measured signals" in page.text
+
+
+def test_without_a_model_units_are_said_to_be_si(cases: Cases) -> None:
+    _, page = rendered(cases["missing"](), None)
+    assert "0.02 to 0.24 SI" in page.text
+
+
+@pytest.mark.parametrize(
+    ("place", "units"),
+    [
+        (On("q"), ("m", "m/s", "N")),
+        (On("phi"), ("rad", "rad/s", "N*m")),
+        (Between("anchor", "tip"), ("m", "m/s", "N")),
+    ],
+)
+def test_places_have_the_units_of_their_coordinate(
+    place: On | Between, units: tuple[str, str, str], model: Model
+) -> None:
+    shown = place_units(model, place)
+    assert (shown.stretch.text, shown.rate.text, shown.force.text) == units

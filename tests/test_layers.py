@@ -1,0 +1,105 @@
+"""The shape of the package: layers, libraries in their rooms, nothing that runs a file as code.
+
+The contracts of ``pyproject.toml`` say which layer and which library may be seen from where; the
+rest of this file says what they cannot.
+"""
+
+import ast
+import subprocess
+import sys
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+
+RUNS_CODE = frozenset({"eval", "exec", "compile", "__import__", "sympify", "parse_expr"})
+LOADS_CODE = frozenset({"pickle", "dill", "cloudpickle", "shelve", "marshal", "joblib.load"})
+
+
+@cache
+def sources() -> dict[str, ast.Module]:
+    """Every file of the package by its path inside the repository."""
+    return {
+        file.relative_to(ROOT).as_posix(): ast.parse(file.read_text(encoding="utf-8"), str(file))
+        for file in sorted(ROOT.glob("symhyb/**/*.py"))
+    }
+
+
+def imported(tree: ast.AST) -> Iterator[str]:
+    """Dotted names of all imports, at the top of a file or inside a function."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+
+
+def imports(tree: ast.AST, library: str) -> bool:
+    return any(f"{name}.".startswith(f"{library}.") for name in imported(tree))
+
+
+def files_importing(library: str) -> set[str]:
+    return {file for file, tree in sources().items() if imports(tree, library)}
+
+
+def unsafe(tree: ast.AST) -> Iterator[str]:
+    """What turns text or bytes of a file into running code, each with its line."""
+    yield from (f"import of {library}" for library in sorted(LOADS_CODE) if imports(tree, library))
+    yield from (name for name in imported(tree) if name.split(".")[-1] in RUNS_CODE - {"compile"})
+    for node in ast.walk(tree):
+        match node:
+            case ast.Name(id=name) if name in RUNS_CODE:
+                yield f"line {node.lineno}: {name}"
+            case ast.Attribute(attr=name) if name in RUNS_CODE - {"compile"}:
+                yield f"line {node.lineno}: {name}"  # not re.compile, which compiles patterns
+            case ast.keyword(arg="allow_pickle", value=ast.Constant(value=True)):
+                yield f"line {node.lineno}: allow_pickle=True"
+
+
+def test_contracts_of_the_import_linter_hold() -> None:
+    lint_imports = Path(sys.executable).with_name("lint-imports")
+    done = subprocess.run(
+        [lint_imports, "--no-logo", "--no-cache"], cwd=ROOT, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_exactly_one_file_sees_both_sympy_and_casadi() -> None:
+    assert files_importing("sympy") & files_importing("casadi") == {"symhyb/numeric/translate.py"}
+
+
+def test_neural_networks_stay_in_their_room() -> None:
+    assert files_importing("sklearn.neural_network") <= {"symhyb/correction/network.py"}
+
+
+def test_no_file_runs_text_or_bytes_as_code() -> None:
+    found = {file: list(unsafe(tree)) for file, tree in sources().items()}
+    assert {file: lines for file, lines in found.items() if lines} == {}
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "eval('1')",
+        "f = exec",
+        "sp.sympify(x)",
+        "from sympy.parsing.sympy_parser import parse_expr as p\np(x)",
+        "import pickle",
+        "def f():\n    from pickle import loads",
+        "from joblib import load",
+        "np.load(x, allow_pickle=True)",
+        "builtins.eval(x)",
+    ],
+)
+def test_unsafe_code_would_be_seen(text: str) -> None:
+    assert list(unsafe(ast.parse(text)))
+
+
+@pytest.mark.parametrize(
+    "text", ["re.compile('a')", "casadi.Function('f', [x], [y])", "np.load(x, allow_pickle=False)"]
+)
+def test_safe_code_is_let_through(text: str) -> None:
+    assert not list(unsafe(ast.parse(text)))

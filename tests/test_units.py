@@ -1,0 +1,108 @@
+"""Units: parsed once, multiplied as text, and read back the same."""
+
+import math
+from fractions import Fraction
+
+import pytest
+
+from symhyb.units import ONE, Unit, UnitError, parse_unit
+
+N, M, S, V, RAD = (parse_unit(text) for text in ("N", "m", "s", "V", "rad"))
+
+
+@pytest.mark.parametrize(
+    ("product", "text"),
+    [
+        (V * V, "V^2"),
+        (N / M / M, "N/m^2"),
+        (N * S / M, "N*s/m"),
+        (N * S / M * S / M, "N*s^2/m^2"),
+        (N * M * S / RAD, "N*m*s/rad"),
+        (M / M, "1"),
+        (ONE / S, "1/s"),
+        (N / (M * S), "N/m/s"),
+        (RAD * (ONE / RAD), "1"),
+        (V ** Fraction(1, 2), "V^(1/2)"),
+        (parse_unit("s^2") * V**2 / S**2, "V^2"),
+    ],
+)
+def test_products_stay_readable_and_read_back(product: Unit, text: str) -> None:
+    assert product.text == text
+    again = parse_unit(text)
+    assert again.text == text
+    assert again.dimension == product.dimension
+    assert again.factor == pytest.approx(product.factor, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("text", "factor"),
+    [
+        ("1", 1.0),
+        ("mm", 1e-3),
+        ("N/mm", 1e3),
+        ("kHz", 1e3),
+        ("deg", math.pi / 180),
+        ("rpm", 2 * math.pi / 60),
+        ("min", 60.0),
+        ("in", 0.0254),
+        ("lbf", 4.4482216152605),
+        ("km^2/h", 1e6 / 3600),
+        ("mm^(1/2)", math.sqrt(1e-3)),
+        ("N/(m*s)", 1.0),
+    ],
+)
+def test_factor_to_coherent_si(text: str, factor: float) -> None:
+    assert parse_unit(text).factor == pytest.approx(factor, rel=1e-12)
+
+
+def test_dimensions_decide_what_can_be_converted() -> None:
+    assert parse_unit("N*m").same_dimension(parse_unit("J"))
+    assert parse_unit("kg*m/s^2").same_dimension(N)
+    assert not parse_unit("N/m").same_dimension(parse_unit("N*s/m"))
+
+
+def test_radian_is_a_number_but_stays_in_the_text() -> None:
+    assert RAD.is_number
+    assert RAD.factor == 1.0
+    assert parse_unit("N*m/rad").text == "N*m/rad"
+    assert parse_unit("N*m/rad").same_dimension(parse_unit("N*m"))
+
+
+def test_angles_are_told_from_other_numbers() -> None:
+    assert all(parse_unit(text).is_angle for text in ("rad", "deg", "mrad", "turn"))
+    assert not any(parse_unit(text).is_angle for text in ("1", "rad/s", "rad^2", "mm/m", "m"))
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("newtn", "did you mean 'newton'"),
+        ("Nm", "did you mean 'N*m'"),
+        ("Ns/m", "did you mean 'N*s'"),
+        ("N**2", "power is '^'"),
+        ("N m", "'m' is unexpected"),
+        ("m²", "'²' is unexpected"),
+        ("", "unit is empty"),
+        ("m*", "ends too early"),
+        ("(m", "lacks a ')'"),
+        ("m)", "')' is unexpected"),
+        ("m^", "needs a number after '^'"),
+        ("m^x", "needs a number after '^'"),
+        ("m^(1/0)", "over 0"),
+        ("m^400", "power 400"),
+        ("2*m", "'2' is unexpected"),
+        ("m" * 200, "too long"),
+        ("k", "not a known unit"),  # Boltzmann's constant in pint
+        ("c", "not a known unit"),  # the speed of light
+        ("degC", "K"),
+    ],
+)
+def test_what_is_no_unit_is_refused_with_a_sentence(text: str, sentence: str) -> None:
+    with pytest.raises(UnitError) as caught:
+        parse_unit(text)
+    assert sentence in str(caught.value)
+
+
+def test_units_are_values() -> None:
+    assert parse_unit("N/m") == N / M
+    assert len({parse_unit("N/m"), N / M}) == 1
