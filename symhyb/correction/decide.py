@@ -8,13 +8,13 @@
 3. Terms are added, swapped and dropped around the winner until nothing changes.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from symhyb.correction.screen import screen
-from symhyb.correction.selection import Problem, Subset, best_subsets, solve
+from symhyb.correction.selection import LARGEST, Problem, Subset, best_subsets, solve
 from symhyb.correction.trajectory import Refined, refine
 from symhyb.discrepancy.hypotheses import Hypothesis, Library
 from symhyb.discrepancy.windows import Laid
@@ -22,9 +22,11 @@ from symhyb.numeric.buffers import Array
 from symhyb.numeric.windows import WindowModel
 
 SIGNIFICANT = 10.0  # Δχ²/c − k ln N on fitted windows, Δχ²/c on held ones (10: odds of 150 to 1)
-PART_LEFT = 1 / 3  # of the mismatch that is left, which a cause must take
+PART_LEFT = 1 / 2  # of the mismatch that is left, which a cause must take
 RIVAL = 10.0  # of the criterion: closer than this, a rival is told
 TRIALS = 3  # refined structures of each size
+PROMISE = 0.3  # of what is left, which the linear problem must promise before a trial
+ROUNDS = 5
 
 Say = Callable[[str], None]
 
@@ -73,20 +75,19 @@ class Decision:
 def decide(setting: Setting, proposals: Sequence[Subset], say: Say) -> Decision:
     """Choose a structure. ``proposals`` are subsets from other screens, by cause index."""
     log: list[str] = []
-    pool: dict[tuple[int, ...], Subset] = {subset.causes: subset for subset in proposals}
-    twins: tuple[tuple[int, int], ...] = ()
+    pool = {subset.causes for subset in proposals}
     for stage in setting.stages:
         say(f"screening {len(setting.hypotheses)} causes on windows of {stage.length_s:.3g} s")
         problem = _screened(setting, stage)
         twins = exact_twins(problem)
-        for sized in best_subsets(_without(problem, {second for _, second in twins})):
-            for subset in sized[:TRIALS]:
-                pool[subset.causes] = subset
+        problem = without(problem, {second for _, second in twins})
+        pool |= {s.causes for sized in best_subsets(problem) for s in sized[:TRIALS]}
+    subsets = [subset for causes in sorted(pool) if (subset := solve(problem, causes)) is not None]
     trials = _Trials(setting, say)
     nothing = trials.refined(())
-    winner = _climb(trials, nothing, list(pool.values()), log)
-    for _ in range(4):
-        better = _improve(trials, winner, twins, log)
+    winner = _climb(trials, nothing, problem, subsets, log)
+    for _ in range(ROUNDS):
+        better = _improved(trials, winner, problem, log)
         if better is winner:
             break
         winner = better
@@ -101,79 +102,137 @@ class _Trials:
         self.setting, self.say = setting, say
         self.done: dict[tuple[int, ...], Refined] = {}
 
-    def refined(self, causes: tuple[int, ...], values: Sequence[float] = ()) -> Refined:
-        causes = tuple(causes)
+    def refined(
+        self,
+        causes: Sequence[int],
+        values: Sequence[float] = (),
+        starts: Sequence[Array] | None = None,
+    ) -> Refined:
         key = tuple(sorted(causes))
         if key not in self.done:
             chosen = [self.setting.hypotheses[cause] for cause in causes]
-            self.say("trying " + (" + ".join(map(str, chosen)) or "the model as it is"))
-            start, rest = {}, list(values)
+            self.say("trying " + _named(chosen))
+            first, rest = {}, list(values)
             for i, cause in enumerate(chosen):
-                start[i] = [rest.pop(0) for _ in cause.terms]
-            stage = self.setting.stages[-1]
-            model = self.setting.windows.machine.model
-            self.done[key] = refine(model, chosen, start, stage.laid, self.setting.sd)
+                first[i], rest = rest[: len(cause.terms)], rest[len(cause.terms) :]
+            stage, model = self.setting.stages[-1], self.setting.windows.machine.model
+            self.done[key] = refine(model, chosen, first, stage.laid, self.setting.sd, starts)
         return self.done[key]
 
     def causes(self, trial: Refined) -> tuple[int, ...]:
         return tuple(self.setting.hypotheses.index(cause) for cause in trial.causes)
 
 
-def _climb(trials: _Trials, nothing: Refined, pool: list[Subset], log: list[str]) -> Refined:
-    """From no cause upwards: the smallest larger structure that earns its place, and so on."""
-    winner = nothing
-    for size in range(1, max((len(s.causes) for s in pool), default=0) + 1):
+def _climb(
+    trials: _Trials, nothing: Refined, problem: Problem, pool: list[Subset], log: list[str]
+) -> Refined:
+    """From no cause upwards: the smallest larger structure that earns its place, and so on.
+
+    A structure is refined only if the linear problem promises a part of what is left.
+    """
+    winner, left = nothing, problem.gram[-1, -1]
+    for size in range(1, LARGEST + 1):
         sized = sorted((s for s in pool if len(s.causes) == size), key=lambda s: s.chi2)
-        best: Refined | None = None
-        for subset in sized[: 2 * TRIALS]:
-            trial = trials.refined(subset.causes, subset.values)
-            if best is None or _criterion(trial, trial) < _criterion(best, trial):
-                best = trial
-        if best is None:
+        promising = [s for s in sized if s.chi2 < (1 - PROMISE) * left][:TRIALS]
+        tried = [trials.refined(s.causes, s.values) for s in promising]
+        if not tried:
             continue
+        closest = min(tried, key=lambda trial: trial.fit.train)
+        best = min(tried, key=lambda trial: _criterion(trial, closest))
         earned, sentence = earns(best, winner)
         log.append(sentence)
         if earned:
             winner = best
-        elif size > len(winner.causes) + 2:
-            break
+            subset = solve(problem, trials.causes(best))
+            left = left if subset is None else subset.chi2
     return winner
 
 
-def _improve(
-    trials: _Trials, winner: Refined, twins: Sequence[tuple[int, int]], log: list[str]
-) -> Refined:
-    """Add, swap or drop one cause around the winner, linearised along its own simulation."""
-    problem = _around(trials, winner)
-    dropped = {second for _, second in twins}
-    held = set(trials.causes(winner))
-    best = winner
-    base = solve(problem, ())
-    if base is None:
-        return winner
-    added = [s for c in range(len(problem.hypotheses)) if c not in held | dropped
-             if (s := solve(problem, (c,))) is not None]  # fmt: skip
-    for subset in sorted(added, key=lambda s: s.chi2)[:TRIALS]:
-        gain = (base.chi2 - subset.chi2) / _unit(winner)
-        if gain < SIGNIFICANT:
-            continue
-        values = [*_terms(winner), *subset.values]
-        trial = trials.refined((*trials.causes(winner), *subset.causes), values)
-        earned, sentence = earns(trial, best)
+def _improved(trials: _Trials, winner: Refined, problem: Problem, log: list[str]) -> Refined:
+    """The winner with one cause added, swapped or dropped, if that is better; else itself."""
+    for trial in _additions(trials, winner):
+        earned, sentence = earns(trial, winner)
         log.append(sentence)
         if earned:
-            best = trial
-    if best is not winner:
-        return best
+            return trial
+    for trial in _swaps(trials, winner, problem):
+        if _criterion(trial, winner) < _criterion(winner, winner) - SIGNIFICANT:
+            log.append(f"{_named(trial.causes)} instead of {_named(winner.causes)}: fits better")
+            return trial
+    for simpler in _simplifications(trials, winner):
+        earned, sentence = earns(winner, simpler)
+        log.append(sentence)
+        if not earned:
+            return simpler
     for i, cause in enumerate(trials.causes(winner)):
-        rest = tuple(c for c in trials.causes(winner) if c != cause)
-        kept = [v for j, vs in enumerate(_grouped(winner)) if j != i for v in vs]
+        rest = [c for c in trials.causes(winner) if c != cause]
+        kept = [v for j, row in enumerate(grouped(winner)) if j != i for v in row]
         smaller = trials.refined(rest, kept)
         earned, sentence = earns(winner, smaller)
         log.append(sentence)
         if not earned:
             return smaller
-    return best
+    return winner
+
+
+def _additions(trials: _Trials, winner: Refined) -> Iterator[Refined]:
+    """One more cause, where the linearisation along the winner's own simulation promises it."""
+    problem = _around(trials, winner)
+    taken = set(trials.causes(winner))
+    base = solve(problem, ())
+    if base is None:
+        return
+    more = [s for c in range(len(problem.hypotheses)) if c not in taken
+            if (s := solve(problem, (c,))) is not None]  # fmt: skip
+    for subset in sorted(more, key=lambda s: s.chi2)[:TRIALS]:
+        gain = (base.chi2 - subset.chi2) / _unit(winner)
+        if gain > SIGNIFICANT and base.chi2 - subset.chi2 > PROMISE * _excess(base.chi2, winner):
+            values = [*(v for row in grouped(winner) for v in row), *subset.values]
+            causes = (*trials.causes(winner), *subset.causes)
+            yield trials.refined(causes, values, winner.fit.starts)
+
+
+def _swaps(trials: _Trials, winner: Refined, problem: Problem) -> Iterator[Refined]:
+    """For each cause of the winner the best replacement at another place or of another kind."""
+    causes = trials.causes(winner)
+    for cause in causes:
+        rest = [c for c in causes if c != cause]
+        mine = problem.hypotheses[cause]
+        options = [
+            subset
+            for c, other in enumerate(problem.hypotheses)
+            if c not in causes and (other.kind, other.place) != (mine.kind, mine.place)
+            if (subset := solve(problem, (*rest, c))) is not None
+        ]
+        if options:
+            best = min(options, key=lambda s: s.chi2)
+            yield trials.refined(best.causes, best.values)
+
+
+def _percent(part: float) -> str:
+    return "nothing" if part <= 0 else f"{100 * part:.3g} %"
+
+
+def _simplifications(trials: _Trials, winner: Refined) -> Iterator[Refined]:
+    """The winner with one law replaced by a simpler one of its kind (Stribeck by Coulomb)."""
+    for i, cause in enumerate(winner.causes):
+        for other in trials.setting.hypotheses:
+            same = (other.kind, other.place, other.path) == (cause.kind, cause.place, cause.path)
+            if not same or not set(other.terms) < set(cause.terms):
+                continue
+            rows = grouped(winner)
+            rows[i] = [rows[i][cause.terms.index(term)] for term in other.terms]
+            causes = [*winner.causes[:i], other, *winner.causes[i + 1 :]]
+            indices = [trials.setting.hypotheses.index(c) for c in causes]
+            yield trials.refined(indices, [v for row in rows for v in row], winner.fit.starts)
+
+
+def _excess(chi2: float, trial: Refined) -> float:
+    return max(chi2 - float(trial.fit.count[~trial.fit.held].sum()), 1e-12)
+
+
+def _named(causes: Sequence[Hypothesis]) -> str:
+    return " + ".join(map(str, causes)) or "the model as it is"
 
 
 def earns(larger: Refined, smaller: Refined) -> tuple[bool, str]:
@@ -193,14 +252,13 @@ def earns(larger: Refined, smaller: Refined) -> tuple[bool, str]:
             (bool(larger.fit.reason), larger.fit.reason),
             (not fitted > SIGNIFICANT, f"not significant on fitted windows ({fitted:.3g})"),
             (validation and not held > SIGNIFICANT, f"not on held windows ({held:.3g})"),
-            (not part > needed, f"takes only {100 * part:.2g} % of what is left"),
+            (not part > needed, f"takes {_percent(part)} of what is left"),
         )
         if wrong
     ]
-    names = " + ".join(map(str, larger.causes)) or "the model as it is"
-    against = " + ".join(map(str, smaller.causes)) or "the model as it is"
+    names, against = _named(larger.causes), _named(smaller.causes)
     judged = "rejected: " + ", ".join(failed) if failed else (
-        f"accepted: takes {100 * part:.3g} % of what {against} leaves"
+        f"accepted: takes {_percent(part)} of what is left"
     )
     return not failed, f"{names}, against {against}: {judged}"
 
@@ -264,7 +322,7 @@ def _around(trials: _Trials, winner: Refined) -> Problem:
     ).problem
 
 
-def _without(problem: Problem, dropped: set[int]) -> Problem:
+def without(problem: Problem, dropped: set[int]) -> Problem:
     """The problem in which some causes can no longer be chosen."""
     bounds = problem.upper.copy()
     for cause in dropped:
@@ -286,7 +344,7 @@ def _criterion(trial: Refined, reference: Refined) -> float:
     return trial.fit.train / _unit(reference) + trial.numbers * float(np.log(size))
 
 
-def _grouped(trial: Refined) -> list[list[float]]:
+def grouped(trial: Refined) -> list[list[float]]:
     """Fitted values of the terms (without refined shapes), cause by cause; changes for parameters."""
     rows, i = [], 0
     for cause in trial.causes:
@@ -297,7 +355,3 @@ def _grouped(trial: Refined) -> list[list[float]]:
         rows.append(values)
         i += cause.numbers
     return rows
-
-
-def _terms(trial: Refined) -> list[float]:
-    return [value for row in _grouped(trial) for value in row]

@@ -53,7 +53,7 @@ def screen(
         if starts is None:
             linear = model.along(item.block, item.motion, p)
         else:
-            linear = model.differentiate(item.block, starts[i], p)
+            linear = model.differentiate(item.block, starts[i], p, forces=True)
         residual = item.block.y - linear.output - linear.from_defect()
         columns = [_force_columns(library, item, linear), linear.from_free()]
         parts.append(

@@ -14,7 +14,7 @@ from symhyb.discrepancy.hypotheses import Hypothesis
 from symhyb.numeric.buffers import Array
 
 BEAM = 24
-LARGEST = 7  # causes at once
+LARGEST = 5  # causes at once
 CONDITION = 1e10  # of scaled columns: beyond, a subset cannot be told apart
 
 

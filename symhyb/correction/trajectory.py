@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symhyb.discrepancy.hypotheses import Hypothesis
-from symhyb.discrepancy.matching import Fit, Task, fit
+from symhyb.discrepancy.matching import TRIAL_DECREASE, TRIAL_ITERATIONS, Fit, Task, fit
 from symhyb.discrepancy.windows import Laid
 from symhyb.model.types import Element, Model
 from symhyb.numeric.buffers import Array
@@ -19,6 +19,7 @@ from symhyb.numeric.windows import WindowModel
 
 SHAPE_REACH = 30.0  # a refined shape stays within this factor of where it was tried
 GAIN_REACH = 0.5
+STEEP = ("friction",)  # kinds that need finer steps at reversals
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,10 +77,21 @@ def refine(
         if cause.place is None:
             p[machine.column(cause.path)] += start[i][0]
     lower, upper, mean, spread = _limits(machine, causes)
+    kinds = {element.kind for element in extended.elements}
+    if not kinds & set(STEEP):
+        laid = [_coarse(item) for item in laid]
     task = Task(tuple(laid), sd, lower, upper, mean, spread, everything)
+    if not everything:
+        task = replace(task, decrease=TRIAL_DECREASE, iterations=TRIAL_ITERATIONS)
     fitted = fit(WindowModel(machine, free), task, p, starts)
     p[list(free)] = fitted.values
     return Refined(tuple(causes), machine, paths, p, fitted)
+
+
+def _coarse(item: Laid) -> Laid:
+    """The windows with the fewest steps everywhere: no steep law needs more at reversals."""
+    parts = np.full_like(item.block.substeps, item.block.substeps.min())
+    return replace(item, block=replace(item.block, substeps=parts))
 
 
 def _paths(index: int, cause: Hypothesis) -> list[str]:

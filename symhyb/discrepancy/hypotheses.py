@@ -21,7 +21,7 @@ from symhyb.numeric.buffers import Array, call, mapped
 from symhyb.numeric.machine import Machine, build
 from symhyb.units import ONE
 
-TRANSITION_SHARE = 2e-3  # of the largest rate: the friction transition that is tried
+TRANSITION_SHARE = 1e-4  # of the largest rate: the friction transition that is tried
 STRIBECK_SHARES = (0.05, 0.2)  # of the largest rate
 DULL = ("parameter", "gain", "offset")
 

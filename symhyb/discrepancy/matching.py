@@ -16,8 +16,10 @@ from symhyb.discrepancy.windows import Laid, correlation_time
 from symhyb.numeric.buffers import Array
 from symhyb.numeric.windows import WindowModel
 
-PREDICTED_DECREASE = 1e-5  # of the cost: stop
+DECREASE = 1e-6  # of the cost, predicted: stop
 ITERATIONS = 30
+TRIAL_DECREASE = 1e-4
+TRIAL_ITERATIONS = 7  # a structure that needs more is not close
 DAMPING_MOST = 1e8
 
 
@@ -68,6 +70,8 @@ class Task:
     mean: Array
     spread: Array
     everything: bool = False
+    decrease: float = DECREASE
+    iterations: int = ITERATIONS
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,12 +99,12 @@ def fit(
     if not np.isfinite(cost):
         return _failed(task, now, values, "the simulation grew without bound")
     damping = 0.0
-    for _ in range(ITERATIONS):
+    for _ in range(task.iterations):
         parts = _linearise(model, task, p, values, now)
         accepted = False
         while damping <= DAMPING_MOST:
             change, moved, predicted = _step(task, parts, values, damping)
-            if predicted <= PREDICTED_DECREASE * cost:
+            if predicted <= task.decrease * cost:
                 break
             trial, ahead = values + change, [s + d for s, d in zip(now, moved, strict=True)]
             after = _cost(model, task, p, trial, ahead)
@@ -109,7 +113,7 @@ def fit(
                 gained, values, now, cost = cost - after, trial, ahead, after
                 break
             damping = max(10 * damping, 1e-3)
-        if not accepted or gained <= PREDICTED_DECREASE * cost:
+        if not accepted or gained <= task.decrease * cost:
             break
     return _finish(task, _linearise(model, task, p, values, now), values, now)
 

@@ -8,7 +8,7 @@ special care. Sizes: N samples, n coordinates, m sensors, B coefficients a coord
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import sparse
@@ -38,6 +38,11 @@ class Motion:
     a_sd: Array
     sd: Array
     spacing_s: float
+
+    def every(self, factor: int) -> "Motion":
+        """The motion at the middle of each block of ``factor`` samples."""
+        rows = np.arange(self.t.size // factor) * factor + factor // 2
+        return replace(self, t=self.t[rows], q=self.q[rows], v=self.v[rows], a=self.a[rows])
 
 
 def measured(recording: Recording, machine: Machine) -> Array:
@@ -96,9 +101,10 @@ def motion_of(recording: Recording, machine: Machine) -> Motion:
     fit = best[1]
     q, v, a = (np.column_stack([b @ c for c in fit.coefficients]) for b in fit.basis)
     scale = np.sqrt(fit.variance)
-    bands = [scale * band for band in fit.bands]
-    spread = np.array([_rms(column) for column in fit.residual.T])
-    return Motion(t, q, v, a, *bands, spread, fit.spacing)
+    q_sd, v_sd, a_sd = (scale * band for band in fit.bands)
+    lost = machine.n * fit.basis[0].shape[1] / max(int(np.isfinite(fit.residual).sum()), 1)
+    spread = np.array([_rms(column) for column in fit.residual.T]) / np.sqrt(1 - lost)
+    return Motion(t, q, v, a, q_sd, v_sd, a_sd, spread, fit.spacing)
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""Force laws: a kind of the vocabulary as a SymPy expression in stretch and rate.
+r"""Force laws: a kind of the vocabulary as a SymPy expression in stretch and rate.
 
     passive kinds resist:  Q = −(∂s/∂q)ᵀ F        wall |--/\/\/--[m]-> s   F > 0 pulls back
     active kinds push:     Q = +F on a coordinate, a tension between points

@@ -34,6 +34,7 @@ class Machine:
         outputs: (q, v, a, u, t, p) -> (m,) what the sensors record, without noise and delay.
         output_slopes: the same arguments -> (m, n) ∂y/∂q, ∂y/∂v and ∂y/∂a.
         discrepancy: (q, v, a, u, t, p) -> (n,) ΔF = M a + k_c − k_e.
+        weak: (q, v, u, t, p) -> (n,) momentum p and (n,) ∂T/∂q + k_e, so that ΔF = p' − the latter.
         energy: (q, v, t, p) -> T, V, (E,) stored in the elements.
         elements: (q, v, u, t, p) -> (n, E) generalized force of each element.
         pathways: (q, v, t, p) -> (E,) stretch, (E,) rate, (n, E) direction ∂s/∂q; NaN at points.
@@ -49,6 +50,7 @@ class Machine:
     outputs: ca.Function
     output_slopes: ca.Function
     discrepancy: ca.Function
+    weak: ca.Function
     energy: ca.Function
     elements: ca.Function
     pathways: ca.Function
@@ -104,6 +106,10 @@ def build(model: Model) -> Machine:
         ),
         discrepancy=ca.Function(
             "discrepancy", [q, v, a, u, t, p], [ca.densify(ca.mtimes(mass, a) + k_c - k_e)]
+        ),
+        weak=ca.Function(
+            "weak", [q, v, u, t, p],
+            [ca.densify(momentum), ca.densify(ca.gradient(low.kinetic, q) + k_e)],
         ),
         energy=ca.Function(
             "energy", [q, v, t, p], [low.kinetic, low.potential, ca.vertcat(*low.stored)]

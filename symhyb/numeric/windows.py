@@ -103,18 +103,19 @@ class WindowModel:
         begin = ca.if_else(restart, start, x)
         rest, chosen = (u0, u1, t, h, p), list(free)
         after = rosenbrock_step(machine)(x, *rest, w)
-        slopes = (ca.jacobian(after, x), ca.jacobian(after, p)[:, chosen], ca.jacobian(after, w))
-        names = ["x", "start", "restart", "u0", "u1", "t", "h", "p"]
+        by_x, by_free = ca.jacobian(after, x), ca.jacobian(after, p)[:, chosen]
+        outputs = {
+            "plain": [after],
+            "fit": [after, by_x, by_free],
+            "screen": [after, by_x, by_free, ca.jacobian(after, w)],
+        }
+        at, begins = ca.vertcat(x, w), ca.vertcat(begin, 0 * w)
         self._steps = {
-            full: ca.Function(
-                "sweep", [x, start, restart, *rest],
-                [
-                    ca.densify(ca.substitute(part, ca.vertcat(x, w), ca.vertcat(begin, 0 * w)))
-                    for part in ((after, *slopes) if full else (after,))
-                ],
-                names, [f"out{i}" for i in range(4 if full else 1)], {"cse": True},
+            what: ca.Function(
+                what, [x, start, restart, *rest],
+                [ca.densify(ca.substitute(part, at, begins)) for part in parts], {"cse": True},
             )
-            for full in (False, True)
+            for what, parts in outputs.items()
         }  # fmt: skip
         self._sense = _sensing(machine, chosen)
         self._runs: dict[tuple[str, int], ca.Function] = {}
@@ -125,19 +126,23 @@ class WindowModel:
         Returns states (W, L, 2n) and outputs (W, L, m); a window whose integration diverges is not
         finite from there on.
         """
-        (ends,) = self._run(block, start[:, None], p, full=False)
+        (ends,) = self._run(block, start[:, None], p, "plain")
         x = np.concatenate([start[:, None], ends], axis=1)
         return x, self._outputs(block, x, p)[0]
 
-    def differentiate(self, block: Block, start: Array, p: Array) -> Linear:
-        """Linearise along the windows simulated from ``start`` (W, 2n)."""
-        ends, *slopes = self._run(block, start[:, None], p, full=True)
+    def differentiate(
+        self, block: Block, start: Array, p: Array, forces: bool = False
+    ) -> Linear:
+        """Linearise along the windows simulated from ``start`` (W, 2n); without ``forces`` the
+        response to test forces is left out (zero), which costs less."""
+        what = "screen" if forces else "fit"
+        ends, *slopes = self._run(block, start[:, None], p, what)
         x = np.concatenate([start[:, None], ends], axis=1)
         return self._linear(block, x, np.zeros_like(ends), slopes, p)
 
     def along(self, block: Block, states: Array, p: Array) -> Linear:
         """Linearise along a measured motion ``states`` (W, L, 2n): every sample starts anew."""
-        ends, *slopes = self._run(block, states[:, :-1], p, full=True)
+        ends, *slopes = self._run(block, states[:, :-1], p, "screen")
         return self._linear(block, states, states[:, 1:] - ends, slopes, p)
 
     def _linear(
@@ -149,10 +154,10 @@ class WindowModel:
             x, output, defect, transition, left, right, by_free, by_state, by_force, direct
         )
 
-    def _run(self, block: Block, starts: Array, p: Array, full: bool) -> list[Array]:
+    def _run(self, block: Block, starts: Array, p: Array, what: str) -> list[Array]:
         """Integrate from one start a window (W, 1, 2n) or one a sample (W, L − 1, 2n).
 
-        Returns states at the ends (W, L − 1, 2n) and, if ``full``, the slopes from sample to sample.
+        Returns states at the ends (W, L − 1, 2n) and, unless ``what`` is plain, the slopes from sample to sample.
         """
         windows, length, inputs = block.u.shape
         states, parts = starts.shape[2], block.substeps.reshape(-1)
@@ -167,12 +172,14 @@ class WindowModel:
         begins = first.reshape(windows, length - 1)[:, : starts.shape[1]].reshape(-1)
         restart, begin = np.zeros(owner.size), np.zeros((owner.size, states))
         restart[begins], begin[begins] = 1, starts.reshape(-1, states)
-        run = self._mapped("full" if full else "plain", owner.size)
+        run = self._mapped(what, owner.size)
         after, *slopes = call(run, (np.zeros(states), begin, restart, u0, u1, t, h, p))
         shape = (windows, length - 1, states)
         ends = after[first + parts - 1].reshape(shape)
-        if not full:
+        if what == "plain":
             return [ends]
+        if what == "fit":
+            slopes.append(np.zeros((owner.size * self.machine.n, states)))
         steps = [slope.reshape(owner.size, -1, states).swapaxes(1, 2) for slope in slopes]
         return [ends, *(j.reshape(*shape, -1) for j in _joined(steps, first, parts))]
 
@@ -193,7 +200,7 @@ class WindowModel:
             if what == "sense":
                 run = mapped(self._sense, total, repeated=(3,))
             else:
-                run = accumulated(self._steps[what == "full"], total, repeated=(7,))
+                run = accumulated(self._steps[what], total, repeated=(7,))
             recent = list(self._runs.items())[-5:]
             self._runs = dict([*recent, ((what, total), run)])
         return run

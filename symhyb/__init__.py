@@ -1,0 +1,44 @@
+"""symhyb: find, name and model the physics that a mechanical model leaves out.
+
+Names are imported when first used, so ``import symhyb`` costs nothing.
+"""
+
+from importlib import import_module
+from typing import Any
+
+_HOMES = {
+    "symhyb.model.read": ("read_model",),
+    "symhyb.model.write": ("write_model",),
+    "symhyb.model.diff": ("diff",),
+    "symhyb.model.types": ("Model",),
+    "symhyb.data.recording": ("Recording", "read_recording"),
+    "symhyb.numeric.machine": ("Machine", "build"),
+    "symhyb.numeric.integrate": ("Scenario", "Trajectory", "simulate"),
+    "symhyb.discrepancy.residual": ("Discrepancy", "compare"),
+    "symhyb.discrepancy.results": ("Diagnosis", "Found", "Verdict"),
+    "symhyb.discrepancy.judge": ("judge",),
+    "symhyb.correction.apply": ("apply",),
+    "symhyb.diagnosis": ("diagnose",),
+    "symhyb.study": ("run_study",),
+    "symhyb.report.files": ("write_diagnosis", "write_report", "write_simulation"),
+    "symhyb.errors": ("InputError", "NumericsError", "Problem"),
+}
+_HOME = {name: module for module, names in _HOMES.items() for name in names}
+
+__version__ = "0.1.0"
+__all__ = (
+    "Diagnosis", "Discrepancy", "Found", "InputError", "Machine", "Model", "NumericsError",
+    "Problem", "Recording", "Scenario", "Trajectory", "Verdict", "apply", "build", "compare",
+    "diagnose", "diff", "judge", "read_model", "read_recording", "run_study", "simulate",
+    "write_diagnosis", "write_model", "write_report", "write_simulation",
+)  # fmt: skip
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module 'symhyb' has no attribute '{name}'")
+    return getattr(import_module(_HOME[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted((*globals(), *_HOME))

@@ -1,0 +1,394 @@
+"""The command line: verbs that parse arguments, print, and end with an exit status.
+
+Heavy modules are imported inside the verb that needs them, so that help answers at once.
+Exit status: 0 nothing missing, 1 any other verdict, 2 misuse or unreadable input, 3 the numerics
+failed, 130 interrupted.
+"""
+
+import json
+import sys
+import traceback
+from dataclasses import asdict
+from pathlib import Path
+from typing import Annotated, Any, NoReturn
+
+import typer
+
+from symhyb.errors import InputError, NumericsError, Problem, did_you_mean
+
+app = typer.Typer(
+    name="symhyb",
+    help="Find the physics that a model of a machine leaves out, from a recording of the machine.",
+    epilog="Each verb has its own page: symhyb diagnose --help",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+data = typer.Typer(
+    help="Public recordings that symhyb knows by name.", no_args_is_help=True, rich_markup_mode=None
+)
+app.add_typer(data, name="data")
+
+ModelFile = Annotated[Path, typer.Argument(metavar="MODEL", help="Model file.")]
+Recordings = Annotated[
+    list[Path], typer.Argument(metavar="RECORDING", help="Recordings of the machine.")
+]
+Map = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--map",
+        metavar="CHANNEL=COLUMN",
+        help="Where a channel of the model stands in the recordings: a column, with its unit if"
+        " need be ('laser=qm [mm]'), or an expression in columns ('f=gtau*vir'). Repeat it.",
+    ),
+]
+Start = Annotated[
+    float | None, typer.Option(metavar="S", help="Drop what the recordings hold before, in s.")
+]
+End = Annotated[
+    float | None, typer.Option(metavar="S", help="Drop what the recordings hold after, in s.")
+]
+Json = Annotated[bool, typer.Option("--json", help="Print JSON for scripts instead of sentences.")]
+Folder = Annotated[
+    Path, typer.Option("-o", "--output", metavar="DIR", help="Folder for the files; made if new.")
+]
+
+
+@app.command()
+def check(model: ModelFile, as_json: Json = False) -> None:
+    """Check a model file and say what it declares.
+
+    Every problem is reported at once, as file:line: name: what is wrong; did you mean ...?
+
+    \b
+    Example:
+      symhyb check models/emps.toml
+    """
+    from symhyb.console import model_facts
+    from symhyb.model.read import read_model
+    from symhyb.numeric.machine import build
+
+    try:
+        declared = read_model(model)
+        build(declared)
+    except InputError as error:
+        if as_json:
+            _print_json({"ok": False, "problems": [asdict(one) for one in error.problems]})
+        raise
+    facts = model_facts(declared)
+    if as_json:
+        _print_json({"ok": True, "problems": [], **facts})
+        return
+    print(f"{facts.pop('file')}: no problem found")
+    for section, said in facts.items():
+        if said:
+            print(f"  {section}: {said if isinstance(said, str) else '; '.join(said)}")
+
+
+@app.command()
+def equations(
+    model: ModelFile,
+    latex: Annotated[bool, typer.Option("--latex", help="Write LaTeX.")] = False,
+) -> None:
+    """Print the equations of motion of a model.
+
+    One block for each coordinate, with one row for each element.
+
+    \b
+    Example:
+      symhyb equations models/pendulum.toml --latex
+    """
+    from symhyb.mechanics.show import show_equations
+    from symhyb.model.read import read_model
+
+    print(show_equations(read_model(model), latex))
+
+
+@app.command()
+def simulate(
+    model: ModelFile,
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="FILE", help="CSV to write.")],
+    inputs: Annotated[
+        Path | None,
+        typer.Option("--input", metavar="RECORDING", help="Recording that holds the inputs."),
+    ] = None,
+    columns: Map = None,
+    end: Annotated[float | None, typer.Option(metavar="S", help="Time to stop at, in s.")] = None,
+    step: Annotated[float | None, typer.Option(metavar="S", help="Between two rows, in s.")] = None,
+) -> None:
+    """Simulate a model and write what its sensors record.
+
+    The run begins as the model declares. Without --input all inputs are zero and --end is needed;
+    with it the run covers the recording.
+
+    \b
+    Example:
+      symhyb simulate models/oscillator.toml -o run.csv \\
+          --input studies/oscillator/train.csv
+    """
+    from symhyb.console import progress, warn
+    from symhyb.model.read import read_model
+    from symhyb.simulation import read_inputs, run_model, run_table
+    from symhyb.study import require_folder, staged
+
+    if output.is_dir():
+        raise InputError(Problem("is a folder; name a file in it", file=str(output)))
+    declared, mapped = read_model(model), _mapped(columns)
+    require_folder(output.parent)
+    driven = read_inputs(inputs, declared, mapped) if inputs else None
+    warn(driven.notes if driven else ())
+    with progress() as say:
+        say("simulating")
+        machine, scenario, run = run_model(declared, driven, end, step)
+    with staged(output.parent) as part:
+        (part / output.name).write_text(run_table(machine, scenario, run), encoding="utf-8")
+    print(f"{output}: {run.t.size} rows from {run.t[0]:g} to {run.t[-1]:g} s")
+
+
+@app.command()
+def compare(
+    model: ModelFile,
+    recordings: Recordings,
+    columns: Map = None,
+    start: Start = None,
+    end: End = None,
+    as_json: Json = False,
+) -> None:
+    """Say how large the force is that a model lacks.
+
+    That force is dF = M q'' + k_c - k_e along the recorded motion; it is given beside its noise.
+    Naming its cause is what diagnose does.
+
+    \b
+    Example:
+      symhyb compare models/oscillator.toml studies/oscillator/train.csv
+    """
+    from symhyb.console import discrepancy_facts, progress
+    from symhyb.data.recording import read_recording
+    from symhyb.discrepancy.residual import compare as compare_recording
+    from symhyb.model.read import read_model
+    from symhyb.numeric.machine import build
+
+    declared, mapped = read_model(model), _mapped(columns)
+    machine, gaps = build(declared), []
+    read = [read_recording(one, declared, mapped, span=(start, end)) for one in recordings]
+    with progress() as say:
+        for recording in read:
+            say(f"comparing {recording.name}")
+            gaps.append(compare_recording(machine, recording))
+    if as_json:
+        _print_json({"recordings": [discrepancy_facts(gap) for gap in gaps]})
+    else:
+        print(*(gap.summary() for gap in gaps), sep="\n")
+
+
+@app.command()
+def diagnose(
+    model: ModelFile,
+    recordings: Recordings,
+    output: Folder,
+    holdout: Annotated[
+        list[Path] | None,
+        typer.Option(metavar="RECORDING", help="Unseen recording, for the proof alone. Repeat it."),
+    ] = None,
+    columns: Map = None,
+    start: Start = None,
+    end: End = None,
+    as_json: Json = False,
+) -> None:
+    """Find the physics that a model leaves out.
+
+    Leaves corrected.toml, report.html, simulation.csv and diagnosis.json in DIR. --start and --end
+    cut the recordings, not the unseen ones; a study file cuts each one by itself.
+
+    Exit status: 0 nothing is missing, 1 any other verdict, 2 misuse or unreadable input, 3 the
+    numerics failed.
+
+    \b
+    Example:
+      symhyb diagnose models/oscillator.toml studies/oscillator/train.csv \\
+          --holdout studies/oscillator/holdout.csv -o out
+    """
+    from symhyb.console import print_result, progress
+    from symhyb.report.contract import to_json
+    from symhyb.study import carry_out, leave_files, require_folder
+    from symhyb.study_file import Source, Study
+
+    study = Study(
+        model,
+        tuple(Source(path, span=(start, end)) for path in recordings),
+        tuple(Source(path) for path in holdout or ()),
+        _mapped(columns),
+    )
+    require_folder(output)
+    with progress() as say:
+        result = carry_out(study, say)
+        say("writing the report")
+        leave_files(result, output)
+    if as_json:
+        _print_json(to_json(result.diagnosis, result.verdict))
+    else:
+        print_result(result, output)
+    raise typer.Exit(result.exit_status)
+
+
+@app.command()
+def diff(
+    first: Annotated[Path, typer.Argument(metavar="MODEL", help="Model file.")],
+    second: Annotated[Path, typer.Argument(metavar="MODEL", help="Model file to compare it with.")],
+) -> None:
+    """Say what two model files say differently, in sentences and line by line.
+
+    \b
+    Example:
+      symhyb diff models/oscillator.toml out/corrected.toml
+    """
+    from symhyb.model.diff import diff as difference
+    from symhyb.model.read import read_model
+
+    print(difference(read_model(first), read_model(second)))
+
+
+@app.command()
+def run(
+    study: Annotated[Path, typer.Argument(metavar="STUDY", help="Study file.")],
+    output: Folder,
+) -> None:
+    """Run a study: a diagnosis with a manifest.
+
+    Leaves the files of diagnose and manifest.json (hashes, versions, duration) in DIR. Where
+    expected.json lies beside the study, what came out is held against it; a failed expectation
+    ends with exit status 1, otherwise the status is that of the diagnosis.
+
+    \b
+    Example:
+      symhyb run studies/emps/study.toml -o out
+    """
+    from symhyb.console import print_checks, print_result, progress
+    from symhyb.study import run_study
+
+    with progress() as say:
+        result = run_study(study, output, say)
+    print_result(result, output)
+    if result.checks:
+        print_checks(result.checks)
+        failed = sum(not one.passed for one in result.checks)
+        total = len(result.checks)
+        print(f"{failed} of {total} expectations failed" if failed else "as expected")
+    raise typer.Exit(result.exit_status)
+
+
+@data.command("list")
+def data_list(as_json: Json = False) -> None:
+    """List the known recordings, and which are already here.
+
+    \b
+    Example:
+      symhyb data list
+    """
+    from symhyb.data.catalogue import DATASETS
+    from symhyb.data.datasets import listing
+
+    if as_json:
+        _print_json([asdict(known) for known in DATASETS])
+    else:
+        print(listing())
+
+
+@data.command("show")
+def data_show(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of a public recording.")],
+) -> None:
+    """Say what a recording holds and where it comes from.
+
+    \b
+    Example:
+      symhyb data show emps
+    """
+    from symhyb.data.catalogue import DATASETS
+    from symhyb.data.datasets import listing
+
+    number = _dataset_number(name)
+    print(listing().split("\n\n")[number])
+    for file in DATASETS[number].files:
+        print(f"  {file.name}: {file.address}\n    SHA-256 {file.sha256}")
+
+
+@data.command("fetch")
+def data_fetch(
+    name: Annotated[
+        str, typer.Argument(metavar="NAME", help="Name of a public recording, or NAME/FILE.")
+    ],
+) -> None:
+    """Get the files of a recording and print where they are.
+
+    Nothing is fetched that is already here; every file must have the known SHA-256.
+
+    \b
+    Example:
+      symhyb data fetch emps/DATA_EMPS.mat
+    """
+    from symhyb.data.catalogue import DATASETS
+    from symhyb.data.datasets import fetch
+
+    dataset, _, file = name.partition("/")
+    known = DATASETS[_dataset_number(dataset)]
+    for wanted in [file] if file else [one.name for one in known.files]:
+        print(fetch(known, wanted, progress=sys.stderr.isatty()))
+
+
+def main() -> NoReturn:
+    """Run the command line and end the process with its exit status."""
+    try:
+        app(prog_name="symhyb")
+        status = 0
+    except SystemExit as stop:
+        status = stop.code if isinstance(stop.code, int) else 0
+        if status == 130:
+            _complain("interrupted; no output was written")
+    except InputError as error:
+        status = 2
+        _complain(*(str(problem) for problem in error.problems))
+    except NumericsError as error:
+        status = 3
+        _complain(f"the numerics failed: {error}")
+    except Exception:
+        status = 3
+        traceback.print_exc()
+        _complain("this is a fault of symhyb itself; please report it with the lines above")
+    sys.exit(status)
+
+
+def _mapped(columns: list[str] | None) -> dict[str, str] | None:
+    """Read the options ``--map channel=column``."""
+    if columns is None:
+        return None
+    mapped: dict[str, str] = {}
+    for text in columns:
+        channel, equals, column = (part.strip() for part in text.partition("="))
+        if not (channel and equals and column):
+            raise InputError(Problem("write it as channel=column", f"--map {text}"))
+        if channel in mapped:
+            raise InputError(Problem(f"'{channel}' is mapped twice", f"--map {text}"))
+        mapped[channel] = column
+    return mapped
+
+
+def _dataset_number(name: str) -> int:
+    from symhyb.data.catalogue import DATASETS
+
+    names = [known.name for known in DATASETS]
+    if name not in names:
+        text = f"no recording is known by the name '{name}'{did_you_mean(name, names)}"
+        raise InputError(Problem(text))
+    return names.index(name)
+
+
+def _print_json(content: Any) -> None:
+    print(json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False))
+
+
+def _complain(*sentences: str) -> None:
+    for sentence in sentences:
+        print(sentence, file=sys.stderr)

@@ -1,0 +1,28 @@
+"""A model with what was found: the same file with elements appended and parameters replaced."""
+
+from collections.abc import Sequence
+
+from symhyb.discrepancy.results import Found, Measurement, Reestimated
+from symhyb.model.types import Model
+from symhyb.model.write import append_elements, replace_parameters
+
+
+def apply(
+    model: Model,
+    found: Sequence[Found],
+    parameters: Sequence[Reestimated] = (),
+    measurement: Sequence[Measurement] = (),
+) -> Model:
+    """Return the corrected model; its text is the old one with the elements appended.
+
+    Re-estimated ``parameters`` and channel faults (``measurement``) change in place, values and sd
+    in the units that they carry. The result is an ordinary model.
+
+    Raises:
+        InputError: a name or a unit that does not fit this model.
+    """
+    changed = {item.name: (item.value, item.sd) for item in parameters}
+    changed |= {f"{m.channel}.{m.kind}": (m.value, m.sd) for m in measurement}
+    corrected = replace_parameters(model, changed) if changed else model
+    elements = [item.element for item in found]
+    return append_elements(corrected, elements) if elements else corrected

@@ -1,0 +1,182 @@
+"""From a decided structure to what is told: elements, parameters, channel faults, rivals."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from symhyb.correction.decide import RIVAL, Decision
+from symhyb.correction.trajectory import Refined
+from symhyb.discrepancy.hypotheses import Hypothesis
+from symhyb.discrepancy.results import (
+    Activity, Alternative, Estimate, Found, Measurement, Reestimated,
+)  # fmt: skip
+from symhyb.discrepancy.wording import effect_sentence
+from symhyb.model.expression import parse_expression
+from symhyb.model.types import At, Between, Element, Model, On, Parameter, Place
+from symhyb.model.vocabulary import KINDS, key_unit
+
+SYMBOLS = {
+    "stiffness": "k", "quadratic": "k_2", "cubic": "k_3", "damping": "d", "drag": "b",
+    "coulomb": "F_c", "static": "F_s", "stribeck": "v_s", "transition": "v_t", "constant": "F_0",
+    "length": "l_0",
+}  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Named:
+    """Force causes of one kind at one place, told as one element: their indices in the structure,
+    and SI values with sd by key (sd NaN for a key that was not fitted)."""
+
+    kind: str
+    place: Place
+    causes: tuple[int, ...]
+    values: Mapping[str, tuple[float, float]]
+
+
+def named(final: Refined) -> tuple[Named, ...]:
+    """Group the force causes of a structure by kind and place (springs of several orders join)."""
+    groups: dict[tuple[str, Place], list[int]] = {}
+    for i, cause in enumerate(final.causes):
+        if cause.place is not None:
+            groups.setdefault((cause.kind, cause.place), []).append(i)
+    return tuple(
+        Named(kind, place, tuple(rows), _values(final, rows))
+        for (kind, place), rows in groups.items()
+    )
+
+
+def _values(final: Refined, rows: Sequence[int]) -> dict[str, tuple[float, float]]:
+    values: dict[str, tuple[float, float]] = {}
+    for i in rows:
+        cause = final.causes[i]
+        for key, shape in cause.shape:
+            values.setdefault(key, (shape, float("nan")))
+        for key in (*cause.terms, *cause.refined):
+            values[key] = final.value(f"cause{i}.{key}")
+    order = [key.name for key in KINDS[final.causes[rows[0]].kind].keys]
+    return {key: values[key] for key in order if key in values}
+
+
+def found_of(
+    model: Model,
+    item: Named,
+    name: str,
+    provenance: tuple[tuple[str, object], ...],
+    share: float | None,
+    active: Activity | None,
+) -> Found:
+    """Tell one named effect as an element of the model file, with law, values and sentence."""
+    own, entries, estimates = [], [], []
+    for key, (value, sd) in item.values.items():
+        unit = key_unit(model, item.kind, key, item.place)
+        fitted = bool(np.isfinite(sd))
+        deviation = sd / unit.factor if fitted else None
+        symbol = SYMBOLS.get(key, key)
+        own.append(Parameter(symbol, value / unit.factor, unit, deviation, owner=name))
+        entries.append((key, parse_expression(symbol)))
+        if deviation is not None:
+            estimates.append(Estimate(symbol, value / unit.factor, deviation, unit.text, key))
+    element = Element(name, item.kind, item.place, tuple(entries), tuple(own), provenance)
+    sentence = effect_sentence(item.kind, item.place, estimates, share)
+    law = KINDS[item.kind].law
+    return Found(element, law, tuple(estimates), share, sentence, active)
+
+
+def element_names(model: Model, items: Sequence[Named]) -> tuple[str, ...]:
+    """Names for the elements: ``found_drag``, with the place where a kind is found twice."""
+    taken = {element.name for element in model.elements}
+    names: list[str] = []
+    kinds = [item.kind for item in items]
+    for item in items:
+        base = f"found_{item.kind}"
+        if kinds.count(item.kind) > 1:
+            base += "_" + _place_word(item.place)
+        name, count = base, 2
+        while name in taken:
+            name, count = f"{base}_{count}", count + 1
+        taken.add(name)
+        names.append(name)
+    return tuple(names)
+
+
+def _place_word(place: Place) -> str:
+    match place:
+        case On(coordinate):
+            return coordinate
+        case Between(first, second):
+            return f"{first}_{second}"
+        case At(point):
+            return point
+
+
+def reestimated(model: Model, final: Refined) -> tuple[Reestimated, ...]:
+    """The parameters of the model among the causes, in the units of the file."""
+    declared = {item.path: item for item in model.all_parameters()}
+    rows = []
+    for cause in final.causes:
+        if cause.kind == "parameter":
+            item = declared[cause.path]
+            value, sd = (number / item.unit.factor for number in final.value(cause.path))
+            rows.append(Reestimated(cause.path, item.value, value, sd, item.unit.text))
+    return tuple(rows)
+
+
+def channel_faults(final: Refined) -> tuple[Measurement, ...]:
+    """Gains and offsets among the causes, in the units of their channels."""
+    declared = {item.path: item for item in final.machine.model.all_parameters()}
+    rows = []
+    for cause in final.causes:
+        if cause.kind in ("gain", "offset"):
+            item = declared[cause.path]
+            value, sd = (number / item.unit.factor for number in final.value(cause.path))
+            kind = "gain" if cause.kind == "gain" else "offset"
+            rows.append(Measurement(item.owner, kind, value, sd, item.unit.text))
+    return tuple(rows)
+
+
+def alternatives_of(
+    model: Model, decision: Decision, names: Mapping[Hypothesis, str]
+) -> tuple[Alternative, ...]:
+    """What the data cannot rule out: exact twins of what was found, and rivals within reach.
+
+    ``names`` are the elements (or paths) under which the winner's causes are told.
+    """
+    winner = decision.winner
+    rows = []
+    for first, second in decision.twins:
+        if first in winner.causes:
+            rows.append(_alternative(model, second, {}, names.get(first), 0.0))
+    for trial in decision.trials:
+        evidence = decision.criterion(trial)
+        fresh = [cause for cause in trial.causes if cause not in winner.causes]
+        lost = [cause for cause in winner.causes if cause not in trial.causes]
+        if not fresh or not lost or not evidence < RIVAL or len(fresh) > len(lost):
+            continue
+        for cause in fresh:
+            index = trial.causes.index(cause)
+            values = _values(trial, [index]) if cause.place is not None else {}
+            rows.append(_alternative(model, cause, values, names.get(lost[0]), max(evidence, 0.0)))
+    return tuple(sorted(rows, key=lambda row: row.evidence))
+
+
+def _alternative(
+    model: Model,
+    cause: Hypothesis,
+    values: Mapping[str, tuple[float, float]],
+    instead_of: str | None,
+    evidence: float,
+) -> Alternative:
+    estimates = []
+    if cause.place is not None:
+        for key, (value, sd) in values.items():
+            unit = key_unit(model, cause.kind, key, cause.place)
+            if np.isfinite(sd):
+                scaled = value / unit.factor, sd / unit.factor
+                estimates.append(Estimate(SYMBOLS.get(key, key), *scaled, unit.text, key))
+    base = Alternative(instead_of, cause.kind, tuple(estimates), evidence)
+    if cause.place is not None:
+        return replace(base, place=cause.place)
+    if cause.kind == "parameter":
+        return replace(base, parameter=cause.path)
+    return replace(base, channel=cause.path.split(".")[0])

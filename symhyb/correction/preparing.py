@@ -1,0 +1,148 @@
+"""What a decision works on: motion, noise, thinned runs, lowered hypotheses and windows."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from symhyb.correction.decide import Setting, Stage
+from symhyb.data.recording import Recording
+from symhyb.data.thin import thinned
+from symhyb.discrepancy.hypotheses import (
+    dull_hypotheses, force_hypotheses, library, places_of, with_channels,
+)  # fmt: skip
+from symhyb.discrepancy.motion import motion_of
+from symhyb.discrepancy.scores import Run, laid_on
+from symhyb.errors import InputError, Problem
+from symhyb.model.types import Model, Place
+from symhyb.numeric.buffers import Array
+from symhyb.numeric.machine import Machine, build
+from symhyb.numeric.windows import WindowModel
+
+SAMPLES_PERIOD = 80  # of the shortest period, that are kept
+SAMPLES_LEAST = 4000  # of a recording, that are kept
+WINDOWS_LEAST = 9  # over all recordings at the longest window length
+FIRST_WINDOW = 0.25  # of the shortest period
+GROWTH = 3.0  # from stage to stage
+STAGES_MOST = 4
+SD_FLOOR = 1e-6  # of a sensor's range: the accuracy of the integration
+
+
+@dataclass(frozen=True, slots=True)
+class Prepared:
+    """Model with channels, lowered; runs thinned to what the motion needs,
+    noise ``sd`` (m,) SI, and the ``shortest`` period of the motion in s."""
+
+    model: Model
+    machine: Machine
+    runs: tuple[Run, ...]
+    holdout: tuple[Run, ...]
+    sd: Array
+    shortest: float
+
+
+def prepare(
+    model: Model,
+    recordings: Recording | Sequence[Recording],
+    holdout: Recording | Sequence[Recording] = (),
+) -> Prepared:
+    """Lower the model, thin the recordings and estimate motion and noise.
+
+    Raises:
+        InputError: no recording, or a coordinate that no sensor sees.
+    """
+    recordings, holdout = _several(recordings), _several(holdout)
+    if not recordings:
+        raise InputError(Problem("no recording was given; a diagnosis needs at least one"))
+    extended = with_channels(model)
+    machine = build(extended)
+    first = [Run(r, motion_of(r, machine), np.empty(0)) for r in recordings]
+    periods = np.concatenate([_periods(run) for run in first])
+    shortest = float(np.min(periods))
+    runs = [_thin(run, machine, shortest) for run in first]
+    proofs = [_thin(Run(r, motion_of(r, machine), np.empty(0)), machine, shortest) for r in holdout]
+    sd = noise_sd(runs, machine)
+    told = [tuple(replace(run, sd=sd) for run in group) for group in (runs, proofs)]
+    return Prepared(extended, machine, *told, sd, shortest)
+
+
+def noise_sd(runs: Sequence[Run], machine: Machine) -> Array:
+    """Noise (m,) by sensor over all runs, SI; 1 for a sensor without samples."""
+    sd = []
+    for j, sensor in enumerate(machine.model.sensors):
+        spreads = [run.motion.sd[j] for run in runs if np.isfinite(run.motion.sd[j])]
+        signals = [run.recording.sensors[sensor.name] for run in runs
+                   if sensor.name in run.recording.sensors]  # fmt: skip
+        if not spreads:
+            sd.append(1.0)
+            continue
+        reach = max(float(np.nanmax(s) - np.nanmin(s)) for s in signals)
+        sd.append(max(float(np.sqrt(np.mean(np.square(spreads)))), SD_FLOOR * reach, 1e-300))
+    return np.array(sd)
+
+
+def settle(prepared: Prepared) -> Setting:
+    """Lower all hypotheses and lay windows at growing lengths."""
+    model, machine = prepared.model, prepared.machine
+    places = places_of(model)
+    speeds = _speeds(prepared, places)
+    causes = library(model, places, force_hypotheses(model, speeds))
+    dull = dull_hypotheses(model)
+    windows = WindowModel(machine, tuple(machine.column(cause.path) for cause in dull))
+    return Setting(causes, dull, windows, _stages(prepared), prepared.sd)
+
+
+def _speeds(prepared: Prepared, places: Sequence[Place]) -> Mapping[Place, float]:
+    """The largest rate at each place (99 % of samples are slower), SI."""
+    gauge = library(prepared.model, tuple(places), ())
+    rates = []
+    for run in prepared.runs:
+        motion = run.motion
+        rates.append(np.abs(gauge.motion(motion.q, motion.v, motion.t)[1]))
+    fast = np.quantile(np.concatenate(rates), 0.99, axis=0)
+    return {place: float(rate) for place, rate in zip(places, fast, strict=True)}
+
+
+def _stages(prepared: Prepared) -> tuple[Stage, ...]:
+    total = sum(run.recording.duration for run in prepared.runs)
+    step = max(float(np.median(np.diff(run.recording.t))) for run in prepared.runs)
+    length = max(FIRST_WINDOW * prepared.shortest, 12 * step)
+    stages: list[Stage] = []
+    while len(stages) < STAGES_MOST:
+        laid = [laid_on(run, prepared.machine, length) for run in prepared.runs]
+        kept = tuple(item for item in laid if item is not None)
+        enough = sum(len(item.start) for item in kept) >= WINDOWS_LEAST
+        if not kept or (stages and not enough):
+            break
+        stages.append(Stage(length, kept))
+        length *= GROWTH
+        if length > total / WINDOWS_LEAST:
+            break
+    if not stages:
+        names = ", ".join(run.recording.name for run in prepared.runs)
+        text = f"{names}: too short or too full of gaps for a window of {length:.3g} s"
+        raise InputError(Problem(text))
+    return tuple(stages)
+
+def _periods(run: Run) -> Array:
+    """Typical period 2π·RMS(q')/RMS(q'') of each coordinate that moves, s."""
+    speed = np.sqrt(np.mean(run.motion.v**2, axis=0))
+    pull = np.sqrt(np.mean(run.motion.a**2, axis=0))
+    moves = (speed > 0) & (pull > 0)
+    if not moves.any():
+        return np.array([run.recording.duration])
+    return np.minimum(2 * np.pi * speed[moves] / pull[moves], run.recording.duration)
+
+
+def _thin(run: Run, machine: Machine, shortest: float) -> Run:
+    step = float(np.median(np.diff(run.recording.t)))
+    dense = int(shortest / SAMPLES_PERIOD / step)
+    factor = max(min(dense, run.recording.t.size // SAMPLES_LEAST), 1)
+    if factor == 1:
+        return run
+    short = thinned(run.recording, factor)
+    return Run(short, motion_of(short, machine), run.sd)
+
+
+def _several(recordings: Recording | Sequence[Recording]) -> tuple[Recording, ...]:
+    return (recordings,) if isinstance(recordings, Recording) else tuple(recordings)

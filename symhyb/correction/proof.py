@@ -1,0 +1,107 @@
+"""What each cause is worth on unseen windows, and what is left: the unseen recordings prove."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from symhyb.correction.decide import Setting, Stage, grouped
+from symhyb.correction.findings import Named
+from symhyb.correction.preparing import Prepared
+from symhyb.correction.trajectory import Refined, refine
+from symhyb.discrepancy.matching import Task, fit
+from symhyb.discrepancy.scores import laid_on
+from symhyb.numeric.buffers import Array
+from symhyb.numeric.windows import WindowModel
+
+
+@dataclass(frozen=True, slots=True)
+class Proof:
+    """By unseen windows: the ``share`` of each told effect, the ``remainder`` (both of the squared
+    error before correction; None where not computable), and the mean window NRMSE ``before`` and
+    ``after``."""
+
+    shares: tuple[float | None, ...]
+    remainder: float | None
+    before: float
+    after: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Unseen:
+    """Whitened squared error and samples on unseen windows, and NRMSE averaged over sensors."""
+
+    cost: float
+    count: float
+    nrmse: float
+
+
+def prove(
+    prepared: Prepared, setting: Setting, final: Refined, stage: Stage, items: Sequence[Named]
+) -> Proof:
+    """Remove each told effect once, refit the rest on the training windows, and see.
+
+    Without unseen recordings the windows that were held out of the fit stand in for them.
+    """
+    before = _unseen(prepared, stage, _refitted(prepared, setting, stage, final, ()))
+    everything = tuple(range(len(final.causes)))
+    kept = _refitted(prepared, setting, stage, final, everything)
+    after = _unseen(prepared, stage, kept)
+    shares = []
+    for item in items:
+        rest = tuple(i for i in everything if i not in item.causes)
+        without = _unseen(prepared, stage, _refitted(prepared, setting, stage, final, rest))
+        shares.append(_ratio(without.cost - after.cost, before.cost))
+    remainder = _ratio(max(after.cost - after.count, 0.0), before.cost) if items else None
+    if final.causes and not items:
+        remainder = _ratio(max(after.cost - after.count, 0.0), before.cost)
+    return Proof(tuple(shares), remainder, before.nrmse, after.nrmse)
+
+
+def _refitted(
+    prepared: Prepared, setting: Setting, stage: Stage, final: Refined, chosen: Sequence[int]
+) -> Refined:
+    causes = [final.causes[i] for i in chosen]
+    rows = grouped(final)
+    first = {i: rows[j] for i, j in enumerate(chosen)}
+    everything = bool(prepared.holdout)
+    return refine(prepared.model, causes, first, stage.laid, setting.sd, everything=everything)
+
+
+def _unseen(prepared: Prepared, stage: Stage, trial: Refined) -> _Unseen:
+    """Errors of a fitted structure on the unseen recordings, or on the held windows."""
+    laid = stage.laid
+    if prepared.holdout:
+        found = [laid_on(run, trial.machine, stage.length_s) for run in prepared.holdout]
+        laid = tuple(item for item in found if item is not None)
+    if not laid:
+        return _Unseen(float("nan"), float("nan"), float("nan"))
+    nothing = np.zeros(0)
+    task = Task(tuple(laid), prepared.sd, nothing, nothing, nothing, nothing)
+    model = WindowModel(trial.machine)
+    fitted = fit(model, task, trial.p)
+    use = np.ones(fitted.held.size, bool) if prepared.holdout or not fitted.held.any() else fitted.held
+    residual, measured = [], []
+    for item, start in zip(laid, fitted.starts, strict=True):
+        chosen = np.ones(len(start), bool) if prepared.holdout else item.held
+        _, y = model.simulate(item.block, start, trial.p)
+        residual.append((item.block.y - y)[chosen].reshape(-1, y.shape[2]))
+        measured.append(item.block.y[chosen].reshape(-1, y.shape[2]))
+    nrmse = _nrmse(np.concatenate(residual), np.concatenate(measured))
+    return _Unseen(float(fitted.chi2[use].sum()), float(fitted.count[use].sum()), nrmse)
+
+
+def _nrmse(residual: Array, measured: Array) -> float:
+    """RMSE over range, averaged over the sensors that recorded something."""
+    seen = np.isfinite(measured).any(axis=0)
+    if not seen.any():
+        return float("nan")
+    with np.errstate(invalid="ignore", over="ignore"):
+        rmse = np.sqrt(np.nanmean(residual[:, seen] ** 2, axis=0))
+        reach = np.nanmax(measured[:, seen], axis=0) - np.nanmin(measured[:, seen], axis=0)
+        return float(np.mean(rmse / reach))
+
+
+def _ratio(part: float, whole: float) -> float | None:
+    ratio = part / whole if whole else float("nan")
+    return float(ratio) if np.isfinite(ratio) else None

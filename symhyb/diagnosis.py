@@ -1,0 +1,202 @@
+"""From a model and recordings to a diagnosis: the story, step by step.
+
+Motion and noise → all causes screened together on growing windows → structures refined on
+trajectories and judged on held windows → the map of places → what was found, in words. The unseen
+recordings prove; they never choose. docs/method.md has the statistics and what was measured.
+"""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from symhyb.correction.decide import Decision, Setting, Stage, decide, grouped
+from symhyb.correction.findings import (
+    Named, alternatives_of, channel_faults, element_names, found_of, named, reestimated,
+)  # fmt: skip
+from symhyb.correction.preparing import Prepared, prepare, settle
+from symhyb.correction.proof import Proof, prove
+from symhyb.correction.sparse import propose
+from symhyb.correction.trajectory import Refined, refine
+from symhyb.data.recording import Recording
+from symhyb.discrepancy.hypotheses import Hypothesis
+from symhyb.discrepancy.locate import activity, locate
+from symhyb.discrepancy.motion import acting
+from symhyb.discrepancy.residual import discrepancy, force_band, noise_notes
+from symhyb.discrepancy.results import (
+    Activity, Cloud, Diagnosis, Found, PlaceShare, VerdictName,
+)  # fmt: skip
+from symhyb.discrepancy.scores import Run
+from symhyb.discrepancy.wording import verdict_sentence
+from symhyb.errors import NumericsError
+from symhyb.model.types import Model, On
+from symhyb.numeric.buffers import Array, call, mapped
+
+MISMATCH = 1.15  # χ²/N that noise may reach by the error of its own measurement
+
+Say = Callable[[str], None]
+
+
+def diagnose(
+    model: Model,
+    recordings: Recording | Sequence[Recording],
+    holdout: Recording | Sequence[Recording] = (),
+    *,
+    say: Say | None = None,
+) -> Diagnosis:
+    """Say what the model lacks, from recordings of the machine.
+
+    ``holdout`` are unseen recordings: they prove (shares and scores) and never choose. ``say`` gets
+    a short line at every step.
+
+    Raises:
+        InputError: recordings that cannot be used with this model.
+        NumericsError: the model cannot be simulated along the recordings at all.
+    """
+    tell = say or (lambda line: None)
+    tell("estimating motion and noise")
+    prepared = prepare(model, recordings, holdout)
+    setting = settle(prepared)
+    tell("sparse regression on the weak form")
+    middle = setting.stages[min(1, len(setting.stages) - 1)]
+    proposals = propose(prepared.machine, setting.library, middle.laid, 5 / prepared.shortest)
+    decision = decide(setting, proposals, tell)
+    if decision.nothing.fit.reason and not decision.winner.causes:
+        raise NumericsError(f"the model cannot be simulated: {decision.nothing.fit.reason}")
+    tell("estimating values")
+    final, stage = valued(setting, decision.winner, prepared)
+    tell("mapping the places")
+    values = prepared.machine.values
+    places = locate(setting.library, setting.windows, middle.laid, values, setting.sd)
+    tell("removing each cause once, for its share")
+    items = named(final)
+    shown = prove(prepared, setting, final, stage, items)
+    told = _told(model, prepared, final, items, shown)
+    return _concluded(model, prepared, decision, final, told, shown.remainder, places)
+
+
+def valued(setting: Setting, winner: Refined, prepared: Prepared) -> tuple[Refined, Stage]:
+    """The winner refitted on all windows, at the window length that determines its values best:
+    short windows carry more noise, long ones more of what the model still lacks."""
+    best: tuple[float, Refined, Stage] | None = None
+    for stage in setting.stages:
+        first = dict(enumerate(grouped(winner)))
+        trial = refine(
+            prepared.model, winner.causes, first, stage.laid, setting.sd, everything=True
+        )
+        spread = np.sqrt(np.diag(trial.fit.covariance))
+        width = float(np.sum(np.log(np.maximum(spread, 1e-300)))) if spread.size else 0.0
+        if not trial.fit.reason and (best is None or width < best[0] or not spread.size):
+            best = width, trial, stage
+    if best is None:
+        return winner, setting.stages[-1]
+    return best[1], best[2]
+
+
+def _told(
+    model: Model, prepared: Prepared, final: Refined, items: Sequence[Named], shown: Proof
+) -> tuple[Found, ...]:
+    """Every found effect with its element, share, activity and sentence."""
+    provenance = (
+        ("by", "sparse"),
+        ("from", ", ".join(run.recording.name for run in prepared.runs)),
+        ("nrmse", (float(f"{shown.before:.4g}"), float(f"{shown.after:.4g}"))),
+    )
+    names = element_names(model, items)
+    return tuple(
+        found_of(model, item, name, provenance, share, _active(prepared, final, item))
+        for item, name, share in zip(items, names, shown.shares, strict=True)
+    )
+
+
+def _active(prepared: Prepared, final: Refined, item: Named) -> Activity | None:
+    """Where and when an effect acts along the first recording."""
+    run = prepared.runs[0]
+    forces, stretch, rate = element_forces(final, run)
+    own = len(prepared.model.elements)
+    forceful = [i for i, cause in enumerate(final.causes) if cause.place is not None]
+    rows = [own + forceful.index(i) for i in item.causes]
+    size = np.abs(forces[:, :, rows].sum(axis=2)).max(axis=1)
+    return activity(run.motion.t, stretch[:, rows[0]], rate[:, rows[0]], size)
+
+
+def element_forces(final: Refined, run: Run) -> tuple[Array, Array, Array]:
+    """Generalized forces (N, n, E) of all elements along a run, stretches and rates (N, E), SI."""
+    machine, motion = final.machine, run.motion
+    u, total = acting(run.recording, machine), run.motion.t.size
+    arguments = (motion.q, motion.v, u, motion.t, final.p)
+    (flat,) = call(mapped(machine.elements, total, repeated=(4,)), arguments)
+    forces = flat.reshape(total, -1, machine.n).swapaxes(1, 2)
+    stretch, rate, _ = call(
+        mapped(machine.pathways, total, repeated=(3,)), (motion.q, motion.v, motion.t, final.p)
+    )
+    return forces, stretch, rate
+
+
+def _concluded(
+    model: Model,
+    prepared: Prepared,
+    decision: Decision,
+    final: Refined,
+    found: tuple[Found, ...],
+    remainder: float | None,
+    places: tuple[PlaceShare, ...],
+) -> Diagnosis:
+    parameters, faults = reestimated(model, final), channel_faults(final)
+    titles = {cause: _title(cause, found) for cause in decision.winner.causes}
+    alternatives = alternatives_of(model, decision, titles)
+    verdict = _verdict(decision, found, bool(faults), bool(parameters))
+    noise = {
+        sensor.name: float(sd / sensor.unit.factor)
+        for sensor, sd in zip(model.sensors, prepared.sd, strict=True)
+        if any(sensor.name in run.recording.sensors for run in prepared.runs)
+    }
+    notes = [note for run in prepared.runs for note in run.recording.notes]
+    return Diagnosis(
+        verdict,
+        verdict_sentence(verdict, found, parameters, faults, alternatives),
+        found, parameters, faults, alternatives,
+        remainder=remainder,
+        noise=noise,
+        places=places,
+        clouds=tuple(cloud for run in prepared.runs for cloud in _clouds(prepared, final, run)),
+        log=decision.log,
+        notes=(*dict.fromkeys(notes), *noise_notes(model, noise)),
+    )  # fmt: skip
+
+
+def _title(cause: Hypothesis, found: Sequence[Found]) -> str:
+    for item in found:
+        if (item.element.kind, item.element.place) == (cause.kind, cause.place):
+            return item.element.name
+    return cause.path
+
+
+def _verdict(
+    decision: Decision, found: Sequence[Found], faults: bool, parameters: bool
+) -> VerdictName:
+    if found:
+        return "missing physics"
+    if faults:
+        return "measurement"
+    if parameters:
+        return "parameters"
+    nothing = decision.nothing.fit
+    slack = 4 * np.sqrt(2 * nothing.correlation / max(float(nothing.count.sum()), 1.0))
+    return "nothing missing" if nothing.scale <= MISMATCH + slack else "undecided"
+
+
+def _clouds(prepared: Prepared, final: Refined, run: Run) -> list[Cloud]:
+    """ΔF of every coordinate along a run, with the force of what was found there."""
+    machine, motion = prepared.machine, run.motion
+    u = acting(run.recording, machine)
+    p = machine.values
+    force = discrepancy(machine, motion.q, motion.v, motion.a, u, motion.t, p)
+    band = force_band(machine, motion, u)
+    law = element_forces(final, run)[0][:, :, len(prepared.model.elements) :].sum(axis=2)
+    return [
+        Cloud(
+            On(c.name), run.recording.name, motion.t, motion.q[:, i], motion.v[:, i],
+            force[:, i], band[:, i], law[:, i],
+        )
+        for i, c in enumerate(prepared.model.coordinates)
+    ]  # fmt: skip

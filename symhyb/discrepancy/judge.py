@@ -1,0 +1,136 @@
+"""Before against after, on training and unseen recordings, and which score carries the verdict."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+
+from symhyb.data.recording import Recording
+from symhyb.discrepancy.motion import measured, motion_of
+from symhyb.discrepancy.results import Comparison, Score, Trace, Verdict
+from symhyb.discrepancy.scores import Errors, Run, errors, score, yardstick
+from symhyb.discrepancy.wording import percent_text
+from symhyb.model.types import Model
+from symhyb.numeric.buffers import Array
+from symhyb.numeric.machine import Machine, build
+
+SD_FLOOR = 1e-6  # of a sensor's range
+WINDOW_PERIODS = 0.5  # length of a window, where none is given
+BAND_PERIODS = 20.0  # upper end of the force band per period, where none is given
+STARTS = "fitted to every window and every run, unseen ones too"
+
+
+def judge(
+    model: Model,
+    corrected: Model,
+    on: Recording | Sequence[Recording] = (),
+    *,
+    train: Recording | Sequence[Recording] = (),
+    window_s: float | None = None,
+    force_band_hz: float | None = None,
+) -> Verdict:
+    """Score a model and its correction on unseen recordings ``on`` and on those of the training.
+
+    ``window_s`` is the length of the short windows in s (default: half the shortest period of the
+    motion), ``force_band_hz`` the upper end of the band in Hz in which forces are compared
+    (default: 20 of those periods).
+    """
+    unseen, seen = _several(on), _several(train)
+    machines = build(model), build(corrected)
+    runs = {"train": _runs(machines[0], seen), "holdout": _runs(machines[0], unseen)}
+    period = min((_period(run) for group in runs.values() for run in group), default=1.0)
+    window = window_s or WINDOW_PERIODS * period
+    band = force_band_hz or BAND_PERIODS / period
+    comparisons: dict[str, Comparison | None] = {"train": None, "holdout": None}
+    traces: list[Trace] = []
+    same = corrected == model
+    for role, group in runs.items():
+        if not group:
+            continue
+        by = yardstick(machines[0], group, band)
+        before = errors(machines[0], group, window, band)
+        after = before if same else errors(machines[1], group, window, band)
+        comparisons[role] = Comparison(
+            score(machines[0], before, group, by), score(machines[1], after, group, by)
+        )
+        traces += _traces(machines[0], group, role, before, after)
+    carries = _carries(comparisons["holdout"] or comparisons["train"], window, bool(unseen), same)
+    empty = Comparison(*(Score({}, {}, {}, {}, {}, {}) for _ in range(2)))
+    return Verdict(
+        window, STARTS, band, comparisons["train"] or empty, comparisons["holdout"], carries,
+        tuple(traces),
+    )  # fmt: skip
+
+
+def _runs(machine: Machine, recordings: Sequence[Recording]) -> list[Run]:
+    runs = []
+    for recording in recordings:
+        motion = motion_of(recording, machine)
+        y = measured(recording, machine)
+        reach = np.array([np.ptp(c[np.isfinite(c)]) if np.isfinite(c).any() else 1.0 for c in y.T])
+        noise = np.where(np.isfinite(motion.sd), motion.sd, 1.0)
+        runs.append(Run(recording, motion, np.maximum(noise, SD_FLOOR * reach)))
+    return runs
+
+
+def _period(run: Run) -> float:
+    speed = np.sqrt(np.mean(run.motion.v**2, axis=0))
+    pull = np.sqrt(np.mean(run.motion.a**2, axis=0))
+    moves = (speed > 0) & (pull > 0)
+    periods = 2 * np.pi * speed[moves] / pull[moves]
+    return float(min([*periods, run.recording.duration]))
+
+
+def _traces(
+    machine: Machine, runs: Sequence[Run], role: str, before: Errors, after: Errors
+) -> list[Trace]:
+    names = [sensor.name for sensor in machine.model.sensors]
+
+    def table(values: Array, present: Sequence[str]) -> dict[str, Array]:
+        return {name: values[:, i] for i, name in enumerate(names) if name in present}
+
+    traces = []
+    for run, first, second in zip(runs, before.trajectories, after.trajectories, strict=True):
+        present = list(run.recording.sensors)
+        said = (("before correction", first), ("after correction", second))
+        failures = [f"{when}: {run_.reason}" for when, run_ in said if run_.reason]
+        kind: Literal["train", "holdout"] = "train" if role == "train" else "holdout"
+        traces.append(
+            Trace(
+                run.recording.name, kind, run.recording.t,
+                table(measured(run.recording, machine), present),
+                table(first.y, present), table(second.y, present), tuple(failures),
+            )
+        )  # fmt: skip
+    return traces
+
+
+def _carries(
+    comparison: Comparison | None, window: float, unseen: bool, same: bool
+) -> str:
+    """The sentence that says which score carries the verdict, and why."""
+    if comparison is None:
+        return "No recording was given to judge on."
+    where = "unseen recordings" if unseen else "the training recordings (no unseen one was given)"
+    before, after = (_worst(s.window_nrmse) for s in (comparison.before, comparison.after))
+    why = (
+        f"The error over windows of {window:.3g} s with fitted initial states carries the verdict: "
+        "short windows show forces, where a long free run adds up every small error and drifts."
+    )
+    if same or before is None or after is None:
+        shown = "not computable" if before is None else percent_text(before)
+        return f"On {where} the window NRMSE is {shown}. {why}"
+    return (
+        f"On {where} the window NRMSE falls from {percent_text(before)} to "
+        f"{percent_text(after)}. {why}"
+    )
+
+
+def _worst(values: object) -> float | None:
+    numbers = [v for v in dict(values).values() if v is not None]  # type: ignore[call-overload]
+    return max(numbers) if numbers else None
+
+
+def _several(recordings: Recording | Sequence[Recording]) -> tuple[Recording, ...]:
+    return (recordings,) if isinstance(recordings, Recording) else tuple(recordings)

@@ -1,0 +1,186 @@
+"""Scores that cannot be fooled: force, short windows and free run, initial states always fitted.
+
+NRMSE = RMSE / (max − min) of the measurement (the paper's eq. 16). Sizes: N samples, n coordinates,
+m sensors.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from symhyb.data.recording import Recording
+from symhyb.data.thin import thinned
+from symhyb.discrepancy.matching import Task, fit
+from symhyb.discrepancy.motion import Motion, acting, measured
+from symhyb.discrepancy.residual import discrepancy
+from symhyb.discrepancy.results import Score
+from symhyb.discrepancy.windows import Laid, lay, reversals
+from symhyb.numeric.buffers import Array, call, mapped
+from symhyb.numeric.integrate import Scenario, Trajectory, simulate
+from symhyb.numeric.machine import Machine
+from symhyb.numeric.windows import WindowModel
+
+FINE_STEPS = 8
+FILTER_ORDER = 4
+RUN_SAMPLES = 6000  # of a free run, for fitting its initial state
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """One recording with its smoothed motion and the noise ``sd`` (m,) of its sensors, SI."""
+
+    recording: Recording
+    motion: Motion
+    sd: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Errors:
+    """Mean squared errors of one model on several runs, SI²: by sensor (m,) over windows and free
+    runs, by coordinate (n,) of ΔF."""
+
+    window: Array
+    free: Array
+    force: Array
+    trajectories: tuple[Trajectory, ...]
+
+
+def errors(machine: Machine, runs: Sequence[Run], window_s: float, band_hz: float | None) -> Errors:
+    """Simulate and compare; sensors and coordinates in the order of the model."""
+    model = WindowModel(machine)
+    windows, frees, forces, trajectories = [], [], [], []
+    for run in runs:
+        windows.append(_window_errors(model, run, window_s))
+        trajectory = free_run(model, run)
+        trajectories.append(trajectory)
+        frees.append((measured(run.recording, machine) - trajectory.y) ** 2)
+        forces.append(forces_of(machine, run, band_hz)[0] ** 2)
+    return Errors(_mean(windows), _mean(frees), _mean(forces), tuple(trajectories))
+
+
+@dataclass(frozen=True, slots=True)
+class Yardstick:
+    """What forces are measured by, from the model before correction: the range of ΔF and the RMS of
+    the applied force k_e, by coordinate (n,), SI, through the low-pass of the scores."""
+
+    reach: Array
+    applied: Array
+
+
+def yardstick(machine: Machine, runs: Sequence[Run], band_hz: float | None) -> Yardstick:
+    """The yardstick of an uncorrected model."""
+    pairs = [forces_of(machine, run, band_hz) for run in runs]
+    delta, applied = (np.concatenate(column) for column in zip(*pairs, strict=True))
+    return Yardstick(np.ptp(delta, axis=0), np.sqrt(np.mean(applied**2, axis=0)))
+
+
+def score(machine: Machine, found: Errors, runs: Sequence[Run], by: Yardstick) -> Score:
+    """Relative and absolute scores by name; None where a score cannot be computed."""
+    y = np.concatenate([measured(run.recording, machine) for run in runs])
+    reach = np.array([np.ptp(c[np.isfinite(c)]) if np.isfinite(c).any() else np.nan for c in y.T])
+    names = [sensor.name for sensor in machine.model.sensors]
+    units = np.array([sensor.unit.factor for sensor in machine.model.sensors])
+    where = [coordinate.name for coordinate in machine.model.coordinates]
+    window, free, force = np.sqrt(found.window), np.sqrt(found.free), np.sqrt(found.force)
+    return Score(
+        force_nrmse=_table(where, force, by.reach),
+        force_residual=_table(where, force, by.applied),
+        window_nrmse=_table(names, window, reach),
+        window_rmse=_table(names, window, units),
+        free_run_nrmse=_table(names, free, reach),
+        free_run_rmse=_table(names, free, units),
+    )
+
+
+def free_run(model: WindowModel, run: Run) -> Trajectory:
+    """Simulate a whole recording by CVODES from its fitted initial state."""
+    machine, recording, motion = model.machine, run.recording, run.motion
+    smoothed = np.concatenate([motion.q[0], motion.v[0]])
+    scales = np.concatenate([np.abs(motion.q).max(axis=0), np.abs(motion.v).max(axis=0)])
+    u = acting(recording, machine)
+    y = measured(recording, machine)
+    best: tuple[float, Trajectory] | None = None
+    for start in (_fitted_start(model, run), smoothed):
+        n = machine.n
+        scenario = Scenario(
+            recording.t, start[:n], start[n:], recording.t, u, np.where(scales > 0, scales, 1.0)
+        )
+        trajectory = simulate(machine, scenario)
+        error = np.nan_to_num((y - trajectory.y) / run.sd, nan=0.0)
+        cost = np.inf if trajectory.reason else float(np.sum(error**2))
+        if best is None or cost < best[0]:
+            best = cost, trajectory
+    assert best is not None
+    return best[1]
+
+
+def _fitted_start(model: WindowModel, run: Run) -> Array:
+    """Initial state (2n,) fitted to the whole recording as one window, thinned if it is long."""
+    factor = max(run.recording.t.size // RUN_SAMPLES, 1)
+    short = replace(run, recording=thinned(run.recording, factor), motion=run.motion.every(factor))
+    laid = laid_on(short, model.machine, short.recording.duration * (1 - 1e-9))
+    smoothed = np.concatenate([run.motion.q[0], run.motion.v[0]])
+    if laid is None:
+        return smoothed
+    nothing = np.zeros(0)
+    task = Task((laid,), run.sd, nothing, nothing, nothing, nothing, iterations=10)
+    return np.asarray(fit(model, task, model.machine.values).starts[0][0])
+
+
+def laid_on(run: Run, machine: Machine, length_s: float) -> Laid | None:
+    """Windows of one run with finer steps near reversals of a coordinate."""
+    parts = np.where(reversals(run.motion.v), FINE_STEPS, 1)
+    return lay(run.recording, machine, run.motion, length_s, parts)
+
+
+def _window_errors(model: WindowModel, run: Run, window_s: float) -> Array:
+    """Squared errors (W·L, m) over windows with fitted initial states; no rows without windows."""
+    laid = laid_on(run, model.machine, window_s)
+    if laid is None:
+        return np.empty((0, len(model.machine.model.sensors)))
+    nothing = np.zeros(0)
+    task = Task((laid,), run.sd, nothing, nothing, nothing, nothing)
+    fitted = fit(model, task, model.machine.values)
+    _, y = model.simulate(laid.block, fitted.starts[0], model.machine.values)
+    return np.asarray(((laid.block.y - y) ** 2).reshape(-1, y.shape[2]))
+
+
+def forces_of(machine: Machine, run: Run, band_hz: float | None) -> tuple[Array, Array]:
+    """ΔF and the applied force k_e (N, n), both through the same zero-phase low-pass, SI."""
+    motion, u = run.motion, acting(run.recording, machine)
+    delta = discrepancy(machine, motion.q, motion.v, motion.a, u, motion.t, machine.values)
+    (applied,) = call(
+        mapped(machine.k_e, motion.t.size, repeated=(4,)),
+        (motion.q, motion.v, u, motion.t, machine.values),
+    )
+    return low_pass(delta, motion.t, band_hz), low_pass(applied, motion.t, band_hz)
+
+
+def low_pass(values: Array, t: Array, band_hz: float | None) -> Array:
+    """Zero-phase Butterworth low-pass of order 4 along time (N, n); unchanged without a band, or
+    where it lies above 0.9 of the Nyquist frequency."""
+    rate = 1 / float(np.median(np.diff(t)))
+    if band_hz is None or band_hz >= 0.45 * rate:
+        return values
+    from scipy.signal import butter, sosfiltfilt
+
+    return np.asarray(sosfiltfilt(butter(FILTER_ORDER, band_hz, fs=rate, output="sos"), values, axis=0))
+
+
+def _mean(rows: Sequence[Array]) -> Array:
+    """Mean over samples (m,), missing ones skipped; NaN where nothing is left or not finite."""
+    joined = np.concatenate(rows)
+    seen = ~np.isnan(joined)
+    total = np.where(seen, joined, 0.0).sum(axis=0)
+    count = seen.sum(axis=0)
+    return np.asarray(np.where(count > 0, total / np.maximum(count, 1), np.nan))
+
+
+def _table(names: Sequence[str], values: Array, by: Array) -> Mapping[str, float | None]:
+    with np.errstate(invalid="ignore", divide="ignore"):
+        ratios = values / by
+    return {
+        name: float(value) if np.isfinite(value) else None
+        for name, value in zip(names, ratios, strict=True)
+    }

@@ -1,0 +1,114 @@
+"""One simulated run of a model, as a table: inputs from a recording or zero, start as declared."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from symhyb.data.recording import Recording, read_recording
+from symhyb.discrepancy.motion import acting
+from symhyb.errors import InputError, NumericsError, Problem
+from symhyb.model.expression import parse_expression
+from symhyb.model.types import Model, Sensor
+from symhyb.numeric.buffers import Array
+from symhyb.numeric.integrate import Scenario, Trajectory, simulate
+from symhyb.numeric.machine import Machine, build
+from symhyb.units import parse_unit
+
+MOST_ROWS = 5_000_000
+_CLOCK = Sensor("t", parse_expression("t"), parse_unit("s"))
+
+
+def read_inputs(
+    path: str | Path, model: Model, columns: Mapping[str, str] | None = None
+) -> Recording:
+    """Read the inputs of a model from a recording; it need not have a column for any sensor.
+
+    Raises:
+        InputError: as :func:`symhyb.data.read_recording`.
+    """
+    sensors = {sensor.name for sensor in model.sensors}
+    asked = {key: text for key, text in (columns or {}).items() if key not in sensors}
+    recording = read_recording(path, replace(model, sensors=(_CLOCK,)), asked)
+    notes = (note for note in recording.notes if not note.startswith(("sensor ", "column")))
+    return replace(recording, sensors={}, notes=tuple(notes))
+
+
+def run_model(
+    model: Model,
+    driven: Recording | None = None,
+    end: float | None = None,
+    step: float | None = None,
+) -> tuple[Machine, Scenario, Trajectory]:
+    """Simulate a model from its declared start to ``end`` with rows every ``step``, both in s.
+
+    Without ``driven`` all inputs are zero and the run begins at 0; with it the run begins, and by
+    default ends and steps, as the recording does.
+
+    Raises:
+        InputError: times that make no run, or inputs that stop before ``end``.
+        NumericsError: the integration failed; the message says why.
+    """
+    machine = build(model)
+    t = _times(model, driven, end, step)
+    if driven is None:
+        t_u, u = t[[0, -1]], np.zeros((2, len(model.inputs)))
+    else:
+        t_u, u = driven.t, acting(driven, machine)
+    start = [coordinate.start * coordinate.unit.factor for coordinate in model.coordinates]
+    rate = [coordinate.start_rate * coordinate.unit.factor for coordinate in model.coordinates]
+    scenario = Scenario(t, np.array(start), np.array(rate), t_u, u)
+    run = simulate(machine, scenario)
+    if not run.complete:
+        raise NumericsError(run.reason)
+    return machine, scenario, run
+
+
+def run_table(machine: Machine, scenario: Scenario, run: Trajectory) -> str:
+    """Write a run as CSV: t, inputs, sensors without noise, coordinates and their rates, each in
+    the unit of the model file, which stands in the header."""
+    model, seconds = machine.model, parse_unit("s")
+    columns: list[tuple[str, Array]] = [("t [s]", run.t)]
+    for item, signal in zip(model.inputs, scenario.u.T, strict=True):
+        held = np.interp(run.t, scenario.t_u, signal)
+        columns.append((f"{item.name} [{item.unit}]", held / item.unit.factor))
+    for sensor, signal in zip(model.sensors, run.y.T, strict=True):
+        late = 0.0 if sensor.delay is None else sensor.delay.si
+        recorded = np.interp(run.t - late, run.t, signal) / sensor.unit.factor
+        columns.append((f"{sensor.name} [{sensor.unit}]", recorded))
+    taken = {sensor.name for sensor in model.sensors}
+    for i, q in enumerate(model.coordinates):
+        name = f"{q.name} (coordinate)" if q.name in taken else q.name
+        columns.append((f"{name} [{q.unit}]", run.q[:, i] / q.unit.factor))
+        columns.append((f"{q.name}' [{q.unit / seconds}]", run.v[:, i] / q.unit.factor))
+    rows = zip(*(values.tolist() for _, values in columns), strict=True)
+    head = ",".join(header for header, _ in columns)
+    return "\n".join([head, *(",".join(f"{x:.10g}" for x in row) for row in rows)]) + "\n"
+
+
+def _times(model: Model, driven: Recording | None, end: float | None, step: float | None) -> Array:
+    """The output grid (N,) in s."""
+    if driven is None and end is None:
+        text = "say with --end when the simulation ends, or give an input recording"
+        raise InputError(Problem(text, file=model.file))
+    first = 0.0 if driven is None else float(driven.t[0])
+    last = float(driven.t[-1]) if driven is not None and end is None else float(end or 0.0)
+    if driven is not None and last > driven.t[-1] + 1e-9:
+        text = (
+            f"the inputs stop at {driven.t[-1]:.6g} s, but the simulation is to end at "
+            f"{last:.6g} s; shorten the simulation or give a longer input"
+        )
+        raise InputError(Problem(text, file=driven.name))
+    if not np.isfinite(last) or last <= first:
+        raise InputError(Problem(f"the end, {last:g} s, must come after the start, {first:g} s"))
+    if step is None and driven is not None:
+        return driven.t[driven.t <= last + 1e-9]
+    step = (last - first) / 1000 if step is None else step
+    if not np.isfinite(step) or not 0 < step <= last - first:
+        length = f"the {last - first:g} s of the simulation"
+        raise InputError(Problem(f"a step of {step:g} s does not fit into {length}"))
+    if (last - first) / step > MOST_ROWS:
+        raise InputError(Problem(f"a step of {step:g} s makes more than {MOST_ROWS:,} rows"))
+    rows = int((last - first) / step + 1e-6) + 1
+    return first + step * np.arange(rows, dtype=np.float64)

@@ -1,0 +1,267 @@
+"""The whole chain: model and recordings in, a judged diagnosis and its files out.
+
+``diagnose`` on the command line and ``run`` are the same chain; a study that a file states also
+leaves ``manifest.json`` (what went in, with which versions) and is held against ``expected.json``.
+"""
+
+import hashlib
+import json
+import os
+import platform
+import shutil
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from importlib import metadata
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+from symhyb.correction.apply import apply
+from symhyb.data.datasets import fetch
+from symhyb.data.recording import Recording, read_recording
+from symhyb.diagnosis import diagnose, judge
+from symhyb.discrepancy.results import Diagnosis, Verdict
+from symhyb.errors import InputError, Problem
+from symhyb.expected import Check, Expected, check, read_expected
+from symhyb.model.diff import diff
+from symhyb.model.read import read_model
+from symhyb.model.types import Model
+from symhyb.model.write import write_model
+from symhyb.report.contract import exit_status, to_json
+from symhyb.report.files import write_diagnosis, write_report, write_simulation
+from symhyb.study_file import Source, Study, read_study
+
+Say = Callable[[str], None]
+LIBRARIES = ("numpy", "scipy", "casadi", "sympy", "pysindy", "scikit-learn")
+
+
+@dataclass(frozen=True, slots=True)
+class StudyResult:
+    """What came out of a study, ``seconds`` the time it took; ``checks`` are empty where nothing
+    is expected."""
+
+    study: Study
+    model: Model
+    corrected: Model
+    train: tuple[Recording, ...]
+    holdout: tuple[Recording, ...]
+    diagnosis: Diagnosis
+    verdict: Verdict
+    checks: tuple[Check, ...]
+    seconds: float
+
+    @property
+    def passed(self) -> bool:
+        """Whether everything that was expected came out."""
+        return all(check.passed for check in self.checks)
+
+    @property
+    def exit_status(self) -> int:
+        """0 if nothing is missing and the expectation is met, else 1."""
+        return exit_status(self.diagnosis) if self.passed else 1
+
+
+def run_study(
+    path: str | os.PathLike[str], directory: str | os.PathLike[str], say: Say | None = None
+) -> StudyResult:
+    """Run the study that a file states, and leave its files in ``directory``.
+
+    Raises:
+        InputError: the study, its model or a recording is wrong, or nothing can be written.
+        NumericsError: the numerics failed; nothing is written.
+    """
+    study = read_study(path)
+    beside = Path(path).with_name("expected.json")
+    expected = read_expected(beside) if beside.is_file() else Expected()
+    require_folder(directory)
+    result = carry_out(study, say)
+    result = replace(result, checks=check(expected, to_json(result.diagnosis, result.verdict)))
+    leave_files(result, directory)
+    return result
+
+
+def carry_out(study: Study, say: Say | None = None) -> StudyResult:
+    """Diagnose, correct the model and judge the correction; writes nothing.
+
+    Raises:
+        InputError: the model or a recording is wrong: all problems of all recordings at once.
+        NumericsError: the numerics failed.
+    """
+    say = say or (lambda _: None)
+    begin = time.perf_counter()
+    say("reading the model and the recordings")
+    model = read_model(study.model)
+    train, holdout = _recordings(study, model)
+    diagnosis = diagnose(model, train, holdout, say=say)
+    corrected = apply(model, diagnosis.found, diagnosis.parameters, diagnosis.measurement)
+    say("judging the correction")
+    verdict = judge(
+        model,
+        corrected,
+        holdout,
+        train=train,
+        window_s=study.window_s,
+        force_band_hz=study.force_band_hz,
+    )
+    seconds = time.perf_counter() - begin
+    return StudyResult(study, model, corrected, train, holdout, diagnosis, verdict, (), seconds)
+
+
+def leave_files(result: StudyResult, directory: str | os.PathLike[str]) -> None:
+    """Write ``corrected.toml``, ``diagnosis.json``, ``simulation.csv``, ``report.html`` and, for
+    a study that a file states, ``manifest.json``: all of them or none.
+
+    Raises:
+        InputError: the files cannot be written.
+        NumericsError: a fitted value is not finite.
+    """
+    name = result.study.model.name
+    with staged(directory) as part:
+        write_model(result.corrected, part / "corrected.toml")
+        write_diagnosis(part / "diagnosis.json", result.diagnosis, result.verdict)
+        write_simulation(part / "simulation.csv", result.verdict.traces, result.model)
+        write_report(
+            part / "report.html",
+            result.diagnosis,
+            result.verdict,
+            result.model,
+            title=result.study.title or None,
+            difference=diff(
+                replace(result.model, file=name), replace(result.corrected, file="corrected.toml")
+            ),
+            provenance=_provenance(result),
+        )
+        if result.study.file is not None:
+            text = json.dumps(manifest(result), indent=2, ensure_ascii=False) + "\n"
+            (part / "manifest.json").write_text(text, encoding="utf-8", newline="")
+
+
+def manifest(result: StudyResult) -> dict[str, Any]:
+    """Give what a study was made from: hashes, versions, duration and checks, but no paths."""
+    study = result.study
+    files = {"study": study.file, "model": study.model}
+    return {
+        **{
+            role: {"file": file.name, "sha256": _sha256(file)}
+            for role, file in files.items()
+            if file is not None
+        },
+        "recordings": [
+            {"role": role, "file": recording.name, "sha256": recording.sha256, "span": span}
+            for role, recording, span in _runs(result)
+        ],
+        "map": dict(study.columns or {}),
+        "versions": _versions(),
+        "seeds": {},  # no step of the chain draws random numbers
+        "seconds": round(result.seconds, 1),
+        "checks": [
+            {"subject": one.subject, "wanted": one.wanted, "got": one.got, "passed": one.passed}
+            for one in result.checks
+        ],
+    }
+
+
+def require_folder(directory: str | os.PathLike[str]) -> None:
+    """Refuse a place where no folder can be written, before any work is done.
+
+    Raises:
+        InputError: a file stands there, or the folder around it cannot be written to.
+    """
+    path = Path(directory).absolute()
+    there = next(folder for folder in (path, *path.parents) if folder.exists())
+    reason = "" if os.access(there, os.W_OK) else "may not be written to"
+    if not there.is_dir():
+        reason = "is a file, not a folder"
+    if reason:
+        raise InputError(Problem(reason, file=str(path if there == path else there)))
+
+
+@contextmanager
+def staged(directory: str | os.PathLike[str]) -> Iterator[Path]:
+    """Yield an empty folder; when all went well, its files move into ``directory``.
+
+    They replace files of the same names there; whatever else is there stays.
+
+    Raises:
+        InputError: the files cannot be written.
+    """
+    target = Path(directory).absolute()
+    require_folder(target)
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        part = Path(tempfile.mkdtemp(prefix=".symhyb-", dir=target.parent))
+    except OSError as error:
+        raise _unwritable(target.parent, error) from error
+    try:
+        yield part
+        try:
+            target.mkdir(exist_ok=True)
+            for file in sorted(part.iterdir()):
+                os.replace(file, target / file.name)
+        except OSError as error:
+            raise _unwritable(target, error) from error
+    finally:
+        shutil.rmtree(part, ignore_errors=True)
+
+
+def _unwritable(path: Path, error: OSError) -> InputError:
+    return InputError(Problem(f"cannot be written: {error.strerror or error}", file=str(path)))
+
+
+def _recordings(study: Study, model: Model) -> tuple[tuple[Recording, ...], tuple[Recording, ...]]:
+    """Read all recordings of a study; the unseen ones must be unseen."""
+    problems: list[Problem] = []
+    read: dict[Source, Recording] = {}
+    for source in (*study.train, *study.holdout):
+        try:
+            path = source.file or fetch(*source.data.split("/", 1))
+            read[source] = read_recording(path, model, study.columns, span=source.span)
+        except InputError as error:
+            problems.extend(error.problems)
+    if problems:
+        raise InputError(dict.fromkeys(problems))
+    train = tuple(read[source] for source in study.train)
+    holdout = tuple(read[source] for source in study.holdout)
+    for seen, unseen in product(train, holdout):
+        same = seen.sha256 == unseen.sha256
+        if same and seen.t[0] <= unseen.t[-1] and unseen.t[0] <= seen.t[-1]:
+            text = "is a training recording too; what is learned from cannot prove anything"
+            raise InputError(Problem(text, "holdout", unseen.name))
+    return train, holdout
+
+
+def _runs(result: StudyResult) -> Iterator[tuple[str, Recording, list[float | None]]]:
+    """Role, recording and span of everything that was read."""
+    for role, recordings, sources in (
+        ("train", result.train, result.study.train),
+        ("holdout", result.holdout, result.study.holdout),
+    ):
+        for recording, source in zip(recordings, sources, strict=True):
+            yield role, recording, list(source.span)
+
+
+def _provenance(result: StudyResult) -> dict[str, str]:
+    """Say in the report what it was made from."""
+    said = {"model": f"{result.study.model.name}, SHA-256 {_sha256(result.study.model)}"}
+    for number, (role, recording, _) in enumerate(_runs(result), 1):
+        kind = "training" if role == "train" else "unseen"
+        said[f"recording {number} ({kind})"] = f"{recording.name}, SHA-256 {recording.sha256}"
+    said["versions"] = ", ".join(f"{name} {version}" for name, version in _versions().items())
+    return said
+
+
+def _versions() -> dict[str, str]:
+    versions = {"python": platform.python_version()}
+    for name in ("symhyb", *LIBRARIES):
+        try:
+            versions[name] = metadata.version(name)
+        except metadata.PackageNotFoundError:
+            versions[name] = "not installed as a package"
+    return versions
+
+
+def _sha256(file: Path) -> str:
+    return hashlib.sha256(file.read_bytes()).hexdigest()

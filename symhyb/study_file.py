@@ -1,0 +1,214 @@
+"""Read a study file (TOML, format 1): which model meets which recordings, or every problem at once.
+
+symhyb = 1
+title  = "Linear ball-screw drive"       # of the report; without it the title of the model
+about  = "what the study shows"
+model  = "../../models/emps.toml"        # paths are relative to the study file
+
+[map]                                    # what --map says on the command line
+force = "gtau*vir"
+
+[[train]]                                # once or more: recordings to learn from
+data = "emps/DATA_EMPS.mat"              # a file of a known public recording
+span = [0.0, 20.0]                       # s; the rest is dropped
+
+[[holdout]]                              # unseen recordings, for the proof alone
+file = "pulses.csv"                      # a file beside the study
+
+[score]
+window_s      = 0.25                     # without it, chosen from the recordings
+force_band_hz = 60
+"""
+
+import os
+import re
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+
+from symhyb.data.catalogue import DATASETS
+from symhyb.data.rows import Span
+from symhyb.errors import InputError, Problem, did_you_mean
+from symhyb.model.source import scan
+from symhyb.model.tables import Fault, Table, describe
+
+FORMAT = 1
+"""The version of the study file that is read."""
+
+SECTIONS = ("symhyb", "title", "about", "model", "map", "train", "holdout", "score")
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """Where a recording comes from: the path ``file``, or ``data`` = ``"emps/DATA_EMPS.mat"``, a
+    file of a known public recording. ``span`` (start, end) in s drops the rest."""
+
+    file: Path | None = None
+    data: str = ""
+    span: Span = (None, None)
+
+
+@dataclass(frozen=True, slots=True)
+class Study:
+    """What is to be diagnosed: paths as the working directory sees them, ``columns`` as in
+    :func:`symhyb.data.read_recording`; ``file`` is None for a study that no file states."""
+
+    model: Path
+    train: tuple[Source, ...]
+    holdout: tuple[Source, ...] = ()
+    columns: Mapping[str, str] | None = None
+    title: str = ""
+    about: str = ""
+    window_s: float | None = None
+    force_band_hz: float | None = None
+    file: Path | None = None
+
+
+def read_study(path: str | os.PathLike[str]) -> Study:
+    """Read and check a study file; model and recordings are looked for, but not read yet.
+
+    Raises:
+        InputError: every problem of the file, each with file, line and dotted name.
+    """
+    file = Path(path)
+    text = _text(file)
+    try:
+        document = tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise InputError(Problem(f"is not valid TOML: {error}", file=str(file))) from None
+    faults: list[Fault] = []
+    root = Table((), document, faults).checked(SECTIONS)
+    _check_format(root)
+    study = _study(root, file)
+    if faults:
+        raise InputError(sorted(_problems(faults, text, file), key=lambda problem: problem.line))
+    return study
+
+
+def _text(file: Path) -> str:
+    try:
+        text = file.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError:
+        raise InputError(Problem("is not UTF-8 text", file=str(file))) from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(Problem(f"cannot be read: {reason}", file=str(file))) from None
+    if not text.strip():
+        raise InputError(Problem("the file is empty", file=str(file)))
+    return text
+
+
+def _check_format(root: Table) -> None:
+    version = root.entries.get("symhyb")
+    if version is None and root.lacks("symhyb"):
+        root.fault(f"the file does not state its format; begin it with: symhyb = {FORMAT}")
+    elif version is not None and (version != FORMAT or isinstance(version, bool)):
+        root.fault(f"must be the number {FORMAT}, not {describe(version)}", "symhyb")
+
+
+def _study(root: Table, file: Path) -> Study:
+    score = root.table("score") or Table((), {}, root.faults)
+    score = score.checked(("window_s", "force_band_hz"))
+    name = root.text("model", required=True)
+    channels = root.table("map")
+    columns = {key: channels.text(key) or "" for key in channels.entries} if channels else None
+    if not root.entries.get("train") and root.lacks("train"):
+        root.fault("[[train]] is missing: name at least one recording to learn from")
+    return Study(
+        model=_file(root, "model", name, file) or Path(),
+        train=tuple(_sources(root, "train", file)),
+        holdout=tuple(_sources(root, "holdout", file)),
+        columns=columns,
+        title=root.text("title") or "",
+        about=root.about(),
+        window_s=_positive(score, "window_s"),
+        force_band_hz=_positive(score, "force_band_hz"),
+        file=file,
+    )
+
+
+def _sources(root: Table, key: str, study: Path) -> Iterator[Source]:
+    """Read the recordings under ``[[train]]`` or ``[[holdout]]``."""
+    listed = root.entries.get(key, [])
+    if not isinstance(listed, list) or not all(isinstance(entry, dict) for entry in listed):
+        root.fault(f"write each recording as a table [[{key}]], not {describe(listed)}", key)
+        return
+    if key == "train" and key in root.entries and not listed:
+        root.fault("name at least one recording to learn from", key)
+    for number, entries in enumerate(listed, 1):
+        table = Table((f"{key}[{number}]",), entries, root.faults)
+        table = table.checked(("file", "data", "span"))
+        if sum(not table.lacks(name) for name in ("file", "data")) != 1:
+            table.fault("state exactly one of file and data")
+        file, data = table.text("file"), table.text("data") or ""
+        if data:
+            _check_data(table, data)
+        yield Source(_file(table, "file", file, study), data, _span(table))
+
+
+def _file(table: Table, key: str, name: str | None, study: Path) -> Path | None:
+    """Return the path that a name in the study file means, and see whether there is such a file."""
+    if name is None:
+        return None
+    path = Path(os.path.normpath(study.parent / name))
+    if not path.is_file():
+        beside = path.parent.iterdir() if path.parent.is_dir() else ()
+        near = did_you_mean(path.name, sorted(other.name for other in beside))
+        table.fault(f"there is no file '{name}'{near}", key)
+    return path
+
+
+def _check_data(table: Table, data: str) -> None:
+    """See whether a name like ``emps/DATA_EMPS.mat`` is known."""
+    name, _, file = data.partition("/")
+    dataset = next((known for known in DATASETS if known.name == name), None)
+    if dataset is None:
+        near = did_you_mean(name, [known.name for known in DATASETS])
+        table.fault(f"no recording is known by the name '{name}'{near}", "data")
+        return
+    files = [known.name for known in dataset.files]
+    if file not in files and (file or len(files) > 1):
+        near = did_you_mean(file, files)
+        table.fault(f"'{data}' names no file of {name}{near}", "data")
+
+
+def _span(table: Table) -> Span:
+    match table.entries.get("span"):
+        case None:
+            return (None, None)
+        case [int() | float() as start, int() | float() as end] if start < end:
+            return (float(start), float(end))
+        case value:
+            said = value if isinstance(value, list) else describe(value)
+            table.fault(f"must be [start, end] in s, the start first, not {said}", "span")
+            return (None, None)
+
+
+def _positive(table: Table, key: str) -> float | None:
+    value = table.number(key)
+    if value is not None and value <= 0:
+        table.fault(f"must be positive, not {value:g}", key)
+    return value
+
+
+def _problems(faults: list[Fault], text: str, file: Path) -> Iterator[Problem]:
+    source = scan(text)
+    for path, sentence in faults:
+        repeated = re.fullmatch(r"(\w+)\[(\d+)\]", path[0]) if path else None
+        if repeated:
+            line = _line(text, repeated[1], int(repeated[2]), path[1] if path[1:] else "")
+        else:
+            line = source.line(*path)
+        yield Problem(sentence, ".".join(path), str(file), line)
+
+
+def _line(text: str, table: str, number: int, key: str) -> int:
+    """Say where the ``number``-th table ``[[table]]`` stands, or a key of it; 0 if it is not found
+    (an array in braces)."""
+    lines = list(enumerate(text.split("\n"), 1))
+    heads = (line for line, words in lines if re.match(rf"\s*\[\[\s*{table}\s*\]\]", words))
+    head = next(islice(heads, number - 1, None), 0)
+    inside = (line for line, words in lines[head:] if re.match(rf"\s*{re.escape(key)}\s*=", words))
+    return next(inside, head) if head and key else head

@@ -1,0 +1,52 @@
+"""CasADi functions on NumPy memory: the same numbers in the same places."""
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from symhyb.numeric.buffers import accumulated, call, mapped
+
+x, y = ca.SX.sym("x", 2), ca.SX.sym("y")
+BOTH = ca.Function("both", [x, y], [ca.densify(ca.diag(x) * y), x[0] + y], ["x", "y"], ["A", "b"])
+
+
+def test_outputs_come_transposed_with_rows_last() -> None:
+    matrix = ca.Function("matrix", [x], [ca.vertcat(ca.horzcat(1, 2, 3), ca.horzcat(x[0], x[1], 6))])
+    (result,) = call(matrix, [np.array([4.0, 5.0])])
+    assert result.tolist() == [[1, 4], [2, 5], [3, 6]]
+
+
+def test_arguments_may_be_strided_whole_numbers_or_scalars() -> None:
+    strided = np.arange(8).reshape(2, 4)[:, 1]
+    a, b = call(BOTH, [strided, 2])
+    assert a.tolist() == [[2, 0], [0, 10]]
+    assert b.tolist() == [[3]]
+
+
+def test_a_wrong_number_of_entries_is_said_with_the_name_of_the_argument() -> None:
+    with pytest.raises(ValueError, match=r"both: argument x has 3 entries, needs 2"):
+        call(BOTH, [np.zeros(3), 1.0])
+
+
+def test_an_empty_output_is_empty() -> None:
+    empty = ca.Function("empty", [x], [ca.SX(0, 1)])
+    assert call(empty, [np.zeros(2)])[0].shape == (1, 0)
+
+
+def test_mapped_over_samples_is_a_loop() -> None:
+    rng = np.random.default_rng(1)
+    points = rng.normal(size=(5, 2))
+    a, b = call(mapped(BOTH, 5, repeated=(1,)), [points, 3.0])
+    for i, point in enumerate(points):
+        expected = call(BOTH, [point, 3.0])
+        assert a.reshape(5, 2, 2)[i].tolist() == expected[0].tolist()
+        assert b[i].tolist() == expected[1][0].tolist()
+
+
+def test_accumulated_feeds_the_first_output_back() -> None:
+    step = ca.Function("step", [x, y], [2 * x + y, y**2], ["x", "y"], ["next", "square"])
+    states, squares = call(accumulated(step, 3), [np.array([1.0, -1.0]), np.array([1.0, 2.0, 3.0])])
+    assert states.tolist() == [[3, -1], [8, 0], [19, 3]]
+    assert squares.tolist() == [[1], [4], [9]]
+    states, _ = call(accumulated(step, 3, repeated=(1,)), [np.array([1.0, -1.0]), 1.0])
+    assert states[-1].tolist() == [15, -1]
