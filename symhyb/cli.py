@@ -14,7 +14,7 @@ from typing import Annotated, Any, NoReturn
 
 import typer
 
-from symhyb.errors import InputError, NumericsError, Problem, did_you_mean
+from symhyb.errors import InputError, NumericsError, Problem
 
 app = typer.Typer(
     name="symhyb",
@@ -65,7 +65,7 @@ def check(model: ModelFile, as_json: Json = False) -> None:
     Example:
       symhyb check models/emps.toml
     """
-    from symhyb.console import model_facts
+    from symhyb.console import model_facts, print_model
     from symhyb.model.read import read_model
     from symhyb.numeric.machine import build
 
@@ -76,14 +76,10 @@ def check(model: ModelFile, as_json: Json = False) -> None:
         if as_json:
             _print_json({"ok": False, "problems": [asdict(one) for one in error.problems]})
         raise
-    facts = model_facts(declared)
     if as_json:
-        _print_json({"ok": True, "problems": [], **facts})
-        return
-    print(f"{facts.pop('file')}: no problem found")
-    for section, said in facts.items():
-        if said:
-            print(f"  {section}: {said if isinstance(said, str) else '; '.join(said)}")
+        _print_json({"ok": True, "problems": [], **model_facts(declared)})
+    else:
+        print_model(declared)
 
 
 @app.command()
@@ -127,14 +123,14 @@ def simulate(
       symhyb simulate models/oscillator.toml -o run.csv \\
           --input studies/oscillator/train.csv
     """
-    from symhyb.console import progress, warn
+    from symhyb.console import progress, read_map, warn
     from symhyb.model.read import read_model
     from symhyb.simulation import read_inputs, run_model, run_table
     from symhyb.study import require_folder, staged
 
     if output.is_dir():
         raise InputError(Problem("is a folder; name a file in it", file=str(output)))
-    declared, mapped = read_model(model), _mapped(columns)
+    declared, mapped = read_model(model), read_map(columns)
     require_folder(output.parent)
     driven = read_inputs(inputs, declared, mapped) if inputs else None
     warn(driven.notes if driven else ())
@@ -164,13 +160,13 @@ def compare(
     Example:
       symhyb compare models/oscillator.toml studies/oscillator/train.csv
     """
-    from symhyb.console import discrepancy_facts, progress
+    from symhyb.console import discrepancy_facts, progress, read_map
     from symhyb.data.recording import read_recording
     from symhyb.discrepancy.residual import compare as compare_recording
     from symhyb.model.read import read_model
     from symhyb.numeric.machine import build
 
-    declared, mapped = read_model(model), _mapped(columns)
+    declared, mapped = read_model(model), read_map(columns)
     machine, gaps = build(declared), []
     read = [read_recording(one, declared, mapped, span=(start, end)) for one in recordings]
     with progress() as say:
@@ -210,7 +206,7 @@ def diagnose(
       symhyb diagnose models/oscillator.toml studies/oscillator/train.csv \\
           --holdout studies/oscillator/holdout.csv -o out
     """
-    from symhyb.console import print_result, progress
+    from symhyb.console import print_result, progress, read_map
     from symhyb.report.contract import to_json
     from symhyb.study import carry_out, leave_files, require_folder
     from symhyb.study_file import Source, Study
@@ -219,7 +215,7 @@ def diagnose(
         model,
         tuple(Source(path, span=(start, end)) for path in recordings),
         tuple(Source(path) for path in holdout or ()),
-        _mapped(columns),
+        read_map(columns),
     )
     require_folder(output)
     with progress() as say:
@@ -238,7 +234,9 @@ def diff(
     first: Annotated[Path, typer.Argument(metavar="MODEL", help="Model file.")],
     second: Annotated[Path, typer.Argument(metavar="MODEL", help="Model file to compare it with.")],
 ) -> None:
-    """Say what two model files say differently, in sentences and line by line.
+    """Say what two model files say differently.
+
+    In sentences first, then line by line.
 
     \b
     Example:
@@ -306,20 +304,14 @@ def data_show(
     Example:
       symhyb data show emps
     """
-    from symhyb.data.catalogue import DATASETS
-    from symhyb.data.datasets import listing
+    from symhyb.console import dataset_of, print_dataset
 
-    number = _dataset_number(name)
-    print(listing().split("\n\n")[number])
-    for file in DATASETS[number].files:
-        print(f"  {file.name}: {file.address}\n    SHA-256 {file.sha256}")
+    print_dataset(dataset_of(name))
 
 
 @data.command("fetch")
 def data_fetch(
-    name: Annotated[
-        str, typer.Argument(metavar="NAME", help="Name of a public recording, or NAME/FILE.")
-    ],
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of a recording, or NAME/FILE.")],
 ) -> None:
     """Get the files of a recording and print where they are.
 
@@ -329,11 +321,11 @@ def data_fetch(
     Example:
       symhyb data fetch emps/DATA_EMPS.mat
     """
-    from symhyb.data.catalogue import DATASETS
+    from symhyb.console import dataset_of
     from symhyb.data.datasets import fetch
 
     dataset, _, file = name.partition("/")
-    known = DATASETS[_dataset_number(dataset)]
+    known = dataset_of(dataset)
     for wanted in [file] if file else [one.name for one in known.files]:
         print(fetch(known, wanted, progress=sys.stderr.isatty()))
 
@@ -358,31 +350,6 @@ def main() -> NoReturn:
         traceback.print_exc()
         _complain("this is a fault of symhyb itself; please report it with the lines above")
     sys.exit(status)
-
-
-def _mapped(columns: list[str] | None) -> dict[str, str] | None:
-    """Read the options ``--map channel=column``."""
-    if columns is None:
-        return None
-    mapped: dict[str, str] = {}
-    for text in columns:
-        channel, equals, column = (part.strip() for part in text.partition("="))
-        if not (channel and equals and column):
-            raise InputError(Problem("write it as channel=column", f"--map {text}"))
-        if channel in mapped:
-            raise InputError(Problem(f"'{channel}' is mapped twice", f"--map {text}"))
-        mapped[channel] = column
-    return mapped
-
-
-def _dataset_number(name: str) -> int:
-    from symhyb.data.catalogue import DATASETS
-
-    names = [known.name for known in DATASETS]
-    if name not in names:
-        text = f"no recording is known by the name '{name}'{did_you_mean(name, names)}"
-        raise InputError(Problem(text))
-    return names.index(name)
 
 
 def _print_json(content: Any) -> None:

@@ -12,6 +12,8 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from symhyb.data.catalogue import DATASETS, Dataset
+from symhyb.data.datasets import listing
 from symhyb.discrepancy.results import Diagnosis, Found
 from symhyb.discrepancy.wording import (
     measurement_phrase,
@@ -19,8 +21,9 @@ from symhyb.discrepancy.wording import (
     percent_text,
     quantity_text,
 )
+from symhyb.errors import InputError, Problem, did_you_mean
 from symhyb.expected import Check
-from symhyb.model.types import Model, On, place_text
+from symhyb.model.types import Model, On, Parameter, place_text
 from symhyb.model.vocabulary import force_unit
 from symhyb.report.contract import finite
 from symhyb.report.sentences import alternative_sentence, remainder_sentence, score_sentences
@@ -29,7 +32,7 @@ if TYPE_CHECKING:  # a verb that only reads a file need not load the numerics
     from symhyb.discrepancy.residual import Discrepancy
     from symhyb.study import StudyResult
 
-NARROWEST = 100  # columns of a table that does not go to a terminal
+WIDE = 160  # columns of a table that does not go to a terminal
 
 
 @contextmanager
@@ -66,7 +69,7 @@ def print_checks(checks: Sequence[Check]) -> None:
     """Print what was expected beside what came out."""
     console = Console(highlight=False)
     if not console.is_terminal:
-        console = Console(highlight=False, width=max(NARROWEST, console.width))
+        console = Console(highlight=False, width=WIDE)
     table = Table(box=box.SIMPLE)
     for heading in ("expected", "wanted", "got", ""):
         table.add_column(heading, overflow="fold")
@@ -76,21 +79,42 @@ def print_checks(checks: Sequence[Check]) -> None:
     console.print(table)
 
 
+def print_model(model: Model) -> None:
+    """Print what a checked model declares."""
+    said = {
+        "coordinates": [f"{q.name} [{q.unit}]" for q in model.coordinates],
+        "parameters": [_parameter(parameter) for parameter in model.all_parameters()],
+        "inputs": [f"{item.name} [{item.unit}]" for item in model.inputs],
+        "bodies": [body.name for body in model.bodies],
+        "elements": [f"{e.name} ({e.kind} {place_text(e.place)})" for e in model.elements],
+        "sensors": [f"{s.name} [{s.unit}] measures {s.measures}" for s in model.sensors],
+    }
+    print(
+        f"{model.file}: no problem found", *([f"  {model.title}"] if model.title else []), sep="\n"
+    )
+    for section, parts in said.items():
+        if parts:
+            print(f"  {section}: {', '.join(parts)}")
+
+
 def model_facts(model: Model) -> dict[str, Any]:
-    """Give what a checked model declares, by section."""
+    """Give what a checked model declares as plain values, by section and name."""
     return {
         "file": model.file,
         "title": model.title,
-        "coordinates": [f"{q.name} [{q.unit}]" for q in model.coordinates],
-        "parameters": [
-            f"{p.path} = {quantity_text(p.value, p.unit.text, p.sd)}"
-            + (", held" if p.sd is None else "")
+        "coordinates": {q.name: {"unit": q.unit.text} for q in model.coordinates},
+        "parameters": {
+            p.path: {"value": p.value, "sd": p.sd, "unit": p.unit.text}
             for p in model.all_parameters()
-        ],
-        "inputs": [f"{item.name} [{item.unit}]" for item in model.inputs],
+        },
+        "inputs": {item.name: {"unit": item.unit.text} for item in model.inputs},
         "bodies": [body.name for body in model.bodies],
-        "elements": [f"{e.name}: {e.kind} {place_text(e.place)}" for e in model.elements],
-        "sensors": [f"{s.name} [{s.unit}] measures {s.measures}" for s in model.sensors],
+        "elements": {
+            e.name: {"kind": e.kind, "place": place_text(e.place)} for e in model.elements
+        },
+        "sensors": {
+            s.name: {"unit": s.unit.text, "measures": s.measures.text} for s in model.sensors
+        },
     }
 
 
@@ -113,10 +137,55 @@ def discrepancy_facts(gap: "Discrepancy") -> dict[str, Any]:
     }
 
 
+def read_map(options: Sequence[str] | None) -> dict[str, str]:
+    """Read the options ``--map channel=column``.
+
+    Raises:
+        InputError: an option without channel, ``=`` or column, or a channel that stands twice.
+    """
+    columns: dict[str, str] = {}
+    problems = []
+    for text in options or ():
+        channel, equals, column = (part.strip() for part in text.partition("="))
+        if not (channel and equals and column):
+            problems.append(Problem("write it as channel=column", f"--map {text}"))
+        elif channel in columns:
+            problems.append(Problem(f"'{channel}' is mapped twice", f"--map {text}"))
+        columns[channel] = column
+    if problems:
+        raise InputError(problems)
+    return columns
+
+
+def dataset_of(name: str) -> Dataset:
+    """Find a public recording by its name.
+
+    Raises:
+        InputError: no recording is known by that name.
+    """
+    names = [known.name for known in DATASETS]
+    if name not in names:
+        text = f"no recording is known by the name '{name}'{did_you_mean(name, names)}"
+        raise InputError(Problem(text))
+    return DATASETS[names.index(name)]
+
+
+def print_dataset(dataset: Dataset) -> None:
+    """Print what is known of a public recording, with its addresses."""
+    print(listing().split("\n\n")[DATASETS.index(dataset)])
+    for file in dataset.files:
+        print(f"  {file.name}: {file.address}", f"    SHA-256 {file.sha256}", sep="\n")
+
+
 def warn(sentences: Sequence[str]) -> None:
     """Write sentences to the standard error, one a line."""
     for sentence in sentences:
         print(f"note: {sentence}", file=sys.stderr)
+
+
+def _parameter(parameter: Parameter) -> str:
+    value = quantity_text(parameter.value, parameter.unit.text, parameter.sd, digits=8)
+    return f"{parameter.path} = {value}" + (" (held)" if parameter.sd is None else "")
 
 
 def _effects(diagnosis: Diagnosis) -> Iterator[str]:

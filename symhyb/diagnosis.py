@@ -81,8 +81,9 @@ def valued(setting: Setting, winner: Refined, prepared: Prepared) -> tuple[Refin
     for stage in setting.stages:
         first = dict(enumerate(grouped(winner)))
         trial = refine(
-            prepared.model, winner.causes, first, stage.laid, setting.sd, everything=True
-        )
+            prepared.model, winner.causes, first, stage.laid, setting.sd,
+            everything=True, careful=True,
+        )  # fmt: skip
         spread = np.sqrt(np.diag(trial.fit.covariance))
         width = float(np.sum(np.log(np.maximum(spread, 1e-300)))) if spread.size else 0.0
         if not trial.fit.reason and (best is None or width < best[0] or not spread.size):

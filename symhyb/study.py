@@ -19,10 +19,12 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
+from symhyb import __version__
 from symhyb.correction.apply import apply
 from symhyb.data.datasets import fetch
 from symhyb.data.recording import Recording, read_recording
-from symhyb.diagnosis import diagnose, judge
+from symhyb.diagnosis import diagnose
+from symhyb.discrepancy.judge import judge
 from symhyb.discrepancy.results import Diagnosis, Verdict
 from symhyb.errors import InputError, Problem
 from symhyb.expected import Check, Expected, check, read_expected
@@ -155,7 +157,7 @@ def manifest(result: StudyResult) -> dict[str, Any]:
         ],
         "map": dict(study.columns or {}),
         "versions": _versions(),
-        "seeds": {},  # no step of the chain draws random numbers
+        "seeds": {"figures": 0},  # which points of a dense cloud are drawn; the rest has no chance
         "seconds": round(result.seconds, 1),
         "checks": [
             {"subject": one.subject, "wanted": one.wanted, "got": one.got, "passed": one.passed}
@@ -254,13 +256,8 @@ def _provenance(result: StudyResult) -> dict[str, str]:
 
 
 def _versions() -> dict[str, str]:
-    versions = {"python": platform.python_version()}
-    for name in ("symhyb", *LIBRARIES):
-        try:
-            versions[name] = metadata.version(name)
-        except metadata.PackageNotFoundError:
-            versions[name] = "not installed as a package"
-    return versions
+    libraries = {name: metadata.version(name) for name in LIBRARIES}
+    return {"python": platform.python_version(), "symhyb": __version__, **libraries}
 
 
 def _sha256(file: Path) -> str:

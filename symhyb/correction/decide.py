@@ -27,6 +27,7 @@ RIVAL = 10.0  # of the criterion: closer than this, a rival is told
 TRIALS = 3  # refined structures of each size
 PROMISE = 0.3  # of what is left, which the linear problem must promise before a trial
 ROUNDS = 5
+NEAR_NOISE = 1.1  # χ² per sample: nothing larger to climb to
 
 Say = Callable[[str], None]
 
@@ -76,12 +77,17 @@ def decide(setting: Setting, proposals: Sequence[Subset], say: Say) -> Decision:
     """Choose a structure. ``proposals`` are subsets from other screens, by cause index."""
     log: list[str] = []
     pool = {subset.causes for subset in proposals}
+    problems = []
     for stage in setting.stages:
         say(f"screening {len(setting.hypotheses)} causes on windows of {stage.length_s:.3g} s")
         problem = _screened(setting, stage)
         twins = exact_twins(problem)
         problem = without(problem, {second for _, second in twins})
-        pool |= {s.causes for sized in best_subsets(problem) for s in sized[:TRIALS]}
+        sizes = best_subsets(problem)
+        pool |= {s.causes for sized in sizes for s in _distinct(problem, sized)[:TRIALS]}
+        problems.append((sizes[-1][0].chi2 / sizes[0][0].chi2, problem))
+    # where the linear problem explains most, its promises are worth most
+    problem = min(problems, key=lambda pair: pair[0])[1]
     subsets = [subset for causes in sorted(pool) if (subset := solve(problem, causes)) is not None]
     trials = _Trials(setting, say)
     nothing = trials.refined(())
@@ -132,9 +138,11 @@ def _climb(
     """
     winner, left = nothing, problem.gram[-1, -1]
     for size in range(1, LARGEST + 1):
+        if winner is not nothing and winner.fit.scale < NEAR_NOISE:
+            break  # what is left, if anything, shows only along the winner's own simulation
         sized = sorted((s for s in pool if len(s.causes) == size), key=lambda s: s.chi2)
-        promising = [s for s in sized if s.chi2 < (1 - PROMISE) * left][:TRIALS]
-        tried = [trials.refined(s.causes, s.values) for s in promising]
+        promising = [s for s in _distinct(problem, sized) if s.chi2 < (1 - PROMISE) * left]
+        tried = [trials.refined(s.causes, s.values) for s in promising[:TRIALS]]
         if not tried:
             continue
         closest = min(tried, key=lambda trial: trial.fit.train)
@@ -146,6 +154,15 @@ def _climb(
             subset = solve(problem, trials.causes(best))
             left = left if subset is None else subset.chi2
     return winner
+
+
+def _distinct(problem: Problem, subsets: Sequence[Subset]) -> list[Subset]:
+    """The first of every set of subsets that differ in the shapes of their laws alone."""
+    first: dict[frozenset[object], Subset] = {}
+    for subset in subsets:
+        family = frozenset(problem.hypotheses[cause].family for cause in subset.causes)
+        first.setdefault(family, subset)
+    return list(first.values())
 
 
 def _improved(trials: _Trials, winner: Refined, problem: Problem, log: list[str]) -> Refined:

@@ -151,13 +151,18 @@ def alternatives_of(
         evidence = decision.criterion(trial)
         fresh = [cause for cause in trial.causes if cause not in winner.causes]
         lost = [cause for cause in winner.causes if cause not in trial.causes]
-        if not fresh or not lost or not evidence < RIVAL or len(fresh) > len(lost):
+        if not fresh or not lost or not evidence < RIVAL or _larger(fresh, lost):
             continue
         for cause in fresh:
             index = trial.causes.index(cause)
             values = _values(trial, [index]) if cause.place is not None else {}
             rows.append(_alternative(model, cause, values, names.get(lost[0]), max(evidence, 0.0)))
     return tuple(sorted(rows, key=lambda row: row.evidence))
+
+
+def _larger(fresh: Sequence[Hypothesis], lost: Sequence[Hypothesis]) -> bool:
+    """Whether a trial holds more than it replaces: no rival but an extension that was refused."""
+    return sum(cause.numbers for cause in fresh) > sum(cause.numbers for cause in lost)
 
 
 def _alternative(

@@ -9,7 +9,7 @@ from symhyb.correction.decide import Setting, Stage, grouped
 from symhyb.correction.findings import Named
 from symhyb.correction.preparing import Prepared
 from symhyb.correction.trajectory import Refined, refine
-from symhyb.discrepancy.matching import Task, fit
+from symhyb.discrepancy.matching import TRIAL_DECREASE, TRIAL_ITERATIONS, Task, fit
 from symhyb.discrepancy.scores import laid_on
 from symhyb.numeric.buffers import Array
 from symhyb.numeric.windows import WindowModel
@@ -77,7 +77,10 @@ def _unseen(prepared: Prepared, stage: Stage, trial: Refined) -> _Unseen:
     if not laid:
         return _Unseen(float("nan"), float("nan"), float("nan"))
     nothing = np.zeros(0)
-    task = Task(tuple(laid), prepared.sd, nothing, nothing, nothing, nothing)
+    task = Task(
+        tuple(laid), prepared.sd, nothing, nothing, nothing, nothing,
+        decrease=TRIAL_DECREASE, iterations=TRIAL_ITERATIONS,
+    )  # fmt: skip
     model = WindowModel(trial.machine)
     fitted = fit(model, task, trial.p)
     use = np.ones(fitted.held.size, bool) if prepared.holdout or not fitted.held.any() else fitted.held

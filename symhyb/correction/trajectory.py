@@ -57,11 +57,12 @@ def refine(
     sd: Array,
     starts: Sequence[Array] | None = None,
     everything: bool = False,
+    careful: bool = False,
 ) -> Refined:
     """Fit the causes on windows; ``start`` has the first guess of the terms of each cause, SI.
 
     ``model`` states its channels' gains and offsets (:func:`with_channels`); ``starts`` are initial
-    states (W, 2n) of each recording to begin with; ``everything`` fits the held windows too.
+    states (W, 2n) of each recording to begin with; ``everything`` fits the held windows too; ``careful`` iterates until the values stand.
     """
     elements: list[Element] = []
     for i, cause in enumerate(causes):
@@ -81,7 +82,7 @@ def refine(
     if not kinds & set(STEEP):
         laid = [_coarse(item) for item in laid]
     task = Task(tuple(laid), sd, lower, upper, mean, spread, everything)
-    if not everything:
+    if not careful:
         task = replace(task, decrease=TRIAL_DECREASE, iterations=TRIAL_ITERATIONS)
     fitted = fit(WindowModel(machine, free), task, p, starts)
     p[list(free)] = fitted.values

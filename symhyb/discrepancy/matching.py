@@ -16,8 +16,8 @@ from symhyb.discrepancy.windows import Laid, correlation_time
 from symhyb.numeric.buffers import Array
 from symhyb.numeric.windows import WindowModel
 
-DECREASE = 1e-6  # of the cost, predicted: stop
-ITERATIONS = 30
+DECREASE = 1e-5  # of the cost, predicted: stop
+ITERATIONS = 15
 TRIAL_DECREASE = 1e-4
 TRIAL_ITERATIONS = 7  # a structure that needs more is not close
 DAMPING_MOST = 1e8

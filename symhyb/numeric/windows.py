@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symhyb.numeric.buffers import Array, accumulated, call, mapped
+from symhyb.numeric.compiled import compiled
 from symhyb.numeric.machine import Machine
 from symhyb.numeric.steps import rosenbrock_step
 
@@ -110,13 +111,15 @@ class WindowModel:
             "screen": [after, by_x, by_free, ca.jacobian(after, w)],
         }
         at, begins = ca.vertcat(x, w), ca.vertcat(begin, 0 * w)
-        self._steps = {
+        steps = {
             what: ca.Function(
                 what, [x, start, restart, *rest],
                 [ca.densify(ca.substitute(part, at, begins)) for part in parts], {"cse": True},
             )
             for what, parts in outputs.items()
         }  # fmt: skip
+        fitting = compiled({what: steps[what] for what in ("plain", "fit")})
+        self._steps = {**steps, **fitting}
         self._sense = _sensing(machine, chosen)
         self._runs: dict[tuple[str, int], ca.Function] = {}
 

@@ -1,0 +1,333 @@
+"""Studies: the file, what is expected, what is left behind; and the three that are shipped."""
+
+import json
+import os
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from fakes import NOTHING, Fake, fake_diagnosis, friction, verdict
+
+from symhyb import study as module
+from symhyb.discrepancy.results import Estimate, Measurement, Reestimated
+from symhyb.errors import InputError
+from symhyb.expected import Expected, check, found_terms, read_expected
+from symhyb.model.types import Between
+from symhyb.report.contract import to_json
+from symhyb.study import manifest, run_study, staged
+from symhyb.study_file import Source, read_study
+
+ROOT = Path(__file__).parent.parent
+STUDIES = ROOT / "studies"
+
+STUDY = """\
+symhyb = 1
+title = "a study"
+about = "what it shows"
+model = "model.toml"
+
+[map]
+f = "2*u"
+
+[[train]]
+file = "a.csv"
+span = [1, 5.5]
+
+[[train]]
+data = "emps/DATA_EMPS.mat"
+
+[[holdout]]
+file = "../folder/b.csv"
+
+[score]
+window_s = 0.25
+force_band_hz = 60
+"""
+
+Write = Callable[[str], Path]
+
+
+@pytest.fixture
+def write(tmp_path: Path) -> Write:
+    """Return ``write(text)``: the path of a study with this text, its files beside it."""
+
+    def write_study(text: str) -> Path:
+        folder = tmp_path / "folder"
+        folder.mkdir(exist_ok=True)
+        for name in ("model.toml", "a.csv", "b.csv"):
+            (folder / name).touch()
+        (folder / "study.toml").write_text(text)
+        return folder / "study.toml"
+
+    return write_study
+
+
+@pytest.fixture
+def fake(monkeypatch: pytest.MonkeyPatch) -> Fake:
+    return fake_diagnosis(monkeypatch)
+
+
+def problems(path: Path) -> list[str]:
+    with pytest.raises(InputError) as caught:
+        read_study(path)
+    return [str(one).removeprefix(f"{path}:") for one in caught.value.problems]
+
+
+# --- the file -----------------------------------------------------------------------------------
+
+
+def test_a_study_reads_as_it_is_written(write: Write, tmp_path: Path) -> None:
+    path = write(STUDY)
+    study = read_study(path)
+    assert study.title == "a study"
+    assert study.model == tmp_path / "folder" / "model.toml"
+    assert study.columns == {"f": "2*u"}
+    assert study.train == (
+        Source(tmp_path / "folder" / "a.csv", span=(1.0, 5.5)),
+        Source(data="emps/DATA_EMPS.mat"),
+    )
+    assert study.holdout == (Source(tmp_path / "folder" / "b.csv"),)
+    assert (study.window_s, study.force_band_hz, study.file) == (0.25, 60.0, path)
+
+
+def test_the_least_that_a_study_says(write: Write) -> None:
+    study = read_study(write('symhyb = 1\nmodel = "model.toml"\n[[train]]\nfile = "a.csv"\n'))
+    assert (study.columns, study.holdout, study.window_s, study.title) == (None, (), None, "")
+
+
+@pytest.mark.parametrize("name", ["emps", "oscillator", "null"])
+def test_the_studies_that_are_shipped_are_valid(name: str) -> None:
+    study = read_study(STUDIES / name / "study.toml")
+    assert study.train
+    assert study.holdout
+    assert read_expected(STUDIES / name / "expected.json").source
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("symhyb = 1\n", "", " the file does not state its format"),
+        ("symhyb = 1", "symhyb = 2", "1: symhyb: must be the number 1, not the number 2"),
+        ("title =", "titel =", "2: titel: 'titel' is not a key here; did you mean 'title'?"),
+        ('"model.toml"', '"modl.toml"', "4: model: there is no file 'modl.toml'; did you mean"),
+        ('model = "model.toml"\n', "", " 'model' is missing"),
+        ('"2*u"', "2", "7: map.f: must be text in quotes"),
+        ('"a.csv"', '"aa.csv"', "10: train[1].file: there is no file 'aa.csv'; did you mean"),
+        ("[1, 5.5]", "[5.5, 1]", "11: train[1].span: must be [start, end] in s"),
+        ("[1, 5.5]", '"all"', "11: train[1].span: must be [start, end] in s"),
+        ("span =", "crop =", "11: train[1].crop: 'crop' is not a key here"),
+        ("emps/DATA_EMPS.mat", "emp/x", "14: train[2].data: no recording is known by the name"),
+        ("DATA_EMPS.mat", "DATA_EMP.mat", "14: train[2].data: 'emps/DATA_EMP.mat' names no file"),
+        ('data = "emps/DATA_EMPS.mat"\n', "", "13: train[2]: state exactly one of file and data"),
+        ('"../folder/b.csv"', "3", "17: holdout[1].file: must be text in quotes"),
+        ("0.25", "-1", "20: score.window_s: must be positive, not -1"),
+        ("force_band_hz", "force_band", "21: score.force_band: 'force_band' is not a key here"),
+        ("[map]", "[map", "is not valid TOML"),
+        (STUDY, "  \n", "the file is empty"),
+    ],
+)
+def test_each_mistake_of_a_study_has_its_line(write: Write, old: str, new: str, said: str) -> None:
+    assert old in STUDY
+    found = problems(write(STUDY.replace(old, new, 1)))
+    assert len(found) == 1
+    assert said in found[0]
+
+
+def test_all_mistakes_of_a_study_come_at_once(write: Write) -> None:
+    text = STUDY.replace("title", "titel").replace("5.5", "0.5").replace("0.25", "0")
+    assert [line.split(":")[0] for line in problems(write(text))] == ["2", "11", "20"]
+
+
+@pytest.mark.parametrize(
+    ("train", "said"),
+    [
+        ("", "[[train]] is missing"),
+        ("train = []", "at least one recording"),
+        ('train = "a.csv"', "write each recording as a table [[train]]"),
+    ],
+)
+def test_a_study_needs_recordings(write: Write, train: str, said: str) -> None:
+    (problem,) = problems(write(f'symhyb = 1\nmodel = "model.toml"\n{train}\n'))
+    assert said in problem
+
+
+def test_a_study_that_is_not_there(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="cannot be read: No such file"):
+        read_study(tmp_path / "study.toml")
+
+
+# --- what is expected ---------------------------------------------------------------------------
+
+CONTENT = to_json(friction(0.5), verdict())
+EXPECTED = Expected("", "missing physics", {"q.coulomb": (0.4905, 0.05)}, True)
+
+
+def test_a_diagnosis_as_expected_passes() -> None:
+    checks = check(replace(EXPECTED, at_most={"train.after.force_residual.q": 0.01}), CONTENT)
+    assert [one.passed for one in checks] == [True] * 4
+    assert checks[1].wanted == "0.4905 within 5 %"
+    assert checks[1].got == "0.5 ± 0.006 N (+1.94 %)"
+
+
+@pytest.mark.parametrize(
+    ("expected", "subject", "got"),
+    [
+        (Expected(verdict="parameters"), "verdict", "missing physics"),
+        (Expected(found={"q.coulomb": (0.4, 0.05)}), "q.coulomb", "0.5 ± 0.006 N (+25.00 %)"),
+        (Expected(found={"q.coulomb": (-0.5, 0.05)}), "q.coulomb", "0.5 ± 0.006 N (-200.00 %)"),
+        (Expected(found={"q.drag": (0.8, 0.05)}), "q.drag", "not found"),
+        (Expected(nothing_else=True), "anything else", "q.coulomb"),
+        (Expected(at_most={"holdout.after.window_rmse.speed": 0.001}), None, "0.0074"),
+        (Expected(at_most={"holdout.after.window_rmse.sped": 1.0}), None, "none"),
+    ],
+)
+def test_a_diagnosis_that_is_not_as_expected_fails(
+    expected: Expected, subject: str | None, got: str
+) -> None:
+    (one,) = check(expected, CONTENT)
+    assert not one.passed
+    assert one.subject == (subject or next(iter(expected.at_most or {})))
+    assert one.got == got
+
+
+def test_what_shapes_a_law_is_nothing_else_but_a_parameter_and_a_gain_are() -> None:
+    diagnosis = friction(0.5)
+    (effect,) = diagnosis.found
+    shaped = replace(
+        effect, estimates=(*effect.estimates, Estimate("v_t", 1e-3, 1e-4, "m/s", "transition"))
+    )
+    checks = check(EXPECTED, to_json(replace(diagnosis, found=(shaped,)), verdict()))
+    assert all(one.passed for one in checks)
+    changed = replace(
+        diagnosis,
+        parameters=(Reestimated("c", 100.0, 104.0, 1.0, "N/m^3"),),
+        measurement=(Measurement("speed", "gain", 1.1, 0.01, "1"),),
+    )
+    assert check(EXPECTED, to_json(changed, verdict()))[-1].got == "parameter c, gain of speed"
+
+
+def test_places_between_points_have_a_name() -> None:
+    diagnosis = friction()
+    (effect,) = diagnosis.found
+    element = replace(effect.element, place=Between("anchor", "tip"))
+    content = to_json(replace(diagnosis, found=(replace(effect, element=element),)), verdict())
+    assert list(found_terms(content)) == ["anchor-tip.coulomb"]
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("{", "cannot be read"),
+        ("[]", "must be a mapping"),
+        ('{"verdit": "x"}', "did you mean 'verdict'?"),
+        ('{"found": {"x.c": {"value": 1}}}', "found.x.c: 'within' is missing"),
+        ('{"scores": {"a": {"at_most": "1"}}}', "scores.a.at_most: must be a number"),
+        ('{"nothing_else": 1}', "nothing_else: must be true or false"),
+    ],
+)
+def test_mistakes_in_what_is_expected(tmp_path: Path, text: str, said: str) -> None:
+    path = tmp_path / "expected.json"
+    path.write_text(text)
+    with pytest.raises(InputError) as caught:
+        read_expected(path)
+    assert said in str(caught.value)
+
+
+# --- what is left behind ------------------------------------------------------------------------
+
+
+def test_the_manifest_says_what_went_in_and_no_path(fake: Fake, tmp_path: Path) -> None:
+    fake(NOTHING)
+    result = run_study(STUDIES / "null" / "study.toml", tmp_path)
+    written = json.loads((tmp_path / "manifest.json").read_text())
+    assert written == manifest(result)
+    assert written["model"]["file"] == "oscillator.toml"
+    assert [(one["role"], one["file"]) for one in written["recordings"]] == [
+        ("train", "train.csv"),
+        ("holdout", "holdout.csv"),
+    ]
+    hashes = [written["study"], written["model"], *written["recordings"]]
+    assert all(len(one["sha256"]) == 64 for one in hashes)
+    assert {"python", "symhyb", "numpy", "scipy", "casadi", "sympy", "pysindy"} <= set(
+        written["versions"]
+    )
+    assert [one["passed"] for one in written["checks"]] == [True, True]
+    assert "/" not in "".join(one["file"] for one in hashes)
+    assert str(ROOT) not in (tmp_path / "manifest.json").read_text()
+
+
+def test_the_diagnosis_is_not_told_what_is_expected(fake: Fake, tmp_path: Path) -> None:
+    asked = fake(NOTHING)
+    run_study(STUDIES / "null" / "study.toml", tmp_path)
+    ((model, train, holdout),) = asked
+    assert len(train) == len(holdout) == 1  # type: ignore[arg-type]
+    assert model.title == "Mass on a hardening spring, driven by a known force"  # type: ignore[attr-defined]
+
+
+def test_a_study_passes_its_scores_on(
+    fake: Fake, write: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fake(NOTHING)
+    asked: dict[str, object] = {}
+    monkeypatch.setattr(module, "judge", lambda *_, **options: asked.update(options) or verdict())
+    path = STUDIES / "null"
+    text = (path / "study.toml").read_text() + "[score]\nwindow_s = 0.5\nforce_band_hz = 20\n"
+    text = text.replace("../../models", str(ROOT / "models"))
+    text = text.replace('"train.csv"', f'"{path / "train.csv"}"\nspan = [0, 10]')
+    result = run_study(write(text.replace('"holdout.csv"', f'"{path / "holdout.csv"}"')), tmp_path)
+    assert (asked["window_s"], asked["force_band_hz"]) == (0.5, 20.0)
+    assert result.train[0].t[-1] == pytest.approx(10.0)
+    assert result.checks == ()
+    assert manifest(result)["recordings"][0]["span"] == [0.0, 10.0]
+
+
+def test_files_move_into_place_together_or_not_at_all(tmp_path: Path) -> None:
+    target = tmp_path / "new" / "out"
+
+    def write(text: str, error: Exception | None = None) -> None:
+        with staged(target) as part:
+            (part / "a.txt").write_text(text)
+            assert not target.exists()
+            if error:
+                raise error
+
+    with pytest.raises(RuntimeError, match="half"):
+        write("half", RuntimeError("half"))
+    assert not target.exists()
+    assert list(tmp_path.glob("**/*")) == [tmp_path / "new"]
+    write("whole")
+    assert [path.name for path in target.iterdir()] == ["a.txt"]
+
+
+@pytest.mark.skipif(os.name == "nt" or os.geteuid() == 0, reason="root may write anywhere")
+def test_a_folder_that_may_not_be_written_to_is_refused(tmp_path: Path) -> None:
+    tmp_path.chmod(0o500)
+    with pytest.raises(InputError, match="may not be written to"), staged(tmp_path / "out"):
+        pass
+
+
+# --- the three studies of the project, with the true diagnosis ----------------------------------
+
+
+def test_nothing_is_found_where_nothing_is_concealed(tmp_path: Path) -> None:
+    result = run_study(STUDIES / "null" / "study.toml", tmp_path)
+    assert (result.diagnosis.verdict, result.exit_status) == ("nothing missing", 0)
+
+
+@pytest.mark.slow
+def test_what_was_concealed_in_the_oscillator_is_found(tmp_path: Path) -> None:
+    result = run_study(STUDIES / "oscillator" / "study.toml", tmp_path)
+    assert [one for one in result.checks if not one.passed] == []
+    assert {effect.element.kind for effect in result.diagnosis.found} == {"friction", "drag"}
+
+
+@pytest.mark.slow
+def test_the_real_drive_gives_what_is_published(
+    tmp_path: Path, public_file: Callable[..., Path]
+) -> None:
+    public_file("emps", "DATA_EMPS.mat")
+    result = run_study(STUDIES / "emps" / "study.toml", tmp_path)
+    assert len(result.checks) == 7
+    assert [one for one in result.checks if not one.passed] == []
+    assert result.exit_status == 1
