@@ -9,6 +9,7 @@ import json
 import sys
 import traceback
 from dataclasses import asdict
+from io import TextIOWrapper
 from pathlib import Path
 from typing import Annotated, Any, NoReturn
 
@@ -332,6 +333,9 @@ def data_fetch(
 
 def main() -> NoReturn:
     """Run the command line and end the process with its exit status."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):  # a pipe may not know every letter of a sentence
+            stream.reconfigure(errors="replace")
     try:
         app(prog_name="symhyb")
         status = 0

@@ -11,8 +11,16 @@ import numpy as np
 
 from symhyb.correction.decide import Decision, Setting, Stage, decide, grouped
 from symhyb.correction.findings import (
-    Named, alternatives_of, channel_faults, element_names, found_of, named, reestimated,
+    Named,
+    alternatives_of,
+    channel_faults,
+    doubtful,
+    element_names,
+    found_of,
+    named,
+    reestimated,
 )  # fmt: skip
+from symhyb.correction.leftover import leftover, sentences
 from symhyb.correction.preparing import Prepared, prepare, settle
 from symhyb.correction.proof import Proof, prove
 from symhyb.correction.sparse import propose
@@ -23,7 +31,12 @@ from symhyb.discrepancy.locate import activity, locate
 from symhyb.discrepancy.motion import acting
 from symhyb.discrepancy.residual import discrepancy, force_band, noise_notes
 from symhyb.discrepancy.results import (
-    Activity, Cloud, Diagnosis, Found, PlaceShare, VerdictName,
+    Activity,
+    Cloud,
+    Diagnosis,
+    Found,
+    PlaceShare,
+    VerdictName,
 )  # fmt: skip
 from symhyb.discrepancy.scores import Run
 from symhyb.discrepancy.wording import verdict_sentence
@@ -63,7 +76,8 @@ def diagnose(
     if decision.nothing.fit.reason and not decision.winner.causes:
         raise NumericsError(f"the model cannot be simulated: {decision.nothing.fit.reason}")
     tell("estimating values")
-    final, stage = valued(setting, decision.winner, prepared)
+    certain = _certain(setting, decision, prepared)
+    final, stage = valued(setting, certain, prepared)
     tell("mapping the places")
     values = prepared.machine.values
     places = locate(setting.library, setting.windows, middle.laid, values, setting.sd)
@@ -71,7 +85,9 @@ def diagnose(
     items = named(final)
     shown = prove(prepared, setting, final, stage, items)
     told = _told(model, prepared, final, items, shown)
-    return _concluded(model, prepared, decision, final, told, shown.remainder, places)
+    left = leftover(setting, certain) if certain.causes else ()
+    notes = sentences(left, shown.remainder)
+    return _concluded(model, prepared, decision, final, told, (shown.remainder, notes), places)
 
 
 def valued(setting: Setting, winner: Refined, prepared: Prepared) -> tuple[Refined, Stage]:
@@ -91,6 +107,17 @@ def valued(setting: Setting, winner: Refined, prepared: Prepared) -> tuple[Refin
     if best is None:
         return winner, setting.stages[-1]
     return best[1], best[2]
+
+
+def _certain(setting: Setting, decision: Decision, prepared: Prepared) -> Refined:
+    """The winner without the causes that a rival replaces almost as well."""
+    doubt = doubtful(decision)
+    if not doubt:
+        return decision.winner
+    rows = dict(zip(decision.winner.causes, grouped(decision.winner), strict=True))
+    kept = [cause for cause in decision.winner.causes if cause not in doubt]
+    first = {i: rows[cause] for i, cause in enumerate(kept)}
+    return refine(prepared.model, kept, first, setting.stages[-1].laid, setting.sd)
 
 
 def _told(
@@ -139,7 +166,7 @@ def _concluded(
     decision: Decision,
     final: Refined,
     found: tuple[Found, ...],
-    remainder: float | None,
+    remainder: tuple[float | None, tuple[str, ...]],
     places: tuple[PlaceShare, ...],
 ) -> Diagnosis:
     parameters, faults = reestimated(model, final), channel_faults(final)
@@ -156,7 +183,8 @@ def _concluded(
         verdict,
         verdict_sentence(verdict, found, parameters, faults, alternatives),
         found, parameters, faults, alternatives,
-        remainder=remainder,
+        remainder=remainder[0],
+        remainder_notes=remainder[1],
         noise=noise,
         places=places,
         clouds=tuple(cloud for run in prepared.runs for cloud in _clouds(prepared, final, run)),

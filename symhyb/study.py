@@ -81,6 +81,8 @@ def run_study(
     require_folder(directory)
     result = carry_out(study, say)
     result = replace(result, checks=check(expected, to_json(result.diagnosis, result.verdict)))
+    if say:
+        say("writing the report")
     leave_files(result, directory)
     return result
 

@@ -1,6 +1,7 @@
 """The command line: every verb, every exit status, bad input without half-written output."""
 
 import json
+import os
 import re
 import subprocess
 import sys
@@ -242,6 +243,16 @@ def test_diff_of_a_model_with_itself_and_with_another(symhyb: Call, write: Write
     done = symhyb("diff", OSCILLATOR, other)
     assert done.status == 0
     assert done.out.startswith("~ parameter c: 100 -> 110 N/m^3\n")
+
+
+def test_a_pipe_that_does_not_know_every_letter_still_gets_its_sentences() -> None:
+    model = str(ROOT / "models" / "cartpole.toml")
+    done = subprocess.run(
+        [sys.executable, "-c", "from symhyb.cli import main; main()", "check", model],
+        capture_output=True, env={**os.environ, "PYTHONIOENCODING": "ascii"},
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert b"g = 9.81 m/s? (held)" in done.stdout
 
 
 # --- simulate -----------------------------------------------------------------------------------

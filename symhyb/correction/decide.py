@@ -9,7 +9,7 @@
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from symhyb.numeric.windows import WindowModel
 
 SIGNIFICANT = 10.0  # Δχ²/c − k ln N on fitted windows, Δχ²/c on held ones (10: odds of 150 to 1)
 PART_LEFT = 1 / 2  # of the mismatch that is left, which a cause must take
+CERTAIN = 4.6  # of the criterion: a rival closer than this (odds 10 to 1) leaves a cause in doubt
 RIVAL = 10.0  # of the criterion: closer than this, a rival is told
 TRIALS = 3  # refined structures of each size
 PROMISE = 0.3  # of what is left, which the linear problem must promise before a trial
@@ -43,13 +44,15 @@ class Stage:
 @dataclass(frozen=True, slots=True)
 class Setting:
     """What a decision works on: force hypotheses lowered, dull causes, windows prepared for the
-    model with all dull causes free, stages from short to long, noise ``sd`` (m,), SI."""
+    model with all dull causes free, stages from short to long, noise ``sd`` (m,) SI, and
+    the smallest gain error that interpolation between samples cannot feign."""
 
     library: Library
     dull: tuple[Hypothesis, ...]
     windows: WindowModel
     stages: tuple[Stage, ...]
     sd: Array
+    gain_floor: float
 
     @property
     def hypotheses(self) -> tuple[Hypothesis, ...]:
@@ -97,8 +100,16 @@ def decide(setting: Setting, proposals: Sequence[Subset], say: Say) -> Decision:
         if better is winner:
             break
         winner = better
+    winner = _conventional(trials, winner, problem)
     named = tuple((setting.hypotheses[a], setting.hypotheses[b]) for a, b in twins)
     return Decision(winner, nothing, tuple(trials.done.values()), named, tuple(log))
+
+
+def alike(first: Hypothesis, second: Hypothesis) -> bool:
+    """Whether two causes are of kinds that convention ranks: gains of two channels of a linear
+    system, offsets of two channels, a constant force and an offset."""
+    kinds = {first.kind, second.kind}
+    return kinds in ({"gain"}, {"offset"}, {"constant", "offset"})
 
 
 class _Trials:
@@ -111,7 +122,7 @@ class _Trials:
     def refined(
         self,
         causes: Sequence[int],
-        values: Sequence[float] = (),
+        values: Sequence[float] | Array = (),
         starts: Sequence[Array] | None = None,
     ) -> Refined:
         key = tuple(sorted(causes))
@@ -127,6 +138,21 @@ class _Trials:
 
     def causes(self, trial: Refined) -> tuple[int, ...]:
         return tuple(self.setting.hypotheses.index(cause) for cause in trial.causes)
+
+
+def _conventional(trials: _Trials, winner: Refined, problem: Problem) -> Refined:
+    """Where convention names one of two causes that noise cannot tell apart, the one it names."""
+    for trial in trials.done.values():
+        fresh = [cause for cause in trial.causes if cause not in winner.causes]
+        lost = [cause for cause in winner.causes if cause not in trial.causes]
+        if len(fresh) != 1 or len(lost) != 1 or not alike(fresh[0], lost[0]):
+            continue
+        first, second = (
+            precedence(problem.hypotheses.index(cause), cause) for cause in (fresh[0], lost[0])
+        )
+        if first < second and abs(_criterion(trial, winner) - _criterion(winner, winner)) < CERTAIN:
+            return trial
+    return winner
 
 
 def _climb(
@@ -194,7 +220,7 @@ def _improved(trials: _Trials, winner: Refined, problem: Problem, log: list[str]
 
 def _additions(trials: _Trials, winner: Refined) -> Iterator[Refined]:
     """One more cause, where the linearisation along the winner's own simulation promises it."""
-    problem = _around(trials, winner)
+    problem = around(trials.setting, winner)
     taken = set(trials.causes(winner))
     base = solve(problem, ())
     if base is None:
@@ -202,7 +228,7 @@ def _additions(trials: _Trials, winner: Refined) -> Iterator[Refined]:
     more = [s for c in range(len(problem.hypotheses)) if c not in taken
             if (s := solve(problem, (c,))) is not None]  # fmt: skip
     for subset in sorted(more, key=lambda s: s.chi2)[:TRIALS]:
-        gain = (base.chi2 - subset.chi2) / _unit(winner)
+        gain = (base.chi2 - subset.chi2) / unit_of(winner)
         if gain > SIGNIFICANT and base.chi2 - subset.chi2 > PROMISE * _excess(base.chi2, winner):
             values = [*(v for row in grouped(winner) for v in row), *subset.values]
             causes = (*trials.causes(winner), *subset.causes)
@@ -254,7 +280,7 @@ def _named(causes: Sequence[Hypothesis]) -> str:
 
 def earns(larger: Refined, smaller: Refined) -> tuple[bool, str]:
     """Whether the larger structure earns its extra numbers, with the sentence that says why."""
-    unit = _unit(larger)
+    unit = unit_of(larger)
     extra = larger.numbers - smaller.numbers
     size = max(float(larger.fit.count[~larger.fit.held].sum()), 2.0)
     fitted = (smaller.fit.train - larger.fit.train) / unit - extra * np.log(size)
@@ -274,8 +300,10 @@ def earns(larger: Refined, smaller: Refined) -> tuple[bool, str]:
         if wrong
     ]
     names, against = _named(larger.causes), _named(smaller.causes)
-    judged = "rejected: " + ", ".join(failed) if failed else (
-        f"accepted: takes {_percent(part)} of what is left"
+    judged = (
+        "rejected: " + ", ".join(failed)
+        if failed
+        else (f"accepted: takes {_percent(part)} of what is left")
     )
     return not failed, f"{names}, against {against}: {judged}"
 
@@ -298,7 +326,8 @@ def exact_twins(problem: Problem) -> tuple[tuple[int, int], ...]:
     A parameter that may be estimated goes before a force, a force before a channel, an input
     before a sensor.
     """
-    order = sorted(range(len(problem.hypotheses)), key=lambda i: _precedence(problem, i))
+    causes = problem.hypotheses
+    order = sorted(range(len(causes)), key=lambda i: precedence(i, causes[i]))
     pairs, gone = [], set()
     for place, first in enumerate(order):
         if first in gone or len(problem.columns[first]) > 1:
@@ -315,28 +344,26 @@ def exact_twins(problem: Problem) -> tuple[tuple[int, int], ...]:
     return tuple(pairs)
 
 
-def _precedence(problem: Problem, index: int) -> tuple[int, int]:
-    kind = problem.hypotheses[index].kind
-    return {"parameter": 0, "gain": 2, "offset": 3}.get(kind, 1), index
+def precedence(index: int, cause: Hypothesis) -> tuple[int, int]:
+    """Which of two equal causes is named: a parameter that may be estimated before a force, a force
+    before a channel, an input before a sensor."""
+    return {"parameter": 0, "gain": 2, "offset": 3}.get(cause.kind, 1), index
 
 
 def _screened(setting: Setting, stage: Stage) -> Problem:
     model = setting.windows
-    return screen(
-        setting.library, model, setting.dull, stage.laid, model.machine.values, setting.sd
-    ).problem
+    p, floor = model.machine.values, setting.gain_floor
+    return screen(setting.library, model, setting.dull, stage.laid, p, setting.sd, gain_floor=floor)
 
 
-def _around(trials: _Trials, winner: Refined) -> Problem:
+def around(setting: Setting, winner: Refined) -> Problem:
     """The reduced problem along the winner's simulation, its own numbers always in."""
-    setting = trials.setting
     paths = [*(cause.path for cause in setting.dull), *winner.paths]
     unique = list(dict.fromkeys(paths))
     model = WindowModel(winner.machine, tuple(winner.machine.column(path) for path in unique))
     laid = setting.stages[-1].laid
-    return screen(
-        setting.library, model, setting.dull, laid, winner.p, setting.sd, winner.fit.starts
-    ).problem
+    starts, floor = winner.fit.starts, setting.gain_floor
+    return screen(setting.library, model, setting.dull, laid, winner.p, setting.sd, starts, floor)
 
 
 def without(problem: Problem, dropped: set[int]) -> Problem:
@@ -345,24 +372,22 @@ def without(problem: Problem, dropped: set[int]) -> Problem:
     for cause in dropped:
         for column in problem.columns[cause]:
             bounds[column] = -np.inf
-    return Problem(
-        problem.gram, problem.held, problem.hypotheses, problem.columns, problem.always,
-        problem.prior, problem.lower, bounds,
-    )  # fmt: skip
+    return replace(problem, upper=bounds)
 
 
-def _unit(trial: Refined) -> float:
+def unit_of(trial: Refined) -> float:
     """χ² of one independent sample: residual variance times its correlation."""
     return trial.fit.scale * trial.fit.correlation
 
 
 def _criterion(trial: Refined, reference: Refined) -> float:
     size = max(float(trial.fit.count[~trial.fit.held].sum()), 2.0)
-    return trial.fit.train / _unit(reference) + trial.numbers * float(np.log(size))
+    return trial.fit.train / unit_of(reference) + trial.numbers * float(np.log(size))
 
 
 def grouped(trial: Refined) -> list[list[float]]:
-    """Fitted values of the terms (without refined shapes), cause by cause; changes for parameters."""
+    """Fitted values of the terms (without refined shapes), SI, cause by cause; of a parameter its
+    change."""
     rows, i = [], 0
     for cause in trial.causes:
         values = [float(v) for v in trial.fit.values[i : i + len(cause.terms)]]

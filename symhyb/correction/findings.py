@@ -5,15 +5,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symhyb.correction.decide import RIVAL, Decision
+from symhyb.correction.decide import CERTAIN, RIVAL, Decision, alike
 from symhyb.correction.trajectory import Refined
 from symhyb.discrepancy.hypotheses import Hypothesis
 from symhyb.discrepancy.results import (
-    Activity, Alternative, Estimate, Found, Measurement, Reestimated,
+    Activity,
+    Alternative,
+    Estimate,
+    Found,
+    Measurement,
+    Reestimated,
 )  # fmt: skip
 from symhyb.discrepancy.wording import effect_sentence
 from symhyb.model.expression import parse_expression
-from symhyb.model.types import At, Between, Element, Model, On, Parameter, Place
+from symhyb.model.types import At, Between, ChannelKind, Element, Model, On, Parameter, Place
 from symhyb.model.vocabulary import KINDS, key_unit
 
 SYMBOLS = {
@@ -130,34 +135,62 @@ def channel_faults(final: Refined) -> tuple[Measurement, ...]:
         if cause.kind in ("gain", "offset"):
             item = declared[cause.path]
             value, sd = (number / item.unit.factor for number in final.value(cause.path))
-            kind = "gain" if cause.kind == "gain" else "offset"
+            kind: ChannelKind = "gain" if cause.kind == "gain" else "offset"
             rows.append(Measurement(item.owner, kind, value, sd, item.unit.text))
     return tuple(rows)
+
+
+def doubtful(decision: Decision) -> tuple[Hypothesis, ...]:
+    """Causes of the winner that a rival replaces almost as well: these recordings cannot tell."""
+    doubt = []
+    for fresh, lost, evidence, _ in _rivals(decision):
+        conventional = len(fresh) == len(lost) == 1 and alike(fresh[0], lost[0])
+        if evidence < CERTAIN and not conventional:
+            doubt += lost
+    return tuple(cause for cause in decision.winner.causes if cause in doubt)
 
 
 def alternatives_of(
     model: Model, decision: Decision, names: Mapping[Hypothesis, str]
 ) -> tuple[Alternative, ...]:
-    """What the data cannot rule out: exact twins of what was found, and rivals within reach.
+    """What the data cannot rule out: causes in doubt, exact twins of what was found, and rivals
+    within reach.
 
-    ``names`` are the elements (or paths) under which the winner's causes are told.
+    ``names`` are the elements (or paths) under which certain causes of the winner are told.
     """
     winner = decision.winner
-    rows = []
+    rows = [
+        _alternative(model, cause, _told_values(winner, cause), None, 0.0)
+        for cause in doubtful(decision)
+    ]
     for first, second in decision.twins:
         if first in winner.causes:
             rows.append(_alternative(model, second, {}, names.get(first), 0.0))
-    for trial in decision.trials:
-        evidence = decision.criterion(trial)
-        fresh = [cause for cause in trial.causes if cause not in winner.causes]
-        lost = [cause for cause in winner.causes if cause not in trial.causes]
-        if not fresh or not lost or not evidence < RIVAL or _larger(fresh, lost):
-            continue
+    for fresh, lost, evidence, trial in _rivals(decision):
         for cause in fresh:
-            index = trial.causes.index(cause)
-            values = _values(trial, [index]) if cause.place is not None else {}
+            values = _told_values(trial, cause)
             rows.append(_alternative(model, cause, values, names.get(lost[0]), max(evidence, 0.0)))
     return tuple(sorted(rows, key=lambda row: row.evidence))
+
+
+Rival = tuple[list[Hypothesis], list[Hypothesis], float, Refined]
+
+
+def _rivals(decision: Decision) -> list[Rival]:
+    """Trials within reach of the winner that replace some of its causes: the fresh causes, the lost
+    ones, the difference of the criterion, the trial."""
+    rivals = []
+    for trial in decision.trials:
+        evidence = decision.criterion(trial)
+        fresh = [cause for cause in trial.causes if cause not in decision.winner.causes]
+        lost = [cause for cause in decision.winner.causes if cause not in trial.causes]
+        if fresh and lost and evidence < RIVAL and not _larger(fresh, lost):
+            rivals.append((fresh, lost, evidence, trial))
+    return rivals
+
+
+def _told_values(trial: Refined, cause: Hypothesis) -> dict[str, tuple[float, float]]:
+    return {} if cause.place is None else _values(trial, [trial.causes.index(cause)])
 
 
 def _larger(fresh: Sequence[Hypothesis], lost: Sequence[Hypothesis]) -> bool:

@@ -9,7 +9,11 @@ from symhyb.correction.decide import Setting, Stage
 from symhyb.data.recording import Recording
 from symhyb.data.thin import thinned
 from symhyb.discrepancy.hypotheses import (
-    dull_hypotheses, force_hypotheses, library, places_of, with_channels,
+    dull_hypotheses,
+    force_hypotheses,
+    library,
+    places_of,
+    with_channels,
 )  # fmt: skip
 from symhyb.discrepancy.motion import motion_of
 from symhyb.discrepancy.scores import Run, laid_on
@@ -25,6 +29,7 @@ WINDOWS_LEAST = 9  # over all recordings at the longest window length
 FIRST_WINDOW = 0.25  # of the shortest period
 GROWTH = 3.0  # from stage to stage
 STAGES_MOST = 4
+GAIN_LEAST = 1e-3  # smaller gain errors are not worth a name
 SD_FLOOR = 1e-6  # of a sensor's range: the accuracy of the integration
 
 
@@ -62,8 +67,8 @@ def prepare(
     runs = [_thin(run, machine, shortest) for run in first]
     proofs = [_thin(Run(r, motion_of(r, machine), np.empty(0)), machine, shortest) for r in holdout]
     sd = noise_sd(runs, machine)
-    told = [tuple(replace(run, sd=sd) for run in group) for group in (runs, proofs)]
-    return Prepared(extended, machine, *told, sd, shortest)
+    train, unseen = (tuple(replace(run, sd=sd) for run in group) for group in (runs, proofs))
+    return Prepared(extended, machine, train, unseen, sd, shortest)
 
 
 def noise_sd(runs: Sequence[Run], machine: Machine) -> Array:
@@ -89,7 +94,21 @@ def settle(prepared: Prepared) -> Setting:
     causes = library(model, places, force_hypotheses(model, speeds))
     dull = dull_hypotheses(model)
     windows = WindowModel(machine, tuple(machine.column(cause.path) for cause in dull))
-    return Setting(causes, dull, windows, _stages(prepared), prepared.sd)
+    floor = _gain_floor(prepared)
+    return Setting(causes, dull, windows, _stages(prepared), prepared.sd, floor)
+
+
+def _gain_floor(prepared: Prepared) -> float:
+    """The error of gain that first-order hold may feign: the sag of a chord between two samples,
+    |Δ²u|/8, relative to the input."""
+    worst = GAIN_LEAST
+    for run in prepared.runs:
+        for values in run.recording.inputs.values():
+            size = float(np.std(values))
+            if size > 0:
+                sag = float(np.sqrt(np.mean(np.diff(values, n=2) ** 2))) / 8
+                worst = max(worst, sag / size)
+    return worst
 
 
 def _speeds(prepared: Prepared, places: Sequence[Place]) -> Mapping[Place, float]:
@@ -124,6 +143,7 @@ def _stages(prepared: Prepared) -> tuple[Stage, ...]:
         raise InputError(Problem(text))
     return tuple(stages)
 
+
 def _periods(run: Run) -> Array:
     """Typical period 2π·RMS(q')/RMS(q'') of each coordinate that moves, s."""
     speed = np.sqrt(np.mean(run.motion.v**2, axis=0))
@@ -131,7 +151,8 @@ def _periods(run: Run) -> Array:
     moves = (speed > 0) & (pull > 0)
     if not moves.any():
         return np.array([run.recording.duration])
-    return np.minimum(2 * np.pi * speed[moves] / pull[moves], run.recording.duration)
+    periods = 2 * np.pi * speed[moves] / pull[moves]
+    return np.asarray(np.minimum(periods, run.recording.duration))
 
 
 def _thin(run: Run, machine: Machine, shortest: float) -> Run:

@@ -83,7 +83,11 @@ def _unseen(prepared: Prepared, stage: Stage, trial: Refined) -> _Unseen:
     )  # fmt: skip
     model = WindowModel(trial.machine)
     fitted = fit(model, task, trial.p)
-    use = np.ones(fitted.held.size, bool) if prepared.holdout or not fitted.held.any() else fitted.held
+    use = (
+        np.ones(fitted.held.size, bool)
+        if prepared.holdout or not fitted.held.any()
+        else fitted.held
+    )
     residual, measured = [], []
     for item, start in zip(laid, fitted.starts, strict=True):
         chosen = np.ones(len(start), bool) if prepared.holdout else item.held

@@ -7,30 +7,16 @@ starting values; it does not decide. Sizes: W windows, L samples, n coordinates,
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from symhyb.correction.selection import Problem
 from symhyb.discrepancy.hypotheses import Hypothesis, Library
-from symhyb.discrepancy.windows import Laid, Reduced, reduce
+from symhyb.discrepancy.windows import Laid, reduce
 from symhyb.numeric.buffers import Array
 from symhyb.numeric.windows import Linear, WindowModel
 
 GAIN_REACH = 0.5  # a gain further from 1 is a wrong unit or sign, not a gain
-
-
-@dataclass(frozen=True, slots=True)
-class Screened:
-    """The reduced problem of one window length and its parts by recording."""
-
-    problem: Problem
-    parts: tuple[Reduced, ...]
-
-    @property
-    def count(self) -> float:
-        """Samples of the fitted windows, less their initial states."""
-        return float(sum(part.count[~part.held].sum() for part in self.parts))
 
 
 def screen(
@@ -41,12 +27,14 @@ def screen(
     p: Array,
     sd: Array,
     starts: Sequence[Array] | None = None,
-) -> Screened:
+    gain_floor: float = 0.0,
+) -> Problem:
     """Reduce windows to a linear problem in the forces of ``library`` and the free parameters.
 
     The first free parameters of ``model`` are those of the ``dull`` causes; any others are in every
     subset. With ``starts`` (one (W, 2n) a recording) the linearisation is along the simulation from
-    there instead of the motion. ``p`` (P,), ``sd`` (m,) in SI.
+    there instead of the motion. A gain closer to 1 than ``gain_floor`` is none. ``p`` (P,), ``sd``
+    (m,) in SI.
     """
     parts = []
     for i, item in enumerate(laid):
@@ -61,7 +49,7 @@ def screen(
         )
     forces, free = sum(map(len, library.columns)), len(model.free)
     lower, upper = _bounds(library, dull, free)
-    problem = Problem(
+    return Problem(
         gram=np.sum([part.grams[~part.held].sum(axis=0) for part in parts], axis=0),
         held=np.sum([part.grams[part.held].sum(axis=0) for part in parts], axis=0),
         hypotheses=(*library.hypotheses, *dull),
@@ -70,8 +58,14 @@ def screen(
         prior=np.concatenate([np.zeros(forces), _priors(model, dull), np.zeros(free - len(dull))]),
         lower=lower,
         upper=upper,
+        least=np.concatenate(
+            [
+                np.zeros(forces),
+                [gain_floor if cause.kind == "gain" else 0.0 for cause in dull],
+                np.zeros(free - len(dull)),
+            ]
+        ),
     )
-    return Screened(problem, tuple(parts))
 
 
 def _force_columns(library: Library, item: Laid, linear: Linear) -> Array:

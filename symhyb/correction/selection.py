@@ -20,7 +20,8 @@ CONDITION = 1e10  # of scaled columns: beyond, a subset cannot be told apart
 
 @dataclass(frozen=True, slots=True)
 class Subset:
-    """Causes by their index, coefficients of their columns, χ² on fitted and held windows."""
+    """Causes by their index, coefficients ``values`` (one a column: shape (C,)) in SI, χ² on fitted
+    and held windows, and how many ``numbers`` the causes fit."""
 
     causes: tuple[int, ...]
     values: Array
@@ -32,8 +33,9 @@ class Subset:
 @dataclass(frozen=True, slots=True)
 class Problem:
     """The reduced problem: Gram matrices (F + 1, F + 1) of the fitted and the held windows,
-    ``columns`` of each cause, columns that are ``always`` in, priors 1/sd² (F,), and bounds of the
-    coefficients (F,), beyond which a subset is not physics."""
+    ``columns`` of each cause, columns that are ``always`` in, priors 1/sd² (F,), bounds of the
+    coefficients (F,) in SI, beyond which a subset is not physics, and the ``least`` size (F,) of a
+    coefficient that is worth a name."""
 
     gram: Array
     held: Array
@@ -43,6 +45,7 @@ class Problem:
     prior: Array
     lower: Array
     upper: Array
+    least: Array
 
 
 def best_subsets(problem: Problem, largest: int = LARGEST) -> list[list[Subset]]:
@@ -81,6 +84,8 @@ def solve(problem: Problem, causes: Sequence[int]) -> Subset | None:
             return None
         values = np.linalg.solve(unit, problem.gram[joined, last] / scale) / scale
         if np.any(values < problem.lower[joined]) or np.any(values > problem.upper[joined]):
+            return None
+        if np.any(np.abs(values[: len(columns)]) < problem.least[columns]):
             return None
     mix = np.zeros(last + 1)
     mix[joined], mix[last] = -values, 1

@@ -10,6 +10,7 @@ oscillation filters it out; the modulation keeps the band. The result is a propo
 Sizes: R rows, C columns, n coordinates.
 """
 
+import warnings
 from collections.abc import Sequence
 
 import numpy as np
@@ -46,7 +47,9 @@ def propose(
     found: dict[tuple[int, ...], Subset] = {}
     for threshold in THRESHOLDS:
         optimizer = STLSQ(threshold=threshold, alpha=1e-8, max_iter=30)
-        optimizer.fit(unit, (right / size)[:, None])
+        with warnings.catch_warnings():  # a threshold that leaves no term is an answer
+            warnings.simplefilter("ignore", UserWarning)
+            optimizer.fit(unit, (right / size)[:, None])
         values = np.zeros(length.size)
         values[seen] = np.asarray(optimizer.coef_)[0] * size / length[seen]
         subset = _subset(library, values, rows, right)
@@ -58,7 +61,8 @@ def propose(
 def weak_rows(
     machine: Machine, library: Library, item: Laid, band_hz: float
 ) -> tuple[Array, Array]:
-    """The weak form over windows: rows (R, C) and right-hand side (R,), scaled by coordinate."""
+    """The weak form over windows: rows (R, C), per SI unit of each coefficient, and right-hand side
+    (R,), dimensionless: both over its RMS by coordinate."""
     windows, length, states = item.motion.shape
     n = states // 2
     flat = item.motion.reshape(windows * length, states)
@@ -112,7 +116,7 @@ def _subset(library: Library, values: Array, rows: Array, right: Array) -> Subse
     ]
     if not causes or len(causes) > TERMS_MOST or len(set(terms)) < len(terms):
         return None
-    columns = [c for i in causes for c in library.columns[i]]
+    chosen = [c for i in causes for c in library.columns[i]]
     left = float(np.sum((right - rows @ values) ** 2))
     numbers = sum(library.hypotheses[i].numbers for i in causes)
-    return Subset(tuple(causes), values[columns], left, left, numbers)
+    return Subset(tuple(causes), values[chosen], left, left, numbers)

@@ -19,13 +19,15 @@ from symhyb.numeric.windows import WindowModel
 
 SHAPE_REACH = 30.0  # a refined shape stays within this factor of where it was tried
 GAIN_REACH = 0.5
+ACCURACY = 1e-4  # relative, of a fitted value: fixed steps and smoothed friction
 STEEP = ("friction",)  # kinds that need finer steps at reversals
 
 
 @dataclass(frozen=True, slots=True)
 class Refined:
     """A fitted structure: its causes, the lowered model, the parameter columns of each number
-    (``paths``), the full parameter vector ``p`` (P,) with the fitted values, and the fit."""
+    (``paths``), the full parameter vector ``p`` (P,) in SI with the fitted values,
+    and the fit."""
 
     causes: tuple[Hypothesis, ...]
     machine: Machine
@@ -39,9 +41,11 @@ class Refined:
         return len(self.paths)
 
     def value(self, path: str) -> tuple[float, float]:
-        """Fitted value and one standard deviation of a parameter, SI."""
+        """Fitted value and one standard deviation of a parameter, SI; the accuracy of the numerics
+        (integration, smoothed friction) is part of the deviation."""
         i = self.paths.index(path)
-        return float(self.fit.values[i]), float(np.sqrt(self.fit.covariance[i, i]))
+        value = float(self.fit.values[i])
+        return value, float(np.hypot(np.sqrt(self.fit.covariance[i, i]), ACCURACY * abs(value)))
 
 
 def element_name(index: int) -> str:
@@ -62,7 +66,8 @@ def refine(
     """Fit the causes on windows; ``start`` has the first guess of the terms of each cause, SI.
 
     ``model`` states its channels' gains and offsets (:func:`with_channels`); ``starts`` are initial
-    states (W, 2n) of each recording to begin with; ``everything`` fits the held windows too; ``careful`` iterates until the values stand.
+    states (W, 2n) of each recording to begin with; ``everything`` fits the held windows too;
+    ``careful`` iterates until the values stand.
     """
     elements: list[Element] = []
     for i, cause in enumerate(causes):

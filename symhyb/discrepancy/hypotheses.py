@@ -14,7 +14,15 @@ import numpy as np
 
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import (
-    Between, Element, Input, Model, On, Parameter, Place, Sensor, place_text,
+    Between,
+    Element,
+    Input,
+    Model,
+    On,
+    Parameter,
+    Place,
+    Sensor,
+    place_text,
 )  # fmt: skip
 from symhyb.model.vocabulary import key_unit
 from symhyb.numeric.buffers import Array, call, mapped
@@ -23,7 +31,6 @@ from symhyb.units import ONE
 
 TRANSITION_SHARE = 1e-4  # of the largest rate: the friction transition that is tried
 STRIBECK_SHARES = (0.05, 0.2)  # of the largest rate
-DULL = ("parameter", "gain", "offset")
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +62,7 @@ class Hypothesis:
 
     def __str__(self) -> str:
         if self.place is None:
-            return f"{self.kind} {self.path}"
+            return self.path if self.kind == "law" else f"{self.kind} {self.path}"
         return f"{self.kind} ({', '.join(self.terms)}) {place_text(self.place)}"
 
     def element(self, model: Model, name: str, values: Mapping[str, float]) -> Element:
@@ -112,7 +119,8 @@ def dull_hypotheses(model: Model) -> tuple[Hypothesis, ...]:
         for item in (*model.parameters, *(p for e in model.elements for p in e.parameters))
         if item.sd is not None
     ]
-    for channel in (*model.inputs, *model.sensors):
+    channels: tuple[Input | Sensor, ...] = (*model.inputs, *model.sensors)
+    for channel in channels:
         for kind in ("gain", "offset"):
             path = f"{channel.name}.{kind}"
             found.append(Hypothesis(kind, None, ("value",), (False,), path=path))

@@ -1,7 +1,6 @@
 """Before against after, on training and unseen recordings, and which score carries the verdict."""
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
 from typing import Literal
 
 import numpy as np
@@ -106,9 +105,7 @@ def _traces(
     return traces
 
 
-def _carries(
-    comparison: Comparison | None, window: float, unseen: bool, same: bool
-) -> str:
+def _carries(comparison: Comparison | None, window: float, unseen: bool, same: bool) -> str:
     """The sentence that says which score carries the verdict, and why."""
     if comparison is None:
         return "No recording was given to judge on."
@@ -127,8 +124,8 @@ def _carries(
     )
 
 
-def _worst(values: object) -> float | None:
-    numbers = [v for v in dict(values).values() if v is not None]  # type: ignore[call-overload]
+def _worst(values: Mapping[str, float | None]) -> float | None:
+    numbers = [v for v in values.values() if v is not None]
     return max(numbers) if numbers else None
 
 

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
 from symhyb.discrepancy.windows import Laid, correlation_time
@@ -36,8 +37,8 @@ class Fit:
     values: Array
     covariance: Array
     chi2: Array
-    count: Array
-    held: Array
+    count: NDArray[np.int64]
+    held: NDArray[np.bool_]
     correlation: float
     starts: tuple[Array, ...]
     reason: str = ""
@@ -60,8 +61,12 @@ class Fit:
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """What to fit: windows, noise ``sd`` (m,), bounds (F,), and priors mean and sd (F,; sd inf
-    for none). With ``everything`` the held windows are fitted too."""
+    """What to fit, SI: windows, noise ``sd`` (m,), bounds ``lower`` and ``upper`` (F,), priors
+    ``mean`` and ``spread`` (F,; one sd, inf for none).
+
+    With ``everything`` the held windows are fitted too. Steps end where one is predicted to lower
+    the cost by less than ``decrease`` of it, or after ``iterations``.
+    """
 
     laid: tuple[Laid, ...]
     sd: Array
@@ -76,21 +81,20 @@ class Task:
 
 @dataclass(frozen=True, slots=True)
 class _Part:
-    """One recording, whitened: residual (W, L·m), by starts (W, L·m, 2n), by parameters."""
+    """One recording, whitened: residual (W, L·m), by starts (W, L·m, 2n), by parameters
+    (W, L·m, F); ``used`` (W,), True where a window determines the parameters."""
 
     residual: Array
     by_start: Array
     by_free: Array
-    used: Array
+    used: NDArray[np.bool_]
 
 
-def fit(
-    model: WindowModel, task: Task, p: Array, starts: Sequence[Array] | None = None
-) -> Fit:
-    """Fit the free parameters of ``model`` from ``p`` (P,) by damped Gauss–Newton steps.
+def fit(model: WindowModel, task: Task, p: Array, starts: Sequence[Array] | None = None) -> Fit:
+    """Fit the free parameters of ``model`` from ``p`` (P,) in SI by damped Gauss–Newton steps.
 
-    Initial states start at ``starts`` (default: those of the smoothed motion) and are fitted on
-    every window, parameters on those that are not held.
+    Initial states start at ``starts`` (W, 2n) of each recording (default: those of the smoothed
+    motion) and are fitted on every window, parameters on those that are not held.
     """
     free = list(model.free)
     values = np.clip(p[free], task.lower, task.upper)
@@ -208,7 +212,9 @@ def _bounded(gram: Array, right: Array, damping: float, lower: Array, upper: Arr
     if np.any(x < low) or np.any(x > high):
         room = np.maximum(high - low, 1e-300)
         low, high = low - 1e-12 * room, high + 1e-12 * room
-        x = np.clip(lsq_linear(triangle, target, bounds=(low, high)).x, lower * scale, upper * scale)
+        x = np.clip(
+            lsq_linear(triangle, target, bounds=(low, high)).x, lower * scale, upper * scale
+        )
     return np.asarray(x / scale)
 
 
@@ -234,7 +240,8 @@ def _inverse(gram: Array) -> Array:
     if gram.size == 0:
         return gram
     scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
-    return np.linalg.pinv(gram / np.outer(scale, scale), rcond=1e-13) / np.outer(scale, scale)
+    balance = np.outer(scale, scale)
+    return np.asarray(np.linalg.pinv(gram / balance, rcond=1e-13) / balance)
 
 
 def _failed(task: Task, starts: list[Array], values: Array, reason: str) -> Fit:
@@ -243,7 +250,7 @@ def _failed(task: Task, starts: list[Array], values: Array, reason: str) -> Fit:
     size = values.size
     worst = np.full(windows, np.inf)
     return Fit(
-        values, np.full((size, size), np.inf), worst, np.ones(windows), held, 1.0,
+        values, np.full((size, size), np.inf), worst, np.ones(windows, int), held, 1.0,
         tuple(starts), reason,
     )  # fmt: skip
 

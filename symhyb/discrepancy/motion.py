@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import sparse
 from scipy.interpolate import BSpline
 from scipy.sparse.linalg import splu
@@ -46,7 +47,7 @@ class Motion:
 
 
 def measured(recording: Recording, machine: Machine) -> Array:
-    """The measurements as (N, m) in the order of the model's sensors, NaN where missing."""
+    """The measurements (N, m), SI, in the order of the model's sensors, NaN where missing."""
     missing = np.full(recording.t.size, np.nan)
     return np.column_stack(
         [recording.sensors.get(sensor.name, missing) for sensor in machine.model.sensors]
@@ -54,7 +55,7 @@ def measured(recording: Recording, machine: Machine) -> Array:
 
 
 def acting(recording: Recording, machine: Machine) -> Array:
-    """The recorded inputs as (N, k) in the order of the model's inputs, delays applied."""
+    """The recorded inputs (N, k), SI, in the order of the model's inputs, delays applied."""
     columns = []
     for item in machine.model.inputs:
         column = recording.inputs[item.name]
@@ -69,7 +70,8 @@ def noise_level(values: Array) -> float:
 
     The d-th difference of white noise has variance σ²·C(2d, d), that of a smooth signal vanishes as
     d grows; the smallest estimate over d = 2 … 10 is taken (Gasser, Sroka, Jennen-Steinmetz,
-    Biometrika 73, 1986, for d = 2). ``values`` (N,), missing samples NaN; NaN if fewer than 30.
+    Biometrika 73, 1986, for d = 2). ``values`` (N,), missing samples NaN, and the result have the
+    same unit; NaN if fewer than 20 differences are left.
     """
     from scipy.special import comb
 
@@ -118,9 +120,7 @@ class _Fit:
     spacing: float
 
 
-def _fit(
-    machine: Machine, t: Array, u: Array, y: Array, weights: Array, spacing: float
-) -> _Fit:
+def _fit(machine: Machine, t: Array, u: Array, y: Array, weights: Array, spacing: float) -> _Fit:
     basis = spline_basis(t, spacing)
     n, size = machine.n, basis[0].shape[1]
     starts = [c.start * c.unit.factor for c in machine.model.coordinates]
@@ -153,8 +153,9 @@ def _fit(
 
 
 def spline_basis(t: Array, spacing: float) -> tuple[sparse.csr_array, ...]:
-    """Sparse (N, B) matrices of the values, first and second derivatives of quintic B-splines."""
-    pieces = max(int(round((t[-1] - t[0]) / spacing)), 1)
+    """Sparse (N, B) matrices of the values, first and second derivatives of quintic B-splines at
+    ``t`` (N,), with knots about ``spacing`` apart, s."""
+    pieces = max(round((t[-1] - t[0]) / spacing), 1)
     inner = np.linspace(t[0], t[-1], pieces + 1)
     knots = np.concatenate([np.full(DEGREE, t[0]), inner, np.full(DEGREE, t[-1])])
     result = [sparse.csr_array(BSpline.design_matrix(t, knots, DEGREE))]
@@ -188,7 +189,10 @@ def _sense(
 
 
 def _design(
-    basis: Sequence[sparse.csr_array], slopes: Sequence[Array], used: Array, weights: Array
+    basis: Sequence[sparse.csr_array],
+    slopes: Sequence[Array],
+    used: NDArray[np.bool_],
+    weights: Array,
 ) -> sparse.csr_array:
     rows = []
     for j in range(used.shape[1]):

@@ -34,10 +34,6 @@ class Discrepancy:
     noise: Mapping[str, float]
     notes: tuple[str, ...]
 
-    def ratio(self) -> Array:
-        """RMS of ΔF over the RMS of its band, by coordinate (n,): about 1 for pure noise."""
-        return _rms(self.force) / np.maximum(_rms(self.band), 1e-300)
-
     def summary(self) -> str:
         """Say how large ΔF is, against its noise and against what is applied."""
         lines = [f"{self.recording}: what the model lacks, as a force (ΔF = M q'' + k_c − k_e)"]
@@ -88,16 +84,15 @@ def discrepancy(
 
 def force_band(machine: Machine, motion: Motion, u: Array) -> Array:
     """One standard deviation of ΔF (N, n) from the bands of q, v and a, to first order, SI."""
-    parts = [motion.q, motion.v, motion.a]
-    spreads = [motion.q_sd, motion.v_sd, motion.a_sd]
-    base = discrepancy(machine, *parts, u, motion.t, machine.values)
+    q, v, a = motion.q, motion.v, motion.a
+    spreads = (motion.q_sd, motion.v_sd, motion.a_sd)
+    base = discrepancy(machine, q, v, a, u, motion.t, machine.values)
     total = np.zeros_like(base)
     for which, spread in enumerate(spreads):
         for j in range(machine.n):
-            moved = [part.copy() for part in parts]
+            moved = (q.copy(), v.copy(), a.copy())
             moved[which][:, j] += spread[j]
-            change = discrepancy(machine, *moved, u, motion.t, machine.values) - base
-            total += change**2
+            total += (discrepancy(machine, *moved, u, motion.t, machine.values) - base) ** 2
     return np.sqrt(total)
 
 

@@ -109,7 +109,8 @@ class Score:
     ``force_nrmse`` by coordinate: RMS of ΔF over the range of ΔF before correction.
     ``force_residual`` by coordinate: ‖ΔF‖ / ‖applied force k_e‖, both through the same low-pass.
     ``window_nrmse``, ``free_run_nrmse`` by sensor: RMSE / (max − min) of the measurement.
-    ``window_rmse``, ``free_run_rmse`` by sensor: the same in the sensor's unit. None: not computable.
+    ``window_rmse``, ``free_run_rmse`` by sensor: the same in the sensor's unit.
+    None: not computable.
     """
 
     force_nrmse: Mapping[str, float | None]

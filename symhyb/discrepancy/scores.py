@@ -37,8 +37,8 @@ class Run:
 
 @dataclass(frozen=True, slots=True)
 class Errors:
-    """Mean squared errors of one model on several runs, SI²: by sensor (m,) over windows and free
-    runs, by coordinate (n,) of ΔF."""
+    """Mean squared errors of one model on several runs, in squared SI units: by sensor (m,) over
+    windows and free runs, by coordinate (n,) of ΔF."""
 
     window: Array
     free: Array
@@ -158,14 +158,16 @@ def forces_of(machine: Machine, run: Run, band_hz: float | None) -> tuple[Array,
 
 
 def low_pass(values: Array, t: Array, band_hz: float | None) -> Array:
-    """Zero-phase Butterworth low-pass of order 4 along time (N, n); unchanged without a band, or
-    where it lies above 0.9 of the Nyquist frequency."""
+    """Zero-phase Butterworth low-pass of order 4 of ``values`` (N, n), in any unit, along ``t``
+    (N,), s; unchanged without a band, or where it lies above 0.9 of the Nyquist frequency."""
     rate = 1 / float(np.median(np.diff(t)))
     if band_hz is None or band_hz >= 0.45 * rate:
         return values
     from scipy.signal import butter, sosfiltfilt
 
-    return np.asarray(sosfiltfilt(butter(FILTER_ORDER, band_hz, fs=rate, output="sos"), values, axis=0))
+    return np.asarray(
+        sosfiltfilt(butter(FILTER_ORDER, band_hz, fs=rate, output="sos"), values, axis=0)
+    )
 
 
 def _mean(rows: Sequence[Array]) -> Array:

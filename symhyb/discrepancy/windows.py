@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from symhyb.discrepancy.motion import Motion, acting, measured
 from symhyb.data.recording import Recording
+from symhyb.discrepancy.motion import Motion, acting, measured
 from symhyb.numeric.buffers import Array
 from symhyb.numeric.machine import Machine
 from symhyb.numeric.windows import Block
@@ -26,13 +26,12 @@ SAMPLES_LEAST = 12  # samples a window has at least
 @dataclass(frozen=True, slots=True)
 class Laid:
     """Windows laid on one recording: the block, start states (W, 2n) and the motion (W, L, 2n)
-    from smoothing, and ``held`` (W,), True where a window only validates."""
+    from smoothing, SI, and ``held`` (W,), True where a window only validates."""
 
     block: Block
     start: Array
     motion: Array
-    held: Array
-    recording: str
+    held: NDArray[np.bool_]
 
 
 def lay(
@@ -49,7 +48,7 @@ def lay(
     the recording holds no window.
     """
     step = float(np.median(np.diff(recording.t)))
-    samples = max(int(round(length_s / step)) + 1, SAMPLES_LEAST)
+    samples = max(round(length_s / step) + 1, SAMPLES_LEAST)
     if samples > recording.t.size:
         return None
     firsts = np.arange(0, recording.t.size - samples + 1, samples - 1)
@@ -65,11 +64,12 @@ def lay(
     held = np.arange(len(rows)) % 3 == 2
     parts = np.ones(recording.t.size - 1, int) if substeps is None else substeps
     block = Block(recording.t[rows], u[rows], y[rows], parts[rows[:, :-1]])
-    return Laid(block, states[:, 0], states, held, recording.name)
+    return Laid(block, states[:, 0], states, held)
 
 
 def reversals(rates: Array) -> NDArray[np.bool_]:
-    """Intervals between samples (N − 1,) near a reversal or a rest of one of the rates (N, places).
+    """Intervals between samples (N − 1,) near a reversal or a rest of one of ``rates`` (N, places),
+    SI.
 
     There dry friction turns over or holds, and the integration needs finer steps: where a rate
     changes sign, three intervals to either side, and where it is below 2 % of its largest.
@@ -83,19 +83,17 @@ def reversals(rates: Array) -> NDArray[np.bool_]:
 
 @dataclass(frozen=True, slots=True)
 class Reduced:
-    """Whitened columns with the initial states projected out: ``columns`` (W, L·m, F) and
-    ``residual`` (W, L·m), zero where a sample is missing; ``count`` (W,) samples that are there,
-    less the initial states; ``grams`` (W, F + 1, F + 1) of [columns, residual]."""
+    """Whitened windows with the initial states projected out: ``count`` (W,) samples that are
+    there, less the initial states; ``held`` (W,); ``grams`` (W, F + 1, F + 1) of [columns,
+    residual], where the residual is dimensionless and a column is per SI unit of its number."""
 
-    columns: Array
-    residual: Array
-    count: Array
-    held: Array
+    count: NDArray[np.int64]
+    held: NDArray[np.bool_]
     grams: Array
 
 
 def reduce(
-    residual: Array, by_start: Array, columns: Array, sd: Array, held: Array
+    residual: Array, by_start: Array, columns: Array, sd: Array, held: NDArray[np.bool_]
 ) -> Reduced:
     """Project the initial states out of residual (W, L, m) and columns (W, L, m, F).
 
@@ -114,11 +112,14 @@ def reduce(
     joined = joined - basis @ (basis.transpose(0, 2, 1) @ joined)
     grams = joined.transpose(0, 2, 1) @ joined
     count = seen.reshape(windows, -1).sum(axis=1) - (pivots > 1e-9).sum(axis=1)
-    return Reduced(joined[..., :-1], joined[..., -1], count, held, grams)
+    return Reduced(count, held, grams)
 
 
-def merge(parts: Sequence[Reduced]) -> tuple[Array, Array, Array]:
-    """Grams (ΣW, F + 1, F + 1), counts and held flags of several recordings."""
+def merge(
+    parts: Sequence[Reduced],
+) -> tuple[Array, NDArray[np.int64], NDArray[np.bool_]]:
+    """Grams (ΣW, F + 1, F + 1) in the units of :class:`Reduced`, counts and held flags (ΣW,) of
+    several recordings."""
     return (
         np.concatenate([part.grams for part in parts]),
         np.concatenate([part.count for part in parts]),

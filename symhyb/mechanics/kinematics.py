@@ -12,11 +12,8 @@ from symhyb.model.types import At, Between, Model, On, Place
 
 @dataclass(frozen=True, slots=True)
 class Pathway:
-    """How a place is reached from the coordinates.
-
-    ``stretch`` s, ``rate`` s' and ``direction`` ∂s/∂q (n entries); for a place at a point the
-    three are those of its two components in ``frame`` and there is no single stretch.
-    """
+    """How a place is reached from the coordinates: ``stretch`` s, ``rate`` s' and ``direction``
+    ∂s/∂q (n entries)."""
 
     stretch: sp.Expr
     rate: sp.Expr

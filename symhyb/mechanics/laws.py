@@ -1,7 +1,7 @@
 r"""Force laws: a kind of the vocabulary as a SymPy expression in stretch and rate.
 
-    passive kinds resist:  Q = −(∂s/∂q)ᵀ F        wall |--/\/\/--[m]-> s   F > 0 pulls back
-    active kinds push:     Q = +F on a coordinate, a tension between points
+passive kinds resist:  Q = −(∂s/∂q)ᵀ F        wall |--/\/\/--[m]-> s   F > 0 pulls back
+active kinds push:     Q = +F on a coordinate, a tension between points
 """
 
 from collections.abc import Mapping
@@ -17,15 +17,13 @@ DEFAULT_TRANSITION = 1e-4  # of the speed scale
 
 @dataclass(frozen=True, slots=True)
 class Law:
-    """``force`` F(s, s'), the energy it ``stores`` (zero for dissipative and active kinds)."""
+    """``force`` F(s, s') and the energy ``stored`` (zero for dissipative and active kinds)."""
 
     force: sp.Expr
     stored: sp.Expr
 
 
-def law_of(
-    element: Element, stretch: sp.Expr, rate: sp.Expr, values: Mapping[str, sp.Expr]
-) -> Law:
+def law_of(element: Element, stretch: sp.Expr, rate: sp.Expr, values: Mapping[str, sp.Expr]) -> Law:
     """Return the law of ``element`` for stretch s and rate s'; ``values`` are its set keys.
 
     Unset keys are 0, ``static`` is ``coulomb``, ``transition`` 1e-4 of the speed scale.

@@ -51,9 +51,7 @@ def symbols_of(model: Model) -> Symbols:
     t = _real("t")
     scope: dict[tuple[str, int], sp.Expr] = {("t", 0): t}
     for order, row in enumerate((q, v, a)):
-        scope.update(
-            {(c.name, order): s for c, s in zip(model.coordinates, row, strict=True)}
-        )
+        scope.update({(c.name, order): s for c, s in zip(model.coordinates, row, strict=True)})
     scope.update({(parameter.name, 0): p[parameter.path] for parameter in model.parameters})
     for item, recorded in zip(model.inputs, u, strict=True):
         gain = p[item.gain.path] if item.gain else sp.Integer(1)
@@ -66,9 +64,7 @@ def symbols_of(model: Model) -> Symbols:
     return Symbols(q, v, a, u, tuple(p.values()), t, scope, owned)
 
 
-def to_sympy(
-    expression: Expression | Node, scope: Mapping[tuple[str, int], sp.Expr]
-) -> sp.Expr:
+def to_sympy(expression: Expression | Node, scope: Mapping[tuple[str, int], sp.Expr]) -> sp.Expr:
     """Turn a parsed expression into SymPy; nothing is evaluated by name, so a model file cannot
     reach code. Numbers stay floats except small integer exponents.
 

@@ -31,13 +31,13 @@ def call(function: ca.Function, arguments: Sequence[Array | float]) -> tuple[Arr
                 f"needs {function.nnz_in(i)}"
             )
         kept.append(dense)
-        buffer.set_arg(i, memoryview(dense))
+        buffer.set_arg(i, dense.data)  # type: ignore[call-arg]  # the size is taken from the view
     results = []
     for i in range(function.n_out()):
         rows, columns = function.size_out(i)
         result = np.zeros((columns, rows))
         if result.size:
-            buffer.set_res(i, memoryview(result.reshape(-1)))
+            buffer.set_res(i, result.reshape(-1).data)  # type: ignore[call-arg]
         results.append(result)
     trigger()
     return tuple(results)

@@ -57,8 +57,8 @@ class Trajectory:
 
 
 def simulate(machine: Machine, scenario: Scenario, p: Array | None = None) -> Trajectory:
-    """Integrate M q'' = k_e − k_c over ``scenario.t`` with parameters ``p`` (P,), default the
-    model's. Inputs must cover the output times.
+    """Integrate M q'' = k_e − k_c over ``scenario.t`` with parameters ``p`` (P,) in SI, default
+    the model's. Inputs must cover the output times.
 
     Raises:
         ValueError: an input that stops before the simulation does, or times that do not increase.
@@ -116,7 +116,7 @@ def _held(scenario: Scenario) -> ca.Function:
     return ca.interpolant("u", "linear", [scenario.t_u], scenario.u.ravel(), options)
 
 
-def _options(scenario: Scenario) -> dict[str, object]:
+def _options(scenario: Scenario) -> dict[str, bool | int | float]:
     longest = np.inf
     if scenario.u.shape[1]:
         longest = 10 * float(np.median(np.diff(scenario.t_u)))
@@ -154,7 +154,9 @@ def _explain(error: RuntimeError, machine: Machine, begin: float, end: float) ->
             "stiff or chatter; a wider friction transition helps"
         )
     if "CONV_FAILURE" in text or "ERR_FAILURE" in text:
-        return f"CVODES could not meet its tolerance {span}: the motion grows without bound or jumps"
+        return (
+            f"CVODES could not meet its tolerance {span}: the motion grows without bound or jumps"
+        )
     last = text.strip().splitlines()[-1]
     return f"CVODES stopped {span}: {last}"
 

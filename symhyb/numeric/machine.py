@@ -77,11 +77,7 @@ def build(model: Model) -> Machine:
     n = q.numel()
     momentum = ca.gradient(low.kinetic, v)
     mass = ca.jacobian(momentum, v)
-    k_c = (
-        ca.jtimes(momentum, q, v)
-        + ca.jacobian(momentum, t)
-        - ca.gradient(low.kinetic, q)
-    )
+    k_c = ca.jtimes(momentum, q, v) + ca.jacobian(momentum, t) - ca.gradient(low.kinetic, q)
     forces = ca.horzcat(*low.forces) if low.forces else ca.SX(n, 0)
     k_e = -ca.gradient(low.potential, q) + ca.sum2(forces)
     w = ca.SX.sym("w", n)
@@ -126,7 +122,8 @@ def solve_symmetric(matrix: ca.SX, right: ca.SX) -> ca.SX:
     """Solve a symmetric positive definite system by LDLᵀ without pivoting (symbolically; about
     half of the instructions of CasADi's QR for eight coordinates)."""
     n = matrix.shape[0]
-    lower, pivots = ca.SX.eye(n), []
+    lower = ca.SX.eye(n)
+    pivots: list[ca.SX] = []
     for j in range(n):
         pivot = matrix[j, j] - sum((lower[j, k] ** 2 * pivots[k] for k in range(j)), ca.SX(0))
         pivots.append(pivot)

@@ -100,7 +100,11 @@ class Lowered:
         self.pathways = [
             None
             if (path := term.pathway) is None
-            else (lower(path.stretch), lower(path.rate), _column([lower(d) for d in path.direction]))
+            else (
+                lower(path.stretch),
+                lower(path.rate),
+                _column([lower(d) for d in path.direction]),
+            )
             for term in equations.terms
         ]
         self.outputs = _column([lower(output) for output in equations.outputs])

@@ -18,7 +18,6 @@ from symhyb.numeric.machine import Machine
 from symhyb.numeric.steps import rosenbrock_step
 
 
-
 @dataclass(frozen=True, slots=True)
 class Block:
     """Windows of equal length from one recording, in SI.
@@ -35,7 +34,7 @@ class Block:
 
 @dataclass(frozen=True, slots=True)
 class Linear:
-    """The linearised dynamics along windows, from sample to sample (W, L − 1, …) and at samples:
+    """The linearised dynamics along windows in SI, sample to sample (W, L − 1, …) and at samples:
 
         δ(i+1) = transition·δ(i) + left·w(i) + right·w(i+1) + by_free·θ − defect
         y(i)   = output(i) + by_state·δ(i) + by_force·w(i) + direct·θ
@@ -133,18 +132,17 @@ class WindowModel:
         x = np.concatenate([start[:, None], ends], axis=1)
         return x, self._outputs(block, x, p)[0]
 
-    def differentiate(
-        self, block: Block, start: Array, p: Array, forces: bool = False
-    ) -> Linear:
-        """Linearise along the windows simulated from ``start`` (W, 2n); without ``forces`` the
-        response to test forces is left out (zero), which costs less."""
+    def differentiate(self, block: Block, start: Array, p: Array, forces: bool = False) -> Linear:
+        """Linearise along the windows simulated from ``start`` (W, 2n) with ``p`` (P,), SI; without
+        ``forces`` the response to test forces is left out (zero), which costs less."""
         what = "screen" if forces else "fit"
         ends, *slopes = self._run(block, start[:, None], p, what)
         x = np.concatenate([start[:, None], ends], axis=1)
         return self._linear(block, x, np.zeros_like(ends), slopes, p)
 
     def along(self, block: Block, states: Array, p: Array) -> Linear:
-        """Linearise along a measured motion ``states`` (W, L, 2n): every sample starts anew."""
+        """Linearise along a measured motion ``states`` (W, L, 2n) with ``p`` (P,), SI: every sample
+        starts anew."""
         ends, *slopes = self._run(block, states[:, :-1], p, "screen")
         return self._linear(block, states, states[:, 1:] - ends, slopes, p)
 
@@ -160,7 +158,8 @@ class WindowModel:
     def _run(self, block: Block, starts: Array, p: Array, what: str) -> list[Array]:
         """Integrate from one start a window (W, 1, 2n) or one a sample (W, L − 1, 2n).
 
-        Returns states at the ends (W, L − 1, 2n) and, unless ``what`` is plain, the slopes from sample to sample.
+        Returns states at the ends (W, L − 1, 2n) and, unless ``what`` is plain, the slopes from
+        sample to sample.
         """
         windows, length, inputs = block.u.shape
         states, parts = starts.shape[2], block.substeps.reshape(-1)
@@ -209,7 +208,9 @@ class WindowModel:
         return run
 
 
-def _joined(steps: list[Array], first: Array, parts: Array) -> tuple[Array, ...]:
+def _joined(
+    steps: list[Array], first: NDArray[np.int64], parts: NDArray[np.int64]
+) -> tuple[Array, ...]:
     """Slopes of integration steps (S, 2n, ·), in the order transition, by free, impulse, joined to
     slopes from sample to sample (M, 2n, ·): transition, left, right, by free. The test force runs
     linearly between two samples and is constant within a step. ``first`` (M,) is the first step of

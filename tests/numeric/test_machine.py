@@ -245,7 +245,7 @@ def test_gain_and_offset_of_channels() -> None:
 
 
 def test_slopes_of_outputs() -> None:
-    sensors = {"mix": {"measures": "3*x + 2*l*x'*x'/g - 5*l*x''/g", "unit": "m"}}
+    sensors = {"mix": {"measures": "3*x + 2*x'*x'/g - 5*l*x''/g", "unit": "m"}}
     more = {"l": (1.0, "m"), "g": (1.0, "m/s^2")}
     machine = build(oscillator({}, more, sensors=sensors))
     slopes = call(machine.output_slopes, [0.3, 0.7, 0.1, [], 0.0, machine.values])

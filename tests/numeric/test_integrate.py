@@ -1,0 +1,285 @@
+"""Simulation against closed forms and another engine; energy; failure as an outcome."""
+
+import time
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from builders import (
+    cart_pole,
+    damper,
+    double_pendulum,
+    model_of,
+    oscillator,
+    pendulum,
+    push,
+    run,
+    spring,
+    value,
+)
+from numpy.typing import NDArray
+from scipy.integrate import cumulative_simpson, solve_ivp
+from scipy.special import ellipj, ellipk
+
+from symhyb.model.types import Model
+from symhyb.numeric.buffers import call, mapped
+from symhyb.numeric.integrate import Scenario, Trajectory, simulate
+from symhyb.numeric.machine import Machine, build
+
+Array = NDArray[np.float64]
+INPUT = {"f": {"unit": "N"}}
+
+
+def test_damped_oscillator_against_its_closed_form() -> None:
+    """x = e^(−δt) (x0 cos ωt + (v0 + δx0)/ω sin ωt), δ = d/2m, ω² = k/m − δ²."""
+    m, k, d, x0, v0 = 1.2, 300.0, 1.5, 0.02, -0.4
+    model = oscillator(
+        {"hold": spring("k"), "oil": damper("d")}, {"k": (k, "N/m"), "d": (d, "N*s/m")}
+    )
+    t = np.linspace(0, 5, 301)
+    result = run(model, t, x0, v0)
+    decay = d / (2 * m)
+    omega = np.sqrt(k / m - decay**2)
+    s, c = np.sin(omega * t), np.cos(omega * t)
+    x = np.exp(-decay * t) * (x0 * c + (v0 + decay * x0) / omega * s)
+    v = np.exp(-decay * t) * (v0 * c - (decay * v0 + (decay**2 + omega**2) * x0) / omega * s)
+    assert result.complete
+    assert result.q[:, 0] == pytest.approx(x, abs=1e-7)
+    assert result.v[:, 0] == pytest.approx(v, abs=2e-6)
+    assert result.a[:, 0] == pytest.approx((-k * x - d * v) / m, abs=3e-5)
+    assert result.y[:, 0] == pytest.approx(result.q[:, 0])
+
+
+@pytest.mark.parametrize(("tolerance", "error"), [(1e-8, 1e-4), (1e-12, 1e-7)])
+def test_pendulum_against_elliptic_functions(
+    tolerance: float, error: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """sin(phi/2) = κ sn(K(κ²) − ω t, κ²), κ = sin(phi0/2), ω² = m g l/(J + m l²).
+
+    The error that is left is the solver's: it falls with the tolerance.
+    """
+    monkeypatch.setattr("symhyb.numeric.integrate.RELATIVE_TOLERANCE", tolerance)
+    monkeypatch.setattr("symhyb.numeric.integrate.ABSOLUTE_TOLERANCE", tolerance / 100)
+    start = 2.5
+    result = run(pendulum(), t := np.linspace(0, 8, 401), start)
+    omega = np.sqrt(0.4 * 9.81 * 0.3 / (0.01 + 0.4 * 0.3**2))
+    m = np.sin(start / 2) ** 2
+    sn, cn, dn, _ = ellipj(ellipk(m) - omega * t, m)
+    phi = 2 * np.arcsin(np.sqrt(m) * sn)
+    rate = -2 * np.sqrt(m) * omega * cn  # from phi' cos(phi/2) = −2κω cn dn, cos(phi/2) = dn
+    assert np.min(dn) > 0.3
+    assert result.q[:, 0] == pytest.approx(phi, abs=error)
+    assert result.v[:, 0] == pytest.approx(rate, abs=10 * error)
+
+
+def test_duffing_against_elliptic_functions() -> None:
+    """m x'' + k x + c x³ = 0 from rest:  x = A cn(ω t, μ), ω² = (k + cA²)/m, μ = cA²/(2mω²)."""
+    m, k, c, A = 1.2, 80.0, 900.0, 0.35
+    model = oscillator({"hold": spring("k", cubic="c")}, {"k": (k, "N/m"), "c": (c, "N/m^3")})
+    result = run(model, t := np.linspace(0, 6, 401), A)
+    omega2 = (k + c * A**2) / m
+    mu = c * A**2 / (2 * m * omega2)
+    sn, cn, dn, _ = ellipj(np.sqrt(omega2) * t, mu)
+    assert result.q[:, 0] == pytest.approx(A * cn, abs=1e-5)
+    assert result.v[:, 0] == pytest.approx(-A * np.sqrt(omega2) * sn * dn, abs=2e-4)
+
+
+def by_scipy(machine: Machine, t: Array, x0: Array, t_u: Array, u: Array) -> Array:
+    """The same run by DOP853, its step bounded so that no corner of the input is stepped over."""
+    n = machine.n
+
+    def rate(time: float, x: Array) -> Array:
+        held = [np.interp(time, t_u, column) for column in u.T]
+        a = value(machine.acceleration, x[:n], x[n:], held, time, machine.values, np.zeros(n))
+        return np.concatenate([x[n:], np.atleast_1d(a)])
+
+    longest = float(np.diff(t_u).min())
+    done = solve_ivp(
+        rate, (t[0], t[-1]), x0, "DOP853", t, rtol=1e-10, atol=1e-11, max_step=longest
+    )
+    assert done.success
+    return np.asarray(done.y.T)
+
+
+def test_cart_and_pole_with_a_recorded_input_against_dop853() -> None:
+    """Uneven input times, another grid for the output: the input runs linearly between."""
+    machine = build(cart_pole())
+    rng = np.random.default_rng(5)
+    t_u = np.cumsum(rng.uniform(0.02, 0.06, 60)) - 0.1
+    u = 2 * np.sin(3 * t_u)[:, None] + 0.2 * rng.normal(size=(60, 1))
+    t = np.linspace(0, 1.5, 61)
+    result = run(machine, t, [0.05, 0.6], [0.2, -1.0], u, t_u)
+    expected = by_scipy(machine, t, np.array([0.05, 0.6, 0.2, -1.0]), t_u, u)
+    assert result.complete
+    assert np.hstack([result.q, result.v]) == pytest.approx(expected, abs=1e-5)
+
+
+def test_a_jump_of_the_input_is_met_where_it_is() -> None:
+    """A free mass under a force that jumps within one sample of 1 ms, then rests."""
+    model = oscillator({"motor": push("f")}, inputs=INPUT)
+    t = np.arange(0, 1.0005, 0.001)
+    f = np.where(t < 0.5, 0.0, 2.4)
+    result = run(model, t, 0.0, 0.3, f)
+    step = 0.001  # first-order hold: the force rises from 0.499 to 0.5 s
+    late = t >= 0.5
+    after = t[late] - 0.5
+    ramp = 2.4 / 1.2 * step / 2
+    v = 0.3 + np.where(late, 0, 0.0)
+    v[late] += ramp + 2.0 * after
+    x = 0.3 * t
+    x[late] += 2.0 * step**2 / 6 + ramp * after + after**2
+    assert result.v[:, 0] == pytest.approx(v, abs=1e-8)
+    assert result.q[:, 0] == pytest.approx(x, abs=1e-8)
+
+
+@pytest.mark.parametrize("share", [0.05, 1.0])
+def test_a_square_wave_on_an_oscillator_against_dop853(share: float) -> None:
+    """Many jumps; with ``share`` small the wave rides on a large ramp and no jump is declared."""
+    model = oscillator(
+        {"hold": spring("k"), "oil": damper("d"), "motor": push("f")},
+        {"k": (300.0, "N/m"), "d": (1.5, "N*s/m")},
+        inputs=INPUT,
+    )
+    machine = build(model)
+    t = np.arange(0, 1.001, 0.01)
+    f = share * np.where(np.floor(t / 0.13) % 2 == 0, 1.0, -1.0) + (1 - share) * 5 * t
+    result = run(machine, t, 0.0, 0.0, f)
+    expected = by_scipy(machine, t, np.zeros(2), t, f[:, None])
+    assert np.hstack([result.q, result.v]) == pytest.approx(expected, abs=1e-7)
+
+
+def test_parameters_may_be_given() -> None:
+    model = oscillator({"hold": spring("k")}, {"k": (300.0, "N/m")})
+    machine = build(model)
+    p = machine.values.copy()
+    p[machine.column("k")] = 100.0
+    t = np.linspace(0, 2, 50)
+    scenario = Scenario(t, np.array([0.1]), np.zeros(1), t, np.empty((50, 0)))
+    result = simulate(machine, scenario, p)
+    assert result.q[:, 0] == pytest.approx(0.1 * np.cos(np.sqrt(100 / 1.2) * t), abs=1e-7)
+
+
+def test_scales_make_small_motions_as_accurate_as_large_ones() -> None:
+    """A linear machine at 1e-7 of the amplitude is the same machine if its scales say so."""
+    model = oscillator({"hold": spring("k")}, {"k": (300.0, "N/m")})
+    machine = build(model)
+    t = np.linspace(0, 2, 50)
+    size = 1e-7
+    scenario = Scenario(
+        t, np.array([size]), np.zeros(1), t, np.empty((50, 0)), size * np.array([1.0, 16.0])
+    )
+    result = simulate(machine, scenario)
+    assert result.q[:, 0] / size == pytest.approx(np.cos(np.sqrt(300 / 1.2) * t), abs=5e-6)
+
+
+def energy(machine: Machine, result: Trajectory) -> Array:
+    """T + V + what the elements store, along a trajectory, J."""
+    total = mapped(machine.energy, result.t.size, repeated=(3,))
+    T, V, stored = call(total, (result.q, result.v, result.t, machine.values))
+    return np.asarray(T[:, 0] + V[:, 0] + stored.sum(axis=1))
+
+
+@pytest.mark.parametrize("model", [pendulum(), double_pendulum()], ids=["pendulum", "double"])
+def test_conservative_machines_keep_their_energy(model: Model) -> None:
+    machine = build(model)
+    result = run(machine, np.linspace(0, 5, 200), 2.0)
+    held = energy(machine, result)
+    assert np.ptp(held) < 2e-5 * np.abs(held).max()
+    assert np.ptp(result.q) > 1.0
+
+
+def test_conservative_springs_keep_energy() -> None:
+    elements = {
+        "near": spring("k", quadratic="k2", cubic="k3"),
+        "far": {"kind": "spring", "between": ["post", "tip"], "stiffness": "k", "length": "l"},
+    }
+    model = model_of(
+        gravity=["0", "-g"],
+        coordinates={"x": {"unit": "m"}, "y": {"unit": "m"}},
+        parameters={
+            "m": (1.2, "kg"), "g": (9.81, "m/s^2"), "l": (0.5, "m"), "k": (60.0, "N/m"),
+            "k2": (20.0, "N/m^2"), "k3": (90.0, "N/m^3"),
+        },
+        points={"post": ["0", "l"], "tip": ["x", "y"]},
+        bodies={"ball": {"mass": "m", "at": "tip"}},
+        elements=elements,
+    )  # fmt: skip
+    machine = build(model)
+    result = run(machine, np.linspace(0, 4, 200), [0.2, -0.3], [0.5, 0.0])
+    kinetic = 0.6 * np.sum(result.v**2, axis=1)
+    assert np.ptp(energy(machine, result)) < 2e-5 * np.ptp(kinetic)
+
+
+def test_energy_changes_by_the_power_of_what_is_not_conservative() -> None:
+    """dE/dt = Σ Q·q' of motor, damper, friction and drag, and for each of them Q·q' = −F s'."""
+    machine = build(cart_pole())
+    t = np.linspace(0, 2, 4001)
+    u = 3 * np.sin(4 * t) + 1
+    result = run(machine, t, [0.0, 0.4], [0.1, 0.0], u)
+    each = mapped(machine.elements, t.size, repeated=(4,))
+    (flat,) = call(each, (result.q, result.v, u, t, machine.values))
+    forces = flat.reshape(t.size, 5, 2)
+    power = np.einsum("nei,ni->ne", forces, result.v)
+    x, phi = result.v.T
+    p = {item.name: item.si for item in machine.model.parameters}
+    assert power[:, 0] == pytest.approx(u * x)
+    assert power[:, 1] == pytest.approx(-p["d"] * phi**2)
+    assert power[:, 3] == pytest.approx(-p["c"] * np.tanh(x / p["w"]) * x)
+    assert power[:, 4] == pytest.approx(-p["b"] * np.abs(x) ** 3)
+    work = cumulative_simpson(power[:, [0, 1, 3, 4]].sum(axis=1), x=t, initial=0)
+    held = energy(machine, result)
+    assert np.ptp(held) > 0.5
+    assert held - held[0] == pytest.approx(work, abs=1e-6)
+
+
+def elapsed(task: Callable[[], Trajectory]) -> tuple[Trajectory, float]:
+    begin = time.perf_counter()
+    result = task()
+    return result, time.perf_counter() - begin
+
+
+def test_a_motion_that_grows_without_bound_ends_with_a_reason() -> None:
+    model = oscillator({"soft": {"kind": "spring", "on": "x", "cubic": "c"}}, {"c": (-50.0, "N/m^3")})
+    result, seconds = elapsed(lambda: run(model, np.linspace(0, 20, 201), 0.3))
+    assert not result.complete
+    assert "between 0 and 20 s" in result.reason
+    good = np.isfinite(result.q[:, 0])
+    assert 0 < good.sum() < 201
+    assert not good[np.argmin(good) :].any()
+    assert np.isnan(result.a[~good]).all()
+    assert seconds < 5
+
+
+def test_a_machine_that_leaves_the_domain_of_its_law_ends_with_a_reason() -> None:
+    """log(x) of a mass that moves through zero."""
+    law = {"kind": "law", "on": "x", "force": "c*log(x/l) - c"}
+    model = oscillator({"odd": law}, {"c": (2.0, "N"), "l": (1.0, "m")})
+    result = run(model, np.linspace(0, 10, 101), 0.5)
+    assert result.reason
+    assert np.isfinite(result.q[0]).all()
+    assert np.isnan(result.q[-1]).all()
+
+
+def test_a_friction_law_that_chatters_ends_with_a_reason_and_not_never() -> None:
+    """An exact sign has no solution once the mass sticks; a solver can only chatter around it."""
+    law = {"kind": "law", "on": "x", "force": "-c*sign(x')"}
+    model = oscillator({"odd": law, "motor": push("f")}, {"c": (2.0, "N")}, inputs=INPUT)
+    t = np.linspace(0, 4, 41)
+    result, seconds = elapsed(lambda: run(model, t, 0.0, 0.5, np.sin(t)))
+    assert not result.complete
+    assert "stiff or chatter" in result.reason or "tolerance" in result.reason
+    assert seconds < 10
+
+
+def test_an_input_that_stops_before_the_simulation_is_refused() -> None:
+    model = oscillator({"motor": push("f")}, inputs=INPUT)
+    t = np.linspace(0, 2, 21)
+    with pytest.raises(ValueError, match=r"cover 0 to 1\.9 s.*runs from 0 to 2 s"):
+        run(model, t, 0.0, 0.0, np.zeros(20), t[:20])
+    with pytest.raises(ValueError, match=r"cover 0\.1 to 2 s"):
+        run(model, t, 0.0, 0.0, np.zeros(20), t[1:])
+
+
+def test_times_that_do_not_increase_are_refused() -> None:
+    with pytest.raises(ValueError, match="must increase"):
+        run(oscillator({}), [0.0, 1.0, 1.0], 0.0)
