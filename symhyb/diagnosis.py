@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from symhyb.correction.decide import Decision, Setting, Stage, decide, grouped
+from symhyb.correction.decide import Decision, decide
 from symhyb.correction.findings import (
     Named,
     alternatives_of,
@@ -20,11 +20,12 @@ from symhyb.correction.findings import (
     named,
     reestimated,
 )  # fmt: skip
-from symhyb.correction.leftover import leftover, sentences
+from symhyb.correction.leftover import leftover
 from symhyb.correction.preparing import Prepared, prepare, settle
 from symhyb.correction.proof import Proof, prove
+from symhyb.correction.setting import Setting, Stage
 from symhyb.correction.sparse import propose
-from symhyb.correction.trajectory import Refined, refine
+from symhyb.correction.trajectory import Refined, grouped, refine
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.hypotheses import Hypothesis
 from symhyb.discrepancy.locate import activity, locate
@@ -86,8 +87,7 @@ def diagnose(
     shown = prove(prepared, setting, final, stage, items)
     told = _told(model, prepared, final, items, shown)
     left = leftover(setting, certain) if certain.causes else ()
-    notes = sentences(left, shown.remainder)
-    return _concluded(model, prepared, decision, final, told, (shown.remainder, notes), places)
+    return _concluded(model, prepared, decision, final, told, (shown.remainder, left), places)
 
 
 def valued(setting: Setting, winner: Refined, prepared: Prepared) -> tuple[Refined, Stage]:
@@ -130,10 +130,11 @@ def _told(
         ("nrmse", (float(f"{shown.before:.4g}"), float(f"{shown.after:.4g}"))),
     )
     names = element_names(model, items)
-    return tuple(
+    found = [
         found_of(model, item, name, provenance, share, _active(prepared, final, item))
         for item, name, share in zip(items, names, shown.shares, strict=True)
-    )
+    ]
+    return tuple(sorted(found, key=lambda item: -(item.share or 0.0)))
 
 
 def _active(prepared: Prepared, final: Refined, item: Named) -> Activity | None:
@@ -183,7 +184,7 @@ def _concluded(
         verdict,
         verdict_sentence(verdict, found, parameters, faults, alternatives),
         found, parameters, faults, alternatives,
-        remainder=remainder[0],
+        remainder=1.0 if verdict == "undecided" and not found else remainder[0],
         remainder_notes=remainder[1],
         noise=noise,
         places=places,

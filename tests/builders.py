@@ -65,7 +65,7 @@ def oscillator(
 ) -> Model:
     r"""A mass m = 1.2 kg on a line; its place is measured unless ``sensors`` say else.
 
-        wall o--/\/\/--[m]--> x        the wall is at −2 m
+    wall o--/\/\/--[m]--> x        the wall is at −2 m
     """
     return model_of(
         coordinates={"x": {"unit": "m"}},
@@ -90,7 +90,9 @@ def pendulum(**more: Entries) -> Model:
     )
 
 
-def cart_pole(order: tuple[str, str] = ("x", "phi"), length: str = "m", angle: str = "rad") -> Model:
+def cart_pole(
+    order: tuple[str, str] = ("x", "phi"), length: str = "m", angle: str = "rad"
+) -> Model:
     """A cart with a hanging pole, a spring from a post to the tip, friction, drag and a motor.
 
     ``length`` and ``angle`` are the units of the coordinates, ``order`` that of their names.

@@ -9,55 +9,22 @@
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
-import numpy as np
-
-from symhyb.correction.screen import screen
-from symhyb.correction.selection import LARGEST, Problem, Subset, best_subsets, solve
-from symhyb.correction.trajectory import Refined, refine
-from symhyb.discrepancy.hypotheses import Hypothesis, Library
-from symhyb.discrepancy.windows import Laid
+from symhyb.correction.conventions import CERTAIN, alike, exact_twins, precedence
+from symhyb.correction.evidence import SIGNIFICANT, criterion, earns, excess, named, unit_of
+from symhyb.correction.selection import LARGEST, Problem, Subset, best_subsets, solve, without
+from symhyb.correction.setting import Setting, along_motion, around
+from symhyb.correction.trajectory import Refined, grouped, refine
+from symhyb.discrepancy.hypotheses import Hypothesis
 from symhyb.numeric.buffers import Array
-from symhyb.numeric.windows import WindowModel
 
-SIGNIFICANT = 10.0  # Δχ²/c − k ln N on fitted windows, Δχ²/c on held ones (10: odds of 150 to 1)
-PART_LEFT = 1 / 2  # of the mismatch that is left, which a cause must take
-CERTAIN = 4.6  # of the criterion: a rival closer than this (odds 10 to 1) leaves a cause in doubt
-RIVAL = 10.0  # of the criterion: closer than this, a rival is told
 TRIALS = 3  # refined structures of each size
 PROMISE = 0.3  # of what is left, which the linear problem must promise before a trial
 ROUNDS = 5
 NEAR_NOISE = 1.1  # χ² per sample: nothing larger to climb to
 
 Say = Callable[[str], None]
-
-
-@dataclass(frozen=True, slots=True)
-class Stage:
-    """One window length in s and the windows of all recordings at it."""
-
-    length_s: float
-    laid: tuple[Laid, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Setting:
-    """What a decision works on: force hypotheses lowered, dull causes, windows prepared for the
-    model with all dull causes free, stages from short to long, noise ``sd`` (m,) SI, and
-    the smallest gain error that interpolation between samples cannot feign."""
-
-    library: Library
-    dull: tuple[Hypothesis, ...]
-    windows: WindowModel
-    stages: tuple[Stage, ...]
-    sd: Array
-    gain_floor: float
-
-    @property
-    def hypotheses(self) -> tuple[Hypothesis, ...]:
-        """All causes, in the order of the reduced problems."""
-        return (*self.library.hypotheses, *self.dull)
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +40,7 @@ class Decision:
 
     def criterion(self, trial: Refined) -> float:
         """Δ of χ²/c + k ln N to the winner; positive is worse."""
-        return _criterion(trial, self.winner) - _criterion(self.winner, self.winner)
+        return criterion(trial, self.winner) - criterion(self.winner, self.winner)
 
 
 def decide(setting: Setting, proposals: Sequence[Subset], say: Say) -> Decision:
@@ -83,7 +50,7 @@ def decide(setting: Setting, proposals: Sequence[Subset], say: Say) -> Decision:
     problems = []
     for stage in setting.stages:
         say(f"screening {len(setting.hypotheses)} causes on windows of {stage.length_s:.3g} s")
-        problem = _screened(setting, stage)
+        problem = along_motion(setting, stage)
         twins = exact_twins(problem)
         problem = without(problem, {second for _, second in twins})
         sizes = best_subsets(problem)
@@ -105,13 +72,6 @@ def decide(setting: Setting, proposals: Sequence[Subset], say: Say) -> Decision:
     return Decision(winner, nothing, tuple(trials.done.values()), named, tuple(log))
 
 
-def alike(first: Hypothesis, second: Hypothesis) -> bool:
-    """Whether two causes are of kinds that convention ranks: gains of two channels of a linear
-    system, offsets of two channels, a constant force and an offset."""
-    kinds = {first.kind, second.kind}
-    return kinds in ({"gain"}, {"offset"}, {"constant", "offset"})
-
-
 class _Trials:
     """Structures refined at the longest windows, each once."""
 
@@ -128,7 +88,7 @@ class _Trials:
         key = tuple(sorted(causes))
         if key not in self.done:
             chosen = [self.setting.hypotheses[cause] for cause in causes]
-            self.say("trying " + _named(chosen))
+            self.say("trying " + named(chosen))
             first, rest = {}, list(values)
             for i, cause in enumerate(chosen):
                 first[i], rest = rest[: len(cause.terms)], rest[len(cause.terms) :]
@@ -150,7 +110,7 @@ def _conventional(trials: _Trials, winner: Refined, problem: Problem) -> Refined
         first, second = (
             precedence(problem.hypotheses.index(cause), cause) for cause in (fresh[0], lost[0])
         )
-        if first < second and abs(_criterion(trial, winner) - _criterion(winner, winner)) < CERTAIN:
+        if first < second and abs(criterion(trial, winner) - criterion(winner, winner)) < CERTAIN:
             return trial
     return winner
 
@@ -172,7 +132,7 @@ def _climb(
         if not tried:
             continue
         closest = min(tried, key=lambda trial: trial.fit.train)
-        best = min(tried, key=lambda trial: _criterion(trial, closest))
+        best = min(tried, key=lambda trial: criterion(trial, closest))
         earned, sentence = earns(best, winner)
         log.append(sentence)
         if earned:
@@ -199,8 +159,8 @@ def _improved(trials: _Trials, winner: Refined, problem: Problem, log: list[str]
         if earned:
             return trial
     for trial in _swaps(trials, winner, problem):
-        if _criterion(trial, winner) < _criterion(winner, winner) - SIGNIFICANT:
-            log.append(f"{_named(trial.causes)} instead of {_named(winner.causes)}: fits better")
+        if criterion(trial, winner) < criterion(winner, winner) - SIGNIFICANT:
+            log.append(f"{named(trial.causes)} instead of {named(winner.causes)}: fits better")
             return trial
     for simpler in _simplifications(trials, winner):
         earned, sentence = earns(winner, simpler)
@@ -229,7 +189,7 @@ def _additions(trials: _Trials, winner: Refined) -> Iterator[Refined]:
             if (s := solve(problem, (c,))) is not None]  # fmt: skip
     for subset in sorted(more, key=lambda s: s.chi2)[:TRIALS]:
         gain = (base.chi2 - subset.chi2) / unit_of(winner)
-        if gain > SIGNIFICANT and base.chi2 - subset.chi2 > PROMISE * _excess(base.chi2, winner):
+        if gain > SIGNIFICANT and base.chi2 - subset.chi2 > PROMISE * excess(base.chi2, winner):
             values = [*(v for row in grouped(winner) for v in row), *subset.values]
             causes = (*trials.causes(winner), *subset.causes)
             yield trials.refined(causes, values, winner.fit.starts)
@@ -252,10 +212,6 @@ def _swaps(trials: _Trials, winner: Refined, problem: Problem) -> Iterator[Refin
             yield trials.refined(best.causes, best.values)
 
 
-def _percent(part: float) -> str:
-    return "nothing" if part <= 0 else f"{100 * part:.3g} %"
-
-
 def _simplifications(trials: _Trials, winner: Refined) -> Iterator[Refined]:
     """The winner with one law replaced by a simpler one of its kind (Stribeck by Coulomb)."""
     for i, cause in enumerate(winner.causes):
@@ -268,132 +224,3 @@ def _simplifications(trials: _Trials, winner: Refined) -> Iterator[Refined]:
             causes = [*winner.causes[:i], other, *winner.causes[i + 1 :]]
             indices = [trials.setting.hypotheses.index(c) for c in causes]
             yield trials.refined(indices, [v for row in rows for v in row], winner.fit.starts)
-
-
-def _excess(chi2: float, trial: Refined) -> float:
-    return max(chi2 - float(trial.fit.count[~trial.fit.held].sum()), 1e-12)
-
-
-def _named(causes: Sequence[Hypothesis]) -> str:
-    return " + ".join(map(str, causes)) or "the model as it is"
-
-
-def earns(larger: Refined, smaller: Refined) -> tuple[bool, str]:
-    """Whether the larger structure earns its extra numbers, with the sentence that says why."""
-    unit = unit_of(larger)
-    extra = larger.numbers - smaller.numbers
-    size = max(float(larger.fit.count[~larger.fit.held].sum()), 2.0)
-    fitted = (smaller.fit.train - larger.fit.train) / unit - extra * np.log(size)
-    held = (smaller.fit.validation - larger.fit.validation) / unit
-    validation = bool(larger.fit.held.any())
-    part = part_taken(larger, smaller)
-    steps = max(len(larger.causes) - len(smaller.causes), 1)
-    needed = 1 - (1 - PART_LEFT) ** steps
-    failed = [
-        text
-        for wrong, text in (
-            (bool(larger.fit.reason), larger.fit.reason),
-            (not fitted > SIGNIFICANT, f"not significant on fitted windows ({fitted:.3g})"),
-            (validation and not held > SIGNIFICANT, f"not on held windows ({held:.3g})"),
-            (not part > needed, f"takes {_percent(part)} of what is left"),
-        )
-        if wrong
-    ]
-    names, against = _named(larger.causes), _named(smaller.causes)
-    judged = (
-        "rejected: " + ", ".join(failed)
-        if failed
-        else (f"accepted: takes {_percent(part)} of what is left")
-    )
-    return not failed, f"{names}, against {against}: {judged}"
-
-
-def part_taken(larger: Refined, smaller: Refined) -> float:
-    """The share of the mismatch left by ``smaller`` that ``larger`` takes, on held windows (on the
-    fitted ones where none is held); the noise floor is taken off."""
-    held = smaller.fit.held if smaller.fit.held.any() else ~smaller.fit.held
-    floor = float(smaller.fit.count[held].sum())
-    before, after = float(smaller.fit.chi2[held].sum()), float(larger.fit.chi2[held].sum())
-    if not np.isfinite(before):
-        return 1.0
-    left = max(before - min(floor, after), 1e-12)
-    return (before - after) / left
-
-
-def exact_twins(problem: Problem) -> tuple[tuple[int, int], ...]:
-    """Pairs of causes whose effects are the same on these windows, the one to be named first.
-
-    A parameter that may be estimated goes before a force, a force before a channel, an input
-    before a sensor.
-    """
-    causes = problem.hypotheses
-    order = sorted(range(len(causes)), key=lambda i: precedence(i, causes[i]))
-    pairs, gone = [], set()
-    for place, first in enumerate(order):
-        if first in gone or len(problem.columns[first]) > 1:
-            continue
-        a = problem.columns[first][0]
-        for second in order[place + 1 :]:
-            if second in gone or len(problem.columns[second]) > 1:
-                continue
-            b = problem.columns[second][0]
-            power = problem.gram[a, a] * problem.gram[b, b]
-            if power > 0 and 1 - problem.gram[a, b] ** 2 / power < 1e-6:
-                pairs.append((first, second))
-                gone.add(second)
-    return tuple(pairs)
-
-
-def precedence(index: int, cause: Hypothesis) -> tuple[int, int]:
-    """Which of two equal causes is named: a parameter that may be estimated before a force, a force
-    before a channel, an input before a sensor."""
-    return {"parameter": 0, "gain": 2, "offset": 3}.get(cause.kind, 1), index
-
-
-def _screened(setting: Setting, stage: Stage) -> Problem:
-    model = setting.windows
-    p, floor = model.machine.values, setting.gain_floor
-    return screen(setting.library, model, setting.dull, stage.laid, p, setting.sd, gain_floor=floor)
-
-
-def around(setting: Setting, winner: Refined) -> Problem:
-    """The reduced problem along the winner's simulation, its own numbers always in."""
-    paths = [*(cause.path for cause in setting.dull), *winner.paths]
-    unique = list(dict.fromkeys(paths))
-    model = WindowModel(winner.machine, tuple(winner.machine.column(path) for path in unique))
-    laid = setting.stages[-1].laid
-    starts, floor = winner.fit.starts, setting.gain_floor
-    return screen(setting.library, model, setting.dull, laid, winner.p, setting.sd, starts, floor)
-
-
-def without(problem: Problem, dropped: set[int]) -> Problem:
-    """The problem in which some causes can no longer be chosen."""
-    bounds = problem.upper.copy()
-    for cause in dropped:
-        for column in problem.columns[cause]:
-            bounds[column] = -np.inf
-    return replace(problem, upper=bounds)
-
-
-def unit_of(trial: Refined) -> float:
-    """χ² of one independent sample: residual variance times its correlation."""
-    return trial.fit.scale * trial.fit.correlation
-
-
-def _criterion(trial: Refined, reference: Refined) -> float:
-    size = max(float(trial.fit.count[~trial.fit.held].sum()), 2.0)
-    return trial.fit.train / unit_of(reference) + trial.numbers * float(np.log(size))
-
-
-def grouped(trial: Refined) -> list[list[float]]:
-    """Fitted values of the terms (without refined shapes), SI, cause by cause; of a parameter its
-    change."""
-    rows, i = [], 0
-    for cause in trial.causes:
-        values = [float(v) for v in trial.fit.values[i : i + len(cause.terms)]]
-        if cause.place is None:
-            declared = trial.machine.values[trial.machine.column(cause.path)]
-            values = [values[0] - float(declared)]
-        rows.append(values)
-        i += cause.numbers
-    return rows

@@ -1,11 +1,12 @@
 """From a decided structure to what is told: elements, parameters, channel faults, rivals."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symhyb.correction.decide import CERTAIN, RIVAL, Decision, alike
+from symhyb.correction.conventions import CERTAIN, RIVAL, alike
+from symhyb.correction.decide import Decision
 from symhyb.correction.trajectory import Refined
 from symhyb.discrepancy.hypotheses import Hypothesis
 from symhyb.discrepancy.results import (
@@ -84,8 +85,19 @@ def found_of(
             estimates.append(Estimate(symbol, value / unit.factor, deviation, unit.text, key))
     element = Element(name, item.kind, item.place, tuple(entries), tuple(own), provenance)
     sentence = effect_sentence(item.kind, item.place, estimates, share)
-    law = KINDS[item.kind].law
-    return Found(element, law, tuple(estimates), share, sentence, active)
+    return Found(
+        element, law_text(item.kind, item.values), tuple(estimates), share, sentence, active
+    )
+
+
+def law_text(kind: str, keys: Collection[str]) -> str:
+    """The law of a kind with the keys that are set: ``coulomb*tanh(s'/transition)``."""
+    whole = KINDS[kind].law
+    if kind == "spring":
+        return " + ".join(term for term in whole.split(" + ") if term.split("*")[0] in keys)
+    if kind == "friction" and "static" not in keys:
+        return "coulomb*tanh(s'/transition)"
+    return whole
 
 
 def element_names(model: Model, items: Sequence[Named]) -> tuple[str, ...]:

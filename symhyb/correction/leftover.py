@@ -4,14 +4,14 @@ On real recordings every term is significant. What earns too little to be found 
 laws of the vocabulary, and effects that format 1 writes as a ``law`` only.
 """
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from symhyb.correction.decide import SIGNIFICANT, Setting, around, unit_of
+from symhyb.correction.evidence import SIGNIFICANT, unit_of
 from symhyb.correction.screen import screen
 from symhyb.correction.selection import Problem, solve
+from symhyb.correction.setting import Setting, around
 from symhyb.correction.trajectory import Refined
 from symhyb.discrepancy.hypotheses import TRANSITION_SHARE, Hypothesis, Library
 from symhyb.discrepancy.wording import percent_text
@@ -39,7 +39,10 @@ def leftover(setting: Setting, winner: Refined) -> tuple[str, ...]:
             if hypothesis.family not in taken:
                 parts[str(hypothesis)] = max(part, parts.get(str(hypothesis), 0.0))
     ranked = sorted(parts.items(), key=lambda item: -item[1])[:TOLD]
-    return tuple(f"{name} would take {percent_text(part)} of what is left" for name, part in ranked)
+    return tuple(
+        f"{name[0].upper()}{name[1:]} would take {percent_text(part)} of what is left."
+        for name, part in ranked
+    )
 
 
 def _promises(problem: Problem, winner: Refined) -> list[tuple[Hypothesis, float]]:
@@ -83,11 +86,3 @@ def _laws(setting: Setting) -> Library:
     machine = build(replace(model, elements=(*model.elements, *elements)))
     columns = tuple((i,) for i in range(len(elements)))
     return Library(machine, (), tuple(hypotheses), columns)
-
-
-def sentences(left: Sequence[str], remainder: float | None) -> tuple[str, ...]:
-    """The notes of the remainder: its share and what is visible in it."""
-    if remainder is None:
-        return ()
-    head = f"{percent_text(remainder)} of the mismatch is left unexplained"
-    return (f"{head}; {'; '.join(left)}." if left else f"{head}.",)

@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symhyb.correction.decide import Setting, Stage
-from symhyb.data.recording import Recording
+from symhyb.correction.setting import Setting, Stage
+from symhyb.data.recording import Recording, several
 from symhyb.data.thin import thinned
 from symhyb.discrepancy.hypotheses import (
     dull_hypotheses,
@@ -56,13 +56,13 @@ def prepare(
     Raises:
         InputError: no recording, or a coordinate that no sensor sees.
     """
-    recordings, holdout = _several(recordings), _several(holdout)
+    recordings, holdout = several(recordings), several(holdout)
     if not recordings:
         raise InputError(Problem("no recording was given; a diagnosis needs at least one"))
     extended = with_channels(model)
     machine = build(extended)
     first = [Run(r, motion_of(r, machine), np.empty(0)) for r in recordings]
-    periods = np.concatenate([_periods(run) for run in first])
+    periods = np.concatenate([run.motion.periods() for run in first])
     shortest = float(np.min(periods))
     runs = [_thin(run, machine, shortest) for run in first]
     proofs = [_thin(Run(r, motion_of(r, machine), np.empty(0)), machine, shortest) for r in holdout]
@@ -144,17 +144,6 @@ def _stages(prepared: Prepared) -> tuple[Stage, ...]:
     return tuple(stages)
 
 
-def _periods(run: Run) -> Array:
-    """Typical period 2π·RMS(q')/RMS(q'') of each coordinate that moves, s."""
-    speed = np.sqrt(np.mean(run.motion.v**2, axis=0))
-    pull = np.sqrt(np.mean(run.motion.a**2, axis=0))
-    moves = (speed > 0) & (pull > 0)
-    if not moves.any():
-        return np.array([run.recording.duration])
-    periods = 2 * np.pi * speed[moves] / pull[moves]
-    return np.asarray(np.minimum(periods, run.recording.duration))
-
-
 def _thin(run: Run, machine: Machine, shortest: float) -> Run:
     step = float(np.median(np.diff(run.recording.t)))
     dense = int(shortest / SAMPLES_PERIOD / step)
@@ -163,7 +152,3 @@ def _thin(run: Run, machine: Machine, shortest: float) -> Run:
         return run
     short = thinned(run.recording, factor)
     return Run(short, motion_of(short, machine), run.sd)
-
-
-def _several(recordings: Recording | Sequence[Recording]) -> tuple[Recording, ...]:
-    return (recordings,) if isinstance(recordings, Recording) else tuple(recordings)

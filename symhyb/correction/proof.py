@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symhyb.correction.decide import Setting, Stage, grouped
 from symhyb.correction.findings import Named
 from symhyb.correction.preparing import Prepared
-from symhyb.correction.trajectory import Refined, refine
+from symhyb.correction.setting import Setting, Stage
+from symhyb.correction.trajectory import Refined, grouped, refine
 from symhyb.discrepancy.matching import TRIAL_DECREASE, TRIAL_ITERATIONS, Task, fit
 from symhyb.discrepancy.scores import laid_on
 from symhyb.numeric.buffers import Array

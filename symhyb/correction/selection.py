@@ -6,7 +6,7 @@ forbidden signs drop out. Sizes: F columns, the residual is column F.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -103,3 +103,12 @@ def _repeats(problem: Problem, causes: Sequence[int]) -> bool:
         for term in hypothesis.terms
     ]
     return len(set(terms)) < len(terms)
+
+
+def without(problem: Problem, dropped: set[int]) -> Problem:
+    """The problem in which some causes can no longer be chosen."""
+    bounds = problem.upper.copy()
+    for cause in dropped:
+        for column in problem.columns[cause]:
+            bounds[column] = -np.inf
+    return replace(problem, upper=bounds)

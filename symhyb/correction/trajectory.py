@@ -100,6 +100,20 @@ def _coarse(item: Laid) -> Laid:
     return replace(item, block=replace(item.block, substeps=parts))
 
 
+def grouped(trial: Refined) -> list[list[float]]:
+    """Fitted values of the terms (without refined shapes), SI, cause by cause; of a parameter its
+    change."""
+    rows, i = [], 0
+    for cause in trial.causes:
+        values = [float(v) for v in trial.fit.values[i : i + len(cause.terms)]]
+        if cause.place is None:
+            declared = trial.machine.values[trial.machine.column(cause.path)]
+            values = [values[0] - float(declared)]
+        rows.append(values)
+        i += cause.numbers
+    return rows
+
+
 def _paths(index: int, cause: Hypothesis) -> list[str]:
     if cause.place is None:
         return [cause.path]

@@ -1,7 +1,7 @@
 """A recording: time, inputs and sensors of one run in SI, and what was done to get them."""
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -128,3 +128,8 @@ def _recording(name: str, channels: Channels, sha256: str) -> Recording:
     for array in (recording.t, *recording.inputs.values(), *recording.sensors.values()):
         array.setflags(write=False)
     return recording
+
+
+def several(recordings: Recording | Sequence[Recording]) -> tuple[Recording, ...]:
+    """One recording or many, as a tuple."""
+    return (recordings,) if isinstance(recordings, Recording) else tuple(recordings)

@@ -5,7 +5,7 @@ from typing import Literal
 
 import numpy as np
 
-from symhyb.data.recording import Recording
+from symhyb.data.recording import Recording, several
 from symhyb.discrepancy.motion import measured, motion_of
 from symhyb.discrepancy.results import Comparison, Score, Trace, Verdict
 from symhyb.discrepancy.scores import Errors, Run, errors, score, yardstick
@@ -35,10 +35,12 @@ def judge(
     motion), ``force_band_hz`` the upper end of the band in Hz in which forces are compared
     (default: 20 of those periods).
     """
-    unseen, seen = _several(on), _several(train)
+    unseen, seen = several(on), several(train)
     machines = build(model), build(corrected)
     runs = {"train": _runs(machines[0], seen), "holdout": _runs(machines[0], unseen)}
-    period = min((_period(run) for group in runs.values() for run in group), default=1.0)
+    period = min(
+        (float(run.motion.periods().min()) for group in runs.values() for run in group), default=1.0
+    )
     window = window_s or WINDOW_PERIODS * period
     band = force_band_hz or BAND_PERIODS / period
     comparisons: dict[str, Comparison | None] = {"train": None, "holdout": None}
@@ -71,14 +73,6 @@ def _runs(machine: Machine, recordings: Sequence[Recording]) -> list[Run]:
         noise = np.where(np.isfinite(motion.sd), motion.sd, 1.0)
         runs.append(Run(recording, motion, np.maximum(noise, SD_FLOOR * reach)))
     return runs
-
-
-def _period(run: Run) -> float:
-    speed = np.sqrt(np.mean(run.motion.v**2, axis=0))
-    pull = np.sqrt(np.mean(run.motion.a**2, axis=0))
-    moves = (speed > 0) & (pull > 0)
-    periods = 2 * np.pi * speed[moves] / pull[moves]
-    return float(min([*periods, run.recording.duration]))
 
 
 def _traces(
@@ -127,7 +121,3 @@ def _carries(comparison: Comparison | None, window: float, unseen: bool, same: b
 def _worst(values: Mapping[str, float | None]) -> float | None:
     numbers = [v for v in values.values() if v is not None]
     return max(numbers) if numbers else None
-
-
-def _several(recordings: Recording | Sequence[Recording]) -> tuple[Recording, ...]:
-    return (recordings,) if isinstance(recordings, Recording) else tuple(recordings)

@@ -17,6 +17,7 @@ from scipy.interpolate import BSpline
 from scipy.sparse.linalg import splu
 
 from symhyb.data.recording import Recording
+from symhyb.errors import InputError, Problem
 from symhyb.numeric.buffers import Array, call, mapped
 from symhyb.numeric.machine import Machine
 
@@ -39,6 +40,16 @@ class Motion:
     a_sd: Array
     sd: Array
     spacing_s: float
+
+    def periods(self) -> Array:
+        """Typical period 2π·RMS(q')/RMS(q'') of each coordinate that moves, s; at most the length
+        of the recording."""
+        whole = float(self.t[-1] - self.t[0])
+        speed, pull = (np.sqrt(np.mean(part**2, axis=0)) for part in (self.v, self.a))
+        moves = (speed > 0) & (pull > 0)
+        if not moves.any():
+            return np.array([whole])
+        return np.asarray(np.minimum(2 * np.pi * speed[moves] / pull[moves], whole))
 
     def every(self, factor: int) -> "Motion":
         """The motion at the middle of each block of ``factor`` samples."""
@@ -86,9 +97,14 @@ def noise_level(values: Array) -> float:
 
 
 def motion_of(recording: Recording, machine: Machine) -> Motion:
-    """Estimate the motion of all coordinates from whatever the sensors of a recording give."""
+    """Estimate the motion of all coordinates from whatever the sensors of a recording give.
+
+    Raises:
+        InputError: too few samples, or a coordinate that no sensor of this recording sees.
+    """
     y, u = measured(recording, machine), acting(recording, machine)
     t = recording.t
+    _require_seen(recording, machine, y, u)
     sd = np.array([noise_level(column) for column in y.T])
     weights = _weights(y, sd)
     step = float(np.median(np.diff(t)))
@@ -99,7 +115,9 @@ def motion_of(recording: Recording, machine: Machine) -> Motion:
         fit = _fit(machine, t, u, y, weights, spacing * step)
         if best is None or fit.criterion < best[0]:
             best = (fit.criterion, fit)
-    assert best is not None
+    if best is None:
+        text = f"{t.size} samples are too few to estimate a motion"
+        raise InputError(Problem(text, file=recording.name))
     fit = best[1]
     q, v, a = (np.column_stack([b @ c for c in fit.coefficients]) for b in fit.basis)
     scale = np.sqrt(fit.variance)
@@ -107,6 +125,28 @@ def motion_of(recording: Recording, machine: Machine) -> Motion:
     lost = machine.n * fit.basis[0].shape[1] / max(int(np.isfinite(fit.residual).sum()), 1)
     spread = np.array([_rms(column) for column in fit.residual.T]) / np.sqrt(1 - lost)
     return Motion(t, q, v, a, q_sd, v_sd, a_sd, spread, fit.spacing)
+
+
+def _require_seen(recording: Recording, machine: Machine, y: Array, u: Array) -> None:
+    """Refuse a recording in which a coordinate is seen by no sensor that has samples."""
+    coordinates = machine.model.coordinates
+    start = np.array([c.start * c.unit.factor for c in coordinates])
+    rows = start + 1e-3 * np.arange(1, recording.t.size + 1)[:, None]  # away from special places
+    _, slopes = _sense(machine, rows, rows, rows, u, recording.t)
+    recorded = np.isfinite(y).any(axis=0)
+    seen = sum(np.abs(slope[:, recorded]).sum(axis=(0, 1)) for slope in slopes)
+    problems = [
+        Problem(
+            f"no sensor in this recording sees it; this version needs one for every coordinate "
+            f"(position, speed or acceleration of {c.name})",
+            f"coordinates.{c.name}",
+            recording.name,
+        )
+        for c, power in zip(coordinates, np.atleast_1d(seen), strict=True)
+        if not power > 0
+    ]
+    if problems:
+        raise InputError(problems)
 
 
 @dataclass(frozen=True, slots=True)

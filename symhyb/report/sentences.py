@@ -97,7 +97,7 @@ def alternative_sentence(rival: Alternative) -> str:
 def remainder_sentence(share: float | None) -> str:
     """Say how much of the mismatch is still unexplained."""
     if finite(share) is None:
-        return "How much of the mismatch is left could not be computed."
+        return "Nothing was corrected, so there is no remainder to state."
     return f"{percent_text(share)} of the mismatch is still unexplained."
 
 

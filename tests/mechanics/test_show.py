@@ -171,7 +171,9 @@ def test_latex_escapes_names_and_keeps_the_signs_of_sums() -> None:
 
 
 def test_latex_of_a_free_mass_and_of_a_title_with_line_breaks() -> None:
-    model = oscillator({"hold": damper("d"), "pull": push("f")}, {"d": (1.0, "N*s/m"), "f": (2.0, "N")})
+    model = oscillator(
+        {"hold": damper("d"), "pull": push("f")}, {"d": (1.0, "N*s/m"), "f": (2.0, "N")}
+    )
     assert latex(model).startswith("% test\n% x:")
     free = oscillator({})
     assert r"{}={} 0 && \text{}" in latex(free)

@@ -11,7 +11,9 @@ BOTH = ca.Function("both", [x, y], [ca.densify(ca.diag(x) * y), x[0] + y], ["x",
 
 
 def test_outputs_come_transposed_with_rows_last() -> None:
-    matrix = ca.Function("matrix", [x], [ca.vertcat(ca.horzcat(1, 2, 3), ca.horzcat(x[0], x[1], 6))])
+    matrix = ca.Function(
+        "matrix", [x], [ca.vertcat(ca.horzcat(1, 2, 3), ca.horzcat(x[0], x[1], 6))]
+    )
     (result,) = call(matrix, [np.array([4.0, 5.0])])
     assert result.tolist() == [[1, 4], [2, 5], [3, 6]]
 

@@ -94,9 +94,7 @@ def by_scipy(machine: Machine, t: Array, x0: Array, t_u: Array, u: Array) -> Arr
         return np.concatenate([x[n:], np.atleast_1d(a)])
 
     longest = float(np.diff(t_u).min())
-    done = solve_ivp(
-        rate, (t[0], t[-1]), x0, "DOP853", t, rtol=1e-10, atol=1e-11, max_step=longest
-    )
+    done = solve_ivp(rate, (t[0], t[-1]), x0, "DOP853", t, rtol=1e-10, atol=1e-11, max_step=longest)
     assert done.success
     return np.asarray(done.y.T)
 
@@ -146,6 +144,44 @@ def test_a_square_wave_on_an_oscillator_against_dop853(share: float) -> None:
     result = run(machine, t, 0.0, 0.0, f)
     expected = by_scipy(machine, t, np.zeros(2), t, f[:, None])
     assert np.hstack([result.q, result.v]) == pytest.approx(expected, abs=1e-7)
+
+
+def test_a_jump_between_two_outputs_is_not_stepped_over() -> None:
+    t_u = np.arange(0, 1.0005, 0.001)
+    f = np.where((t_u > 0.5) & (t_u < 0.503), 1000.0, 0.0)
+    model = oscillator({"motor": push("f")}, inputs=INPUT)
+    result = run(model, np.linspace(0, 1, 11), 0.0, 0.0, f, t_u)
+    assert result.v[-1, 0] == pytest.approx(np.trapezoid(f, t_u) / 1.2, rel=1e-5)
+
+
+def test_several_inputs_keep_their_columns() -> None:
+    inputs = {"f": {"unit": "N"}, "g": {"unit": "N"}}
+    model = oscillator({"one": push("f"), "two": push("-2*g")}, inputs=inputs)
+    t = np.linspace(0, 1, 11)
+    result = run(model, t, 0.0, 0.0, np.column_stack([2.4 * t, 0.6 * np.ones(11)]))
+    assert result.v[:, 0] == pytest.approx(t**2 - t, abs=1e-8)
+
+
+@pytest.mark.parametrize("begin", [0.0, 60.0, 1e5])
+def test_times_that_were_rounded_when_written_are_good_enough(begin: float) -> None:
+    """A file states 1/300 s with nine digits; a recording may begin late."""
+    t = begin + np.round(np.arange(600) / 300, 9)
+    model = oscillator({"motor": push("f")}, inputs=INPUT)
+    result = run(model, t, 0.0, 0.0, np.sin(t - begin))
+    assert result.v[:, 0] == pytest.approx((1 - np.cos(t - begin)) / 1.2, abs=1e-5)
+
+
+def test_a_force_that_depends_on_time_and_a_moving_support() -> None:
+    """m (x + A sin w t)'' = F cos w t from rest in space:  x = F/(m w²)(1 − cos w t) − A sin w t."""
+    model = model_of(
+        coordinates={"x": {"unit": "m"}},
+        parameters={"m": (1.2, "kg"), "A": (0.1, "m"), "w": (3.0, "1/s"), "F": (2.0, "N")},
+        bodies={"block": {"mass": "m", "at": ["x + A*sin(w*t)", "0"]}},
+        elements={"wind": push("F*cos(w*t)")},
+    )
+    result = run(model, t := np.linspace(0, 4, 100), 0.0, -0.3)
+    x = 2 / (1.2 * 9) * (1 - np.cos(3 * t)) - 0.1 * np.sin(3 * t)
+    assert result.q[:, 0] == pytest.approx(x, abs=1e-6)
 
 
 def test_parameters_may_be_given() -> None:
@@ -239,7 +275,9 @@ def elapsed(task: Callable[[], Trajectory]) -> tuple[Trajectory, float]:
 
 
 def test_a_motion_that_grows_without_bound_ends_with_a_reason() -> None:
-    model = oscillator({"soft": {"kind": "spring", "on": "x", "cubic": "c"}}, {"c": (-50.0, "N/m^3")})
+    model = oscillator(
+        {"soft": {"kind": "spring", "on": "x", "cubic": "c"}}, {"c": (-50.0, "N/m^3")}
+    )
     result, seconds = elapsed(lambda: run(model, np.linspace(0, 20, 201), 0.3))
     assert not result.complete
     assert "between 0 and 20 s" in result.reason
@@ -281,5 +319,16 @@ def test_an_input_that_stops_before_the_simulation_is_refused() -> None:
 
 
 def test_times_that_do_not_increase_are_refused() -> None:
-    with pytest.raises(ValueError, match="must increase"):
-        run(oscillator({}), [0.0, 1.0, 1.0], 0.0)
+    for last in (1.0, 0.5, np.nan):
+        with pytest.raises(ValueError, match="must increase"):
+            run(oscillator({}), [0.0, 1.0, last], 0.0)
+
+
+def test_a_start_that_is_not_a_number_ends_with_a_reason() -> None:
+    result = run(oscillator({}), [0.0, 1.0], np.nan)
+    assert "between 0 and 1 s" in result.reason
+
+
+def test_a_single_output_time_is_the_start() -> None:
+    result = run(oscillator({}), [0.5], 0.1, 0.2)
+    assert (result.q.tolist(), result.v.tolist(), result.reason) == ([[0.1]], [[0.2]], "")

@@ -225,9 +225,7 @@ def test_inputs_that_act_linearly_are_kept_visible() -> None:
 
 
 def test_an_input_that_acts_nonlinearly_has_no_matrix() -> None:
-    model = oscillator(
-        {"valve": push("c*f**2")}, {"c": (1.0, "1/N")}, inputs={"f": {"unit": "N"}}
-    )
+    model = oscillator({"valve": push("c*f**2")}, {"c": (1.0, "1/N")}, inputs={"f": {"unit": "N"}})
     assert build(model).input_matrix is None
 
 

@@ -83,7 +83,9 @@ def test_equations_of_motion_at_random_states(
         if n == 2 and u.size:
             applied = applied + dissipation(v, p) + np.array([u[0], 0])
         close = {"rel": 1e-9, "abs": 1e-9}
-        assert np.atleast_2d(value(machine.M, at, 0, machine.values)) == pytest.approx(mass, **close)
+        assert np.atleast_2d(value(machine.M, at, 0, machine.values)) == pytest.approx(
+            mass, **close
+        )
         assert k_c == pytest.approx(-inertial[:, 0], **close)
         assert k_e == pytest.approx(applied, **close)
         gap = value(machine.discrepancy, at, v, a, u, 0, machine.values)

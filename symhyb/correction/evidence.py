@@ -1,0 +1,78 @@
+"""When a larger structure is believed: significance for coloured residuals, and practical size."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from symhyb.correction.trajectory import Refined
+from symhyb.discrepancy.hypotheses import Hypothesis
+
+SIGNIFICANT = 10.0  # Δχ²/c − k ln N on fitted windows, Δχ²/c on held ones (10: odds of 150 to 1)
+PART_LEFT = 1 / 2  # of the mismatch that is left, which a cause must take
+
+
+def earns(larger: Refined, smaller: Refined) -> tuple[bool, str]:
+    """Whether the larger structure earns its extra numbers, with the sentence that says why."""
+    unit = unit_of(larger)
+    extra = larger.numbers - smaller.numbers
+    size = max(float(larger.fit.count[~larger.fit.held].sum()), 2.0)
+    fitted = (smaller.fit.train - larger.fit.train) / unit - extra * np.log(size)
+    held = (smaller.fit.validation - larger.fit.validation) / unit
+    validation = bool(larger.fit.held.any())
+    part = part_taken(larger, smaller)
+    steps = max(len(larger.causes) - len(smaller.causes), 1)
+    needed = 1 - (1 - PART_LEFT) ** steps
+    failed = [
+        text
+        for wrong, text in (
+            (bool(larger.fit.reason), larger.fit.reason),
+            (not fitted > SIGNIFICANT, f"not significant on fitted windows ({fitted:.3g})"),
+            (validation and not held > SIGNIFICANT, f"not on held windows ({held:.3g})"),
+            (not part > needed, f"takes {_percent(part)} of what is left"),
+        )
+        if wrong
+    ]
+    names, against = named(larger.causes), named(smaller.causes)
+    judged = (
+        "rejected: " + ", ".join(failed)
+        if failed
+        else (f"accepted: takes {_percent(part)} of what is left")
+    )
+    return not failed, f"{names}, against {against}: {judged}"
+
+
+def part_taken(larger: Refined, smaller: Refined) -> float:
+    """The share of the mismatch left by ``smaller`` that ``larger`` takes, on held windows (on the
+    fitted ones where none is held); the noise floor is taken off."""
+    held = smaller.fit.held if smaller.fit.held.any() else ~smaller.fit.held
+    floor = float(smaller.fit.count[held].sum())
+    before, after = float(smaller.fit.chi2[held].sum()), float(larger.fit.chi2[held].sum())
+    if not np.isfinite(before):
+        return 1.0
+    left = max(before - min(floor, after), 1e-12)
+    return (before - after) / left
+
+
+def unit_of(trial: Refined) -> float:
+    """χ² of one independent sample: residual variance times its correlation."""
+    return trial.fit.scale * trial.fit.correlation
+
+
+def criterion(trial: Refined, reference: Refined) -> float:
+    """χ²/c + k ln N of a structure, in the unit of a reference; smaller is better."""
+    size = max(float(trial.fit.count[~trial.fit.held].sum()), 2.0)
+    return trial.fit.train / unit_of(reference) + trial.numbers * float(np.log(size))
+
+
+def excess(chi2: float, trial: Refined) -> float:
+    """What χ² of the fitted windows holds beyond the noise floor."""
+    return max(chi2 - float(trial.fit.count[~trial.fit.held].sum()), 1e-12)
+
+
+def _percent(part: float) -> str:
+    return "nothing" if part <= 0 else f"{100 * part:.3g} %"
+
+
+def named(causes: Sequence[Hypothesis]) -> str:
+    """Name a structure in a log line."""
+    return " + ".join(map(str, causes)) or "the model as it is"
