@@ -47,7 +47,7 @@ def test_concealed_effects_are_named_and_measured(hidden: Mapping[str, float]) -
 def test_nothing_missing_is_said_when_nothing_is(seed: int) -> None:
     diagnosis = sh.diagnose(spring_model(), spring_recording(seed, {}, noise=0.02))
     assert diagnosis.verdict == "nothing missing"
-    assert not (diagnosis.found or diagnosis.parameters or diagnosis.measurement)
+    assert (diagnosis.found, diagnosis.parameters, diagnosis.measurement) == ((), (), ())
 
 
 def test_a_wrong_parameter_is_no_missing_physics() -> None:

@@ -60,9 +60,8 @@ class Motion:
 def measured(recording: Recording, machine: Machine) -> Array:
     """The measurements (N, m), SI, in the order of the model's sensors, NaN where missing."""
     missing = np.full(recording.t.size, np.nan)
-    return np.column_stack(
-        [recording.sensors.get(sensor.name, missing) for sensor in machine.model.sensors]
-    )
+    columns = [recording.sensors.get(s.name, missing) for s in machine.model.sensors]
+    return np.column_stack(columns) if columns else np.empty((recording.t.size, 0))
 
 
 def acting(recording: Recording, machine: Machine) -> Array:
@@ -174,7 +173,8 @@ def _fit(machine: Machine, t: Array, u: Array, y: Array, weights: Array, spacing
         residual = np.where(used, y - predicted, np.nan)
         design = _design(basis, slopes, used, weights)
         target = (residual * weights).T[used.T]
-        normal = (design.T @ design).tocsc() + _ridge(basis, n)
+        normal = (design.T @ design).tocsc()
+        normal = normal + _ridge(normal)
         change = splu(normal).solve(design.T @ target).reshape(n, size)
         coefficients = coefficients + change
         moved = np.abs(basis[0] @ change.T).max() / max(np.abs(q).max(), 1e-300)
@@ -250,10 +250,10 @@ def _design(
     return sparse.csr_array(sparse.vstack(rows, format="csr"))
 
 
-def _ridge(basis: Sequence[sparse.csr_array], n: int) -> sparse.csc_array:
-    """A hair of stiffness, so that what no sensor sees stays at its start."""
-    size = basis[0].shape[1]
-    return sparse.csc_array(1e-9 * sparse.eye_array(n * size))
+def _ridge(normal: sparse.csc_array) -> sparse.csc_array:
+    """A hair of stiffness, so that what no sensor sees (the place, from an accelerometer alone)
+    stays at its start."""
+    return sparse.csc_array(sparse.diags_array(1e-9 + 1e-12 * normal.diagonal()))
 
 
 def _bands(

@@ -167,8 +167,8 @@ class WindowModel:
         owner = np.repeat(np.arange(parts.size), parts)
         part = (np.arange(owner.size) - first[owner]) / parts[owner]
         h = (np.diff(block.t, axis=1).reshape(-1) / parts)[owner]
-        rise = np.diff(block.u, axis=1).reshape(-1, inputs)[owner]
-        u0 = block.u[:, :-1].reshape(-1, inputs)[owner] + part[:, None] * rise
+        rise = np.diff(block.u, axis=1).reshape(parts.size, inputs)[owner]
+        u0 = block.u[:, :-1].reshape(parts.size, inputs)[owner] + part[:, None] * rise
         u1 = u0 + rise / parts[owner][:, None]
         t = block.t[:, :-1].reshape(-1)[owner] + part * h * parts[owner]
         begins = first.reshape(windows, length - 1)[:, : starts.shape[1]].reshape(-1)

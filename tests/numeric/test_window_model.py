@@ -67,8 +67,9 @@ def test_windows_against_cvodes() -> None:
     x, y = WindowModel(machine).simulate(windows, start, machine.values)
     states, outputs = by_cvodes(machine, windows, start)
     assert np.ptp(states[..., 0]) > 0.05
-    assert x == pytest.approx(states, abs=3e-4)
-    assert y[..., :2] == pytest.approx(outputs[..., :2], abs=3e-4)
+    scale = np.abs(states).max(axis=(0, 1))
+    assert x / scale == pytest.approx(states / scale, abs=1e-3)
+    assert y[..., :2] == pytest.approx(outputs[..., :2], abs=1e-3)
 
 
 @pytest.mark.parametrize(("transition", "error"), [(0.05, 2e-6), (1e-4, 5e-4)])
