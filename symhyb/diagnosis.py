@@ -6,6 +6,7 @@ recordings prove; they never choose. docs/method.md has the statistics and what 
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -39,7 +40,7 @@ from symhyb.discrepancy.results import (
     PlaceShare,
     VerdictName,
 )  # fmt: skip
-from symhyb.discrepancy.scores import Run
+from symhyb.discrepancy.runs import Run
 from symhyb.discrepancy.wording import verdict_sentence
 from symhyb.errors import NumericsError
 from symhyb.model.types import Model, On
@@ -106,7 +107,7 @@ def valued(setting: Setting, winner: Refined, prepared: Prepared) -> tuple[Refin
             best = width, trial, stage
     if best is None:
         return winner, setting.stages[-1]
-    return best[1], best[2]
+    return replace(best[1], accuracy=setting.accuracy), best[2]
 
 
 def _certain(setting: Setting, decision: Decision, prepared: Prepared) -> Refined:

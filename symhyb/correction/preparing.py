@@ -1,7 +1,7 @@
 """What a decision works on: motion, noise, thinned runs, lowered hypotheses and windows."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from symhyb.discrepancy.hypotheses import (
     with_channels,
 )  # fmt: skip
 from symhyb.discrepancy.motion import motion_of
-from symhyb.discrepancy.scores import Run, laid_on
+from symhyb.discrepancy.runs import Run, laid_on, noise_sd, with_noise
 from symhyb.errors import InputError, Problem
 from symhyb.model.types import Model, Place
 from symhyb.numeric.buffers import Array
@@ -29,8 +29,8 @@ WINDOWS_LEAST = 9  # over all recordings at the longest window length
 FIRST_WINDOW = 0.25  # of the shortest period
 GROWTH = 3.0  # from stage to stage
 STAGES_MOST = 4
+ACCURACY = 1e-4  # relative, of a fitted value: fixed steps and smoothed friction
 GAIN_LEAST = 1e-3  # smaller gain errors are not worth a name
-SD_FLOOR = 1e-6  # of a sensor's range: the accuracy of the integration
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,23 +67,9 @@ def prepare(
     runs = [_thin(run, machine, shortest) for run in first]
     proofs = [_thin(Run(r, motion_of(r, machine), np.empty(0)), machine, shortest) for r in holdout]
     sd = noise_sd(runs, machine)
-    train, unseen = (tuple(replace(run, sd=sd) for run in group) for group in (runs, proofs))
+    windows = WindowModel(machine)
+    train, unseen = (with_noise(group, sd, windows) for group in (runs, proofs))
     return Prepared(extended, machine, train, unseen, sd, shortest)
-
-
-def noise_sd(runs: Sequence[Run], machine: Machine) -> Array:
-    """Noise (m,) by sensor over all runs, SI; 1 for a sensor without samples."""
-    sd = []
-    for j, sensor in enumerate(machine.model.sensors):
-        spreads = [run.motion.sd[j] for run in runs if np.isfinite(run.motion.sd[j])]
-        signals = [run.recording.sensors[sensor.name] for run in runs
-                   if sensor.name in run.recording.sensors]  # fmt: skip
-        if not spreads:
-            sd.append(1.0)
-            continue
-        reach = max(float(np.nanmax(s) - np.nanmin(s)) for s in signals)
-        sd.append(max(float(np.sqrt(np.mean(np.square(spreads)))), SD_FLOOR * reach, 1e-300))
-    return np.array(sd)
 
 
 def settle(prepared: Prepared) -> Setting:
@@ -94,20 +80,22 @@ def settle(prepared: Prepared) -> Setting:
     causes = library(model, places, force_hypotheses(model, speeds))
     dull = dull_hypotheses(model)
     windows = WindowModel(machine, tuple(machine.column(cause.path) for cause in dull))
-    floor = _gain_floor(prepared)
-    return Setting(causes, dull, windows, _stages(prepared), prepared.sd, floor)
+    sag = _sag(prepared)
+    return Setting(
+        causes, dull, windows, _stages(prepared), prepared.sd,
+        gain_floor=max(GAIN_LEAST, sag), accuracy=max(ACCURACY, sag),
+    )  # fmt: skip
 
 
-def _gain_floor(prepared: Prepared) -> float:
-    """The error of gain that first-order hold may feign: the sag of a chord between two samples,
-    |Δ²u|/8, relative to the input."""
-    worst = GAIN_LEAST
+def _sag(prepared: Prepared) -> float:
+    """What first-order hold may take from an input, relative to it: the sag |Δ²u|/8 of the true
+    signal's chord between two samples."""
+    worst = 0.0
     for run in prepared.runs:
         for values in run.recording.inputs.values():
             size = float(np.std(values))
             if size > 0:
-                sag = float(np.sqrt(np.mean(np.diff(values, n=2) ** 2))) / 8
-                worst = max(worst, sag / size)
+                worst = max(worst, float(np.sqrt(np.mean(np.diff(values, n=2) ** 2))) / 8 / size)
     return worst
 
 

@@ -10,7 +10,7 @@ from symhyb.correction.preparing import Prepared
 from symhyb.correction.setting import Setting, Stage
 from symhyb.correction.trajectory import Refined, grouped, refine
 from symhyb.discrepancy.matching import TRIAL_DECREASE, TRIAL_ITERATIONS, Task, fit
-from symhyb.discrepancy.scores import laid_on
+from symhyb.discrepancy.runs import laid_on
 from symhyb.numeric.buffers import Array
 from symhyb.numeric.windows import WindowModel
 

@@ -23,7 +23,8 @@ class Stage:
 class Setting:
     """What a decision works on: force hypotheses lowered, dull causes, windows prepared for the
     model with all dull causes free, stages from short to long, noise ``sd`` (m,) SI, and
-    the smallest gain error that interpolation between samples cannot feign."""
+    the smallest gain error that interpolation between samples cannot feign, and the relative
+    ``accuracy`` of fitted values that the numerics allow."""
 
     library: Library
     dull: tuple[Hypothesis, ...]
@@ -31,6 +32,7 @@ class Setting:
     stages: tuple[Stage, ...]
     sd: Array
     gain_floor: float
+    accuracy: float
 
     @property
     def hypotheses(self) -> tuple[Hypothesis, ...]:

@@ -19,7 +19,6 @@ from symhyb.numeric.windows import WindowModel
 
 SHAPE_REACH = 30.0  # a refined shape stays within this factor of where it was tried
 GAIN_REACH = 0.5
-ACCURACY = 1e-4  # relative, of a fitted value: fixed steps and smoothed friction
 STEEP = ("friction",)  # kinds that need finer steps at reversals
 
 
@@ -34,6 +33,7 @@ class Refined:
     paths: tuple[str, ...]
     p: Array
     fit: Fit
+    accuracy: float = 0.0
 
     @property
     def numbers(self) -> int:
@@ -41,11 +41,13 @@ class Refined:
         return len(self.paths)
 
     def value(self, path: str) -> tuple[float, float]:
-        """Fitted value and one standard deviation of a parameter, SI; the accuracy of the numerics
-        (integration, smoothed friction) is part of the deviation."""
+        """Fitted value and one standard deviation of a parameter, SI; the relative ``accuracy``
+        of the numerics is part of the deviation."""
         i = self.paths.index(path)
         value = float(self.fit.values[i])
-        return value, float(np.hypot(np.sqrt(self.fit.covariance[i, i]), ACCURACY * abs(value)))
+        return value, float(
+            np.hypot(np.sqrt(self.fit.covariance[i, i]), self.accuracy * abs(value))
+        )
 
 
 def element_name(index: int) -> str:

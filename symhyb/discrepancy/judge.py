@@ -8,13 +8,14 @@ import numpy as np
 from symhyb.data.recording import Recording, several
 from symhyb.discrepancy.motion import measured, motion_of
 from symhyb.discrepancy.results import Comparison, Score, Trace, Verdict
-from symhyb.discrepancy.scores import Errors, Run, errors, score, yardstick
+from symhyb.discrepancy.runs import Run, noise_sd, with_noise
+from symhyb.discrepancy.scores import Errors, errors, score, yardstick
 from symhyb.discrepancy.wording import percent_text
 from symhyb.model.types import Model
 from symhyb.numeric.buffers import Array
 from symhyb.numeric.machine import Machine, build
+from symhyb.numeric.windows import WindowModel
 
-SD_FLOOR = 1e-6  # of a sensor's range
 WINDOW_PERIODS = 0.5  # length of a window, where none is given
 BAND_PERIODS = 20.0  # upper end of the force band per period, where none is given
 STARTS = "fitted to every window and every run, unseen ones too"
@@ -64,15 +65,9 @@ def judge(
     )  # fmt: skip
 
 
-def _runs(machine: Machine, recordings: Sequence[Recording]) -> list[Run]:
-    runs = []
-    for recording in recordings:
-        motion = motion_of(recording, machine)
-        y = measured(recording, machine)
-        reach = np.array([np.ptp(c[np.isfinite(c)]) if np.isfinite(c).any() else 1.0 for c in y.T])
-        noise = np.where(np.isfinite(motion.sd), motion.sd, 1.0)
-        runs.append(Run(recording, motion, np.maximum(noise, SD_FLOOR * reach)))
-    return runs
+def _runs(machine: Machine, recordings: Sequence[Recording]) -> tuple[Run, ...]:
+    runs = [Run(recording, motion_of(recording, machine), np.empty(0)) for recording in recordings]
+    return with_noise(runs, noise_sd(runs, machine), WindowModel(machine)) if runs else ()
 
 
 def _traces(

@@ -22,6 +22,8 @@ ITERATIONS = 15
 TRIAL_DECREASE = 1e-4
 TRIAL_ITERATIONS = 7  # a structure that needs more is not close
 DAMPING_MOST = 1e8
+HELD_ROUNDS = 2  # of steps for the initial states of held windows, at the end
+UNSEEN = 1e-13  # of the largest eigenvalue of a scaled normal matrix
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,8 +57,8 @@ class Fit:
 
     @property
     def scale(self) -> float:
-        """χ² per degree of freedom of the fitted windows, at least 1."""
-        return max(self.train / max(float(self.count[~self.held].sum()), 1.0), 1.0)
+        """χ² per sample of the fitted windows; below 1 where the noise was measured too large."""
+        return self.train / max(float(self.count[~self.held].sum()), 1.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,7 +121,28 @@ def fit(model: WindowModel, task: Task, p: Array, starts: Sequence[Array] | None
             damping = max(10 * damping, 1e-3)
         if not accepted or gained <= task.decrease * cost:
             break
+    now = _settled(model, task, p, values, now)
     return _finish(task, _linearise(model, task, p, values, now), values, now)
+
+
+def _settled(
+    model: WindowModel, task: Task, p: Array, values: Array, starts: Sequence[Array]
+) -> list[Array]:
+    """Initial states of held windows for the parameters as they stand, window by window; they
+    had no say in which steps were taken."""
+    now = list(starts)
+    if task.everything or not any(item.held.any() for item in task.laid):
+        return now
+    full, still = _filled(p, model.free, values), np.zeros_like(values)
+    for _ in range(HELD_ROUNDS):
+        parts = _linearise(model, task, p, values, now)
+        for i, (item, part) in enumerate(zip(task.laid, parts, strict=True)):
+            ahead = now[i] + _start_step(part, still, 0.0)[0]
+            with np.errstate(over="ignore", invalid="ignore"):
+                after = np.sum(_whitened(model, item, full, ahead, task.sd) ** 2, axis=(1, 2))
+            better = item.held & (after < np.sum(part.residual**2, axis=1))
+            now[i] = np.where(better[:, None], ahead, now[i])
+    return now
 
 
 def _whitened(model: WindowModel, item: Laid, p: Array, start: Array, sd: Array) -> Array:
@@ -131,12 +154,13 @@ def _whitened(model: WindowModel, item: Laid, p: Array, start: Array, sd: Array)
 def _cost(
     model: WindowModel, task: Task, p: Array, values: Array, starts: Sequence[Array]
 ) -> float:
-    """Cost of the fitted windows, plus that of initial states on held ones, plus the prior."""
+    """Squared whitened residuals of the fitted windows, plus the prior."""
     full = _filled(p, model.free, values)
     total = float(np.sum(((values - task.mean) / task.spread) ** 2))
     for item, start in zip(task.laid, starts, strict=True):
+        used = np.ones(len(start), bool) if task.everything else ~item.held
         with np.errstate(over="ignore", invalid="ignore"):
-            total += float(np.sum(_whitened(model, item, full, start, task.sd) ** 2))
+            total += float(np.sum(_whitened(model, item, full, start, task.sd)[used] ** 2))
     return total if np.isfinite(total) else np.inf
 
 
@@ -181,22 +205,29 @@ def _step(
 ) -> tuple[Array, list[Array], float]:
     """Bounded Gauss–Newton step of the parameters, and of the initial states that go with it."""
     count = values.size
-    projections = [_project(part) for part in parts]
     gram, right = np.diag(1 / task.spread**2), (task.mean - values) / task.spread**2
-    for part, (*_, joined) in zip(parts, projections, strict=True):
-        used = joined[part.used]
+    for part in parts:
+        used = _project(part)[3][part.used]
         gram = gram + np.einsum("wai,waj->ij", used[..., :count], used[..., :count])
         right = right + np.einsum("wai,wa->i", used[..., :count], used[..., count])
     change = _bounded(gram, right, damping, task.lower - values, task.upper - values)
     predicted = float(2 * right @ change - change @ gram @ change)
-    moved = []
-    for part, (basis, triangle, scale, _) in zip(parts, projections, strict=True):
-        left = part.residual - part.by_free @ change
-        target = (basis.transpose(0, 2, 1) @ left[..., None])[..., 0]
-        predicted += float(np.sum(target**2))
-        solved = np.linalg.solve(triangle, target[..., None])[..., 0]
-        moved.append(solved / scale[:, 0] / (1 + damping))
-    return change, moved, predicted
+    steps = [_start_step(part, change, damping) for part in parts]
+    predicted += sum(gain for _, gain in steps)
+    return change, [moved for moved, _ in steps], predicted
+
+
+def _start_step(part: _Part, change: Array, damping: float) -> tuple[Array, float]:
+    """Step of the initial states (W, 2n): their whole reply to a ``change`` of the parameters, and
+    a damped one to the residual; and the decrease of the fitted windows' cost that it predicts."""
+    basis, triangle, scale, _ = _project(part)
+    across = basis.transpose(0, 2, 1)
+    share = 1 / (1 + damping)
+    along = (across @ part.residual[..., None])[..., 0]
+    reply = (across @ (part.by_free @ change)[..., None])[..., 0]
+    solved = np.linalg.solve(triangle, (share * along - reply)[..., None])[..., 0]
+    gain = (1 - (1 - share) ** 2) * float(np.sum(along[part.used] ** 2))
+    return solved / scale[:, 0], gain
 
 
 def _bounded(gram: Array, right: Array, damping: float, lower: Array, upper: Array) -> Array:
@@ -221,7 +252,9 @@ def _bounded(gram: Array, right: Array, damping: float, lower: Array, upper: Arr
 def _finish(task: Task, parts: Sequence[_Part], values: Array, starts: list[Array]) -> Fit:
     count = values.size
     joined = [_project(part)[3] for part in parts]
-    chi2 = np.concatenate([np.sum(j[..., count] ** 2, axis=1) for j in joined])
+    with np.errstate(over="ignore", invalid="ignore"):
+        chi2 = np.concatenate([np.sum(j[..., count] ** 2, axis=1) for j in joined])
+    chi2 = np.where(np.isfinite(chi2), chi2, np.inf)
     seen = np.concatenate([np.isfinite(i.block.y).sum(axis=(1, 2)) for i in task.laid])
     held = np.concatenate([~part.used for part in parts])
     states = task.laid[0].start.shape[1]
@@ -231,7 +264,7 @@ def _finish(task: Task, parts: Sequence[_Part], values: Array, starts: list[Arra
     for j in used:
         gram = gram + np.einsum("wai,waj->ij", j[..., :count], j[..., :count])
     degrees = max(float((seen - states)[~held].sum()) - count, 1.0)
-    scale = max(float(chi2[~held].sum()) / degrees, 1.0)
+    scale = float(chi2[~held].sum()) / degrees
     covariance = _inverse(gram) * scale * correlation
     return Fit(values, covariance, chi2, seen - states, held, correlation, tuple(starts))
 
@@ -241,7 +274,10 @@ def _inverse(gram: Array) -> Array:
         return gram
     scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
     balance = np.outer(scale, scale)
-    return np.asarray(np.linalg.pinv(gram / balance, rcond=1e-13) / balance)
+    power, axes = np.linalg.eigh(gram / balance)
+    # a direction that the data do not see is as uncertain as numbers go, not certain
+    weight = 1 / np.maximum(power, UNSEEN * power[-1])
+    return np.asarray((axes * weight) @ axes.T / balance)
 
 
 def _failed(task: Task, starts: list[Array], values: Array, reason: str) -> Fit:

@@ -22,7 +22,8 @@ from symhyb.numeric.buffers import Array, call, mapped
 from symhyb.numeric.machine import Machine
 
 DEGREE = 5
-SPACINGS = (2, 3, 4, 6, 8, 11, 16, 23, 32, 45, 64, 91, 128)  # samples between two knots
+SPACINGS = (1.3, 1.6, 2, 3, 4, 6, 8, 11, 16, 23, 32, 45, 64, 91, 128)  # samples between two knots
+WORSE_MOST = 3  # spacings in a row that are worse than the best: stop
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,20 +108,20 @@ def motion_of(recording: Recording, machine: Machine) -> Motion:
     sd = np.array([noise_level(column) for column in y.T])
     weights = _weights(y, sd)
     step = float(np.median(np.diff(t)))
-    best: tuple[float, _Fit] | None = None
+    fits: list[_Fit] = []
     for spacing in SPACINGS:
-        if t.size < 4 * spacing:
+        if t.size < 4 * spacing or not np.isfinite(sd).any():
             break
-        fit = _fit(machine, t, u, y, weights, spacing * step)
-        if best is None or fit.criterion < best[0]:
-            best = (fit.criterion, fit)
-    if best is None:
+        fits.append(_fit(machine, t, u, y, weights, spacing * step))
+        if len(fits) - _best(fits) > WORSE_MOST:
+            break
+    if not fits:
         text = f"{t.size} samples are too few to estimate a motion"
         raise InputError(Problem(text, file=recording.name))
-    fit = best[1]
+    chosen = _best(fits)
+    fit, narrower = fits[chosen], fits[max(chosen - 1, 0)]
     q, v, a = (np.column_stack([b @ c for c in fit.coefficients]) for b in fit.basis)
-    scale = np.sqrt(fit.variance)
-    q_sd, v_sd, a_sd = (scale * band for band in fit.bands)
+    q_sd, v_sd, a_sd = (_spread(order, fit, narrower) for order in range(3))
     lost = machine.n * fit.basis[0].shape[1] / max(int(np.isfinite(fit.residual).sum()), 1)
     spread = np.array([_rms(column) for column in fit.residual.T]) / np.sqrt(1 - lost)
     return Motion(t, q, v, a, q_sd, v_sd, a_sd, spread, fit.spacing)
@@ -159,12 +160,28 @@ class _Fit:
     spacing: float
 
 
+def _best(fits: Sequence[_Fit]) -> int:
+    return int(np.argmin([fit.criterion for fit in fits]))
+
+
+def _spread(order: int, fit: _Fit, narrower: _Fit) -> Array:
+    """One sd (n,) of a derivative of the coordinates, SI: noise, and the bias of knots that are
+    balanced for q: what narrower knots change beyond what their noise explains."""
+    noise = fit.variance * fit.bands[order] ** 2
+    more = narrower.variance * narrower.bands[order] ** 2
+    pairs = zip(fit.coefficients, narrower.coefficients, strict=True)
+    inner = slice(fit.residual.shape[0] // 10, -(fit.residual.shape[0] // 10))  # ends are wilder
+    moved = [_rms((fit.basis[order] @ c - narrower.basis[order] @ d)[inner]) for c, d in pairs]
+    bias = np.maximum(np.square(moved) - np.maximum(more - noise, 0.0), 0.0)
+    return np.asarray(np.sqrt(noise + bias))
+
+
 def _fit(machine: Machine, t: Array, u: Array, y: Array, weights: Array, spacing: float) -> _Fit:
     basis = spline_basis(t, spacing)
     n, size = machine.n, basis[0].shape[1]
     starts = [c.start * c.unit.factor for c in machine.model.coordinates]
     coefficients = np.repeat(np.array(starts)[:, None], size, axis=1)
-    used = np.isfinite(y) & (weights > 0)
+    used = np.isfinite(y)
     residual = np.full(y.shape, np.nan)
     normal = sparse.csc_array((n * size, n * size))
     for _ in range(12):
@@ -186,7 +203,7 @@ def _fit(machine: Machine, t: Array, u: Array, y: Array, weights: Array, spacing
     cost = float(np.nansum((residual * weights) ** 2))
     free = max(count - n * size, 1)
     criterion = count * np.log(max(cost, 1e-300) / count) + n * size * np.log(count)
-    if free < 0.2 * count:
+    if free < 0.15 * count:
         criterion = np.inf
     bands = _bands(basis, normal, n)
     return _Fit(list(coefficients), basis, residual, cost / free, bands, criterion, spacing)
@@ -212,9 +229,10 @@ def spline_basis(t: Array, spacing: float) -> tuple[sparse.csr_array, ...]:
 
 
 def _weights(y: Array, sd: Array) -> Array:
-    spread = np.nanstd(np.where(np.isfinite(y), y, np.nan), axis=0) if y.size else sd
-    floor = np.maximum(1e-9 * spread, 1e-300)
-    return 1 / np.where(np.isfinite(sd), np.maximum(sd, floor), np.inf)
+    """1/sd of every sensor (m,); a hundredth of its spread where too few samples tell the noise."""
+    spread = np.array([np.std(c[np.isfinite(c)]) if np.isfinite(c).any() else 0.0 for c in y.T])
+    known = np.where(np.isfinite(sd), sd, 1e-2 * spread)
+    return np.asarray(1 / np.maximum(known, np.maximum(1e-9 * spread, 1e-300)))
 
 
 def _sense(

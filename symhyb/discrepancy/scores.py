@@ -9,30 +9,19 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symhyb.data.recording import Recording
 from symhyb.data.thin import thinned
 from symhyb.discrepancy.matching import Task, fit
-from symhyb.discrepancy.motion import Motion, acting, measured
+from symhyb.discrepancy.motion import acting, measured
 from symhyb.discrepancy.residual import discrepancy
 from symhyb.discrepancy.results import Score
-from symhyb.discrepancy.windows import Laid, lay, reversals
+from symhyb.discrepancy.runs import Run, laid_on
 from symhyb.numeric.buffers import Array, call, mapped
 from symhyb.numeric.integrate import Scenario, Trajectory, simulate
 from symhyb.numeric.machine import Machine
 from symhyb.numeric.windows import WindowModel
 
-FINE_STEPS = 8
 FILTER_ORDER = 4
 RUN_SAMPLES = 6000  # of a free run, for fitting its initial state
-
-
-@dataclass(frozen=True, slots=True)
-class Run:
-    """One recording with its smoothed motion and the noise ``sd`` (m,) of its sensors, SI."""
-
-    recording: Recording
-    motion: Motion
-    sd: Array
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,12 +115,6 @@ def _fitted_start(model: WindowModel, run: Run) -> Array:
     nothing = np.zeros(0)
     task = Task((laid,), run.sd, nothing, nothing, nothing, nothing, iterations=10)
     return np.asarray(fit(model, task, model.machine.values).starts[0][0])
-
-
-def laid_on(run: Run, machine: Machine, length_s: float) -> Laid | None:
-    """Windows of one run with finer steps near reversals of a coordinate."""
-    parts = np.where(reversals(run.motion.v), FINE_STEPS, 1)
-    return lay(run.recording, machine, run.motion, length_s, parts)
 
 
 def _window_errors(model: WindowModel, run: Run, window_s: float) -> Array:

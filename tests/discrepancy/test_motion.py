@@ -66,13 +66,6 @@ CASES: Mapping[str, tuple[Array, dict[str, Entries], Callable[[int], dict[str, A
 }  # fmt: skip
 
 
-COARSE = pytest.mark.xfail(
-    reason="the knots that the criterion chooses are a step too wide for second derivatives: their "
-    "bias is not in the band (one step narrower, 95 % of the samples are inside)",
-    strict=True,
-)
-
-
 @cache
 def coverage(case: str) -> tuple[Array, Array]:
     """Share of samples within two standard deviations, and RMS error over sd, of q, q' and q''."""
@@ -97,25 +90,27 @@ def test_place_and_speed_lie_within_their_bands(case: str) -> None:
     assert size[:2].min() > 0.5
 
 
-@pytest.mark.parametrize(
-    "case",
-    [pytest.param(case, marks=COARSE) if case == "all three" else case for case in CASES],
-)
+@pytest.mark.parametrize("case", CASES)
 def test_accelerations_lie_within_their_bands(case: str) -> None:
     inside, size = coverage(case)
-    assert inside[2] > 0.75
+    assert inside[2] > 0.8
     assert size[2] > 0.5
 
 
 def test_the_error_is_far_below_that_of_differences() -> None:
-    """Noise of 1 % of the amplitude; second differences would be off by a factor of 30."""
-    motion = motion_of(recording(EVEN, p=noisy(sines(EVEN)[0], 3e-4, 7)), machine(p=PLACE))
-    x, v, a = sines(EVEN)
-    for truth, found in ((x, motion.q), (v, motion.v), (a, motion.a)):
+    """Noise of 1 % of the amplitude, 150 samples a second: second differences are all noise."""
+    place = noisy(sines(EVEN)[0], 3e-4, 7)
+    motion = motion_of(recording(EVEN, p=place), machine(p=PLACE))
+    limits = (0.01, 0.02, 0.08)
+    for truth, found, limit in zip(
+        sines(EVEN), (motion.q, motion.v, motion.a), limits, strict=True
+    ):
         error = found[INSIDE, 0] - truth[INSIDE]
-        assert np.sqrt(np.mean(error**2)) < 0.02 * np.sqrt(np.mean(truth**2))
+        assert np.sqrt(np.mean(error**2)) < limit * np.sqrt(np.mean(truth**2))
+    differences = np.gradient(np.gradient(place, EVEN), EVEN)
+    assert np.std(differences - sines(EVEN)[2]) > 4 * np.std(sines(EVEN)[2])
     assert motion.sd == pytest.approx([3e-4], rel=0.1)
-    assert motion.spacing_s > 10 / 150
+    assert motion.spacing_s > 8 / 150
 
 
 def test_a_second_sensor_narrows_the_band() -> None:
@@ -174,7 +169,6 @@ def test_two_coordinates_from_two_sensors_that_mix_them() -> None:
     assert motion.sd == pytest.approx([2e-3, 2e-3], rel=0.1)
 
 
-@COARSE
 def test_two_coordinates_lie_within_their_bands() -> None:
     rig, data, truth = two_coordinates()
     motion = motion_of(recording(EVEN, **data), rig)
@@ -215,9 +209,10 @@ def test_every_unseen_coordinate_of_several_is_named() -> None:
     ]  # fmt: skip
 
 
-def test_a_recording_that_is_too_short_is_refused() -> None:
-    t = EVEN[:7]
-    with pytest.raises(InputError, match="7 samples are too few"):
+@pytest.mark.parametrize("samples", [4, 7, 21])
+def test_a_recording_that_is_too_short_for_its_noise_is_refused(samples: int) -> None:
+    t = EVEN[:samples]
+    with pytest.raises(InputError, match=f"{samples} samples are too few"):
         motion_of(recording(t, p=sines(t)[0]), machine(p=PLACE))
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from builders import cart_pole, damper, double_pendulum, model_of, oscillator, push, spring, value
+from builders import damper, double_pendulum, model_of, oscillator, push, spring, value
 
 from symhyb.mechanics.show import WIDTH, show_equations
 from symhyb.model.expression import evaluate, parse_expression

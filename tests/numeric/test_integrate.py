@@ -172,7 +172,7 @@ def test_times_that_were_rounded_when_written_are_good_enough(begin: float) -> N
 
 
 def test_a_force_that_depends_on_time_and_a_moving_support() -> None:
-    """m (x + A sin w t)'' = F cos w t from rest in space:  x = F/(m w²)(1 − cos w t) − A sin w t."""
+    """m (x + A sin w t)'' = F cos w t, at rest in space: x = F/(m w²)(1 − cos w t) − A sin w t."""
     model = model_of(
         coordinates={"x": {"unit": "m"}},
         parameters={"m": (1.2, "kg"), "A": (0.1, "m"), "w": (3.0, "1/s"), "F": (2.0, "N")},

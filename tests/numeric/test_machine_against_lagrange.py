@@ -19,9 +19,9 @@ def parameters(model: Model) -> Mapping[str, float]:
 
 
 def pendulum_energies() -> tuple[list[sp.Expr], sp.Expr, sp.Expr]:
-    g, m, l, J = sp.symbols("g m l J")
+    g, m, length, J = sp.symbols("g m l J")
     (phi,) = q = dynamicsymbols("phi,")
-    return list(q), (J + m * l**2) * phi.diff(T) ** 2 / 2, -m * g * l * sp.cos(phi)
+    return list(q), (J + m * length**2) * phi.diff(T) ** 2 / 2, -m * g * length * sp.cos(phi)
 
 
 def cart_pole_energies() -> tuple[list[sp.Expr], sp.Expr, sp.Expr]:

@@ -127,12 +127,16 @@ def test_an_interval_of_no_length_keeps_the_state() -> None:
 
 
 def test_a_window_that_diverges_is_not_finite_and_leaves_the_others_alone() -> None:
-    model = oscillator({"soft": {"kind": "spring", "on": "x", "cubic": "c"}}, {"c": (-5.0, "N/m^3")})
+    model = oscillator(
+        {"soft": {"kind": "spring", "on": "x", "cubic": "c"}}, {"c": (-5.0, "N/m^3")}
+    )
     machine = build(model)
     t = np.tile(np.linspace(0, 6, 200), (2, 1))
     start = np.array([[30.0, 0.0], [0.01, 0.0]])
     with np.errstate(all="ignore"):
-        x, y = WindowModel(machine).simulate(block(t, np.empty((2, 200, 0)), 1), start, machine.values)
+        x, y = WindowModel(machine).simulate(
+            block(t, np.empty((2, 200, 0)), 1), start, machine.values
+        )
     assert not np.isfinite(x[0, -1]).all()
     assert np.isfinite(x[1]).all()
     assert np.isfinite(y[1]).all()
@@ -175,8 +179,8 @@ def test_derivatives_by_parameters(swinging: tuple[Machine, WindowModel, Block, 
     machine, model, windows, start = swinging
     exact = model.differentiate(windows, start, machine.values).from_free()
     assert exact.shape == (2, 15, 3, 10)
+    p = machine.values
     for column, i in enumerate(model.free):
-        p = machine.values
         moved = np.eye(p.size)[i] * p[i]
         found = slope(lambda h, d=moved: model.simulate(windows, start, p + h * d)[1], 1e-3)
         found /= p[i]
