@@ -17,14 +17,16 @@ from symhyb.discrepancy.hypotheses import (
 )  # fmt: skip
 from symhyb.discrepancy.motion import motion_of
 from symhyb.discrepancy.runs import Run, laid_on, noise_sd, with_noise
+from symhyb.discrepancy.windows import Laid
 from symhyb.errors import InputError, Problem
 from symhyb.model.types import Model, Place
 from symhyb.numeric.buffers import Array
 from symhyb.numeric.machine import Machine, build
-from symhyb.numeric.windows import WindowModel
+from symhyb.numeric.windows import Block, WindowModel
 
 SAMPLES_PERIOD = 80  # of the shortest period, that are kept
 SAMPLES_LEAST = 4000  # of a recording, that are kept
+SAMPLES_MOST = 20_000  # over all recordings, in the windows that decide
 WINDOWS_LEAST = 9  # over all recordings at the longest window length
 FIRST_WINDOW = 0.25  # of the shortest period
 GROWTH = 3.0  # from stage to stage
@@ -114,9 +116,10 @@ def _stages(prepared: Prepared) -> tuple[Stage, ...]:
     total = sum(run.recording.duration for run in prepared.runs)
     step = max(float(np.median(np.diff(run.recording.t))) for run in prepared.runs)
     length = max(FIRST_WINDOW * prepared.shortest, 12 * step)
+    share = SAMPLES_MOST / sum(run.recording.t.size for run in prepared.runs)
     stages: list[Stage] = []
     while len(stages) < STAGES_MOST:
-        laid = [laid_on(run, prepared.machine, length) for run in prepared.runs]
+        laid = [_spread(laid_on(run, prepared.machine, length), share) for run in prepared.runs]
         kept = tuple(item for item in laid if item is not None)
         enough = sum(len(item.start) for item in kept) >= WINDOWS_LEAST
         if not kept or (stages and not enough):
@@ -130,6 +133,18 @@ def _stages(prepared: Prepared) -> tuple[Stage, ...]:
         text = f"{names}: too short or too full of gaps for a window of {length:.3g} s"
         raise InputError(Problem(text))
     return tuple(stages)
+
+
+def _spread(item: Laid | None, share: float) -> Laid | None:
+    """A share of the windows, evenly spread, of recordings that are longer than a search needs."""
+    if item is None or share >= 1:
+        return item
+    rows = np.unique(np.linspace(0, len(item.start) - 1, max(int(share * len(item.start)), 9)))
+    keep = rows.astype(int)
+    whole = item.block
+    block = Block(whole.t[keep], whole.u[keep], whole.y[keep], whole.substeps[keep])
+    held = np.arange(keep.size) % 3 == 2
+    return Laid(block, item.start[keep], item.motion[keep], held)
 
 
 def _thin(run: Run, machine: Machine, shortest: float) -> Run:

@@ -6,7 +6,6 @@ anew, so that no step reaches across. Failure is an outcome with its reason, nev
 Source: Hindmarsh et al., SUNDIALS, ACM TOMS 31, 2005 (through ``casadi.integrator``).
 """
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -16,10 +15,14 @@ import numpy as np
 from symhyb.numeric.buffers import Array, call, mapped
 from symhyb.numeric.machine import Machine
 
+Options = dict[str, bool | int | float]
+
 RELATIVE_TOLERANCE = 1e-8
 ABSOLUTE_TOLERANCE = 1e-10  # of states divided by their scales
 JUMP_SHARE = 0.2  # of an input's range within one sample: taken for a jump
-SEGMENTS_MOST = 400
+JUMPS_MOST = 400
+LONGEST_STEP = 2  # samples of an input: no pulse is stepped over
+GROWN = 1e6  # a state this many scales large has grown without bound
 STEPS_MOST = 20_000  # between two outputs
 
 
@@ -67,23 +70,44 @@ def simulate(machine: Machine, scenario: Scenario, p: Array | None = None) -> Tr
     t, n = scenario.t, machine.n
     _require_cover(scenario)
     scales = np.ones(2 * n) if scenario.scales is None else scenario.scales
+    jumps = _jumps(scenario)
+    grid = np.union1d(t, jumps)  # an input may jump between two outputs
+    marks = [0, *np.searchsorted(grid, jumps).tolist(), grid.size - 1]
     rate = _rate(machine, scenario, scales)
-    x = np.full((t.size, 2 * n), np.nan)
+    x = np.full((grid.size, 2 * n), np.nan)
     x[0] = np.concatenate([scenario.q, scenario.v])
     reason = ""
-    for first, last in pairwise(_segments(scenario)):
-        problem, grid = rate, t[first : last + 1]
-        try:
-            run = ca.integrator("run", "cvodes", problem, grid[0], grid[1:], _options(scenario))
-            result = run(x0=x[first] / scales, p=values)
-        except RuntimeError as error:
-            reason = _explain(error, machine, float(grid[0]), float(grid[-1]))
+    for first, last in pairwise(sorted(set(marks))):
+        span = grid[first : last + 1]
+        states, reason = _advance(rate, span, x[first] / scales, values, _options(scenario))
+        x[first + 1 : first + 1 + len(states)] = states * scales
+        if reason:
             break
-        x[first + 1 : last + 1] = np.asarray(result["xf"]).T * scales
-        if not np.all(np.isfinite(x[last])):
-            reason = f"the motion grew without bound between {grid[0]:.6g} and {grid[-1]:.6g} s"
-            break
-    return _observe(machine, scenario, x, values, reason)
+    return _observe(machine, scenario, x[np.searchsorted(grid, t)], values, reason)
+
+
+def _advance(
+    rate: dict[str, ca.MX], grid: Array, start: Array, p: Array, options: Options
+) -> tuple[Array, str]:
+    """States (N − 1, 2n) at the times ``grid[1:]`` in one integration. If it fails, halves are
+    tried, so that the rows before the failure stand and the reason says when it was."""
+    reason = ""
+    try:
+        run = ca.integrator("run", "cvodes", rate, grid[0], grid[1:], options)
+        states = np.asarray(run(x0=start, p=p)["xf"]).T
+        if np.all(np.isfinite(states)):
+            return states, ""
+        reason = _grown(grid)
+    except RuntimeError as error:
+        reason = _explain(error, start, grid)
+    if grid.size <= 2:
+        return np.empty((0, start.size)), reason
+    middle = grid.size // 2
+    before, failed = _advance(rate, grid[: middle + 1], start, p, options)
+    if failed:
+        return before, failed
+    after, failed = _advance(rate, grid[middle:], before[-1], p, options)
+    return np.concatenate([before, after]), failed
 
 
 def _require_cover(scenario: Scenario) -> None:
@@ -114,10 +138,10 @@ def _held(scenario: Scenario) -> ca.Function:
     return ca.interpolant("u", "linear", [scenario.t_u], scenario.u.ravel(), options)
 
 
-def _options(scenario: Scenario) -> dict[str, bool | int | float]:
+def _options(scenario: Scenario) -> Options:
     longest = np.inf
     if scenario.u.shape[1]:
-        longest = 10 * float(np.median(np.diff(scenario.t_u)))
+        longest = LONGEST_STEP * float(np.median(np.diff(scenario.t_u)))
     return {
         "reltol": RELATIVE_TOLERANCE,
         "abstol": ABSOLUTE_TOLERANCE,
@@ -128,36 +152,38 @@ def _options(scenario: Scenario) -> dict[str, bool | int | float]:
     }
 
 
-def _segments(scenario: Scenario) -> Iterable[int]:
-    """Indices of the output grid where the integration starts anew: ends, and input jumps."""
-    last = scenario.t.size - 1
+def _jumps(scenario: Scenario) -> Array:
+    """Times inside the simulation at which an input begins or ends a jump."""
     if scenario.u.shape[1] == 0:
-        return [0, last]
+        return np.empty(0)
     reach = np.ptp(scenario.u, axis=0)
     jumps = np.abs(np.diff(scenario.u, axis=0)) > JUMP_SHARE * np.where(reach > 0, reach, np.inf)
     where = np.flatnonzero(jumps.any(axis=1))
-    times = scenario.t_u[np.concatenate([where, where + 1])]
-    marks = np.unique(np.searchsorted(scenario.t, times - 1e-12))
-    marks = marks[(marks > 0) & (marks < last)]
-    if marks.size > SEGMENTS_MOST:  # a switching input: every sample a jump, none worth a restart
-        return [0, last]
-    return [0, *marks.tolist(), last]
+    times = np.unique(scenario.t_u[np.concatenate([where, where + 1])])
+    times = times[(times > scenario.t[0]) & (times < scenario.t[-1])]
+    # a switching input: every sample a jump, none worth a restart
+    return times if times.size <= JUMPS_MOST else np.empty(0)
 
 
-def _explain(error: RuntimeError, machine: Machine, begin: float, end: float) -> str:
+def _grown(grid: Array) -> str:
+    return f"the motion grew without bound between {grid[0]:.6g} and {grid[-1]:.6g} s"
+
+
+def _explain(error: RuntimeError, start: Array, grid: Array) -> str:
     text = str(error)
-    span = f"between {begin:.6g} and {end:.6g} s"
+    if np.abs(start).max() > GROWN:
+        return _grown(grid)
+    span = f"between {grid[0]:.6g} and {grid[-1]:.6g} s"
     if "TOO_MUCH_WORK" in text:
         return (
             f"CVODES needed more than {STEPS_MOST} steps for one output {span}: the equations are "
-            "stiff or chatter; a wider friction transition helps"
+            "stiff or chatter (a wider friction transition helps) or the motion grows without bound"
         )
     if "CONV_FAILURE" in text or "ERR_FAILURE" in text:
         return (
             f"CVODES could not meet its tolerance {span}: the motion grows without bound or jumps"
         )
-    last = text.strip().splitlines()[-1]
-    return f"CVODES stopped {span}: {last}"
+    return f"CVODES stopped {span}: {text.strip().splitlines()[-1]}"
 
 
 def _observe(

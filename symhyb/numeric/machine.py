@@ -72,7 +72,7 @@ def build(model: Model) -> Machine:
     Raises:
         InputError: the mass matrix is singular at the start; names the coordinates without mass.
     """
-    low = Lowered(derive(model))
+    low = _lowered(model)
     q, v, a, u, t, p = low.q, low.v, low.a, low.u, low.t, low.p
     n = q.numel()
     momentum = ca.gradient(low.kinetic, v)
@@ -149,6 +149,14 @@ def _pathways(low: Lowered, n: int) -> list[ca.SX]:
         return [ca.SX(0, 1), ca.SX(0, 1), ca.SX(n, 0)]
     stretch, rate, direction = zip(*rows, strict=True)
     return [ca.vertcat(*stretch), ca.vertcat(*rate), ca.horzcat(*direction)]
+
+
+def _lowered(model: Model) -> Lowered:
+    try:
+        return Lowered(derive(model))
+    except TypeError as error:
+        text = f"{error}: a place or an energy with min, max or sign has no smooth speed; use tanh"
+        raise InputError(Problem(text, file=model.file)) from error
 
 
 def _require_mass(machine: Machine) -> None:
