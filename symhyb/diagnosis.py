@@ -175,11 +175,7 @@ def _concluded(
     titles = {cause: _title(cause, found) for cause in decision.winner.causes}
     alternatives = alternatives_of(model, decision, titles)
     verdict = _verdict(decision, found, bool(faults), bool(parameters))
-    noise = {
-        sensor.name: float(sd / sensor.unit.factor)
-        for sensor, sd in zip(model.sensors, prepared.sd, strict=True)
-        if any(sensor.name in run.recording.sensors for run in prepared.runs)
-    }
+    noise = _measured_noise(model, prepared)
     notes = [note for run in prepared.runs for note in run.recording.notes]
     return Diagnosis(
         verdict,
@@ -193,6 +189,16 @@ def _concluded(
         log=decision.log,
         notes=(*dict.fromkeys(notes), *noise_notes(model, noise)),
     )  # fmt: skip
+
+
+def _measured_noise(model: Model, prepared: Prepared) -> dict[str, float]:
+    """Noise of every sensor that recorded something, as measured, in its own unit."""
+    noise = {}
+    for j, sensor in enumerate(model.sensors):
+        spreads = [run.motion.sd[j] for run in prepared.runs if np.isfinite(run.motion.sd[j])]
+        if spreads:
+            noise[sensor.name] = float(np.sqrt(np.mean(np.square(spreads)))) / sensor.unit.factor
+    return noise
 
 
 def _title(cause: Hypothesis, found: Sequence[Found]) -> str:

@@ -22,7 +22,7 @@ from symhyb.errors import InputError, Problem
 from symhyb.model.types import Model, Place
 from symhyb.numeric.buffers import Array
 from symhyb.numeric.machine import Machine, build
-from symhyb.numeric.windows import Block, WindowModel
+from symhyb.numeric.windows import WindowModel
 
 SAMPLES_PERIOD = 80  # of the shortest period, that are kept
 SAMPLES_LEAST = 4000  # of a recording, that are kept
@@ -140,11 +140,7 @@ def _spread(item: Laid | None, share: float) -> Laid | None:
     if item is None or share >= 1:
         return item
     rows = np.unique(np.linspace(0, len(item.start) - 1, max(int(share * len(item.start)), 9)))
-    keep = rows.astype(int)
-    whole = item.block
-    block = Block(whole.t[keep], whole.u[keep], whole.y[keep], whole.substeps[keep])
-    held = np.arange(keep.size) % 3 == 2
-    return Laid(block, item.start[keep], item.motion[keep], held)
+    return item.chosen(rows.astype(np.int64))
 
 
 def _thin(run: Run, machine: Machine, shortest: float) -> Run:

@@ -129,11 +129,10 @@ def _limits(machine: Machine, causes: Sequence[Hypothesis]) -> tuple[Array, Arra
     for cause in causes:
         if cause.place is None:
             value, sd = declared[cause.path].si, declared[cause.path].si_sd
+            low, high = 1e-6 * value if cause.positive[0] else -np.inf, np.inf
             if cause.kind == "gain":
-                rows.append((value - GAIN_REACH, value + GAIN_REACH, value, np.inf))
-            else:
-                low = 1e-6 * value if cause.positive[0] else -np.inf
-                rows.append((low, np.inf, value, np.inf if sd is None else sd))
+                low, high = value - GAIN_REACH, value + GAIN_REACH
+            rows.append((low, high, value, np.inf if sd is None else sd))
             continue
         shape = dict(cause.shape)
         rows += [(0.0 if sign else -np.inf, np.inf, 0.0, np.inf) for sign in cause.positive]

@@ -30,6 +30,7 @@ from symhyb.numeric.machine import Machine, build
 from symhyb.units import ONE
 
 TRANSITION_SHARE = 1e-4  # of the largest rate: the friction transition that is tried
+ASSUMED = "assumed"  # a gain or offset that the file does not state
 STRIBECK_SHARES = (0.05, 0.2)  # of the largest rate
 
 
@@ -140,8 +141,10 @@ Channel = TypeVar("Channel", Input, Sensor)
 
 
 def _stated(channel: Channel) -> Channel:
-    gain = channel.gain or Parameter("gain", 1.0, ONE, owner=channel.name)
-    offset = channel.offset or Parameter("offset", 0.0, channel.unit, owner=channel.name)
+    gain = channel.gain or Parameter("gain", 1.0, ONE, about=ASSUMED, owner=channel.name)
+    offset = channel.offset or Parameter(
+        "offset", 0.0, channel.unit, about=ASSUMED, owner=channel.name
+    )
     return replace(channel, gain=gain, offset=offset)
 
 

@@ -59,9 +59,16 @@ class Motion:
 
 
 def measured(recording: Recording, machine: Machine) -> Array:
-    """The measurements (N, m), SI, in the order of the model's sensors, NaN where missing."""
+    """The measurements (N, m), SI, in the order of the model's sensors, NaN where missing; a delay
+    that the model states is taken back."""
     missing = np.full(recording.t.size, np.nan)
-    columns = [recording.sensors.get(s.name, missing) for s in machine.model.sensors]
+    columns = []
+    for sensor in machine.model.sensors:
+        column = recording.sensors.get(sensor.name, missing)
+        if sensor.delay is not None:
+            later = recording.t + sensor.delay.si
+            column = np.interp(later, recording.t, column, left=np.nan, right=np.nan)
+        columns.append(column)
     return np.column_stack(columns) if columns else np.empty((recording.t.size, 0))
 
 

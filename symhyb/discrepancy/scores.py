@@ -15,12 +15,14 @@ from symhyb.discrepancy.motion import acting, measured
 from symhyb.discrepancy.residual import discrepancy
 from symhyb.discrepancy.results import Score
 from symhyb.discrepancy.runs import Run, laid_on
+from symhyb.discrepancy.windows import Laid
 from symhyb.numeric.buffers import Array, call, mapped
 from symhyb.numeric.integrate import Scenario, Trajectory, simulate
 from symhyb.numeric.machine import Machine
 from symhyb.numeric.windows import WindowModel
 
 FILTER_ORDER = 4
+RUN_SHARES = (0.1, 0.3, 1 - 1e-9)  # of a recording, to which its initial state is fitted
 RUN_SAMPLES = 6000  # of a free run, for fitting its initial state
 
 
@@ -85,36 +87,53 @@ def score(machine: Machine, found: Errors, runs: Sequence[Run], by: Yardstick) -
 def free_run(model: WindowModel, run: Run) -> Trajectory:
     """Simulate a whole recording by CVODES from its fitted initial state."""
     machine, recording, motion = model.machine, run.recording, run.motion
-    smoothed = np.concatenate([motion.q[0], motion.v[0]])
     scales = np.concatenate([np.abs(motion.q).max(axis=0), np.abs(motion.v).max(axis=0)])
-    u = acting(recording, machine)
-    y = measured(recording, machine)
-    best: tuple[float, Trajectory] | None = None
-    for start in (_fitted_start(model, run), smoothed):
-        n = machine.n
-        scenario = Scenario(
-            recording.t, start[:n], start[n:], recording.t, u, np.where(scales > 0, scales, 1.0)
-        )
-        trajectory = simulate(machine, scenario)
-        error = np.nan_to_num((y - trajectory.y) / run.sd, nan=0.0)
-        cost = np.inf if trajectory.reason else float(np.sum(error**2))
-        if best is None or cost < best[0]:
-            best = cost, trajectory
-    assert best is not None
-    return best[1]
+    start, n = _fitted_start(model, run), machine.n
+    scenario = Scenario(
+        recording.t, start[:n], start[n:], recording.t, acting(recording, machine),
+        np.where(scales > 0, scales, 1.0),
+    )  # fmt: skip
+    return simulate(machine, scenario)
 
 
 def _fitted_start(model: WindowModel, run: Run) -> Array:
-    """Initial state (2n,) fitted to the whole recording as one window, thinned if it is long."""
+    """Initial state (2n,) of a free run over the whole recording, thinned if it is long.
+
+    It is fitted to growing parts of the recording, because dry friction and large motion make the
+    whole run an uneven function of its start; the best of these, the smoothed start and the one
+    that the model file states is taken.
+    """
     factor = max(run.recording.t.size // RUN_SAMPLES, 1)
     short = replace(run, recording=thinned(run.recording, factor), motion=run.motion.every(factor))
-    laid = laid_on(short, model.machine, short.recording.duration * (1 - 1e-9))
-    smoothed = np.concatenate([run.motion.q[0], run.motion.v[0]])
-    if laid is None:
-        return smoothed
+    starts = [np.concatenate([run.motion.q[0], run.motion.v[0]]), _stated(model.machine)]
     nothing = np.zeros(0)
-    task = Task((laid,), run.sd, nothing, nothing, nothing, nothing, iterations=10)
-    return np.asarray(fit(model, task, model.machine.values).starts[0][0])
+    laid: Laid | None = None
+    for share in RUN_SHARES:
+        laid = laid_on(short, model.machine, share * short.recording.duration)
+        if laid is None:
+            continue
+        laid = laid.first()
+        task = Task((laid,), run.sd, nothing, nothing, nothing, nothing, iterations=10)
+        begin = [starts[-1 if share > RUN_SHARES[0] else 0][None]]
+        starts.append(fit(model, task, model.machine.values, begin).starts[0][0])
+    if laid is None:
+        return starts[0]
+    return min(starts, key=lambda start: _run_cost(model, laid, start, run.sd))
+
+
+def _stated(machine: Machine) -> Array:
+    """The initial state (2n,) that the model file states, SI."""
+    coordinates = machine.model.coordinates
+    places = [c.start * c.unit.factor for c in coordinates]
+    return np.array([*places, *(c.start_rate * c.unit.factor for c in coordinates)])
+
+
+def _run_cost(model: WindowModel, laid: Laid, start: Array, sd: Array) -> float:
+    with np.errstate(over="ignore", invalid="ignore"):
+        _, y = model.simulate(laid.block, start[None], model.machine.values)
+        error = (laid.block.y - y) / sd
+        total = float(np.sum(np.where(np.isfinite(laid.block.y), error, 0.0) ** 2))
+    return total if np.isfinite(total) else np.inf
 
 
 def _window_errors(model: WindowModel, run: Run, window_s: float) -> Array:

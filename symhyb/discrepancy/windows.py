@@ -33,6 +33,16 @@ class Laid:
     motion: Array
     held: NDArray[np.bool_]
 
+    def chosen(self, rows: NDArray[np.int64]) -> "Laid":
+        """Some of the windows; of these every third validates."""
+        whole = self.block
+        block = Block(whole.t[rows], whole.u[rows], whole.y[rows], whole.substeps[rows])
+        return Laid(block, self.start[rows], self.motion[rows], np.arange(rows.size) % 3 == 2)
+
+    def first(self) -> "Laid":
+        """The first window alone."""
+        return self.chosen(np.array([0]))
+
 
 def lay(
     recording: Recording,
