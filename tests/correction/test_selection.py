@@ -1,0 +1,98 @@
+"""Best subsets on Gram matrices against least squares done by hand."""
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+from symhyb.correction.conventions import exact_twins
+from symhyb.correction.selection import Problem, best_subsets, solve, without
+from symhyb.discrepancy.hypotheses import Hypothesis
+from symhyb.model.types import On
+
+TERMS = ("constant", "stiffness", "cubic", "damping", "drag", "quadratic")
+
+
+def problem(columns: np.ndarray, right: np.ndarray, positive: bool = False) -> Problem:
+    count = columns.shape[1]
+    joined = np.column_stack([columns, right])
+    gram = joined.T @ joined
+    return Problem(
+        gram=gram,
+        held=gram,
+        hypotheses=tuple(
+            Hypothesis("law", On(f"x{i}"), (TERMS[i],), (positive,)) for i in range(count)
+        ),
+        columns=tuple((i,) for i in range(count)),
+        always=(),
+        prior=np.zeros(count),
+        lower=np.full(count, 0.0 if positive else -np.inf),
+        upper=np.full(count, np.inf),
+        least=np.zeros(count),
+    )
+
+
+@pytest.fixture
+def data() -> tuple[np.ndarray, np.ndarray]:
+    random = np.random.default_rng(5)
+    columns = random.standard_normal((400, 6)) * [1, 1e3, 1e-3, 1, 10, 1]
+    right = 3 * columns[:, 1] * 1e-3 - 2 * columns[:, 4] / 10 + 0.1 * random.standard_normal(400)
+    return columns, right
+
+
+def test_every_size_has_the_subset_of_exhaustive_search(
+    data: tuple[np.ndarray, np.ndarray],
+) -> None:
+    columns, right = data
+    for size, subsets in enumerate(best_subsets(problem(columns, right), largest=4)):
+        costs = {}
+        for chosen in combinations(range(6), size):
+            part = columns[:, chosen]
+            left = right - part @ np.linalg.lstsq(part, right)[0] if chosen else right
+            costs[chosen] = float(left @ left)
+        best = min(costs, key=lambda chosen: costs[chosen])
+        assert subsets[0].causes == best
+        assert subsets[0].chi2 == pytest.approx(costs[best], rel=1e-9)
+
+
+def test_the_planted_coefficients_come_back(data: tuple[np.ndarray, np.ndarray]) -> None:
+    subset = solve(problem(*data), (1, 4))
+    assert subset is not None
+    assert subset.values == pytest.approx([3e-3, -0.2], rel=0.02)
+
+
+def test_a_forbidden_sign_is_refused(data: tuple[np.ndarray, np.ndarray]) -> None:
+    assert solve(problem(*data, positive=True), (1,)) is not None
+    assert solve(problem(*data, positive=True), (4,)) is None
+
+
+def test_columns_that_are_alike_are_refused_together_and_named_as_twins() -> None:
+    random = np.random.default_rng(1)
+    first = random.standard_normal(300)
+    columns = np.column_stack([first, -2 * first, random.standard_normal(300)])
+    reduced = problem(columns, first)
+    assert solve(reduced, (0, 1)) is None
+    assert exact_twins(reduced) == ((0, 1),)
+    assert solve(without(reduced, {1}), (1,)) is None
+
+
+def test_a_prior_holds_a_coefficient_back() -> None:
+    column = np.ones((100, 1))
+    reduced = problem(column, np.ones(100))
+    held = Problem(
+        reduced.gram, reduced.held, reduced.hypotheses, reduced.columns, (),
+        np.array([100.0]), reduced.lower, reduced.upper, reduced.least,
+    )  # fmt: skip
+    subset = solve(held, (0,))
+    assert subset is not None
+    assert subset.values == pytest.approx([0.5])
+
+
+def test_a_coefficient_too_small_for_a_name_is_refused() -> None:
+    reduced = problem(np.ones((100, 1)), np.full(100, 1e-4))
+    small = Problem(
+        reduced.gram, reduced.held, reduced.hypotheses, reduced.columns, (),
+        reduced.prior, reduced.lower, reduced.upper, np.array([1e-3]),
+    )  # fmt: skip
+    assert solve(reduced, (0,)) is not None
+    assert solve(small, (0,)) is None
