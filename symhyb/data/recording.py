@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symhyb.data.columns import Channels, map_columns
+from symhyb.data.formats import read_table
 from symhyb.data.inspection import input_notes, sampling_notes, sensor_notes
 from symhyb.data.rows import SHORTEST, Span, take, tidy, without_silent_sensors
-from symhyb.data.table import read_table
 from symhyb.errors import InputError, Problem
 from symhyb.model.types import Model
 

@@ -1,19 +1,12 @@
-"""One door for every file format: a path in, named columns of numbers out.
+"""Named columns of numbers, as a file of any format has them."""
 
-A new format is one more function from bytes to :class:`Table` in ``_READERS``.
-"""
-
-import hashlib
-import os
 import re
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
-from pathlib import Path
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from symhyb.errors import InputError, Problem, did_you_mean
+from symhyb.errors import InputError, Problem
 
 _BRACKETED = re.compile(r"(.*?)\s*\[([^\[\]]*)\]\s*", re.DOTALL)
 
@@ -70,53 +63,6 @@ def split_unit(text: str) -> tuple[str, str | None]:
     return (found[1].strip(), found[2].strip()) if found else (text.strip(), None)
 
 
-def read_table(path: str | os.PathLike[str]) -> Table:
-    """Read the columns of a recording, whatever its format.
-
-    Raises:
-        InputError: there is no such file, its format is not readable, or its content is damaged.
-    """
-    path = Path(path)
-    file = str(path)
-    if path.is_dir():
-        raise refusal(file, "is a folder, not a recording")
-    if not path.exists():
-        raise refusal(file, f"does not exist{_near(path)}")
-    reader = _READERS.get(path.suffix.lower())
-    if reader is None:
-        known = ", ".join(_READERS)
-        raise refusal(file, f"'{path.suffix}' is not a readable format; readable are {known}")
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise refusal(file, f"cannot be read: {error.strerror}") from error
-    if not content.strip():
-        raise refusal(file, "the file is empty")
-    return replace(reader(content, file), sha256=hashlib.sha256(content).hexdigest())
-
-
 def refusal(file: str, text: str, line: int = 0) -> InputError:
     """Return the error for a file that cannot be used as a whole."""
     return InputError(Problem(text, file=file, line=line))
-
-
-def _near(path: Path) -> str:
-    if not path.parent.is_dir():
-        return f": there is no folder '{path.parent}'"
-    readable = (other for other in path.parent.iterdir() if other.suffix.lower() in _READERS)
-    return did_you_mean(path.name, sorted(other.name for other in readable))
-
-
-def _csv(content: bytes, file: str) -> Table:
-    from symhyb.data.csv_file import read_csv
-
-    return read_csv(content, file)
-
-
-def _mat(content: bytes, file: str) -> Table:
-    from symhyb.data.mat_file import read_mat
-
-    return read_mat(content, file)
-
-
-_READERS: Mapping[str, Callable[[bytes, str], Table]] = {".csv": _csv, ".mat": _mat}

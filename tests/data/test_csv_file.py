@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from symhyb.data.formats import read_table
 from symhyb.data.recording import read_recording
-from symhyb.data.table import read_table
 from symhyb.errors import InputError
 
 
