@@ -26,7 +26,7 @@ from symhyb.numeric.windows import WindowModel
 
 SAMPLES_PERIOD = 80  # of the shortest period, that are kept
 SAMPLES_LEAST = 4000  # of a recording, that are kept
-SAMPLES_MOST = 20_000  # over all recordings, in the windows that decide
+SAMPLES_MOST = 12_000  # over all recordings, in the windows that decide
 WINDOWS_LEAST = 9  # over all recordings at the longest window length
 FIRST_WINDOW = 0.25  # of the shortest period
 GROWTH = 3.0  # from stage to stage

@@ -37,7 +37,8 @@ def screen(
     (m,) in SI.
     """
     parts = []
-    for i, item in enumerate(laid):
+    for i, fine in enumerate(laid):
+        item = fine.suited(model.machine.model)
         if starts is None:
             linear = model.along(item.block, item.motion, p)
         else:

@@ -19,7 +19,6 @@ from symhyb.numeric.windows import WindowModel
 
 SHAPE_REACH = 30.0  # a refined shape stays within this factor of where it was tried
 GAIN_REACH = 0.5
-STEEP = ("friction",)  # kinds that need finer steps at reversals
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,21 +84,13 @@ def refine(
         if cause.place is None:
             p[machine.column(cause.path)] += start[i][0]
     lower, upper, mean, spread = _limits(machine, causes)
-    kinds = {element.kind for element in extended.elements}
-    if not kinds & set(STEEP):
-        laid = [_coarse(item) for item in laid]
+    laid = [item.suited(extended) for item in laid]
     task = Task(tuple(laid), sd, lower, upper, mean, spread, everything)
     if not careful:
         task = replace(task, decrease=TRIAL_DECREASE, iterations=TRIAL_ITERATIONS)
     fitted = fit(WindowModel(machine, free), task, p, starts)
     p[list(free)] = fitted.values
     return Refined(tuple(causes), machine, paths, p, fitted)
-
-
-def _coarse(item: Laid) -> Laid:
-    """The windows with the fewest steps everywhere: no steep law needs more at reversals."""
-    parts = np.full_like(item.block.substeps, item.block.substeps.min())
-    return replace(item, block=replace(item.block, substeps=parts))
 
 
 def grouped(trial: Refined) -> list[list[float]]:

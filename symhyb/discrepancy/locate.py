@@ -26,6 +26,7 @@ def locate(
 
     ``p`` (P,) and ``sd`` (m,) in SI. The share is None where no window is held or nothing is left.
     """
+    laid = [item.suited(model.machine.model) for item in laid]
     linears = [model.along(item.block, item.motion, p) for item in laid]
     result = []
     for index, place in enumerate(library.places):

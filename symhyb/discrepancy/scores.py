@@ -112,7 +112,7 @@ def _fitted_start(model: WindowModel, run: Run) -> Array:
         laid = laid_on(short, model.machine, share * short.recording.duration)
         if laid is None:
             continue
-        laid = laid.first()
+        laid = laid.first().suited(model.machine.model)
         task = Task((laid,), run.sd, nothing, nothing, nothing, nothing, iterations=10)
         begin = [starts[-1 if share > RUN_SHARES[0] else 0][None]]
         starts.append(fit(model, task, model.machine.values, begin).starts[0][0])
@@ -141,6 +141,7 @@ def _window_errors(model: WindowModel, run: Run, window_s: float) -> Array:
     laid = laid_on(run, model.machine, window_s)
     if laid is None:
         return np.empty((0, len(model.machine.model.sensors)))
+    laid = laid.suited(model.machine.model)
     nothing = np.zeros(0)
     task = Task((laid,), run.sd, nothing, nothing, nothing, nothing)
     fitted = fit(model, task, model.machine.values)

@@ -7,18 +7,20 @@ Sizes: W windows, L samples a window, m sensors, n coordinates, F columns.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.motion import Motion, acting, measured
+from symhyb.model.types import Model
 from symhyb.numeric.buffers import Array
 from symhyb.numeric.machine import Machine
 from symhyb.numeric.windows import Block
 
 FINITE_SHARE = 0.7  # of the samples of a window that must be there
+STEEP = ("friction",)  # kinds that need finer steps at reversals
 SLOW_SHARE = 0.02
 SAMPLES_LEAST = 12  # samples a window has at least
 
@@ -38,6 +40,13 @@ class Laid:
         whole = self.block
         block = Block(whole.t[rows], whole.u[rows], whole.y[rows], whole.substeps[rows])
         return Laid(block, self.start[rows], self.motion[rows], np.arange(rows.size) % 3 == 2)
+
+    def suited(self, model: Model) -> "Laid":
+        """The windows with the fewest steps everywhere, unless the model has a steep law."""
+        if any(element.kind in STEEP for element in model.elements):
+            return self
+        parts = np.full_like(self.block.substeps, self.block.substeps.min())
+        return replace(self, block=replace(self.block, substeps=parts))
 
     def first(self) -> "Laid":
         """The first window alone."""
