@@ -40,13 +40,18 @@ from symhyb.discrepancy.results import (
     PlaceShare,
     VerdictName,
 )  # fmt: skip
-from symhyb.discrepancy.runs import Run
+from symhyb.discrepancy.runs import Run, too_poor
 from symhyb.discrepancy.wording import verdict_sentence
 from symhyb.errors import NumericsError
 from symhyb.model.types import Model, On
 from symhyb.numeric.buffers import Array, call, mapped
 
 MISMATCH = 1.15  # χ²/N that noise may reach by the error of its own measurement
+
+RECORD_NEXT = (
+    "a longer run, of at least ten periods of the slowest motion, driven so that every coordinate "
+    "moves at least thirty times its sensor's noise"
+)
 
 Say = Callable[[str], None]
 
@@ -175,13 +180,17 @@ def _concluded(
     titles = {cause: _title(cause, found) for cause in decision.winner.causes}
     alternatives = alternatives_of(model, decision, titles)
     verdict = _verdict(decision, found, bool(faults), bool(parameters))
+    sentence = verdict_sentence(verdict, found, parameters, faults, alternatives)
+    poor = too_poor(prepared.runs, [sensor.name for sensor in model.sensors])
+    if verdict == "nothing missing" and poor:
+        verdict = "undecided"
+        sentence = f"These recordings cannot tell: {poor}. Nothing in them contradicts the model."
     noise = _measured_noise(model, prepared)
     notes = [note for run in prepared.runs for note in run.recording.notes]
     return Diagnosis(
-        verdict,
-        verdict_sentence(verdict, found, parameters, faults, alternatives),
-        found, parameters, faults, alternatives,
-        remainder=1.0 if verdict == "undecided" and not found else remainder[0],
+        verdict, sentence, found, parameters, faults, alternatives,
+        record_next=RECORD_NEXT if poor and verdict == "undecided" else None,
+        remainder=1.0 if verdict == "undecided" and not poor else remainder[0],
         remainder_notes=remainder[1],
         noise=noise,
         places=places,

@@ -110,3 +110,25 @@ def test_two_recordings_share_one_truth() -> None:
 def test_no_recording_is_one_clear_error() -> None:
     with pytest.raises(sh.InputError, match="no recording"):
         sh.diagnose(spring_model(), [])
+
+
+@pytest.mark.parametrize(
+    ("seconds", "noise", "why"),
+    [(0.3, 0.01, "less than 2 periods"), (5.0, 30.0, "few times its noise")],
+    ids=["too short", "all noise"],
+)
+def test_a_recording_that_cannot_tell_is_no_proof_of_a_model(
+    seconds: float, noise: float, why: str
+) -> None:
+    run = spring_recording(9, {}, noise=noise, duration=seconds)
+    diagnosis = sh.diagnose(spring_model(), run)
+    assert diagnosis.verdict == "undecided"
+    assert why in diagnosis.sentence
+    assert diagnosis.record_next is not None
+    assert diagnosis.found == ()
+
+
+def test_a_recording_in_which_nothing_moves_ends_in_a_sentence() -> None:
+    run = spring_recording(9, {}, duration=5.0)
+    still = replace(run, inputs={"f": 0 * run.t}, sensors={"laser": 0 * run.t})
+    assert sh.diagnose(spring_model(), still).verdict == "undecided"

@@ -59,7 +59,7 @@ def decide(setting: Setting, proposals: Sequence[Subset], say: Say) -> Decision:
     # where the linear problem explains most, its promises are worth most
     problem = min(problems, key=lambda pair: pair[0])[1]
     subsets = [subset for causes in sorted(pool) if (subset := solve(problem, causes)) is not None]
-    trials = _Trials(setting, say)
+    trials = _Trials(setting, {second for _, second in twins}, say)
     nothing = trials.refined(())
     winner = _climb(trials, nothing, problem, subsets, log)
     for _ in range(ROUNDS):
@@ -73,10 +73,10 @@ def decide(setting: Setting, proposals: Sequence[Subset], say: Say) -> Decision:
 
 
 class _Trials:
-    """Structures refined at the longest windows, each once."""
+    """Structures refined at the longest windows, each once; ``dropped`` twins are not tried."""
 
-    def __init__(self, setting: Setting, say: Say):
-        self.setting, self.say = setting, say
+    def __init__(self, setting: Setting, dropped: set[int], say: Say):
+        self.setting, self.dropped, self.say = setting, dropped, say
         self.done: dict[tuple[int, ...], Refined] = {}
 
     def refined(
@@ -180,7 +180,7 @@ def _improved(trials: _Trials, winner: Refined, problem: Problem, log: list[str]
 
 def _additions(trials: _Trials, winner: Refined) -> Iterator[Refined]:
     """One more cause, where the linearisation along the winner's own simulation promises it."""
-    problem = around(trials.setting, winner)
+    problem = without(around(trials.setting, winner), trials.dropped)
     taken = set(trials.causes(winner))
     base = solve(problem, ())
     if base is None:

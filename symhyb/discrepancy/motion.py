@@ -239,7 +239,8 @@ def _weights(y: Array, sd: Array) -> Array:
     """1/sd of every sensor (m,); a hundredth of its spread where too few samples tell the noise."""
     spread = np.array([np.std(c[np.isfinite(c)]) if np.isfinite(c).any() else 0.0 for c in y.T])
     known = np.where(np.isfinite(sd), sd, 1e-2 * spread)
-    return np.asarray(1 / np.maximum(known, np.maximum(1e-9 * spread, 1e-300)))
+    level = np.maximum(known, 1e-9 * spread)
+    return np.asarray(1 / np.where(level > 0, level, 1.0))  # a channel that stands still weighs 1
 
 
 def _sense(

@@ -14,6 +14,9 @@ from symhyb.numeric.windows import WindowModel
 
 FINE_STEPS = 8  # near a reversal, for one elsewhere
 STEPS_MOST = 16
+SIGNAL_LEAST = 3.0  # spread of a channel over its noise, for a recording that shows something
+SAMPLES_TELL = 100  # that recordings have together
+PERIODS_LEAST = 2.0  # of the slowest motion, that recordings last together
 STEP_SHARE = 0.1  # of the noise: the error of integration that is allowed
 SD_FLOOR = 1e-6  # of a sensor's range: the accuracy of the integration
 RANGE_SHARE = 2e-5  # of a sensor's range: an error of integration that is always allowed
@@ -46,8 +49,31 @@ def noise_sd(runs: Sequence[Run], machine: Machine) -> Array:
         signals = [run.recording.sensors[sensor.name] for run in seen]
         reach = max(float(np.nanmax(signal) - np.nanmin(signal)) for signal in signals)
         spread = float(np.sqrt(np.mean([run.motion.sd[j] ** 2 for run in seen])))
-        sd[j] = max(spread, SD_FLOOR * reach, 1e-300)
+        sd[j] = max(spread, SD_FLOOR * reach) or 1.0  # a channel that stands still weighs 1
     return sd
+
+
+def too_poor(runs: Sequence[Run], sensors: Sequence[str]) -> str:
+    """Why these runs cannot show that nothing is missing, as half a sentence; empty if they can.
+
+    ``sensors`` are the names of the model's sensors, in their order.
+    """
+    signals = []
+    for run in runs:
+        for sensor, noise in zip(sensors, run.motion.sd, strict=True):
+            values = run.recording.sensors.get(sensor)
+            if values is not None and np.isfinite(noise):
+                signals.append(float(np.nanstd(values)) > SIGNAL_LEAST * noise)
+    if not any(signals):
+        return "no channel moves by more than a few times its noise"
+    samples = sum(run.recording.t.size for run in runs)
+    if samples < SAMPLES_TELL:
+        return f"they have {samples} samples, less than {SAMPLES_TELL}"
+    longest = max(float(run.motion.periods().max()) for run in runs)
+    total = sum(run.recording.duration for run in runs)
+    if total < PERIODS_LEAST * longest:
+        return f"they last {total:.3g} s, less than {PERIODS_LEAST:g} periods of the motion"
+    return ""
 
 
 def with_noise(runs: Sequence[Run], sd: Array, model: WindowModel) -> tuple[Run, ...]:
