@@ -55,7 +55,7 @@ def decide(setting: Setting, proposals: Sequence[Subset], say: Say) -> Decision:
         problem = without(problem, {second for _, second in twins})
         sizes = best_subsets(problem)
         pool |= {s.causes for sized in sizes for s in _distinct(problem, sized)[:TRIALS]}
-        problems.append((sizes[-1][0].chi2 / sizes[0][0].chi2, problem))
+        problems.append((sizes[-1][0].chi2 / max(sizes[0][0].chi2, 1e-300), problem))
     # where the linear problem explains most, its promises are worth most
     problem = min(problems, key=lambda pair: pair[0])[1]
     subsets = [subset for causes in sorted(pool) if (subset := solve(problem, causes)) is not None]

@@ -75,7 +75,8 @@ def weak_rows(
     right = -np.einsum("wkl,wln->wkn", slope, momentum.reshape(shape))
     right -= np.einsum("wkl,wln->wkn", test, rest.reshape(shape))
     rows = np.einsum("wkl,wlnc->wknc", test, forces.reshape(*shape, -1))
-    scale = np.sqrt(np.mean(right**2, axis=(0, 1))) + 1e-300
+    scale = np.sqrt(np.mean(right**2, axis=(0, 1)))
+    scale = np.where(scale > 0, scale, 1.0)
     return (rows / scale[:, None]).reshape(-1, rows.shape[3]), (right / scale).reshape(-1)
 
 

@@ -58,7 +58,7 @@ class Fit:
     @property
     def scale(self) -> float:
         """χ² per sample of the fitted windows; below 1 where the noise was measured too large."""
-        return self.train / max(float(self.count[~self.held].sum()), 1.0)
+        return max(self.train / max(float(self.count[~self.held].sum()), 1.0), 1e-30)
 
 
 @dataclass(frozen=True, slots=True)
