@@ -181,7 +181,7 @@ def _improved(trials: _Trials, winner: Refined, problem: Problem, log: list[str]
 def _additions(trials: _Trials, winner: Refined) -> Iterator[Refined]:
     """One more cause, where the linearisation along the winner's own simulation promises it."""
     problem = without(around(trials.setting, winner), trials.dropped)
-    taken = set(trials.causes(winner))
+    taken = {c for c, cause in enumerate(problem.hypotheses) if _told(cause, winner)}
     base = solve(problem, ())
     if base is None:
         return
@@ -193,6 +193,15 @@ def _additions(trials: _Trials, winner: Refined) -> Iterator[Refined]:
             values = [*(v for row in grouped(winner) for v in row), *subset.values]
             causes = (*trials.causes(winner), *subset.causes)
             yield trials.refined(causes, values, winner.fit.starts)
+
+
+def _told(cause: Hypothesis, winner: Refined) -> bool:
+    """Whether the winner has a law of this kind at this place, with one of these terms."""
+    return any(
+        (mine.kind, mine.place, mine.path) == (cause.kind, cause.place, cause.path)
+        and set(mine.terms) & set(cause.terms)
+        for mine in winner.causes
+    )
 
 
 def _swaps(trials: _Trials, winner: Refined, problem: Problem) -> Iterator[Refined]:

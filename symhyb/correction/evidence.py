@@ -9,6 +9,7 @@ from symhyb.discrepancy.hypotheses import Hypothesis
 
 SIGNIFICANT = 10.0  # Δχ²/c − k ln N on fitted windows, Δχ²/c on held ones (10: odds of 150 to 1)
 PART_LEFT = 1 / 2  # of the mismatch that is left, which a cause must take
+NOISE_SHARE = 0.02  # of the noise: less than this is never said to be left
 
 
 def earns(larger: Refined, smaller: Refined) -> tuple[bool, str]:
@@ -43,13 +44,13 @@ def earns(larger: Refined, smaller: Refined) -> tuple[bool, str]:
 
 def part_taken(larger: Refined, smaller: Refined) -> float:
     """The share of the mismatch left by ``smaller`` that ``larger`` takes, on held windows (on the
-    fitted ones where none is held); the noise floor is taken off."""
+    fitted ones where none is held); the noise floor is taken off, and known to 2 % only."""
     held = smaller.fit.held if smaller.fit.held.any() else ~smaller.fit.held
     floor = float(smaller.fit.count[held].sum())
     before, after = float(smaller.fit.chi2[held].sum()), float(larger.fit.chi2[held].sum())
     if not np.isfinite(before):
         return 1.0
-    left = max(before - min(floor, after), 1e-12)
+    left = max(before - min(floor, after), NOISE_SHARE * floor, 1e-12)
     return (before - after) / left
 
 
