@@ -11,12 +11,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from symhyb.correction.selection import Problem
-from symhyb.discrepancy.hypotheses import Hypothesis, Library
+from symhyb.discrepancy.hypotheses import GAIN_REACH, Hypothesis, Library
 from symhyb.discrepancy.windows import Laid, reduce
 from symhyb.numeric.buffers import Array
 from symhyb.numeric.windows import Linear, WindowModel
-
-GAIN_REACH = 0.5  # a gain further from 1 is a wrong unit or sign, not a gain
 
 
 def screen(

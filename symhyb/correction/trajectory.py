@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symhyb.discrepancy.hypotheses import Hypothesis
+from symhyb.discrepancy.hypotheses import GAIN_REACH, Hypothesis
 from symhyb.discrepancy.matching import TRIAL_DECREASE, TRIAL_ITERATIONS, Fit, Task, fit
 from symhyb.discrepancy.windows import Laid
 from symhyb.model.types import Element, Model
@@ -18,7 +18,6 @@ from symhyb.numeric.machine import Machine, build
 from symhyb.numeric.windows import WindowModel
 
 SHAPE_REACH = 30.0  # a refined shape stays within this factor of where it was tried
-GAIN_REACH = 0.5
 
 
 @dataclass(frozen=True, slots=True)

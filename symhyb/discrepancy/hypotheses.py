@@ -30,6 +30,7 @@ from symhyb.numeric.machine import Machine, build
 from symhyb.units import ONE
 
 TRANSITION_SHARE = 1e-4  # of the largest rate: the friction transition that is tried
+GAIN_REACH = 0.5  # a gain further from 1 is a wrong unit or sign, not a gain
 ASSUMED = "assumed"  # a gain or offset that the file does not state
 STRIBECK_SHARES = (0.05, 0.2)  # of the largest rate
 
