@@ -87,10 +87,14 @@ def check(model: ModelFile, as_json: Json = False) -> None:
 def equations(
     model: ModelFile,
     latex: Annotated[bool, typer.Option("--latex", help="Write LaTeX.")] = False,
+    matrices: Annotated[
+        bool, typer.Option("--matrices", help="Print M, k_c and k_e entry by entry, summed up.")
+    ] = False,
 ) -> None:
     """Print the equations of motion of a model.
 
-    One block for each coordinate, with one row for each element.
+    M q'' + k_c = k_e: one block for each coordinate, with one row for each body and element. Then
+    the rates of inner states, names for what several rows use, parameters and sensors.
 
     \b
     Example:
@@ -99,7 +103,7 @@ def equations(
     from symhyb.mechanics.show import show_equations
     from symhyb.model.read import read_model
 
-    print(show_equations(read_model(model), latex))
+    print(show_equations(read_model(model), latex, matrices), end="")
 
 
 @app.command()

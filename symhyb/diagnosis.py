@@ -28,9 +28,9 @@ from symhyb.correction.setting import Setting, Stage
 from symhyb.correction.sparse import propose
 from symhyb.correction.trajectory import Refined, grouped, refine
 from symhyb.data.recording import Recording
+from symhyb.discrepancy.course import course_of
 from symhyb.discrepancy.hypotheses import Hypothesis
 from symhyb.discrepancy.locate import activity, locate
-from symhyb.discrepancy.motion import acting
 from symhyb.discrepancy.residual import discrepancy, force_band, noise_notes
 from symhyb.discrepancy.results import (
     Activity,
@@ -44,7 +44,8 @@ from symhyb.discrepancy.runs import Run, too_poor
 from symhyb.discrepancy.wording import verdict_sentence
 from symhyb.errors import NumericsError
 from symhyb.model.types import Model, On
-from symhyb.numeric.buffers import Array, call, mapped
+from symhyb.numeric.buffers import Array
+from symhyb.numeric.vector import along
 
 MISMATCH = 1.15  # χ²/N that noise may reach by the error of its own measurement
 
@@ -101,9 +102,8 @@ def valued(setting: Setting, winner: Refined, prepared: Prepared) -> tuple[Refin
     short windows carry more noise, long ones more of what the model still lacks."""
     best: tuple[float, Refined, Stage] | None = None
     for stage in setting.stages:
-        first = dict(enumerate(grouped(winner)))
         trial = refine(
-            prepared.model, winner.causes, first, stage.laid, setting.sd,
+            prepared.model, winner.causes, grouped(winner), stage.laid, setting.sd,
             everything=True, careful=True,
         )  # fmt: skip
         spread = np.sqrt(np.diag(trial.fit.covariance))
@@ -122,7 +122,7 @@ def _certain(setting: Setting, decision: Decision, prepared: Prepared) -> Refine
         return decision.winner
     rows = dict(zip(decision.winner.causes, grouped(decision.winner), strict=True))
     kept = [cause for cause in decision.winner.causes if cause not in doubt]
-    first = {i: rows[cause] for i, cause in enumerate(kept)}
+    first = [rows[cause] for cause in kept]
     return refine(prepared.model, kept, first, setting.stages[-1].laid, setting.sd)
 
 
@@ -156,14 +156,12 @@ def _active(prepared: Prepared, final: Refined, item: Named) -> Activity | None:
 
 def element_forces(final: Refined, run: Run) -> tuple[Array, Array, Array]:
     """Generalized forces (N, n, E) of all elements along a run, stretches and rates (N, E), SI."""
-    machine, motion = final.machine, run.motion
-    u, total = acting(run.recording, machine), run.motion.t.size
-    arguments = (motion.q, motion.v, u, motion.t, final.p)
-    (flat,) = call(mapped(machine.elements, total, repeated=(4,)), arguments)
-    forces = flat.reshape(total, -1, machine.n).swapaxes(1, 2)
-    stretch, rate, _ = call(
-        mapped(machine.pathways, total, repeated=(3,)), (motion.q, motion.v, motion.t, final.p)
-    )
+    machine = replace(final.machine, values=final.p)
+    c = course_of(run.recording, machine, run.motion)
+    given = c.q, c.v, c.z, c.u, c.t, final.p
+    (flat,) = along(machine.elements, given, (5,), c.t.size)
+    forces = flat.reshape(c.t.size, -1, machine.n).swapaxes(1, 2)
+    stretch, rate, _ = along(machine.pathways, (c.q, c.v, c.t, final.p), (3,), c.t.size)
     return forces, stretch, rate
 
 
@@ -234,10 +232,9 @@ def _verdict(
 def _clouds(prepared: Prepared, final: Refined, run: Run) -> list[Cloud]:
     """ΔF of every coordinate along a run, with the force of what was found there."""
     machine, motion = prepared.machine, run.motion
-    u = acting(run.recording, machine)
-    p = machine.values
-    force = discrepancy(machine, motion.q, motion.v, motion.a, u, motion.t, p)
-    band = force_band(machine, motion, u)
+    course = course_of(run.recording, machine, motion)
+    force = discrepancy(machine, course, machine.values)
+    band = force_band(machine, motion, course)
     law = element_forces(final, run)[0][:, :, len(prepared.model.elements) :].sum(axis=2)
     return [
         Cloud(

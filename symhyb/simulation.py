@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from symhyb.data.recording import Recording, read_recording
-from symhyb.discrepancy.motion import acting
+from symhyb.discrepancy.motion import acting, given_motion
 from symhyb.errors import InputError, NumericsError, Problem
-from symhyb.model.expression import parse_expression
+from symhyb.model.expression import Name, parse_expression
 from symhyb.model.types import Model, Sensor
 from symhyb.numeric.buffers import Array
 from symhyb.numeric.integrate import Scenario, Trajectory, simulate
@@ -28,9 +28,11 @@ def read_inputs(
     Raises:
         InputError: as :func:`symhyb.data.read_recording`.
     """
-    sensors = {sensor.name for sensor in model.sensors}
+    imposed = {Name(c.name) for c in model.coordinates if c.imposed}
+    kept = tuple(s for s in model.sensors if s.measures.tree in imposed)
+    sensors = {sensor.name for sensor in model.sensors if sensor not in kept}
     asked = {key: text for key, text in (columns or {}).items() if key not in sensors}
-    recording = read_recording(path, replace(model, sensors=(_CLOCK,)), asked)
+    recording = read_recording(path, replace(model, sensors=(_CLOCK, *kept)), asked)
     notes = (note for note in recording.notes if not note.startswith(("sensor ", "column")))
     return replace(recording, sensors={}, notes=tuple(notes))
 
@@ -53,16 +55,28 @@ def run_model(
     machine = build(model)
     t = _times(model, driven, end, step)
     if driven is None:
-        t_u, u = t[[0, -1]], np.zeros((2, len(model.inputs)))
+        t_u, u, given = t[[0, -1]], np.zeros((2, len(model.inputs))), None
+        _require_free(model)
     else:
         t_u, u = driven.t, acting(driven, machine)
+        given = given_motion(driven, machine) if machine.imposed else None
     start = [coordinate.start * coordinate.unit.factor for coordinate in model.coordinates]
     rate = [coordinate.start_rate * coordinate.unit.factor for coordinate in model.coordinates]
-    scenario = Scenario(t, np.array(start), np.array(rate), t_u, u)
+    scenario = Scenario(t, np.array(start), np.array(rate), t_u, u, given=given)
     run = simulate(machine, scenario)
     if not run.complete:
         raise NumericsError(run.reason)
     return machine, scenario, run
+
+
+def _require_free(model: Model) -> None:
+    imposed = [c.name for c in model.coordinates if c.imposed]
+    if imposed:
+        text = (
+            f"the motion of {', '.join(imposed)} is imposed; give a recording with a column of "
+            "that name"
+        )
+        raise InputError(Problem(text, file=model.file))
 
 
 def run_table(machine: Machine, scenario: Scenario, run: Trajectory) -> str:

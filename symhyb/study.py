@@ -230,8 +230,7 @@ def _recordings(study: Study, model: Model) -> tuple[tuple[Recording, ...], tupl
     train = tuple(read[source] for source in study.train)
     holdout = tuple(read[source] for source in study.holdout)
     for seen, unseen in product(train, holdout):
-        same = seen.sha256 == unseen.sha256
-        if same and seen.t[0] <= unseen.t[-1] and unseen.t[0] <= seen.t[-1]:
+        if seen.shares(unseen):
             text = "is a training recording too; what is learned from cannot prove anything"
             raise InputError(Problem(text, "holdout", unseen.name))
     return train, holdout

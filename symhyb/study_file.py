@@ -29,6 +29,7 @@ from itertools import islice
 from pathlib import Path
 
 from symhyb.data.catalogue import DATASETS
+from symhyb.data.formats import split_part
 from symhyb.data.rows import Span
 from symhyb.errors import InputError, Problem, did_you_mean
 from symhyb.model.source import scan
@@ -153,7 +154,7 @@ def _file(table: Table, key: str, name: str | None, study: Path) -> Path | None:
     if name is None:
         return None
     path = Path(os.path.normpath(study.parent / name))
-    if not path.is_file():
+    if not split_part(path)[0].is_file():
         beside = path.parent.iterdir() if path.parent.is_dir() else ()
         near = did_you_mean(path.name, sorted(other.name for other in beside))
         table.fault(f"there is no file '{name}'{near}", key)
@@ -169,6 +170,7 @@ def _check_data(table: Table, data: str) -> None:
         table.fault(f"no recording is known by the name '{name}'{near}", "data")
         return
     files = [known.name for known in dataset.files]
+    file = split_part(file)[0].name if file else file
     if file not in files and (file or len(files) > 1):
         near = did_you_mean(file, files)
         table.fault(f"'{data}' names no file of {name}{near}", "data")

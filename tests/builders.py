@@ -62,13 +62,14 @@ def oscillator(
     parameters: Entries | None = None,
     sensors: Mapping[str, Entries] | None = None,
     inputs: Mapping[str, Entries] | None = None,
+    start: float = 0.0,
 ) -> Model:
     r"""A mass m = 1.2 kg on a line; its place is measured unless ``sensors`` say else.
 
     wall o--/\/\/--[m]--> x        the wall is at −2 m
     """
     return model_of(
-        coordinates={"x": {"unit": "m"}},
+        coordinates={"x": {"unit": "m", "start": start}},
         parameters={"m": (1.2, "kg"), "far": (2.0, "m"), **(parameters or {})},
         inputs=inputs or {},
         points={"wall": ["-far", "0"], "block": ["x", "0"]},

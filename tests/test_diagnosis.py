@@ -24,7 +24,7 @@ def terms(diagnosis: Diagnosis) -> dict[str, tuple[float, float]]:
     [
         {"coulomb": 1.0},
         {"drag": 2.0},
-        {"coulomb": 0.8, "cubic": 8000.0},
+        pytest.param({"coulomb": 0.8, "cubic": 8000.0}, marks=pytest.mark.slow),
         {"constant": 1.0},
     ],
     ids=lambda hidden: "+".join(hidden),
@@ -70,6 +70,7 @@ def test_a_wrong_gain_is_no_missing_physics() -> None:
     assert any(rival.channel == "laser" for rival in diagnosis.alternatives)
 
 
+@pytest.mark.slow
 def test_the_unseen_recording_proves_and_never_chooses() -> None:
     hidden = {"coulomb": 1.0}
     train, unseen = spring_recording(5, hidden), spring_recording(6, hidden)
@@ -81,6 +82,7 @@ def test_the_unseen_recording_proves_and_never_chooses() -> None:
     assert with_truth.found[0].share != with_noise.found[0].share
 
 
+@pytest.mark.slow
 def test_the_corrected_model_predicts_the_unseen_recording() -> None:
     hidden = {"coulomb": 1.0}
     model, train, unseen = spring_model(), spring_recording(7, hidden), spring_recording(8, hidden)

@@ -35,11 +35,11 @@ def exact_twins(problem: Problem) -> tuple[tuple[int, int], ...]:
 def precedence(index: int, cause: Hypothesis) -> tuple[int, int]:
     """Which of two equal causes is named: a parameter that may be estimated before a force, a force
     before a channel, an input before a sensor."""
-    return {"parameter": 0, "gain": 2, "offset": 3}.get(cause.kind, 1), index
+    return {"parameter": 0, "gain": 2, "offset": 3, "delay": 4}.get(cause.kind, 1), index
 
 
 def alike(first: Hypothesis, second: Hypothesis) -> bool:
     """Whether two causes are of kinds that convention ranks: gains of two channels of a linear
-    system, offsets of two channels, a constant force and an offset."""
+    system, offsets or delays of two channels, a constant force and an offset."""
     kinds = {first.kind, second.kind}
-    return kinds in ({"gain"}, {"offset"}, {"constant", "offset"})
+    return kinds in ({"gain"}, {"offset"}, {"delay"}, {"constant", "offset"})

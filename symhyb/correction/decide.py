@@ -8,7 +8,7 @@
 3. Terms are added, swapped and dropped around the winner until nothing changes.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from symhyb.correction.conventions import CERTAIN, alike, exact_twins, precedence
@@ -82,19 +82,21 @@ class _Trials:
     def refined(
         self,
         causes: Sequence[int],
-        values: Sequence[float] | Array = (),
+        values: Sequence[Mapping[str, float]] = (),
         starts: Sequence[Array] | None = None,
     ) -> Refined:
         key = tuple(sorted(causes))
         if key not in self.done:
             chosen = [self.setting.hypotheses[cause] for cause in causes]
             self.say("trying " + named(chosen))
-            first, rest = {}, list(values)
-            for i, cause in enumerate(chosen):
-                first[i], rest = rest[: len(cause.terms)], rest[len(cause.terms) :]
             stage, model = self.setting.stages[-1], self.setting.windows.machine.model
-            self.done[key] = refine(model, chosen, first, stage.laid, self.setting.sd, starts)
+            self.done[key] = refine(model, chosen, values, stage.laid, self.setting.sd, starts)
         return self.done[key]
+
+    @property
+    def count(self) -> int:
+        """How many causes compete."""
+        return len({cause.family for cause in self.setting.hypotheses}) - len(self.dropped)
 
     def causes(self, trial: Refined) -> tuple[int, ...]:
         return tuple(self.setting.hypotheses.index(cause) for cause in trial.causes)
@@ -128,18 +130,41 @@ def _climb(
             break  # what is left, if anything, shows only along the winner's own simulation
         sized = sorted((s for s in pool if len(s.causes) == size), key=lambda s: s.chi2)
         promising = [s for s in _distinct(problem, sized) if s.chi2 < (1 - PROMISE) * left]
-        tried = [trials.refined(s.causes, s.values) for s in promising[:TRIALS]]
+        tried = [trials.refined(s.causes, _first(problem, s)) for s in promising[:TRIALS]]
         if not tried:
             continue
-        closest = min(tried, key=lambda trial: trial.fit.train)
-        best = min(tried, key=lambda trial: criterion(trial, closest))
-        earned, sentence = earns(best, winner)
+        best = _plainest(tried)
+        earned, sentence = earns(best, winner, trials.count)
         log.append(sentence)
         if earned:
             winner = best
             subset = solve(problem, trials.causes(best))
             left = left if subset is None else subset.chi2
     return winner
+
+
+def _plainest(tried: Sequence[Refined]) -> Refined:
+    """The best of structures with as many causes each: one with more numbers must earn them."""
+    closest = min(tried, key=lambda trial: trial.fit.train)
+    best: Refined | None = None
+    for trial in sorted(tried, key=lambda trial: (trial.numbers, criterion(trial, closest))):
+        if best is None or (
+            criterion(trial, closest) < criterion(best, closest)
+            and (trial.numbers == best.numbers or earns(trial, best)[0])
+        ):
+            best = trial
+    assert best is not None
+    return best
+
+
+def _first(problem: Problem, subset: Subset) -> list[dict[str, float]]:
+    """The first guess of each cause of a subset, by key, SI."""
+    rows, rest = [], list(subset.values)
+    for index in subset.causes:
+        cause = problem.hypotheses[index]
+        rows.append(cause.values(rest[: len(cause.terms)]))
+        rest = rest[len(cause.terms) :]
+    return rows
 
 
 def _distinct(problem: Problem, subsets: Sequence[Subset]) -> list[Subset]:
@@ -154,12 +179,13 @@ def _distinct(problem: Problem, subsets: Sequence[Subset]) -> list[Subset]:
 def _improved(trials: _Trials, winner: Refined, problem: Problem, log: list[str]) -> Refined:
     """The winner with one cause added, swapped or dropped, if that is better; else itself."""
     for trial in _additions(trials, winner):
-        earned, sentence = earns(trial, winner)
+        earned, sentence = earns(trial, winner, trials.count)
         log.append(sentence)
         if earned:
             return trial
     for trial in _swaps(trials, winner, problem):
-        if criterion(trial, winner) < criterion(winner, winner) - SIGNIFICANT:
+        better = criterion(trial, winner) < criterion(winner, winner) - SIGNIFICANT
+        if better and (trial.numbers <= winner.numbers or earns(trial, winner)[0]):
             log.append(f"{named(trial.causes)} instead of {named(winner.causes)}: fits better")
             return trial
     for simpler in _simplifications(trials, winner):
@@ -169,7 +195,7 @@ def _improved(trials: _Trials, winner: Refined, problem: Problem, log: list[str]
             return simpler
     for i, cause in enumerate(trials.causes(winner)):
         rest = [c for c in trials.causes(winner) if c != cause]
-        kept = [v for j, row in enumerate(grouped(winner)) if j != i for v in row]
+        kept = [row for j, row in enumerate(grouped(winner)) if j != i]
         smaller = trials.refined(rest, kept)
         earned, sentence = earns(winner, smaller)
         log.append(sentence)
@@ -190,7 +216,7 @@ def _additions(trials: _Trials, winner: Refined) -> Iterator[Refined]:
     for subset in sorted(more, key=lambda s: s.chi2)[:TRIALS]:
         gain = (base.chi2 - subset.chi2) / unit_of(winner)
         if gain > SIGNIFICANT and base.chi2 - subset.chi2 > PROMISE * excess(base.chi2, winner):
-            values = [*(v for row in grouped(winner) for v in row), *subset.values]
+            values = [*grouped(winner), *_first(problem, subset)]
             causes = (*trials.causes(winner), *subset.causes)
             yield trials.refined(causes, values, winner.fit.starts)
 
@@ -210,15 +236,16 @@ def _swaps(trials: _Trials, winner: Refined, problem: Problem) -> Iterator[Refin
     for cause in causes:
         rest = [c for c in causes if c != cause]
         mine = problem.hypotheses[cause]
+        own = mine.kind, mine.place, mine.path
         options = [
             subset
             for c, other in enumerate(problem.hypotheses)
-            if c not in causes and (other.kind, other.place) != (mine.kind, mine.place)
+            if c not in causes and (other.kind, other.place, other.path) != own
             if (subset := solve(problem, (*rest, c))) is not None
         ]
         if options:
             best = min(options, key=lambda s: s.chi2)
-            yield trials.refined(best.causes, best.values)
+            yield trials.refined(best.causes, _first(problem, best))
 
 
 def _simplifications(trials: _Trials, winner: Refined) -> Iterator[Refined]:
@@ -229,7 +256,7 @@ def _simplifications(trials: _Trials, winner: Refined) -> Iterator[Refined]:
             if not same or not set(other.terms) < set(cause.terms):
                 continue
             rows = grouped(winner)
-            rows[i] = [rows[i][cause.terms.index(term)] for term in other.terms]
+            rows[i] = {key: rows[i][key] for key in other.keys}
             causes = [*winner.causes[:i], other, *winner.causes[i + 1 :]]
             indices = [trials.setting.hypotheses.index(c) for c in causes]
-            yield trials.refined(indices, [v for row in rows for v in row], winner.fit.starts)
+            yield trials.refined(indices, rows, winner.fit.starts)

@@ -12,12 +12,18 @@ PART_LEFT = 1 / 2  # of the mismatch that is left, which a cause must take
 NOISE_SHARE = 0.02  # of the noise: less than this is never said to be left
 
 
-def earns(larger: Refined, smaller: Refined) -> tuple[bool, str]:
-    """Whether the larger structure earns its extra numbers, with the sentence that says why."""
+def earns(larger: Refined, smaller: Refined, tried: int = 1) -> tuple[bool, str]:
+    """Whether the larger structure earns its extra numbers, with the sentence that says why.
+
+    It was chosen among ``tried`` causes, which costs 2 ln(tried) for each that is more (extended
+    Bayesian information criterion: Chen & Chen, Biometrika 95, 2008).
+    """
     unit = unit_of(larger)
     extra = larger.numbers - smaller.numbers
     size = max(float(larger.fit.count[~larger.fit.held].sum()), 2.0)
+    more = max(len(larger.causes) - len(smaller.causes), 0)
     fitted = (smaller.fit.train - larger.fit.train) / unit - extra * np.log(size)
+    fitted -= 2 * more * np.log(max(tried, 1))
     held = (smaller.fit.validation - larger.fit.validation) / unit
     validation = bool(larger.fit.held.any())
     part = part_taken(larger, smaller)

@@ -29,6 +29,11 @@ SYMBOLS = {
 }  # fmt: skip
 
 
+_CHANNEL_KINDS: Mapping[str, ChannelKind] = {
+    "gain": "gain", "offset": "offset", "delay": "delay",
+}  # fmt: skip
+
+
 @dataclass(frozen=True, slots=True)
 class Named:
     """Force causes of one kind at one place, told as one element: their indices in the structure,
@@ -58,7 +63,7 @@ def _values(final: Refined, rows: Sequence[int]) -> dict[str, tuple[float, float
         cause = final.causes[i]
         for key, shape in cause.shape:
             values.setdefault(key, (shape, float("nan")))
-        for key in (*cause.terms, *cause.refined):
+        for key in cause.keys:
             values[key] = final.value(f"cause{i}.{key}")
     order = [key.name for key in KINDS[final.causes[rows[0]].kind].keys]
     return {key: values[key] for key in order if key in values}
@@ -140,14 +145,14 @@ def reestimated(model: Model, final: Refined) -> tuple[Reestimated, ...]:
 
 
 def channel_faults(final: Refined) -> tuple[Measurement, ...]:
-    """Gains and offsets among the causes, in the units of their channels."""
+    """Gains, offsets and delays among the causes, in the units of their channels."""
     declared = {item.path: item for item in final.machine.model.all_parameters()}
     rows = []
     for cause in final.causes:
-        if cause.kind in ("gain", "offset"):
+        if cause.kind in ("gain", "offset", "delay"):
             item = declared[cause.path]
             value, sd = (number / item.unit.factor for number in final.value(cause.path))
-            kind: ChannelKind = "gain" if cause.kind == "gain" else "offset"
+            kind = _CHANNEL_KINDS[cause.kind]
             rows.append(Measurement(item.owner, kind, value, sd, item.unit.text))
     return tuple(rows)
 

@@ -13,7 +13,8 @@ from symhyb.correction.screen import screen
 from symhyb.correction.selection import Problem, solve
 from symhyb.correction.setting import Setting, around
 from symhyb.correction.trajectory import Refined
-from symhyb.discrepancy.hypotheses import TRANSITION_SHARE, Hypothesis, Library
+from symhyb.discrepancy.candidates import TRANSITION_SHARE
+from symhyb.discrepancy.hypotheses import Hypothesis, Library
 from symhyb.discrepancy.wording import percent_text
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import Element, Model, On
@@ -69,8 +70,8 @@ def _laws(setting: Setting) -> Library:
     hypotheses: list[Hypothesis] = []
     elements: list[Element] = []
     for i, coordinate in enumerate(model.coordinates):
-        x, states = coordinate.name, [item.motion[..., i] for item in setting.stages[0].laid]
-        rates = [item.motion[..., setting.windows.machine.n + i] for item in setting.stages[0].laid]
+        x, motions = coordinate.name, [item.source[1] for item in setting.stages[0].laid]
+        states, rates = [m.q[:, i] for m in motions], [m.v[:, i] for m in motions]
         centre = float(np.mean([np.mean(s) for s in states]))
         speed = max(float(np.max(np.abs(rate))) for rate in rates) or 1.0
         slip = f"tanh({x}'/{TRANSITION_SHARE * speed!r})"
@@ -83,6 +84,6 @@ def _laws(setting: Setting) -> Library:
             entry = ("force", parse_expression(force))
             elements.append(Element(name, "law", On(x), (entry,)))
             hypotheses.append(Hypothesis("law", None, ("force",), (False,), path=said))
-    machine = build(replace(model, elements=(*model.elements, *elements)))
+    machine = build(replace(model, elements=(*model.elements, *elements)), keep=False)
     columns = tuple((i,) for i in range(len(elements)))
     return Library(machine, (), tuple(hypotheses), columns)

@@ -8,14 +8,16 @@ import numpy as np
 from symhyb.correction.setting import Setting, Stage
 from symhyb.data.recording import Recording, several
 from symhyb.data.thin import thinned
+from symhyb.discrepancy.candidates import Reach, force_hypotheses, joined, lacking
+from symhyb.discrepancy.course import course_of
 from symhyb.discrepancy.hypotheses import (
     dull_hypotheses,
-    force_hypotheses,
     library,
     places_of,
     with_channels,
 )  # fmt: skip
 from symhyb.discrepancy.motion import motion_of
+from symhyb.discrepancy.residual import discrepancy
 from symhyb.discrepancy.runs import Run, laid_on, noise_sd, with_noise
 from symhyb.discrepancy.windows import Laid
 from symhyb.errors import InputError, Problem
@@ -78,8 +80,7 @@ def settle(prepared: Prepared) -> Setting:
     """Lower all hypotheses and lay windows at growing lengths."""
     model, machine = prepared.model, prepared.machine
     places = places_of(model)
-    speeds = _speeds(prepared, places)
-    causes = library(model, places, force_hypotheses(model, speeds))
+    causes = library(model, places, force_hypotheses(model, _reaches(prepared, places)))
     dull = dull_hypotheses(model)
     windows = WindowModel(machine, tuple(machine.column(cause.path) for cause in dull))
     sag = _sag(prepared)
@@ -101,15 +102,22 @@ def _sag(prepared: Prepared) -> float:
     return worst
 
 
-def _speeds(prepared: Prepared, places: Sequence[Place]) -> Mapping[Place, float]:
-    """The largest rate at each place (99 % of samples are slower), SI."""
+def _reaches(prepared: Prepared, places: Sequence[Place]) -> Mapping[Place, Reach]:
+    """What each place moves through in all runs, and the force that the model lacks there."""
     gauge = library(prepared.model, tuple(places), ())
-    rates = []
+    parts: list[list[Reach]] = [[] for _ in places]
     for run in prepared.runs:
-        motion = run.motion
-        rates.append(np.abs(gauge.motion(motion.q, motion.v, motion.t)[1]))
-    fast = np.quantile(np.concatenate(rates), 0.99, axis=0)
-    return {place: float(rate) for place, rate in zip(places, fast, strict=True)}
+        course = course_of(run.recording, gauge.machine, run.motion)
+        stretch, rate = gauge.motion(course)
+        missing = discrepancy(
+            prepared.machine, course_of(run.recording, prepared.machine, run.motion),
+            prepared.machine.values,
+        )  # fmt: skip
+        directions = gauge.directions(course)
+        for i, part in enumerate(parts):
+            force = lacking(missing, directions, i)
+            part.append(Reach(stretch[:, i], rate[:, i], force, course.t))
+    return {place: joined(part) for place, part in zip(places, parts, strict=True)}
 
 
 def _stages(prepared: Prepared) -> tuple[Stage, ...]:

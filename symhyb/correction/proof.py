@@ -63,7 +63,7 @@ def _refitted(
 ) -> Refined:
     causes = [final.causes[i] for i in chosen]
     rows = grouped(final)
-    first = {i: rows[j] for i, j in enumerate(chosen)}
+    first = [rows[j] for j in chosen]
     everything = bool(prepared.holdout)
     return refine(prepared.model, causes, first, stage.laid, setting.sd, everything=everything)
 
@@ -73,7 +73,7 @@ def _unseen(prepared: Prepared, stage: Stage, trial: Refined) -> _Unseen:
     laid = stage.laid
     if prepared.holdout:
         found = [laid_on(run, trial.machine, stage.length_s) for run in prepared.holdout]
-        laid = tuple(item.suited(trial.machine.model) for item in found if item is not None)
+        laid = tuple(item.suited(trial.machine) for item in found if item is not None)
     if not laid:
         return _Unseen(float("nan"), float("nan"), float("nan"))
     nothing = np.zeros(0)
@@ -81,7 +81,8 @@ def _unseen(prepared: Prepared, stage: Stage, trial: Refined) -> _Unseen:
         tuple(laid), prepared.sd, nothing, nothing, nothing, nothing,
         decrease=TRIAL_DECREASE, iterations=TRIAL_ITERATIONS,
     )  # fmt: skip
-    model = WindowModel(trial.machine)
+    late = tuple(c.path.removesuffix(".delay") for c in trial.causes if c.kind == "delay")
+    model = WindowModel(trial.machine, late=late)
     fitted = fit(model, task, trial.p)
     use = (
         np.ones(fitted.held.size, bool)

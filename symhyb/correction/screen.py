@@ -11,10 +11,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from symhyb.correction.selection import Problem
+from symhyb.discrepancy.course import Course
 from symhyb.discrepancy.hypotheses import GAIN_REACH, Hypothesis, Library
 from symhyb.discrepancy.windows import Laid, reduce
 from symhyb.numeric.buffers import Array
-from symhyb.numeric.windows import Linear, WindowModel
+from symhyb.numeric.dynamics import state_form
+from symhyb.numeric.windows import WindowModel
+
+DELAY_LEAST = 0.25  # samples: less is a matter of how a signal was held between samples
 
 
 def screen(
@@ -30,19 +34,20 @@ def screen(
     """Reduce windows to a linear problem in the forces of ``library`` and the free parameters.
 
     The first free parameters of ``model`` are those of the ``dull`` causes; any others are in every
-    subset. With ``starts`` (one (W, 2n) a recording) the linearisation is along the simulation from
+    subset. With ``starts`` (one (W, X) a recording) the linearisation is along the simulation from
     there instead of the motion. A gain closer to 1 than ``gain_floor`` is none. ``p`` (P,), ``sd``
     (m,) in SI.
     """
     parts = []
     for i, fine in enumerate(laid):
-        item = fine.suited(model.machine.model)
+        item = fine.suited(model.machine)
         if starts is None:
-            linear = model.along(item.block, item.motion, p)
+            linear = model.along(item.block, item.states, p)
         else:
             linear = model.differentiate(item.block, starts[i], p, forces=True)
         residual = item.block.y - linear.output - linear.from_defect()
-        columns = [_force_columns(library, item, linear), linear.from_free()]
+        probes = _probe_forces(library, item, None if starts is None else linear.x)
+        columns = [linear.from_forces(probes), linear.from_free()]
         parts.append(
             reduce(residual, linear.from_start(), np.concatenate(columns, axis=3), sd, item.held)
         )
@@ -60,20 +65,35 @@ def screen(
         least=np.concatenate(
             [
                 np.zeros(forces),
-                [gain_floor if cause.kind == "gain" else 0.0 for cause in dull],
+                [_least(cause, gain_floor, laid) for cause in dull],
                 np.zeros(free - len(dull)),
             ]
         ),
     )
 
 
-def _force_columns(library: Library, item: Laid, linear: Linear) -> Array:
-    """Responses of the sensors (W, L, m, C) to the forces of all probes along the windows."""
-    windows, length, states = linear.x.shape
-    n, flat = states // 2, linear.x.reshape(windows * length, states)
-    u, t = item.block.u.reshape(windows * length, -1), item.block.t.reshape(-1)
-    forces = library.forces(flat[:, :n], flat[:, n:], u, t)
-    return linear.from_forces(forces.reshape(windows, length, n, -1))
+def _least(cause: Hypothesis, gain_floor: float, laid: Sequence[Laid]) -> float:
+    """The smallest size of a dull cause that is worth a name, SI."""
+    if cause.kind == "delay":
+        return DELAY_LEAST * float(np.median(np.diff(laid[0].block.t, axis=1)))
+    return gain_floor if cause.kind == "gain" else 0.0
+
+
+def _probe_forces(library: Library, item: Laid, simulated: Array | None) -> Array:
+    """Forces of all probes (W, L, n, C) along the windows: along the measured motion, or along
+    ``simulated`` states (W, L, X); what remembers follows the measured motion always."""
+    machine, rows = library.machine, item.rows
+    course = item.course(machine)
+    if simulated is None:
+        return library.forces(course)[rows]
+    form = state_form(machine)
+    q, v = form.motion(simulated, item.block.d)
+    flat = Course(
+        item.block.t.reshape(-1), q.reshape(rows.size, -1), v.reshape(rows.size, -1),
+        course.a[rows].reshape(rows.size, -1), course.z[rows].reshape(rows.size, -1),
+        course.u[rows].reshape(rows.size, -1), *(np.empty((0, 0)) for _ in range(3)),
+    )  # fmt: skip
+    return library.forces(flat).reshape(*rows.shape, machine.n, -1)
 
 
 def _bounds(library: Library, dull: Sequence[Hypothesis], free: int) -> tuple[Array, Array]:

@@ -18,8 +18,9 @@ import numpy as np
 from symhyb.correction.selection import Subset
 from symhyb.discrepancy.hypotheses import Library
 from symhyb.discrepancy.windows import Laid
-from symhyb.numeric.buffers import Array, call, mapped
+from symhyb.numeric.buffers import Array
 from symhyb.numeric.machine import Machine
+from symhyb.numeric.vector import along
 
 SMOOTHNESS = 4  # of the window (1 − τ²)^4
 HARMONICS_MOST = 12
@@ -63,18 +64,15 @@ def weak_rows(
 ) -> tuple[Array, Array]:
     """The weak form over windows: rows (R, C), per SI unit of each coefficient, and right-hand side
     (R,), dimensionless: both over its RMS by coordinate."""
-    windows, length, states = item.motion.shape
-    n = states // 2
-    flat = item.motion.reshape(windows * length, states)
-    q, v = flat[:, :n], flat[:, n:]
-    t, u = item.block.t.reshape(-1), item.block.u.reshape(windows * length, -1)
-    momentum, rest = call(mapped(machine.weak, t.size, repeated=(4,)), (q, v, u, t, machine.values))
-    forces = library.forces(q, v, u, t)
-    shape = (windows, length, n)
+    c, where, free = item.course(machine), item.rows, list(machine.free)
+    given = c.q, c.v, c.z, c.u, c.t, machine.values
+    momentum, rest = along(machine.weak, given, (5,), c.t.size)
+    forces = library.forces(item.course(library.machine))[where]
     test, slope = _modulated(item.block.t, band_hz)
-    right = -np.einsum("wkl,wln->wkn", slope, momentum.reshape(shape))
-    right -= np.einsum("wkl,wln->wkn", test, rest.reshape(shape))
-    rows = np.einsum("wkl,wlnc->wknc", test, forces.reshape(*shape, -1))
+    right = -np.einsum("wkl,wln->wkn", slope, momentum[where])
+    right -= np.einsum("wkl,wln->wkn", test, rest[where])
+    rows = np.einsum("wkl,wlnc->wknc", test, forces)
+    right, rows = right[..., free], rows[:, :, free]
     scale = np.sqrt(np.mean(right**2, axis=(0, 1)))
     scale = np.where(scale > 0, scale, 1.0)
     return (rows / scale[:, None]).reshape(-1, rows.shape[3]), (right / scale).reshape(-1)

@@ -17,7 +17,7 @@ from symhyb.numeric.buffers import Array
 from symhyb.numeric.machine import Machine, build
 from symhyb.numeric.windows import WindowModel
 
-SHAPE_REACH = 30.0  # a refined shape stays within this factor of where it was tried
+DELAY_REACH = 30  # samples, either way
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,34 +56,35 @@ def element_name(index: int) -> str:
 def refine(
     model: Model,
     causes: Sequence[Hypothesis],
-    start: Mapping[int, Sequence[float]],
+    start: Sequence[Mapping[str, float]],
     laid: Sequence[Laid],
     sd: Array,
     starts: Sequence[Array] | None = None,
     everything: bool = False,
     careful: bool = False,
 ) -> Refined:
-    """Fit the causes on windows; ``start`` has the first guess of the terms of each cause, SI.
+    """Fit the causes on windows; ``start`` has the first guess of each cause by key, SI (of a
+    parameter its change under "value").
 
     ``model`` states its channels' gains and offsets (:func:`with_channels`); ``starts`` are initial
-    states (W, 2n) of each recording to begin with; ``everything`` fits the held windows too;
+    states (W, X) of each recording to begin with; ``everything`` fits the held windows too;
     ``careful`` iterates until the values stand.
     """
     elements: list[Element] = []
     for i, cause in enumerate(causes):
         if cause.place is not None:
-            values = dict(zip(cause.terms, start[i], strict=True))
-            elements.append(cause.element(model, element_name(i), values))
+            elements.append(cause.element(model, element_name(i), start[i]))
     extended = replace(model, elements=(*model.elements, *elements))
-    machine = build(extended)
+    machine = build(extended, keep=False)
     paths = tuple(path for i, cause in enumerate(causes) for path in _paths(i, cause))
     free = tuple(machine.column(path) for path in paths)
     p = machine.values.copy()
     for i, cause in enumerate(causes):
         if cause.place is None:
-            p[machine.column(cause.path)] += start[i][0]
-    lower, upper, mean, spread = _limits(machine, causes)
-    laid = [item.suited(extended) for item in laid]
+            p[machine.column(cause.path)] += start[i]["value"]
+    laid = [item.suited(machine) for item in laid]
+    step = float(np.median(np.diff(laid[0].block.t, axis=1)))
+    lower, upper, mean, spread = _limits(machine, causes, step)
     task = Task(tuple(laid), sd, lower, upper, mean, spread, everything)
     if not careful:
         task = replace(task, decrease=TRIAL_DECREASE, iterations=TRIAL_ITERATIONS)
@@ -92,16 +93,16 @@ def refine(
     return Refined(tuple(causes), machine, paths, p, fitted)
 
 
-def grouped(trial: Refined) -> list[list[float]]:
-    """Fitted values of the terms (without refined shapes), SI, cause by cause; of a parameter its
-    change."""
+def grouped(trial: Refined) -> list[dict[str, float]]:
+    """Fitted values by key, SI, cause by cause; of a parameter its change."""
     rows, i = [], 0
     for cause in trial.causes:
-        values = [float(v) for v in trial.fit.values[i : i + len(cause.terms)]]
+        values = [float(v) for v in trial.fit.values[i : i + cause.numbers]]
         if cause.place is None:
             declared = trial.machine.values[trial.machine.column(cause.path)]
-            values = [values[0] - float(declared)]
-        rows.append(values)
+            rows.append({"value": values[0] - float(declared)})
+        else:
+            rows.append(dict(zip(cause.keys, values, strict=True)))
         i += cause.numbers
     return rows
 
@@ -109,11 +110,14 @@ def grouped(trial: Refined) -> list[list[float]]:
 def _paths(index: int, cause: Hypothesis) -> list[str]:
     if cause.place is None:
         return [cause.path]
-    return [f"{element_name(index)}.{key}" for key in (*cause.terms, *cause.refined)]
+    return [f"{element_name(index)}.{key}" for key in cause.keys]
 
 
-def _limits(machine: Machine, causes: Sequence[Hypothesis]) -> tuple[Array, Array, Array, Array]:
-    """Bounds, prior means and prior deviations of the fitted numbers, SI."""
+def _limits(
+    machine: Machine, causes: Sequence[Hypothesis], step: float
+) -> tuple[Array, Array, Array, Array]:
+    """Bounds, prior means and prior deviations of the fitted numbers, SI; samples lie ``step``
+    seconds apart."""
     declared = {item.path: item for item in machine.model.all_parameters()}
     rows: list[tuple[float, float, float, float]] = []
     for cause in causes:
@@ -122,14 +126,11 @@ def _limits(machine: Machine, causes: Sequence[Hypothesis]) -> tuple[Array, Arra
             low, high = 1e-6 * value if cause.positive[0] else -np.inf, np.inf
             if cause.kind == "gain":
                 low, high = value - GAIN_REACH, value + GAIN_REACH
+            if cause.kind == "delay":
+                low, high = value - DELAY_REACH * step, value + DELAY_REACH * step
             rows.append((low, high, value, np.inf if sd is None else sd))
             continue
-        shape = dict(cause.shape)
-        rows += [(0.0 if sign else -np.inf, np.inf, 0.0, np.inf) for sign in cause.positive]
-        rows += [
-            (shape[key] / SHAPE_REACH, shape[key] * SHAPE_REACH, shape[key], np.inf)
-            for key in cause.refined
-        ]
+        rows += [(*cause.limits(key), 0.0, np.inf) for key in cause.keys]
     if not rows:
         empty = np.zeros(0)
         return empty, empty, empty, empty

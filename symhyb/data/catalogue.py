@@ -153,7 +153,10 @@ DATASETS: tuple[Dataset, ...] = (
             "K. Kaheman et al.: The experimental multi-arm pendulum on a cart: a benchmark system"
             " for chaos, learning, and control, 2022"
         ),
-        about="cell arrays of angles [rad] and rates [rad/s], 1 ms, pi = hanging: not readable yet",
+        about=(
+            "cell arrays of angles [rad] and rates [rad/s], 1 ms, pi = hanging: the third one is"
+            " FILE#3 with t=Time_id and the angle Y_id.1"
+        ),
     ),
     Dataset(
         name="balldrops",
@@ -175,8 +178,9 @@ DATASETS: tuple[Dataset, ...] = (
             " Frontiers in Artificial Intelligence 3:25, 2020"
         ),
         about=(
-            "a sheet a ball: drop, t [s] at 15 Hz, height [m], differenced velocity: not readable"
-            " yet; weight [oz] and circumference [cm] in balls.txt"
+            "a sheet a ball, two drops each: Time (s) at 15 Hz, Height (m), differenced velocity;"
+            " the second drop of the golf ball is 'FILE#Golf Ball#2'; weight [oz] and"
+            " circumference [cm] in balls.txt"
         ),
     ),
     Dataset(
@@ -201,8 +205,8 @@ DATASETS: tuple[Dataset, ...] = (
             " Dataset-Friction-Damper-with-Backlash. GitHub, 2022"
         ),
         about=(
-            "t [s], displacement [in], friction force [kip], velocity [in/s], two actuator forces"
-            " [lb]; 1024 Hz; the motion is imposed: not readable yet"
+            "data.1 t [s], data.2 displacement [in], data.3 friction force [kip], data.4 velocity"
+            " [in/s], data.5 and data.6 actuator forces [lbf]; 1024 Hz; the motion is imposed"
         ),
     ),
 )  # fmt: skip

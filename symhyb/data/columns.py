@@ -2,37 +2,33 @@
 
 A map is ``{channel: column}``, where the column may also be an expression in columns and the
 built-in ``index`` (row number from 0), and may end with a unit: ``{"laser": "roll angle [deg]",
-"f": "gtau*vir", "t": "index/610.35"}``.
+"f": "gtau*vir", "t": "index/610.35"}``. Behind ``@`` stand the times of a channel that has its own:
+``{"accel": "acc [g] @ t_acc"}``.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
-from symhyb.data.source import INDEX, Source, Wanted, find_source, signal
+from symhyb.data.channels import Channels
+from symhyb.data.merge import merged, one_run
+from symhyb.data.source import INDEX, Source, Wanted, find_source, has_rows, signal
 from symhyb.data.table import Table
 from symhyb.errors import InputError, Problem, did_you_mean
+from symhyb.model.expression import Name
 from symhyb.model.types import Model
 from symhyb.units import parse_unit
 
+TIME = Wanted("time", "t", parse_unit("s"))
+MOST_NAMES = 12  # columns that a note lists
 
-@dataclass(frozen=True, slots=True)
-class Channels:
-    """What a file says about a model: ``t`` (N,) in s, inputs and sensors (N,) in SI.
-
-    Nothing is cleaned yet. ``notes`` are sentences on what was left out.
-    """
-
-    t: NDArray[np.float64]
-    inputs: Mapping[str, NDArray[np.float64]]
-    sensors: Mapping[str, NDArray[np.float64]]
-    notes: tuple[str, ...]
+_Clocked = tuple[Source, Source | None]  # a channel's source and that of its times
 
 
 def map_columns(table: Table, model: Model, columns: Mapping[str, str] | None = None) -> Channels:
     """Find the column of every channel of ``model`` in ``table``.
+
+    The motion of an imposed coordinate is found like an input, else it is what the sensor records
+    that measures it and nothing else. Channels with times of their own are merged, see
+    :func:`symhyb.data.merge.merged`.
 
     Raises:
         InputError: all problems at once: keys of the map that are no channel, columns that do not
@@ -41,54 +37,137 @@ def map_columns(table: Table, model: Model, columns: Mapping[str, str] | None = 
     columns = dict(columns or {})
     wanted = tuple(_wanted(model))
     named = {channel: columns.get(channel.name, _equal(channel, table)) for channel in wanted}
-    problems = [*_unknown_keys(columns, wanted, table), *_missing(named, table)]
-    sources: dict[Wanted, Source] = {}
+    borrowed = dict(_borrowed(model, named))
+    problems = [*_unknown_keys(columns, wanted, table), *_missing(named, borrowed, table)]
+    found: dict[Wanted, _Clocked] = {}
     for channel, text in named.items():
         try:
-            if text is not None:
-                sources[channel] = find_source(text, channel, table)
+            if text is not None and channel != TIME:
+                found[channel] = _clocked(text, channel, named[TIME], table)
         except InputError as error:
             problems.extend(error.problems)
     if problems:
-        raise InputError(dict.fromkeys(problems))
-    size = _size(sources, table)
-    signals = {channel: signal(source, size) for channel, source in sources.items()}
+        raise InputError(dict.fromkeys([*_time_problems(named[TIME], table), *problems]))
+    found |= {channel: found[sensor] for channel, sensor in borrowed.items()}
+    used = [*found.values()]
+    left_out = [
+        f"{channel} has no column: left out" for channel in wanted[1:] if channel not in found
+    ]
+    notes = [*table.notes, *_clock_notes(named, columns, table), *left_out, *_unused(table, used)]
+    notes += [
+        f"{channel} is imposed: it moves as {sensor} records"
+        for channel, sensor in borrowed.items()
+    ]
+    return _channels(found, tuple(notes), table)
 
-    def of(role: str) -> dict[str, NDArray[np.float64]]:
-        return {channel.name: signals[channel] for channel in signals if channel.role == role}
 
-    left_out = [f"{channel} has no column: left out" for channel in wanted if not named[channel]]
-    notes = (*table.notes, *left_out, *_unused(table, sources.values()))
-    return Channels(of("time")["t"], of("input"), of("sensor"), notes)
+def _clocked(text: str, channel: Wanted, time: str | None, table: Table) -> _Clocked:
+    """Find the source of a channel and that of its times: behind ``@``, else ``time``, which is
+    looked up beside the channel first. A single number has no times."""
+    own = ""
+    if not table.find(text.strip()):
+        text, _, own = text.partition("@")
+    source = find_source(text, channel, table)
+    clock = own.strip() or time
+    if clock is None or not has_rows(source):
+        return source, None
+    return source, find_source(clock, TIME, table, source.part)
+
+
+def _time_problems(time: str | None, table: Table) -> tuple[Problem, ...]:
+    """Say what is wrong with time itself; a column of that name in several parts is not wrong."""
+    if time is None or len(table.find(time)) > 1:
+        return ()
+    try:
+        find_source(time, TIME, table)
+    except InputError as error:
+        return error.problems
+    return ()
+
+
+def _channels(found: Mapping[Wanted, _Clocked], notes: tuple[str, ...], table: Table) -> Channels:
+    """Compute all signals, group by group of channels with the same times, and merge the groups."""
+    groups: dict[tuple[str, ...], dict[Wanted, _Clocked]] = {}
+    for channel, (source, clock) in found.items():
+        if clock is not None:
+            key = (clock.text, *(column.header for column in clock.columns))
+            groups.setdefault(key, {})[channel] = source, clock
+    parts = [_group(group, table) for group in groups.values()]
+    whole = merged([one_run(part, table) for part in parts], table)
+    held = {
+        channel.name: signal(source, whole.t.size)
+        for channel, (source, clock) in found.items()
+        if clock is None
+    }
+    order = [channel.name for channel in found if channel.role in ("input", "coordinate")]
+    inputs = {**whole.inputs, **held}
+    return Channels(
+        whole.t, {name: inputs[name] for name in order}, whole.sensors, (*notes, *whole.notes)
+    )
+
+
+def _group(group: Mapping[Wanted, _Clocked], table: Table) -> Channels:
+    clock = next(clock for _, clock in group.values() if clock is not None)
+    size = _size([clock, *(source for source, _ in group.values())], table)
+    signals = {channel: signal(source, size) for channel, (source, _) in group.items()}
+    return Channels(
+        signal(clock, size),
+        {c.name: values for c, values in signals.items() if c.role in ("input", "coordinate")},
+        {c.name: values for c, values in signals.items() if c.role == "sensor"},
+        (),
+    )
 
 
 def _wanted(model: Model) -> Iterator[Wanted]:
-    yield Wanted("time", "t", parse_unit("s"))
+    yield TIME
     for driver in model.inputs:
         yield Wanted("input", driver.name, driver.unit)
+    for coordinate in model.coordinates:
+        if coordinate.imposed:
+            yield Wanted("coordinate", coordinate.name, coordinate.unit)
     for sensor in model.sensors:
         yield Wanted("sensor", sensor.name, sensor.unit)
 
 
 def _equal(channel: Wanted, table: Table) -> str | None:
-    """Return the header of the column with the channel's name, whatever unit stands behind it."""
-    for column in table.columns:
-        if channel.name in (column.header, column.name):
-            return column.header
-    return None
+    """Return what the column with the channel's name is called, whatever unit stands behind it.
+
+    Time may also be a sample step: a single number ``dt``.
+    """
+    found = table.find(channel.name)
+    if found:
+        return found[0].header if len(found) == 1 else channel.name
+    steps = table.find("dt") if channel == TIME else ()
+    return f"{INDEX}*dt" if steps and not any(step.values.ndim for step in steps) else None
 
 
-def _size(sources: Mapping[Wanted, Source], table: Table) -> int:
-    """Return the number of rows, on which all columns in use must agree."""
+def _borrowed(model: Model, named: Mapping[Wanted, str | None]) -> Iterator[tuple[Wanted, Wanted]]:
+    """Pair imposed coordinates that have no column with a sensor that measures just them."""
+    columns = {channel.name: channel for channel in named if channel.role == "sensor"}
+    for channel, text in named.items():
+        if channel.role != "coordinate" or text is not None:
+            continue
+        for sensor in model.sensors:
+            exact = sensor.measures.tree == Name(channel.name)
+            if exact and named[columns[sensor.name]] is not None:
+                yield channel, columns[sensor.name]
+                break
+
+
+def _size(sources: Iterable[Source], table: Table) -> int:
+    """Return the number of rows, on which all columns with the same times must agree."""
     lengths = {
         column.name: column.values.size
-        for source in sources.values()
+        for source in sources
         for column in source.columns
         if column.values.ndim
     }
     if len(set(lengths.values())) > 1:
         listed = ", ".join(f"{name} has {length}" for name, length in lengths.items())
-        text = f"the columns in use differ in their number of rows: {listed}"
+        text = (
+            f"the columns in use differ in their number of rows: {listed}; a channel with times of"
+            " its own names them in the map, as in accel=acc @ t_acc"
+        )
         raise InputError(Problem(text, file=table.file))
     return next(iter(lengths.values()), 0)
 
@@ -103,13 +182,18 @@ def _unknown_keys(
             yield Problem(sentence, f"{key}={text}", table.file)
 
 
-def _missing(named: Mapping[Wanted, str | None], table: Table) -> Iterator[Problem]:
-    """Complain of a time or an input without a column, and if no sensor at all has one."""
+def _missing(
+    named: Mapping[Wanted, str | None], borrowed: Mapping[Wanted, Wanted], table: Table
+) -> Iterator[Problem]:
+    """Complain of a time, an input or an imposed coordinate without a column, and if no sensor at
+    all has one."""
     for channel, text in named.items():
-        if text is None and channel.role != "sensor":
+        if text is None and channel.role != "sensor" and channel not in borrowed:
             example = f"{channel.name}=…"
             if channel.role == "time":
                 example = f"t={INDEX}/1000 at 1000 Hz"
+            if channel.role == "coordinate":
+                example += ", or map a sensor that measures it and nothing else"
             yield Problem(
                 f"has no column{did_you_mean(channel.name, table.names())}"
                 f"; say in the map what it is, as in {example}",
@@ -121,15 +205,29 @@ def _missing(named: Mapping[Wanted, str | None], table: Table) -> Iterator[Probl
         example = f"; map one, as in {next(iter(sensors))}=…" if sensors else ""
         yield Problem(
             f"no sensor of the model ({', '.join(sensors) or 'it has none'}) has a column"
-            f" (columns: {', '.join(table.names()) or 'none'}){example}"
+            f" (columns: {_some(table.names()) or 'none'}){example}"
             + "".join(f"; {note}" for note in table.notes),
             file=table.file,
         )
 
 
-def _unused(table: Table, sources: Iterable[Source]) -> Iterator[str]:
-    used = {column.header for source in sources for column in source.columns}
-    rest = [column.name for column in table.columns if column.header not in used]
+def _clock_notes(
+    named: Mapping[Wanted, str | None], columns: Mapping[str, str], table: Table
+) -> Iterator[str]:
+    if "t" not in columns and not table.find("t"):
+        (step, *_) = table.find("dt")
+        yield f"t is {named[TIME]} ({step.header} = {float(step.values):g}), there is no column t"
+
+
+def _unused(table: Table, used: Iterable[_Clocked]) -> Iterator[str]:
+    sources = [source for pair in used for source in pair if source is not None]
+    known = {column.header for source in sources for column in source.columns}
+    rest = [column.name for column in table.columns if column.header not in known]
     if rest:
         verb = "columns {} are" if len(rest) > 1 else "column {} is"
-        yield verb.format(", ".join(rest)) + " not used"
+        yield verb.format(_some(rest)) + " not used"
+
+
+def _some(names: list[str]) -> str:
+    more = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
+    return ", ".join(names[:MOST_NAMES]) + more

@@ -12,6 +12,7 @@ from functools import partial
 from pathlib import Path
 
 from symhyb.data.catalogue import DATASETS, DataFile, Dataset
+from symhyb.data.table import PART
 from symhyb.errors import InputError, Problem, did_you_mean
 
 FOLDER = "SYMHYB_DATA"
@@ -20,13 +21,18 @@ FOLDER = "SYMHYB_DATA"
 def fetch(dataset: str | Dataset, file: str | None = None, *, progress: bool = False) -> Path:
     """Return the path of a file of a known recording, fetching it if it is nowhere here.
 
-    ``file`` may be left out if the recording has only one. With ``progress`` the percentage is
-    written to the standard error.
+    ``file`` may be left out if the recording has only one, and may name a part, which is then at
+    the end of the path as well (``Ball_drops_data.xls#Golf Ball#2``). With ``progress`` the
+    percentage is written to the standard error.
 
     Raises:
         InputError: an unknown name, a file with another SHA-256, or no network.
     """
     known = _dataset(dataset)
+    if file is not None and PART in file:
+        name, _, part = file.partition(PART)
+        whole = fetch(known, name, progress=progress)
+        return whole.with_name(f"{whole.name}{PART}{part}")
     wanted = _file(known, file)
     here = _provided(known, wanted)
     if here is not None:

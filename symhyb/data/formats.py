@@ -10,20 +10,63 @@ from dataclasses import replace
 from pathlib import Path
 
 from symhyb.data.csv_file import read_csv
+from symhyb.data.json_file import read_json
 from symhyb.data.mat_file import read_mat
-from symhyb.data.table import Table, refusal
+from symhyb.data.mdf_file import read_mdf
+from symhyb.data.parquet_file import read_parquet
+from symhyb.data.sheet_file import read_excel
+from symhyb.data.table import PART, Table, choose, refusal
 from symhyb.errors import did_you_mean
 
-_READERS: Mapping[str, Callable[[bytes, str], Table]] = {".csv": read_csv, ".mat": read_mat}
+_READERS: Mapping[str, Callable[[bytes, str], Table]] = {
+    ".csv": read_csv,
+    ".mat": read_mat,
+    ".json": read_json,
+    ".parquet": read_parquet,
+    ".xlsx": read_excel,
+    ".xls": read_excel,
+    ".mf4": read_mdf,
+    ".mdf": read_mdf,
+}
+
+
+def split_part(path: str | os.PathLike[str]) -> tuple[Path, tuple[str, ...]]:
+    """Split ``drops.xls#Golf Ball#2`` into the path of the file and what is wanted of it."""
+    whole = Path(path)
+    if PART not in whole.name or whole.exists():
+        return whole, ()
+    name, *parts = whole.name.split(PART)
+    return whole.with_name(name) if name else whole, tuple(parts)
 
 
 def read_table(path: str | os.PathLike[str]) -> Table:
-    """Read the columns of a recording, whatever its format.
+    """Read the columns of a recording, whatever its format; ``FILE#PART`` reads one part of it.
+
+    A part is a sheet, a structure, the number of a cell, or a group of channels. A number that
+    names no part is that of a run, from 1, where time starts anew in the file.
 
     Raises:
-        InputError: there is no such file, its format is not readable, or its content is damaged.
+        InputError: there is no such file or part, its format is not readable, or its content is
+            damaged.
     """
-    path = Path(path)
+    whole, parts = split_part(path)
+    table = _read(whole)
+    for part in parts:
+        table = _choose(table, part)
+    return replace(table, file=str(path))
+
+
+def _choose(table: Table, part: str) -> Table:
+    chosen = choose(table, part)
+    if chosen is not None:
+        return chosen
+    if part.isdecimal() and int(part) and not table.run:
+        return replace(table, run=int(part))
+    known = list(dict.fromkeys(column.part for column in table.columns if column.part))
+    raise refusal(table.file, f"has no part '{part}'{did_you_mean(part, known)}")
+
+
+def _read(path: Path) -> Table:
     file = str(path)
     if path.is_dir():
         raise refusal(file, "is a folder, not a recording")

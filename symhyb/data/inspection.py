@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from symhyb.data.channels import own_step
 from symhyb.data.rows import Block, blocks
 from symhyb.units import Unit
 
@@ -16,24 +17,30 @@ GAP = 5.0  # median steps
 CLIPPED = 0.01  # part of the samples at the extreme value
 CLIPPED_RUN = 3  # samples in a row
 FEWEST_STEPS = 4  # between levels: fewer lie on a lattice by chance
+MOSTLY = 0.9  # part of the samples that lie on the lattice of a converter
+DENSE = 0.05  # part of the places of a lattice that are taken, if values beside it are allowed
 
 
 def sampling_notes(t: NDArray[np.float64]) -> Iterator[str]:
     """Say whether the steps of ``t`` (N,) in s are uneven and where time is missing."""
     steps = np.diff(t)
     median = float(np.median(steps))
-    gaps = np.flatnonzero(steps > GAP * median)
-    if gaps.size:
-        places = [f"{t[k]:.6g} … {t[k + 1]:.6g} s" for k in gaps]
-        noun = "a gap" if gaps.size == 1 else f"{gaps.size} gaps"
-        yield f"{noun} in time: t = {_listed(places)} (step otherwise {median:.4g} s)"
-    usual = np.delete(steps, gaps)
+    yield from _gap_notes(t, median)
+    usual = steps[steps <= GAP * median]
     shortest, longest = float(usual.min()), float(usual.max())
     if longest - shortest > UNEVEN * median:
         yield (
             f"sampling is uneven: steps of {shortest:.4g} to {longest:.4g} s,"
             f" median {median:.4g} s; kept as it is"
         )
+
+
+def _gap_notes(t: NDArray[np.float64], step: float) -> Iterator[str]:
+    gaps = np.flatnonzero(np.diff(t) > GAP * step)
+    if gaps.size:
+        places = [f"{t[k]:.6g} … {t[k + 1]:.6g} s" for k in gaps]
+        noun = "a gap" if gaps.size == 1 else f"{gaps.size} gaps"
+        yield f"{noun} in time: t = {_listed(places)} (step otherwise {step:.4g} s)"
 
 
 def input_notes(
@@ -57,16 +64,27 @@ def sensor_notes(
     """
     for name, values in sensors.items():
         missing = np.isnan(values)
-        if missing.any():
+        step = own_step(values, t)
+        if step is not None:
+            yield _rate_note(name, step, t)
+            for note in _gap_notes(t[~missing], step):
+                yield f"sensor {name}: {note}"
+        elif missing.any():
             yield _missing_note(name, missing, t)
         present = values[~missing]
         if np.ptp(present) == 0.0:
             yield f"sensor {name} is constant at {_quantity(present[0], units[name])}"
             continue
         yield from _clipping_notes(name, values, t, units[name])
-        step = lattice_step(present)
-        if step is not None:
-            yield f"sensor {name} is quantised in steps of {_quantity(step, units[name])}"
+        grain = lattice_step(present)
+        if grain is not None:
+            steps, noise = (_quantity(x, units[name]) for x in (grain, grain / np.sqrt(12.0)))
+            yield f"sensor {name} is quantised in steps of {steps} (noise at least {noise})"
+
+
+def _rate_note(name: str, step: float, t: NDArray[np.float64]) -> str:
+    rows = 1 / np.median(np.diff(t))
+    return f"sensor {name}: {1 / step:.4g} Hz beside rows at {rows:.4g} Hz; missing in between"
 
 
 def _missing_note(name: str, missing: NDArray[np.bool_], t: NDArray[np.float64]) -> str:
@@ -102,14 +120,30 @@ def _clipping_notes(
 
 
 def lattice_step(values: NDArray[np.float64]) -> float | None:
-    """Return the step of the lattice on which all ``values`` lie, None if there is none.
+    """Return the step of the lattice on which nearly all ``values`` lie, None if there is none.
 
     ``values`` (N,) without NaN; the step is in their unit.
 
     A converter of b bits gives x = x_0 + i·step with whole i. Steps below 1e-6 of the range are
-    not looked for: there the digits of the file itself are the lattice.
+    not looked for: there the digits of the file itself are the lattice. A few values beside the
+    lattice (samples that a logger filled in, say) do not hide it.
     """
-    levels = np.unique(values)
+    levels, counts = np.unique(values, return_counts=True)
+    whole = _exact_step(levels)
+    if whole is not None or counts.max() == 1:
+        return whole
+    # A level that is reached once may be a stray; those of the converter are met again and again.
+    met = levels[counts > 1]
+    step = _exact_step(met)
+    if step is None or counts[counts > 1].sum() < MOSTLY * values.size:
+        return None
+    return step if met.size >= DENSE * (met[-1] - met[0]) / step else None
+
+
+def _exact_step(levels: NDArray[np.float64]) -> float | None:
+    """Return the step of the lattice on which all sorted ``levels`` lie, None if there is none."""
+    if levels.size < 2:
+        return None
     span = levels[-1] - levels[0]
     differences = np.diff(levels)
     differences = differences[differences > 1e-9 * span]

@@ -1,4 +1,4 @@
-"""MATLAB files of version 5 (also called v6 and v7): vectors and single numbers."""
+"""MATLAB files of version 5 (also called v6 and v7): vectors, numbers, structures and cells."""
 
 import io
 import struct
@@ -6,66 +6,50 @@ from typing import Any
 
 import numpy as np
 
-from symhyb.data.table import Column, Table, refusal
+from symhyb.data.mat73_file import is_newer, read_mat73
+from symhyb.data.nested import Unfit, columns_of
+from symhyb.data.table import Table, refusal
 
 _HEADER = 128  # bytes: text, version, byte order
 
 
 def read_mat(content: bytes, file: str) -> Table:
-    """Read the numeric vectors (N, 1) or (1, N) as columns and (1, 1) as single numbers.
+    """Read the vectors and numbers of a MAT file of any version, see :mod:`symhyb.data.nested`.
 
     Raises:
-        InputError: not a version 5 file, or cut off.
+        InputError: not a MAT file, or cut off, or damaged.
     """
+    if is_newer(content):
+        return read_mat73(content, file)
     from scipy.io import loadmat
 
-    _refuse_other_versions(content, file)
+    if not content.startswith(b"MATLAB 5.0"):
+        raise refusal(file, "is not a MAT file of version 5 or 7.3, although its name ends in .mat")
     _refuse_truncated(content, file)
     try:
         variables = loadmat(io.BytesIO(content))
     except Exception as error:  # damaged bytes make SciPy raise errors of a dozen kinds
         raise refusal(file, f"is a damaged MAT file: {error}") from error
-    columns, notes = [], []
-    for name, value in variables.items():
-        if name.startswith("__"):
-            continue
-        unfit = _unfit(value)
-        if unfit:
-            notes.append(f"variable {name} is {unfit}: left out")
-        else:
-            shape = () if value.size == 1 else (value.size,)
-            columns.append(Column(name, np.asarray(value, dtype=np.float64).reshape(shape)))
-    return Table(file, tuple(columns), tuple(notes))
+    own = {name: _tree(value) for name, value in variables.items() if not name.startswith("__")}
+    return Table(file, *columns_of(own))
 
 
-def _unfit(value: Any) -> str:
-    """Say what a variable is if it is no real vector or number, else nothing."""
+def _tree(value: Any) -> object:
+    """Turn what SciPy made of a variable into mappings, lists, arrays and :class:`Unfit`."""
+    from scipy.io.matlab import MatlabFunction, MatlabOpaque
+
+    if isinstance(value, MatlabFunction | MatlabOpaque):
+        return Unfit("an object of MATLAB")
     if not isinstance(value, np.ndarray):
-        return "no array of numbers"  # a sparse matrix, a function handle
-    size = " x ".join(str(length) for length in value.shape)
-    if value.dtype.kind == "O":
-        return f"a cell array ({size})"
+        return Unfit("no array of numbers")  # a sparse matrix
     if value.dtype.names:
-        return "a structure"
-    if value.dtype.kind not in "buif":
-        return "complex" if value.dtype.kind == "c" else "text"
-    if value.size == 0:
-        return "empty"
-    if value.ndim > 2 or min(value.shape) > 1:
-        return f"a matrix ({size}), not a vector"
-    return ""
-
-
-def _refuse_other_versions(content: bytes, file: str) -> None:
-    newer = content.startswith((b"\x89HDF", b"MATLAB 7.3"))
-    if newer or (content.startswith(b"MATLAB") and content[512:516] == b"\x89HDF"):
-        raise refusal(
-            file,
-            "is a MAT file of version 7.3 (HDF5), which cannot be read yet; in MATLAB, load it"
-            " and save it again with save('name.mat', '-v7')",
-        )
-    if not content.startswith(b"MATLAB 5.0"):
-        raise refusal(file, "is not a MAT file of version 5, although its name ends in .mat")
+        fields = [
+            {name: _tree(one[name]) for name in value.dtype.names} for one in value.ravel("F")
+        ]
+        return fields[0] if len(fields) == 1 else fields
+    if value.dtype.kind == "O":
+        return [_tree(one) for one in value.ravel("F")]
+    return value
 
 
 def _refuse_truncated(content: bytes, file: str) -> None:

@@ -8,10 +8,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from symhyb.data.columns import Channels, map_columns
+from symhyb.data.channels import Channels, take
+from symhyb.data.columns import map_columns
 from symhyb.data.formats import read_table
 from symhyb.data.inspection import input_notes, sampling_notes, sensor_notes
-from symhyb.data.rows import SHORTEST, Span, take, tidy, without_silent_sensors
+from symhyb.data.rows import SHORTEST, Span, tidy, without_silent_sensors
 from symhyb.errors import InputError, Problem
 from symhyb.model.types import Model
 
@@ -23,7 +24,7 @@ class Recording:
     Attributes:
         name: name of the file, for sentences.
         t: (N,) in s, strictly increasing, finite.
-        inputs: by name, (N,), finite.
+        inputs: by name, (N,), finite; among them the motion of imposed coordinates.
         sensors: by name, (N,); NaN where a sample is missing.
         notes: sentences on everything that was noticed, left out or filled in.
         sha256: of the bytes of the file.
@@ -70,6 +71,19 @@ class Recording:
         keep = (self.t >= first) & (self.t <= last)
         return self._part(keep, f"part of {self.name}, {first:g} … {last:g} s")
 
+    def shares(self, other: "Recording") -> bool:
+        """Whether samples of ``other`` are among these: the same file, times and values.
+
+        Two parts of a file may have the same times and still be different runs.
+        """
+        if self.sha256 != other.sha256:
+            return False
+        both, mine, others = np.intersect1d(self.t, other.t, True, True)
+        return both.size > 0 and all(
+            np.array_equal(self.sensors[name][mine], other.sensors[name][others], equal_nan=True)
+            for name in self.sensors.keys() & other.sensors.keys()
+        )
+
     def _part(self, keep: NDArray[np.bool_], note: str) -> "Recording":
         count = np.count_nonzero(keep)
         if count < SHORTEST:
@@ -91,12 +105,15 @@ def read_recording(
     *,
     span: Span = (None, None),
 ) -> Recording:
-    """Read a recording of the machine that ``model`` describes: CSV, or MAT of version 5.
+    """Read a recording of the machine that ``model`` describes: CSV, MAT, JSON, Parquet,
+    Excel or MDF, by its suffix; ``FILE#PART`` is one sheet, structure, cell, group or run of it.
 
     Columns are found by the names of the model's inputs and sensors and ``t`` (s), or through
     ``columns`` = {"laser": "qm [mm]", "f": "gtau*vir", "t": "index/610.35"}; the built-in ``index``
     is the row number from 0. Values are in the unit in brackets, else that of the header, else
-    that of the model. ``span`` = (start, end) in s drops the rest of the file before it is judged.
+    that of the model. Channels sampled at different times are put on the union of their times,
+    which ``"accel": "acc @ t_acc"`` names where they do not stand beside the channel. ``span`` =
+    (start, end) in s drops the rest of the file before it is judged.
 
     Raises:
         InputError: the file or the map is wrong, a needed channel is missing, time does not
@@ -105,10 +122,12 @@ def read_recording(
     table = read_table(path)
     channels = tidy(map_columns(table, model, columns), table, span)
     units = {channel.name: channel.unit for channel in model.sensors}
+    driving = {channel.name: channel.unit for channel in model.coordinates}
+    driving |= {channel.name: channel.unit for channel in model.inputs}
     notes = (
         *channels.notes,
         *sampling_notes(channels.t),
-        *input_notes(channels.inputs, {channel.name: channel.unit for channel in model.inputs}),
+        *input_notes(channels.inputs, driving),
         *sensor_notes(channels.t, channels.sensors, units),
     )
     noted = Channels(channels.t, channels.inputs, channels.sensors, notes)

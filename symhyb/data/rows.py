@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from symhyb.data.columns import Channels
+from symhyb.data.channels import Channels, own_step, take
 from symhyb.data.table import Table
 from symhyb.errors import InputError, Problem
 
@@ -54,31 +54,23 @@ def tidy(channels: Channels, table: Table, span: Span = (None, None)) -> Channel
         InputError: time that is missing or does not increase, an input with a long hole or that
             stops before the sensors do, or fewer than 20 samples left.
     """
-    channels = _finite_or_missing(channels)
+    channels = finite_or_missing(channels)
     if all(np.isnan(values).all() for values in channels.sensors.values()):
         text = f"no sensor ({', '.join(channels.sensors)}) has a finite sample"
         raise InputError(Problem(text, file=table.file))
     rows = np.arange(channels.t.size)
-    for drop in (partial(_outside, span=span), _empty_rows, _repeated_rows, _unmeasured_ends):
+    channels, driven = _between_samples(channels)
+    channels, rows = take(channels, driven), rows[driven]
+    for drop in (partial(_outside, span=span), empty_rows, repeated_rows, _unmeasured_ends):
         keep, note = drop(channels)
         rows = rows[keep]
         channels = take(channels, keep, note)
-    _check_time(channels, rows, table)
+    check_time(channels.t, rows, table)
     if channels.t.size < SHORTEST:
         text = f"usable samples: {channels.t.size}; at least {SHORTEST} are needed"
         text += f" ({note})" if (note := _outside(channels, span)[1]) else ""
         raise InputError(Problem(text, file=table.file))
     return without_silent_sensors(_fill_inputs(channels, table))
-
-
-def take(channels: Channels, keep: NDArray[np.bool_], note: str = "") -> Channels:
-    """Return the rows that are flagged in ``keep`` (N,), with a note if there is one."""
-    return Channels(
-        channels.t[keep],
-        {name: values[keep] for name, values in channels.inputs.items()},
-        {name: values[keep] for name, values in channels.sensors.items()},
-        (*channels.notes, note) if note else channels.notes,
-    )
 
 
 def without_silent_sensors(channels: Channels) -> Channels:
@@ -89,7 +81,7 @@ def without_silent_sensors(channels: Channels) -> Channels:
     return replace(channels, sensors=sensors, notes=(*channels.notes, *notes))
 
 
-def _finite_or_missing(channels: Channels) -> Channels:
+def finite_or_missing(channels: Channels) -> Channels:
     """Write NaN for infinity, which is no measurement."""
 
     def clean(values: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -98,6 +90,34 @@ def _finite_or_missing(channels: Channels) -> Channels:
     inputs = {name: clean(values) for name, values in channels.inputs.items()}
     sensors = {name: clean(values) for name, values in channels.sensors.items()}
     return replace(channels, t=clean(channels.t), inputs=inputs, sensors=sensors)
+
+
+def _between_samples(channels: Channels) -> tuple[Channels, NDArray[np.bool_]]:
+    """Draw straight lines between the samples of inputs that are slower than the rows.
+
+    Flags the rows to keep: beyond the first and last sample of such an input, by less than its own
+    step, its values are not known.
+    """
+    t = channels.t
+    keep = np.ones(t.size, dtype=bool)
+    if np.isnan(t).any() or np.any(np.diff(t) <= 0):
+        return channels, keep  # complained about later
+    inputs, notes = dict(channels.inputs), list(channels.notes)
+    for name, values in channels.inputs.items():
+        step = own_step(values, t)
+        if step is None:
+            continue
+        known = ~np.isnan(values)
+        first, *_, last = t[known]
+        line = np.interp(t, t[known], values[known], left=np.nan, right=np.nan)
+        for gap in np.flatnonzero(np.diff(t[known]) > (LONGEST_HOLE + 1.5) * step):
+            line[(t > t[known][gap]) & (t < t[known][gap + 1])] = np.nan
+        inputs[name] = line
+        keep &= (t >= first) | (t <= first - step)
+        keep &= (t <= last) | (t >= last + step)
+        rates = f"{1 / step:.4g} Hz beside rows at {1 / np.median(np.diff(t)):.4g} Hz"
+        notes.append(f"input {name}: {rates}; straight lines in between")
+    return replace(channels, inputs=inputs, notes=tuple(notes)), keep
 
 
 def _all_signals(channels: Channels) -> NDArray[np.float64]:
@@ -114,14 +134,16 @@ def _outside(channels: Channels, span: Span) -> tuple[NDArray[np.bool_], str]:
     return ~beyond, f"only t = {first:g} … {last:g} s was read"
 
 
-def _empty_rows(channels: Channels) -> tuple[NDArray[np.bool_], str]:
+def empty_rows(channels: Channels) -> tuple[NDArray[np.bool_], str]:
+    """Flag (N,), dimensionless, the rows that hold a number, and say how many do not."""
     signals = _all_signals(channels)
     empty = np.count_nonzero(np.isnan(signals), axis=0) == len(signals)
     return ~empty, _dropped(int(empty.sum()), "without any number")
 
 
-def _repeated_rows(channels: Channels) -> tuple[NDArray[np.bool_], str]:
-    """Flag the rows that repeat the row before them, the time included."""
+def repeated_rows(channels: Channels) -> tuple[NDArray[np.bool_], str]:
+    """Flag (N,), dimensionless, the rows that do not repeat the row before them, the time included,
+    and say how many do."""
     signals = _all_signals(channels)
     before, after = signals[:, :-1], signals[:, 1:]
     same = ((before == after) | (np.isnan(before) & np.isnan(after))).all(axis=0)
@@ -143,8 +165,12 @@ def _dropped(count: int, which: str) -> str:
     return f"{count} row{'s' * (count > 1)} {which}: dropped" if count else ""
 
 
-def _check_time(channels: Channels, rows: NDArray[np.intp], table: Table) -> None:
-    t = channels.t
+def check_time(t: NDArray[np.float64], rows: NDArray[np.intp], table: Table) -> None:
+    """Check that ``t`` (N,) in s is there and increases; ``rows`` (N,) are the rows of the file.
+
+    Raises:
+        InputError: it does not.
+    """
     missing = np.flatnonzero(np.isnan(t))
     if missing.size:
         text = f"time is missing at {table.row(rows[missing[0]])}" + _more(missing.size)
@@ -154,6 +180,9 @@ def _check_time(channels: Channels, rows: NDArray[np.intp], table: Table) -> Non
         now, before = t[wrong[0]], t[wrong[0] - 1]
         text = f"time does not increase at {table.row(rows[wrong[0]])}: {now:.9g} s after"
         cure = "; sort the rows, or cut the file there"
+        runs = np.diff([0, *wrong, t.size])
+        if runs.min() >= SHORTEST and now - t[0] < 0.1 * (before - t[0]):
+            cure = f"; if these are {runs.size} runs, read one of them, as in '{table.file}#2'"
         raise InputError(
             Problem(f"{text} {before:.9g} s{_more(wrong.size)}{cure}", "t", table.file)
         )

@@ -6,8 +6,9 @@ unit of the map, else of the model; if instead the headers state units and the m
 columns enter in SI and their units are multiplied out.
 """
 
+import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,16 +22,18 @@ from symhyb.model.expression import (
     evaluate,
     names,
     parse_expression,
+    readings,
     unit_of,
 )
 from symhyb.units import ONE, Unit, UnitError, parse_unit
 
 INDEX = "index"
+_DOTTED = re.compile(r"(?<![\w.])[A-Za-z_]\w*(?:\.\w+)+")
 
 
 @dataclass(frozen=True, slots=True)
 class Wanted:
-    """A channel of the model: ``role`` is ``time``, ``input`` or ``sensor``."""
+    """A channel of the model: ``role`` is ``time``, ``input``, ``coordinate`` or ``sensor``."""
 
     role: str
     name: str
@@ -44,29 +47,45 @@ class Wanted:
 class Source:
     """A channel's column, or expression in ``columns``, and the factor that makes it SI.
 
-    ``headed`` says that the columns enter in SI, because their headers state units.
+    ``names`` are what the expression calls the columns. ``headed`` says that the columns enter in
+    SI, because their headers state units.
     """
 
     origin: Expression | Column
     columns: tuple[Column, ...]
     factor: float
     headed: bool = False
+    names: tuple[str, ...] = ()
+
+    @property
+    def text(self) -> str:
+        """What the source is, for sentences and to tell sources apart."""
+        return self.origin.header if isinstance(self.origin, Column) else self.origin.text
+
+    @property
+    def part(self) -> str:
+        """The one part of the file that all its columns stand in, else empty."""
+        parts = {column.part for column in self.columns if column.values.ndim}
+        return parts.pop() if len(parts) == 1 else ""
 
 
-def find_source(text: str, channel: Wanted, table: Table) -> Source:
+def find_source(text: str, channel: Wanted, table: Table, part: str = "") -> Source:
     """Read one entry of the map: a column first, an expression in columns else.
 
+    A name is looked up in ``part`` of the file before all others.
+
     Raises:
-        InputError: no such column, a column that is not numeric, or a unit that does not fit.
+        InputError: no such column, one in several parts, a column that is not numeric, or a unit
+            that does not fit.
     """
     base, stated = split_unit(text)
-    column = _column(text.strip(), table) or _column(base, table)
+    column = _column(text.strip(), channel, table, part) or _column(base, channel, table, part)
     unit = _unit(stated, channel, table)
     if column is not None:
         source = _plain(column, unit, channel, table)
     else:
-        source = _computed(_expression(base, channel, table), unit, channel, table)
-    if channel.role != "input" and not _has_rows(source):
+        source = _computed(base, unit, channel, table, part)
+    if channel.role != "input" and not has_rows(source):
         sentence = f"'{text}' is a single number, not a column"
         raise InputError(Problem(sentence, str(channel), table.file))
     return source
@@ -80,17 +99,30 @@ def signal(source: Source, size: int) -> NDArray[np.float64]:
         known: dict[tuple[str, int] | str, NDArray[np.float64] | float] = {
             INDEX: np.arange(size, dtype=np.float64)
         }
-        for column in source.columns:
+        for name, column in zip(source.names, source.columns, strict=True):
             unit = parse_unit(column.unit) if source.headed and column.unit else ONE
-            known[column.name] = column.values * unit.factor
+            known[name] = column.values * unit.factor
         values = evaluate(source.origin, known)
     return np.array(np.broadcast_to(values * source.factor, size), dtype=np.float64)
 
 
-def _column(name: str, table: Table) -> Column | None:
-    by_header = (column for column in table.columns if column.header == name)
-    by_name = (column for column in table.columns if column.name == name)
-    return next(by_header, None) or next(by_name, None)
+def has_rows(source: Source) -> bool:
+    """Say whether the source is a column, or counts rows, and is not a single number."""
+    counts = isinstance(source.origin, Expression) and Name(INDEX) in names(source.origin)
+    return counts or any(column.values.ndim for column in source.columns)
+
+
+def _column(name: str, channel: Wanted, table: Table, part: str) -> Column | None:
+    found = table.find(name, part)
+    if len(found) > 1:
+        listed = ", ".join(column.part for column in found[:12]) + " …" * (len(found) > 12)
+        first = found[0]
+        text = (
+            f"the column '{name}' is in {len(found)} parts of the file ({listed}); say which, as in"
+            f" {channel.name}={first.name}, or read one part, as in '{table.file}#{first.part}'"
+        )
+        raise InputError(Problem(text, str(channel), table.file))
+    return found[0] if found else None
 
 
 def _plain(column: Column, unit: Unit | None, channel: Wanted, table: Table) -> Source:
@@ -103,44 +135,59 @@ def _plain(column: Column, unit: Unit | None, channel: Wanted, table: Table) -> 
     return Source(column, (column,), (unit or headed or channel.unit).factor)
 
 
-def _computed(expression: Expression, unit: Unit | None, channel: Wanted, table: Table) -> Source:
-    used = _columns_of(expression, channel, table)
-    if unit is None and any(column.unit is not None for column in used):
+def _computed(text: str, unit: Unit | None, channel: Wanted, table: Table, part: str) -> Source:
+    flat, dotted = _flat(text, table)
+    expression = _expression(flat, text, channel, table)
+    used = _columns_of(expression, dotted, channel, table, part)
+    own, columns = tuple(used), tuple(used.values())
+    if unit is None and any(column.unit is not None for column in columns):
         _check_dimension(expression, used, channel, table)
-        return Source(expression, used, 1.0, headed=True)
-    return Source(expression, used, (unit or channel.unit).factor)
+        return Source(expression, columns, 1.0, True, own)
+    return Source(expression, columns, (unit or channel.unit).factor, False, own)
 
 
-def _has_rows(source: Source) -> bool:
-    counts = isinstance(source.origin, Expression) and Name(INDEX) in names(source.origin)
-    return counts or any(column.values.ndim for column in source.columns)
+def _flat(text: str, table: Table) -> tuple[str, dict[str, str]]:
+    """Write plain names for dotted ones (``run.laser``), which the grammar does not have."""
+    plain: dict[str, str] = {}
+    if any("." in column.name for column in table.columns):
+        for name in sorted(set(_DOTTED.findall(text)), key=len, reverse=True):
+            plain[name] = f"part_{len(plain)}_"
+    flat = _DOTTED.sub(lambda found: plain.get(found[0], found[0]), text)
+    return flat, {alias: name for name, alias in plain.items()}
 
 
-def _expression(text: str, channel: Wanted, table: Table) -> Expression:
+def _expression(flat: str, text: str, channel: Wanted, table: Table) -> Expression:
     try:
-        return parse_expression(text)
+        expression = replace(parse_expression(flat), text=text)
+        if readings(expression):
+            raise ExpressionError(f"'{text}' asks for what a sensor of the model shows")
     except ExpressionError as error:
         hint = did_you_mean(text, table.names())
         sentence = f"'{text}' is no column{hint}; and as an expression in columns: {error}"
         raise InputError(Problem(sentence, str(channel), table.file)) from error
+    return expression
 
 
-def _columns_of(expression: Expression, channel: Wanted, table: Table) -> tuple[Column, ...]:
-    """Find the columns that an expression names; ``index`` is built in."""
-    found: list[Column] = []
+def _columns_of(
+    expression: Expression, dotted: Mapping[str, str], channel: Wanted, table: Table, part: str
+) -> dict[str, Column]:
+    """Find the columns that an expression names, by their names there; ``index`` is built in."""
+    found: dict[str, Column] = {}
     problems: list[Problem] = []
     for name in sorted(names(expression), key=str):
-        column = _column(name.name, table) if name.order == 0 else None
+        written = dotted.get(name.name, name.name)
+        column = _column(written, channel, table, part) if name.order == 0 else None
         if column is None and name != Name(INDEX):
-            text = f"there is no column '{name}'{did_you_mean(str(name), table.names())}"
+            called = written + "'" * name.order
+            text = f"there is no column '{called}'{did_you_mean(called, table.names())}"
             problems.append(Problem(text, str(channel), table.file))
         elif column is not None and column.problem is not None:
             problems.append(column.problem)
         elif column is not None:
-            found.append(column)
+            found[name.name] = column
     if problems:
         raise InputError(problems)
-    return tuple(found)
+    return found
 
 
 def _unit(text: str | None, channel: Wanted, table: Table) -> Unit | None:
@@ -158,15 +205,15 @@ def _unit(text: str | None, channel: Wanted, table: Table) -> Unit | None:
 
 
 def _check_dimension(
-    expression: Expression, used: tuple[Column, ...], channel: Wanted, table: Table
+    expression: Expression, used: Mapping[str, Column], channel: Wanted, table: Table
 ) -> None:
     """Multiply out the units of the headers; a column without a unit makes that impossible."""
     text = expression.text
     cure = f"state the unit of the result, as in '{text} [{channel.unit}]'"
-    bare = [column.name for column in used if column.unit is None]
+    bare = [column.name for column in used.values() if column.unit is None]
     sentence = ""
     try:
-        units: Mapping[str, Unit] = {c.name: parse_unit(c.unit or "1") for c in used}
+        units: Mapping[str, Unit] = {name: parse_unit(c.unit or "1") for name, c in used.items()}
         found = unit_of(expression, lambda name: units.get(name.name, ONE))
     except (UnitError, ExpressionError) as error:
         sentence = f"'{text}': {error}"

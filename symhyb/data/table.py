@@ -1,13 +1,16 @@
 """Named columns of numbers, as a file of any format has them."""
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from symhyb.errors import InputError, Problem
+from symhyb.units import UnitError, parse_unit
 
+PART = "#"
+"""Behind the name of a file: which part of it is wanted."""
 _BRACKETED = re.compile(r"(.*?)\s*\[([^\[\]]*)\]\s*", re.DOTALL)
 
 
@@ -17,12 +20,15 @@ class Column:
 
     ``header`` is the name as written (``laser [mm]``), ``values`` (N,) or, for a single number of
     a MAT file, (); in the unit of the file, NaN where a cell is empty. ``problem`` says why the
-    column cannot be used, which matters only if somebody wants it.
+    column cannot be used, which matters only if somebody wants it. ``part`` is the sheet,
+    structure, cell or group that the column stands in (empty: none), ``inside`` its header there.
     """
 
     header: str
     values: NDArray[np.float64]
     problem: Problem | None = None
+    part: str = ""
+    inside: str = ""
 
     @property
     def name(self) -> str:
@@ -34,12 +40,19 @@ class Column:
         """The unit in brackets behind the name, None if there is none."""
         return split_unit(self.header)[1]
 
+    @property
+    def local(self) -> str:
+        """The name inside its part, without its unit."""
+        return split_unit(self.inside or self.header)[0]
+
 
 @dataclass(frozen=True, slots=True)
 class Table:
     """The columns of one file. ``lines`` (N,) are the line numbers of the rows in a text file.
 
     ``notes`` are sentences on what was left out; ``file`` is the path as given, for messages.
+    ``run`` is the number, from 1, of the run that is wanted where time starts anew; 0: the file
+    holds one run.
     """
 
     file: str
@@ -47,6 +60,24 @@ class Table:
     notes: tuple[str, ...] = ()
     lines: NDArray[np.intp] | None = None
     sha256: str = ""
+    run: int = 0
+
+    def find(self, name: str, part: str = "") -> tuple[Column, ...]:
+        """Return the columns that ``name`` may mean: none, one, or one each of several parts.
+
+        A column of ``part`` goes first, then the full header, the full name, and the name inside
+        any part.
+        """
+        in_part = tuple(c for c in self.columns if part and c.part == part and c.local == name)
+        if in_part:
+            return in_part[:1]
+        for exact in (
+            [c for c in self.columns if c.header == name],
+            [c for c in self.columns if c.name == name],
+        ):
+            if exact:
+                return (exact[0],)
+        return tuple(c for c in self.columns if c.part and name in (c.inside, c.local))
 
     def names(self) -> list[str]:
         """The names of the columns without their units, in the order of the file."""
@@ -61,6 +92,35 @@ def split_unit(text: str) -> tuple[str, str | None]:
     """Split ``laser [mm]`` into ``laser`` and ``mm``; without brackets the unit is None."""
     found = _BRACKETED.fullmatch(text)
     return (found[1].strip(), found[2].strip()) if found else (text.strip(), None)
+
+
+def headed(name: str, unit: str) -> str:
+    """Return ``name [unit]``, or the name alone where ``unit`` is empty or not one we know."""
+    try:
+        parse_unit(unit)
+    except UnitError:
+        return name
+    return f"{name} [{unit}]" if unit.strip() else name
+
+
+def choose(table: Table, part: str) -> Table | None:
+    """Return ``table`` with the columns of ``part``, named as inside it, and those of no part.
+
+    None: no column stands in such a part.
+    """
+    chosen = []
+    for column in table.columns:
+        beyond = column.part[len(part) + 1 :]
+        if column.part == part:
+            chosen.append(replace(column, header=column.inside, part="", inside=""))
+        elif column.part.startswith(f"{part}."):
+            header = f"{beyond}.{column.inside}"
+            chosen.append(replace(column, header=header, part=beyond))
+    if not chosen:
+        return None
+    shared = [column for column in table.columns if not column.part]
+    own = {column.name for column in chosen}
+    return replace(table, columns=(*(c for c in shared if c.name not in own), *chosen))
 
 
 def refusal(file: str, text: str, line: int = 0) -> InputError:

@@ -1,17 +1,21 @@
-"""What could be wrong: every law of the vocabulary at every place, and the dull causes.
+"""What could be wrong: laws of the vocabulary at places, and the dull causes.
 
 The vocabulary of elements is the vocabulary of hypotheses. A force hypothesis is an ordinary
 element with unknown coefficients; its *probes* are the same element with one coefficient set to
 one, so that the force of any combination is linear in the coefficients. A dull cause is a parameter
-that may be estimated, or the gain or offset of a channel. All compete in one list.
+that may be estimated, or gain, offset or delay of a channel. All compete in one list; which laws
+are tried where, and in what shapes, is said by :mod:`symhyb.discrepancy.candidates`.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
+from math import atan2, hypot, inf
 from typing import TypeVar
 
 import numpy as np
 
+from symhyb.discrepancy.course import Course
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import (
     Between,
@@ -25,23 +29,27 @@ from symhyb.model.types import (
     place_text,
 )  # fmt: skip
 from symhyb.model.vocabulary import key_unit
-from symhyb.numeric.buffers import Array, call, mapped
+from symhyb.numeric.buffers import Array, call
 from symhyb.numeric.machine import Machine, build
-from symhyb.units import ONE
+from symhyb.numeric.vector import along
+from symhyb.units import ONE, parse_unit
 
-TRANSITION_SHARE = 1e-4  # of the largest rate: the friction transition that is tried
 GAIN_REACH = 0.5  # a gain further from 1 is a wrong unit or sign, not a gain
-ASSUMED = "assumed"  # a gain or offset that the file does not state
-STRIBECK_SHARES = (0.05, 0.2)  # of the largest rate
+ASSUMED = "assumed"  # a gain, offset or delay that the file does not state
+SHAPE_REACH = 30.0  # a refined shape stays within this factor of where it was tried
+NARROW = {"frequency": 1.2, "period": 1.2, "clearance": 3.0, "exponent": 4.0}
+SKEW = 0.95  # of an asymmetry: beyond, a damper would drive
+WAVES = ("harmonic", "ripple")
 
 
 @dataclass(frozen=True, slots=True)
 class Hypothesis:
     """One cause: a law at a place, or (``place`` None) the parameter ``path`` of the model.
 
-    ``terms`` are the keys whose values are unknown, linear in the force; ``shape`` are keys that
-    are set beforehand (SI), ``refined`` those of them that are fitted afterwards and so cost a
-    number each; ``positive`` says which terms physics forbids to be negative.
+    ``terms`` are unknown coefficients in which the force is linear; ``shape`` are keys that are set
+    beforehand (SI), ``refined`` those of them that are fitted afterwards and so cost a number each,
+    ``tied`` those that grow with the first coefficient (the damping of a relaxation of a given
+    time). ``positive`` says which terms physics forbids to be negative; ``options`` are words.
     """
 
     kind: str
@@ -51,68 +59,91 @@ class Hypothesis:
     shape: tuple[tuple[str, float], ...] = ()
     refined: tuple[str, ...] = ()
     path: str = ""
+    tied: tuple[str, ...] = ()
+    options: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """The keys of the element that are fitted, those of the terms first."""
+        if self.kind in WAVES:
+            return ("amplitude", "phase", *self.refined)
+        named = {"skew": "asymmetry"}
+        return (*(named.get(term, term) for term in self.terms), *self.refined)
 
     @property
     def numbers(self) -> int:
         """How many numbers the hypothesis fits."""
-        return len(self.terms) + len(self.refined)
+        return len(self.keys)
 
     @property
-    def family(self) -> tuple[str, Place | None, tuple[str, ...], str]:
+    def family(self) -> tuple[object, ...]:
         """What makes two hypotheses the same but for their shape."""
-        return self.kind, self.place, self.terms, self.path
+        return self.kind, self.place, self.terms, self.refined, self.path, self.options
 
     def __str__(self) -> str:
         if self.place is None:
             return self.path if self.kind == "law" else f"{self.kind} {self.path}"
-        return f"{self.kind} ({', '.join(self.terms)}) {place_text(self.place)}"
+        said = ", ".join((*(f"{key} {word}" for key, word in self.options), *self.keys))
+        return f"{self.kind} ({said}) {place_text(self.place)}"
+
+    def values(self, coefficients: Sequence[float]) -> dict[str, float]:
+        """The fitted keys (SI) that go with these coefficients of the terms, shapes as tried."""
+        own = [float(c) for c in coefficients]
+        if self.place is None:
+            return {"value": own[0]}
+        shape = {key: value * (own[0] if key in self.tied else 1) for key, value in self.shape}
+        found = dict(zip(self.terms, own, strict=True))
+        if self.kind in WAVES:
+            sine, cosine = own
+            found = {"amplitude": hypot(sine, cosine), "phase": atan2(cosine, sine)}
+        elif "skew" in found:
+            ratio = found.pop("skew") / found["damping"] if found["damping"] else 0.0
+            found["asymmetry"] = min(max(ratio, -SKEW), SKEW)
+        return {key: found.get(key, shape.get(key, 0.0)) for key in self.keys}
+
+    def limits(self, key: str) -> tuple[float, float]:
+        """Bounds of a fitted key, SI."""
+        if key in self.refined:
+            tried = dict(self.shape)[key]
+            reach = NARROW.get(key, SHAPE_REACH)
+            if key in self.tied:
+                return 0.0, inf
+            return (1.0 if key == "exponent" else tried / reach), tried * reach
+        if key == "asymmetry":
+            return -SKEW, SKEW
+        if key == "amplitude":
+            return 0.0, inf
+        forbidden = key in self.terms and self.positive[self.terms.index(key)]
+        return (0.0 if forbidden else -inf), inf
 
     def element(self, model: Model, name: str, values: Mapping[str, float]) -> Element:
-        """The element of a force hypothesis with these values of its terms and shape, SI."""
+        """The element of a force hypothesis with these values of its keys, else its shape, SI."""
         assert self.place is not None
         own = []
+        exponent = dict(self.shape).get("exponent", 1.0)
         for key, value in {**dict(self.shape), **values}.items():
-            unit = key_unit(model, self.kind, key, self.place)
+            unit = key_unit(model, self.kind, key, self.place, exponent)
             own.append(Parameter(key, value / unit.factor, unit, owner=name))
         entries = tuple((item.name, parse_expression(item.name)) for item in own)
-        return Element(name, self.kind, self.place, entries, tuple(own))
+        return Element(name, self.kind, self.place, entries, tuple(own), options=self.options)
 
     def probes(self, model: Model, name: str) -> tuple[Element, ...]:
         """One element a term: this term 1, the others 0, the shape as set."""
-        return tuple(
-            self.element(model, f"{name}_{term}", {key: float(key == term) for key in self.terms})
-            for term in self.terms
-        )
-
-
-def force_hypotheses(model: Model, speeds: Mapping[Place, float]) -> tuple[Hypothesis, ...]:
-    """Every law at every place; ``speeds`` is the largest rate at each, SI (0: it never moves).
-
-    Negative damping, drag and friction are not offered: a passive machine only loses energy.
-    """
-    return tuple(h for place, speed in speeds.items() for h in _at_place(model, place, speed))
-
-
-def _at_place(model: Model, place: Place, speed: float) -> Iterator[Hypothesis]:
-    yield Hypothesis("constant", place, ("constant",), (False,))
-    length = (("length", natural_length(model, place)),) if isinstance(place, Between) else ()
-    for term in ("stiffness", "quadratic", "cubic"):
-        yield Hypothesis("spring", place, (term,), (False,), length)
-    if speed <= 0:
-        return
-    transition = (("transition", TRANSITION_SHARE * speed),)
-    yield Hypothesis("damper", place, ("damping",), (True,))
-    yield Hypothesis("drag", place, ("drag",), (True,))
-    yield Hypothesis("friction", place, ("coulomb",), (True,), transition)
-    for share in STRIBECK_SHARES:
-        shape = (("stribeck", share * speed), *transition)
-        yield Hypothesis(
-            "friction", place, ("coulomb", "static"), (True, True), shape, ("stribeck",)
-        )
+        result = []
+        for i, term in enumerate(self.terms):
+            called = f"{name}_{term}"
+            if term == "skew" and isinstance(self.place, On):  # damping·asymmetry·abs(s')
+                entry = ("force", parse_expression(f"-abs({self.place.coordinate}')"))
+                result.append(Element(called, "law", self.place, (entry,)))
+                continue
+            unit = [float(i == j) for j in range(len(self.terms))]
+            values = {"damping": 1.0} if "skew" in self.terms else self.values(unit)
+            result.append(self.element(model, called, values))
+        return tuple(result)
 
 
 def dull_hypotheses(model: Model) -> tuple[Hypothesis, ...]:
-    """Parameters that state an ``sd``, and gain and offset of every channel.
+    """Parameters that state an ``sd``, and gain, offset and delay of every channel.
 
     ``model`` must come from :func:`with_channels`.
     """
@@ -123,14 +154,14 @@ def dull_hypotheses(model: Model) -> tuple[Hypothesis, ...]:
     ]
     channels: tuple[Input | Sensor, ...] = (*model.inputs, *model.sensors)
     for channel in channels:
-        for kind in ("gain", "offset"):
+        for kind in ("gain", "offset", "delay"):
             path = f"{channel.name}.{kind}"
             found.append(Hypothesis(kind, None, ("value",), (False,), path=path))
     return tuple(found)
 
 
 def with_channels(model: Model) -> Model:
-    """The same model in which every channel states its gain and offset, so they may be fitted."""
+    """The same model in which every channel states gain, offset and delay: they may be fitted."""
     return replace(
         model,
         inputs=tuple(_stated(item) for item in model.inputs),
@@ -146,7 +177,10 @@ def _stated(channel: Channel) -> Channel:
     offset = channel.offset or Parameter(
         "offset", 0.0, channel.unit, about=ASSUMED, owner=channel.name
     )
-    return replace(channel, gain=gain, offset=offset)
+    late = channel.delay or Parameter(
+        "delay", 0.0, parse_unit("s"), about=ASSUMED, owner=channel.name
+    )
+    return replace(channel, gain=gain, offset=offset, delay=late)
 
 
 def places_of(model: Model) -> tuple[Place, ...]:
@@ -160,38 +194,46 @@ def places_of(model: Model) -> tuple[Place, ...]:
     return tuple(places)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Library:
     """Force hypotheses lowered together. ``columns`` are the probe columns of each hypothesis;
-    ``machine`` is the model with a unit constant at every place and all probes behind."""
+    ``machine`` is the model with a unit constant at every place and all probes behind, their
+    inner states included."""
 
     machine: Machine
     places: tuple[Place, ...]
     hypotheses: tuple[Hypothesis, ...]
     columns: tuple[tuple[int, ...], ...]
 
-    def forces(self, q: Array, v: Array, u: Array, t: Array) -> Array:
-        """Generalized forces (N, n, C) of all probes at N samples, SI."""
-        first = len(self.machine.model.elements) - sum(map(len, self.columns))
-        return np.ascontiguousarray(self._all(q, v, u, t)[:, :, first:])
+    def forces(self, course: Course) -> Array:
+        """Generalized forces (N, n, C) of all probes along a course of ``machine``, SI."""
+        return _forces_along(self, course)[:, :, self._first :]
 
-    def directions(self, q: Array, v: Array, u: Array, t: Array) -> Array:
+    def directions(self, course: Course) -> Array:
         """Generalized forces (N, n, places) of a unit force that acts at each place, SI."""
-        last = len(self.machine.model.elements) - sum(map(len, self.columns))
-        return self._all(q, v, u, t)[:, :, last - len(self.places) : last]
+        return _forces_along(self, course)[:, :, self._first - len(self.places) : self._first]
 
-    def motion(self, q: Array, v: Array, t: Array) -> tuple[Array, Array]:
+    def motion(self, course: Course) -> tuple[Array, Array]:
         """Stretch and rate (N, places) of every place, SI."""
-        last = len(self.machine.model.elements) - sum(map(len, self.columns))
-        function = mapped(self.machine.pathways, t.size, repeated=(3,))
-        stretch, rate, _ = call(function, (q, v, t, self.machine.values))
-        chosen = slice(last - len(self.places), last)
+        given = course.q, course.v, course.t, self.machine.values
+        stretch, rate, _ = along(self.machine.pathways, given, (3,), course.t.size)
+        chosen = slice(self._first - len(self.places), self._first)
         return stretch[:, chosen], rate[:, chosen]
 
-    def _all(self, q: Array, v: Array, u: Array, t: Array) -> Array:
-        function = mapped(self.machine.elements, t.size, repeated=(4,))
-        (flat,) = call(function, (q, v, u, t, self.machine.values))
-        return flat.reshape(t.size, -1, self.machine.n).swapaxes(1, 2)
+    @property
+    def _first(self) -> int:
+        return len(self.machine.model.elements) - sum(map(len, self.columns))
+
+
+@lru_cache(maxsize=16)
+def _forces_along(library: Library, course: Course) -> Array:
+    """Generalized forces (N, n, E) of all elements of a library."""
+    machine, c = library.machine, course
+    given = c.q, c.v, c.z, c.u, c.t, machine.values
+    (flat,) = along(machine.elements, given, (5,), c.t.size)
+    (carried,) = along(machine.carried, (c.q, c.v, c.a, c.t, machine.values), (4,), c.t.size)
+    flat = flat + carried
+    return np.ascontiguousarray(flat.reshape(c.t.size, -1, machine.n).swapaxes(1, 2))
 
 
 def library(model: Model, places: tuple[Place, ...], tried: tuple[Hypothesis, ...]) -> Library:
@@ -207,13 +249,13 @@ def library(model: Model, places: tuple[Place, ...], tried: tuple[Hypothesis, ..
         columns.append(tuple(range(len(probes), len(probes) + len(mine))))
         probes.extend(mine)
     extended = replace(model, elements=(*model.elements, *units, *probes))
-    return Library(build(extended), places, tried, tuple(columns))
+    return Library(build(extended, keep=False), places, tried, tuple(columns))
 
 
 def natural_length(model: Model, place: Between) -> float:
     """The length of the spring between two points, else their distance at the start, m."""
     gauge = Element("gauge", "spring", place, ())
-    machine = build(replace(model, elements=(*model.elements, gauge)))
+    machine = build(replace(model, elements=(*model.elements, gauge)), keep=False)
     start = np.array([c.start * c.unit.factor for c in model.coordinates])
     stretch, *_ = call(machine.pathways, (start, np.zeros_like(start), 0.0, machine.values))
     distance = float(stretch[0, -1])

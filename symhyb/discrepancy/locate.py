@@ -26,8 +26,8 @@ def locate(
 
     ``p`` (P,) and ``sd`` (m,) in SI. The share is None where no window is held or nothing is left.
     """
-    laid = [item.suited(model.machine.model) for item in laid]
-    linears = [model.along(item.block, item.motion, p) for item in laid]
+    laid = [item.suited(model.machine) for item in laid]
+    linears = [model.along(item.block, item.states, p) for item in laid]
     result = []
     for index, place in enumerate(library.places):
         motions = [_motion(library, item, index) for item in laid]
@@ -68,13 +68,9 @@ def activity(t: Array, stretch: Array, rate: Array, force: Array) -> Activity | 
 
 def _motion(library: Library, item: Laid, index: int) -> tuple[Array, Array, Array]:
     """Stretch and rate (W, L) of a place and the generalized unit force there (W, L, n)."""
-    windows, length, states = item.motion.shape
-    n, flat = states // 2, item.motion.reshape(windows * length, states)
-    t, u = item.block.t.reshape(-1), item.block.u.reshape(windows * length, -1)
-    stretch, rate = library.motion(flat[:, :n], flat[:, n:], t)
-    unit = library.directions(flat[:, :n], flat[:, n:], u, t)[:, :, index]
-    shape = (windows, length)
-    return stretch[:, index].reshape(shape), rate[:, index].reshape(shape), unit.reshape(*shape, n)
+    course, rows = item.course(library.machine), item.rows
+    stretch, rate = library.motion(course)
+    return stretch[rows, index], rate[rows, index], library.directions(course)[rows][..., index]
 
 
 def _knots(values: Sequence[Array], count: int) -> Array:

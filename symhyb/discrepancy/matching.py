@@ -3,7 +3,7 @@
 Every window has its own initial state, eliminated in each Gauss–Newton step by variable
 projection, so a record of any length costs one sweep a step (multiple shooting: Bock 1983; the
 projection: Golub & Pereyra 1973). Residuals are whitened by the measured noise.
-Sizes: F free parameters, W windows, L samples a window, m sensors, n coordinates.
+Sizes: F free parameters, W windows, L samples a window, m sensors, X states.
 """
 
 from collections.abc import Sequence
@@ -22,7 +22,9 @@ ITERATIONS = 15
 TRIAL_DECREASE = 1e-4
 TRIAL_ITERATIONS = 7  # a structure that needs more is not close
 DAMPING_MOST = 1e8
-HELD_ROUNDS = 2  # of steps for the initial states of held windows, at the end
+HELD_ROUNDS = 2  # of steps for the initial states alone, when the parameters stand
+ROUNDS = 3  # of both
+SETTLED = 0.01  # of the cost: if settling takes more, the parameters move again
 UNSEEN = 1e-13  # of the largest eigenvalue of a scaled normal matrix
 
 
@@ -33,7 +35,7 @@ class Fit:
     ``values`` (F,) SI; ``covariance`` (F, F), widened for coloured residuals; ``chi2`` of each
     window (W,) in the order of the recordings, ``count`` (W,) its samples less its initial states,
     ``held`` (W,); ``correlation`` c ≥ 1 of the fitted windows; ``starts`` the fitted initial
-    states of each recording (W, 2n). ``reason`` is empty, or says why the fit failed.
+    states of each recording (W, X). ``reason`` is empty, or says why the fit failed.
     """
 
     values: Array
@@ -83,7 +85,7 @@ class Task:
 
 @dataclass(frozen=True, slots=True)
 class _Part:
-    """One recording, whitened: residual (W, L·m), by starts (W, L·m, 2n), by parameters
+    """One recording, whitened: residual (W, L·m), by starts (W, L·m, X), by parameters
     (W, L·m, F); ``used`` (W,), True where a window determines the parameters."""
 
     residual: Array
@@ -95,16 +97,34 @@ class _Part:
 def fit(model: WindowModel, task: Task, p: Array, starts: Sequence[Array] | None = None) -> Fit:
     """Fit the free parameters of ``model`` from ``p`` (P,) in SI by damped Gauss–Newton steps.
 
-    Initial states start at ``starts`` (W, 2n) of each recording (default: those of the smoothed
+    Initial states start at ``starts`` (W, X) of each recording (default: those of the smoothed
     motion) and are fitted on every window, parameters on those that are not held.
     """
-    free = list(model.free)
-    values = np.clip(p[free], task.lower, task.upper)
+    values = np.clip(p[list(model.free)], task.lower, task.upper)
     now = [item.start for item in task.laid] if starts is None else list(starts)
     cost = _cost(model, task, p, values, now)
     if not np.isfinite(cost):
         return _failed(task, now, values, "the simulation grew without bound")
-    damping = 0.0
+    for _ in range(ROUNDS):
+        values, now, cost = _descended(model, task, p, values, now, cost)
+        now = _settled(model, task, p, values, now)
+        settled = _cost(model, task, p, values, now)
+        if not settled < (1 - SETTLED) * cost:
+            break
+        cost = settled
+    return _finish(task, _linearise(model, task, p, values, now), values, now)
+
+
+def _descended(
+    model: WindowModel,
+    task: Task,
+    p: Array,
+    values: Array,
+    now: list[Array],
+    cost: float,
+) -> tuple[Array, list[Array], float]:
+    """Parameters, initial states and cost after damped Gauss–Newton steps, while they pay."""
+    damping, gained = 0.0, 0.0
     for _ in range(task.iterations):
         parts = _linearise(model, task, p, values, now)
         accepted = False
@@ -112,8 +132,8 @@ def fit(model: WindowModel, task: Task, p: Array, starts: Sequence[Array] | None
             change, moved, predicted = _step(task, parts, values, damping)
             if predicted <= task.decrease * cost:
                 break
-            trial, ahead = values + change, [s + d for s, d in zip(now, moved, strict=True)]
-            after = _cost(model, task, p, trial, ahead)
+            trial = values + change
+            after, ahead = _tried(model, task, p, trial, now, moved)
             if after < cost:
                 accepted, damping = True, damping / 10 if damping > 1e-4 else 0.0
                 gained, values, now, cost = cost - after, trial, ahead, after
@@ -121,18 +141,40 @@ def fit(model: WindowModel, task: Task, p: Array, starts: Sequence[Array] | None
             damping = max(10 * damping, 1e-3)
         if not accepted or gained <= task.decrease * cost:
             break
-    now = _settled(model, task, p, values, now)
-    return _finish(task, _linearise(model, task, p, values, now), values, now)
+    return values, now, cost
+
+
+def _tried(
+    model: WindowModel,
+    task: Task,
+    p: Array,
+    values: Array,
+    starts: Sequence[Array],
+    moved: Sequence[Array],
+) -> tuple[float, list[Array]]:
+    """Cost and initial states after a step; a window that it would throw off stays where it is."""
+    full = _filled(p, model.free, values)
+    total, chosen = float(np.sum(((values - task.mean) / task.spread) ** 2)), []
+    for item, start, move in zip(task.laid, starts, moved, strict=True):
+        used = np.ones(len(start), bool) if task.everything else ~item.held
+        with np.errstate(over="ignore", invalid="ignore"):
+            ahead, still = (
+                np.sum(_whitened(model, item, full, begin, task.sd) ** 2, axis=(1, 2))
+                for begin in (start + move, start)
+            )
+        ahead, still = (np.where(np.isfinite(cost), cost, np.inf) for cost in (ahead, still))
+        goes = ahead <= still
+        chosen.append(np.where(goes[:, None], start + move, start))
+        total += float(np.sum(np.minimum(ahead, still)[used]))
+    return (total if np.isfinite(total) else np.inf), chosen
 
 
 def _settled(
     model: WindowModel, task: Task, p: Array, values: Array, starts: Sequence[Array]
 ) -> list[Array]:
-    """Initial states of held windows for the parameters as they stand, window by window; they
-    had no say in which steps were taken."""
+    """Initial states for the parameters as they stand, window by window: those of held windows had
+    no say in which steps were taken, and one bad window may have held up the others."""
     now = list(starts)
-    if task.everything or not any(item.held.any() for item in task.laid):
-        return now
     full, still = _filled(p, model.free, values), np.zeros_like(values)
     for _ in range(HELD_ROUNDS):
         parts = _linearise(model, task, p, values, now)
@@ -140,7 +182,7 @@ def _settled(
             ahead = now[i] + _start_step(part, still, 0.0)[0]
             with np.errstate(over="ignore", invalid="ignore"):
                 after = np.sum(_whitened(model, item, full, ahead, task.sd) ** 2, axis=(1, 2))
-            better = item.held & (after < np.sum(part.residual**2, axis=1))
+            better = after < np.sum(part.residual**2, axis=1)
             now[i] = np.where(better[:, None], ahead, now[i])
     return now
 
@@ -195,7 +237,7 @@ def _project(part: _Part) -> tuple[Array, Array, Array, Array]:
     windows, _, states = part.by_start.shape
     ridge = np.broadcast_to(1e-7 * np.eye(states), (windows, states, states))
     basis, triangle = np.linalg.qr(np.concatenate([part.by_start / scale, ridge], axis=1))
-    basis = basis[:, :-states]
+    basis = basis[:, : part.by_start.shape[1]]
     joined = np.concatenate([part.by_free, part.residual[..., None]], axis=2)
     return basis, triangle, scale, joined - basis @ (basis.transpose(0, 2, 1) @ joined)
 
@@ -218,7 +260,7 @@ def _step(
 
 
 def _start_step(part: _Part, change: Array, damping: float) -> tuple[Array, float]:
-    """Step of the initial states (W, 2n): their whole reply to a ``change`` of the parameters, and
+    """Step of the initial states (W, X): their whole reply to a ``change`` of the parameters, and
     a damped one to the residual; and the decrease of the fitted windows' cost that it predicts."""
     basis, triangle, scale, _ = _project(part)
     across = basis.transpose(0, 2, 1)

@@ -18,15 +18,18 @@ from scipy.sparse.linalg import splu
 
 from symhyb.data.recording import Recording
 from symhyb.errors import InputError, Problem
-from symhyb.numeric.buffers import Array, call, mapped
-from symhyb.numeric.machine import Machine
+from symhyb.model.expression import parse_expression, readings
+from symhyb.model.types import Energy, Model, Sensor
+from symhyb.numeric.buffers import Array, later
+from symhyb.numeric.machine import Machine, build
+from symhyb.numeric.vector import along
 
 DEGREE = 5
 SPACINGS = (1.3, 1.6, 2, 3, 4, 6, 8, 11, 16, 23, 32, 45, 64, 91, 128)  # samples between two knots
 WORSE_MOST = 3  # spacings in a row that are worse than the best: stop
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Motion:
     """Smoothed motion of one recording, SI: ``q``, ``v``, ``a`` (N, n) and one standard deviation
     of each in ``q_sd``, ``v_sd``, ``a_sd`` (n,); ``sd`` (m,) is the measured noise of the sensors
@@ -65,7 +68,7 @@ def measured(recording: Recording, machine: Machine) -> Array:
     columns = []
     for sensor in machine.model.sensors:
         column = recording.sensors.get(sensor.name, missing)
-        if sensor.delay is not None:
+        if sensor.delay is not None and sensor.delay.si != 0:
             later = recording.t + sensor.delay.si
             column = np.interp(later, recording.t, column, left=np.nan, right=np.nan)
         columns.append(column)
@@ -77,8 +80,8 @@ def acting(recording: Recording, machine: Machine) -> Array:
     columns = []
     for item in machine.model.inputs:
         column = recording.inputs[item.name]
-        if item.delay is not None:
-            column = np.interp(recording.t - item.delay.si, recording.t, column)
+        if item.delay is not None and item.delay.si != 0:
+            column = later(recording.t, column, item.delay.si)
         columns.append(column)
     return np.column_stack(columns) if columns else np.empty((recording.t.size, 0))
 
@@ -106,9 +109,54 @@ def noise_level(values: Array) -> float:
 def motion_of(recording: Recording, machine: Machine) -> Motion:
     """Estimate the motion of all coordinates from whatever the sensors of a recording give.
 
+    Sensors of forces say nothing about it: they show what the model may lack.
+
     Raises:
         InputError: too few samples, or a coordinate that no sensor of this recording sees.
     """
+    watching, shown = _watching(machine.model, recording)
+    if watching is machine.model:
+        return _smoothed(recording, machine)
+    motion = _smoothed(shown, build(watching, keep=False))
+    spreads = dict(zip((sensor.name for sensor in watching.sensors), motion.sd, strict=True))
+    y = measured(recording, machine)
+    sd = [
+        float(spreads.get(sensor.name, noise_level(column)))
+        for sensor, column in zip(machine.model.sensors, y.T, strict=True)
+    ]
+    return replace(motion, sd=np.array(sd))
+
+
+def given_motion(recording: Recording, machine: Machine) -> Array:
+    """Places, speeds and accelerations (N, 3·g) of the g imposed coordinates, smoothed, SI."""
+    model = machine.model
+    imposed = tuple(c for c in model.coordinates if c.imposed)
+    alone = replace(
+        model, coordinates=imposed, points=(), bodies=(), elements=(), sensors=(), energy=Energy()
+    )
+    watching, shown = _watching(alone, recording)
+    motion = _smoothed(shown, build(watching, keep=False))
+    return np.concatenate([motion.q, motion.v, motion.a], axis=1)
+
+
+def _watching(model: Model, recording: Recording) -> tuple[Model, Recording]:
+    """The model with the sensors that show its motion (those of forces left out), and one more for
+    each imposed coordinate; and the recording with these channels."""
+    kept = tuple(s for s in model.sensors if not _shows_force(s))
+    imposed = [c for c in model.coordinates if c.imposed]
+    if len(kept) == len(model.sensors) and not imposed:
+        return model, recording
+    gauges = tuple(Sensor(f"imposed {c.name}", parse_expression(c.name), c.unit) for c in imposed)
+    more = {f"imposed {c.name}": recording.inputs[c.name] for c in imposed}
+    channels = {**recording.sensors, **more}
+    return replace(model, sensors=(*kept, *gauges)), replace(recording, sensors=channels)
+
+
+def _shows_force(sensor: Sensor) -> bool:
+    return any(r.what in ("force", "reaction") for r in readings(sensor.measures))
+
+
+def _smoothed(recording: Recording, machine: Machine) -> Motion:
     y, u = measured(recording, machine), acting(recording, machine)
     t = recording.t
     _require_seen(recording, machine, y, u)
@@ -247,9 +295,10 @@ def _sense(
     machine: Machine, q: Array, v: Array, a: Array, u: Array, t: Array
 ) -> tuple[Array, tuple[Array, ...]]:
     total, m, n = t.size, len(machine.model.sensors), machine.n
-    arguments = (q, v, a, u, t, machine.values)
-    (y,) = call(mapped(machine.outputs, total, repeated=(5,)), arguments)
-    slopes = call(mapped(machine.output_slopes, total, repeated=(5,)), arguments)
+    z = np.zeros((total, machine.inner_states))
+    arguments = (q, v, a, z, u, t, machine.values)
+    (y,) = along(machine.outputs, arguments, (6,), total)
+    slopes = along(machine.output_slopes, arguments, (6,), total)
     shaped = tuple(s.reshape(total, n, m).transpose(0, 2, 1) for s in slopes)
     return y.reshape(total, m), shaped
 

@@ -5,17 +5,19 @@ Sizes: N samples, n coordinates, m sensors.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from symhyb.data.recording import Recording
-from symhyb.discrepancy.motion import Motion, acting, motion_of
+from symhyb.discrepancy.course import Course, course_of
+from symhyb.discrepancy.motion import Motion, motion_of
 from symhyb.discrepancy.wording import percent_text, quantity_text
 from symhyb.model.types import Model, On
 from symhyb.model.vocabulary import force_unit
-from symhyb.numeric.buffers import Array, call, mapped
+from symhyb.numeric.buffers import Array
 from symhyb.numeric.machine import Machine
+from symhyb.numeric.vector import along
 
 NOISE_RATIO = 2.0  # measured noise this far from the stated sd is told
 
@@ -56,12 +58,8 @@ class Discrepancy:
 def compare(machine: Machine, recording: Recording) -> Discrepancy:
     """ΔF of a recording with its band, from motion that all sensors determine together."""
     motion = motion_of(recording, machine)
-    u = acting(recording, machine)
-    force = discrepancy(machine, motion.q, motion.v, motion.a, u, motion.t, machine.values)
-    (applied,) = call(
-        mapped(machine.k_e, motion.t.size, repeated=(4,)),
-        (motion.q, motion.v, u, motion.t, machine.values),
-    )
+    course = course_of(recording, machine, motion)
+    force, applied = discrepancy(machine, course, machine.values), applied_force(machine, course)
     sensors = machine.model.sensors
     noise = {
         sensor.name: float(sd / sensor.unit.factor)
@@ -69,30 +67,38 @@ def compare(machine: Machine, recording: Recording) -> Discrepancy:
         if np.isfinite(sd)
     }
     return Discrepancy(
-        machine.model, recording.name, motion, force, force_band(machine, motion, u), applied,
+        machine.model, recording.name, motion, force, force_band(machine, motion, course), applied,
         noise, (*recording.notes, *noise_notes(machine.model, noise)),
     )  # fmt: skip
 
 
-def discrepancy(
-    machine: Machine, q: Array, v: Array, a: Array, u: Array, t: Array, p: Array
-) -> Array:
-    """ΔF (N, n) for motion q, v, a (N, n), inputs u (N, k) at t (N,), parameters p (P,), SI."""
-    (force,) = call(mapped(machine.discrepancy, t.size, repeated=(5,)), (q, v, a, u, t, p))
+def discrepancy(machine: Machine, course: Course, p: Array) -> Array:
+    """ΔF (N, n) along a course with parameters p (P,), SI. Of an imposed coordinate it is what the
+    measured reaction has less than the model says; zero where the reaction was not measured."""
+    c = course
+    given = c.q, c.v, c.a, c.z, c.u, c.t, p
+    (force,) = along(machine.discrepancy, given, (6,), c.t.size)
+    lacking = force - c.reaction
+    return np.where(np.isfinite(c.reaction), lacking, 0.0)
+
+
+def applied_force(machine: Machine, course: Course) -> Array:
+    """k_e (N, n) along a course, SI."""
+    c = course
+    (force,) = along(machine.k_e, (c.q, c.v, c.z, c.u, c.t, machine.values), (5,), c.t.size)
     return force
 
 
-def force_band(machine: Machine, motion: Motion, u: Array) -> Array:
+def force_band(machine: Machine, motion: Motion, course: Course) -> Array:
     """One standard deviation of ΔF (N, n) from the bands of q, v and a, to first order, SI."""
-    q, v, a = motion.q, motion.v, motion.a
-    spreads = (motion.q_sd, motion.v_sd, motion.a_sd)
-    base = discrepancy(machine, q, v, a, u, motion.t, machine.values)
+    base = discrepancy(machine, course, machine.values)
     total = np.zeros_like(base)
-    for which, spread in enumerate(spreads):
+    for name, spread in (("q", motion.q_sd), ("v", motion.v_sd), ("a", motion.a_sd)):
         for j in range(machine.n):
-            moved = (q.copy(), v.copy(), a.copy())
-            moved[which][:, j] += spread[j]
-            total += (discrepancy(machine, *moved, u, motion.t, machine.values) - base) ** 2
+            moved = getattr(course, name).copy()
+            moved[:, j] += spread[j]
+            change = discrepancy(machine, replace(course, **{name: moved}), machine.values) - base
+            total += change**2
     return np.sqrt(total)
 
 

@@ -1,22 +1,28 @@
 """A recording made ready for windows: its motion, the noise of its sensors, fine enough steps."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from symhyb.data.recording import Recording
+from symhyb.discrepancy.course import course_of
 from symhyb.discrepancy.motion import Motion
+from symhyb.discrepancy.residual import discrepancy
 from symhyb.discrepancy.windows import Laid, lay, reversals
+from symhyb.model.expression import parse_expression
+from symhyb.model.types import Element, On
 from symhyb.numeric.buffers import Array
-from symhyb.numeric.machine import Machine
+from symhyb.numeric.machine import Machine, build
 from symhyb.numeric.windows import WindowModel
 
-FINE_STEPS = 8  # near a reversal, for one elsewhere
+FINE_LEAST, FINE_MOST = 8, 64  # steps near a reversal, for one elsewhere
 STEPS_MOST = 16
 SIGNAL_LEAST = 3.0  # spread of a channel over its noise, for a recording that shows something
 SAMPLES_TELL = 100  # that recordings have together
 PERIODS_LEAST = 2.0  # of the slowest motion, that recordings last together
+WINDOWS_WORSE = 0.1  # share of windows in which the integration may err more
+PROBE_TRANSITION = 1e-4  # of the largest speed
 STEP_SHARE = 0.1  # of the noise: the error of integration that is allowed
 SD_FLOOR = 1e-6  # of a sensor's range: the accuracy of the integration
 RANGE_SHARE = 2e-5  # of a sensor's range: an error of integration that is always allowed
@@ -25,17 +31,18 @@ RANGE_SHARE = 2e-5  # of a sensor's range: an error of integration that is alway
 @dataclass(frozen=True, slots=True)
 class Run:
     """One recording with its smoothed motion, the noise ``sd`` (m,) of its sensors, SI, and the
-    integration ``steps`` between two samples."""
+    integration ``steps`` between two samples, each ``fine`` times finer near a reversal."""
 
     recording: Recording
     motion: Motion
     sd: Array
     steps: int = 1
+    fine: int = FINE_LEAST
 
 
 def laid_on(run: Run, machine: Machine, length_s: float) -> Laid | None:
     """Windows of one run, ``length_s`` in s, with finer steps near reversals of a coordinate."""
-    parts = run.steps * np.where(reversals(run.motion.v), FINE_STEPS, 1)
+    parts = run.steps * np.where(reversals(run.motion.v), run.fine, 1)
     return lay(run.recording, machine, run.motion, length_s, parts)
 
 
@@ -79,30 +86,70 @@ def too_poor(runs: Sequence[Run], sensors: Sequence[str]) -> str:
 def with_noise(runs: Sequence[Run], sd: Array, model: WindowModel) -> tuple[Run, ...]:
     """The runs with this noise (m,), SI, and as many integration steps as it asks for."""
     told = [replace(run, sd=sd) for run in runs]
-    return tuple(replace(run, steps=_steps_needed(model, run)) for run in told)
+    told = [replace(run, steps=_steps_needed(model, run)) for run in told]
+    return tuple(replace(run, fine=_fine_needed(model.machine, run)) for run in told)
 
 
 def _steps_needed(model: WindowModel, run: Run) -> int:
     """Steps between samples at which twice as many change the outputs by less than a tenth of the
-    noise, over windows of one period along the measured motion."""
+    noise in nine of ten windows of one period along the measured motion; where the model as given
+    runs away from the recording, its error says nothing."""
     length = float(run.motion.periods().min())
+    samples = run.recording.t.size - 1
+
+    def laid(steps: int) -> Laid | None:
+        parts = steps * np.ones(samples, np.int64)
+        return lay(run.recording, model.machine, run.motion, length, parts)
+
+    return _enough(model, run, laid, 1, STEPS_MOST)
+
+
+def _fine_needed(machine: Machine, run: Run) -> int:
+    """The same near reversals, for a model with as much dry friction as the force that the model
+    lacks could hold."""
+    missing = discrepancy(machine, course_of(run.recording, machine, run.motion), machine.values)
+    size = np.sqrt(np.mean(missing**2, axis=0))
+    speed = np.abs(run.motion.v).max(axis=0)
+    frictions = []
+    for i in machine.free:
+        if size[i] > 0 and speed[i] > 0:
+            name, place = f"fine{i}", On(machine.model.coordinates[i].name)
+            level = parse_expression(float(size[i] / 2))
+            width = parse_expression(float(PROBE_TRANSITION * speed[i]))
+            entries = (("coulomb", level), ("transition", width))
+            frictions.append(Element(name, "friction", place, entries))
+    if not frictions:
+        return FINE_LEAST
+    model = machine.model
+    steep = build(replace(model, elements=(*model.elements, *frictions)), keep=False)
+    length = float(run.motion.periods().min())
+
+    def laid(fine: int) -> Laid | None:
+        return laid_on(replace(run, fine=fine), steep, length)
+
+    return _enough(WindowModel(steep), run, laid, FINE_LEAST, FINE_MOST)
+
+
+def _enough(
+    model: WindowModel, run: Run, laid_with: Callable[[int], Laid | None], first: int, most: int
+) -> int:
+    """The smallest of ``first``, 2·``first`` … ``most`` steps that the noise does not tell from
+    twice as many."""
     values = model.machine.values
     y = [run.recording.sensors.get(s.name) for s in model.machine.model.sensors]
     reach = np.array([0.0 if c is None else np.nanmax(c) - np.nanmin(c) for c in y])
     allowed = np.maximum(STEP_SHARE * run.sd, RANGE_SHARE * reach)
-    parts = np.ones(run.recording.t.size - 1, np.int64)
     coarse: Array | None = None
-    steps = 1
-    while steps <= 2 * STEPS_MOST:
-        laid = lay(run.recording, model.machine, run.motion, length, steps * parts)
+    steps = first
+    while steps <= 2 * most:
+        laid = laid_with(steps)
         if laid is None:
-            return 1
+            return first
         with np.errstate(over="ignore", invalid="ignore"):
             _, fine = model.simulate(laid.block, laid.start, values)
             if coarse is not None:
-                change = (fine - coarse).reshape(-1, allowed.size)
-                error = np.sqrt(np.mean(change[np.isfinite(change).all(axis=1)] ** 2, axis=0))
-                if not np.any(error > allowed):
+                error = np.sqrt(np.mean((fine - coarse) ** 2, axis=1))
+                if np.mean((error > allowed).any(axis=1)) <= WINDOWS_WORSE:
                     return steps // 2
         coarse, steps = fine, 2 * steps
-    return STEPS_MOST
+    return most

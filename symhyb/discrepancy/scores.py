@@ -10,13 +10,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symhyb.data.thin import thinned
+from symhyb.discrepancy.course import course_of
 from symhyb.discrepancy.matching import Task, fit
-from symhyb.discrepancy.motion import acting, measured
-from symhyb.discrepancy.residual import discrepancy
+from symhyb.discrepancy.motion import measured
+from symhyb.discrepancy.residual import applied_force, discrepancy
 from symhyb.discrepancy.results import Score
 from symhyb.discrepancy.runs import Run, laid_on
 from symhyb.discrepancy.windows import Laid
-from symhyb.numeric.buffers import Array, call, mapped
+from symhyb.numeric.buffers import Array
+from symhyb.numeric.dynamics import StateForm
 from symhyb.numeric.integrate import Scenario, Trajectory, simulate
 from symhyb.numeric.machine import Machine
 from symhyb.numeric.windows import WindowModel
@@ -87,17 +89,19 @@ def score(machine: Machine, found: Errors, runs: Sequence[Run], by: Yardstick) -
 def free_run(model: WindowModel, run: Run) -> Trajectory:
     """Simulate a whole recording by CVODES from its fitted initial state."""
     machine, recording, motion = model.machine, run.recording, run.motion
-    scales = np.concatenate([np.abs(motion.q).max(axis=0), np.abs(motion.v).max(axis=0)])
-    start, n = _fitted_start(model, run), machine.n
+    course, form = course_of(recording, machine, motion), model.form
+    scales = np.abs(course.states).max(axis=0, initial=0.0)
+    start, f = _fitted_start(model, run), len(form.free)
+    q, v = form.motion(start, course.drive[0])
     scenario = Scenario(
-        recording.t, start[:n], start[n:], recording.t, acting(recording, machine),
-        np.where(scales > 0, scales, 1.0),
+        recording.t, q, v, recording.t, course.u, np.where(scales > 0, scales, 1.0),
+        z=start[2 * f :], given=course.drive[:, form.inputs :] if form.given else None,
     )  # fmt: skip
     return simulate(machine, scenario)
 
 
 def _fitted_start(model: WindowModel, run: Run) -> Array:
-    """Initial state (2n,) of a free run over the whole recording, thinned if it is long.
+    """Initial state (X,) of a free run over the whole recording, thinned if it is long.
 
     It is fitted to growing parts of the recording, because dry friction and large motion make the
     whole run an uneven function of its start; the best of these, the smoothed start and the one
@@ -105,27 +109,30 @@ def _fitted_start(model: WindowModel, run: Run) -> Array:
     """
     factor = max(run.recording.t.size // RUN_SAMPLES, 1)
     short = replace(run, recording=thinned(run.recording, factor), motion=run.motion.every(factor))
-    starts = [np.concatenate([run.motion.q[0], run.motion.v[0]]), _stated(model.machine)]
+    first = course_of(run.recording, model.machine, run.motion).states[0]
+    starts: list[Array] = [first, _stated(model.form, first)]
     nothing = np.zeros(0)
     laid: Laid | None = None
     for share in RUN_SHARES:
         laid = laid_on(short, model.machine, share * short.recording.duration)
         if laid is None:
             continue
-        laid = laid.first().suited(model.machine.model)
+        laid = laid.first().suited(model.machine)
         task = Task((laid,), run.sd, nothing, nothing, nothing, nothing, iterations=10)
         begin = [starts[-1 if share > RUN_SHARES[0] else 0][None]]
         starts.append(fit(model, task, model.machine.values, begin).starts[0][0])
     if laid is None:
         return starts[0]
-    return min(starts, key=lambda start: _run_cost(model, laid, start, run.sd))
+    costs = [_run_cost(model, laid, start, run.sd) for start in starts]
+    return starts[int(np.argmin(costs))]
 
 
-def _stated(machine: Machine) -> Array:
-    """The initial state (2n,) that the model file states, SI."""
-    coordinates = machine.model.coordinates
-    places = [c.start * c.unit.factor for c in coordinates]
-    return np.array([*places, *(c.start_rate * c.unit.factor for c in coordinates)])
+def _stated(form: StateForm, first: Array) -> Array:
+    """The initial state (X,) that the model file states, SI, with inner states of ``first``."""
+    coordinates, f = form.machine.model.coordinates, len(form.free)
+    q = np.array([c.start * c.unit.factor for c in coordinates])
+    v = np.array([c.start_rate * c.unit.factor for c in coordinates])
+    return form.state(q, v, first[2 * f :])
 
 
 def _run_cost(model: WindowModel, laid: Laid, start: Array, sd: Array) -> float:
@@ -141,7 +148,7 @@ def _window_errors(model: WindowModel, run: Run, window_s: float) -> Array:
     laid = laid_on(run, model.machine, window_s)
     if laid is None:
         return np.empty((0, len(model.machine.model.sensors)))
-    laid = laid.suited(model.machine.model)
+    laid = laid.suited(model.machine)
     nothing = np.zeros(0)
     task = Task((laid,), run.sd, nothing, nothing, nothing, nothing)
     fitted = fit(model, task, model.machine.values)
@@ -151,13 +158,9 @@ def _window_errors(model: WindowModel, run: Run, window_s: float) -> Array:
 
 def forces_of(machine: Machine, run: Run, band_hz: float | None) -> tuple[Array, Array]:
     """ΔF and the applied force k_e (N, n), both through the same zero-phase low-pass, SI."""
-    motion, u = run.motion, acting(run.recording, machine)
-    delta = discrepancy(machine, motion.q, motion.v, motion.a, u, motion.t, machine.values)
-    (applied,) = call(
-        mapped(machine.k_e, motion.t.size, repeated=(4,)),
-        (motion.q, motion.v, u, motion.t, machine.values),
-    )
-    return low_pass(delta, motion.t, band_hz), low_pass(applied, motion.t, band_hz)
+    course = course_of(run.recording, machine, run.motion)
+    delta, applied = discrepancy(machine, course, machine.values), applied_force(machine, course)
+    return low_pass(delta, course.t, band_hz), low_pass(applied, course.t, band_hz)
 
 
 def low_pass(values: Array, t: Array, band_hz: float | None) -> Array:

@@ -13,40 +13,60 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symhyb.data.recording import Recording
-from symhyb.discrepancy.motion import Motion, acting, measured
-from symhyb.model.types import Model
+from symhyb.discrepancy.course import Course, course_of
+from symhyb.discrepancy.motion import Motion, measured
 from symhyb.numeric.buffers import Array
+from symhyb.numeric.dynamics import state_form
 from symhyb.numeric.machine import Machine
 from symhyb.numeric.windows import Block
 
 FINITE_SHARE = 0.7  # of the samples of a window that must be there
-STEEP = ("friction",)  # kinds that need finer steps at reversals
+STEEP = ("friction", "friction_dynamic", "gap", "hysteresis")  # finer steps at reversals
 SLOW_SHARE = 0.02
 SAMPLES_LEAST = 12  # samples a window has at least
 
 
 @dataclass(frozen=True, slots=True)
 class Laid:
-    """Windows laid on one recording: the block, start states (W, 2n) and the motion (W, L, 2n)
-    from smoothing, SI, and ``held`` (W,), True where a window only validates."""
+    """Windows laid on one recording: the block, start states (W, X) and the ``states`` (W, L, X)
+    from smoothing, SI, and ``held`` (W,), True where a window only validates. ``rows`` (W, L) are
+    the samples of the recording, ``source`` where they come from."""
 
     block: Block
     start: Array
-    motion: Array
+    states: Array
     held: NDArray[np.bool_]
+    rows: NDArray[np.int64]
+    source: tuple[Recording, Motion]
+
+    def course(self, machine: Machine) -> Course:
+        """The whole course that the windows are cut from."""
+        recording, motion = self.source
+        return course_of(recording, machine, motion)
 
     def chosen(self, rows: NDArray[np.int64]) -> "Laid":
         """Some of the windows; of these every third validates."""
         whole = self.block
-        block = Block(whole.t[rows], whole.u[rows], whole.y[rows], whole.substeps[rows])
-        return Laid(block, self.start[rows], self.motion[rows], np.arange(rows.size) % 3 == 2)
+        block = replace(
+            whole, t=whole.t[rows], d=whole.d[rows], y=whole.y[rows],
+            substeps=whole.substeps[rows],
+        )  # fmt: skip
+        return Laid(
+            block, self.start[rows], self.states[rows], np.arange(rows.size) % 3 == 2,
+            self.rows[rows], self.source,
+        )  # fmt: skip
 
-    def suited(self, model: Model) -> "Laid":
-        """The windows with the fewest steps everywhere, unless the model has a steep law."""
-        if any(element.kind in STEEP for element in model.elements):
-            return self
-        parts = np.full_like(self.block.substeps, self.block.substeps.min())
-        return replace(self, block=replace(self.block, substeps=parts))
+    def suited(self, machine: Machine) -> "Laid":
+        """The windows for another machine with the same coordinates: with its inner states, and
+        with the fewest steps everywhere unless it has a steep law."""
+        item = self
+        if machine.inner_states or state_form(machine).size != self.start.shape[1]:
+            states = self.course(machine).states[self.rows]
+            item = replace(self, start=states[:, 0], states=states)
+        if any(element.kind in STEEP for element in machine.model.elements):
+            return item
+        parts = np.full_like(item.block.substeps, item.block.substeps.min())
+        return replace(item, block=replace(item.block, substeps=parts))
 
     def first(self) -> "Laid":
         """The first window alone."""
@@ -72,18 +92,20 @@ def lay(
         return None
     firsts = np.arange(0, recording.t.size - samples + 1, samples - 1)
     rows = firsts[:, None] + np.arange(samples)
-    y, u = measured(recording, machine), acting(recording, machine)
+    y, course = measured(recording, machine), course_of(recording, machine, motion)
     whole = (recording.t[rows[:, -1]] - recording.t[rows[:, 0]]) < 1.5 * (samples - 1) * step
     present = np.isfinite(y[:, np.isfinite(y).any(axis=0)])
     enough = present[rows].mean(axis=(1, 2)) >= FINITE_SHARE
     rows = rows[whole & enough]
     if len(rows) == 0:
         return None
-    states = np.concatenate([motion.q, motion.v], axis=1)[rows]
+    states = course.states[rows]
     held = np.arange(len(rows)) % 3 == 2
     parts = np.ones(recording.t.size - 1, int) if substeps is None else substeps
-    block = Block(recording.t[rows], u[rows], y[rows], parts[rows[:, :-1]])
-    return Laid(block, states[:, 0], states, held)
+    inputs = [recording.inputs[item.name] for item in machine.model.inputs]
+    recorded = recording.t, np.column_stack(inputs) if inputs else np.empty((recording.t.size, 0))
+    block = Block(recording.t[rows], course.drive[rows], y[rows], parts[rows[:, :-1]], recorded)
+    return Laid(block, states[:, 0], states, held, rows, (recording, motion))
 
 
 def reversals(rates: Array) -> NDArray[np.bool_]:
@@ -116,7 +138,7 @@ def reduce(
 ) -> Reduced:
     """Project the initial states out of residual (W, L, m) and columns (W, L, m, F).
 
-    ``by_start`` (W, L, m, 2n), ``sd`` (m,) in SI. Missing residuals are NaN.
+    ``by_start`` (W, L, m, X), ``sd`` (m,) in SI. Missing residuals are NaN.
     """
     windows, length, m = residual.shape
     seen = np.isfinite(residual)

@@ -9,8 +9,9 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from symhyb.model.expression import Expression, Name, Node, Number, Operation
+from symhyb.model.expression import Expression, Name, Node, Number, Operation, Reading
 from symhyb.model.types import Model
+from symhyb.model.vocabulary import KINDS
 
 _FUNCTIONS = {
     "sin": sp.sin, "cos": sp.cos, "tan": sp.tan, "asin": sp.asin, "acos": sp.acos,
@@ -22,13 +23,15 @@ _FUNCTIONS = {
 
 @dataclass(frozen=True, slots=True)
 class Symbols:
-    """The symbols of one model: q, v = q', a = q'' (n each), u (k), p (P, in the order of
-    :meth:`Model.all_parameters`), time t; ``scope`` resolves names of the shared namespace,
-    ``owned`` the parameters of one element."""
+    """The symbols of one model: q, v = q', a = q'' (n each), the inner states z of elements that
+    have one (by name of the element), u (k), p (P, in the order of :meth:`Model.all_parameters`),
+    time t; ``scope`` resolves names of the shared namespace, ``owned`` the parameters of one
+    element."""
 
     q: tuple[sp.Symbol, ...]
     v: tuple[sp.Symbol, ...]
     a: tuple[sp.Symbol, ...]
+    z: Mapping[str, sp.Symbol]
     u: tuple[sp.Symbol, ...]
     p: tuple[sp.Symbol, ...]
     t: sp.Symbol
@@ -46,6 +49,7 @@ def symbols_of(model: Model) -> Symbols:
     q = tuple(_real(c.name) for c in model.coordinates)
     v = tuple(_real(c.name + "'") for c in model.coordinates)
     a = tuple(_real(c.name + "''") for c in model.coordinates)
+    z = {e.name: _real(f"z({e.name})") for e in model.elements if KINDS[e.kind].state}
     u = tuple(_real(i.name) for i in model.inputs)
     p = {parameter.path: _real(parameter.path) for parameter in model.all_parameters()}
     t = _real("t")
@@ -61,7 +65,7 @@ def symbols_of(model: Model) -> Symbols:
         element.name: {(own.name, 0): p[own.path] for own in element.parameters}
         for element in model.elements
     }
-    return Symbols(q, v, a, u, tuple(p.values()), t, scope, owned)
+    return Symbols(q, v, a, z, u, tuple(p.values()), t, scope, owned)
 
 
 def to_sympy(expression: Expression | Node, scope: Mapping[tuple[str, int], sp.Expr]) -> sp.Expr:
@@ -79,7 +83,14 @@ def to_sympy(expression: Expression | Node, scope: Mapping[tuple[str, int], sp.E
             return scope[name, order]
         case Operation(operator, arguments):
             return _operation(operator, [to_sympy(item, scope) for item in arguments])
+        case Reading():
+            return reading_symbol(node)
     raise TypeError(f"not an expression: {node!r}")
+
+
+def reading_symbol(reading: Reading) -> sp.Symbol:
+    """The symbol that stands for an instrument until the equations are lowered."""
+    return _real(f"{reading.what}({', '.join(reading.names)})")
 
 
 def _operation(operator: str, parts: list[sp.Expr]) -> sp.Expr:

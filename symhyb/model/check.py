@@ -1,17 +1,14 @@
 """Check what a model says: names, places, signs, and the unit of every expression."""
 
 from collections.abc import Iterator
-from dataclasses import replace
 
-from symhyb.errors import did_you_mean
-from symhyb.model.expression import RESERVED, Expression, Name, Number, names
+from symhyb.model.check_elements import element_faults
+from symhyb.model.expression import RESERVED, Expression, Name, Number
+from symhyb.model.frames import frame_faults, place_unit
 from symhyb.model.scope import (
-    COEFFICIENT,
-    FORCE,
     GRAVITY,
     KINETIC,
     MASS,
-    MEASURED,
     POSITION,
     POTENTIAL,
     Scope,
@@ -22,10 +19,10 @@ from symhyb.model.scope import (
     vector_faults,
     vector_unit,
 )
+from symhyb.model.sensing import sensor_faults
 from symhyb.model.source import Path
-from symhyb.model.tables import Fault, shorten
-from symhyb.model.types import At, Between, Body, Element, Model, On
-from symhyb.model.vocabulary import KINDS, key_unit
+from symhyb.model.tables import Fault
+from symhyb.model.types import Body, Model
 from symhyb.units import ONE, Unit, parse_unit
 
 
@@ -33,14 +30,17 @@ def energy_unit(model: Model, unreadable: frozenset[str]) -> tuple[Unit | None, 
     """Return the unit of T and V, None where it cannot be told.
 
     J as soon as a coordinate is a length or an angle or a body has its place in lengths. Else it
-    follows from the first mass · place² / s², or from the kinetic energy that is stated.
+    follows from the first mass · place² / s², or from the energies that are stated. A model needs
+    no mass where every motion is imposed.
     """
     scope = scope_of(model, unreadable)
     metre, second = parse_unit("m"), parse_unit("s")
     unread = any(name.startswith(("bodies.", "energy.")) for name in unreadable)
-    if not model.bodies and model.energy.kinetic is None and not unread:
+    heavy = model.bodies or any(element.kind == "added_mass" for element in model.elements)
+    moved = model.coordinates and all(coordinate.imposed for coordinate in model.coordinates)
+    if not heavy and not moved and model.energy.kinetic is None and not unread:
         return None, [(("bodies",), "nothing has a mass; add a body or a kinetic energy")]
-    places = [vector_unit(body.at, scope) for body in model.bodies]
+    places = [place_unit(body, scope) for body in model.bodies]
     units = [coordinate.unit for coordinate in model.coordinates]
     if any(unit.is_angle or unit.same_dimension(metre) for unit in units) or any(
         unit is not None and unit.same_dimension(metre) for unit in places
@@ -50,8 +50,9 @@ def energy_unit(model: Model, unreadable: frozenset[str]) -> tuple[Unit | None, 
         mass = unit_in(body.mass, scope)
         if mass is not None and place is not None:
             return mass * place**2 / second**2, []
-    kinetic = model.energy.kinetic
-    return (None if kinetic is None else unit_in(kinetic, scope)), []
+    stated = (model.energy.kinetic, model.energy.potential)
+    found = (unit_in(energy, scope) for energy in stated if energy is not None)
+    return next((unit for unit in found if unit is not None), None), []
 
 
 def faults_of(model: Model, energy: Unit | None, unreadable: frozenset[str]) -> Iterator[Fault]:
@@ -62,18 +63,14 @@ def faults_of(model: Model, energy: Unit | None, unreadable: frozenset[str]) -> 
     """
     scope = scope_of(model, unreadable)
     yield from _name_faults(model)
-    yield from _geometry_faults(model, scope, energy)
+    yield from frame_faults(model, scope, unreadable)
+    yield from _energy_faults(model, scope, energy)
     for body in model.bodies:
         yield from _body_faults(body, model, scope, energy)
     for element in model.elements:
-        yield from _element_faults(element, model, scope, energy, unreadable)
+        yield from element_faults(element, model, scope, energy, unreadable)
     for sensor in model.sensors:
-        path = ("sensors", sensor.name, "measures")
-        faults = list(expression_faults(path, sensor.measures, scope, MEASURED, sensor.unit))
-        yield from faults
-        used = {name.name for name in names(sensor.measures)}
-        if not faults and not used & (scope.coordinates | scope.inputs | {"t"}):
-            yield path, f"'{shorten(sensor.measures.text)}' measures no coordinate and no input"
+        yield from sensor_faults(sensor, model, scope, energy, unreadable)
 
 
 def _name_faults(model: Model) -> Iterator[Fault]:
@@ -105,13 +102,11 @@ def _name_faults(model: Model) -> Iterator[Fault]:
                 yield place, f"another '{fault.path}' is stated elsewhere; rename the sensor"
 
 
-def _geometry_faults(model: Model, scope: Scope, energy: Unit | None) -> Iterator[Fault]:
-    """Points, gravity and the energies that bodies cannot say."""
-    for point in model.points:
-        yield from vector_faults(("points", point.name), point.at, scope, POSITION)
+def _energy_faults(model: Model, scope: Scope, energy: Unit | None) -> Iterator[Fault]:
+    """Gravity and the energies that bodies cannot say."""
     if model.gravity is not None:
         yield from vector_faults(("gravity",), model.gravity, scope, GRAVITY)
-        place = next((vector_unit(body.at, scope) for body in model.bodies), None)
+        place = next((place_unit(body, scope) for body in model.bodies), None)
         needed = place and place / parse_unit("s^2")
         unit = vector_unit(model.gravity, scope)
         if unit is not None and needed is not None and not unit.same_dimension(needed):
@@ -126,10 +121,9 @@ def _geometry_faults(model: Model, scope: Scope, energy: Unit | None) -> Iterato
 
 def _body_faults(body: Body, model: Model, scope: Scope, energy: Unit | None) -> Iterator[Fault]:
     place = ("bodies", body.name)
-    if body.at not in [point.at for point in model.points]:
+    if body.joint is None and body.at not in [point.at for point in model.points]:
         yield from vector_faults((*place, "at"), body.at, scope, POSITION)
-    at = vector_unit(body.at, scope)
-    needed = _mass_unit(energy, at)
+    needed = _mass_unit(energy, place_unit(body, scope))
     yield from expression_faults((*place, "mass"), body.mass, scope, MASS, needed)
     yield from _sign_faults((*place, "mass"), body.mass, model)
     if body.angle is not None:
@@ -159,54 +153,3 @@ def _sign_faults(path: Path, mass: Expression, model: Model) -> Iterator[Fault]:
             if parameter.name == mass.tree.name and parameter.value <= 0:
                 value = f"'{parameter.name}' is {parameter.value:g} {parameter.unit}"
                 yield path, f"{value}; it must be positive"
-
-
-def _element_faults(
-    element: Element, model: Model, scope: Scope, energy: Unit | None, unreadable: frozenset[str]
-) -> Iterator[Fault]:
-    path = ("elements", element.name)
-    faults = list(_place_faults(element, model, scope, unreadable))
-    yield from faults
-    own = {parameter.name: parameter.unit for parameter in element.parameters}
-    local = replace(scope, units={**scope.units, **own})
-    on = element.place.coordinate if isinstance(element.place, On) else None
-    placed = not faults and (on is None or scope.units.get(on) is not None)
-    known = replace(model, energy_unit=energy) if energy is not None else None
-    for key, value in element.values:
-        declared = KINDS[element.kind].key(key.split(".")[0])
-        use = FORCE if declared is not None and declared.signal else COEFFICIENT
-        needed = key_unit(known, element.kind, key, element.place) if placed and known else None
-        yield from expression_faults((*path, key), value, local, use, needed)
-
-
-def _place_faults(
-    element: Element, model: Model, scope: Scope, unreadable: frozenset[str]
-) -> Iterator[Fault]:
-    """An element must stand on a known coordinate or at known points."""
-    path = ("elements", element.name)
-    match element.place:
-        case On(coordinate):
-            if coordinate not in scope.coordinates:
-                cure = did_you_mean(coordinate, sorted(scope.coordinates))
-                yield (*path, "on"), f"'{shorten(coordinate)}' is not a known coordinate{cure}"
-        case Between(first, second):
-            for name in (first, second):
-                yield from _point_faults((*path, "between"), name, model, scope, unreadable)
-        case At(point):
-            yield from _point_faults((*path, "at"), point, model, scope, unreadable)
-
-
-def _point_faults(
-    path: Path, name: str, model: Model, scope: Scope, unreadable: frozenset[str]
-) -> Iterator[Fault]:
-    """A point must be declared, and lie in a plane of lengths."""
-    if f"points.{name}" in unreadable:
-        return
-    point = next((point for point in model.points if point.name == name), None)
-    if point is None:
-        known = [point.name for point in model.points]
-        yield path, f"'{shorten(name)}' is not a known point{did_you_mean(name, known)}"
-        return
-    unit = vector_unit(point.at, scope)
-    if unit is not None and not unit.same_dimension(parse_unit("m")):
-        yield path, f"the point '{name}' is in {unit}; a force at a point needs lengths"

@@ -11,6 +11,7 @@ from symhyb.model.types import (
     Element,
     Input,
     Model,
+    Network,
     Parameter,
     Point,
     Sensor,
@@ -115,13 +116,17 @@ def _facets(part: Part) -> Facets:
             return {"": _quantity(part)}
         case Coordinate():
             facets = {"unit": part.unit.text, "start": f"{part.start:.6g}"}
-            return {**facets, "start_rate": f"{part.start_rate:.6g}"}
+            facets["start_rate"] = f"{part.start_rate:.6g}"
+            return {**facets, "imposed": "true"} if part.imposed else facets
         case Point():
-            return {"": _pair(part.at)}
+            return {"": _pair(part.at), **({"body": part.body} if part.body else {})}
         case Body():
             facets = {"mass": part.mass.text, "at": _pair(part.at)}
             extra = (("inertia", part.inertia), ("angle", part.angle))
-            return {**facets, **{name: value.text for name, value in extra if value is not None}}
+            facets |= {name: value.text for name, value in extra if value is not None}
+            if part.joint is not None:
+                facets |= {"parent": part.parent or "the ground", "joint": _pair(part.joint)}
+            return facets
         case Element():
             return _element_facets(part)
         case Input() | Sensor():
@@ -140,7 +145,19 @@ def _element_facets(element: Element) -> Facets:
             shown.add(tree.name)
         else:
             facets[key] = expression.text
+    facets |= dict(element.options)
+    if element.network is not None:
+        facets |= _network_facets(element.network)
     return {**facets, **{name: _quantity(own[name]) for name in own if name not in shown}}
+
+
+def _network_facets(network: Network) -> Facets:
+    return {
+        "weights": network.weights,
+        "sha256": network.sha256[:12],
+        "inputs": ", ".join(seen.text for seen in network.inputs),
+        "trust": ", ".join(f"{low:.6g} to {high:.6g}" for low, high in network.trust),
+    }
 
 
 def _channel_facets(channel: Input | Sensor) -> Facets:

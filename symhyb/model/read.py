@@ -10,23 +10,14 @@ from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import TypeVar
 
-from symhyb.errors import InputError, Problem, did_you_mean
+from symhyb.errors import InputError, Problem
 from symhyb.model.check import energy_unit, faults_of
-from symhyb.model.expression import Expression
+from symhyb.model.read_bodies import read_body, read_point
 from symhyb.model.read_elements import read_element, read_parameter
 from symhyb.model.render import FORMAT
 from symhyb.model.source import Source, scan
-from symhyb.model.tables import Fault, Table, describe, shorten
-from symhyb.model.types import (
-    Body,
-    Coordinate,
-    Energy,
-    Input,
-    Model,
-    Parameter,
-    Point,
-    Sensor,
-)
+from symhyb.model.tables import Fault, Table, describe
+from symhyb.model.types import Coordinate, Energy, Input, Model, Parameter, Sensor
 from symhyb.units import ONE, Unit, parse_unit
 
 LARGEST = 1_000_000
@@ -86,7 +77,7 @@ def parse_model(text: str, file: str = "") -> Model:
         unit, energy_faults = energy_unit(model, unreadable)
         faults += [*energy_faults, *faults_of(model, unit, unreadable)]
         if unit is None and not faults:
-            root.fault("the unit of energy cannot be told from the masses", "bodies")
+            root.fault("the unit of energy cannot be told; state a mass or an energy", "bodies")
     if faults or unit is None:
         raise InputError(_problems(faults, source, file))
     return replace(model, energy_unit=unit)
@@ -132,7 +123,7 @@ def _draft(root: Table, text: str, file: str) -> tuple[Model, frozenset[str]]:
 
     Those names stay known, so that one mistake does not return as "unknown name" elsewhere.
     """
-    points = _present(_point(table, name) for table, name in root.pairs("points"))
+    points = _present(read_point(table, name) for table, name in root.pairs("points"))
     energy = root.table("energy")
     model = Model(
         title=root.text("title") or "",
@@ -141,7 +132,7 @@ def _draft(root: Table, text: str, file: str) -> tuple[Model, frozenset[str]]:
         parameters=_present(read_parameter(table) for table in root.tables("parameters")),
         inputs=_present(map(_input, root.tables("inputs"))),
         points=points,
-        bodies=_present(_body(table, root, points) for table in root.tables("bodies")),
+        bodies=_present(read_body(table, root, points) for table in root.tables("bodies")),
         elements=_present(map(read_element, root.tables("elements"))),
         sensors=_present(map(_sensor, root.tables("sensors"))),
         energy=_energy(energy) if energy else Energy(),
@@ -159,8 +150,9 @@ def _draft(root: Table, text: str, file: str) -> tuple[Model, frozenset[str]]:
         *(f"inputs.{value.name}" for value in model.inputs),
         *(f"points.{value.name}" for value in model.points),
         *(f"bodies.{value.name}" for value in model.bodies),
+        *(f"elements.{value.name}" for value in model.elements),
     }
-    sections = ("coordinates", "parameters", "inputs", "points", "bodies")
+    sections = ("coordinates", "parameters", "inputs", "points", "bodies", "elements")
     unreadable = {f"{key}.{name}" for key in sections for name in root.declared(key)} - read
     if "energy" not in root.entries:
         unreadable |= {f"energy.{name}" for name in root.declared("energy")}
@@ -172,12 +164,12 @@ def _present(values: Iterable[Value | None]) -> tuple[Value, ...]:
 
 
 def _coordinate(table: Table) -> Coordinate | None:
-    table = table.checked(("unit", "start", "start_rate", "about"))
-    unit = table.unit()
+    table = table.checked(("unit", "start", "start_rate", "about", "imposed"))
+    unit, imposed = table.unit(), table.truth("imposed")
     start, rate, about = table.number("start"), table.number("start_rate"), table.about()
     if unit is None:
         return None
-    return Coordinate(table.path[-1], unit, start or 0.0, rate or 0.0, about)
+    return Coordinate(table.path[-1], unit, start or 0.0, rate or 0.0, about, imposed)
 
 
 def _input(table: Table) -> Input | None:
@@ -215,42 +207,6 @@ def _channel(table: Table, key: str, unit: Unit | None) -> Parameter | None:
     if value is None or usual is None:
         return None
     return Parameter(key, value, own or usual, sd, about, was, owner)
-
-
-def _point(table: Table, name: str) -> Point | None:
-    at = table.pair(name)
-    return None if at is None else Point(name, at)
-
-
-def _body(table: Table, root: Table, points: tuple[Point, ...]) -> Body | None:
-    table = table.checked(("mass", "at", "inertia", "angle", "about"))
-    mass = table.expression("mass", required=True)
-    inertia, angle = table.expression("inertia"), table.expression("angle")
-    if table.lacks("angle") and "inertia" in table.entries:
-        table.fault("has 'inertia' but no 'angle'; say which angle turns the body")
-    if table.lacks("inertia") and "angle" in table.entries:
-        table.fault("has 'angle' but no 'inertia'")
-    at, about = _place_of_body(table, root, points), table.about()
-    if mass is None or at is None:
-        return None
-    return Body(table.path[-1], mass, at, inertia, angle, about)
-
-
-def _place_of_body(
-    table: Table, root: Table, points: tuple[Point, ...]
-) -> tuple[Expression, Expression] | None:
-    """Read ``at``: the name of a point, or two expressions."""
-    name = table.entries.get("at")
-    if name is None:
-        if table.lacks("at"):
-            table.fault("'at' is missing: the name of a point or a list of two expressions")
-        return None
-    if not isinstance(name, str):
-        return table.pair("at")
-    known = root.declared("points")
-    if name not in known:
-        table.fault(f"'{shorten(name)}' is not a known point{did_you_mean(name, known)}", "at")
-    return next((point.at for point in points if point.name == name), None)
 
 
 def _energy(table: Table) -> Energy:

@@ -2,9 +2,10 @@
 
 from symhyb.errors import did_you_mean
 from symhyb.model.expression import Expression
+from symhyb.model.read_network import NETWORK_KEYS, read_network
 from symhyb.model.tables import Table, describe, shorten
 from symhyb.model.types import At, Between, Element, On, Parameter, Place
-from symhyb.model.vocabulary import KINDS, LATER, Key, Kind, placement_of
+from symhyb.model.vocabulary import KINDS, Key, Kind, placement_of
 
 _COMMON = ("kind", "on", "between", "at", "about", "found", "parameters")
 
@@ -24,14 +25,19 @@ def read_element(table: Table) -> Element | None:
     kind = _kind(table)
     if kind is None:
         return None
-    table = table.checked((*_COMMON, *(key.name for key in kind.keys)))
+    trained = kind.name == "network"
+    network_keys = NETWORK_KEYS if trained else ()
+    table = table.checked((*_COMMON, *(key.name for key in kind.keys), *network_keys))
     place = _place(table, kind)
     owner = table.path[-1]
     parameters = tuple(read_parameter(inner, owner) for inner in table.tables("parameters"))
     about, found = table.about(), table.table("found")
+    network = read_network(table) if trained else None
     if place is None:
         return None
-    values = _values(table, kind, place)
+    values, options = _values(table, kind, place), _options(table, kind)
+    if trained and network is None:
+        return None
     if None in parameters:  # the fault is noted; without its unit the laws cannot be checked
         return None
     return Element(
@@ -42,6 +48,8 @@ def read_element(table: Table) -> Element | None:
         parameters=tuple(parameter for parameter in parameters if parameter),
         found=tuple((key, _frozen(value)) for key, value in found.entries.items()) if found else (),
         about=about,
+        options=options,
+        network=network,
     )
 
 
@@ -49,11 +57,7 @@ def _kind(table: Table) -> Kind | None:
     name = table.text("kind", required=True)
     if name is None or name in KINDS:
         return KINDS[name] if name else None
-    if name in LATER:
-        table.fault(f"kind '{name}' is not available yet", "kind")
-    else:
-        cure = did_you_mean(name, (*KINDS, *LATER))
-        table.fault(f"'{shorten(name)}' is not a known kind{cure}", "kind")
+    table.fault(f"'{shorten(name)}' is not a known kind{did_you_mean(name, list(KINDS))}", "kind")
     return None
 
 
@@ -96,7 +100,7 @@ def _values(table: Table, kind: Kind, place: Place) -> tuple[tuple[str, Expressi
     placement = placement_of(place)
     values: list[tuple[str, Expression]] = []
     for key in kind.keys:
-        if key.name not in table.entries:
+        if key.name not in table.entries or key.choices:
             continue
         if placement not in key.placements:
             where = " or ".join(f"'{name}'" for name in key.placements)
@@ -108,11 +112,26 @@ def _values(table: Table, kind: Kind, place: Place) -> tuple[tuple[str, Expressi
 
 
 def _value(table: Table, key: Key, placement: str) -> list[tuple[str, Expression]]:
-    if key.signal and placement == "at":
+    if key.vector and placement == "at":
         pair = table.pair(key.name)
         return [(f"{key.name}.x", pair[0]), (f"{key.name}.y", pair[1])] if pair else []
     value = table.expression(key.name)
     return [(key.name, value)] if value else []
+
+
+def _options(table: Table, kind: Kind) -> tuple[tuple[str, str], ...]:
+    """Read the keys that take one of several words."""
+    options: list[tuple[str, str]] = []
+    for key in kind.keys:
+        word = table.text(key.name) if key.choices else None
+        if word in key.choices:
+            options.append((key.name, str(word)))
+        elif word is not None:
+            cure = did_you_mean(word, key.choices)
+            listed = ", ".join(key.choices)
+            known = cure if "did you mean" in cure else f"; it is one of {listed}"
+            table.fault(f"'{shorten(word)}' is not a word for it{known}", key.name)
+    return tuple(options)
 
 
 def _complete(table: Table, kind: Kind, placement: str) -> None:
@@ -123,11 +142,17 @@ def _complete(table: Table, kind: Kind, placement: str) -> None:
     given = [key for key in usable if key.name in table.entries]
     listed = " or ".join(f"'{key.name}'" for key in usable)
     elsewhere = any(name in table.entries for name in kind.strengths)
-    if not given and not elsewhere and not set(table.excused) & set(kind.strengths):
+    if usable and not given and not elsewhere and not set(table.excused) & set(kind.strengths):
         table.fault(f"kind '{kind.name}' needs {listed}")
     if len(given) > 1 and given[0].signal:
         table.fault(f"kind '{kind.name}' takes only one of {listed}")
-    if "static" in table.entries and kind.name == "friction" and table.lacks("stribeck"):
+    for name in kind.needs:
+        told = name in kind.strengths and not given  # by the sentence above
+        if table.lacks(name) and not told:
+            about = kind.key(name)
+            reason = f": {about.about}" if about and about.about else ""
+            table.fault(f"kind '{kind.name}' needs '{name}'{reason}")
+    if "static" in table.entries and kind.key("stribeck") and table.lacks("stribeck"):
         table.fault("'static' needs 'stribeck', the speed at which it falls to 'coulomb'")
 
 

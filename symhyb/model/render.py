@@ -4,7 +4,20 @@ import json
 from collections.abc import Iterable, Iterator, Mapping
 
 from symhyb.model.expression import Expression
-from symhyb.model.types import At, Between, Body, Element, Input, Model, On, Parameter, Sensor
+from symhyb.model.types import (
+    At,
+    Between,
+    Body,
+    Coordinate,
+    Element,
+    Input,
+    Model,
+    Network,
+    On,
+    Parameter,
+    Point,
+    Sensor,
+)
 
 FORMAT = 1
 """The version of the file format that is written and read."""
@@ -15,7 +28,7 @@ def render(model: Model) -> str:
     return "\n".join(_lines(model)) + "\n"
 
 
-def rounded(value: float, digits: int = 12) -> str:
+def rounded(value: float, digits: int = 15) -> str:
     """Write a number for people and machines: no more digits than it has."""
     return repr(float(f"{value:.{digits}g}"))
 
@@ -88,8 +101,11 @@ def element_lines(element: Element) -> Iterator[str]:
     for key in vectors:
         values_of_key = [values.pop(f"{key}.x"), values.pop(f"{key}.y")]
         places = {**places, key: values_of_key}
-    entries = {"kind": element.kind, **places, **values, "about": element.about}
+    entries = {"kind": element.kind, **places, **values, **dict(element.options)}
     lines = [(key, _toml(value)) for key, value in entries.items()]
+    if element.network is not None:
+        lines += _network_entries(element.network)
+    lines.append(("about", _toml(element.about)))
     if element.found:
         lines.append(("found", _inline(element.found)))
     yield f"[elements.{element.name}]"
@@ -110,16 +126,11 @@ def _lines(model: Model) -> Iterator[str]:
             ("gravity", gravity),
         )
     )
-    coordinates = (
-        (c.name, _inline((("unit", c.unit.text), ("start", c.start), ("start_rate", c.start_rate),
-                          ("about", c.about))))
-        for c in model.coordinates
-    )  # fmt: skip
     sections = {
-        "coordinates": coordinates,
+        "coordinates": ((c.name, _coordinate(c)) for c in model.coordinates),
         "parameters": ((p.name, _parameter(p)) for p in model.parameters),
         "inputs": ((channel.name, _channel(channel)) for channel in model.inputs),
-        "points": ((point.name, _toml(point.at)) for point in model.points),
+        "points": ((point.name, _point(point)) for point in model.points),
         "energy": (
             (key, _toml(value))
             for key in ("kinetic", "potential")
@@ -137,8 +148,40 @@ def _lines(model: Model) -> Iterator[str]:
         yield from ("", *element_lines(element))
 
 
+def _network_entries(network: Network) -> list[tuple[str, str]]:
+    """The trust box keeps every digit: whether the force fades must not depend on a rounding."""
+    box = ", ".join(f"[{low!r}, {high!r}]" for low, high in network.trust)
+    return [
+        ("weights", _toml(network.weights)),
+        ("sha256", _toml(network.sha256)),
+        ("inputs", _toml(network.inputs)),
+        ("trust", f"[{box}]"),
+    ]
+
+
+def _coordinate(coordinate: Coordinate) -> str:
+    return _inline(
+        (
+            ("unit", coordinate.unit.text),
+            ("start", coordinate.start),
+            ("start_rate", coordinate.start_rate),
+            ("imposed", True if coordinate.imposed else None),
+            ("about", coordinate.about),
+        )
+    )
+
+
+def _point(point: Point) -> str:
+    """Write a point as a list, or as a table where it says more than its place."""
+    if not point.body and not point.about:
+        return _toml(point.at)
+    return _inline((("body", point.body), ("at", point.at), ("about", point.about)))
+
+
 def _body_entries(body: Body) -> Iterator[tuple[str, str]]:
     entries = (
+        ("parent", body.parent or None),
+        ("joint", body.joint),
         ("mass", body.mass),
         ("at", body.at),
         ("inertia", body.inertia),

@@ -1,10 +1,21 @@
 """What names mean in a model, which of them may stand where, and the units that follow."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 
 from symhyb.errors import did_you_mean
-from symhyb.model.expression import Expression, ExpressionError, Name, names, unit_of
+from symhyb.model.expression import (
+    Expression,
+    ExpressionError,
+    Name,
+    Node,
+    Operation,
+    Reading,
+    names,
+    readings,
+    show,
+    unit_of,
+)
 from symhyb.model.source import Path
 from symhyb.model.tables import Fault, shorten
 from symhyb.model.types import Coordinate, Input, Model, Parameter
@@ -14,31 +25,38 @@ from symhyb.units import Unit, parse_unit
 @dataclass(frozen=True, slots=True)
 class Use:
     """What an expression may contain: derivatives up to ``order`` (−1: no coordinates at all),
-    ``inputs``, and the time (``time``). ``words`` name the place in sentences."""
+    ``inputs``, the time (``time``), what instruments show (``readings``), and functions with a
+    kink (``rough``: min, max, sign, abs of what moves). ``words`` name the place in sentences."""
 
     words: str
     order: int
     inputs: bool
     time: bool
+    readings: bool = False
+    rough: bool = True
 
 
 MASS = Use("a mass or inertia", -1, False, False)
 GRAVITY = Use("gravity", -1, False, True)
-POSITION = Use("a position", 0, False, True)
+POSITION = Use("a position", 0, False, True, rough=False)
 KINETIC = Use("a kinetic energy", 1, False, True)
 POTENTIAL = Use("a potential energy", 0, False, True)
 COEFFICIENT = Use("a coefficient", -1, True, True)
 FORCE = Use("a force", 1, True, True)
-MEASURED = Use("a sensor", 2, True, True)
+ADDED = Use("an added mass", -1, False, False)
+MEASURED = Use("a sensor", 2, True, True, readings=True)
+_ROUGH = ("min", "max", "sign", "abs")
 
 
 @dataclass(frozen=True, slots=True)
 class Scope:
-    """What the names mean: units by name (None: unreadable), and which are what."""
+    """What the names mean: units by name (None: unreadable), and which are what; ``shown`` tells
+    the unit of a reading (LookupError: unknown)."""
 
     units: Mapping[str, Unit | None]
     coordinates: frozenset[str]
     inputs: frozenset[str]
+    shown: Callable[[Reading], Unit] | None = None
 
 
 def scope_of(model: Model, unreadable: frozenset[str] = frozenset()) -> Scope:
@@ -92,7 +110,7 @@ def vector_unit(vector: tuple[Expression, Expression], scope: Scope) -> Unit | N
 def unit_in(expression: Expression, scope: Scope) -> Unit | None:
     """Return the unit of an expression, None if it has none or cannot be told."""
     try:
-        return unit_of(expression, lambda name: _unit_of_name(name, scope))
+        return unit_of(expression, lambda name: _unit_of_name(name, scope), scope.shown)
     except (ExpressionError, LookupError):
         return None
 
@@ -113,7 +131,7 @@ def expression_faults(
     if faults:
         return
     try:
-        unit = unit_of(expression, lambda name: _unit_of_name(name, scope))
+        unit = unit_of(expression, lambda name: _unit_of_name(name, scope), scope.shown)
     except LookupError:
         return
     except ExpressionError as error:
@@ -124,7 +142,14 @@ def expression_faults(
 
 
 def _use_faults(path: Path, expression: Expression, scope: Scope, use: Use) -> Iterator[Fault]:
-    """Names that are unknown, or may not stand here."""
+    """Names that are unknown, or may not stand here; readings; functions with a kink."""
+    if not use.readings:
+        for reading in readings(expression):
+            yield path, f"only sensors may use {reading.what}(...), not {use.words}"
+    rough = None if use.rough else _rough(expression.tree, scope)
+    if rough is not None:
+        text = shorten(show(rough))
+        yield path, f"'{text}' has no smooth speed, which {use.words} needs; use tanh or sqrt"
     for name in sorted(names(expression), key=str):
         moving = name.name in scope.coordinates
         if name.name not in scope.units:
@@ -141,3 +166,13 @@ def _use_faults(path: Path, expression: Expression, scope: Scope, use: Use) -> I
             yield path, f"{name} is an input, on which {use.words} cannot depend"
         elif name.name == "t" and not use.time:
             yield path, f"{use.words} cannot depend on the time"
+
+
+def _rough(tree: Node, scope: Scope) -> Operation | None:
+    """Find a function with a kink in what moves: its speed would jump."""
+    if not isinstance(tree, Operation):
+        return None
+    moving = {name.name for name in names(tree)} & (scope.coordinates | {"t"})
+    if tree.operator in _ROUGH and moving:
+        return tree
+    return next((found for part in tree.arguments if (found := _rough(part, scope))), None)

@@ -18,7 +18,7 @@ from symhyb.units import Unit, UnitError, parse_unit
 Fault = tuple[Path, str]
 """Where something is wrong, as the parts of a dotted name, and what."""
 
-LATER_KEYS = ("imposed", "constraints")
+LATER_KEYS = ("constraints", "rotation")
 """Entries of format 1 that this version cannot compute yet."""
 
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
@@ -78,8 +78,10 @@ class Table:
     def number(self, key: str, required: bool = False) -> float | None:
         """Return a finite number."""
         value = self._get(key, required)
-        if value is None:
-            return None
+        return None if value is None else self.as_number(value, key)
+
+    def as_number(self, value: object, key: str) -> float | None:
+        """Read a value of this table as a finite number."""
         if isinstance(value, bool) or not isinstance(value, (int, float)):
             self.fault(f"must be a number, not {describe(value)}", key)
             return None
@@ -91,6 +93,22 @@ class Table:
             self.fault(f"must be finite, not {describe(value)}", key)
             return None
         return number
+
+    def numbers(self, value: object, key: str, size: int, shape: str) -> list[float] | None:
+        """Read a value of this table as a list of ``size`` numbers; ``shape`` is its picture."""
+        if not isinstance(value, list) or len(value) != size:
+            self.fault(f"must be {shape}, not {describe(value)}", key)
+            return None
+        found = [self.as_number(item, key) for item in value]
+        return None if None in found else [item for item in found if item is not None]
+
+    def truth(self, key: str) -> bool:
+        """Return true or false; false if the entry is missing or wrong."""
+        value = self.entries.get(key, False)
+        if isinstance(value, bool):
+            return value
+        self.fault(f"must be true or false, not {describe(value)}", key)
+        return False
 
     def deviation(self) -> float | None:
         """Return ``sd``, one standard deviation, which is positive."""

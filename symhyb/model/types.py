@@ -47,13 +47,18 @@ class Parameter:
 
 @dataclass(frozen=True, slots=True)
 class Coordinate:
-    """A generalized coordinate; ``start`` and ``start_rate`` (unit per s) serve simulations."""
+    """A generalized coordinate; ``start`` and ``start_rate`` (unit per s) serve simulations.
+
+    The motion of an ``imposed`` coordinate is given (by a recording: a column with its name, or a
+    sensor that measures it and nothing else) instead of following from the forces.
+    """
 
     name: str
     unit: Unit
     start: float = 0.0
     start_rate: float = 0.0
     about: str = ""
+    imposed: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,15 +93,27 @@ class Sensor:
 
 @dataclass(frozen=True, slots=True)
 class Point:
-    """A named place: expressions for its two components in the inertial frame."""
+    """A named place: its two components in the inertial axes, or fixed to a ``body``, in the axes
+    of that body and counted from its origin."""
 
     name: str
     at: tuple[Expression, Expression]
+    body: str = ""
+    about: str = ""
 
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """A point mass at ``at`` (two expressions), or a rigid body with ``inertia`` and ``angle``."""
+    r"""A point mass, or a rigid body with ``inertia`` about its centre of mass, and ``angle``.
+
+    Without a ``joint`` the body stands free: ``at`` is its centre of mass in the inertial axes, its
+    origin is there, and ``angle`` turns it. With a ``joint`` it hangs on its ``parent`` (another
+    body; empty: the ground):
+
+        parent's origin o-- joint, in the parent's axes --o origin of the body
+                                                           \  turned by ``angle`` to the parent
+                                                            o centre of mass, ``at`` in own axes
+    """
 
     name: str
     mass: Expression
@@ -104,6 +121,8 @@ class Body:
     inertia: Expression | None = None
     angle: Expression | None = None
     about: str = ""
+    parent: str = ""
+    joint: tuple[Expression, Expression] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,8 +151,21 @@ Place = On | Between | At
 
 
 @dataclass(frozen=True, slots=True)
+class Network:
+    """A trained force law kept in a file of its own: ``weights`` is its path as written, beside
+    the model file, ``sha256`` the hash of that file; ``inputs`` are what the network sees, and
+    ``trust`` the box (low, high) of each in its training, SI, outside of which the force fades."""
+
+    weights: str
+    sha256: str
+    inputs: tuple[Expression, ...]
+    trust: tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Element:
-    """A force law at a place. ``values`` maps the keys of its kind to expressions.
+    """A force law at a place. ``values`` maps the keys of its kind to expressions, ``options``
+    those that are words.
 
     ``parameters`` are the element's own; its expressions see them before the model's.
     ``found`` is the provenance of a discovered element (a plain mapping as pairs), else empty.
@@ -146,6 +178,12 @@ class Element:
     parameters: tuple[Parameter, ...] = ()
     found: tuple[tuple[str, object], ...] = ()
     about: str = ""
+    options: tuple[tuple[str, str], ...] = ()
+    network: Network | None = None
+
+    def option(self, key: str, default: str) -> str:
+        """The word under ``key`` (the ``side`` of a gap), or ``default`` where it is unset."""
+        return dict(self.options).get(key, default)
 
     def value(self, key: str) -> Expression | None:
         """The expression under ``key``, or None where the file leaves it unset."""

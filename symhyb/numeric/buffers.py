@@ -43,6 +43,25 @@ def call(function: ca.Function, arguments: Sequence[Array | float]) -> tuple[Arr
     return tuple(results)
 
 
+def later(t: Array, values: Array, delay: float) -> Array:
+    """A signal (K,) recorded at times ``t`` (K,), as it is ``delay`` seconds later: values(t −
+    delay), held before its first sample and after its last; at delay 0 as recorded.
+
+    Between samples it is Akima's cubic, which follows a smooth signal closer than straight lines
+    and rings little at a jump (Akima, J. ACM 17, 1970)."""
+    return resampled(t, values, t - delay) if delay else values
+
+
+def resampled(t: Array, values: Array, at: Array) -> Array:
+    """A signal (K,) recorded at times ``t`` (K,), s, at other times (any shape), in its unit."""
+    from scipy.interpolate import Akima1DInterpolator
+
+    if t.size < 5:
+        return np.asarray(np.interp(at, t, values))
+    curve = Akima1DInterpolator(t, values, method="makima")
+    return np.asarray(curve(np.clip(at, t[0], t[-1])))
+
+
 def mapped(function: ca.Function, total: int, repeated: Sequence[int] = ()) -> ca.Function:
     """``function`` over ``total`` samples; the arguments ``repeated`` are the same for all."""
     arguments = [

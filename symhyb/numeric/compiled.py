@@ -1,8 +1,9 @@
-"""CasADi functions as machine code, where a C compiler is found; without one they stay as they are.
+"""C code as machine code where a C compiler is found, kept in a cache; CasADi functions that way.
 
-The generated C is compiled once and cached in the user's cache folder under the hash of the code,
-the compiler and its flags, so a damaged or foreign file is never taken for another function.
-``SYMHYB_CC`` names another compiler; set to nothing, it switches compilation off.
+Code is compiled once and kept in the user's cache folder under the hash of the code, the compiler
+and its flags, with a digest of the result beside it, so that a damaged file is never loaded and
+none is taken for another. ``SYMHYB_CC`` names another compiler; set to nothing, it switches
+compilation off.
 """
 
 import hashlib
@@ -10,28 +11,27 @@ import os
 import shutil
 import subprocess
 import tempfile
+from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
 
 import casadi as ca
 
-FLAGS = ("-O1", "-fPIC", "-shared")
+FLAGS = ("-O1",)
 INSTRUCTIONS_LEAST = 2500  # below, the virtual machine is quick enough
 INSTRUCTIONS_MOST = 60_000  # above, compiling takes longer than it saves
-FILES_MOST = 300  # kept in the cache
+FILES_MOST = 300  # kept in a cache folder
 
 
 def compiled(functions: dict[str, ca.Function]) -> dict[str, ca.Function]:
     """The same functions, compiled together; unchanged where that is impossible or not worth it."""
     sizes = [function.n_instructions() for function in functions.values()]
-    compiler = _compiler()
-    if compiler is None or not INSTRUCTIONS_LEAST <= max(sizes) <= INSTRUCTIONS_MOST:
+    if find_compiler() is None or not INSTRUCTIONS_LEAST <= max(sizes) <= INSTRUCTIONS_MOST:
         return functions
     generator = ca.CodeGenerator("symhyb.c")
     for function in functions.values():
         generator.add(function)
-    code = generator.dump()
-    library = _library(code, *compiler)
+    library = shared_library(generator.dump(), FLAGS)
     if library is None:
         return functions
     return {
@@ -40,54 +40,98 @@ def compiled(functions: dict[str, ca.Function]) -> dict[str, ca.Function]:
 
 
 @lru_cache(maxsize=1)
-def _compiler() -> tuple[str, str] | None:
+def find_compiler() -> tuple[str, str] | None:
     """Path and version of the C compiler, None if there is none."""
     wanted = os.environ.get("SYMHYB_CC")
     names = ("cc", "gcc", "clang") if wanted is None else (wanted,)
     path = next((found for name in names if name and (found := shutil.which(name))), None)
     if path is None:
         return None
-    answer = subprocess.run([path, "--version"], capture_output=True, text=True, check=False)
+    try:
+        answer = subprocess.run([path, "--version"], capture_output=True, text=True, check=False)
+    except OSError:
+        return None
     return (path, answer.stdout) if answer.returncode == 0 else None
 
 
-def _library(code: str, compiler: str, version: str) -> Path | None:
-    """The compiled code from the cache, compiled first if need be; None if that fails."""
-    key = hashlib.sha256("\0".join((code, version, *FLAGS)).encode()).hexdigest()
-    folder = _folder()
-    if folder is None:
+def shared_library(
+    code: str, flags: Sequence[str], libraries: Sequence[str] = ("-lm",), about: str = ""
+) -> Path | None:
+    """The compiled ``code`` from the cache, compiled first if need be; None if that fails.
+
+    ``about`` is what the result depends on beside code, compiler, flags and libraries, such as the
+    processor where the flags say *native*.
+    """
+    compiler, folder = find_compiler(), cache_folder("compiled")
+    if compiler is None or folder is None:
         return None
-    library = folder / f"{key}.so"
-    if library.exists():
-        return library
-    with tempfile.TemporaryDirectory(dir=folder) as work:
-        source, built = Path(work) / "code.c", Path(work) / "code.so"
-        source.write_text(code, encoding="utf-8")
-        command = [compiler, *FLAGS, str(source), "-o", str(built), "-lm"]
-        done = subprocess.run(command, capture_output=True, check=False)
-        if done.returncode != 0:
+    what = "\0".join((code, compiler[1], *flags, *libraries, about))
+    library = folder / f"{hashlib.sha256(what.encode()).hexdigest()}.so"
+    try:
+        if not _intact(library) and not _build(library, code, compiler[0], flags, libraries):
             return None
-        built.replace(library)
-    _forget(folder)
+    except OSError:  # a full disk, or a folder that went away
+        return None
     return library
 
 
-@lru_cache(maxsize=1)
-def _folder() -> Path | None:
-    """A cache folder that only this user can write to, None if there is none."""
+def _build(
+    library: Path, code: str, compiler: str, flags: Sequence[str], libraries: Sequence[str]
+) -> bool:
+    with tempfile.TemporaryDirectory(dir=library.parent) as work:
+        source, built = Path(work) / "code.c", Path(work) / "code.so"
+        source.write_text(code, encoding="utf-8")
+        command = [compiler, *flags, "-fPIC", "-shared", str(source), "-o", str(built), *libraries]
+        if subprocess.run(command, capture_output=True, check=False).returncode != 0:
+            return False
+        digest = Path(work) / "digest"
+        digest.write_text(hashlib.sha256(built.read_bytes()).hexdigest(), encoding="ascii")
+        # Two programs may build at once: each file is replaced in one go, and a digest of the
+        # other's library only means that it is built again.
+        built.replace(library)
+        digest.replace(library.with_suffix(".sum"))
+    forget(library.parent, "*.so")
+    return True
+
+
+def _intact(library: Path) -> bool:
+    """Whether the library is there and is what was built; loading half a file ends the process."""
+    try:
+        digest = library.with_suffix(".sum").read_text(encoding="ascii")
+        return hashlib.sha256(library.read_bytes()).hexdigest() == digest
+    except (OSError, UnicodeDecodeError):
+        return False
+
+
+@lru_cache(maxsize=8)
+def cache_folder(kind: str) -> Path | None:
+    """The folder ``kind`` of the user's cache, which only this user may write to, or None."""
     from platformdirs import user_cache_path
 
-    folder = user_cache_path("symhyb") / "compiled"
+    folder = user_cache_path("symhyb") / kind
     try:
         folder.mkdir(parents=True, exist_ok=True, mode=0o700)
-        owned = not hasattr(os, "getuid") or folder.stat().st_uid == os.getuid()
-        return folder if owned and os.access(folder, os.W_OK) else None
+        return folder if _private(folder) and os.access(folder, os.W_OK) else None
     except OSError:
         return None
 
 
-def _forget(folder: Path) -> None:
-    """Keep the newest files only."""
-    files = sorted(folder.glob("*.so"), key=lambda file: file.stat().st_mtime, reverse=True)
-    for file in files[FILES_MOST:]:
-        file.unlink(missing_ok=True)
+def _private(folder: Path) -> bool:
+    """Whether nobody else can put files there that would be run as this user."""
+    if not hasattr(os, "getuid"):
+        return True
+    state = folder.stat()
+    return state.st_uid == os.getuid() and state.st_mode & 0o022 == 0
+
+
+def forget(folder: Path, pattern: str, most: int = FILES_MOST) -> None:
+    """Keep the newest ``most`` files of this pattern, and what belongs to them."""
+    dated = []
+    for file in folder.glob(pattern):
+        try:
+            dated.append((file.stat().st_mtime, file))
+        except OSError:  # another program was quicker
+            continue
+    for _, file in sorted(dated, reverse=True)[most:]:
+        for one in (file, file.with_suffix(".sum")):
+            one.unlink(missing_ok=True)

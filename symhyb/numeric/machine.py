@@ -6,37 +6,51 @@ CasADi differentiates T and V; SymPy never does. Source of the form: Lagrange's 
 p = ∂T/∂v, see docs/design.md.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
 
-from symhyb.errors import InputError, Problem
-from symhyb.mechanics.equations import derive
 from symhyb.model.types import Model
+from symhyb.numeric import cache
 from symhyb.numeric.buffers import Array
-from symhyb.numeric.translate import Lowered
+from symhyb.numeric.memory import kept
+from symhyb.numeric.network import fill_of
+from symhyb.numeric.sound import require_sound
+
+if TYPE_CHECKING:
+    from symhyb.numeric.translate import Lowered
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Machine:
     """A model lowered to CasADi; every number in coherent SI.
 
-    Sizes: n coordinates, k inputs, m sensors, P parameters, E elements, N samples.
+    Sizes: n coordinates (those imposed included), z inner states of elements, k inputs, m sensors,
+    P parameters, E elements, N samples.
 
     Attributes:
         M: (q, t, p) -> (n, n) mass matrix.
         k_c: (q, v, t, p) -> (n,) Coriolis and gyroscopic forces.
-        k_e: (q, v, u, t, p) -> (n,) applied forces, those of potentials included.
+        k_e: (q, v, z, u, t, p) -> (n,) applied forces, those of potentials included.
         input_matrix: (q, v, t, p) -> (n, k) with k_e = k_e(u=0) + input_matrix·u; None where an
             input acts nonlinearly.
-        acceleration: (q, v, u, t, p, w) -> (n,) q'' under an extra generalized force w.
-        outputs: (q, v, a, u, t, p) -> (m,) what the sensors record, without noise and delay.
-        output_slopes: the same arguments -> (m, n) ∂y/∂q, ∂y/∂v and ∂y/∂a.
-        discrepancy: (q, v, a, u, t, p) -> (n,) ΔF = M a + k_c − k_e.
-        weak: (q, v, u, t, p) -> (n,) momentum p and (n,) ∂T/∂q + k_e, so that ΔF = p' − the latter.
-        energy: (q, v, t, p) -> T, V, (E,) stored in the elements.
-        elements: (q, v, u, t, p) -> (n, E) generalized force of each element.
+        acceleration: (q, v, z, u, t, p, w, b) -> (n,) q'' under an extra generalized force w; b
+            are the accelerations of the imposed coordinates, which stay as they are.
+        inner: (q, v, z, u, t, p) -> (z,) rates of the inner states.
+        inner_rest: (q, t, p) -> (z,) inner states of a machine that stood still at q.
+        outputs: (q, v, a, z, u, t, p) -> (m,) what the sensors record, without noise and delay.
+        sensed: (q, v, a, z, u, t, p, w) -> the same under an extra generalized force w.
+        output_slopes: the arguments of outputs -> (m, n) ∂y/∂q, ∂y/∂v and ∂y/∂a.
+        discrepancy: the arguments of outputs -> (n,) M a + k_c − k_e, what has to act
+            besides k_e: ΔF of a measured motion, the reaction of an imposed coordinate.
+        weak: (q, v, z, u, t, p) -> (n,) momentum p and (n,) ∂T/∂q + k_e, so that ΔF = p' − the
+            latter.
+        energy: (q, v, z, t, p) -> T, V, (E,) stored in the elements.
+        elements: (q, v, z, u, t, p) -> (n, E) generalized force of each element.
+        carried: (q, v, a, t, p) -> (n, E) force of the mass that an element adds, which is part
+            of M and k_c and not of ``elements``.
         pathways: (q, v, t, p) -> (E,) stretch, (E,) rate, (n, E) direction ∂s/∂q; NaN at points.
         values: (P,) parameter values in the order of ``model.all_parameters()``.
     """
@@ -47,12 +61,16 @@ class Machine:
     k_e: ca.Function
     input_matrix: ca.Function | None
     acceleration: ca.Function
+    inner: ca.Function
+    inner_rest: ca.Function
     outputs: ca.Function
+    sensed: ca.Function
     output_slopes: ca.Function
     discrepancy: ca.Function
     weak: ca.Function
     energy: ca.Function
     elements: ca.Function
+    carried: ca.Function
     pathways: ca.Function
     values: Array
 
@@ -61,61 +79,129 @@ class Machine:
         """Number of coordinates."""
         return len(self.model.coordinates)
 
+    @property
+    def inner_states(self) -> int:
+        """Number of inner states of elements."""
+        return int(self.inner.size1_out(0))
+
+    @property
+    def free(self) -> tuple[int, ...]:
+        """The coordinates that follow from forces."""
+        return tuple(i for i, c in enumerate(self.model.coordinates) if not c.imposed)
+
+    @property
+    def imposed(self) -> tuple[int, ...]:
+        """The coordinates whose motion is given."""
+        return tuple(i for i, c in enumerate(self.model.coordinates) if c.imposed)
+
     def column(self, path: str) -> int:
         """Index of the parameter with this path in the vector p."""
         return [item.path for item in self.model.all_parameters()].index(path)
 
 
-def build(model: Model) -> Machine:
+def build(model: Model, keep: bool = True) -> Machine:
     """Lower a checked model to a :class:`Machine`.
 
+    Models of the same structure, whatever the values of their parameters, share their functions. To
+    ``keep`` them is to write them to the user's cache, so that the next program need not lower
+    them again; what is only tried need not be kept.
+
     Raises:
-        InputError: the mass matrix is singular at the start; names the coordinates without mass.
+        InputError: the mass matrix is singular at the start (names the coordinates without mass),
+            a law that is infinite there, or a network whose weights cannot be read.
     """
-    low = _lowered(model)
-    q, v, a, u, t, p = low.q, low.v, low.a, low.u, low.t, low.p
-    n = q.numel()
+    functions = kept(("machine", structure_of(model)), lambda: _from_cache(model, keep))
+    values = np.array([item.si for item in model.all_parameters()])
+    require_sound(model, functions, values)
+    return Machine(model=model, values=values, **{"input_matrix": None, **functions})  # type: ignore[arg-type]
+
+
+def _from_cache(model: Model, keep: bool) -> dict[str, ca.Function]:
+    """The functions of a model: those on disk, else lowered, and kept there if that is wanted."""
+    if not keep:
+        return _lowered(model)
+    key = cache.key(structure_of(model))
+    found = cache.load(key)
+    if found is None:
+        found = _lowered(model)
+        cache.store(key, found)
+    return found
+
+
+def _lowered(model: Model) -> dict[str, ca.Function]:
+    from symhyb.mechanics.equations import derive  # SymPy takes half a second to import
+    from symhyb.numeric.translate import Lowered
+
+    fills = {
+        element.name: fill_of(element.network, model.file)
+        for element in model.elements
+        if element.network is not None
+    }
+    low = Lowered(derive(model), fills)
+    q, v, a, z, u, t, p = low.q, low.v, low.a, low.z, low.u, low.t, low.p
+    n, imposed = q.numel(), [i for i, c in enumerate(model.coordinates) if c.imposed]
     momentum = ca.gradient(low.kinetic, v)
     mass = ca.jacobian(momentum, v)
     k_c = ca.jtimes(momentum, q, v) + ca.jacobian(momentum, t) - ca.gradient(low.kinetic, q)
     forces = ca.horzcat(*low.forces) if low.forces else ca.SX(n, 0)
     k_e = -ca.gradient(low.potential, q) + ca.sum2(forces)
-    w = ca.SX.sym("w", n)
-    acceleration = solve_symmetric(mass, k_e + w - k_c)
+    w, b = ca.SX.sym("w", n), ca.SX.sym("b", len(imposed))
+    rest = ca.densify(ca.mtimes(mass, a) + k_c - k_e)
+    sensed = low.outputs(rest - w, [c.name for c in model.coordinates])
+    outputs = ca.substitute(sensed, w, ca.SX.zeros(n))
     slope = ca.jacobian(k_e, u)
-    linear = not ca.depends_on(slope, u)
-    values = np.array([item.si for item in model.all_parameters()])
-    machine = Machine(
-        model=model,
-        M=ca.Function("M", [q, t, p], [mass], ["q", "t", "p"], ["M"]),
-        k_c=ca.Function("k_c", [q, v, t, p], [k_c], ["q", "v", "t", "p"], ["k_c"]),
-        k_e=ca.Function("k_e", [q, v, u, t, p], [k_e], ["q", "v", "u", "t", "p"], ["k_e"]),
-        input_matrix=ca.Function("input_matrix", [q, v, t, p], [slope]) if linear else None,
-        acceleration=ca.Function(
-            "acceleration", [q, v, u, t, p, w], [acceleration],
-            ["q", "v", "u", "t", "p", "w"], ["a"],
+    linear = not ca.depends_on(slope, u) and not ca.depends_on(slope, z)
+
+    def function(
+        name: str, arguments: list[ca.SX], results: list[ca.SX], names: str = ""
+    ) -> ca.Function:
+        dense = [ca.densify(result) for result in results]  # what the buffers expect
+        labels = names.split() or [f"i{i}" for i in range(len(arguments))]
+        made = [f"o{i}" for i in range(len(results))]
+        return ca.Function(name, arguments, dense, labels, made, {"cse": True})
+
+    here, moving = [q, v, z, u, t, p], [q, v, a, z, u, t, p]
+    told = {"input_matrix": function("input_matrix", [q, v, t, p], [slope])} if linear else {}
+    return told | {
+        "M": function("M", [q, t, p], [mass], "q t p"),
+        "k_c": function("k_c", [q, v, t, p], [k_c], "q v t p"),
+        "k_e": function("k_e", here, [k_e], "q v z u t p"),
+        "acceleration": function(
+            "acceleration", [*here, w, b], [_solved(mass, k_e + w - k_c, imposed, b)],
+            "q v z u t p w b",
         ),
-        outputs=ca.Function("outputs", [q, v, a, u, t, p], [low.outputs]),
-        output_slopes=ca.Function(
-            "output_slopes", [q, v, a, u, t, p],
-            [ca.densify(ca.jacobian(low.outputs, by)) for by in (q, v, a)],
+        "inner": function("inner", here, [ca.densify(low.inner)], "q v z u t p"),
+        "inner_rest": function("inner_rest", [q, t, p], [ca.densify(low.rest)], "q t p"),
+        "outputs": function("outputs", moving, [outputs], "q v a z u t p"),
+        "sensed": function("sensed", [*moving, w], [sensed]),
+        "output_slopes": function(
+            "output_slopes", moving, [ca.densify(ca.jacobian(outputs, by)) for by in (q, v, a)]
         ),
-        discrepancy=ca.Function(
-            "discrepancy", [q, v, a, u, t, p], [ca.densify(ca.mtimes(mass, a) + k_c - k_e)]
-        ),
-        weak=ca.Function(
-            "weak", [q, v, u, t, p],
+        "discrepancy": function("discrepancy", moving, [rest]),
+        "weak": function(
+            "weak", here,
             [ca.densify(momentum), ca.densify(ca.gradient(low.kinetic, q) + k_e)],
         ),
-        energy=ca.Function(
-            "energy", [q, v, t, p], [low.kinetic, low.potential, ca.vertcat(*low.stored)]
+        "energy": function(
+            "energy", [q, v, z, t, p], [low.kinetic, low.potential, ca.vertcat(*low.stored)]
         ),
-        elements=ca.Function("elements", [q, v, u, t, p], [forces]),
-        pathways=ca.Function("pathways", [q, v, t, p], _pathways(low, n)),
-        values=values,
-    )  # fmt: skip
-    _require_mass(machine)
-    return machine
+        "elements": function("elements", here, [ca.densify(forces)]),
+        "carried": function("carried", [q, v, a, t, p], [_carried(low, n)]),
+        "pathways": function("pathways", [q, v, t, p], _pathways(low, n)),
+    }  # fmt: skip
+
+
+def _solved(mass: ca.SX, force: ca.SX, imposed: list[int], given: ca.SX) -> ca.SX:
+    """M a = f for the free coordinates; those imposed have the accelerations ``given``."""
+    n = mass.shape[0]
+    free = [i for i in range(n) if i not in imposed]
+    a = ca.SX(n, 1)
+    for i, value in zip(imposed, ca.vertsplit(given), strict=True) if imposed else ():
+        a[i] = value
+    if free:
+        pulled = force[free] - ca.mtimes(mass[free, imposed], given) if imposed else force[free]
+        a[free] = solve_symmetric(mass[free, free], pulled)
+    return ca.densify(a)
 
 
 def solve_symmetric(matrix: ca.SX, right: ca.SX) -> ca.SX:
@@ -142,7 +228,17 @@ def solve_symmetric(matrix: ca.SX, right: ca.SX) -> ca.SX:
     return x
 
 
-def _pathways(low: Lowered, n: int) -> list[ca.SX]:
+def _carried(low: "Lowered", n: int) -> ca.SX:
+    """−(d/dt ∂T/∂v − ∂T/∂q) of the kinetic energy that each element adds."""
+    columns = []
+    for energy in low.carried:
+        momentum = ca.gradient(energy, low.v)
+        pull = ca.jtimes(momentum, low.q, low.v) + ca.jtimes(momentum, low.v, low.a)
+        columns.append(ca.gradient(energy, low.q) - pull - ca.jacobian(momentum, low.t))
+    return ca.densify(ca.horzcat(*columns)) if columns else ca.SX(n, 0)
+
+
+def _pathways(low: "Lowered", n: int) -> list[ca.SX]:
     missing = (ca.SX(float("nan")), ca.SX(float("nan")), ca.SX.nan(n, 1))
     rows = [path or missing for path in low.pathways]
     if not rows:
@@ -151,36 +247,20 @@ def _pathways(low: Lowered, n: int) -> list[ca.SX]:
     return [ca.vertcat(*stretch), ca.vertcat(*rate), ca.horzcat(*direction)]
 
 
-def _lowered(model: Model) -> Lowered:
-    try:
-        return Lowered(derive(model))
-    except TypeError as error:
-        text = f"{error}: a place or an energy with min, max or sign has no smooth speed; use tanh"
-        raise InputError(Problem(text, file=model.file)) from error
-
-
-def _require_mass(machine: Machine) -> None:
-    """Refuse a mass matrix that is singular or not positive definite at the start."""
-    start = np.array([c.start * c.unit.factor for c in machine.model.coordinates])
-    mass = np.atleast_2d(np.array(machine.M(start, 0.0, machine.values)))
-    scale = np.sqrt(np.abs(np.diag(mass)))
-    if not np.all(np.isfinite(mass)):
-        text = "the mass matrix is not finite at the start; look for a division by zero"
-        raise InputError(Problem(text, "bodies", machine.model.file))
-    bare = [c.name for c, s in zip(machine.model.coordinates, scale, strict=True) if s == 0]
-    if bare:
-        text = (
-            f"the mass matrix is singular: nothing that moves with {', '.join(bare)} has mass; "
-            "give a body there a mass or an inertia"
-        )
-        raise InputError(Problem(text, "bodies", machine.model.file))
-    balanced = mass / np.outer(scale, scale)
-    values, vectors = np.linalg.eigh((balanced + balanced.T) / 2)
-    if values[0] < 1e-10:
-        worst = np.argsort(-np.abs(vectors[:, 0]))
-        named = [machine.model.coordinates[i].name for i in worst if abs(vectors[i, 0]) > 0.3]
-        text = (
-            f"the mass matrix is singular or not positive definite in {', '.join(named)} "
-            f"(smallest scaled eigenvalue {values[0]:.3g}); two coordinates may move one mass"
-        )
-        raise InputError(Problem(text, "bodies", machine.model.file))
+def structure_of(model: Model) -> str:
+    """All that the functions of a model depend on, as text: everything but the values of
+    parameters, and what is said about things."""
+    parts = (
+        [(c.name, c.imposed) for c in model.coordinates],
+        [p.path for p in model.all_parameters()],
+        [(i.name, i.gain is None, i.offset is None) for i in model.inputs],
+        [(s.measures.tree, s.gain is None, s.offset is None) for s in model.sensors],
+        model.points, [replace(body, about="") for body in model.bodies],
+        [
+            (e.name, e.kind, e.place, [(k, x.tree) for k, x in e.values], e.options, e.network)
+            for e in model.elements
+        ],
+        model.energy, model.gravity,
+        model.file if any(e.network for e in model.elements) else "",
+    )  # fmt: skip
+    return repr(parts)

@@ -4,13 +4,13 @@ Windows of a recording are integrated on the grid of its samples. CVODES would r
 sample of a recorded input; an L-stable Rosenbrock method with a fixed step does not, stands
 the steep slope of dry friction, and is differentiated exactly.
 
-Source: Hairer & Wanner, Solving ODEs II, RODAS4 (order 4, stiffly accurate), with the n×n
-reduction for second-order systems.
+Source: Hairer & Wanner, Solving ODEs II, RODAS4 (order 4, stiffly accurate), with the reduction
+for second-order systems to as many equations as there are speeds and inner states.
 """
 
 import casadi as ca
 
-from symhyb.numeric.machine import Machine
+from symhyb.numeric.dynamics import StateForm
 
 _A = (
     (),
@@ -35,43 +35,46 @@ _GAMMA = (0.25, -0.1043, 0.1035, -0.0362, 0.0, 0.0)
 _DIAGONAL = 0.25
 
 
-def rosenbrock_step(machine: Machine) -> ca.Function:
-    """Return (x, u0, u1, t, h, p, w) -> x after h seconds, x = (q, v) of length 2n, SI.
+def rosenbrock_step(form: StateForm) -> ca.Function:
+    """Return (x, d0, d1, t, h, p, w) -> x after h seconds, x = (q, v, z) of length X, SI.
 
-    Inputs run linearly from u0 to u1 over the step (first-order hold); w (n) is an extra
+    The drive runs linearly from d0 to d1 over the step (first-order hold); w (n) is an extra
     generalized force, constant over the step. A step with h = 0 returns x.
     """
-    n, k, sizes = machine.n, len(machine.model.inputs), machine.values.size
-    x, p, w = ca.SX.sym("x", 2 * n), ca.SX.sym("p", sizes), ca.SX.sym("w", n)
-    u0, u1 = ca.SX.sym("u0", k), ca.SX.sym("u1", k)
-    t, h, s = ca.SX.sym("t"), ca.SX.sym("h"), ca.SX.sym("s")
-    q, v = ca.SX.sym("q", n), ca.SX.sym("v", n)
-    held = u0 + s * (u1 - u0)
-    value = machine.acceleration(q, v, held, t + s * h, p, w)
-    force = ca.Function("f", [q, v, s], [value], {"allow_free": True})
+    f, size = len(form.free), form.size
+    x, d0, t, p, w = form.symbols()
+    d1, h, s = ca.SX.sym("d1", form.drive), ca.SX.sym("h"), ca.SX.sym("s")
+    q, y = ca.SX.sym("q", f), ca.SX.sym("y", size - f)  # y = (v, z)
+    held = d0 + s * (d1 - d0)
+    value = form.rates()(ca.vertcat(q, y), held, t + s * h, p, w)
+    rate = ca.Function("f", [q, y, s], [value], {"allow_free": True})
     slopes = ca.Function(
-        "j", [q, v, s],
-        [ca.jacobian(value, q), ca.jacobian(value, v), ca.jacobian(value, s)],
-        {"allow_free": True},
-    )  # fmt: skip
-    q0, v0 = x[:n], x[n:]
-    by_q, by_v, by_s = slopes(q0, v0, 0)
+        "j", [q, y, s], [ca.jacobian(value, by) for by in (q, y, s)], {"allow_free": True}
+    )
+    q0, y0 = x[:f, 0], x[f:, 0]
+    by_q, by_y, by_s = slopes(q0, y0, 0)
     step = _DIAGONAL * h
-    matrix = ca.SX.eye(n) - step * by_v - step**2 * by_q
+    matrix = ca.SX.eye(size - f) - step * by_y
+    matrix[:, :f] -= step**2 * by_q
     stages: list[tuple[ca.SX, ca.SX]] = []
     for a, c, alpha, gamma in zip(_A, _C, _ALPHA, _GAMMA, strict=True):
-        q_i = q0 + sum((f * dq for f, (dq, _) in zip(a, stages, strict=True)), ca.SX(0))
-        v_i = v0 + sum((f * dv for f, (_, dv) in zip(a, stages, strict=True)), ca.SX(0))
-        past_q = sum((f * dq for f, (dq, _) in zip(c, stages, strict=True)), ca.SX(0))
-        past_v = sum((f * dv for f, (_, dv) in zip(c, stages, strict=True)), ca.SX(0))
-        right_q = step * v_i + _DIAGONAL * past_q
-        right_v = step * (force(q_i, v_i, alpha) + gamma * by_s) + _DIAGONAL * past_v
-        dv = _solve(matrix, right_v + step * ca.mtimes(by_q, right_q))
-        stages.append((right_q + step * dv, dv))
-    q1 = q0 + sum((m * dq for m, (dq, _) in zip(_M, stages, strict=True)), ca.SX(0))
-    v1 = v0 + sum((m * dv for m, (_, dv) in zip(_M, stages, strict=True)), ca.SX(0))
-    arguments = [x, u0, u1, t, h, p, w]
-    return ca.Function("step", arguments, [ca.vertcat(q1, v1)], {"cse": True})
+        q_i, y_i = _combined(a, stages, q0, y0)
+        past_q, past_y = _combined(c, stages, ca.SX(f, 1), ca.SX(size - f, 1))
+        right_q = step * y_i[:f, 0] + _DIAGONAL * past_q
+        right_y = step * (rate(q_i, y_i, alpha) + gamma * by_s) + _DIAGONAL * past_y
+        dy = _solve(matrix, right_y + step * ca.mtimes(by_q, right_q))
+        stages.append((right_q + step * dy[:f, 0], dy))
+    after = ca.vertcat(*_combined(_M, stages, q0, y0))
+    return ca.Function("step", [x, d0, d1, t, h, p, w], [after], {"cse": True})
+
+
+def _combined(
+    factors: tuple[float, ...], stages: list[tuple[ca.SX, ca.SX]], q: ca.SX, y: ca.SX
+) -> tuple[ca.SX, ca.SX]:
+    """q and y plus the sum of the stages with these factors."""
+    for factor, (dq, dy) in zip(factors, stages, strict=True):
+        q, y = q + factor * dq, y + factor * dy
+    return q, y
 
 
 def _solve(matrix: ca.SX, right: ca.SX) -> ca.SX:

@@ -4,17 +4,25 @@ SymPy shares and hashes subexpressions, so a dictionary from node to SX yields a
 separate common-subexpression pass (measured 14–60 times faster than ``lambdify``).
 """
 
-from collections.abc import Callable, Mapping
+from collections import deque
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import casadi as ca
 import sympy as sp
 
-from symhyb.mechanics.equations import Equations
+from symhyb.mechanics.equations import Equations, Mass, Term, Vectorial
+from symhyb.mechanics.symbols import reading_symbol
+from symhyb.model.expression import Reading
+
+SUMS_KEPT = 16  # enough for the few sums that a link of a chain adds
+STILL = 1e-9  # m/s: below, the direction of a point's velocity fades
+Fill = Callable[[ca.SX], ca.SX]
+"""What fills the hole of a network: the force (SI) from its inputs."""
 
 _UNARY: Mapping[type[sp.Basic], Callable[[ca.SX], ca.SX]] = {
     sp.sin: ca.sin, sp.cos: ca.cos, sp.tan: ca.tan, sp.asin: ca.asin, sp.acos: ca.acos,
     sp.atan: ca.atan, sp.sinh: ca.sinh, sp.cosh: ca.cosh, sp.tanh: ca.tanh, sp.exp: ca.exp,
-    sp.log: ca.log, sp.Abs: ca.fabs, sp.sign: ca.sign,
+    sp.log: ca.log, sp.Abs: ca.fabs, sp.sign: ca.sign, sp.Heaviside: lambda x: x > 0,
 }  # fmt: skip
 
 
@@ -23,6 +31,7 @@ class Lowering:
 
     def __init__(self, symbols: Mapping[sp.Symbol, ca.SX]):
         self._done: dict[sp.Basic, ca.SX] = dict(symbols)
+        self._sums: deque[tuple[frozenset[sp.Basic], ca.SX]] = deque(maxlen=SUMS_KEPT)
 
     def __call__(self, expression: sp.Expr) -> ca.SX:
         """Return the SX of ``expression``.
@@ -36,12 +45,16 @@ class Lowering:
             self._done[expression] = done
         return done
 
+    def define(self, symbol: sp.Symbol, value: ca.SX) -> None:
+        """Let a symbol stand for ``value`` from now on."""
+        self._done[symbol] = value
+
     def _lower(self, expression: sp.Expr) -> ca.SX:
         if expression.is_Number or expression.is_NumberSymbol:
             return ca.SX(float(expression))
-        parts = [self(argument) for argument in expression.args]
         if expression.is_Add:
-            return _fold(parts, lambda x, y: x + y)
+            return self._sum(expression)
+        parts = [self(argument) for argument in expression.args]
         if expression.is_Mul:
             return _fold(parts, lambda x, y: x * y)
         if expression.is_Pow:
@@ -56,6 +69,19 @@ class Lowering:
         if function is None:
             raise TypeError(f"no CasADi counterpart for {expression.func}")
         return function(parts[0])
+
+    def _sum(self, expression: sp.Expr) -> ca.SX:
+        """A sum, begun with the largest one of late whose terms it repeats: SymPy flattens sums,
+        and a chain of n links would otherwise be lowered as n²/2 additions."""
+        terms = frozenset(expression.args)
+        known, start = frozenset[sp.Basic](), None
+        for earlier, value in self._sums:
+            if len(earlier) > len(known) and earlier < terms:
+                known, start = earlier, value
+        parts = [self(argument) for argument in expression.args if argument not in known]
+        total = _fold(parts if start is None else [start, *parts], lambda x, y: x + y)
+        self._sums.append((terms, total))
+        return total
 
 
 def _fold(parts: list[ca.SX], join: Callable[[ca.SX, ca.SX], ca.SX]) -> ca.SX:
@@ -81,33 +107,157 @@ def _power(base: ca.SX, exponent: sp.Expr, lowered: ca.SX) -> ca.SX:
 
 
 class Lowered:
-    """The equations of a model as SX: symbols q, v, a (n), u (k), p (P), t, and on them T, V,
-    the forces of the elements (each (n, 1)), stored energies, pathways and outputs (m, 1)."""
+    """The equations of a model as SX.
 
-    def __init__(self, equations: Equations):
+    Symbols q, v, a (n), z (inner states), u (k), p (P), t; on them T, V, and a row an element:
+    generalized forces (each (n, 1)), stored energies, pathways (stretch, rate, direction; None at
+    points), scalar forces F (by name; not at points), and of the inner states (nz, 1) the rates z'
+    (``inner``) and the values at ``rest``.
+    """
+
+    def __init__(self, equations: Equations, networks: Mapping[str, Fill] | None = None):
         s = equations.symbols
         self.q, self.v, self.a = (ca.SX.sym(name, len(s.q)) for name in ("q", "v", "a"))
+        self.z = ca.SX.sym("z", len(s.z))
         self.u, self.p = ca.SX.sym("u", len(s.u)), ca.SX.sym("p", len(s.p))
         self.t = ca.SX.sym("t")
         pairs: dict[sp.Symbol, ca.SX] = {s.t: self.t}
-        rows = ((s.q, self.q), (s.v, self.v), (s.a, self.a), (s.u, self.u), (s.p, self.p))
+        rows = (
+            (s.q, self.q), (s.v, self.v), (s.a, self.a), (tuple(s.z.values()), self.z),
+            (s.u, self.u), (s.p, self.p),
+        )  # fmt: skip
         for names, column in rows:
             pairs.update({name: column[i] for i, name in enumerate(names)})
-        lower = Lowering(pairs)
-        self.kinetic, self.potential = lower(equations.kinetic), lower(equations.potential)
-        self.forces = [_column([lower(f) for f in term.forces]) for term in equations.terms]
-        self.stored = [lower(term.stored) for term in equations.terms]
-        self.pathways = [
-            None
-            if (path := term.pathway) is None
-            else (
-                lower(path.stretch),
-                lower(path.rate),
-                _column([lower(d) for d in path.direction]),
-            )
-            for term in equations.terms
-        ]
-        self.outputs = _column([lower(output) for output in equations.outputs])
+        self._lower = Lowering(pairs)
+        self._equations = equations
+        self.kinetic = self._lower(equations.kinetic)
+        self.potential = self._lower(equations.potential)
+        self._rates = self._rates_of(equations)
+        for body in equations.masses:
+            self._add_mass(body)
+        self.forces: list[ca.SX] = []
+        self.carried: list[ca.SX] = []
+        self.stored: list[ca.SX] = []
+        self.pathways: list[tuple[ca.SX, ca.SX, ca.SX] | None] = []
+        self.strengths: dict[str, ca.SX] = {}
+        inner: dict[str, ca.SX] = {}
+        rest: dict[str, ca.SX] = {}
+        for term in equations.terms:
+            if isinstance(term, Vectorial):
+                self._add_vector(term)
+            else:
+                self._add_term(term, (networks or {}).get(term.element))
+                if term.law.inner is not None:
+                    inner[term.element] = self._lower(term.law.inner)
+                    rest[term.element] = self._lower(term.law.rest)
+        self.inner = _column([inner[name] for name in s.z])
+        self.rest = _column([rest[name] for name in s.z])
+
+    def rate(self, expression: ca.SX) -> ca.SX:
+        """d/dt of a position: (∂x/∂q) q' + ∂x/∂t."""
+        return ca.jtimes(expression, ca.vertcat(self.q, self.t), ca.vertcat(self.v, 1))
+
+    def _rates_of(self, equations: Equations) -> dict[sp.Expr, ca.SX]:
+        """The rates of all that moves, differentiated together: the speed of a link then builds on
+        that of the link before, as the positions do."""
+        moving: list[sp.Expr] = []
+        for body in equations.masses:
+            moving += [*body.centre, body.angle]
+        for term in equations.terms:
+            moving += term.position if isinstance(term, Vectorial) else [term.path]
+        moving = list(dict.fromkeys(moving))
+        if not moving:
+            return {}
+        rates = ca.vertsplit(self.rate(self._column_of(moving)))
+        return dict(zip(moving, rates, strict=True))
+
+    def _rate(self, positions: Iterable[sp.Expr]) -> ca.SX:
+        return ca.vertcat(*(self._rates[position] for position in positions))
+
+    def _column_of(self, expressions: Iterable[sp.Expr]) -> ca.SX:
+        return ca.vertcat(*(self._lower(expression) for expression in expressions))
+
+    def outputs(self, reaction: ca.SX, coordinates: Sequence[str]) -> ca.SX:
+        """What the sensors read (m, 1); ``reaction`` (n, 1) drives the ``coordinates``."""
+        for reading in self._equations.readings:
+            value = self._reading(reading, reaction, coordinates)
+            self._lower.define(reading_symbol(reading), value)
+        return _column([self._lower(output) for output in self._equations.outputs])
+
+    def _add_mass(self, body: Mass) -> None:
+        mass, centre = self._lower(body.mass), self._column_of(body.centre)
+        self.kinetic += mass * ca.sumsqr(self._rate(body.centre)) / 2
+        self.potential -= mass * ca.dot(self._column_of(self._equations.gravity), centre)
+        if body.inertia != 0:
+            self.kinetic += self._lower(body.inertia) * self._rate([body.angle]) ** 2 / 2
+
+    def _add_term(self, term: Term, fill: Fill | None) -> None:
+        stretch = self._lower(term.path)
+        rate, direction = self._rate([term.path]), ca.gradient(stretch, self.q)
+        self._lower.define(term.s, stretch)
+        self._lower.define(term.r, rate)
+        if term.hole is not None:
+            inputs = [self._lower(item) for item in self._equations.networks[term.element]]
+            self._lower.define(term.hole, ca.SX(0) if fill is None else fill(ca.vertcat(*inputs)))
+        force, mass = self._lower(term.law.force), self._lower(term.law.mass)
+        self.forces.append(term.sign * direction * force)
+        self._carry(mass * rate**2 / 2)
+        self.stored.append(self._lower(term.law.stored))
+        self.pathways.append((stretch, rate, direction))
+        pull = ca.jtimes(rate, self.v, self.a) + ca.jtimes(rate, self.q, self.v)
+        self.strengths[term.element] = force + mass * pull
+
+    def _add_vector(self, term: Vectorial) -> None:
+        position, velocity = self._column_of(term.position), self._rate(term.position)
+        speed = ca.sqrt(ca.sumsqr(velocity) + STILL**2)
+        self._lower.define(term.r, speed)
+        for symbol, part in zip(term.along, ca.vertsplit(velocity), strict=True):
+            self._lower.define(symbol, part / speed)
+        force = ca.vertcat(*(self._lower(part) for part in term.force))
+        self.forces.append(ca.jtimes(position, self.q, force, True))
+        self.stored.append(ca.SX(0))
+        self.pathways.append(None)
+        mass = ca.SX(0) if term.law is None else self._lower(term.law.mass)
+        self._carry(mass * ca.sumsqr(velocity) / 2)
+
+    def _carry(self, energy: ca.SX) -> None:
+        """Kinetic energy of the mass that an element adds."""
+        self.carried.append(energy)
+        self.kinetic += energy
+
+    def _reading(self, reading: Reading, reaction: ca.SX, coordinates: Sequence[str]) -> ca.SX:
+        """One instrument; an accelerometer shows the specific force a − g in the axes of a body:
+
+        y' ^   ^ x'
+            \\ /   angle        resting upright (x' up): accelerometer_x = +9.81 m/s²
+             o
+        """
+        places, names = self._equations.places, reading.names
+        match reading.what:
+            case "force":
+                return self.strengths[names[0]]
+            case "reaction":
+                return reaction[coordinates.index(names[0])]
+            case "orientation" | "gyroscope":
+                angle = self._lower(places.frames[names[0]].angle)
+                return angle if reading.what == "orientation" else self.rate(angle)
+            case "position_x" | "position_y":
+                return self._lower(places.points[names[0]]["xy".index(reading.what[-1])])
+            case "accelerometer_x" | "accelerometer_y":
+                return self._specific_force(names[0], names[1], reading.what[-1])
+        first, second = (ca.vertcat(*map(self._lower, places.points[name])) for name in names)
+        if reading.what == "distance":
+            return ca.norm_2(second - first)
+        return ca.atan2(second[1] - first[1], second[0] - first[0])
+
+    def _specific_force(self, point: str, body: str, axis: str) -> ca.SX:
+        places = self._equations.places
+        velocity = self.rate(ca.vertcat(*map(self._lower, places.points[point])))
+        pull = self.rate(velocity) + ca.jtimes(velocity, self.v, self.a)
+        felt = pull - ca.vertcat(*map(self._lower, self._equations.gravity))
+        angle = self._lower(places.frames[body].angle)
+        c, s = ca.cos(angle), ca.sin(angle)
+        return c * felt[0] + s * felt[1] if axis == "x" else c * felt[1] - s * felt[0]
 
 
 def _column(parts: list[ca.SX]) -> ca.SX:

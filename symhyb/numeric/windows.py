@@ -3,7 +3,7 @@
 Every window starts from its own initial state; the states after each sample and their
 derivatives with respect to initial states, parameters and test forces come from one pass of a
 CasADi ``mapaccum``. Sizes: W windows, L samples a window, n coordinates, m sensors, F free
-parameters, C test forces.
+parameters, C test forces, X states (of a machine without inner states 2n).
 """
 
 from dataclasses import dataclass
@@ -12,24 +12,30 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from symhyb.numeric.buffers import Array, accumulated, call, mapped
-from symhyb.numeric.compiled import compiled
+from symhyb.numeric.buffers import Array
+from symhyb.numeric.chains import Chains
+from symhyb.numeric.dynamics import StateForm, state_form
 from symhyb.numeric.machine import Machine
+from symhyb.numeric.memory import kept
 from symhyb.numeric.steps import rosenbrock_step
+from symhyb.numeric.vector import along
 
 
 @dataclass(frozen=True, slots=True)
 class Block:
     """Windows of equal length from one recording, in SI.
 
-    ``t`` (W, L) s; ``u`` (W, L, k) inputs; ``y`` (W, L, m) measurements, NaN where missing;
-    ``substeps`` (W, L − 1) integration steps between two samples.
+    ``t`` (W, L) s; ``d`` (W, L, drive) inputs, and motion that is given; ``y`` (W, L, m)
+    measurements, NaN where missing;
+    ``substeps`` (W, L − 1) integration steps between two samples; ``record`` times (K,) and inputs
+    (K, k) of the whole recording, from which inputs under another delay are taken.
     """
 
     t: Array
-    u: Array
+    d: Array
     y: Array
     substeps: NDArray[np.int64]
+    record: tuple[Array, Array] = (np.empty(0), np.empty((0, 0)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,24 +45,24 @@ class Linear:
         δ(i+1) = transition·δ(i) + left·w(i) + right·w(i+1) + by_free·θ − defect
         y(i)   = output(i) + by_state·δ(i) + by_force·w(i) + direct·θ
 
-    with δ (2n) the deviation of the state from ``x``, w (n) a test force and θ (F) the change of
+    with δ (X) the deviation of the state from ``x``, w (n) a test force and θ (F) the change of
     the free parameters. ``defect`` is zero along a simulated window; along a measured motion it is
     what the model fails to do from one sample to the next.
     """
 
-    x: Array  # (W, L, 2n)
+    x: Array  # (W, L, X)
     output: Array  # (W, L, m)
-    defect: Array  # (W, L − 1, 2n)
-    transition: Array  # (W, L − 1, 2n, 2n)
-    left: Array  # (W, L − 1, 2n, n)
-    right: Array  # (W, L − 1, 2n, n)
-    by_free: Array  # (W, L − 1, 2n, F)
-    by_state: Array  # (W, L, m, 2n)
+    defect: Array  # (W, L − 1, X)
+    transition: Array  # (W, L − 1, X, X)
+    left: Array  # (W, L − 1, X, n)
+    right: Array  # (W, L − 1, X, n)
+    by_free: Array  # (W, L − 1, X, F)
+    by_state: Array  # (W, L, m, X)
     by_force: Array  # (W, L, m, n)
     direct: Array  # (W, L, m, F)
 
     def from_start(self) -> Array:
-        """∂y/∂(initial state), (W, L, m, 2n)."""
+        """∂y/∂(initial state), (W, L, m, X)."""
         windows, _, states = self.x.shape
         begin = np.broadcast_to(np.eye(states), (windows, states, states))
         nothing = np.zeros((*self.transition.shape[:2], states, states))
@@ -81,7 +87,7 @@ class Linear:
         return np.zeros((added.shape[0], added.shape[2], added.shape[3]))
 
     def _propagate(self, begin: Array, added: Array) -> Array:
-        """δ at the samples (W, L, 2n, C) from its value at the start and what each step adds."""
+        """δ at the samples (W, L, X, C) from its value at the start and what each step adds."""
         windows, steps, states, count = added.shape
         result = np.empty((windows, steps + 1, states, count))
         result[:, 0] = begin
@@ -91,41 +97,23 @@ class Linear:
 
 
 class WindowModel:
-    """A machine prepared for sweeps; ``free`` are the columns of p that are differentiated."""
+    """A machine prepared for sweeps; ``free`` are the columns of p that are differentiated.
 
-    def __init__(self, machine: Machine, free: tuple[int, ...] = ()):
+    Signals are cleared of the delays that the model states; those of ``p`` count beside them for
+    the channels whose delay is free or that are named ``late``.
+    """
+
+    def __init__(self, machine: Machine, free: tuple[int, ...] = (), late: tuple[str, ...] = ()):
         self.machine, self.free = machine, free
-        n, k, size = machine.n, len(machine.model.inputs), machine.values.size
-        x, p, w = ca.SX.sym("x", 2 * n), ca.SX.sym("p", size), ca.SX.sym("w", n)
-        u0, u1 = ca.SX.sym("u0", k), ca.SX.sym("u1", k)
-        t, h = ca.SX.sym("t"), ca.SX.sym("h")
-        start, restart = ca.SX.sym("start", 2 * n), ca.SX.sym("restart")
-        begin = ca.if_else(restart, start, x)
-        rest, chosen = (u0, u1, t, h, p), list(free)
-        after = rosenbrock_step(machine)(x, *rest, w)
-        by_x, by_free = ca.jacobian(after, x), ca.jacobian(after, p)[:, chosen]
-        outputs = {
-            "plain": [after],
-            "fit": [after, by_x, by_free],
-            "screen": [after, by_x, by_free, ca.jacobian(after, w)],
-        }
-        at, begins = ca.vertcat(x, w), ca.vertcat(begin, 0 * w)
-        steps = {
-            what: ca.Function(
-                what, [x, start, restart, *rest],
-                [ca.densify(ca.substitute(part, at, begins)) for part in parts], {"cse": True},
-            )
-            for what, parts in outputs.items()
-        }  # fmt: skip
-        fitting = compiled({what: steps[what] for what in ("plain", "fit")})
-        self._steps = {**steps, **fitting}
-        self._sense = _sensing(machine, chosen)
-        self._runs: dict[tuple[str, int], ca.Function] = {}
+        paths = [item.path for item in machine.model.all_parameters()]
+        moved = [paths[i].removesuffix(".delay") for i in free if paths[i].endswith(".delay")]
+        self.form = state_form(machine, tuple(dict.fromkeys((*moved, *late))))
+        self._steps = kept(("steps", self.form.key, free), lambda: _Steps(self.form, list(free)))
 
     def simulate(self, block: Block, start: Array, p: Array) -> tuple[Array, Array]:
-        """Simulate windows from ``start`` (W, 2n) with parameters ``p`` (P,), SI.
+        """Simulate windows from ``start`` (W, X) with parameters ``p`` (P,), SI.
 
-        Returns states (W, L, 2n) and outputs (W, L, m); a window whose integration diverges is not
+        Returns states (W, L, X) and outputs (W, L, m); a window whose integration diverges is not
         finite from there on.
         """
         (ends,) = self._run(block, start[:, None], p, "plain")
@@ -133,7 +121,7 @@ class WindowModel:
         return x, self._outputs(block, x, p)[0]
 
     def differentiate(self, block: Block, start: Array, p: Array, forces: bool = False) -> Linear:
-        """Linearise along the windows simulated from ``start`` (W, 2n) with ``p`` (P,), SI; without
+        """Linearise along the windows simulated from ``start`` (W, X) with ``p`` (P,), SI; without
         ``forces`` the response to test forces is left out (zero), which costs less."""
         what = "screen" if forces else "fit"
         ends, *slopes = self._run(block, start[:, None], p, what)
@@ -141,7 +129,7 @@ class WindowModel:
         return self._linear(block, x, np.zeros_like(ends), slopes, p)
 
     def along(self, block: Block, states: Array, p: Array) -> Linear:
-        """Linearise along a measured motion ``states`` (W, L, 2n) with ``p`` (P,), SI: every sample
+        """Linearise along a measured motion ``states`` (W, L, X) with ``p`` (P,), SI: every sample
         starts anew."""
         ends, *slopes = self._run(block, states[:, :-1], p, "screen")
         return self._linear(block, states, states[:, 1:] - ends, slopes, p)
@@ -156,63 +144,71 @@ class WindowModel:
         )
 
     def _run(self, block: Block, starts: Array, p: Array, what: str) -> list[Array]:
-        """Integrate from one start a window (W, 1, 2n) or one a sample (W, L − 1, 2n).
+        """Integrate from one start a window (W, 1, X) or one a sample (W, L − 1, X).
 
-        Returns states at the ends (W, L − 1, 2n) and, unless ``what`` is plain, the slopes from
+        Returns states at the ends (W, L − 1, X) and, unless ``what`` is plain, the slopes from
         sample to sample.
         """
-        windows, length, inputs = block.u.shape
+        drive = self.form.extended(block.d, block.t, block.record, p)
+        windows, length, inputs = drive.shape
         states, parts = starts.shape[2], block.substeps.reshape(-1)
+        if states == 0:  # all motion is given, and nothing remembers
+            return self._nothing(windows, length - 1, what)
         first = np.concatenate([[0], np.cumsum(parts)[:-1]])
         owner = np.repeat(np.arange(parts.size), parts)
         part = (np.arange(owner.size) - first[owner]) / parts[owner]
         h = (np.diff(block.t, axis=1).reshape(-1) / parts)[owner]
-        rise = np.diff(block.u, axis=1).reshape(parts.size, inputs)[owner]
-        u0 = block.u[:, :-1].reshape(parts.size, inputs)[owner] + part[:, None] * rise
-        u1 = u0 + rise / parts[owner][:, None]
+        rise = np.diff(drive, axis=1).reshape(parts.size, inputs)[owner]
+        d0 = drive[:, :-1].reshape(parts.size, inputs)[owner] + part[:, None] * rise
+        d1 = d0 + rise / parts[owner][:, None]
         t = block.t[:, :-1].reshape(-1)[owner] + part * h * parts[owner]
         begins = first.reshape(windows, length - 1)[:, : starts.shape[1]].reshape(-1)
-        restart, begin = np.zeros(owner.size), np.zeros((owner.size, states))
-        restart[begins], begin[begins] = 1, starts.reshape(-1, states)
-        run = self._mapped(what, owner.size)
-        after, *slopes = call(run, (np.zeros(states), begin, restart, u0, u1, t, h, p))
+        chain, place = _chained(begins, owner.size)
+        h = np.where(np.arange(place.shape[1]) < chain[:, None], h[place], 0.0)
+        varying = (d0[place], d1[place], t[place][..., None], h[..., None])
+        made = self._steps.run(what)(starts.reshape(-1, states), varying, p)
+        real = np.arange(place.shape[1]) < chain[:, None]
+        after, *slopes = (output[real] for output in made)
         shape = (windows, length - 1, states)
         ends = after[first + parts - 1].reshape(shape)
         if what == "plain":
             return [ends]
         if what == "fit":
-            slopes.append(np.zeros((owner.size * self.machine.n, states)))
+            slopes.append(np.zeros((owner.size, self.machine.n * states)))
         steps = [slope.reshape(owner.size, -1, states).swapaxes(1, 2) for slope in slopes]
         return [ends, *(j.reshape(*shape, -1) for j in _joined(steps, first, parts))]
 
+    def _nothing(self, windows: int, steps: int, what: str) -> list[Array]:
+        columns = {"plain": [], "fit": [len(self.free)], "screen": [len(self.free)]}[what]
+        n = self.machine.n
+        slopes = [0, n, n, *columns] if what != "plain" else []
+        return [np.zeros((windows, steps, 0)), *(np.zeros((windows, steps, 0, c)) for c in slopes)]
+
     def _outputs(self, block: Block, x: Array, p: Array) -> tuple[Array, ...]:
         windows, length, _ = x.shape
-        sense = self._mapped("sense", windows * length)
-        y, *slopes = call(sense, (x, block.u, block.t, p))
+        drive, total = self.form.extended(block.d, block.t, block.record, p), windows * length
+        given = x.reshape(total, -1), drive.reshape(total, -1), block.t.reshape(-1), p
+        y, *slopes = along(self._steps.sense, given, (3,), total)
         m = len(self.machine.model.sensors)
         return (
             y.reshape(windows, length, m),
             *(s.reshape(windows, length, -1, m).swapaxes(2, 3) for s in slopes),
         )
 
-    def _mapped(self, what: str, total: int) -> ca.Function:
-        """The function for ``total`` steps; the last few are kept, building one costs ms."""
-        run = self._runs.get((what, total))
-        if run is None:
-            if what == "sense":
-                run = mapped(self._sense, total, repeated=(3,))
-            else:
-                run = accumulated(self._steps[what], total, repeated=(7,))
-            recent = list(self._runs.items())[-5:]
-            self._runs = dict([*recent, ((what, total), run)])
-        return run
+
+def _chained(begins: NDArray[np.int64], total: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Of steps (S,) that begin anew at ``begins`` (C,): how many each chain has (C,), and their
+    indices (C, longest); beyond its end a chain repeats its last step."""
+    count = np.diff(np.append(begins, total))
+    ahead = np.minimum(np.arange(int(count.max(initial=0))), count[:, None] - 1)
+    return count, begins[:, None] + ahead
 
 
 def _joined(
     steps: list[Array], first: NDArray[np.int64], parts: NDArray[np.int64]
 ) -> tuple[Array, ...]:
-    """Slopes of integration steps (S, 2n, ·), in the order transition, by free, impulse, joined to
-    slopes from sample to sample (M, 2n, ·): transition, left, right, by free. The test force runs
+    """Slopes of integration steps (S, X, ·), in the order transition, by free, impulse, joined to
+    slopes from sample to sample (M, X, ·): transition, left, right, by free. The test force runs
     linearly between two samples and is constant within a step. ``first`` (M,) is the first step of
     each interval and ``parts`` (M,) how many there are."""
     transition, free, impulse = (step[first] for step in steps)
@@ -229,13 +225,48 @@ def _joined(
     return transition, left, right, free
 
 
-def _sensing(machine: Machine, chosen: list[int]) -> ca.Function:
-    """(x, u, t, p) -> outputs (m), ∂/∂x (m, 2n), ∂/∂free (m, F), ∂/∂w (m, n)."""
-    n, k = machine.n, len(machine.model.inputs)
-    x, u, t = ca.SX.sym("x", 2 * n), ca.SX.sym("u", k), ca.SX.sym("t")
-    p, w = ca.SX.sym("p", machine.values.size), ca.SX.sym("w", n)
-    a = machine.acceleration(x[:n], x[n:], u, t, p, w)
-    y = machine.outputs(x[:n], x[n:], a, u, t, p)
-    parts = [y, ca.jacobian(y, x), ca.jacobian(y, p)[:, chosen], ca.jacobian(y, w)]
+class _Steps:
+    """The step functions of a form, lowered once; what only screens need, when they ask for it."""
+
+    def __init__(self, form: StateForm, free: list[int]):
+        self.sense = _sensing(form, free)
+        self._functions = _stepping(form, free)
+        self._ready: dict[str, Chains] = {}
+
+    def run(self, what: str) -> Chains:
+        """The steps of chains: ``plain``, with slopes to ``fit``, or to ``screen``."""
+        if what not in self._ready:
+            self._ready[what] = Chains(self._functions[what])
+        return self._ready[what]
+
+
+def _stepping(form: StateForm, free: list[int]) -> dict[str, ca.Function]:
+    """(x, d0, d1, t, h, p) -> x after the step; for fits with its slopes by x and p, for screens
+    also by a test force."""
+    if form.size == 0:
+        return {}
+    x, d0, t, p, w = form.symbols()
+    d1, h = ca.SX.sym("d1", form.drive), ca.SX.sym("h")
+    after = rosenbrock_step(form)(x, d0, d1, t, h, p, w)
+    by_x, by_free = ca.jacobian(after, x), ca.jacobian(after, p)[:, free]
+    outputs = {
+        "plain": [after],
+        "fit": [after, by_x, by_free],
+        "screen": [after, by_x, by_free, ca.jacobian(after, w)],
+    }
+    return {
+        what: ca.Function(
+            what, [x, d0, d1, t, h, p],
+            [ca.densify(ca.substitute(part, w, 0 * w)) for part in parts], {"cse": True},
+        )
+        for what, parts in outputs.items()
+    }  # fmt: skip
+
+
+def _sensing(form: StateForm, free: list[int]) -> ca.Function:
+    """(x, d, t, p) -> outputs (m), ∂/∂x (m, X), ∂/∂free (m, F), ∂/∂w (m, n)."""
+    x, d, t, p, w = form.symbols()
+    y, _ = form.outputs()(x, d, t, p, w)
+    parts = [y, ca.jacobian(y, x), ca.jacobian(y, p)[:, free], ca.jacobian(y, w)]
     parts = [ca.densify(ca.substitute(part, w, 0 * w)) for part in parts]
-    return ca.Function("sense", [x, u, t, p], parts, {"cse": True})
+    return ca.Function("sense", [x, d, t, p], parts, {"cse": True})

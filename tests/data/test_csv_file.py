@@ -124,7 +124,7 @@ def test_a_folder_is_no_recording(tmp_path):
     assert refused(tmp_path) == " is a folder, not a recording"
 
 
-@pytest.mark.parametrize("name", ["run.xlsx", "run.parquet", "run", "run.csv.gz"])
+@pytest.mark.parametrize("name", ["run.ods", "run.txt", "run", "run.csv.gz"])
 def test_an_unknown_format_names_the_readable_ones(write, name):
     said = refused(write(name, "t,x\n0,1\n"))
     assert "is not a readable format; readable are .csv, .mat" in said

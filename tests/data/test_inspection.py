@@ -118,6 +118,13 @@ def test_rounding_of_the_last_digit_does_not_hide_a_lattice():
     assert lattice_step(np.concatenate([counts * 0.1, counts * 0.3 / 3])) == pytest.approx(0.1)
 
 
+def test_a_few_values_beside_the_lattice_do_not_hide_it():
+    values = np.round(WAVE / 0.02) * 0.02
+    strays = RNG.choice(values.size, 60, replace=False)
+    values[strays] += 0.02 * RNG.random(60)
+    assert lattice_step(values) == pytest.approx(0.02)
+
+
 @pytest.mark.parametrize(
     "values",
     [
@@ -135,5 +142,5 @@ def test_no_lattice_is_seen_where_there_is_none(values):
 
 def test_the_step_is_said_in_the_unit_of_the_model():
     assert notes(np.round(WAVE / 0.01) * 0.01 / 1e3, "mm") == [
-        "sensor x is quantised in steps of 0.01 mm"
+        "sensor x is quantised in steps of 0.01 mm (noise at least 0.002887 mm)"
     ]

@@ -1,6 +1,7 @@
 """The value that everything downstream starts from, and the whole way from file to value."""
 
 import hashlib
+import json
 import pickle
 import re
 
@@ -54,6 +55,25 @@ def test_split_keeps_every_sample_once_and_the_time(recording):
     assert after.notes == ("part of run.csv from 0.4 s on",)
     assert before.sha256 == recording.sha256
     assert not after.inputs["f"].flags.writeable
+
+
+def test_parts_share_samples_where_they_overlap(recording):
+    before, after = recording.split(0.5)
+    assert recording.shares(before)
+    assert recording.crop(0.3, 0.7).shares(after)
+    assert not before.shares(after)
+
+
+def test_runs_of_one_file_with_the_same_times_share_nothing(model, write, signals):
+    runs = {
+        name: {k: (v * scale).tolist() if k != "t" else v.tolist() for k, v in signals.items()}
+        for name, scale in (("one", 1), ("two", 2))
+    }
+    path = write("run.json", json.dumps(runs))
+    one, two = (read_recording(f"{path}#{name}", model) for name in runs)
+    assert one.sha256 == two.sha256
+    assert not one.shares(two)
+    assert one.shares(read_recording(f"{path}#one", model))
 
 
 @pytest.mark.parametrize("at", [-1.0, 0.0, 1.0, 60.0, float("nan")])

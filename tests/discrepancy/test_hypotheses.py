@@ -6,24 +6,52 @@ import numpy as np
 import pytest
 from builders import cart_pole, damper, oscillator, push, spring, value
 
-from symhyb.discrepancy.hypotheses import (
+from symhyb.discrepancy.candidates import (
     STRIBECK_SHARES,
     TRANSITION_SHARE,
-    Hypothesis,
-    dull_hypotheses,
+    Reach,
     force_hypotheses,
+)
+from symhyb.discrepancy.course import Course
+from symhyb.discrepancy.hypotheses import (
+    Hypothesis,
+    Library,
+    dull_hypotheses,
     library,
     natural_length,
     places_of,
     with_channels,
 )
 from symhyb.model.read import parse_model
-from symhyb.model.types import Between, On
+from symhyb.model.types import Between, Model, On, Place
 from symhyb.model.vocabulary import KINDS
 from symhyb.model.write import append_elements, text_of
-from symhyb.numeric.machine import build
+from symhyb.numeric.buffers import call, mapped
+from symhyb.numeric.dynamics import state_form
+from symhyb.numeric.inner import inner_along
+from symhyb.numeric.machine import Machine, build
 
 BAND = Between("post", "tip")
+T = np.linspace(0, 4, 401)
+
+
+def reach(speed: float, centre: float = 0.0, force: np.ndarray | None = None) -> Reach:
+    """A place that swings with this largest rate about its centre, at 0.5 Hz."""
+    w = np.pi
+    stretch, rate = centre + speed / w * np.sin(w * T), speed * np.cos(w * T)
+    return Reach(stretch, rate, np.zeros(T.size) if force is None else force, T)
+
+
+def swinging(model: Model, tried: Library | None = None) -> tuple[Machine, Course]:
+    """A smooth course of the cart and pole (or of a library on it), its inner states along it."""
+    machine = build(model) if tried is None else tried.machine
+    q = np.stack([0.2 * np.sin(3 * T), 0.5 * np.sin(2 * T) + 0.3 * np.cos(5 * T)], axis=1)
+    v = np.stack([0.6 * np.cos(3 * T), np.cos(2 * T) - 1.5 * np.sin(5 * T)], axis=1)
+    a = np.stack([-1.8 * np.sin(3 * T), -2 * np.sin(2 * T) - 7.5 * np.cos(5 * T)], axis=1)
+    u, form = np.cos(T)[:, None], state_form(machine)
+    z = inner_along(machine, T, (q, v, a), u, machine.values)
+    drive = form.driven(u, q, v, a)
+    return machine, Course(T, q, v, a, z, u, form.state(q, v, z), drive, np.zeros_like(q))
 
 
 def test_places_are_coordinates_and_the_pairs_that_elements_join() -> None:
@@ -37,35 +65,42 @@ def test_one_coordinate_is_one_place() -> None:
 
 
 def test_every_law_of_the_vocabulary_is_tried_at_every_place() -> None:
-    tried = force_hypotheses(cart_pole(), {On("x"): 0.5, BAND: 2.0})
-    terms = [(h.kind, h.terms) for h in tried if h.place == BAND]
-    assert terms == [(h.kind, h.terms) for h in tried if h.place == On("x")]
-    assert terms == [
-        ("constant", ("constant",)),
-        ("spring", ("stiffness",)),
-        ("spring", ("quadratic",)),
-        ("spring", ("cubic",)),
-        ("damper", ("damping",)),
-        ("drag", ("drag",)),
-        ("friction", ("coulomb",)),
-        ("friction", ("coulomb", "static")),
-        ("friction", ("coulomb", "static")),
-    ]
+    tried = force_hypotheses(
+        cart_pole(),
+        {
+            On("x"): reach(0.5, force=0.3 * np.sin(40 * T)),
+            BAND: reach(2.0, 0.35, force=0.3 * np.sin(40 * T)),
+        },
+    )
+    laws = set(KINDS) - {"force", "torque", "law", "network"}
+    for place in (On("x"), BAND):
+        mine = [h for h in tried if h.place == place]
+        assert laws - {h.kind for h in mine} <= {"ripple"}
+        springs = [h.terms for h in mine if h.kind == "spring"]
+        assert springs == [("stiffness",), ("quadratic",), ("cubic",)]
+        assert {h.options for h in mine if h.kind == "gap"} == {
+            (("side", side),) for side in ("both", "upper", "lower")
+        }
+    assert len({(h.family, h.shape) for h in tried}) == len(tried)
     for h in tried:
-        assert h.positive == (KINDS[h.kind].energy == "dissipative",) * len(h.terms)
-        assert h.numbers == len(h.terms) + len(h.refined)
+        dissipative = KINDS[h.kind].energy == "dissipative" or h.kind == "added_mass"
+        assert h.positive[0] == dissipative
+        assert h.numbers == len(h.keys)
 
 
 def test_friction_scales_with_the_speed_of_its_place() -> None:
-    tried = [h for h in force_hypotheses(cart_pole(), {On("x"): 0.5}) if h.kind == "friction"]
-    assert [dict(h.shape)["transition"] for h in tried] == [TRANSITION_SHARE * 0.5] * 3
-    assert [dict(h.shape)["stribeck"] for h in tried[1:]] == [0.5 * s for s in STRIBECK_SHARES]
+    all_tried = force_hypotheses(cart_pole(), {On("x"): reach(0.5)})
+    tried = [h for h in all_tried if h.kind == "friction"]
+    speed = reach(0.5).speed
+    assert speed == pytest.approx(0.5, rel=1e-3)
+    assert [dict(h.shape)["transition"] for h in tried] == [TRANSITION_SHARE * speed] * 3
+    assert [dict(h.shape)["stribeck"] for h in tried[1:]] == [speed * s for s in STRIBECK_SHARES]
     assert [h.refined for h in tried] == [(), ("stribeck",), ("stribeck",)]
     assert tried[1].family == tried[2].family != tried[0].family
 
 
 def test_a_place_that_never_moves_loses_no_energy() -> None:
-    tried = force_hypotheses(cart_pole(), {On("x"): 0.0})
+    tried = force_hypotheses(cart_pole(), {On("x"): reach(0.0)})
     assert {h.kind for h in tried} == {"constant", "spring"}
 
 
@@ -83,8 +118,10 @@ def test_dull_causes_are_parameters_with_sd_and_every_channel() -> None:
         ("parameter", "oil.d", True),
         ("gain", "f.gain", False),
         ("offset", "f.offset", False),
+        ("delay", "f.delay", False),
         ("gain", "place.gain", False),
         ("offset", "place.offset", False),
+        ("delay", "place.delay", False),
     ]
     paths = {item.path for item in with_channels(model).all_parameters()}
     assert {h.path for h in found} <= paths
@@ -95,11 +132,11 @@ def test_channels_that_state_gain_and_offset_do_not_change_the_machine() -> None
     inputs = {"f": {"unit": "N", "gain": 1.5}}
     model = oscillator({"motor": push("f")}, inputs=inputs)
     plain, full = build(model), build(with_channels(model))
-    assert full.values.size == plain.values.size + 3
+    assert full.values.size == plain.values.size + 5
     assert full.values[full.column("f.gain")] == 1.5
     for machine in (plain, full):
-        assert value(machine.k_e, 0.1, 0.2, 4.0, 0, machine.values) == pytest.approx([6.0])
-        y = value(machine.outputs, 0.1, 0.2, 0, 4.0, 0, machine.values)
+        assert value(machine.k_e, 0.1, 0.2, [], 4.0, 0, machine.values) == pytest.approx([6.0])
+        y = value(machine.outputs, 0.1, 0.2, 0, [], 4.0, 0, machine.values)
         assert y == pytest.approx([0.1])
 
 
@@ -121,60 +158,89 @@ def test_a_found_element_is_written_and_read_like_one_a_person_wrote() -> None:
     )
     plain, machine = build(model), build(corrected)
     q, v = np.array([0.1, 0.4]), np.array([-0.3, 0.2])
-    more = value(machine.k_e, q, v, 0, 0, machine.values) - value(
-        plain.k_e, q, v, 0, 0, plain.values
+    more = value(machine.k_e, q, v, [], 0, 0, machine.values) - value(
+        plain.k_e, q, v, [], 0, 0, plain.values
     )
     level = 0.02 + 0.03 * np.exp(-((0.2 / 0.3) ** 2))
     assert more == pytest.approx([0, -level * np.tanh(0.2 / 1e-3)])
 
 
+def everything() -> tuple[Hypothesis, ...]:
+    """All that is tried on the cart and pole, periodic laws in time and in place included."""
+    places: dict[Place, Reach] = {
+        place: reach(1.5, centre, 0.3 * np.sin(40 * T))
+        for place, centre in ((On("x"), 0.0), (On("phi"), 0.0), (BAND, 0.5))
+    }
+    ripple = Hypothesis("ripple", On("phi"), ("sine", "cosine"), (False, False),
+                        (("period", 0.21),), ("period",))  # fmt: skip
+    return (*force_hypotheses(cart_pole(), places), ripple)
+
+
 def test_probes_are_the_law_in_its_unknown_numbers() -> None:
-    """The force of any values is the sum of value times probe, at every place and kind."""
-    model = cart_pole()
-    speeds = dict.fromkeys(places_of(model), 0.7)
-    tried = force_hypotheses(model, speeds)
+    """The force of any values is the sum of value times probe, at every place and kind, what
+    remembers and what has mass included."""
+    model, tried = cart_pole(), everything()
     book = library(model, places_of(model), tried)
+    _, course = swinging(model, book)
+    forces = book.forces(course)
+    assert forces.shape == (T.size, 2, sum(len(h.terms) for h in tried))
     rng = np.random.default_rng(1)
-    q, v, u = rng.normal(size=(6, 2)), rng.normal(size=(6, 2)), rng.normal(size=(6, 1))
-    t = np.arange(6.0)
-    forces = book.forces(q, v, u, t)
-    assert forces.shape == (6, 2, sum(len(h.terms) for h in tried))
+    kinds = set()
     for hypothesis, columns in zip(tried, book.columns, strict=True):
-        values = dict(zip(hypothesis.terms, rng.uniform(0.5, 2, len(columns)), strict=True))
-        element = hypothesis.element(model, "it", values)
-        machine = build(replace(model, elements=(*model.elements, element)))
-        for i in range(6):
-            alone = value(machine.elements, q[i], v[i], u[i], t[i], machine.values)[-1]
-            combined = forces[i][:, list(columns)] @ list(values.values())
-            assert combined == pytest.approx(alone, rel=1e-12, abs=1e-14), str(hypothesis)
+        coefficients = np.array([rng.uniform(1, 2), *rng.uniform(0.2, 0.8, len(columns) - 1)])
+        element = hypothesis.element(model, "it", hypothesis.values(coefficients))
+        machine, alone = swinging(replace(model, elements=(*model.elements, element)))
+        function = mapped(machine.elements, T.size, repeated=(5,))
+        c, p = alone, machine.values
+        (exact,) = call(function, (c.q, c.v, c.z, c.u, c.t, p))
+        carried = mapped(machine.carried, T.size, repeated=(4,))
+        exact = exact + call(carried, (c.q, c.v, c.a, c.t, p))[0]
+        last = exact.reshape(T.size, -1, 2)[:, -1]
+        size = np.abs(last).max()
+        assert size > 0 or hypothesis.kind == "gap", str(hypothesis)
+        combined = forces[:, :, list(columns)] @ coefficients
+        assert combined == pytest.approx(last, rel=1e-9, abs=1e-9 * (size + 1)), str(hypothesis)
+        kinds.add(hypothesis.kind)
+    assert kinds == set(KINDS) - {"force", "torque", "law", "network"}
+
+
+def test_limits_keep_shapes_near_where_they_were_tried() -> None:
+    for hypothesis in everything():
+        first = [1.0] * len(hypothesis.terms)
+        for key, number in hypothesis.values(first).items():
+            low, high = hypothesis.limits(key)
+            assert low <= number <= high, (str(hypothesis), key)
+        assert set(hypothesis.values(first)) == set(hypothesis.keys)
+        for key, positive in zip(hypothesis.terms, hypothesis.positive, strict=True):
+            if key in hypothesis.keys and key != "skew":
+                assert (hypothesis.limits(key)[0] == 0) == positive
 
 
 def test_a_library_knows_how_its_places_move_and_push() -> None:
     model = cart_pole()
     places = places_of(model)
-    book = library(model, places, force_hypotheses(model, dict.fromkeys(places, 0.7)))
-    rng = np.random.default_rng(2)
-    q, v = rng.normal(size=(5, 2)), rng.normal(size=(5, 2))
-    u, t = np.zeros((5, 1)), np.arange(5.0)
-    stretch, rate = book.motion(q, v, t)
+    book = library(model, places, everything())
+    _, course = swinging(model, book)
+    q, v = course.q, course.v
+    stretch, rate = book.motion(course)
     a = 0.3
     dx, dy = q[:, 0] + 2 * a * np.sin(q[:, 1]) - 1.5 * a, 2 * a * (1 - np.cos(q[:, 1]))
     assert stretch[:, :2] == pytest.approx(q)
     assert stretch[:, 2] == pytest.approx(np.hypot(dx, dy))
     assert rate[:, :2] == pytest.approx(v)
-    push_on = book.directions(q, v, u, t)
-    assert push_on[:, :, 0] == pytest.approx(np.tile([1.0, 0.0], (5, 1)))
-    assert push_on[:, :, 1] == pytest.approx(np.tile([0.0, 1.0], (5, 1)))
+    push_on = book.directions(course)
+    assert push_on[:, :, 0] == pytest.approx(np.tile([1.0, 0.0], (T.size, 1)))
+    assert push_on[:, :, 1] == pytest.approx(np.tile([0.0, 1.0], (T.size, 1)))
     # a tension pulls the points together: its power is −rate
     assert np.einsum("ni,ni->n", push_on[:, :, 2], v) == pytest.approx(-rate[:, 2])
 
 
 def test_a_library_without_hypotheses_still_knows_its_places() -> None:
-    model = oscillator({"hold": spring("k")}, {"k": (5.0, "N/m")})
+    model = cart_pole()
     book = library(model, (On("x"),), ())
-    q = v = np.linspace(0, 1, 4)[:, None]
-    assert book.forces(q, v, np.empty((4, 0)), q[:, 0]).shape == (4, 1, 0)
-    assert book.motion(q, v, q[:, 0])[0] == pytest.approx(q)
+    _, course = swinging(model, book)
+    assert book.forces(course).shape == (T.size, 2, 0)
+    assert book.motion(course)[0] == pytest.approx(course.q[:, :1])
 
 
 def test_the_natural_length_is_that_of_the_spring_there() -> None:
@@ -189,6 +255,8 @@ def test_without_a_spring_the_natural_length_is_the_distance_at_the_start() -> N
 
 
 def test_hypotheses_are_said_in_words() -> None:
-    tried = force_hypotheses(cart_pole(), {BAND: 1.0})
-    assert str(tried[0]) == "constant (constant) between post and tip"
-    assert str(tried[-1]) == "friction (coulomb, static) between post and tip"
+    tried = force_hypotheses(cart_pole(), {BAND: reach(1.0, 0.35)})
+    said = [str(h) for h in tried]
+    assert said[0] == "constant (constant) between post and tip"
+    assert "friction (coulomb, static, stribeck) between post and tip" in said
+    assert "gap (side upper, stiffness, clearance) between post and tip" in said

@@ -43,11 +43,11 @@ def test_windows_share_their_ends_and_cover_the_recording() -> None:
     assert block.t.shape == (7, 51)
     assert block.t[:, 0] == pytest.approx(0.5 * np.arange(7))
     assert block.t[1:, 0] == pytest.approx(block.t[:-1, -1])
-    assert block.u[..., 0] == pytest.approx(np.cos(block.t))
+    assert block.d[..., 0] == pytest.approx(np.cos(block.t))
     assert block.y[..., 0] == pytest.approx(np.sin(block.t))
     assert block.substeps.tolist() == np.ones((7, 50), int).tolist()
     assert windows.start == pytest.approx(np.column_stack([block.t[:, 0], 10 * block.t[:, 0]]))
-    assert windows.motion[..., 1] == pytest.approx(10 * block.t)
+    assert windows.states[..., 1] == pytest.approx(10 * block.t)
 
 
 def test_every_third_window_validates() -> None:

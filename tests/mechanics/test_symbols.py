@@ -5,8 +5,8 @@ import pytest
 import sympy as sp
 from builders import damper, oscillator, push
 
-from symhyb.mechanics.symbols import symbols_of, to_sympy
-from symhyb.model.expression import evaluate, parse_expression
+from symhyb.mechanics.symbols import reading_symbol, symbols_of, to_sympy
+from symhyb.model.expression import evaluate, parse_expression, readings
 
 TEXTS = [
     "a + b*c - x/2", "-a**2 + 2**-c", "(a*b)**3/c", "x'**2 - x''", "sqrt(c) + exp(a) - log(c)",
@@ -56,3 +56,26 @@ def test_an_input_stands_for_what_acts() -> None:
     assert (gain.name, offset.name) == ("f.gain", "f.offset")
     assert symbols.scope["f", 0] == gain * symbols.u[0] + offset
     assert np.all([symbol.is_real for symbol in (*symbols.q, *symbols.v, *symbols.p)])
+
+
+def test_elements_that_remember_have_an_inner_state_in_their_order() -> None:
+    damped = {"kind": "relaxation", "on": "x", "stiffness": "k", "damping": "d"}
+    bent = {"kind": "hysteresis", "on": "x", "stiffness": "k"}
+    model = oscillator(
+        {"late": damped, "oil": damper("d"), "bent": bent},
+        {"k": (5.0, "N/m"), "d": (1.0, "N*s/m")},
+    )
+    symbols = symbols_of(model)
+    assert list(symbols.z) == ["late", "bent"]
+    assert len({str(symbol) for symbol in symbols.z.values()}) == 2
+
+
+def test_readings_of_instruments_are_symbols_until_they_are_lowered() -> None:
+    tree = parse_expression("2*force(oil) - reaction(x)*sin(orientation(arm))")
+    found = readings(tree)
+    assert [str(reading_symbol(r)) for r in found] == [
+        "force(oil)", "reaction(x)", "orientation(arm)",
+    ]  # fmt: skip
+    force, reaction, angle = map(reading_symbol, found)
+    assert to_sympy(tree, {}) == 2 * force - reaction * sp.sin(angle)
+    assert not readings(parse_expression("a*b"))

@@ -11,9 +11,11 @@ from symhyb.model.expression import (
     Name,
     Number,
     Operation,
+    Reading,
     evaluate,
     names,
     parse_expression,
+    readings,
     show,
     unit_of,
 )
@@ -268,3 +270,52 @@ def test_units_that_do_not_fit_are_said(text: str, sentence: str) -> None:
     with pytest.raises(ExpressionError) as caught:
         unit_of(parse_expression(text), unit)
     assert sentence in str(caught.value)
+
+
+def test_readings_are_calls_with_names() -> None:
+    tree = parse_expression("distance(a, wall) - l").tree
+    assert tree == Operation("-", (Reading("distance", ("a", "wall")), Name("l")))
+    assert show(tree) == "distance(a, wall) - l"
+    assert parse_expression(show(tree)).tree == tree
+    assert names(tree) == {Name("l")}
+    assert readings(parse_expression("2*reaction(x) - force(rail)*reaction(x)")) == (
+        Reading("reaction", ("x",)),
+        Reading("force", ("rail",)),
+    )
+    assert readings(Name("x")) == ()
+
+
+def test_a_parameter_may_have_the_name_of_a_reading() -> None:
+    tree = parse_expression("force*force(force)").tree
+    assert names(tree) == {Name("force")}
+    assert readings(tree) == (Reading("force", ("force",)),)
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("distance(a)", r"'distance' takes 2 names, not 1; write distance\(<point>, <point>\)"),
+        ("reaction()", r"'reaction' takes 1 name, not 0; write reaction\(<coordinate>\)"),
+        ("reaction(x')", r"'reaction' takes names, not 'x''; write reaction\(<coordinate>\)"),
+        ("force(2*rail)", r"'force' takes names, not '2 \* rail'; write force\(<element>\)"),
+        ("gyroscope(gyroscope(a))", r"'gyroscope' takes names, not 'gyroscope\(a\)'"),
+        ("distanc(a, b)", "'distanc' is not a known function; did you mean 'distance'"),
+        ("distance(a, b=c)", "is not allowed"),
+    ],
+)
+def test_readings_take_names_alone(text: str, sentence: str) -> None:
+    with pytest.raises(ExpressionError, match=sentence):
+        parse_expression(text)
+
+
+def test_a_reading_has_no_value_and_only_the_unit_that_it_is_given() -> None:
+    expression = parse_expression("1 + distance(a, b)")
+    with pytest.raises(ExpressionError, match=r"'distance\(a, b\)' is what a sensor shows"):
+        evaluate(expression, {})
+    with pytest.raises(ExpressionError, match=r"only sensors may use distance\(a, b\)"):
+        unit_of(expression, lambda name: ONE)
+    metres = parse_expression("2*distance(a, b)**2")
+    assert unit_of(metres, lambda name: ONE, lambda reading: parse_unit("m")) == parse_unit("m^2")
+    power = parse_expression("x**distance(a, b)")
+    with pytest.raises(ExpressionError, match="its power must be a whole number"):
+        unit_of(power, lambda name: parse_unit("m"), lambda reading: ONE)

@@ -52,10 +52,10 @@ def test_a_correction_is_appended_text(duffing: Model) -> None:
     assert parse_model(corrected.text, duffing.file) == corrected
 
 
-def test_numbers_read_back_within_one_part_in_a_million_million(duffing: Model) -> None:
+def test_numbers_read_back_within_fifteen_digits(duffing: Model) -> None:
     value = 0.123456789012345678
     element = append_elements(duffing, [found_drag(value)]).elements[-1]
-    assert element.parameters[0].value == pytest.approx(value, rel=1e-12)
+    assert element.parameters[0].value == pytest.approx(value, rel=1e-14, abs=0.0)
 
 
 def test_line_ends_of_the_original_are_kept(duffing: Model) -> None:

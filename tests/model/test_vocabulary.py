@@ -3,7 +3,7 @@
 import pytest
 
 from symhyb.model.types import At, Between, Coordinate, Model, On, Place
-from symhyb.model.vocabulary import KINDS, LATER, force_unit, key_unit, stretch_unit
+from symhyb.model.vocabulary import KINDS, force_unit, key_unit, stretch_unit
 from symhyb.units import parse_unit
 
 MODEL = Model(
@@ -39,6 +39,25 @@ SPAN = Between("a", "b")
         ("law", "tension", SPAN, "N"),
         ("force", "force.x", At("a"), "N"),
         ("torque", "torque", On("phi"), "N*m"),
+        ("damper", "damping", At("a"), "N*s/m"),
+        ("friction", "coulomb", At("a"), "N"),
+        ("gap", "clearance", On("x"), "m"),
+        ("gap", "damping", On("phi"), "N*m*s/rad"),
+        ("hysteresis", "beta", On("x"), "1/m"),
+        ("hysteresis", "play", SPAN, "m"),
+        ("friction_dynamic", "stiffness", On("x"), "N/m"),
+        ("friction_dynamic", "micro_damping", On("phi"), "N*m*s/rad"),
+        ("relaxation", "damping", SPAN, "N*s/m"),
+        ("constant", "constant.x", At("a"), "N"),
+        ("harmonic", "amplitude.y", At("a"), "N"),
+        ("harmonic", "amplitude", On("phi"), "N*m"),
+        ("harmonic", "frequency", On("x"), "1/s"),
+        ("ripple", "period", On("phi"), "rad"),
+        ("ripple", "phase", On("x"), "1"),
+        ("added_mass", "mass", On("x"), "kg"),
+        ("added_mass", "mass", On("phi"), "kg*m^2"),
+        ("added_mass", "length", SPAN, "m"),
+        ("network", "length", SPAN, "m"),
     ],
 )
 def test_unit_of_a_key(kind: str, key: str, place: Place, text: str) -> None:
@@ -54,31 +73,46 @@ def test_other_coordinates_take_energy_over_coordinate() -> None:
     assert key_unit(VOLTS, "spring", "cubic", place).text == "1/V^2"
     assert key_unit(VOLTS, "damper", "damping", place).text == "s"
     assert key_unit(VOLTS, "friction", "transition", place).text == "V/s"
+    assert key_unit(VOLTS, "added_mass", "mass", place).text == "s^2"
+
+
+@pytest.mark.parametrize(("n", "text"), [(1.0, "1/m"), (2.0, "1/m^2"), (1.5, "1/m^(3/2)")])
+def test_the_exponent_of_a_hysteresis_sets_units(n: float, text: str) -> None:
+    for key in ("beta", "gamma"):
+        unit = key_unit(MODEL, "hysteresis", key, On("x"), n)
+        assert unit.text == text
+        assert parse_unit(text).same_dimension(unit)
+    assert key_unit(MODEL, "hysteresis", "stiffness", On("x"), n).text == "N/m"
 
 
 @pytest.mark.parametrize("kind", KINDS.values(), ids=lambda kind: kind.name)
 def test_every_kind_is_complete(kind) -> None:  # type: ignore[no-untyped-def]
     assert kind.words
     assert kind.law
-    assert kind.strengths
-    assert {kind.key(name) is not None for name in kind.strengths} == {True}
+    assert kind.strengths or kind.name == "network"
+    assert all(kind.key(name) is not None for name in (*kind.strengths, *kind.needs))
+    law = kind.law + kind.state.replace("^n", "exponent")
+    if "g as of friction" in law:
+        law += KINDS["friction"].law
     for key in kind.keys:
         if kind.name not in ("force", "torque", "law"):
-            assert key.name in kind.law or key.name in ("length", "asymmetry")
-        assert set(key.placements) <= set(kind.placements)
-        if key.default not in (None, "0"):
+            said = key.about or key.name == "length"
+            assert key.name in law or said
+        assert set(key.placements) & set(kind.placements)
+        if key.default not in (None, "0", "1", *key.choices):
             assert kind.key(str(key.default)) is not None
+        if key.exponent:
+            assert kind.key(key.exponent) is not None
+    assert ("z" in kind.state) == (kind.name in ("hysteresis", "friction_dynamic", "relaxation"))
 
 
 def test_energy_says_whether_a_kind_resists() -> None:
     passive = {name for name, kind in KINDS.items() if kind.passive}
-    assert passive == {"spring", "damper", "drag", "friction"}
+    assert set(KINDS) - passive == {
+        "constant", "harmonic", "ripple", "force", "torque", "law", "network",
+    }  # fmt: skip
     assert KINDS["spring"].energy == "conservative"
     assert KINDS["drag"].energy == "dissipative"
-
-
-def test_later_kinds_are_not_offered_yet() -> None:
-    assert not set(LATER) & set(KINDS)
 
 
 def test_an_unknown_key_is_a_key_error() -> None:

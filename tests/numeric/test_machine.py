@@ -18,6 +18,7 @@ from builders import (
 )
 
 from symhyb.errors import InputError
+from symhyb.model.read import parse_model
 from symhyb.model.types import Model
 from symhyb.numeric.buffers import call
 from symhyb.numeric.machine import Machine, build, solve_symmetric
@@ -32,10 +33,10 @@ def force_on(element: Entries, x: float, v: float, f: float = 0.0) -> float:
         "b": (2.0, "N*s^2/m^2"), "c": (1.5, "N"), "w": (0.01, "m/s"),
     }  # fmt: skip
     machine = build(oscillator({"it": element}, parameters, inputs={"f": {"unit": "N"}}))
-    k_e = value(machine.k_e, x, v, f, 0, machine.values)
-    each = value(machine.elements, x, v, f, 0, machine.values)
+    k_e = value(machine.k_e, x, v, [], f, 0, machine.values)
+    each = value(machine.elements, x, v, [], f, 0, machine.values)
     assert k_e == pytest.approx(each)
-    assert value(machine.discrepancy, x, v, 0, f, 0, machine.values) == pytest.approx(-k_e)
+    assert value(machine.discrepancy, x, v, 0, [], f, 0, machine.values) == pytest.approx(-k_e)
     return float(k_e[0])
 
 
@@ -94,6 +95,31 @@ def test_a_force_at_a_point_acts_along_the_axes() -> None:
     assert force_on(element, 0.2, 0.3) == pytest.approx(1.5)
 
 
+def test_a_force_at_a_point_does_the_same_work_on_coordinates_and_in_the_plane() -> None:
+    """Q·q' = F·r' for any speed of the tip of a pole on a cart, and −F |r'| of drag there."""
+    plain = cart_pole()
+    text = """
+    [elements.wind]
+    kind = "force"
+    at = "tip"
+    force = ["c", "-3*c"]
+    [elements.mist]
+    kind = "drag"
+    at = "tip"
+    drag = "b"
+    """
+    machine = build(parse_model(plain.text + text))
+    p = {item.name: item.si for item in plain.parameters}
+    rng = np.random.default_rng(6)
+    for _ in range(5):
+        q, v = rng.normal(size=(2, 2))
+        wind, mist = value(machine.elements, q, v, [], 0.3, 0, machine.values)[-2:]
+        swing = 2 * p["a"] * v[1]
+        tip = np.array([v[0] + swing * np.cos(q[1]), swing * np.sin(q[1])])
+        assert wind @ v == pytest.approx(p["c"] * tip[0] - 3 * p["c"] * tip[1])
+        assert mist @ v == pytest.approx(-p["b"] * np.hypot(*tip) ** 3)
+
+
 def test_signs_on_an_angle() -> None:
     """Turned counter-clockwise, a torsion spring turns clockwise; a torque turns as it says."""
     model = model_of(
@@ -106,7 +132,7 @@ def test_signs_on_an_angle() -> None:
         },
     )
     machine = build(model)
-    each = value(machine.elements, 0.4, 0.0, [], 0, machine.values)
+    each = value(machine.elements, 0.4, 0.0, [], [], 0, machine.values)
     assert each.ravel() == pytest.approx([-1.2, 0.5])
 
 
@@ -118,8 +144,8 @@ def test_gravity_pulls_down() -> None:
         bodies={"stone": {"mass": "m", "at": ["0*y", "y"]}},
     )
     machine = build(model)
-    assert value(machine.k_e, 3.0, 0, [], 0, machine.values) == pytest.approx([-19.62])
-    _, potential, _ = call(machine.energy, [3.0, 0.0, 0.0, machine.values])
+    assert value(machine.k_e, 3.0, 0, [], [], 0, machine.values) == pytest.approx([-19.62])
+    _, potential, _ = call(machine.energy, [3.0, 0.0, [], 0.0, machine.values])
     assert float(potential[0, 0]) == pytest.approx(2 * 9.81 * 3)
 
 
@@ -127,7 +153,7 @@ def test_energies_and_pathways_of_the_cart_and_pole() -> None:
     machine = build(cart_pole())
     p = {item.name: item.si for item in machine.model.parameters}
     q, v, a = np.array([0.1, 0.4]), np.array([-0.3, 1.1]), p["a"]
-    kinetic, potential, stored = call(machine.energy, [q, v, 0.0, machine.values])
+    kinetic, potential, stored = call(machine.energy, [q, v, [], 0.0, machine.values])
     pole = np.array([v[0] + a * v[1] * np.cos(q[1]), a * v[1] * np.sin(q[1])])
     expected = 0.5 * p["m_c"] * v[0] ** 2 + 0.5 * p["m_p"] * pole @ pole + 0.5 * p["J"] * v[1] ** 2
     assert float(kinetic[0, 0]) == pytest.approx(expected)
@@ -154,7 +180,7 @@ def test_a_model_without_elements_and_sensors_has_empty_columns() -> None:
     q = v = np.zeros(2)
     assert machine.elements.size_out(0) == (2, 0)
     assert machine.outputs.size_out(0) == (0, 1)
-    assert value(machine.k_e, q, v, [], 0, machine.values).shape == (2,)
+    assert value(machine.k_e, q, v, [], [], 0, machine.values).shape == (2,)
 
 
 def states(machine: Machine, units: Mapping[str, float]) -> tuple[np.ndarray, ...]:
@@ -186,11 +212,11 @@ def test_units_and_the_order_of_coordinates_change_nothing(
         mass = value(machine.M, q, 0, p)[np.ix_(order, order)]
         vectors = [
             value(machine.k_c, q, v, 0, p),
-            value(machine.k_e, q, v, u, 0, p),
-            value(machine.discrepancy, q, v, a, u, 0, p),
-            value(machine.acceleration, q, v, u, 0, p, np.zeros(2)),
+            value(machine.k_e, q, v, [], u, 0, p),
+            value(machine.discrepancy, q, v, a, [], u, 0, p),
+            value(machine.acceleration, q, v, [], u, 0, p, np.zeros(2), []),
         ]
-        outputs = value(machine.outputs, q, v, a, u, 0, p)
+        outputs = value(machine.outputs, q, v, a, [], u, 0, p)
         results.append([mass, *(vector[order] for vector in vectors), outputs])
     for first, second in zip(*results, strict=True):
         assert second == pytest.approx(first, rel=1e-12, abs=1e-12)
@@ -220,7 +246,7 @@ def test_inputs_that_act_linearly_are_kept_visible() -> None:
     assert machine.input_matrix is not None
     B = value(machine.input_matrix, q, v, 0, machine.values)
     assert B.ravel() == pytest.approx([1, 0])
-    at = [value(machine.k_e, q, v, u, 0, machine.values) for u in (0.0, 2.5)]
+    at = [value(machine.k_e, q, v, [], u, 0, machine.values) for u in (0.0, 2.5)]
     assert at[1] - at[0] == pytest.approx(2.5 * B.ravel())
 
 
@@ -237,8 +263,8 @@ def test_gain_and_offset_of_channels() -> None:
                            "offset": {"value": 2.0, "unit": "mm"}}},
     )  # fmt: skip
     machine = build(model)
-    assert value(machine.k_e, 0, 0, 4.0, 0, machine.values) == pytest.approx([6.25])
-    y = value(machine.outputs, 0.3, 0, 0, 4.0, 0, machine.values)
+    assert value(machine.k_e, 0, 0, [], 4.0, 0, machine.values) == pytest.approx([6.25])
+    y = value(machine.outputs, 0.3, 0, 0, [], 4.0, 0, machine.values)
     assert y == pytest.approx([0.9 * 0.3 + 0.002])
 
 
@@ -246,7 +272,7 @@ def test_slopes_of_outputs() -> None:
     sensors = {"mix": {"measures": "3*x + 2*x'*x'/g - 5*l*x''/g", "unit": "m"}}
     more = {"l": (1.0, "m"), "g": (1.0, "m/s^2")}
     machine = build(oscillator({}, more, sensors=sensors))
-    slopes = call(machine.output_slopes, [0.3, 0.7, 0.1, [], 0.0, machine.values])
+    slopes = call(machine.output_slopes, [0.3, 0.7, 0.1, [], [], 0.0, machine.values])
     assert [float(slope[0, 0]) for slope in slopes] == pytest.approx([3, 2.8, -5])
 
 
@@ -313,6 +339,6 @@ def test_damping_of_all_elements_adds_up() -> None:
         {"d": (2.0, "N*s/m"), "k": (5.0, "N/m")},
     )
     machine = build(model)
-    each = value(machine.elements, 0.5, 0.5, [], 0, machine.values).ravel()
+    each = value(machine.elements, 0.5, 0.5, [], [], 0, machine.values).ravel()
     assert each == pytest.approx([-1.0, -3.0, -2.5])
-    assert value(machine.k_e, 0.5, 0.5, [], 0, machine.values) == pytest.approx([each.sum()])
+    assert value(machine.k_e, 0.5, 0.5, [], [], 0, machine.values) == pytest.approx([each.sum()])

@@ -63,5 +63,6 @@ def test_the_equations_of_a_machine_keep_their_shapes() -> None:
     assert low.q.shape == low.v.shape == low.a.shape == (2, 1)
     assert low.u.shape == (0, 1)
     assert low.p.shape == (5, 1)
-    assert low.outputs.shape == (0, 1)
-    assert (low.forces, low.stored, low.pathways) == ([], [], [])
+    assert low.outputs(ca.SX(2, 1), ["alpha", "beta"]).shape == (0, 1)
+    assert low.z.shape == low.inner.shape == low.rest.shape == (0, 1)
+    assert (low.forces, low.stored, low.pathways, low.strengths) == ([], [], [], {})

@@ -1,9 +1,8 @@
 """Windows: simulated like CVODES does, and linearised like differences do."""
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
+from blocks import block, slope, uneven
 from builders import cart_pole, damper, model_of, oscillator, push, run, spring
 from numpy.typing import NDArray
 
@@ -14,26 +13,12 @@ from symhyb.numeric.windows import Block, WindowModel
 Array = NDArray[np.float64]
 
 
-def block(t: Array, u: Array, m: int, substeps: int | Array = 1) -> Block:
-    """Windows (W, L) at times t with inputs u (W, L, k)."""
-    parts = np.broadcast_to(np.asarray(substeps, np.int64), (t.shape[0], t.shape[1] - 1))
-    return Block(t, u, np.zeros((*t.shape, m)), np.array(parts))
-
-
-def uneven(windows: int, samples: int, seed: int) -> Array:
-    """Times of windows that begin at different times, with uneven samples."""
-    rng = np.random.default_rng(seed)
-    gaps = 0.02 * rng.uniform(0.5, 1.5, (windows, samples - 1))
-    begins = np.arange(windows)[:, None] * 1.7
-    return begins + np.concatenate([np.zeros((windows, 1)), np.cumsum(gaps, axis=1)], axis=1)
-
-
 def by_cvodes(machine: Machine, windows: Block, start: Array) -> tuple[Array, Array]:
     """States (W, L, 2n) and outputs (W, L, m) of the same windows."""
     n = machine.n
     runs = [
         run(machine, t, x[:n], x[n:], u)
-        for t, x, u in zip(windows.t, start, windows.u, strict=True)
+        for t, x, u in zip(windows.t, start, windows.d, strict=True)
     ]
     assert all(result.complete for result in runs)
     states = np.array([np.hstack([result.q, result.v]) for result in runs])
@@ -155,12 +140,6 @@ def swinging() -> tuple[Machine, WindowModel, Block, Array]:
     model = WindowModel(machine, tuple(range(1, machine.values.size)))
     start = np.array([[0.05, 0.6, 0.2, -1.0], [0.1, -0.4, -0.3, 0.5]])
     return machine, model, block(t, u, 3, parts), start
-
-
-def slope(function: Callable[[float], Array], step: float) -> Array:
-    """Central difference with one step of Richardson."""
-    wide, narrow = ((function(h) - function(-h)) / (2 * h) for h in (step, step / 2))
-    return np.asarray((4 * narrow - wide) / 3)
 
 
 def test_derivatives_by_initial_states(swinging: tuple[Machine, WindowModel, Block, Array]) -> None:

@@ -1,0 +1,104 @@
+"""Run the benchmarks, print the table, and keep it in results.json and docs/performance.md.
+
+python studies/benchmarks/bench.py                 all of it, some minutes
+python studies/benchmarks/bench.py --only forces   one part, printed only
+"""
+
+import argparse
+import datetime
+import json
+import os
+import re
+import tempfile
+from collections.abc import Callable, Sequence
+from dataclasses import asdict
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+from timing import Row, machine
+
+HERE = Path(__file__).parent
+PAGE = HERE.parents[1] / "docs" / "performance.md"
+BEGIN, END = "<!-- measured -->", "<!-- /measured -->"
+PARTS = ("links", "runs", "forces", "sweep", "starting")
+
+
+def measure(part: str) -> list[Row]:
+    """The rows of one part; imported here, so that a part needs only its own libraries."""
+    import forces
+    import links
+    import oscillators
+    import starting
+
+    work: dict[str, Callable[[], list[Row]]] = {
+        "links": links.rows,
+        "runs": oscillators.run_rows,
+        "forces": forces.rows,
+        "sweep": oscillators.sweep_rows,
+        "starting": starting.rows,
+    }
+    return work[part]()
+
+
+def page_table(rows: Sequence[Row], on: dict[str, str]) -> str:
+    """The measured part of the page."""
+    lines = ["| | measured | bar | | |", "|---|---|---|---|---|"]
+    part = ""
+    for row in rows:
+        if row.part != part:
+            lines.append(f"| **{row.part}** | | | | |")
+            part = row.part
+        lines.append(f"| {row.what} | {row.measured} | {row.wanted} | {row.verdict} | {row.note} |")
+    about = "; ".join(f"{name} {value}" for name, value in on.items())
+    return "\n".join([f"Measured on: {about}.", "", *lines])
+
+
+def replaced(page: str, measured: str) -> str:
+    """The page with another measured part.
+
+    Raises:
+        ValueError: a page without the two marks.
+    """
+    if BEGIN not in page or END not in page:
+        raise ValueError(f"the page lacks the marks {BEGIN} and {END}")
+    pattern = re.escape(BEGIN) + ".*?" + re.escape(END)
+    return re.sub(pattern, lambda _: f"{BEGIN}\n{measured}\n{END}", page, flags=re.S)
+
+
+def show(rows: Sequence[Row]) -> None:
+    """Print the table."""
+    table = Table("", "measured", "bar", "", "")
+    for row in rows:
+        style = {True: "green", False: "red", None: ""}[row.met]
+        table.add_row(
+            f"{row.part}: {row.what}", row.measured, row.wanted, row.verdict, row.note, style=style
+        )
+    Console(width=None if os.isatty(1) else 180).print(table)
+
+
+def keep(rows: Sequence[Row], on: dict[str, str]) -> None:
+    """Write results.json and the table of the page."""
+    on = {**on, "date": datetime.date.today().isoformat()}
+    results = {"machine": on, "rows": [{**asdict(row), "met": row.met} for row in rows]}
+    text = json.dumps(results, indent=1, ensure_ascii=False) + "\n"
+    (HERE / "results.json").write_text(text, encoding="utf-8")
+    page = PAGE.read_text(encoding="utf-8")
+    PAGE.write_text(replaced(page, page_table(rows, on)), encoding="utf-8")
+
+
+def main() -> None:
+    """Parse arguments, measure, print, keep."""
+    parser = argparse.ArgumentParser(description="Benchmarks of symhyb, as ratios of one run.")
+    parser.add_argument("--only", choices=PARTS, action="append", help="a part; may be repeated")
+    chosen = parser.parse_args().only
+    with tempfile.TemporaryDirectory() as folder:
+        os.environ["XDG_CACHE_HOME"] = folder  # nothing that an earlier run has kept helps
+        rows = [row for part in chosen or PARTS for row in measure(part)]
+    show(rows)
+    if not chosen:
+        keep(rows, machine())
+
+
+if __name__ == "__main__":
+    main()

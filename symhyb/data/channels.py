@@ -1,0 +1,51 @@
+"""The channels of a model as a file has them, row by row."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+FEWEST = 10  # samples that show a rate
+SLOWER = 0.8  # of the rows: a channel with more samples than that has dropouts, no slower rate
+
+
+@dataclass(frozen=True, slots=True)
+class Channels:
+    """What a file says about a model: ``t`` (N,) in s, inputs and sensors (N,) in SI.
+
+    Nothing is cleaned yet. Among the inputs are the imposed coordinates. ``notes`` are sentences on
+    what was left out.
+    """
+
+    t: NDArray[np.float64]
+    inputs: Mapping[str, NDArray[np.float64]]
+    sensors: Mapping[str, NDArray[np.float64]]
+    notes: tuple[str, ...]
+
+
+def take(channels: Channels, keep: NDArray[np.bool_], note: str = "") -> Channels:
+    """Return the rows that are flagged in ``keep`` (N,), with a note if there is one."""
+    return Channels(
+        channels.t[keep],
+        {name: values[keep] for name, values in channels.inputs.items()},
+        {name: values[keep] for name, values in channels.sensors.items()},
+        (*channels.notes, note) if note else channels.notes,
+    )
+
+
+def own_step(values: NDArray[np.float64], t: NDArray[np.float64]) -> float | None:
+    """Return the step in s at which a channel (N,) is sampled, if that is slower than the rows are.
+
+    ``t`` (N,) in s; NaN in ``values`` where there is no sample. A slow channel has samples in few
+    of the rows, at even distances; dropped samples lie otherwise, and give None.
+    """
+    times = t[~np.isnan(values)]
+    if times.size < FEWEST or times.size > SLOWER * t.size:
+        return None
+    steps = np.diff(times)
+    step = float(np.median(steps))
+    if step < 1.2 * float(np.median(np.diff(t))):
+        return None
+    even = np.count_nonzero(np.abs(steps - step) < 0.1 * step) > 0.9 * steps.size
+    return step if even else None

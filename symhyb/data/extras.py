@@ -1,0 +1,22 @@
+"""Readers of other projects that not everybody needs: imported when a file asks for them."""
+
+from importlib import import_module
+from typing import Any
+
+from symhyb.data.table import refusal
+
+
+def needed(module: str, extra: str, file: str) -> Any:
+    """Import ``module``, which the optional dependencies ``extra`` bring.
+
+    Raises:
+        InputError: it is not installed, or cannot be loaded.
+    """
+    try:
+        return import_module(module)
+    except ImportError as error:
+        package = module.partition(".")[0]
+        missing = isinstance(error, ModuleNotFoundError) and error.name == package
+        why = "which is not installed" if missing else f"which cannot be loaded ({error})"
+        cure = f'pip install "symhyb[{extra}]"'
+        raise refusal(file, f"needs the package {package}, {why}; run: {cure}") from error

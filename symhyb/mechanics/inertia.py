@@ -1,0 +1,153 @@
+r"""The rows of M, k_c and gravity: what bodies, added masses and declared energies give.
+
+Every body, and every element that carries mass along, has kinetic energy of the form Σ mass·w'²/2
+in positions (or angles) w(q,t), so that
+
+    M_ij = Σ mass·(∂w/∂q_i)(∂w/∂q_j),    k_c,i = Σ (∂w/∂q_i)·(mass·w''|_{q''=0} + mass'·w')
+
+which are Lagrange's equations term by term. What declared energies add follows from p = ∂T/∂v.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import sympy as sp
+
+from symhyb.mechanics.equations import Equations, Term, Vectorial
+from symhyb.mechanics.rows import ONE, Named, Row, Short, Slopes, product
+from symhyb.mechanics.symbols import to_sympy
+from symhyb.mechanics.tidy import along, exact, terms
+from symhyb.model.types import Model
+
+Tidy = Callable[[sp.Expr], sp.Expr]
+
+
+@dataclass(frozen=True, slots=True)
+class Moving:
+    """The kinetic energy mass·w'²/2 of ``source`` by its ``path`` w(q, t), called ``axis``."""
+
+    source: str
+    axis: str
+    mass: sp.Expr
+    path: sp.Expr
+
+    @property
+    def owner(self) -> str:
+        """The body by its name, an element with its section."""
+        return self.source.removeprefix("bodies.")
+
+
+def moving_parts(equations: Equations) -> tuple[Moving, ...]:
+    """All that has mass, in the order of the model file."""
+    return tuple(_moving(equations))
+
+
+def _moving(equations: Equations) -> Iterator[Moving]:
+    for body in equations.masses:
+        source = f"bodies.{body.body}"
+        for axis, path in zip("xy", body.centre, strict=True):
+            yield Moving(source, axis, body.mass, path)
+        if body.inertia != 0:
+            yield Moving(source, "angle", body.inertia, body.angle)
+    for term in equations.terms:
+        if term.law is not None and term.law.mass != 0:
+            vector = isinstance(term, Vectorial)
+            for axis, path in zip("xy" if vector else "s", _paths(term), strict=True):
+                yield Moving(f"elements.{term.element}", axis, term.law.mass, path)
+
+
+def _paths(term: Term | Vectorial) -> tuple[sp.Expr, ...]:
+    return term.position if isinstance(term, Vectorial) else (term.path,)
+
+
+def effort(parts: tuple[Moving, ...], slopes: Slopes) -> int:
+    """How many terms M and k_c would have when multiplied out."""
+    total = 0
+    for part in parts:
+        counts = [terms(slope) for by in slopes.by if (slope := by(part.path)) != 0]
+        bias = slopes.bias(part.path)
+        total += sum(counts) * (sum(counts) + (terms(bias) if bias != 0 else 0))
+    return total
+
+
+def named_motion(model: Model, parts: tuple[Moving, ...], slopes: Slopes) -> tuple[Named, ...]:
+    """Names for the derivatives of the positions of a large model: ∂w/∂q, and w'' in two parts."""
+    found: dict[sp.Expr, Named] = {}
+    for part in parts:
+        axis, owner = part.axis, part.owner
+        entries = [
+            (by(part.path), f"{axis}({owner})_{coordinate.name}", "slope", coordinate.name)
+            for by, coordinate in zip(slopes.by, model.coordinates, strict=True)
+        ]
+        entries.append((slopes.pull(part.path), f"{axis}({owner})''_M", "pull", ""))
+        entries.append((slopes.bias(part.path), f"{axis}({owner})''_c", "bias", ""))
+        for value, name, kind, coordinate in entries:
+            if sp.count_ops(value) > 1:  # else no name is shorter
+                owners = (axis, owner, coordinate) if coordinate else (axis, owner)
+                item = Named(sp.Symbol(name, real=True), value, kind, owners)
+                found.setdefault(value, item)
+    return tuple(found.values())
+
+
+def kinetic_rows(
+    parts: tuple[Moving, ...], slopes: Slopes, tidy: Tidy, short: Short, matrices: bool
+) -> Iterator[Row]:
+    """What bodies and added masses give to M (for ``matrices`` on and above its diagonal) and k_c.
+
+    Derivatives that have a name in ``short`` are written by it, and then M q'' is not written entry
+    by entry but by the accelerations w''.
+    """
+    compact = any(item.name.endswith("''_M") for item in short.values() if item.is_Symbol)
+
+    def called(value: sp.Expr) -> sp.Expr:
+        return short[value] if value in short else value.xreplace(short)
+
+    for source in dict.fromkeys(part.source for part in parts):
+        own = [part for part in parts if part.source == source]
+        masses = [part.mass for part in own]
+        lean = [[called(by(part.path)) for part in own] for by in slopes.by]  # (n, parts) ∂w/∂q
+        pulls = [called(slopes.pull(part.path)) for part in own]
+        biases = [
+            part.mass * called(slopes.bias(part.path))
+            + slopes.in_time(part.mass) * called(slopes.rate(part.path))
+            for part in own
+        ]
+        for i, row in enumerate(lean):
+            if matrices:
+                for j in range(i, len(lean)):
+                    yield Row("M", (i, j), source, product(masses, row, lean[j]))
+            elif compact:
+                yield Row("M", (i,), source, product(masses, row, pulls))
+            else:
+                entries = [tidy(product(masses, row, other)) for other in lean]
+                yield Row("M", (i,), source, product(entries, slopes.symbols.a))
+            yield Row("k_c", (i,), source, tidy(product(row, biases)))
+
+
+def declared_rows(
+    model: Model, equations: Equations, slopes: Slopes, tidy: Tidy, matrices: bool
+) -> Iterator[Row]:
+    """p = ∂T/∂v, M = ∂p/∂v, k_c = (∂p/∂q) v + ∂p/∂t − ∂T/∂q, and −∂V/∂q of declared energies."""
+    s, kinetic = equations.symbols, equations.kinetic
+    speed = [along({v: ONE}) for v in s.v]
+    for i, (by_speed, by) in enumerate(zip(speed, slopes.by, strict=True)):
+        momentum = by_speed(kinetic)
+        entries = [tidy(other(momentum)) for other in speed]
+        if matrices:
+            for j in range(i, len(entries)):
+                yield Row("M", (i, j), "energy.kinetic", entries[j])
+        else:
+            yield Row("M", (i,), "energy.kinetic", product(entries, s.a))
+        yield Row("k_c", (i,), "energy.kinetic", tidy(slopes.rate(momentum) - by(kinetic)))
+        if model.energy.potential is not None:
+            force = -by(exact(to_sympy(model.energy.potential, s.scope)))
+            yield Row("k_e", (i,), "energy.potential", tidy(force))
+
+
+def gravity_rows(equations: Equations, slopes: Slopes, tidy: Tidy, short: Short) -> Iterator[Row]:
+    """The weight of each body on each coordinate."""
+    for body in equations.masses:
+        for i, by in enumerate(slopes.by):
+            leans = [short.get(value, value) for value in map(by, body.centre)]
+            weight = product(equations.gravity, leans)
+            yield Row("k_e", (i,), f"gravity on {body.body}", tidy(body.mass * weight))

@@ -1,0 +1,131 @@
+"""The rows of elements: the generalized force of each, and the rates of inner states.
+
+Distances of points and speeds of points have names, as forces use them several times.
+"""
+
+from collections.abc import Iterator
+
+import sympy as sp
+
+from symhyb.mechanics.equations import Equations, Term, Vectorial
+from symhyb.mechanics.kinematics import stretch_of
+from symhyb.mechanics.rows import Named, Row, Short, Slopes, product
+from symhyb.mechanics.tidy import tidied
+from symhyb.model.types import At, Between, Element, Model, On
+
+_POWERS = (1, 2, -1, -2, -3, -4)  # SymPy holds a distance d = √x in any power of x
+
+
+def named_pathways(model: Model, equations: Equations, slopes: Slopes) -> tuple[Named, ...]:
+    """The distances |b − a| between which elements sit, their rates, and the speeds of points that
+    forces act against, each once. Along one line they need no name."""
+    found: dict[str, Named] = {}
+    for element, term in zip(model.elements, equations.terms, strict=True):
+        for item in _names_of(model, element, term, equations, slopes):
+            found.setdefault(item.symbol.name, item)
+    return tuple(found.values())
+
+
+def _names_of(
+    model: Model, element: Element, term: Term | Vectorial, equations: Equations, slopes: Slopes
+) -> Iterator[Named]:
+    match element.place, term:
+        case Between(first, second), Term():
+            value = stretch_of(model, element.place, equations.places, equations.symbols)
+            if value.has(sp.Pow) and slopes.rate(value) != 0:
+                distance = sp.Symbol(f"|{second} - {first}|", positive=True)
+                ends = (first, second)
+                named = Named(distance, value, "distance", ends)
+                yield named
+                lapse = sp.Symbol(f"|{second} - {first}|'", real=True)
+                rate = tidied(slopes.rate(value).xreplace(short_of((named,))))
+                yield Named(lapse, rate, "lapse", ends)
+        case At(point), Vectorial(law=law) if law is not None:
+            velocity = _velocity(term, slopes)
+            speed = sp.sqrt(velocity[0] ** 2 + velocity[1] ** 2)
+            if isinstance(speed, sp.Pow):
+                yield Named(sp.Symbol(f"|{point}'|", positive=True), speed, "speed", (point,))
+
+
+def short_of(names: tuple[Named, ...]) -> Short:
+    """What to replace in expressions: the distances, in every power, by their symbols."""
+    return {
+        item.value**power: item.symbol**power
+        for item in names
+        if item.kind == "distance"
+        for power in _POWERS
+    }
+
+
+def force_rows(
+    model: Model, equations: Equations, slopes: Slopes, names: tuple[Named, ...]
+) -> Iterator[Row]:
+    """Q = ±(∂s/∂q) F of every element on every coordinate."""
+    short = short_of(names)
+    for element, term in zip(model.elements, equations.terms, strict=True):
+        source = f"elements.{element.name}"
+        known = known_of(element, term, equations, slopes, names)
+        if isinstance(term, Vectorial):
+            force = [part.xreplace(known) for part in term.force]
+            for i, by in enumerate(slopes.by):
+                leans = [tidied(by(part)) for part in term.position]
+                yield Row("k_e", (i,), source, product(force, leans))
+            continue
+        push = term.sign * term.law.force.xreplace(known)
+        for i, by in enumerate(slopes.by):
+            lean = by(term.path).xreplace(short)
+            lean = lean if isinstance(element.place, On) else tidied(lean)
+            yield Row("k_e", (i,), source, push * lean)
+
+
+def inner_rates(
+    model: Model, equations: Equations, slopes: Slopes, names: tuple[Named, ...]
+) -> Iterator[tuple[str, sp.Expr]]:
+    """z' of every element with an inner state, by its name."""
+    for element, term in zip(model.elements, equations.terms, strict=True):
+        if isinstance(term, Term) and term.law.inner is not None:
+            known = known_of(element, term, equations, slopes, names)
+            yield element.name, term.law.inner.xreplace(known)
+
+
+def known_of(
+    element: Element,
+    term: Term | Vectorial,
+    equations: Equations,
+    slopes: Slopes,
+    names: tuple[Named, ...],
+) -> Short:
+    """What the symbols in the law of an element stand for: s, s', a direction, a network."""
+    found = {(item.kind, item.owners): item for item in names}
+    if isinstance(term, Vectorial):
+        assert isinstance(element.place, At)
+        return _direction(term, slopes, found.get(("speed", (element.place.point,))))
+    stretch, rate = term.path, slopes.rate(term.path)
+    if isinstance(element.place, Between):
+        ends = (element.place.first, element.place.second)
+        distance = found.get(("distance", ends))
+        if distance is not None:
+            stretch = stretch.xreplace(short_of((distance,)))
+            lapse = found["lapse", ends].symbol
+            rate = lapse - slopes.rate(distance.value - term.path)  # a length may change with time
+    known: Short = {term.s: stretch, term.r: rate}
+    if term.hole is not None:
+        several = len(equations.networks) > 1
+        network = sp.Function(f"network.{element.name}" if several else "network", real=True)
+        known[term.hole] = network(*equations.networks[element.name])
+    return known
+
+
+def _direction(term: Vectorial, slopes: Slopes, speed: Named | None) -> Short:
+    """The direction and the speed of a point; a fixed point has neither."""
+    velocity = _velocity(term, slopes)
+    size = sp.sqrt(velocity[0] ** 2 + velocity[1] ** 2) if speed is None else speed.symbol
+    if size == 0:
+        return dict.fromkeys((term.r, *term.along), sp.Integer(0))
+    ways = (part / size for part in velocity)
+    return {term.r: size, **dict(zip(term.along, ways, strict=True))}
+
+
+def _velocity(term: Vectorial, slopes: Slopes) -> tuple[sp.Expr, sp.Expr]:
+    x, y = (tidied(slopes.rate(part)) for part in term.position)
+    return x, y

@@ -1,0 +1,37 @@
+"""Sensors in words: what an instrument shows, and how a channel differs from the truth."""
+
+from symhyb.model.expression import Reading
+from symhyb.model.types import Sensor
+
+
+def reading_in_words(reading: Reading) -> str:
+    """Say what an instrument of a model file shows."""
+    first, second = (*reading.names, "")[:2]
+    match reading.what:
+        case "position_x" | "position_y":
+            return f"the {reading.what[-1]} component of where the point {first} is"
+        case "distance":
+            return f"the distance from the point {first} to the point {second}"
+        case "direction":
+            return f"the angle of the line from {first} to {second}, counted from the x axis"
+        case "orientation":
+            return f"the angle of the body {first} against the inertial axes"
+        case "gyroscope":
+            return f"the angular speed of the body {first}"
+        case "accelerometer_x" | "accelerometer_y":
+            axis = reading.what[-1]
+            felt = f"acceleration minus gravity of the point {first}"
+            return f"{felt}, along the {axis} axis of the body {second}"
+        case "force":
+            return f"the force in elements.{first}, in the sign of its law"
+        case "reaction":
+            return f"the force that gives {first} its imposed motion, M q'' + k_c - k_e"
+    return str(reading)
+
+
+def sensor_notes(sensor: Sensor) -> tuple[str]:
+    """What the file says about a sensor, and its delay, in one cell."""
+    notes = [sensor.about] if sensor.about else []
+    if sensor.delay is not None:
+        notes.append(f"recorded {sensor.delay.path} later")
+    return ("; ".join(notes),)

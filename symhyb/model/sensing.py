@@ -1,0 +1,124 @@
+"""Check what sensors measure: expressions, and readings of instruments at named places."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from symhyb.errors import did_you_mean
+from symhyb.model.expression import READINGS, Name, Reading, names, readings
+from symhyb.model.frames import point_faults
+from symhyb.model.scope import MEASURED, Scope, expression_faults
+from symhyb.model.source import Path
+from symhyb.model.tables import Fault, shorten
+from symhyb.model.types import At, Model, On, Sensor
+from symhyb.model.vocabulary import force_unit
+from symhyb.units import Unit, parse_unit
+
+_UNITS = {
+    "position_x": "m", "position_y": "m", "distance": "m",
+    "direction": "rad", "orientation": "rad", "gyroscope": "rad/s",
+    "accelerometer_x": "m/s^2", "accelerometer_y": "m/s^2",
+}  # fmt: skip
+
+
+def reading_unit(model: Model, reading: Reading) -> Unit:
+    """Return the unit of what an instrument shows; the force of an element has the unit of force
+    at its place, a reaction that of its coordinate.
+
+    Raises:
+        LookupError: an element or a coordinate that the model does not have.
+    """
+    if reading.what in _UNITS:
+        return parse_unit(_UNITS[reading.what])
+    (name,) = reading.names
+    if reading.what == "reaction":
+        if name not in [coordinate.name for coordinate in model.coordinates]:
+            raise LookupError(name)
+        return force_unit(model, On(name))
+    place = next((element.place for element in model.elements if element.name == name), None)
+    if place is None or (
+        isinstance(place, On) and place.coordinate not in [c.name for c in model.coordinates]
+    ):
+        raise LookupError(name)
+    return force_unit(model, place)
+
+
+def sensor_faults(
+    sensor: Sensor, model: Model, scope: Scope, energy: Unit | None, unreadable: frozenset[str]
+) -> Iterator[Fault]:
+    """Yield what is wrong with one sensor; units that need the unit of ``energy`` are not checked
+    where that is None."""
+    path = ("sensors", sensor.name, "measures")
+    known = replace(model, energy_unit=energy) if energy is not None else None
+
+    def shown(reading: Reading) -> Unit:
+        if known is None and reading.what not in _UNITS:
+            raise LookupError(reading.what)
+        return reading_unit(known or model, reading)
+
+    local = replace(scope, shown=shown)
+    used = readings(sensor.measures)
+    faults = [
+        fault
+        for reading in used
+        for fault in _reading_faults(path, reading, model, scope, unreadable)
+    ]
+    faults = faults or list(expression_faults(path, sensor.measures, local, MEASURED, sensor.unit))
+    yield from faults
+    moving = {name.name for name in names(sensor.measures)}
+    if not faults and not used and not moving & (scope.coordinates | scope.inputs | {"t"}):
+        yield path, f"'{shorten(sensor.measures.text)}' measures no coordinate and no input"
+    imposed = {coordinate.name for coordinate in model.coordinates if coordinate.imposed}
+    if sensor.name in imposed and sensor.measures.tree != Name(sensor.name):
+        text = f"has the name of an imposed coordinate, so it must measure '{sensor.name}' itself"
+        yield path, f"{text}, not '{shorten(sensor.measures.text)}'; choose another name"
+
+
+def _reading_faults(
+    path: Path, reading: Reading, model: Model, scope: Scope, unreadable: frozenset[str]
+) -> Iterator[Fault]:
+    """The names of a reading must be declared, and the instrument must fit what they are."""
+    faults = 0
+    for section, name in zip(READINGS[reading.what], reading.names, strict=True):
+        if section == "point":
+            found = list(point_faults(path, name, model, scope, unreadable))
+        else:
+            found = list(_name_faults(path, section, name, model, unreadable))
+        yield from found
+        faults += len(found)
+    if not faults:
+        yield from _fit_faults(path, reading, model)
+
+
+def _name_faults(
+    path: Path, section: str, name: str, model: Model, unreadable: frozenset[str]
+) -> Iterator[Fault]:
+    """A body, an element or a coordinate that a reading names must be declared."""
+    plural = {"body": "bodies", "element": "elements", "coordinate": "coordinates"}[section]
+    declared = {
+        "body": [body.name for body in model.bodies],
+        "element": [element.name for element in model.elements],
+        "coordinate": [coordinate.name for coordinate in model.coordinates],
+    }[section]
+    if name not in declared and f"{plural}.{name}" not in unreadable:
+        yield path, f"'{shorten(name)}' is not a known {section}{did_you_mean(name, declared)}"
+
+
+def _fit_faults(path: Path, reading: Reading, model: Model) -> Iterator[Fault]:
+    """Instruments that show nothing where they are: the names are known."""
+    name = reading.names[0]
+    match reading.what:
+        case "distance" | "direction" if name == reading.names[1]:
+            yield path, f"{reading} goes from the point '{name}' to itself"
+        case "orientation" | "gyroscope":
+            body = next((body for body in model.bodies if body.name == name), None)
+            if body is not None and body.angle is None and not body.parent:
+                yield path, f"the body '{name}' does not turn; give it an 'angle'"
+        case "force":
+            element = next((item for item in model.elements if item.name == name), None)
+            if element is not None and isinstance(element.place, At):
+                text = f"the force of '{name}' at a point is a vector"
+                yield path, f"{text}; a force cell measures an element 'on' or 'between'"
+        case "reaction":
+            if any(item.name == name and not item.imposed for item in model.coordinates):
+                text = f"the coordinate '{name}' is free; only an imposed motion has a reaction"
+                yield path, f"{text}: write imposed = true in coordinates.{name}"

@@ -1,0 +1,161 @@
+"""The benchmarks do what they say: small sizes, right answers, no clock."""
+
+import json
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from types import ModuleType
+
+import casadi as ca
+import numpy as np
+import pytest
+from sympy import Matrix, lambdify
+from sympy.physics.mechanics import dynamicsymbols
+
+FOLDER = Path(__file__).parents[1] / "studies" / "benchmarks"
+NAMES = ("bench", "forces", "links", "oscillators", "starting", "timing")
+
+
+@pytest.fixture(scope="module")
+def study() -> Iterator[dict[str, ModuleType]]:
+    """The modules of the benchmarks, which are scripts beside each other."""
+    sys.path.insert(0, str(FOLDER))
+    try:
+        yield {name: __import__(name) for name in NAMES}
+    finally:
+        sys.path.remove(str(FOLDER))
+        for name in NAMES:
+            sys.modules.pop(name, None)
+
+
+def row(study: dict[str, ModuleType], value: float, bar: float | None, least: bool) -> object:
+    return study["timing"].Row("part", "what", value, bar, least)
+
+
+@pytest.mark.parametrize("relative", [True, False])
+def test_contenders_derive_the_same_equations(study: dict[str, ModuleType], relative: bool) -> None:
+    assert study["links"].apart(4, relative) < 1e-13
+
+
+def test_sympy_derives_the_equations_of_absolute_angles_too(study: dict[str, ModuleType]) -> None:
+    """LagrangesMethod at one state, against symhyb: M and forcing = −k."""
+    links, n = study["links"], 3
+    mass, forcing = links.lagrange(n)
+    model = links.model_of(n, False)
+    p = [item.si for item in model.all_parameters()]
+    q, v = np.random.default_rng(5).normal(size=(2, n + 1))
+    names = dynamicsymbols(f"q0:{n + 1}")
+    rates = [name.diff() for name in names]
+    values = dict(zip(["g", *(f"m{i}" for i in range(n + 1)), "l1", "l2", "l3"], p, strict=True))
+    free = sorted(Matrix([mass, forcing.T]).free_symbols - {dynamicsymbols._t}, key=str)
+    given = [*rates, *names, dynamicsymbols("f"), *free]
+    numbers = [*v, *q, 0.7, *(values[symbol.name] for symbol in free)]
+    theirs = [np.asarray(lambdify(given, part)(*numbers), float) for part in (mass, forcing)]
+    ours = [part.full() for part in links.lowered(model)(q, v, 0.7, 0.0, p)]
+    assert ours[0] == pytest.approx(theirs[0], rel=1e-12)
+    assert ours[1] == pytest.approx(-theirs[1], rel=1e-12)
+
+
+def test_a_chain_of_links_is_lowered_with_about_the_instructions_of_a_careful_hand(
+    study: dict[str, ModuleType],
+) -> None:
+    """The bar is 1.6 times; before sums were shared it was five times with twelve links."""
+    links = study["links"]
+    for relative in (True, False):
+        ours = links.lowered(links.model_of(8, relative)).n_instructions()
+        assert ours < 1.6 * links.by_hand(8, relative).n_instructions()
+
+
+def test_the_loop_of_one_step_integrations_makes_the_same_run(
+    study: dict[str, ModuleType],
+) -> None:
+    oscillators = study["oscillators"]
+    machine, scenario = oscillators.machine_of(), oscillators.scenario_of(0.5, 101)
+    rate = oscillators.right_side()
+    truth = oscillators.reference(rate, scenario.t)
+    loop = oscillators.one_step_loop(machine, scenario.t, np.abs(truth).max(axis=0))
+    assert oscillators.error(loop(), truth) < 1e-5
+    assert oscillators.error(oscillators.lsoda(rate, scenario.t, 1e-8, 1e-10), truth) < 1e-6
+
+
+def test_contenders_of_the_force_give_the_same_numbers(study: dict[str, ModuleType]) -> None:
+    forces = study["forces"]
+    machine = forces.oscillator()
+    arguments = forces.arguments_of(machine, 1000)
+    (ours,) = forces.along(machine.discrepancy, arguments, forces.HELD)
+    (line,) = forces.straight_line(machine.discrepancy, arguments)
+    assert ours[:, 0] == pytest.approx(line, rel=1e-12, abs=1e-12)
+    assert ours == pytest.approx(forces.whole_arrays(machine, arguments), rel=1e-12, abs=1e-12)
+
+
+def test_a_force_is_measured_in_a_process_of_its_own(study: dict[str, ModuleType]) -> None:
+    times = study["forces"].apart("pendulum", 2000, 1, SYMHYB_CC="")
+    assert set(times) == {"ours", "two threads", "numpy"}
+    assert all(seconds > 0 for seconds in times.values())
+
+
+def test_rows_of_simulation_name_their_bars(study: dict[str, ModuleType]) -> None:
+    oscillators = study["oscillators"]
+    rows = oscillators.run_rows(0.5, 51, 1) + oscillators.sweep_rows(3, 0.1, 11, 1)
+    assert [r.bar for r in rows] == [2.5, None, 50, 1.7, None]
+    assert all(np.isfinite(r.value) and r.value > 0 for r in rows)
+
+
+def test_rows_of_derivation_name_their_bars(study: dict[str, ModuleType]) -> None:
+    rows = study["links"].rows(2, 3, 1)
+    bars = sorted(r.bar for r in rows if r.bar)
+    assert bars == [0.5, 0.5, 0.5, 0.5, 1.6, 1.6, 4, 4, 30, 30, 200, 200]
+    assert all(r.value > 0 for r in rows)
+
+
+@pytest.mark.parametrize(
+    ("value", "bar", "least", "met", "verdict"),
+    [
+        (3.0, 2.5, True, True, "met"),
+        (2.0, 2.5, True, False, "missed by a factor of 1.25"),
+        (3.0, 4.0, False, True, "met"),
+        (6.0, 4.0, False, False, "missed by a factor of 1.50"),
+        (6.0, None, False, None, ""),
+    ],
+)
+def test_a_bar_is_met_or_missed(
+    study: dict[str, ModuleType],
+    value: float,
+    bar: float | None,
+    least: bool,
+    met: bool | None,
+    verdict: str,
+) -> None:
+    line = row(study, value, bar, least)
+    assert (line.met, line.verdict) == (met, verdict)
+
+
+def test_the_page_keeps_what_stands_around_the_table(study: dict[str, ModuleType]) -> None:
+    bench = study["bench"]
+    table = bench.page_table([row(study, 2.0, 2.5, True)], {"processor": "of glass"})
+    page = bench.replaced(f"# Page\n{bench.BEGIN}\nold\n{bench.END}\nbelow\n", table)
+    assert page.startswith("# Page\n")
+    assert page.endswith("below\n")
+    assert "old" not in page
+    assert "Measured on: processor of glass." in page
+    assert "| what | 2 | ≥ 2.5 | missed by a factor of 1.25 |  |" in page
+    with pytest.raises(ValueError, match="lacks the marks"):
+        bench.replaced("# Page\n", table)
+
+
+def test_the_page_shows_the_results_that_are_kept(study: dict[str, ModuleType]) -> None:
+    bench = study["bench"]
+    kept = json.loads((FOLDER / "results.json").read_text(encoding="utf-8"))
+    rows = []
+    for entry in kept["rows"]:
+        met = entry.pop("met")
+        rows.append(study["timing"].Row(**entry))
+        assert rows[-1].met == met
+    assert bench.page_table(rows, kept["machine"]) in bench.PAGE.read_text(encoding="utf-8")
+
+
+def test_the_machine_is_described_without_names(study: dict[str, ModuleType]) -> None:
+    told = study["timing"].machine()
+    assert told["casadi"] == ca.__version__
+    assert "cores" in told["processor"]
+    assert "/" not in "".join(told.values())
