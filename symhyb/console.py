@@ -14,6 +14,7 @@ from rich.table import Table
 
 from symhyb.data.catalogue import DATASETS, Dataset
 from symhyb.data.datasets import listing
+from symhyb.discrepancy.effects import amount_text
 from symhyb.discrepancy.results import Diagnosis, Found
 from symhyb.discrepancy.wording import (
     measurement_phrase,
@@ -197,9 +198,8 @@ def _effects(diagnosis: Diagnosis) -> Iterator[str]:
 def _effect(found: Found) -> str:
     """Write one found element: name, kind, place and every number with its deviation."""
     element = found.element
-    numbers = ", ".join(
-        f"{one.term} = {quantity_text(one.value, one.unit, one.sd)}" for one in found.estimates
-    )
+    words = [f"{key} {word}" for key, word in element.options]
+    numbers = ", ".join([*words, *(f"{one.term} = {amount_text(one)}" for one in found.estimates)])
     share = "" if found.share is None else f" (share {percent_text(found.share)})"
     return f"{element.name}: {element.kind} {place_text(element.place)}, {numbers}{share}"
 

@@ -3,8 +3,8 @@ r"""ΔF along ten million samples, against the rate at which memory is copied an
     ΔF = m a + c q + d v + R tanh(v/w) − u          (q, v, a, u, t) -> ΔF, 48 bytes a sample
 
 Where there is a compiler the time may be twice that of copying as many bytes; without one NumPy is
-the measure, whole arrays at a time. Each case runs in a process of its
-own, for its own memory and compiler:
+the measure, whole arrays at a time. Each case runs in a process of its own, for its own memory and
+compiler:
 
     python studies/benchmarks/forces.py compiled 10000000 9
 """

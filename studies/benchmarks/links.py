@@ -191,8 +191,9 @@ def _alone(n: int, repeats: int) -> list[Row]:
             "build": lambda relative=relative: build(model_of(n, relative, f"x{next(_FRESH)}")),
         }
         times = middle(in_turns(contenders, repeats, clear_cache))
+        bar = 0.5 if n >= 20 else None
         result += [
-            Row(f"{n} links, {name} angles", "M and k derived and lowered", times["derive"], 0.5,
+            Row(f"{n} links, {name} angles", "M and k derived and lowered", times["derive"], bar,
                 False, " s"),
             Row(f"{n} links, {name} angles", "from the text of the file to all 16 functions",
                 times["build"], None, False, " s"),

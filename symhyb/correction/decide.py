@@ -12,7 +12,16 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from symhyb.correction.conventions import CERTAIN, alike, exact_twins, precedence
-from symhyb.correction.evidence import SIGNIFICANT, criterion, earns, excess, named, unit_of
+from symhyb.correction.evidence import (
+    NEAR_NOISE,
+    SIGNIFICANT,
+    believable,
+    criterion,
+    earns,
+    excess,
+    named,
+    unit_of,
+)  # fmt: skip
 from symhyb.correction.selection import LARGEST, Problem, Subset, best_subsets, solve, without
 from symhyb.correction.setting import Setting, along_motion, around
 from symhyb.correction.trajectory import Refined, grouped, refine
@@ -21,8 +30,8 @@ from symhyb.numeric.buffers import Array
 
 TRIALS = 3  # refined structures of each size
 PROMISE = 0.3  # of what is left, which the linear problem must promise before a trial
-ROUNDS = 5
-NEAR_NOISE = 1.1  # χ² per sample: nothing larger to climb to
+ROUNDS = 6
+STATIC_FIRST = 1.3  # of the Coulomb friction: the breakaway friction that is tried first
 
 Say = Callable[[str], None]
 
@@ -46,20 +55,21 @@ class Decision:
 def decide(setting: Setting, proposals: Sequence[Subset], say: Say) -> Decision:
     """Choose a structure. ``proposals`` are subsets from other screens, by cause index."""
     log: list[str] = []
-    pool = {subset.causes for subset in proposals}
+    variants = {i for i, cause in enumerate(setting.hypotheses) if cause.variant}
+    pool = {subset.causes for subset in proposals if not variants & {*subset.causes}}
     problems = []
     for stage in setting.stages:
         say(f"screening {len(setting.hypotheses)} causes on windows of {stage.length_s:.3g} s")
         problem = along_motion(setting, stage)
         twins = exact_twins(problem)
-        problem = without(problem, {second for _, second in twins})
+        problem = without(problem, {second for _, second in twins} | variants)
         sizes = best_subsets(problem)
         pool |= {s.causes for sized in sizes for s in _distinct(problem, sized)[:TRIALS]}
         problems.append((sizes[-1][0].chi2 / max(sizes[0][0].chi2, 1e-300), problem))
     # where the linear problem explains most, its promises are worth most
     problem = min(problems, key=lambda pair: pair[0])[1]
     subsets = [subset for causes in sorted(pool) if (subset := solve(problem, causes)) is not None]
-    trials = _Trials(setting, {second for _, second in twins}, say)
+    trials = _Trials(setting, {second for _, second in twins} | variants, say)
     nothing = trials.refined(())
     winner = _climb(trials, nothing, problem, subsets, log)
     for _ in range(ROUNDS):
@@ -131,10 +141,14 @@ def _climb(
         sized = sorted((s for s in pool if len(s.causes) == size), key=lambda s: s.chi2)
         promising = [s for s in _distinct(problem, sized) if s.chi2 < (1 - PROMISE) * left]
         tried = [trials.refined(s.causes, _first(problem, s)) for s in promising[:TRIALS]]
+        tried = [trial for trial in tried if believable(trial)]
         if not tried:
             continue
         best = _plainest(tried)
         earned, sentence = earns(best, winner, trials.count)
+        fitter = criterion(best, best) < criterion(winner, best) - SIGNIFICANT
+        if not earned and best.numbers <= winner.numbers and fitter:
+            earned, sentence = True, f"{named(best.causes)}: fits better with as few numbers"
         log.append(sentence)
         if earned:
             winner = best
@@ -178,12 +192,17 @@ def _distinct(problem: Problem, subsets: Sequence[Subset]) -> list[Subset]:
 
 def _improved(trials: _Trials, winner: Refined, problem: Problem, log: list[str]) -> Refined:
     """The winner with one cause added, swapped or dropped, if that is better; else itself."""
-    for trial in _additions(trials, winner):
+    for trial in filter(believable, _additions(trials, winner)):
         earned, sentence = earns(trial, winner, trials.count)
         log.append(sentence)
         if earned:
             return trial
-    for trial in _swaps(trials, winner, problem):
+    for trial in filter(believable, _variants(trials, winner)):
+        earned, sentence = earns(trial, winner)
+        log.append(sentence)
+        if earned:
+            return trial
+    for trial in filter(believable, _swaps(trials, winner, problem)):
         better = criterion(trial, winner) < criterion(winner, winner) - SIGNIFICANT
         if better and (trial.numbers <= winner.numbers or earns(trial, winner)[0]):
             log.append(f"{named(trial.causes)} instead of {named(winner.causes)}: fits better")
@@ -219,6 +238,24 @@ def _additions(trials: _Trials, winner: Refined) -> Iterator[Refined]:
             values = [*grouped(winner), *_first(problem, subset)]
             causes = (*trials.causes(winner), *subset.causes)
             yield trials.refined(causes, values, winner.fit.starts)
+
+
+def _variants(trials: _Trials, winner: Refined) -> Iterator[Refined]:
+    """The winner with one plain law replaced by a variant of it."""
+    for i, cause in enumerate(winner.causes):
+        for other in trials.setting.hypotheses:
+            same = (other.kind, other.place) == (cause.kind, cause.place)
+            if not (other.variant and same and set(cause.terms) < set(other.terms)):
+                continue
+            rows = grouped(winner)
+            plain = [rows[i].get(term, 0.0) for term in other.terms]
+            if "static" in other.terms:
+                plain[other.terms.index("static")] = STATIC_FIRST * rows[i]["coulomb"]
+            kept = {key: value for key, value in rows[i].items() if key in other.keys}
+            rows[i] = {**other.values(plain), **kept}
+            causes = [*winner.causes[:i], other, *winner.causes[i + 1 :]]
+            indices = [trials.setting.hypotheses.index(c) for c in causes]
+            yield trials.refined(indices, rows, winner.fit.starts)
 
 
 def _told(cause: Hypothesis, winner: Refined) -> bool:

@@ -1,13 +1,15 @@
 """When a larger structure is believed: significance for coloured residuals, and practical size."""
 
 from collections.abc import Sequence
+from math import inf
 
 import numpy as np
 
-from symhyb.correction.trajectory import Refined
+from symhyb.correction.trajectory import Refined, grouped
 from symhyb.discrepancy.hypotheses import Hypothesis
 
 SIGNIFICANT = 10.0  # Δχ²/c − k ln N on fitted windows, Δχ²/c on held ones (10: odds of 150 to 1)
+NEAR_NOISE = 1.1  # χ² per sample: nothing larger to climb to
 PART_LEFT = 1 / 2  # of the mismatch that is left, which a cause must take
 NOISE_SHARE = 0.02  # of the noise: less than this is never said to be left
 
@@ -46,6 +48,17 @@ def earns(larger: Refined, smaller: Refined, tried: int = 1) -> tuple[bool, str]
         else (f"accepted: takes {_percent(part)} of what is left")
     )
     return not failed, f"{names}, against {against}: {judged}"
+
+
+def believable(trial: Refined) -> bool:
+    """Whether physics allows the fitted values, and the fit a variant of a law: one that differs by
+    direction is claimed only where it explains the recordings down to their noise."""
+    for cause, values in zip(trial.causes, grouped(trial), strict=True):
+        if "skew" in cause.terms and not trial.fit.scale < NEAR_NOISE:
+            return False
+        if cause.kind == "friction" and values.get("static", inf) < values["coulomb"]:
+            return False
+    return True
 
 
 def part_taken(larger: Refined, smaller: Refined) -> float:

@@ -1,12 +1,14 @@
 """From a decided structure to what is told: elements, parameters, channel faults, rivals."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from symhyb.correction.conventions import CERTAIN, RIVAL, alike
 from symhyb.correction.decide import Decision
+from symhyb.correction.formulas import law_text
+from symhyb.correction.textbook import critical_share
 from symhyb.correction.trajectory import Refined
 from symhyb.discrepancy.hypotheses import Hypothesis
 from symhyb.discrepancy.results import (
@@ -17,7 +19,7 @@ from symhyb.discrepancy.results import (
     Measurement,
     Reestimated,
 )  # fmt: skip
-from symhyb.discrepancy.wording import effect_sentence
+from symhyb.discrepancy.wording import effect_sentence, percent_text
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import At, Between, ChannelKind, Element, Model, On, Parameter, Place
 from symhyb.model.vocabulary import KINDS, key_unit
@@ -25,7 +27,9 @@ from symhyb.model.vocabulary import KINDS, key_unit
 SYMBOLS = {
     "stiffness": "k", "quadratic": "k_2", "cubic": "k_3", "damping": "d", "drag": "b",
     "coulomb": "F_c", "static": "F_s", "stribeck": "v_s", "transition": "v_t", "constant": "F_0",
-    "length": "l_0",
+    "length": "l_0", "clearance": "s_c", "play": "s_p", "exponent": "n", "micro_damping": "d_m",
+    "amplitude": "F_a", "frequency": "f_0", "phase": "phi_0", "period": "l_p", "mass": "m_a",
+    "asymmetry": "a_s",
 }  # fmt: skip
 
 
@@ -37,23 +41,32 @@ _CHANNEL_KINDS: Mapping[str, ChannelKind] = {
 @dataclass(frozen=True, slots=True)
 class Named:
     """Force causes of one kind at one place, told as one element: their indices in the structure,
-    and SI values with sd by key (sd NaN for a key that was not fitted)."""
+    SI values with sd by key (sd NaN for a key that was not fitted), and the words of its options.
+    """
 
     kind: str
     place: Place
     causes: tuple[int, ...]
     values: Mapping[str, tuple[float, float]]
+    options: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def exponent(self) -> float:
+        """The n of a hysteresis, on which the units of beta and gamma depend."""
+        return self.values.get("exponent", (1.0, 0.0))[0]
 
 
 def named(final: Refined) -> tuple[Named, ...]:
-    """Group the force causes of a structure by kind and place (springs of several orders join)."""
-    groups: dict[tuple[str, Place], list[int]] = {}
+    """The force causes of a structure as elements: springs of several orders at one place join,
+    anything else stays by itself (two lines of one spectrum, a stop on either side)."""
+    groups: dict[tuple[str, Place, int], list[int]] = {}
     for i, cause in enumerate(final.causes):
         if cause.place is not None:
-            groups.setdefault((cause.kind, cause.place), []).append(i)
+            alone = -1 if cause.kind == "spring" else i
+            groups.setdefault((cause.kind, cause.place, alone), []).append(i)
     return tuple(
-        Named(kind, place, tuple(rows), _values(final, rows))
-        for (kind, place), rows in groups.items()
+        Named(kind, place, tuple(rows), _values(final, rows), final.causes[rows[0]].options)
+        for (kind, place, _), rows in groups.items()
     )
 
 
@@ -80,29 +93,38 @@ def found_of(
     """Tell one named effect as an element of the model file, with law, values and sentence."""
     own, entries, estimates = [], [], []
     for key, (value, sd) in item.values.items():
-        unit = key_unit(model, item.kind, key, item.place)
+        unit = key_unit(model, item.kind, key, item.place, item.exponent)
         fitted = bool(np.isfinite(sd))
         deviation = sd / unit.factor if fitted else None
-        symbol = SYMBOLS.get(key, key)
+        symbol = symbol_of(model, key)
         own.append(Parameter(symbol, value / unit.factor, unit, deviation, owner=name))
         entries.append((key, parse_expression(symbol)))
         if deviation is not None:
             estimates.append(Estimate(symbol, value / unit.factor, deviation, unit.text, key))
-    element = Element(name, item.kind, item.place, tuple(entries), tuple(own), provenance)
-    sentence = effect_sentence(item.kind, item.place, estimates, share)
-    return Found(
-        element, law_text(item.kind, item.values), tuple(estimates), share, sentence, active
+    element = Element(
+        name, item.kind, item.place, tuple(entries), tuple(own), provenance, options=item.options
     )
+    meaning = _meaning(model, item)
+    sentence = effect_sentence(item.kind, item.place, estimates, share, item.options, meaning)
+    law = law_text(item.kind, item.values, item.options)
+    return Found(element, law, tuple(estimates), share, sentence, active)
 
 
-def law_text(kind: str, keys: Collection[str]) -> str:
-    """The law of a kind with the keys that are set: ``coulomb*tanh(s'/transition)``."""
-    whole = KINDS[kind].law
-    if kind == "spring":
-        return " + ".join(term for term in whole.split(" + ") if term.split("*")[0] in keys)
-    if kind == "friction" and "static" not in keys:
-        return "coulomb*tanh(s'/transition)"
-    return whole
+def _meaning(model: Model, item: Named) -> str:
+    """The share of critical damping of a damper, where the model is a linear oscillator."""
+    if item.kind != "damper" or "asymmetry" in item.values:
+        return ""
+    share = critical_share(model, item.place, item.values["damping"][0])
+    return "" if share is None else f"{percent_text(share)} of the critical damping of the model"
+
+
+def symbol_of(model: Model, key: str) -> str:
+    """The name of a key's number: its usual letter, unless a coordinate or an input has it."""
+    taken = {item.name for item in model.coordinates} | {item.name for item in model.inputs}
+    symbol = SYMBOLS.get(key, key)
+    while symbol in taken:
+        symbol = key if symbol != key and key not in taken else symbol + "_"
+    return symbol
 
 
 def element_names(model: Model, items: Sequence[Named]) -> tuple[str, ...]:
@@ -223,15 +245,16 @@ def _alternative(
     evidence: float,
 ) -> Alternative:
     estimates = []
+    exponent = values.get("exponent", (1.0, 0.0))[0]
     if cause.place is not None:
         for key, (value, sd) in values.items():
-            unit = key_unit(model, cause.kind, key, cause.place)
+            unit = key_unit(model, cause.kind, key, cause.place, exponent)
             if np.isfinite(sd):
                 scaled = value / unit.factor, sd / unit.factor
-                estimates.append(Estimate(SYMBOLS.get(key, key), *scaled, unit.text, key))
+                estimates.append(Estimate(symbol_of(model, key), *scaled, unit.text, key))
     base = Alternative(instead_of, cause.kind, tuple(estimates), evidence)
     if cause.place is not None:
-        return replace(base, place=cause.place)
+        return replace(base, place=cause.place, options=cause.options)
     if cause.kind == "parameter":
         return replace(base, parameter=cause.path)
     return replace(base, channel=cause.path.split(".")[0])

@@ -49,7 +49,13 @@ def screen(
         probes = _probe_forces(library, item, None if starts is None else linear.x)
         columns = [linear.from_forces(probes), linear.from_free()]
         parts.append(
-            reduce(residual, linear.from_start(), np.concatenate(columns, axis=3), sd, item.held)
+            reduce(
+                residual,
+                linear.from_start()[..., : 2 * len(model.form.free)],
+                np.concatenate(columns, axis=3),
+                sd,
+                item.held,
+            )
         )
     forces, free = sum(map(len, library.columns)), len(model.free)
     lower, upper = _bounds(library, dull, free)

@@ -76,6 +76,12 @@ class Hypothesis:
         return len(self.keys)
 
     @property
+    def variant(self) -> bool:
+        """Whether this is a plain law with something added, which is tried where the plain one was
+        found: dry friction that falls with speed, damping that differs by direction."""
+        return "static" in self.terms or "skew" in self.terms
+
+    @property
     def family(self) -> tuple[object, ...]:
         """What makes two hypotheses the same but for their shape."""
         return self.kind, self.place, self.terms, self.refined, self.path, self.options

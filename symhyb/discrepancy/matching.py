@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
+from symhyb.discrepancy.anchors import anchored, off_anchor
 from symhyb.discrepancy.windows import Laid, correlation_time
 from symhyb.numeric.buffers import Array
 from symhyb.numeric.windows import WindowModel
@@ -112,7 +113,8 @@ def fit(model: WindowModel, task: Task, p: Array, starts: Sequence[Array] | None
         if not settled < (1 - SETTLED) * cost:
             break
         cost = settled
-    return _finish(task, _linearise(model, task, p, values, now), values, now)
+    inner = model.machine.inner_states
+    return _finish(task, _linearise(model, task, p, values, now), values, now, inner)
 
 
 def _descended(
@@ -157,11 +159,9 @@ def _tried(
     total, chosen = float(np.sum(((values - task.mean) / task.spread) ** 2)), []
     for item, start, move in zip(task.laid, starts, moved, strict=True):
         used = np.ones(len(start), bool) if task.everything else ~item.held
-        with np.errstate(over="ignore", invalid="ignore"):
-            ahead, still = (
-                np.sum(_whitened(model, item, full, begin, task.sd) ** 2, axis=(1, 2))
-                for begin in (start + move, start)
-            )
+        ahead, still = (
+            _squares(model, item, full, begin, task.sd) for begin in (start + move, start)
+        )
         ahead, still = (np.where(np.isfinite(cost), cost, np.inf) for cost in (ahead, still))
         goes = ahead <= still
         chosen.append(np.where(goes[:, None], start + move, start))
@@ -180,17 +180,18 @@ def _settled(
         parts = _linearise(model, task, p, values, now)
         for i, (item, part) in enumerate(zip(task.laid, parts, strict=True)):
             ahead = now[i] + _start_step(part, still, 0.0)[0]
-            with np.errstate(over="ignore", invalid="ignore"):
-                after = np.sum(_whitened(model, item, full, ahead, task.sd) ** 2, axis=(1, 2))
+            after = _squares(model, item, full, ahead, task.sd)
             better = after < np.sum(part.residual**2, axis=1)
             now[i] = np.where(better[:, None], ahead, now[i])
     return now
 
 
-def _whitened(model: WindowModel, item: Laid, p: Array, start: Array, sd: Array) -> Array:
-    _, y = model.simulate(item.block, start, p)
-    residual = (item.block.y - y) / sd
-    return np.where(np.isfinite(item.block.y), residual, 0.0)
+def _squares(model: WindowModel, item: Laid, p: Array, start: Array, sd: Array) -> Array:
+    """Squared whitened residuals of each window (W,), off-anchor inner states included."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        _, y = model.simulate(item.block, start, p)
+        residual = np.where(np.isfinite(item.block.y), (item.block.y - y) / sd, 0.0)
+        return np.sum(residual**2, axis=(1, 2)) + off_anchor(model, item, p, start)
 
 
 def _cost(
@@ -201,8 +202,7 @@ def _cost(
     total = float(np.sum(((values - task.mean) / task.spread) ** 2))
     for item, start in zip(task.laid, starts, strict=True):
         used = np.ones(len(start), bool) if task.everything else ~item.held
-        with np.errstate(over="ignore", invalid="ignore"):
-            total += float(np.sum(_whitened(model, item, full, start, task.sd)[used] ** 2))
+        total += float(np.sum(_squares(model, item, full, start, task.sd)[used]))
     return total if np.isfinite(total) else np.inf
 
 
@@ -218,15 +218,31 @@ def _linearise(
         weight = np.where(seen, 1 / task.sd, 0.0).reshape(windows, length * m, 1)
         residual = np.where(seen, item.block.y - linear.output, 0.0).reshape(windows, -1)
         used = np.ones(windows, bool) if task.everything else ~item.held
-        parts.append(
-            _Part(
-                residual * weight[..., 0],
-                linear.from_start().reshape(windows, length * m, -1) * weight,
-                linear.from_free().reshape(windows, length * m, -1) * weight,
-                used,
-            )
+        part = _Part(
+            residual * weight[..., 0],
+            linear.from_start().reshape(windows, length * m, -1) * weight,
+            linear.from_free().reshape(windows, length * m, -1) * weight,
+            used,
         )
+        parts.append(_held_back(part, model, item, full, start))
     return parts
+
+
+def _held_back(part: _Part, model: WindowModel, item: Laid, p: Array, start: Array) -> _Part:
+    """With one row more for each inner state, which ties its start to its anchor."""
+    first = 2 * len(model.form.free)
+    windows, states = start.shape
+    if states == first:
+        return part
+    anchor = anchored(model, item, p, slopes=True)
+    by_start = np.zeros((windows, states - first, states))
+    by_start[:, :, first:] = np.diag(1 / anchor.spread)
+    return _Part(
+        np.concatenate([part.residual, (anchor.z - start[:, first:]) / anchor.spread], axis=1),
+        np.concatenate([part.by_start, by_start], axis=1),
+        np.concatenate([part.by_free, -anchor.by_free / anchor.spread[:, None]], axis=1),
+        part.used,
+    )
 
 
 def _project(part: _Part) -> tuple[Array, Array, Array, Array]:
@@ -291,7 +307,10 @@ def _bounded(gram: Array, right: Array, damping: float, lower: Array, upper: Arr
     return np.asarray(x / scale)
 
 
-def _finish(task: Task, parts: Sequence[_Part], values: Array, starts: list[Array]) -> Fit:
+def _finish(
+    task: Task, parts: Sequence[_Part], values: Array, starts: list[Array], inner: int
+) -> Fit:
+    """What a fit says at the end; the last ``inner`` rows of a window tie its inner states."""
     count = values.size
     joined = [_project(part)[3] for part in parts]
     with np.errstate(over="ignore", invalid="ignore"):
@@ -299,9 +318,10 @@ def _finish(task: Task, parts: Sequence[_Part], values: Array, starts: list[Arra
     chi2 = np.where(np.isfinite(chi2), chi2, np.inf)
     seen = np.concatenate([np.isfinite(i.block.y).sum(axis=(1, 2)) for i in task.laid])
     held = np.concatenate([~part.used for part in parts])
-    states = task.laid[0].start.shape[1]
+    states = task.laid[0].start.shape[1] - inner
     used = [j[part.used] for j, part in zip(joined, parts, strict=True)]
-    correlation = correlation_time([j[..., count] for j in used], task.laid[0].block.y.shape[2])
+    shown = [j[:, : j.shape[1] - inner, count] for j in used]
+    correlation = correlation_time(shown, task.laid[0].block.y.shape[2])
     gram = np.diag(1 / task.spread**2)
     for j in used:
         gram = gram + np.einsum("wai,waj->ij", j[..., :count], j[..., :count])
@@ -319,7 +339,8 @@ def _inverse(gram: Array) -> Array:
     power, axes = np.linalg.eigh(gram / balance)
     # a direction that the data do not see is as uncertain as numbers go, not certain
     weight = 1 / np.maximum(power, UNSEEN * power[-1])
-    return np.asarray((axes * weight) @ axes.T / balance)
+    with np.errstate(over="ignore"):  # a number that does nothing is as uncertain as can be
+        return np.asarray((axes * weight) @ axes.T / balance)
 
 
 def _failed(task: Task, starts: list[Array], values: Array, reason: str) -> Fit:

@@ -81,7 +81,8 @@ class Measurement:
 class Alternative:
     """What the data cannot rule out; exactly one of ``place``, ``channel``, ``parameter`` is set.
 
-    ``evidence`` is the difference of the criterion to the winner (0: as good; larger: worse).
+    ``evidence`` is the difference of the criterion to the winner (0: as good; larger: worse);
+    ``options`` are words of an element, the side of a gap.
     """
 
     instead_of: str | None
@@ -91,6 +92,7 @@ class Alternative:
     place: Place | None = None
     channel: str | None = None
     parameter: str | None = None
+    options: tuple[tuple[str, str], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -32,7 +32,7 @@ JUMP_SHARE = 0.2  # of an input's range within one sample: taken for a jump
 JUMPS_MOST = 400
 LONGEST_STEP = 2  # samples of an input: no pulse is stepped over
 GROWN = 1e6  # a state this many scales large has grown without bound
-STEPS_LEAST, STEPS_TOGETHER = 500, 10_000_000  # for one output, and shared by all of them
+STEPS_LEAST, STEPS_TOGETHER = 500, 2_000_000  # for one output, and shared by all of them
 STEEP = ("friction", "friction_dynamic", "gap", "hysteresis", "relaxation")
 DAMPED = 10.0  # a decay this many times faster than it swings is stiff
 

@@ -22,7 +22,7 @@ def simulate_many(
     order; a run that fails says so in its ``reason`` and leaves the others alone.
 
     The numbers do not depend on ``workers``. The processes stay for the next call; starting them
-    takes about a second, so few or short runs are faster with one worker, in this process.
+    takes a second or more, so few or short runs are faster with one worker, in this process.
 
     Raises:
         ValueError: parameter sets of another shape, fewer than one worker, or a scenario that

@@ -1,7 +1,7 @@
 """The output contract: a diagnosis and its verdict as the mapping that ``diagnosis.json`` holds.
 
 Valid under ``diagnosis.schema.json`` beside this file. Keys of that schema are stable; ``format``,
-``log``, ``notes``, ``remainder.notes`` and the scores ``*_rmse``, ``force_residual``,
+``options``, ``log``, ``notes``, ``remainder.notes`` and the scores ``*_rmse``, ``force_residual``,
 ``force_band_hz`` and ``carries`` are extensions of it.
 """
 
@@ -103,6 +103,7 @@ def _found(effect: Found) -> dict[str, Any]:
         "name": element.name,
         "kind": element.kind,
         "place": _place(element.place),
+        **_options(element.options),
         "law": effect.law,
         "parameters": _estimates(effect.estimates),
         "share": finite(effect.share),
@@ -121,6 +122,7 @@ def _alternative(rival: Alternative) -> dict[str, Any]:
         "instead_of": rival.instead_of,
         "kind": rival.kind,
         **{key: value for key, value in where.items() if value is not None},
+        **_options(rival.options),
         "parameters": _estimates(rival.estimates),
         "evidence": _bounded(rival.evidence),
     }
@@ -177,6 +179,12 @@ def _place(place: Place) -> dict[str, Any]:
             return {"between": [first, second]}
         case At(point):
             return {"at": point}
+
+
+def _options(options: Iterable[tuple[str, str]]) -> dict[str, Any]:
+    """The key ``options`` with the words of an element (the side of a gap), or nothing."""
+    words = dict(options)
+    return {"options": words} if words else {}
 
 
 def _active(active: Activity | None) -> dict[str, Any]:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from symhyb.discrepancy.results import Cloud, Trace
 from symhyb.discrepancy.wording import number_text, percent_text
@@ -21,6 +22,7 @@ from symhyb.report.series import (
     Array,
     binned,
     envelope,
+    follows,
     halves,
     shortened,
     shown_unit,
@@ -108,21 +110,27 @@ def trace_figure(trace: Trace, sensor: str, unit: Unit) -> bytes:
         return _svg(figure)
 
 
-def cloud_figure(cloud: Cloud, units: PlaceUnits) -> bytes:
+def cloud_figure(cloud: Cloud, units: PlaceUnits, remembers: bool = False) -> bytes:
     """Draw ΔF against rate, coloured by stretch, and against stretch, coloured by rate.
 
     The found law goes through the cloud as its median over narrow bins, once for either sign of the
-    colouring quantity; the band is what the law spans in a bin, widened by one sd of ΔF.
+    colouring quantity; the band is what the law spans in a bin, widened by one sd of ΔF. A law that
+    ``remembers`` has no such line: it is drawn as the loops of a few cycles.
     """
+    cycles = zoom_window(cloud.t, cloud.stretch) if remembers else None
+    low, high = cycles or (-np.inf, np.inf)
+    looped = (cloud.t >= low) & (cloud.t <= high) if remembers else None
     rate = (cloud.rate / units.rate.factor, "rate", units.rate.text)
     stretch = (cloud.stretch / units.stretch.factor, "stretch", units.stretch.text)
     with _drawing(5.6) as figure:
         panels = figure.subplots(2, 1)
         for panel, across, colored in ((panels[0], rate, stretch), (panels[1], stretch, rate)):
-            _cloud(panel, cloud, across, colored, units.force)
+            _cloud(panel, cloud, across, colored, units.force, looped)
         panels[0].plot([], [], "o", color=QUIET, ms=4, label="ΔF")
-        panels[0].plot([], [], color=LAW, label="found law" if np.any(cloud.law) else "no law: 0")
-        panels[0].fill_between([], [], color=LAW, alpha=0.18, label="± one sd of ΔF")
+        law = "found law" + (", a few cycles" if cycles else "")
+        panels[0].plot([], [], color=LAW, label=law if np.any(cloud.law) else "no law: 0")
+        if not remembers:
+            panels[0].fill_between([], [], color=LAW, alpha=0.18, label="± one sd of ΔF")
         _legend(panels[0])
         return _svg(figure)
 
@@ -130,7 +138,8 @@ def cloud_figure(cloud: Cloud, units: PlaceUnits) -> bytes:
 def force_figure(cloud: Cloud, unit: Unit) -> bytes:
     """Draw ΔF over time with its band (one standard deviation) and the force of the found law."""
     force, band, law = (values / unit.factor for values in (cloud.force, cloud.band, cloud.law))
-    zoom = zoom_window(cloud.t, law if np.any(law) else force)
+    inner = _without_ends(cloud.t)  # where a motion ends, ΔF is not known well
+    zoom = zoom_window(cloud.t[inner], (law if np.any(law) else force)[inner])
     with _drawing(4.6 if zoom else 2.6) as figure:
         panels = figure.subplots(2 if zoom else 1, 1, squeeze=False)[:, 0]
         for panel, window in zip(panels, (None, zoom), strict=False):
@@ -262,6 +271,7 @@ def _cloud(
     across: tuple[Array, str, str],
     colored: tuple[Array, str, str],
     unit: Unit,
+    looped: NDArray[np.bool_] | None,
 ) -> None:
     from matplotlib.cm import ScalarMappable
 
@@ -283,16 +293,38 @@ def _cloud(
     bar = panel.figure.colorbar(opaque, ax=panel, pad=0.02, aspect=18)
     bar.outline.set_visible(False)
     bar.set_label(f"{colored[1]}{_bracketed(label_c)}")
-    spans = []
-    for half in halves(colored[0]):  # a law of the other quantity has two branches here
-        centre, middle, lower, upper = binned(x[half], law[half], band[half])
+    if looped is None:
+        spans = _branches(panel, x, law, band, halves(colored[0]))
+    else:
+        spans = [law[looped]]
+        panel.plot(x[looped], law[looped], color=LAW, lw=1.1)
+    strange = "" if spans else " (of which the found law is no function)"
+    panel.set_xlabel(f"{across[1]}{_bracketed(label_x)}{strange}")
+    panel.set_title(f"ΔF{_bracketed(label_y)}")
+    _limit(panel, [force, *spans], 0.1, _TAILS)
+
+
+def _branches(
+    panel: "Axes", x: Array, law: Array, band: Array, parts: Sequence[NDArray[np.bool_]]
+) -> list[Array]:
+    """Draw a law over x part by part (a law of the other quantity has two branches here), if it is
+    one over x; returns what it spans."""
+    spans: list[Array] = []
+    if not follows(x, law, parts):
+        return spans
+    for part in parts:
+        centre, middle, lower, upper = binned(x[part], law[part], band[part])
         panel.fill_between(centre, lower, upper, color=LAW, alpha=0.18, lw=0.0)
         panel.plot(centre, middle, color="white", lw=3.2)
         panel.plot(centre, middle, color=LAW, lw=1.7)
         spans += [lower, upper]
-    panel.set_xlabel(f"{across[1]}{_bracketed(label_x)}")
-    panel.set_title(f"ΔF{_bracketed(label_y)}")
-    _limit(panel, [force, *spans], 0.1, _TAILS)
+    return spans
+
+
+def _without_ends(t: Array) -> NDArray[np.bool_]:
+    """The samples that are not within two percent of either end of a recording (N,)."""
+    room = 0.02 * (t[-1] - t[0]) if t.size else 0.0
+    return (t >= t[0] + room) & (t <= t[-1] - room) if t.size else np.zeros(0, dtype=bool)
 
 
 def _band(panel: "Axes", t: Array, lower: Array, upper: Array) -> None:

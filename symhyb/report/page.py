@@ -13,7 +13,8 @@ from symhyb.discrepancy.wording import (
     measurement_phrase,
     parameter_phrase,
 )
-from symhyb.model.types import Model, place_text
+from symhyb.model.types import Model, On, place_text
+from symhyb.model.vocabulary import KINDS
 from symhyb.report import figures
 from symhyb.report.sentences import (
     alternative_sentence,
@@ -30,6 +31,10 @@ _TRACES_SHOWN, _CLOUDS_SHOWN, _BARS_SHOWN = (
     6,
     24,
 )  # each picture costs a second and a hundred kilobytes
+
+
+_REMEMBERING = frozenset(kind.name for kind in KINDS.values() if kind.state)
+_OF_TIME = frozenset({"harmonic", "added_mass"})  # no function of stretch and rate at all
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +81,9 @@ def render_page(
         clouds=[
             picture
             for cloud in _drawn_clouds(diagnosis)
-            for picture in _cloud_pictures(cloud, place_units(model, cloud.place))
+            for picture in _cloud_pictures(
+                cloud, place_units(model, cloud.place), _kinds_at(cloud, diagnosis)
+            )
         ],
         score_picture=_score_picture(verdict),
         place_picture=_place_picture(diagnosis),
@@ -126,18 +133,32 @@ def _trace_picture(trace: Trace, sensor: str, unit: Unit) -> Picture:
     )
 
 
-def _cloud_pictures(cloud: Cloud, units: figures.PlaceUnits) -> Iterable[Picture]:
-    where = place_text(cloud.place)
-    yield Picture(
-        _image(figures.cloud_figure(cloud, units)),
-        f"The force that the model leaves over {where}, against rate and against stretch, with the "
-        "found law drawn through the points.",
-        f"ΔF {where}, over rate and stretch ({cloud.recording})",
+def _kinds_at(cloud: Cloud, diagnosis: Diagnosis) -> frozenset[str]:
+    """The kinds of the found laws that act on the place of a cloud."""
+    elements = [effect.element for effect in diagnosis.found]
+    return frozenset(
+        element.kind
+        for element in elements
+        if element.place == cloud.place or not isinstance(element.place, On)
     )
+
+
+def _cloud_pictures(
+    cloud: Cloud, units: figures.PlaceUnits, kinds: frozenset[str]
+) -> Iterable[Picture]:
+    where = place_text(cloud.place)
+    timed = bool(kinds) and kinds <= _OF_TIME
+    if not timed:
+        yield Picture(
+            _image(figures.cloud_figure(cloud, units, bool(kinds & _REMEMBERING))),
+            f"The force that the model leaves over {where}, against rate and against stretch, "
+            "with the found law drawn through the points.",
+            f"ΔF {where}, over rate and stretch ({cloud.recording})",
+        )
     yield Picture(
         _image(figures.force_figure(cloud, units.force)),
         f"The force that the model leaves over {where} over time, with its band and the found law.",
-        f"The same over time ({cloud.recording})",
+        f"{f'ΔF {where},' if timed else 'The same'} over time ({cloud.recording})",
     )
 
 

@@ -12,6 +12,8 @@ Array = NDArray[np.float64]
 
 BINS = 600  # of a drawn line: about one a pixel
 _CELLS = 160  # of a law drawn through a cloud
+_SHARP = 0.02  # of its variance, that a law which is a function of x has within a cell
+_SCATTER = 0.5  # of its variance, that a law may have within a cell and still be drawn
 _CYCLES_LONG, _CYCLES_SHOWN = 12.0, 4.0
 _PREFIXES = {-9: "n", -6: "µ", -3: "m", 3: "k", 6: "M"}
 _PREFIXED = frozenset({"m", "N", "V", "A", "s", "W", "J", "Pa"})
@@ -90,8 +92,9 @@ def binned(x: Array, law: Array, band: Array) -> tuple[Array, Array, Array, Arra
     x, law, band = x[known], law[known], band[known]
     if not x.size:
         return (np.empty(0),) * 4
-    count = int(np.clip(x.size // 50, 30, _CELLS))
-    cells = np.digitize(x, np.linspace(x.min(), x.max(), count + 1)[1:-1])
+    cells = _cells(x, 20)
+    if _scatter(law, cells) > _SHARP * _scatter(law, np.zeros_like(cells)):
+        cells = _cells(x)  # no function of x alone: a median needs more samples
     rows = [
         (
             np.median(x[cell]),
@@ -103,6 +106,28 @@ def binned(x: Array, law: Array, band: Array) -> tuple[Array, Array, Array, Arra
     ]
     centre, middle, lower, upper = np.array(rows, dtype=float).T
     return centre, middle, lower, upper
+
+
+def follows(x: Array, law: Array, parts: Sequence[NDArray[np.bool_]]) -> bool:
+    """Whether a law is roughly a function of x on every part of its samples: less than half of its
+    variance is left within bins of x. ``x``, ``law``: (N,) in any unit."""
+    known = np.isfinite(x) & np.isfinite(law)
+    left = sum(_scatter(law[part & known], _cells(x[part & known])) for part in parts)
+    return left <= _SCATTER * _scatter(law[known], np.zeros(np.count_nonzero(known), dtype=int))
+
+
+def _cells(x: Array, samples: int = 50) -> NDArray[np.intp]:
+    """The narrow bin of each of the finite samples x (N,), some ``samples`` a bin."""
+    if not x.size:
+        return np.zeros(0, dtype=int)
+    count = int(np.clip(x.size // samples, 30, _CELLS))
+    return np.digitize(x, np.linspace(x.min(), x.max(), count + 1)[1:-1])
+
+
+def _scatter(y: Array, cells: NDArray[np.intp]) -> float:
+    """The sum of squares of y (N,) about its means in cells."""
+    means = np.bincount(cells, y) / np.maximum(np.bincount(cells), 1)
+    return float(np.sum((y - means[cells]) ** 2))
 
 
 def halves(y: Array) -> tuple[NDArray[np.bool_], ...]:

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
+from symhyb.discrepancy.effects import amount_text
 from symhyb.discrepancy.results import Activity, Diagnosis, Score, Verdict
 from symhyb.discrepancy.wording import number_text, percent_text, quantity_text, unit_text
 from symhyb.model.types import Model, Place, place_text
@@ -89,7 +90,7 @@ def _found_table(diagnosis: Diagnosis) -> Table:
             (
                 effect.element.name,
                 estimate.term,
-                quantity_text(estimate.value, estimate.unit, estimate.sd),
+                amount_text(estimate),
                 percent_text(effect.share),
                 place_text(effect.element.place),
             )

@@ -288,7 +288,7 @@ def test_a_motion_that_grows_without_bound_ends_with_a_reason() -> None:
     assert good.sum() == 10
     assert not good[np.argmin(good) :].any()
     assert np.isnan(result.a[~good]).all()
-    assert seconds < 5
+    assert seconds < 30  # a bound on endlessness, not on speed
 
 
 def test_a_machine_that_leaves_the_domain_of_its_law_ends_with_a_reason() -> None:

@@ -10,7 +10,15 @@ import pytest
 from symhyb.discrepancy.results import Diagnosis, Verdict
 from symhyb.report import figures
 from symhyb.report.figures import Pair, PlaceUnits
-from symhyb.report.series import binned, envelope, halves, shortened, shown_unit, zoom_window
+from symhyb.report.series import (
+    binned,
+    envelope,
+    follows,
+    halves,
+    shortened,
+    shown_unit,
+    zoom_window,
+)
 from symhyb.units import parse_unit
 
 Cases = dict[str, Callable[[], tuple[Diagnosis, Verdict]]]
@@ -180,3 +188,66 @@ def test_names_are_made_fit_for_a_picture() -> None:
     assert shortened("encoder") == "encoder"
     assert len(shortened("x" * 500)) == 60
     assert shortened("a\x1bb\n") == "a\ufffdb\ufffd"
+
+
+def swing(samples: int = 4000) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Times, stretches and rates of a motion of two tones, 20 s long."""
+    t = np.linspace(0.0, 20.0, samples)
+    tones = ((0.9, 0.03), (1.7, 0.015))
+    stretch = sum(a * np.sin(2 * np.pi * f * t) for f, a in tones)
+    rate = sum(2 * np.pi * f * a * np.cos(2 * np.pi * f * t) for f, a in tones)
+    return t, np.asarray(stretch), np.asarray(rate)
+
+
+def test_a_law_that_remembers_is_drawn_as_loops(cases: Cases) -> None:
+    t, stretch, rate = swing()
+    law = -30.0 * (stretch - 0.02 * np.tanh(rate))
+    band = np.full_like(t, 0.1)
+    cloud = replace(
+        cases["missing"]()[0].clouds[0], t=t, stretch=stretch, rate=rate, force=law, law=law,
+        band=band,
+    )  # fmt: skip
+    loops = texts(figures.cloud_figure(cloud, UNITS, remembers=True))
+    assert "found law, a few cycles" in loops
+    assert "± one sd" not in loops  # a band about a median over loops would mean nothing
+    lines = texts(figures.cloud_figure(cloud, UNITS))
+    assert "a few cycles" not in lines
+    empty = replace(cloud, **{name: np.empty(0) for name in
+                              ("t", "stretch", "rate", "force", "band", "law")})  # fmt: skip
+    assert texts(figures.cloud_figure(empty, UNITS, remembers=True))
+
+
+def test_a_law_is_drawn_only_over_what_it_is_a_function_of(cases: Cases) -> None:
+    t, stretch, rate = swing()
+    stop = -900.0 * np.maximum(stretch - 0.02, 0.0)
+    old = cases["missing"]()[0].clouds[0]
+    cloud = replace(old, t=t, stretch=stretch, rate=rate, force=stop, law=stop, band=0.1 + 0 * t)
+    shown = texts(figures.cloud_figure(cloud, UNITS))
+    assert "rate [m/s] (of which the found law is no function)" in shown
+    assert "stretch [mm] (of which" not in shown
+    whole = (np.ones_like(t, dtype=bool),)
+    assert follows(stretch, stop, whole)
+    assert not follows(rate, stop, whole)
+    assert follows(stretch, -np.sign(rate), halves(rate))
+    assert not follows(stretch, np.sin(2 * np.pi * 3.7 * t), halves(rate))
+    assert follows(stretch, np.zeros_like(t), whole)
+    assert follows(t[:0], t[:0], (np.zeros(0, dtype=bool),))
+
+
+def test_a_ripple_keeps_its_height_where_it_is_drawn() -> None:
+    t, stretch, _ = swing()
+    law = 1.5 * np.sin(2 * np.pi * stretch / 0.01)
+    _, middle, _, _ = binned(stretch, law, np.zeros_like(t))
+    assert middle.max() > 1.4
+    assert middle.min() < -1.4
+
+
+def test_the_zoom_of_the_force_leaves_out_the_ends(cases: Cases) -> None:
+    t, stretch, rate = swing()
+    force = np.sin(2 * np.pi * t) + 50.0 * (t > 19.9)
+    old = cases["missing"]()[0].clouds[0]
+    cloud = replace(old, t=t, stretch=stretch, rate=rate, force=force, law=0 * t, band=0.1 + 0 * t)
+    shown = [line.strip() for line in texts(figures.force_figure(cloud, UNITS.force)).splitlines()]
+    ticks = shown[shown.index("time [s]") + 1 : shown.index("ΔF [N], zoomed")]
+    assert [float(tick.replace("\N{MINUS SIGN}", "-")) for tick in ticks][-1] == 1.0
+    assert "40" in shown  # the whole recording above shows the end as it is

@@ -6,7 +6,7 @@ from html.parser import HTMLParser
 
 import pytest
 
-from symhyb.discrepancy.results import Diagnosis, Verdict
+from symhyb.discrepancy.results import Diagnosis, Estimate, Verdict
 from symhyb.model.types import Between, Model, On
 from symhyb.report import render_page
 from symhyb.report.tables import place_units
@@ -159,3 +159,31 @@ def test_places_have_the_units_of_their_coordinate(
 ) -> None:
     shown = place_units(model, place)
     assert (shown.stretch.text, shown.rate.text, shown.force.text) == units
+
+
+def test_a_force_of_time_alone_is_drawn_over_time_alone(cases: Cases, model: Model) -> None:
+    diagnosis, verdict = cases["missing"]()
+    _, page = rendered((diagnosis, verdict), model)
+    assert "ΔF on q, over rate and stretch (DATA_EMPS.mat)" in page.text
+    assert "The same over time" in page.text
+    kinds = {"harmonic": False, "hysteresis": True}
+    for kind, over_motion in kinds.items():
+        effect = replace(diagnosis.found[0], element=replace(diagnosis.found[0].element, kind=kind))
+        _, page = rendered((replace(diagnosis, found=(effect,)), verdict), model)
+        assert ("over rate and stretch (DATA_EMPS.mat)" in page.text) == over_motion
+        assert ("ΔF on q, over time (DATA_EMPS.mat)" in page.text) != over_motion
+    assert "a few cycles" not in page.text  # said in the picture, not beside it
+
+
+def test_numbers_of_found_effects_are_in_units_that_people_say(cases: Cases, model: Model) -> None:
+    diagnosis, verdict = cases["missing"]()
+    sine = (
+        Estimate("F_a", 1.2, 0.01, "N", "amplitude"),
+        Estimate("f_0", 3.7, 0.007, "1/s", "frequency"),
+        Estimate("phi_0", 0.6, 0.03, "1", "phase"),
+    )
+    element = replace(diagnosis.found[0].element, kind="harmonic")
+    effect = replace(diagnosis.found[0], element=element, estimates=sine)
+    _, page = rendered((replace(diagnosis, found=(effect,)), verdict), model)
+    assert "3.700 ± 0.007 Hz" in page.text
+    assert "0.60 ± 0.03 rad" in page.text

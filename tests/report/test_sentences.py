@@ -82,7 +82,7 @@ def test_rivals_say_what_they_replace_and_how_much_worse_they_are() -> None:
     rival = Alternative(
         "found_damper", "delay", (Estimate("t", 2e-3, 3e-4, "s", "delay"),), 0.0, channel="laser"
     )
-    opening = "A delay of 0.0020 ± 0.0003 s in channel laser"
+    opening = "A delay of 2.0 ± 0.3 ms in channel laser"
     assert alternative_sentence(rival) == (
         f"{opening}, instead of found_damper: it explains the recordings equally well."
     )

@@ -10,13 +10,16 @@ from symhyb.discrepancy.wording import (
     effect_phrase,
     effect_sentence,
     joined,
+    measurement_phrase,
     number_text,
     percent_text,
     quantity_text,
+    small_text,
     unit_text,
     verdict_sentence,
 )
 from symhyb.model.types import At, Between, Element, On, Place
+from symhyb.model.vocabulary import KINDS
 
 NAN, INFINITE = math.nan, math.inf
 
@@ -169,7 +172,7 @@ DAMPING = Estimate("b", 203.5, 1.34, "N*s/m", "damping")
         ),
         (
             "added_mass", At("tip"), [Estimate("m", 0.2, 0.03, "kg", "mass")], None,
-            "At tip, an element of kind added mass with mass 0.20 ± 0.03 kg acts.",
+            "At tip, added mass of 0.20 ± 0.03 kg resists the acceleration.",
         ),
     ],
 )  # fmt: skip
@@ -181,7 +184,172 @@ def test_effect_is_said_from_its_numbers(
 
 def test_effect_without_numbers_keeps_its_name() -> None:
     assert effect_phrase("friction", []) == "dry (Coulomb) friction"
-    assert effect_phrase("gap", []) == "an element of kind gap"
+    assert effect_phrase("gap", []) == "an elastic stop behind a clearance"
+    assert effect_phrase("strange_law", []) == "an element of kind strange law"
+    assert effect_phrase("friction", [Estimate("F_s", 2.0, 0.1, "N", "static")]) == (
+        "dry (Coulomb) friction with breakaway friction 2.00 ± 0.10 N"
+    )
+    for kind, words in KINDS.items():
+        assert effect_sentence(kind, On("x"), []).startswith("On x, ")
+        assert words.words.split(" ")[-1].strip("()") in effect_phrase(kind, [])
+
+
+STIFF = Estimate("k", 900.0, 2.0, "N/m", "stiffness")
+CLEARANCE = Estimate("s_c", 0.05, 1e-4, "m", "clearance")
+WIDE_STOP = [
+    Estimate("k", 40.0, 2.0, "N*m/rad", "stiffness"),
+    Estimate("s_c", 0.2, 0.001, "rad", "clearance"),
+]
+BOUC_WEN = [
+    Estimate("k", 120.0, 0.3, "N/m", "stiffness"),
+    Estimate("beta", 40.0, 0.4, "1/m", "beta"),
+    Estimate("gamma", 20.0, 0.3, "1/m", "gamma"),
+]
+SQUARE = [
+    Estimate("k", 120.0, 0.3, "N*m/rad", "stiffness"),
+    Estimate("beta", 80.0, 0.4, "1/rad^2", "beta"),
+    Estimate("gamma", 20.0, 0.3, "1/rad^2", "gamma"),
+    Estimate("n", 2.0, 0.05, "1", "exponent"),
+    Estimate("s_p", 0.05, 0.001, "rad", "play"),
+]
+SINE = [
+    Estimate("F_a", 1.2, 0.01, "N", "amplitude"),
+    Estimate("f_0", 3.7, 0.007, "1/s", "frequency"),
+    Estimate("phi_0", 0.6, 0.03, "1", "phase"),
+]
+COGGING = [
+    Estimate("F_a", 0.3, 0.01, "N*m", "amplitude"),
+    Estimate("l_p", 0.2617994, 2.6e-4, "rad", "period"),
+]
+LUGRE = [
+    Estimate("F_c", 1.2, 0.01, "N", "coulomb"),
+    Estimate("k", 300.0, 3.0, "N/m", "stiffness"),
+]
+STRIBECK = [
+    Estimate("F_c", 0.5, 0.01, "N", "coulomb"),
+    Estimate("F_s", 1.3, 0.02, "N", "static"),
+    Estimate("v_s", 0.1, 0.003, "m/s", "stribeck"),
+]
+SIDED = [
+    Estimate("d", 0.7, 0.01, "N*s/m", "damping"),
+    Estimate("a_s", 1 / 7, 0.02, "1", "asymmetry"),
+]
+
+
+@pytest.mark.parametrize(
+    ("kind", "place", "estimates", "options", "sentence"),
+    [
+        (
+            "gap", On("x"), [STIFF, CLEARANCE], "upper",
+            "On x, an elastic stop of 900 ± 2 N/m acts beyond a clearance of 50.00 ± 0.10 mm on "
+            "the upper side.",
+        ),
+        (
+            "gap", On("x"), [STIFF, CLEARANCE, Estimate("d", 3.0, 0.2, "N*s/m", "damping")], "both",
+            "On x, an elastic stop of 900 ± 2 N/m acts beyond a clearance of 50.00 ± 0.10 mm on "
+            "both sides, 100 mm apart (damping 3.0 ± 0.2 N·s/m).",
+        ),
+        (
+            "gap", On("phi"), WIDE_STOP, "lower",
+            "On phi, an elastic stop of 40 ± 2 N·m/rad acts beyond a clearance of 0.2000 ± 0.0010 "
+            "rad (11.46 ± 0.06°) on the lower side.",
+        ),
+        (
+            "hysteresis", On("x"), BOUC_WEN, "",
+            "On x, hysteresis (Bouc–Wen) resists the motion with a stiffness of 120.0 ± 0.3 N/m "
+            "that saturates at about 2 N (beta 40.0 ± 0.4 1/m, gamma 20.0 ± 0.3 1/m).",
+        ),
+        (
+            "hysteresis", On("phi"), SQUARE, "",
+            "On phi, hysteresis (Bouc–Wen) resists the rotation with a stiffness of 120.0 ± 0.3 "
+            "N·m/rad that saturates at about 6 N·m behind a play of 0.0500 ± 0.0010 rad "
+            "(2.86 ± 0.06°) (beta 80.0 ± 0.4 1/rad², gamma 20.0 ± 0.3 1/rad², exponent 2.00 ± "
+            "0.05).",
+        ),
+        (
+            "friction_dynamic", On("x"), LUGRE, "",
+            "On x, dry friction of 1.200 ± 0.010 N that yields elastically over about 4 mm before "
+            "it slides (LuGre) resists the motion, with stiffness 300 ± 3 N/m.",
+        ),
+        (
+            "relaxation", On("x"),
+            [Estimate("k", 150.0, 1.4, "N/m", "stiffness"),
+             Estimate("d", 15.0, 0.2, "N*s/m", "damping")],
+            "",
+            "On x, a spring of 150.0 ± 1.4 N/m that relaxes with the time constant 0.1 s (Maxwell) "
+            "acts, with damping 15.0 ± 0.2 N·s/m.",
+        ),
+        (
+            "harmonic", On("x"), SINE, "",
+            "On x, a harmonic force of 1.200 ± 0.010 N at 3.700 ± 0.007 Hz acts, with phase "
+            "0.60 ± 0.03 rad.",
+        ),
+        (
+            "ripple", On("x"),
+            [Estimate("F_a", 1.5, 0.01, "N", "amplitude"), Estimate("l", 0.03, 2e-4, "m", "period"),
+             Estimate("phi_0", 0.4, 0.02, "1", "phase")],
+            "",
+            "On x, a force of 1.500 ± 0.010 N that repeats every 30.0 ± 0.2 mm of travel acts, "
+            "with phase 0.40 ± 0.02 rad.",
+        ),
+        (
+            "ripple", On("phi"), COGGING, "",
+            "On phi, a torque of 0.300 ± 0.010 N·m that repeats 24.00 ± 0.02 times a turn "
+            "(every 15.000 ± 0.015°) acts.",
+        ),
+        (
+            "added_mass", On("phi"), [Estimate("m_a", 0.25, 0.02, "kg*m^2", "mass")], "",
+            "On phi, added inertia of 0.25 ± 0.02 kg·m² resists the acceleration.",
+        ),
+        (
+            "added_mass", Between("a", "b"), [Estimate("m_a", 0.25, 0.02, "kg", "mass")], "",
+            "Between a and b, added mass of 0.25 ± 0.02 kg resists the relative acceleration.",
+        ),
+        (
+            "friction", On("x"), STRIBECK, "",
+            "On x, dry (Coulomb) friction of 0.500 ± 0.010 N (1.30 ± 0.02 N at breakaway, Stribeck "
+            "speed 0.100 ± 0.003 m/s) resists the motion.",
+        ),
+        (
+            "damper", On("x"), SIDED, "",
+            "On x, viscous damping of 0.700 ± 0.010 N·s/m (0.8 N·s/m forward, 0.6 N·s/m backward) "
+            "resists the motion, with asymmetry 0.14 ± 0.02.",
+        ),
+    ],
+)  # fmt: skip
+def test_laws_with_shape_and_memory_are_said_as_an_engineer_would(
+    kind: str, place: Place, estimates: list[Estimate], options: str, sentence: str
+) -> None:
+    words = [("side", options)] if options else []
+    assert effect_sentence(kind, place, estimates, None, words) == sentence
+
+
+def test_a_saturation_is_said_only_where_the_numbers_give_one() -> None:
+    assert "saturates" not in effect_phrase("hysteresis", BOUC_WEN[:1])
+    opening = [BOUC_WEN[0], Estimate("beta", -40.0, 1.0, "1/m", "beta"), BOUC_WEN[2]]
+    assert "saturates" not in effect_phrase("hysteresis", opening)
+    held = SQUARE[:3]  # an exponent of 2 that was set: not among the estimates
+    assert "saturates" not in effect_phrase("hysteresis", held)
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "sd", "text"),
+    [
+        (0.05, "m", 1e-4, "50.00 ± 0.10 mm"),
+        (1.5, "m", 0.02, "1.50 ± 0.02 m"),
+        (3e-5, "m", None, "30 µm"),
+        (0.012, "s", 1e-4, "12.00 ± 0.10 ms"),
+        (0.1, "s", None, "0.1 s"),
+        (0.0, "m", 1e-4, "(0.0 ± 1.0)·10⁻⁴ m"),
+        (0.01, "N", None, "0.01 N"),
+        (math.pi / 6, "rad", None, "0.5236 rad (30°)"),
+        (NAN, "m", None, "not known"),
+    ],
+)
+def test_small_lengths_and_times_take_the_prefix_that_reads_best(
+    value: float, unit: str, sd: float | None, text: str
+) -> None:
+    assert small_text(value, unit, sd) == text
 
 
 def found(kind: str, place: Place, *estimates: Estimate) -> Found:
@@ -197,6 +365,36 @@ def test_missing_physics_is_grouped_by_place() -> None:
         "On x the model lacks dry (Coulomb) friction of 20.4 ± 0.2 N and viscous damping of "
         "203.5 ± 1.3 N·s/m; between anchor and tip it lacks drag quadratic in speed."
     )
+
+
+def test_long_phrases_are_numbered() -> None:
+    stop = Found(
+        Element("found", "gap", On("x"), (), options=(("side", "upper"),)), "",
+        (STIFF, CLEARANCE), None, "",
+    )  # fmt: skip
+    effects = (stop, found("damper", On("x"), DAMPING), found("friction", On("y"), *STRIBECK))
+    assert verdict_sentence("missing physics", effects) == (
+        "On x the model lacks (1) an elastic stop of 900 ± 2 N/m beyond a clearance of "
+        "50.00 ± 0.10 mm on the upper side and (2) viscous damping of 203.5 ± 1.3 N·s/m; on y it "
+        "lacks dry (Coulomb) friction of 0.500 ± 0.010 N (1.30 ± 0.02 N at breakaway, Stribeck "
+        "speed 0.100 ± 0.003 m/s)."
+    )
+    rivals = [
+        Alternative(
+            None, "gap", (STIFF,), 0.0, place=On("x"), options=(("side", side),)
+        ) for side in ("upper", "both")
+    ]  # fmt: skip
+    assert verdict_sentence("undecided", alternatives=rivals).endswith(
+        "an elastic stop of 900 ± 2 N/m on the upper side on x or an elastic stop of 900 ± 2 N/m "
+        "on both sides on x."
+    )
+
+
+def test_delays_say_who_is_late() -> None:
+    late = Measurement("f", "delay", 0.012, 1e-4, "s")
+    assert measurement_phrase(late) == "f arrives 12.00 ± 0.10 ms late"
+    early = Measurement("laser", "delay", -0.002, 1e-4, "s")
+    assert measurement_phrase(early) == "laser arrives 2.00 ± 0.10 ms early"
 
 
 def test_what_else_was_found_follows_the_verdict() -> None:
@@ -224,7 +422,7 @@ def test_undecided_names_the_rivals_or_says_that_there_are_none() -> None:
     said = verdict_sentence("undecided", alternatives=rivals)
     assert said.endswith(
         "cannot tell the causes apart: viscous damping of 203.5 ± 1.3 N·s/m on x, "
-        "a delay of 0.00200 ± 0.00010 s in channel f or an offset in channel f."
+        "a delay of 2.00 ± 0.10 ms in channel f or an offset in channel f."
     )
     assert alternative_phrase(rivals[3]) == "parameter k"
     assert "no cause that symhyb knows" in verdict_sentence("undecided")
