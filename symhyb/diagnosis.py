@@ -160,6 +160,7 @@ def element_forces(final: Refined, run: Run) -> tuple[Array, Array, Array]:
     c = course_of(run.recording, machine, run.motion)
     given = c.q, c.v, c.z, c.u, c.t, final.p
     (flat,) = along(machine.elements, given, (5,), c.t.size)
+    flat = flat + along(machine.carried, (c.q, c.v, c.a, c.t, final.p), (4,), c.t.size)[0]
     forces = flat.reshape(c.t.size, -1, machine.n).swapaxes(1, 2)
     stretch, rate, _ = along(machine.pathways, (c.q, c.v, c.t, final.p), (3,), c.t.size)
     return forces, stretch, rate
@@ -210,7 +211,8 @@ def _measured_noise(model: Model, prepared: Prepared) -> dict[str, float]:
 
 def _title(cause: Hypothesis, found: Sequence[Found]) -> str:
     for item in found:
-        if (item.element.kind, item.element.place) == (cause.kind, cause.place):
+        mine = item.element
+        if (mine.kind, mine.place, mine.options) == (cause.kind, cause.place, cause.options):
             return item.element.name
     return cause.path
 

@@ -10,6 +10,7 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 from symhyb.correction.conventions import CERTAIN, alike, exact_twins, precedence
 from symhyb.correction.evidence import (
@@ -31,6 +32,7 @@ from symhyb.numeric.buffers import Array
 TRIALS = 3  # refined structures of each size
 PROMISE = 0.3  # of what is left, which the linear problem must promise before a trial
 ROUNDS = 6
+PLAINER = 2  # plain laws, and pairs of them, that are tried in place of one of several numbers
 STATIC_FIRST = 1.3  # of the Coulomb friction: the breakaway friction that is tried first
 
 Say = Callable[[str], None]
@@ -207,7 +209,7 @@ def _improved(trials: _Trials, winner: Refined, problem: Problem, log: list[str]
         if better and (trial.numbers <= winner.numbers or earns(trial, winner)[0]):
             log.append(f"{named(trial.causes)} instead of {named(winner.causes)}: fits better")
             return trial
-    for simpler in _simplifications(trials, winner):
+    for simpler in (*_simplifications(trials, winner), *_plainer(trials, winner, problem)):
         earned, sentence = earns(winner, simpler)
         log.append(sentence)
         if not earned:
@@ -283,6 +285,32 @@ def _swaps(trials: _Trials, winner: Refined, problem: Problem) -> Iterator[Refin
         if options:
             best = min(options, key=lambda s: s.chi2)
             yield trials.refined(best.causes, _first(problem, best))
+
+
+def _plainer(trials: _Trials, winner: Refined, problem: Problem) -> Iterator[Refined]:
+    """The winner with a law of several numbers replaced by the one or two plain laws at its place
+    that come closest: a stop behind a clearance by a spring that hardens."""
+    causes = trials.causes(winner)
+    for cause in causes:
+        mine = problem.hypotheses[cause]
+        if mine.place is None or mine.numbers < 2 or mine.variant:
+            continue
+        rest = [c for c in causes if c != cause]
+        plain = [
+            c
+            for c, other in enumerate(problem.hypotheses)
+            if other.place == mine.place and other.numbers == 1 and c not in causes
+        ]
+        for many in (1, 2):
+            options = [
+                subset
+                for more in combinations(plain, many)
+                if (subset := solve(problem, (*rest, *more))) is not None
+            ]
+            for subset in sorted(options, key=lambda s: s.chi2)[:PLAINER]:
+                trial = trials.refined(subset.causes, _first(problem, subset))
+                if not trial.fit.reason:
+                    yield trial
 
 
 def _simplifications(trials: _Trials, winner: Refined) -> Iterator[Refined]:

@@ -40,12 +40,15 @@ class Refined:
 
     def value(self, path: str) -> tuple[float, float]:
         """Fitted value and one standard deviation of a parameter, SI; the relative ``accuracy``
-        of the numerics is part of the deviation."""
+        of the numerics is part of the deviation of a force, not of a time or a place."""
         i = self.paths.index(path)
-        value = float(self.fit.values[i])
-        return value, float(
-            np.hypot(np.sqrt(self.fit.covariance[i, i]), self.accuracy * abs(value))
-        )
+        value, spread = float(self.fit.values[i]), float(np.sqrt(self.fit.covariance[i, i]))
+        if path.rpartition(".")[2] in EXACT:
+            return value, spread
+        return value, float(np.hypot(spread, self.accuracy * abs(value)))
+
+
+EXACT = ("frequency", "period", "phase", "delay", "clearance")  # keys that no gain can feign
 
 
 def element_name(index: int) -> str:

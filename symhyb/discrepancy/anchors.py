@@ -31,17 +31,17 @@ class Anchor:
 
 def anchored(model: WindowModel, item: Laid, p: Array, slopes: bool = False) -> Anchor:
     """The anchor of the windows under parameters ``p`` (P,), SI; ``slopes`` where asked for."""
-    along = _along(model, item, p)
-    starts = item.rows[:, 0]
+    starts, free = item.rows[:, 0], model.free
+    asked = [i for i, column in enumerate(free) if slopes and column in _acting(model)]
+    steps = np.array([STEP * (abs(p[free[i]]) or 1.0) for i in asked])
+    sets = np.repeat(p[None], 1 + len(asked), axis=0)
+    sets[np.arange(1, 1 + len(asked)), [free[i] for i in asked]] += steps
+    along, *moved = _along(model, item, sets)
     size = np.sqrt(np.mean(along**2, axis=0))
     blur = float(np.max(item.source[1].q_sd, initial=0.0))
-    by_free = np.zeros((starts.size, along.shape[1], len(model.free)))
-    if slopes and along.shape[1]:
-        for i, column in enumerate(model.free):
-            moved = p.copy()
-            moved[column] += STEP * (abs(p[column]) or 1.0)
-            change = _along(model, item, moved) - along
-            by_free[:, :, i] = change[starts] / (moved[column] - p[column])
+    by_free = np.zeros((starts.size, along.shape[1], len(free)))
+    for i, step, other in zip(asked, steps, moved, strict=True):
+        by_free[:, :, i] = (other - along)[starts] / step
     return Anchor(along[starts], np.sqrt((SPREAD * size) ** 2 + blur**2) + 1e-300, by_free)
 
 
@@ -53,6 +53,12 @@ def off_anchor(model: WindowModel, item: Laid, p: Array, start: Array) -> Array:
         return np.zeros(len(start))
     anchor = anchored(model, item, p)
     return np.asarray(np.sum(((start[:, first:] - anchor.z) / anchor.spread) ** 2, axis=1))
+
+
+def _acting(model: WindowModel) -> set[int]:
+    """The columns of p on which the rates of inner states depend."""
+    inner = model.machine.inner
+    return set(inner.jac_sparsity(0, 5).get_triplet()[1])
 
 
 def _along(model: WindowModel, item: Laid, p: Array) -> Array:

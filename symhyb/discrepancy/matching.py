@@ -191,7 +191,8 @@ def _squares(model: WindowModel, item: Laid, p: Array, start: Array, sd: Array) 
     with np.errstate(over="ignore", invalid="ignore"):
         _, y = model.simulate(item.block, start, p)
         residual = np.where(np.isfinite(item.block.y), (item.block.y - y) / sd, 0.0)
-        return np.sum(residual**2, axis=(1, 2)) + off_anchor(model, item, p, start)
+        shown: Array = np.sum(residual**2, axis=(1, 2))
+        return shown + off_anchor(model, item, p, start)
 
 
 def _cost(

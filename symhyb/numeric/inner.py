@@ -10,37 +10,48 @@ from symhyb.numeric.machine import Machine
 from symhyb.numeric.memory import kept
 from symhyb.numeric.steps import rosenbrock_step
 
-SUBSTEPS = 4  # between two samples
+SUBSTEPS = 2  # between two samples
 
 
 def inner_along(
     machine: Machine, t: Array, motion: tuple[Array, Array, Array], u: Array, p: Array
 ) -> Array:
-    """Inner states (N, z) at times ``t`` (N,), begun at rest, SI.
+    """Inner states (N, z) at times ``t`` (N,), begun at rest, SI; for several sets of parameters
+    (C, N, z).
 
-    ``motion`` are q, v and a (N, n), ``u`` (N, k) the inputs, ``p`` (P,) the parameters; between
-    two samples they run linearly.
+    ``motion`` are q, v and a (N, n), ``u`` (N, k) the inputs, ``p`` (P,) or (C, P) the parameters;
+    between two samples they run linearly.
     """
-    if machine.inner_states == 0 or t.size == 0:
-        return np.zeros((t.size, machine.inner_states))
+    sets, inner = np.atleast_2d(p), machine.inner_states
+    if inner == 0 or t.size == 0:
+        return np.zeros((*p.shape[:-1], t.size, inner))
     form = inner_form(machine)
     drive = form.driven(u, *motion)
-    (first,) = call(machine.inner_rest, (motion[0][0], float(t[0]), p))
     parts = np.linspace(0, 1, SUBSTEPS, endpoint=False)
     begin = (t[:-1, None] + parts * np.diff(t)[:, None]).reshape(-1)
     rise = np.diff(drive, axis=0)[:, None] / SUBSTEPS
-    d0 = drive[:-1, None] + np.arange(SUBSTEPS)[:, None] * rise
-    d1 = (d0 + rise).reshape(begin.size, -1)
+    d0 = (drive[:-1, None] + np.arange(SUBSTEPS)[:, None] * rise).reshape(begin.size, -1)
+    d1 = d0 + np.repeat(rise[:, 0], SUBSTEPS, axis=0)
     h = np.repeat(np.diff(t) / SUBSTEPS, SUBSTEPS)
+    first = [call(machine.inner_rest, (motion[0][0], float(t[0]), row))[0][0] for row in sets]
+    start = np.concatenate([np.array(first), sets], axis=1)
     run = kept(("inner", form.key), lambda: Chains(_step(form)))
-    varying = (d0.reshape(1, begin.size, -1), d1[None], begin[None, :, None], h[None, :, None])
-    (z,) = run(first.reshape(1, -1), varying, p)
-    return np.concatenate([first.reshape(1, -1), z[0, SUBSTEPS - 1 :: SUBSTEPS]])
+    varying = [
+        np.broadcast_to(row, (len(sets), *row.shape))
+        for row in (d0, d1, begin[:, None], h[:, None])
+    ]
+    (states,) = run(start, varying, np.zeros(0))
+    z = np.concatenate([start[:, None, :inner], states[:, SUBSTEPS - 1 :: SUBSTEPS, :inner]], 1)
+    return z if p.ndim == 2 else z[0]
 
 
 def _step(form: StateForm) -> ca.Function:
-    """(z, d0, d1, t, h, p) -> z after h seconds."""
+    """((z, p), d0, d1, t, h, nothing) -> (z, p) after h seconds: every chain has parameters of its
+    own."""
     x, d0, t, p, w = form.symbols()
-    d1, h = ca.SX.sym("d1", form.drive), ca.SX.sym("h")
+    d1, h, nothing = ca.SX.sym("d1", form.drive), ca.SX.sym("h"), ca.SX.sym("nothing", 0)
     after = rosenbrock_step(form)(x, d0, d1, t, h, p, 0 * w)
-    return ca.Function("inner_step", [x, d0, d1, t, h, p], [ca.densify(after)], {"cse": True})
+    both = ca.densify(ca.vertcat(after, p))
+    return ca.Function(
+        "inner_step", [ca.vertcat(x, p), d0, d1, t, h, nothing], [both], {"cse": True}
+    )
