@@ -31,7 +31,7 @@ from symhyb.data.recording import Recording
 from symhyb.discrepancy.course import course_of
 from symhyb.discrepancy.hypotheses import Hypothesis
 from symhyb.discrepancy.locate import activity, locate
-from symhyb.discrepancy.residual import discrepancy, force_band, noise_notes
+from symhyb.discrepancy.residual import blind_notes, discrepancy, force_band, noise_notes
 from symhyb.discrepancy.results import (
     Activity,
     Cloud,
@@ -48,6 +48,13 @@ from symhyb.numeric.buffers import Array
 from symhyb.numeric.vector import along
 
 MISMATCH = 1.15  # χ²/N that noise may reach by the error of its own measurement
+
+COLOURED_MOST = 0.05  # of a signal's spread, that coloured noise may have
+PLACE_LEAST = 0.1  # share of the mismatch that a place must explain to count
+COLOURED = (
+    " What is left is more than white noise, but no force of the machine's own motion explains any "
+    "of it: the sensors' noise is coloured."
+)
 
 RECORD_NEXT = (
     "a longer run, of at least ten periods of the slowest motion, driven so that every coordinate "
@@ -179,13 +186,20 @@ def _concluded(
     titles = {cause: _title(cause, found) for cause in decision.winner.causes}
     alternatives = alternatives_of(model, decision, titles)
     verdict = _verdict(decision, found, bool(faults), bool(parameters))
+    coloured = verdict == "undecided" and _only_coloured(prepared, decision, places)
+    if coloured:
+        verdict = "nothing missing"
     sentence = verdict_sentence(verdict, found, parameters, faults, alternatives)
+    if coloured:
+        sentence += COLOURED
     poor = too_poor(prepared.runs, [sensor.name for sensor in model.sensors])
     if verdict == "nothing missing" and poor:
         verdict = "undecided"
         sentence = f"These recordings cannot tell: {poor}. Nothing in them contradicts the model."
     noise = _measured_noise(model, prepared)
-    notes = [note for run in prepared.runs for note in run.recording.notes]
+    notes = [
+        note for run in prepared.runs for note in (*run.recording.notes, *blind_notes(run.motion))
+    ]
     return Diagnosis(
         verdict, sentence, found, parameters, faults, alternatives,
         record_next=RECORD_NEXT if poor and verdict == "undecided" else None,
@@ -229,6 +243,22 @@ def _verdict(
     nothing = decision.nothing.fit
     slack = 4 * np.sqrt(2 * nothing.correlation / max(float(nothing.count.sum()), 1.0))
     return "nothing missing" if nothing.scale <= MISMATCH + slack else "undecided"
+
+
+def _only_coloured(prepared: Prepared, decision: Decision, places: Sequence[PlaceShare]) -> bool:
+    """Whether what is left looks like noise of the sensors that is coloured: no cause was believed,
+    no place explains a part of it out of sample, and it is small against every signal."""
+    if decision.winner.causes or any((p.explained or 0.0) > PLACE_LEAST for p in places):
+        return False
+    left = prepared.sd * np.sqrt(decision.nothing.fit.scale)
+    spreads = np.array(
+        [
+            max((float(np.nanstd(y)) for run in prepared.runs
+                 if (y := run.recording.sensors.get(sensor.name)) is not None), default=np.inf)
+            for sensor in prepared.model.sensors
+        ]
+    )  # fmt: skip
+    return bool(np.all(left < COLOURED_MOST * spreads))
 
 
 def _clouds(prepared: Prepared, final: Refined, run: Run) -> list[Cloud]:

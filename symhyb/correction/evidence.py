@@ -9,6 +9,7 @@ from symhyb.correction.trajectory import Refined, grouped
 from symhyb.discrepancy.hypotheses import Hypothesis
 
 SIGNIFICANT = 10.0  # Δχ²/c − k ln N on fitted windows, Δχ²/c on held ones (10: odds of 150 to 1)
+OUTSTANDING = 3.0  # standard deviations, of the strength of a cause
 NEAR_NOISE = 1.1  # χ² per sample: nothing larger to climb to
 PART_LEFT = 1 / 2  # of the mismatch that is left, which a cause must take
 NOISE_SHARE = 0.02  # of the noise: less than this is never said to be left
@@ -51,9 +52,18 @@ def earns(larger: Refined, smaller: Refined, tried: int = 1) -> tuple[bool, str]
 
 
 def believable(trial: Refined) -> bool:
-    """Whether physics allows the fitted values, and the fit a variant of a law: one that differs by
-    direction is claimed only where it explains the recordings down to their noise."""
+    """Whether physics allows the fitted values, each strength stands out of its own deviation, and
+    the fit allows a variant of a law: one that differs by direction is claimed only where it
+    explains the recordings down to their noise."""
+    first = 0
+    spread = np.sqrt(np.diag(trial.fit.covariance))
     for cause, values in zip(trial.causes, grouped(trial), strict=True):
+        strength = next(iter(values.values()))
+        if "static" in values:
+            strength = values["static"] - values["coulomb"]
+        if not abs(strength) > OUTSTANDING * spread[first]:
+            return False
+        first += cause.numbers
         if "skew" in cause.terms and not trial.fit.scale < NEAR_NOISE:
             return False
         if cause.kind == "friction" and values.get("static", inf) < values["coulomb"]:

@@ -8,7 +8,13 @@ import numpy as np
 from symhyb.correction.setting import Setting, Stage
 from symhyb.data.recording import Recording, several
 from symhyb.data.thin import thinned
-from symhyb.discrepancy.candidates import Reach, force_hypotheses, joined, lacking
+from symhyb.discrepancy.candidates import (
+    Reach,
+    force_hypotheses,
+    joined,
+    lacking,
+    transition_share,
+)  # fmt: skip
 from symhyb.discrepancy.course import course_of
 from symhyb.discrepancy.hypotheses import (
     dull_hypotheses,
@@ -33,7 +39,7 @@ WINDOWS_LEAST = 9  # over all recordings at the longest window length
 FIRST_WINDOW = 0.25  # of the shortest period
 GROWTH = 3.0  # from stage to stage
 STAGES_MOST = 4
-ACCURACY = 1e-4  # relative, of a fitted value: fixed steps and smoothed friction
+ACCURACY = 2e-3  # relative, of a fitted value: fixed steps, held inputs, smoothed friction
 GAIN_LEAST = 1e-3  # smaller gain errors are not worth a name
 
 
@@ -80,7 +86,8 @@ def settle(prepared: Prepared) -> Setting:
     """Lower all hypotheses and lay windows at growing lengths."""
     model, machine = prepared.model, prepared.machine
     places = places_of(model)
-    causes = library(model, places, force_hypotheses(model, _reaches(prepared, places)))
+    narrow = transition_share(_relative_noise(prepared))
+    causes = library(model, places, force_hypotheses(model, _reaches(prepared, places), narrow))
     dull = dull_hypotheses(model)
     windows = WindowModel(machine, tuple(machine.column(cause.path) for cause in dull))
     sag = _sag(prepared)
@@ -88,6 +95,18 @@ def settle(prepared: Prepared) -> Setting:
         causes, dull, windows, _stages(prepared), prepared.sd,
         gain_floor=max(GAIN_LEAST, sag), accuracy=max(ACCURACY, sag),
     )  # fmt: skip
+
+
+def _relative_noise(prepared: Prepared) -> float:
+    """Noise over spread of the sensor that shows most."""
+    ratios = [
+        sd / spread
+        for run in prepared.runs
+        for sensor, sd in zip(prepared.model.sensors, prepared.sd, strict=True)
+        if (values := run.recording.sensors.get(sensor.name)) is not None
+        and (spread := float(np.nanstd(values))) > 0
+    ]
+    return min(ratios, default=0.0)
 
 
 def _sag(prepared: Prepared) -> float:

@@ -6,7 +6,7 @@ sample is the defect that the causes compete to explain. Screening names causes 
 starting values; it does not decide. Sizes: W windows, L samples, n coordinates, C columns.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -59,6 +59,7 @@ def screen(
         )
     forces, free = sum(map(len, library.columns)), len(model.free)
     lower, upper = _bounds(library, dull, free)
+    declared = {item.path: item.si for item in model.machine.model.all_parameters()}
     return Problem(
         gram=np.sum([part.grams[~part.held].sum(axis=0) for part in parts], axis=0),
         held=np.sum([part.grams[part.held].sum(axis=0) for part in parts], axis=0),
@@ -71,17 +72,21 @@ def screen(
         least=np.concatenate(
             [
                 np.zeros(forces),
-                [_least(cause, gain_floor, laid) for cause in dull],
+                [_least(cause, gain_floor, laid, declared) for cause in dull],
                 np.zeros(free - len(dull)),
             ]
         ),
     )
 
 
-def _least(cause: Hypothesis, gain_floor: float, laid: Sequence[Laid]) -> float:
+def _least(
+    cause: Hypothesis, gain_floor: float, laid: Sequence[Laid], values: Mapping[str, float]
+) -> float:
     """The smallest size of a dull cause that is worth a name, SI."""
     if cause.kind == "delay":
         return DELAY_LEAST * float(np.median(np.diff(laid[0].block.t, axis=1)))
+    if cause.kind == "parameter":
+        return gain_floor * abs(float(values[cause.path]))
     return gain_floor if cause.kind == "gain" else 0.0
 
 

@@ -44,13 +44,18 @@ def propose(
     if size == 0:
         return ()
     seen = length > 1e-9 * length.max(initial=0.0)
-    unit = rows[:, seen] / length[seen]
+    # the triangular factor holds all that least squares asks of the rows
+    joined = np.column_stack([rows[:, seen] / length[seen], right / size])
+    factor = np.asarray(np.linalg.qr(joined, mode="r"))
     found: dict[tuple[int, ...], Subset] = {}
     for threshold in THRESHOLDS:
         optimizer = STLSQ(threshold=threshold, alpha=1e-8, max_iter=30)
         with warnings.catch_warnings():  # a threshold that leaves no term is an answer
             warnings.simplefilter("ignore", UserWarning)
-            optimizer.fit(unit, (right / size)[:, None])
+            try:
+                optimizer.fit(factor[:, :-1], factor[:, -1:])
+            except np.linalg.LinAlgError:  # columns too much alike: no proposal, no answer lost
+                continue
         values = np.zeros(length.size)
         values[seen] = np.asarray(optimizer.coef_)[0] * size / length[seen]
         subset = _subset(library, values, rows, right)

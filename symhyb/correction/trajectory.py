@@ -91,9 +91,19 @@ def refine(
     task = Task(tuple(laid), sd, lower, upper, mean, spread, everything)
     if not careful:
         task = replace(task, decrease=TRIAL_DECREASE, iterations=TRIAL_ITERATIONS)
-    fitted = fit(WindowModel(machine, free), task, p, starts)
+    begun = None if starts is None else [_begun(*pair) for pair in zip(laid, starts, strict=True)]
+    fitted = fit(WindowModel(machine, free), task, p, begun)
     p[list(free)] = fitted.values
     return Refined(tuple(causes), machine, paths, p, fitted)
+
+
+def _begun(item: Laid, start: Array) -> Array:
+    """Initial states of another structure for windows of this one, which may have other inner
+    states."""
+    full = item.start.copy()
+    shared = min(full.shape[1], start.shape[1])
+    full[:, :shared] = start[:, :shared]
+    return full
 
 
 def grouped(trial: Refined) -> list[dict[str, float]]:

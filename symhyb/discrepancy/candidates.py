@@ -13,7 +13,9 @@ from symhyb.discrepancy.hypotheses import Hypothesis, natural_length
 from symhyb.model.types import Between, Model, On, Place
 from symhyb.numeric.buffers import Array
 
-TRANSITION_SHARE = 1e-4  # of the largest rate: the friction transition that is tried
+TRANSITION_SHARE = 1e-3  # of the largest rate; narrower, sticking makes the cost too rugged to fit
+TRANSITION_LEAST = 1e-4
+TRANSITION_NOISE = 0.3  # of the relative noise: the transition share
 STRIBECK_SHARES = (0.05, 0.2)  # of the largest rate
 CLEARANCE_SHARES = (0.4, 0.65, 0.85)  # of the stretches of one sign: quantiles
 YIELD_SHARES = (0.05, 0.2, 0.6)  # of the amplitude: where hysteresis saturates
@@ -45,22 +47,33 @@ class Reach:
         return float(np.ptp(self.stretch)) / 2 if self.stretch.size else 0.0
 
 
-def force_hypotheses(model: Model, reaches: Mapping[Place, Reach]) -> tuple[Hypothesis, ...]:
-    """Every law at every place, scaled by what the place moves through.
+def force_hypotheses(
+    model: Model, reaches: Mapping[Place, Reach], narrow: float = TRANSITION_SHARE
+) -> tuple[Hypothesis, ...]:
+    """Every law at every place, scaled by what the place moves through; ``narrow`` is the friction
+    transition over the largest rate.
 
     Negative damping, drag and friction are not offered: a passive machine only loses energy.
     """
-    return tuple(h for place, reach in reaches.items() for h in _at_place(model, place, reach))
+    return tuple(
+        h for place, reach in reaches.items() for h in _at_place(model, place, reach, narrow)
+    )
 
 
-def _at_place(model: Model, place: Place, reach: Reach) -> Iterator[Hypothesis]:
+def transition_share(noise: float) -> float:
+    """The friction transition over the largest rate for a relative ``noise`` of the best sensor:
+    its error stays below the noise, and it is wide enough for sticking to be fitted."""
+    return float(np.clip(TRANSITION_NOISE * noise, TRANSITION_LEAST, TRANSITION_SHARE))
+
+
+def _at_place(model: Model, place: Place, reach: Reach, narrow: float) -> Iterator[Hypothesis]:
     yield Hypothesis("constant", place, ("constant",), (False,))
     length = (("length", natural_length(model, place)),) if isinstance(place, Between) else ()
     for term in ("stiffness", "quadratic", "cubic"):
         yield Hypothesis("spring", place, (term,), (False,), length)
     if reach.speed <= 0:
         return
-    transition = (("transition", TRANSITION_SHARE * reach.speed),)
+    transition = (("transition", narrow * reach.speed),)
     yield Hypothesis("damper", place, ("damping",), (True,))
     yield Hypothesis("drag", place, ("drag",), (True,))
     yield Hypothesis("friction", place, ("coulomb",), (True,), transition)

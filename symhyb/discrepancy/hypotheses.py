@@ -38,6 +38,7 @@ GAIN_REACH = 0.5  # a gain further from 1 is a wrong unit or sign, not a gain
 ASSUMED = "assumed"  # a gain, offset or delay that the file does not state
 SHAPE_REACH = 30.0  # a refined shape stays within this factor of where it was tried
 NARROW = {"frequency": 1.2, "period": 1.2, "clearance": 3.0, "exponent": 4.0}
+WIDER = 10.0  # a Stribeck speed against the transition
 SKEW = 0.95  # of an asymmetry: beyond, a damper would drive
 WAVES = ("harmonic", "ripple")
 
@@ -114,6 +115,8 @@ class Hypothesis:
             reach = NARROW.get(key, SHAPE_REACH)
             if key in self.tied:
                 return 0.0, inf
+            if key == "stribeck":  # slower, it would only undo the smoothing
+                return WIDER * dict(self.shape)["transition"], tried * reach
             return (1.0 if key == "exponent" else tried / reach), tried * reach
         if key == "asymmetry":
             return -SKEW, SKEW
@@ -233,13 +236,16 @@ class Library:
 
 @lru_cache(maxsize=16)
 def _forces_along(library: Library, course: Course) -> Array:
-    """Generalized forces (N, n, E) of all elements of a library."""
+    """Generalized forces (N, n, E) of all elements of a library; zero for one that is not finite
+    all along (its inner state ran away), which no selection takes."""
     machine, c = library.machine, course
     given = c.q, c.v, c.z, c.u, c.t, machine.values
     (flat,) = along(machine.elements, given, (5,), c.t.size)
     (carried,) = along(machine.carried, (c.q, c.v, c.a, c.t, machine.values), (4,), c.t.size)
     flat = flat + carried
-    return np.ascontiguousarray(flat.reshape(c.t.size, -1, machine.n).swapaxes(1, 2))
+    forces = np.ascontiguousarray(flat.reshape(c.t.size, -1, machine.n).swapaxes(1, 2))
+    forces[:, :, ~np.isfinite(forces).all(axis=(0, 1))] = 0.0
+    return forces
 
 
 def library(model: Model, places: tuple[Place, ...], tried: tuple[Hypothesis, ...]) -> Library:

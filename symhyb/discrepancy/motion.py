@@ -4,28 +4,32 @@ Every coordinate is a quintic spline; all sensors together, whether they measure
 or accelerations, determine its coefficients by weighted least squares (Gauss–Newton where a
 sensor is nonlinear). The spacing of the knots is chosen by the Bayesian information criterion.
 No second derivative of noisy data is formed by differences. Uneven and missing samples need no
-special care. Sizes: N samples, n coordinates, m sensors, B coefficients a coordinate.
+special care. Where no sensor shows a place, the equations of motion are rows of the same problem,
+weighted by the force that the model may lack.
+Sizes: N samples, n coordinates, m sensors, B coefficients a coordinate.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
-from scipy.interpolate import BSpline
 from scipy.sparse.linalg import splu
 
 from symhyb.data.recording import Recording
+from symhyb.discrepancy.splines import bands, design, ridge, spline_basis
 from symhyb.errors import InputError, Problem
 from symhyb.model.expression import parse_expression, readings
 from symhyb.model.types import Energy, Model, Sensor
-from symhyb.numeric.buffers import Array, later
+from symhyb.numeric.buffers import Array, call, later
 from symhyb.numeric.machine import Machine, build
 from symhyb.numeric.vector import along
 
-DEGREE = 5
 SPACINGS = (1.3, 1.6, 2, 3, 4, 6, 8, 11, 16, 23, 32, 45, 64, 91, 128)  # samples between two knots
+GUIDE_FIRST = 0.01  # of what acts: the force that a model may lack at first, where it must guide
+GUIDE_LEAST, GUIDE_MOST = 0.02, 0.5  # of what acts, afterwards
+GUIDE_ROUNDS = 3
+GUIDE_KNOTS = 4  # samples
 WORSE_MOST = 3  # spacings in a row that are worse than the best: stop
 
 
@@ -33,7 +37,8 @@ WORSE_MOST = 3  # spacings in a row that are worse than the best: stop
 class Motion:
     """Smoothed motion of one recording, SI: ``q``, ``v``, ``a`` (N, n) and one standard deviation
     of each in ``q_sd``, ``v_sd``, ``a_sd`` (n,); ``sd`` (m,) is the measured noise of the sensors
-    (NaN for a sensor without samples), ``spacing_s`` the distance of the knots in s."""
+    (NaN for a sensor without samples), ``spacing_s`` the distance of the knots in s, ``blind`` the
+    coordinates whose place no sensor shows and the model had to tell."""
 
     t: Array
     q: Array
@@ -44,6 +49,7 @@ class Motion:
     a_sd: Array
     sd: Array
     spacing_s: float
+    blind: tuple[str, ...] = ()
 
     def periods(self) -> Array:
         """Typical period 2π·RMS(q')/RMS(q'') of each coordinate that moves, s; at most the length
@@ -112,7 +118,7 @@ def motion_of(recording: Recording, machine: Machine) -> Motion:
     Sensors of forces say nothing about it: they show what the model may lack.
 
     Raises:
-        InputError: too few samples, or a coordinate that no sensor of this recording sees.
+        InputError: too few samples, or none of any sensor of motion.
     """
     watching, shown = _watching(machine.model, recording)
     if watching is machine.model:
@@ -158,11 +164,14 @@ def _shows_force(sensor: Sensor) -> bool:
 
 def _smoothed(recording: Recording, machine: Machine) -> Motion:
     y, u = measured(recording, machine), acting(recording, machine)
-    t = recording.t
-    _require_seen(recording, machine, y, u)
+    t, step = recording.t, float(np.median(np.diff(recording.t)))
+    blind = _unplaced(recording, machine, y, u)
     sd = np.array([noise_level(column) for column in y.T])
-    weights = _weights(y, sd)
-    step = float(np.median(np.diff(t)))
+    weights, watched = _weights(y, sd), len(sd)
+    if blind:
+        guide = _guide(machine, t, u, y, weights, step)
+        y = np.concatenate([y, np.zeros((t.size, guide.size))], axis=1)
+        weights = np.concatenate([weights, guide])
     fits: list[_Fit] = []
     for spacing in SPACINGS:
         if t.size < 4 * spacing or not np.isfinite(sd).any():
@@ -178,30 +187,59 @@ def _smoothed(recording: Recording, machine: Machine) -> Motion:
     q, v, a = (np.column_stack([b @ c for c in fit.coefficients]) for b in fit.basis)
     q_sd, v_sd, a_sd = (_spread(order, fit, narrower) for order in range(3))
     lost = machine.n * fit.basis[0].shape[1] / max(int(np.isfinite(fit.residual).sum()), 1)
-    spread = np.array([_rms(column) for column in fit.residual.T]) / np.sqrt(1 - lost)
-    return Motion(t, q, v, a, q_sd, v_sd, a_sd, spread, fit.spacing)
+    shown = fit.residual[:, :watched].T
+    spread = np.array([_rms(column) for column in shown]) / np.sqrt(1 - lost)
+    return Motion(t, q, v, a, q_sd, v_sd, a_sd, spread, fit.spacing, blind)
 
 
-def _require_seen(recording: Recording, machine: Machine, y: Array, u: Array) -> None:
-    """Refuse a recording in which a coordinate is seen by no sensor that has samples."""
+def _unplaced(recording: Recording, machine: Machine, y: Array, u: Array) -> tuple[str, ...]:
+    """The coordinates whose place no sensor of the recording shows."""
     coordinates = machine.model.coordinates
     start = np.array([c.start * c.unit.factor for c in coordinates])
     rows = start + 1e-3 * np.arange(1, recording.t.size + 1)[:, None]  # away from special places
     _, slopes = _sense(machine, rows, rows, rows, u, recording.t)
     recorded = np.isfinite(y).any(axis=0)
-    seen = sum(np.abs(slope[:, recorded]).sum(axis=(0, 1)) for slope in slopes)
-    problems = [
-        Problem(
-            f"no sensor in this recording sees it; this version needs one for every coordinate "
-            f"(position, speed or acceleration of {c.name})",
-            f"coordinates.{c.name}",
-            recording.name,
-        )
-        for c, power in zip(coordinates, np.atleast_1d(seen), strict=True)
-        if not power > 0
-    ]
-    if problems:
-        raise InputError(problems)
+    if not recorded.any():
+        text = "none of the model's sensors of motion has samples here"
+        raise InputError(Problem(text, "sensors", recording.name))
+    power = np.atleast_1d(np.abs(slopes[0][:, recorded]).sum(axis=(0, 1)))
+    return tuple(c.name for c, seen in zip(coordinates, power, strict=True) if not seen > 0)
+
+
+def _guide(machine: Machine, t: Array, u: Array, y: Array, weights: Array, step: float) -> Array:
+    """How much the model counts where sensors do not show a place: 1/sd (f,) of the force that it
+    may lack on each free coordinate, SI.
+
+    First the model rules; then it may lack what is left over, between 2 % and half of what acts or
+    of what the seen accelerations take.
+    """
+    free = list(machine.free)
+    start = np.array([c.start * c.unit.factor for c in machine.model.coordinates])
+    still = np.tile(start, (t.size, 1))
+    rest = np.zeros_like(still)
+    guided = np.concatenate([y, np.zeros((t.size, len(free)))], axis=1)
+    acts = _forces(machine, still, rest, u, t)[:, free]
+    (mass,) = call(machine.M, (start, float(t[0]), machine.values))
+    plain = _fit(machine, t, u, y, weights, GUIDE_KNOTS * step)
+    pulls = np.array([np.std(plain.basis[2] @ c) for c in plain.coefficients]) * np.diag(mass)
+    moved = np.maximum(pulls[free], 1e-3 * np.diag(mass)[free])
+    size = np.maximum(np.sqrt(np.mean(acts**2, axis=0)), moved)
+    lacks = GUIDE_FIRST * size
+    for _ in range(GUIDE_ROUNDS):
+        fit = _fit(machine, t, u, guided, np.concatenate([weights, 1 / lacks]), GUIDE_KNOTS * step)
+        q, v = (np.column_stack([b @ c for c in fit.coefficients]) for b in fit.basis[:2])
+        acts = _forces(machine, q, v, u, t)[:, free]
+        size = np.maximum(np.sqrt(np.mean(acts**2, axis=0)), pulls[free])
+        left = np.sqrt(np.mean(fit.residual[:, y.shape[1] :] ** 2, axis=0))
+        lacks = np.maximum(np.clip(left, GUIDE_LEAST * size, GUIDE_MOST * size), 1e-12)
+    return np.asarray(1 / lacks)
+
+
+def _forces(machine: Machine, q: Array, v: Array, u: Array, t: Array) -> Array:
+    """k_e (N, n) along a motion, inner states at rest."""
+    z = np.zeros((t.size, machine.inner_states))
+    (force,) = along(machine.k_e, (q, v, z, u, t, machine.values), (5,), t.size)
+    return force
 
 
 @dataclass(frozen=True, slots=True)
@@ -236,51 +274,32 @@ def _fit(machine: Machine, t: Array, u: Array, y: Array, weights: Array, spacing
     n, size = machine.n, basis[0].shape[1]
     starts = [c.start * c.unit.factor for c in machine.model.coordinates]
     coefficients = np.repeat(np.array(starts)[:, None], size, axis=1)
-    used = np.isfinite(y)
+    used, guided = np.isfinite(y), y.shape[1] > len(machine.model.sensors)
     residual = np.full(y.shape, np.nan)
     normal = sparse.csc_array((n * size, n * size))
     for _ in range(12):
         q, v, a = (np.column_stack([b @ c for c in coefficients]) for b in basis)
-        predicted, slopes = _sense(machine, q, v, a, u, t)
+        predicted, slopes = _sense(machine, q, v, a, u, t, guided)
         residual = np.where(used, y - predicted, np.nan)
-        design = _design(basis, slopes, used, weights)
+        rows = design(basis, slopes, used, weights)
         target = (residual * weights).T[used.T]
-        normal = (design.T @ design).tocsc()
-        normal = normal + _ridge(normal)
-        change = splu(normal).solve(design.T @ target).reshape(n, size)
+        normal = (rows.T @ rows).tocsc()
+        normal = normal + ridge(normal)
+        change = splu(normal).solve(rows.T @ target).reshape(n, size)
         coefficients = coefficients + change
         moved = np.abs(basis[0] @ change.T).max() / max(np.abs(q).max(), 1e-300)
         if moved < 1e-9:
             break
     q, v, a = (np.column_stack([b @ c for c in coefficients]) for b in basis)
-    residual = np.where(used, y - _sense(machine, q, v, a, u, t)[0], np.nan)
+    residual = np.where(used, y - _sense(machine, q, v, a, u, t, guided)[0], np.nan)
     count = int(used.sum())
     cost = float(np.nansum((residual * weights) ** 2))
     free = max(count - n * size, 1)
     criterion = count * np.log(max(cost, 1e-300) / count) + n * size * np.log(count)
     if free < 0.15 * count:
         criterion = np.inf
-    bands = _bands(basis, normal, n)
-    return _Fit(list(coefficients), basis, residual, cost / free, bands, criterion, spacing)
-
-
-def spline_basis(t: Array, spacing: float) -> tuple[sparse.csr_array, ...]:
-    """Sparse (N, B) matrices of the values, first and second derivatives of quintic B-splines at
-    ``t`` (N,), with knots about ``spacing`` apart, s."""
-    pieces = max(round((t[-1] - t[0]) / spacing), 1)
-    inner = np.linspace(t[0], t[-1], pieces + 1)
-    knots = np.concatenate([np.full(DEGREE, t[0]), inner, np.full(DEGREE, t[-1])])
-    result = [sparse.csr_array(BSpline.design_matrix(t, knots, DEGREE))]
-    lowered = sparse.eye_array(knots.size - DEGREE - 1, format="csr")
-    for degree in (DEGREE, DEGREE - 1):
-        # c'_i = degree (c_{i+1} − c_i) / (τ_{i+degree+1} − τ_{i+1})
-        rise = degree / (knots[degree + 1 : -1] - knots[1 : -degree - 1])
-        count = rise.size
-        differ = sparse.diags_array([-rise, rise], offsets=[0, 1], shape=(count, count + 1))
-        lowered = sparse.csr_array(differ @ lowered)
-        knots = knots[1:-1]
-        result.append(sparse.csr_array(BSpline.design_matrix(t, knots, degree - 1) @ lowered))
-    return tuple(result)
+    spreads = bands(basis, normal, n)
+    return _Fit(list(coefficients), basis, residual, cost / free, spreads, criterion, spacing)
 
 
 def _weights(y: Array, sd: Array) -> Array:
@@ -292,63 +311,24 @@ def _weights(y: Array, sd: Array) -> Array:
 
 
 def _sense(
-    machine: Machine, q: Array, v: Array, a: Array, u: Array, t: Array
+    machine: Machine, q: Array, v: Array, a: Array, u: Array, t: Array, guided: bool = False
 ) -> tuple[Array, tuple[Array, ...]]:
+    """Sensors (N, m) and their slopes by q, v and a (N, m, n); ``guided``, also the force that the
+    model lacks on the free coordinates."""
     total, m, n = t.size, len(machine.model.sensors), machine.n
     z = np.zeros((total, machine.inner_states))
     arguments = (q, v, a, z, u, t, machine.values)
     (y,) = along(machine.outputs, arguments, (6,), total)
     slopes = along(machine.output_slopes, arguments, (6,), total)
     shaped = tuple(s.reshape(total, n, m).transpose(0, 2, 1) for s in slopes)
-    return y.reshape(total, m), shaped
-
-
-def _design(
-    basis: Sequence[sparse.csr_array],
-    slopes: Sequence[Array],
-    used: NDArray[np.bool_],
-    weights: Array,
-) -> sparse.csr_array:
-    rows = []
-    for j in range(used.shape[1]):
-        keep = np.flatnonzero(used[:, j])
-        if keep.size == 0:
-            continue
-        cells = []
-        for i in range(slopes[0].shape[2]):
-            cell = sum(
-                sparse.diags_array(slope[keep, j, i] * weights[j]) @ b[keep]
-                for slope, b in zip(slopes, basis, strict=True)
-            )
-            cells.append(cell)
-        rows.append(sparse.hstack(cells, format="csr"))
-    return sparse.csr_array(sparse.vstack(rows, format="csr"))
-
-
-def _ridge(normal: sparse.csc_array) -> sparse.csc_array:
-    """A hair of stiffness, so that what no sensor sees (the place, from an accelerometer alone)
-    stays at its start."""
-    return sparse.csc_array(sparse.diags_array(1e-9 + 1e-12 * normal.diagonal()))
-
-
-def _bands(
-    basis: Sequence[sparse.csr_array], normal: sparse.csc_array, n: int
-) -> tuple[Array, Array, Array]:
-    """Typical sd of q, v, a (n each) for unit noise, from rows in the middle of the record."""
-    total, size = basis[0].shape
-    rows = np.unique(np.linspace(total * 0.3, total * 0.7, 15).astype(int))
-    solver = splu(normal)
-    bands = []
-    for b in basis:
-        chosen = b[rows].toarray()
-        spread = np.empty(n)
-        for i in range(n):
-            right = np.zeros((n * size, rows.size))
-            right[i * size : (i + 1) * size] = chosen.T
-            variance = np.sum(right * solver.solve(right), axis=0)
-            spread[i] = np.sqrt(np.median(variance))
-        bands.append(spread)
-    return bands[0], bands[1], bands[2]
+    if not guided:
+        return y.reshape(total, m), shaped
+    free = list(machine.free)
+    (lacking,) = along(machine.discrepancy, arguments, (6,), total)
+    more = along(machine.discrepancy_slopes, arguments, (6,), total)
+    rows = [s.reshape(total, n, n).transpose(0, 2, 1)[:, free] for s in more]
+    joined = tuple(np.concatenate(pair, axis=1) for pair in zip(shaped, rows, strict=True))
+    return np.concatenate([y.reshape(total, m), lacking[:, free]], axis=1), joined
 
 
 def _rms(values: Array) -> float:

@@ -68,7 +68,7 @@ def compare(machine: Machine, recording: Recording) -> Discrepancy:
     }
     return Discrepancy(
         machine.model, recording.name, motion, force, force_band(machine, motion, course), applied,
-        noise, (*recording.notes, *noise_notes(machine.model, noise)),
+        noise, (*recording.notes, *blind_notes(motion), *noise_notes(machine.model, noise)),
     )  # fmt: skip
 
 
@@ -100,6 +100,15 @@ def force_band(machine: Machine, motion: Motion, course: Course) -> Array:
             change = discrepancy(machine, replace(course, **{name: moved}), machine.values) - base
             total += change**2
     return np.sqrt(total)
+
+
+def blind_notes(motion: Motion) -> tuple[str, ...]:
+    """Say which coordinates no sensor places, so that the model had to tell their motion."""
+    return tuple(
+        f"no sensor shows the place of {name}: its motion is estimated with the model, and what it "
+        "lacks shows on other coordinates too"
+        for name in motion.blind
+    )
 
 
 def noise_notes(model: Model, noise: Mapping[str, float]) -> tuple[str, ...]:

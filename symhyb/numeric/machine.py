@@ -45,6 +45,7 @@ class Machine:
         output_slopes: the arguments of outputs -> (m, n) ∂y/∂q, ∂y/∂v and ∂y/∂a.
         discrepancy: the arguments of outputs -> (n,) M a + k_c − k_e, what has to act
             besides k_e: ΔF of a measured motion, the reaction of an imposed coordinate.
+        discrepancy_slopes: the arguments of outputs -> (n, n) ∂/∂q, ∂/∂v and ∂/∂a of the same.
         weak: (q, v, z, u, t, p) -> (n,) momentum p and (n,) ∂T/∂q + k_e, so that ΔF = p' − the
             latter.
         energy: (q, v, z, t, p) -> T, V, (E,) stored in the elements.
@@ -67,6 +68,7 @@ class Machine:
     sensed: ca.Function
     output_slopes: ca.Function
     discrepancy: ca.Function
+    discrepancy_slopes: ca.Function
     weak: ca.Function
     energy: ca.Function
     elements: ca.Function
@@ -178,6 +180,9 @@ def _lowered(model: Model) -> dict[str, ca.Function]:
             "output_slopes", moving, [ca.densify(ca.jacobian(outputs, by)) for by in (q, v, a)]
         ),
         "discrepancy": function("discrepancy", moving, [rest]),
+        "discrepancy_slopes": function(
+            "discrepancy_slopes", moving, [ca.jacobian(rest, by) for by in (q, v, a)]
+        ),
         "weak": function(
             "weak", here,
             [ca.densify(momentum), ca.densify(ca.gradient(low.kinetic, q) + k_e)],

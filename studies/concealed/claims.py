@@ -1,0 +1,212 @@
+"""What was concealed against what was claimed: hits, twins, misses, wrong claims.
+
+A concealed cause is a *hit* if it, or an exact twin of it, was named: place, kind, and (complete)
+every number that gives the force its shape. What the noise of the recording cannot tell from it is
+a hit too where it is named as an alternative. Every other claim is wrong.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+SHAPING = ("length", "transition")  # keys that no one has to find
+StandIns = dict[tuple[str, str], bool]  # where and kind: whether exactly the same
+
+
+@dataclass(frozen=True, slots=True)
+class Claim:
+    """One cause, concealed or claimed: ``where`` is a place, ``parameter k`` or a channel."""
+
+    where: str
+    kind: str
+    values: dict[str, tuple[float, float]] = field(default_factory=dict)  # term: value, sd
+    side: str = ""
+
+    @property
+    def cause(self) -> tuple[str, str, str]:
+        """What has to agree for a name."""
+        return self.where, self.kind, self.side
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """The score of one case: of ``wanted`` causes how many places and names were hit, by how many
+    twins; ``structure``: all of them with all their numbers and nothing else; of ``counted`` values
+    how many are within ± 2 sd; ``error``: unseen window error over that of the true model."""
+
+    case: str
+    kind: str
+    noise: float
+    coordinates: int
+    wanted: int
+    share: float | None
+    seconds: float
+    verdict: str = ""
+    place: int = 0
+    name: int = 0
+    structure: bool = False
+    twins: int = 0
+    wrong: tuple[str, ...] = ()
+    missed: tuple[str, ...] = ()
+    covered: int = 0
+    counted: int = 0
+    error: float | None = None
+    failed: str = ""
+
+    @property
+    def refused(self) -> bool:
+        """Whether nothing was claimed at all."""
+        return not self.wrong and self.name == 0
+
+
+def concealed(answer: dict[str, Any]) -> list[Claim]:
+    """The causes of a case in the order of the oracle's targets."""
+    claims = [
+        Claim(e["place"], e["kind"], {k: (v, 0.0) for k, v in e["keys"].items()},
+              e["side"] if e["kind"] == "gap" else "")
+        for e in answer["effects"]
+    ]  # fmt: skip
+    claims += [
+        Claim(f"parameter {name}", "parameter", {"value": (value, 0.0)})
+        for name, value in answer["parameters"].items()
+    ]
+    claims += [
+        Claim(f["channel"], f["kind"], {"value": (f["value"], 0.0)}) for f in answer["faults"]
+    ]
+    return claims
+
+
+def claimed(told: dict[str, Any]) -> list[Claim]:
+    """What a diagnosis claims: forces, parameters, channels."""
+    claims = []
+    for found in told["found"]:
+        values = {p["term"]: (p["value"], p["sd"]) for p in found["parameters"].values()}
+        side = found.get("options", {}).get("side", "both") if found["kind"] == "gap" else ""
+        claims.append(Claim(_place(found["place"]), found["kind"], values, side))
+    for one in told["parameters"]:
+        value = {"value": (one["value"], one["sd"])}
+        claims.append(Claim(f"parameter {one['name']}", "parameter", value))
+    for one in told["measurement"]:
+        claims.append(Claim(one["channel"], one["kind"], {"value": (one["value"], one["sd"])}))
+    return claims
+
+
+def alternatives(told: dict[str, Any]) -> list[tuple[str, str]]:
+    """Where and kind of what a diagnosis cannot rule out."""
+    found = []
+    for one in told["alternatives"]:
+        if "place" in one:
+            found.append((_place(one["place"]), one["kind"]))
+        elif "channel" in one:
+            found.append((one["channel"], one["kind"]))
+        else:
+            found.append((f"parameter {one.get('parameter')}", "parameter"))
+    return found
+
+
+def _place(place: dict[str, Any]) -> str:
+    (where,) = place.values()
+    return where if isinstance(where, str) else "-".join(where)
+
+
+def _rival(instead: dict[str, str]) -> tuple[str, str]:
+    if "parameter" in instead:
+        return f"parameter {instead['parameter']}", "parameter"
+    return instead.get("place", instead.get("channel", "")), instead["kind"]
+
+
+def _stand_ins(answer: dict[str, Any], truth: Sequence[Claim]) -> list[StandIns]:
+    """For every concealed cause: what shows the same, and whether exactly (a twin) or within the
+    noise."""
+    first, rows = 0, []
+    for claim in truth:
+        rows.append(range(first, first + len(claim.values)))
+        first += len(claim.values)
+    return [
+        {
+            _rival(rival["instead"]): rival["apart"] < 1e-6
+            for rival in answer["rivals"] if rival["of"] in mine
+        }
+        for mine in rows
+    ]  # fmt: skip
+
+
+def score_case(name: str, result: dict[str, Any], answer: dict[str, Any], n: int) -> Row:
+    """Compare what was said with what was concealed."""
+    truth = concealed(answer)
+    told = result.get("diagnosis")
+    shares = [effect["share"] for effect in answer["effects"]]
+    row = Row(
+        name, answer["kind"], answer["noise"], n, len(truth), min(shares) if shares else None,
+        result["seconds"],
+    )  # fmt: skip
+    if told is None:
+        return replace(
+            row, verdict="crash" if "crash" in result else "refused", structure=not truth,
+            missed=tuple(map(_words, truth)),
+            failed=result.get("sentence") or result.get("crash", ""),
+        )  # fmt: skip
+    rest, whole = claimed(told), True
+    pairs = list(zip(truth, _stand_ins(answer, truth), strict=True))
+    row = replace(row, verdict=told["verdict"], place=_placed(pairs, rest))
+    for claim, stand_ins in pairs:
+        same = next((c for c in rest if c.cause == claim.cause), None)
+        twin = next((c for c in rest if _stands(c, claim, stand_ins, alternatives(told))), None)
+        if same is not None:
+            rest.remove(same)
+            row, whole = _valued(row, claim, same), whole and _complete(claim, same)
+        elif twin is not None:
+            rest.remove(twin)
+            row = replace(row, name=row.name + 1, twins=row.twins + 1)
+        else:
+            row, whole = replace(row, missed=(*row.missed, _words(claim))), False
+    return replace(row, structure=whole and not rest, wrong=tuple(map(_words, rest)))
+
+
+def _placed(pairs: Sequence[tuple[Claim, StandIns]], said: Sequence[Claim]) -> int:
+    """How many concealed causes have a claim at their place, or one that stands for them."""
+    return sum(
+        any(c.where == claim.where or (c.where, c.kind) in stand_ins for c in said)
+        for claim, stand_ins in pairs
+    )
+
+
+def _valued(row: Row, truth: Claim, found: Claim) -> Row:
+    """The row with one more named cause, and how many of its values the ± 2 sd cover."""
+    keys = [key for key in truth.values if key in found.values]
+    inside = sum(
+        _off(key, truth.values[key][0], found.values[key][0]) <= 2 * found.values[key][1]
+        for key in keys
+    )
+    counted = row.counted + len(keys)
+    return replace(row, name=row.name + 1, counted=counted, covered=row.covered + inside)
+
+
+def _off(key: str, truth: float, value: float) -> float:
+    """The difference; an angle of phase counts modulo a turn."""
+    if key == "phase":
+        return abs(float(np.angle(np.exp(1j * (value - truth)))))
+    return abs(value - truth)
+
+
+def _stands(claim: Claim, truth: Claim, stand_ins: StandIns, spare: Iterable[Any]) -> bool:
+    """Whether a claim may stand for the truth: an exact twin, or one within the noise that names
+    the truth among its alternatives."""
+    exact = stand_ins.get((claim.where, claim.kind))
+    if exact is None:
+        return False
+    return exact or (truth.where, truth.kind) in spare
+
+
+def _complete(truth: Claim, found: Claim) -> bool:
+    wanted = {key for key in truth.values if key not in SHAPING}
+    fitted = {key for key in found.values if key not in SHAPING}
+    return wanted == fitted or (wanted < fitted and fitted - wanted <= {"transition", "stribeck"})
+
+
+def _words(claim: Claim) -> str:
+    keys = ",".join(sorted(k for k in claim.values if k not in SHAPING))
+    values = ",".join(f"{v[0]:.4g}" for v in claim.values.values())
+    return f"{claim.kind}{'.' + claim.side if claim.side else ''}({keys}={values}) @ {claim.where}"

@@ -1,0 +1,72 @@
+"""What every seed asks for: the system, what is concealed, noise and sensing, before any draw.
+
+Odd seeds conceal nothing; systems take turns.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from chains import FOUR_MASSES, QUARTER_CAR, ROTOR, SIX_MASSES, THREE_MASSES, TWO_MASSES
+from effects import DULL, FORCES, NULLS
+from systems import (
+    CARTPOLE,
+    DOUBLE_PENDULUM,
+    DUFFING,
+    OSCILLATOR,
+    PENDULUM,
+    RIG,
+    SLED,
+    TABLE,
+    TWO_INERTIAS,
+    VOLTS,
+    System,
+)
+
+SYSTEMS = (
+    OSCILLATOR, DUFFING, VOLTS, PENDULUM, SLED, RIG, CARTPOLE, DOUBLE_PENDULUM, TWO_INERTIAS, TABLE,
+    QUARTER_CAR, TWO_MASSES, THREE_MASSES, ROTOR, FOUR_MASSES, SIX_MASSES,
+)  # fmt: skip
+NOISES = (0.001, 0.005, 0.01, 0.02, 0.05, 0.1)
+NOISE_WEIGHTS = (0.1, 0.15, 0.4, 0.1, 0.15, 0.1)
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """What a seed asks for, before anything is simulated."""
+
+    seed: int
+    system: System
+    kind: str  # one of FORCES, DULL, NULLS, "two", "mixed"
+    noise: float
+    complete: bool  # rates are sensed too
+    masked: bool
+
+
+def plan_of(seed: int) -> Plan:
+    """The plan of a seed: odd seeds conceal nothing, systems take turns."""
+    random = np.random.default_rng([seed, 1])
+    system = SYSTEMS[(seed // 2) % len(SYSTEMS)]
+    if seed % 2:
+        kind = str(random.choice(NULLS))
+    else:
+        sort = random.choice(["force", "dull", "two", "mixed"], p=[0.62, 0.16, 0.15, 0.07])
+        kinds = {"force": FORCES, "dull": DULL}.get(sort, (sort,))
+        kind = str(random.choice(kinds))
+    noise = float(random.choice(NOISES, p=NOISE_WEIGHTS))
+    complete, masked = bool(random.random() < 0.4), bool(random.random() < 0.25)
+    return Plan(seed, system, kind, noise, complete, masked)
+
+
+def folder_of(seed: int, build: Path) -> Path:
+    """Where the case of a seed lies; the name does not tell the answer."""
+    return build / f"{seed:05d}-{SYSTEMS[(seed // 2) % len(SYSTEMS)].name}"
+
+
+def seeds_of(text: str) -> list[int]:
+    """``0-9,20`` as numbers, both ends included."""
+    found: list[int] = []
+    for part in text.split(","):
+        first, _, last = part.partition("-")
+        found.extend(range(int(first), int(last or first) + 1))
+    return found

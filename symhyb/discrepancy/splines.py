@@ -1,0 +1,85 @@
+"""Quintic splines for least squares: their values and derivatives, and the rows of sensors on them.
+
+Sizes: N samples, n coordinates, m sensors, B coefficients a coordinate.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+from scipy.interpolate import BSpline
+from scipy.sparse.linalg import splu
+
+from symhyb.numeric.buffers import Array
+
+DEGREE = 5
+
+
+def spline_basis(t: Array, spacing: float) -> tuple[sparse.csr_array, ...]:
+    """Sparse (N, B) matrices of the values, first and second derivatives of quintic B-splines at
+    ``t`` (N,), with knots about ``spacing`` apart, s."""
+    pieces = max(round((t[-1] - t[0]) / spacing), 1)
+    inner = np.linspace(t[0], t[-1], pieces + 1)
+    knots = np.concatenate([np.full(DEGREE, t[0]), inner, np.full(DEGREE, t[-1])])
+    result = [sparse.csr_array(BSpline.design_matrix(t, knots, DEGREE))]
+    lowered = sparse.eye_array(knots.size - DEGREE - 1, format="csr")
+    for degree in (DEGREE, DEGREE - 1):
+        # c'_i = degree (c_{i+1} − c_i) / (τ_{i+degree+1} − τ_{i+1})
+        rise = degree / (knots[degree + 1 : -1] - knots[1 : -degree - 1])
+        count = rise.size
+        differ = sparse.diags_array([-rise, rise], offsets=[0, 1], shape=(count, count + 1))
+        lowered = sparse.csr_array(differ @ lowered)
+        knots = knots[1:-1]
+        result.append(sparse.csr_array(BSpline.design_matrix(t, knots, degree - 1) @ lowered))
+    return tuple(result)
+
+
+def design(
+    basis: Sequence[sparse.csr_array],
+    slopes: Sequence[Array],
+    used: NDArray[np.bool_],
+    weights: Array,
+) -> sparse.csr_array:
+    """Rows of the measurements that are ``used`` (N, m), by their ``slopes`` (N, m, n) by q, v and
+    a, times ``weights`` (m,), one over the sensor's unit."""
+    rows = []
+    for j in range(used.shape[1]):
+        keep = np.flatnonzero(used[:, j])
+        if keep.size == 0:
+            continue
+        cells = []
+        for i in range(slopes[0].shape[2]):
+            cell = sum(
+                sparse.diags_array(slope[keep, j, i] * weights[j]) @ b[keep]
+                for slope, b in zip(slopes, basis, strict=True)
+            )
+            cells.append(cell)
+        rows.append(sparse.hstack(cells, format="csr"))
+    return sparse.csr_array(sparse.vstack(rows, format="csr"))
+
+
+def ridge(normal: sparse.csc_array) -> sparse.csc_array:
+    """A hair of stiffness, so that what no sensor sees (the place, from an accelerometer alone)
+    stays at its start."""
+    return sparse.csc_array(sparse.diags_array(1e-9 + 1e-12 * normal.diagonal()))
+
+
+def bands(
+    basis: Sequence[sparse.csr_array], normal: sparse.csc_array, n: int
+) -> tuple[Array, Array, Array]:
+    """Typical sd of q, v, a (n,) each for unit noise, SI, from rows in the middle of the record."""
+    total, size = basis[0].shape
+    rows = np.unique(np.linspace(total * 0.3, total * 0.7, 15).astype(int))
+    solver = splu(normal)
+    bands = []
+    for b in basis:
+        chosen = b[rows].toarray()
+        spread = np.empty(n)
+        for i in range(n):
+            right = np.zeros((n * size, rows.size))
+            right[i * size : (i + 1) * size] = chosen.T
+            variance = np.sum(right * solver.solve(right), axis=0)
+            spread[i] = np.sqrt(np.median(variance))
+        bands.append(spread)
+    return bands[0], bands[1], bands[2]

@@ -1,0 +1,223 @@
+"""The bench of concealed effects: its generators are right, its oracle is, its scores are."""
+
+import sys
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import symhyb as sh
+from symhyb.model.read import parse_model
+from symhyb.numeric.buffers import call
+
+FOLDER = Path(__file__).parents[1] / "studies" / "concealed"
+NAMES = (
+    "laws", "systems", "chains", "plant", "hidden", "oracle", "effects", "plans", "conceal",
+    "truth", "claims", "draw", "score", "run",
+)  # fmt: skip
+Study = Mapping[str, ModuleType]
+
+FORCES: dict[str, dict[str, float]] = {
+    "spring": {"stiffness": 3.0, "quadratic": 2.0, "cubic": -1.5},
+    "damper": {"damping": 0.7, "asymmetry": 0.4},
+    "drag": {"drag": 0.9},
+    "friction": {"coulomb": 0.3, "static": 0.5, "stribeck": 0.2},
+    "gap": {"stiffness": 40.0, "clearance": 0.05},
+    "constant": {"constant": 0.6},
+    "harmonic": {"amplitude": 0.4, "frequency": 1.3, "phase": 0.5},
+    "ripple": {"amplitude": 0.4, "period": 0.08, "phase": -0.5},
+    "added_mass": {"mass": 0.2},
+}
+
+
+@pytest.fixture(scope="module")
+def study() -> Iterator[Study]:
+    """The modules of the bench, which are scripts beside each other."""
+    sys.path.insert(0, str(FOLDER))
+    try:
+        yield {name: __import__(name) for name in NAMES}
+    finally:
+        sys.path.remove(str(FOLDER))
+        for name in NAMES:
+            sys.modules.pop(name, None)
+
+
+def still(study: Study, k: int) -> Any:
+    """An excitation of nothing."""
+    return study["plant"].Signal(np.zeros((k, 1)), np.ones(1), np.zeros((k, 1)))
+
+
+def accelerations(
+    study: Study, system: Any, effects: tuple[Any, ...], random: np.random.Generator
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """q'' by the equations of the generator and by the model file with the truth in it."""
+    hidden = study["hidden"].Hidden(effects)
+    k = max(len(system.inputs), 1)
+    u = random.normal(size=k)
+    signal = study["plant"].Signal(u[:, None], np.zeros(1), np.full((k, 1), np.pi / 2))
+    plant = study["hidden"].plant_of(system, hidden, signal)
+    q, v = 0.2 * random.normal(size=(2, system.n))
+    y = np.concatenate([q, v, np.zeros(len(plant.memory))])
+    rates = [float(plant.system.path(plant.values, q, e.place)[1] @ v) for e in plant.rubbing]
+    modes = tuple(int(np.sign(r)) for r in rates)
+    theirs = study["plant"].accelerate(plant, 0.37, y, modes)[0]
+    names = study["hidden"].channels(system, False)
+    text = study["truth"].truth_text(study["draw"].model_text(system, names), hidden)
+    machine = sh.build(parse_model(text), keep=False)
+    given = plant.recorded(0.37, q, v) if system.inputs else np.empty(0)
+    z = np.zeros(len(plant.memory))
+    arguments = (q, v, z, given, 0.37, machine.values, np.zeros(system.n), np.empty(0))
+    (ours,) = call(machine.acceleration, arguments)
+    return theirs, ours.ravel()
+
+
+def test_every_system_obeys_the_equations_of_its_model_file(study: Study) -> None:
+    random = np.random.default_rng(1)
+    for system in study["plans"].SYSTEMS:
+        if not system.imposed:
+            theirs, ours = accelerations(study, system, (), random)
+            assert theirs == pytest.approx(ours, rel=1e-9, abs=1e-9), system.name
+
+
+@pytest.mark.parametrize("kind", FORCES)
+def test_a_concealed_law_is_that_of_the_vocabulary(study: Study, kind: str) -> None:
+    random = np.random.default_rng(2)
+    plans, effect = study["plans"], study["laws"].Effect
+    for system, place in (
+        (plans.CARTPOLE, "s"), (plans.CARTPOLE, "post-tip"), (plans.THREE_MASSES, "p2-p3")
+    ):  # fmt: skip
+        theirs, ours = accelerations(study, system, (effect(kind, place, FORCES[kind]),), random)
+        assert theirs == pytest.approx(ours, rel=1e-6), (system.name, place)
+
+
+def test_dry_friction_stops_where_the_closed_form_says(study: Study) -> None:
+    """A mass that slides against friction alone stops after v²m/(2F), and then holds."""
+    plant, systems = study["plant"], study["systems"]
+    sled = systems.SLED
+    drive = systems.Drive((0.1, 1.0), 1.0)
+    sled = systems.System("sled", ("x",), sled.mass, sled.forces, drive)
+    effect = study["laws"].Effect("friction", "x", {"coulomb": 19.0})
+    machine = plant.Plant(sled, {"m": 95.0}, (effect,), still(study, 1), np.ones(1), np.zeros(1))
+    motion = plant.simulate(machine, np.arange(0, 10, 0.01), np.array([0.0, 1.0]))
+    assert motion.q[0, -1] == pytest.approx(95.0 / (2 * 19.0), rel=1e-9)
+    assert abs(motion.v[0, -1]) < 1e-12
+    assert motion.sticks == pytest.approx((10 - 4.75) / 10, abs=0.01)
+
+
+def test_a_stuck_mass_is_released_where_the_force_reaches_its_static_level(study: Study) -> None:
+    """The input grows like a slow sine: at 2 N the mass lets go."""
+    plant, systems = study["plant"], study["systems"]
+    signal = plant.Signal(np.array([[4.0]]), np.array([0.02]), np.zeros((1, 1)))
+    keys = {"coulomb": 1.0, "static": 2.0, "stribeck": 0.05}
+    effect = study["laws"].Effect("friction", "x", keys)
+    values = systems.OSCILLATOR.values()
+    machine = plant.Plant(systems.OSCILLATOR, values, (effect,), signal, np.ones(1), np.zeros(1))
+    t = np.arange(0, 8, 0.001)
+    motion = plant.simulate(machine, t, np.zeros(2))
+    release = np.arcsin(0.5) / (2 * np.pi * 0.02)
+    assert t[np.flatnonzero(np.abs(motion.v[0]) > 1e-9)[0]] == pytest.approx(release, abs=0.003)
+
+
+def test_the_oracle_knows_the_deviation_of_a_linear_regression(study: Study) -> None:
+    """On the rig the cell is linear in a constant force: its sd is σ/√N."""
+    plans, oracle, hidden = study["plans"], study["oracle"], study["hidden"]
+    effect = study["laws"].Effect("constant", "x", {"constant": 2.0})
+    concealed = hidden.Hidden((effect,))
+    t = np.arange(1000) / 200
+    plant = hidden.plant_of(plans.RIG, concealed, still(study, 1))
+    motion = study["plant"].simulate(plant, t, np.empty(0))
+    run = oracle.Run(
+        plans.RIG, concealed, plant, motion, np.empty((0, 1000)), ("cell",), np.array([0.5])
+    )
+    sd = oracle.deviations(run, oracle.look(run))
+    assert sd == pytest.approx([0.5 / np.sqrt(1000) / 2.0], rel=1e-6)
+
+
+def test_a_constant_force_has_the_offset_of_the_input_as_its_twin(study: Study) -> None:
+    draw, plans = study["conceal"], study["plans"]
+    case = next(
+        case
+        for seed in range(0, 4000, 32)
+        if plans.plan_of(seed).kind in ("constant", "offset.input")
+        and not isinstance(case := draw.draw(seed), int)
+    )
+    twins = [rival["instead"] for rival in case.rivals if rival["apart"] < 1e-6]
+    assert {"channel": "f", "kind": "offset"} in twins or {
+        "place": "x",
+        "kind": "constant",
+    } in twins
+
+
+def test_a_seal_hides_and_opens(study: Study, tmp_path: Path) -> None:
+    draw = study["draw"]
+    folder = draw.write(8, tmp_path)
+    assert folder is not None
+    answer = draw.unseal(folder / "sealed.json")
+    assert answer["verdict"] == "missing physics"
+    kind = answer["effects"][0]["kind"]
+    assert kind not in (folder / "sealed.json").read_text()
+    true = study["score"].true_text(folder, answer)
+    assert f'kind = "{kind}"' in true
+    assert parse_model(true).elements[-1].kind == kind
+    again = draw.write(8, tmp_path / "again")
+    assert (again / "train.csv").read_bytes() == (folder / "train.csv").read_bytes()
+
+
+def answer_of(**changes: Any) -> dict[str, Any]:
+    effect = {"kind": "drag", "place": "x", "side": "both", "keys": {"drag": 0.8}, "share": 0.1}
+    plain = {
+        "kind": "drag", "noise": 0.01, "effects": [effect], "parameters": {}, "faults": [],
+        "rivals": [],
+    }  # fmt: skip
+    return {**plain, **changes}
+
+
+def told(kind: str, place: str, term: str, value: float, sd: float) -> dict[str, Any]:
+    parameters = {"b": {"value": value, "sd": sd, "unit": "1", "term": term}}
+    found = {"kind": kind, "place": {"on": place}, "parameters": parameters}
+    diagnosis = {
+        "verdict": "missing physics", "found": [found], "parameters": [], "measurement": [],
+        "alternatives": [],
+    }  # fmt: skip
+    return {"seconds": 1.0, "diagnosis": diagnosis}
+
+
+def test_scores_tell_hits_from_misses_twins_and_wrong_claims(study: Study) -> None:
+    score = study["claims"].score_case
+    hit = score("a", told("drag", "x", "drag", 0.81, 0.01), answer_of(), 1)
+    assert (hit.place, hit.name, hit.structure, hit.wrong) == (1, 1, True, ())
+    assert (hit.covered, hit.counted) == (1, 1)
+    wrong = score("a", told("damper", "x", "damping", 0.8, 0.01), answer_of(), 1)
+    assert (wrong.place, wrong.name, wrong.structure, len(wrong.wrong)) == (1, 0, False, 1)
+    elsewhere = score("a", told("drag", "y", "drag", 0.8, 0.01), answer_of(), 2)
+    assert (elsewhere.place, elsewhere.name) == (0, 0)
+    instead = {"place": "x", "kind": "damper"}
+    twin = answer_of(rivals=[{"of": 0, "instead": instead, "apart": 1e-9, "evidence": 0.0}])
+    assert score("a", told("damper", "x", "damping", 0.8, 0.01), twin, 1).structure
+    near = answer_of(rivals=[{"of": 0, "instead": instead, "apart": 1e-3, "evidence": 1.0}])
+    assert not score("a", told("damper", "x", "damping", 0.8, 0.01), near, 1).structure
+    nothing = score("a", told("drag", "x", "drag", 0.8, 0.01), answer_of(effects=[]), 1)
+    assert len(nothing.wrong) == 1
+    assert nothing.wanted == 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [8, 10, 9])
+def test_cases_are_diagnosed_and_scored(study: Study, tmp_path: Path, seed: int) -> None:
+    """Drag of a sled, ripple of a rig, and a sled with nothing concealed."""
+    (tmp_path / "results").mkdir()
+    study["run"].one(seed, tmp_path, tmp_path / "results")
+    options = study["run"].argparse.Namespace(
+        seeds=str(seed), output=tmp_path, results=tmp_path / "results", errors=True
+    )
+    rows, _, given_up = study["score"].read(options)
+    assert given_up == 0
+    assert rows[0].structure
+    assert not rows[0].wrong
+    if rows[0].wanted:
+        assert rows[0].error == pytest.approx(1.0, abs=0.1)
+    assert rows[0].case in study["score"].report(rows, 0, 0) or rows[0].structure
