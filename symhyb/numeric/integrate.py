@@ -198,6 +198,28 @@ def _integrate(
     return x[np.searchsorted(grid, t)], reason
 
 
+def solve_system(
+    form: StateForm, scenario: Scenario, right: ca.Function, start: Array, p: Array
+) -> tuple[Array, str]:
+    """Integrate any system y' = right(y, d, t, p) along the drive of a scenario by BDF.
+
+    Returns y (N, Y), of order 1 and dimensionless, at the output times, and why it ends early.
+    """
+    drive = _drive(form, scenario)
+    kind: Any = ca.MX if form.drive else ca.SX
+    y, t = kind.sym("y", start.size), kind.sym("t")
+    symbols = kind.sym("p", p.size)
+    d = _held(scenario.t_u, drive)(t) if form.drive else kind(0, 1)
+    rate = {"x": y, "t": t, "p": symbols, "ode": right(y, d, t, symbols)}
+    most = STEPS_LEAST + STEPS_TOGETHER // scenario.t.size
+    options = _options(scenario, drive, most, "bdf", RELATIVE_TOLERANCE)
+    rows = np.full((scenario.t.size, start.size), np.nan)
+    rows[0] = start
+    states, reason = _advance(rate, scenario.t, start, p, options)
+    rows[1 : 1 + len(states)] = states
+    return rows, reason
+
+
 def _advance(
     rate: dict[str, Any], grid: Array, start: Array, p: Array, options: Options
 ) -> tuple[Array, str]:
