@@ -33,7 +33,7 @@ def sensitivities(
     machine: Machine, scenario: Scenario, free: Sequence[int], p: Array | None = None
 ) -> Sensitivities:
     """Simulate with the slopes of the states by their start and by the parameters ``free``
-    (indices into p), at the output times of the scenario.
+    (F indices into ``p`` (P,), SI), at the output times of the scenario.
 
     Raises:
         ValueError: as :func:`symhyb.numeric.integrate.simulate`.
