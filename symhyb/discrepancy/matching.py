@@ -23,6 +23,7 @@ ITERATIONS = 15
 TRIAL_DECREASE = 1e-4
 TRIAL_ITERATIONS = 7  # a structure that needs more is not close
 DAMPING_MOST = 1e8
+SHARES = (1.0, 0.3, 0.0)  # of the step of a window's initial state: the best is taken
 HELD_ROUNDS = 2  # of steps for the initial states alone, when the parameters stand
 ROUNDS = 3  # of both
 SETTLED = 0.01  # of the cost: if settling takes more, the parameters move again
@@ -154,18 +155,18 @@ def _tried(
     starts: Sequence[Array],
     moved: Sequence[Array],
 ) -> tuple[float, list[Array]]:
-    """Cost and initial states after a step; a window that it would throw off stays where it is."""
+    """Cost and initial states after a step; a window that it would throw off takes a part of it or
+    stays where it is."""
     full = _filled(p, model.free, values)
     total, chosen = float(np.sum(((values - task.mean) / task.spread) ** 2)), []
     for item, start, move in zip(task.laid, starts, moved, strict=True):
         used = np.ones(len(start), bool) if task.everything else ~item.held
-        ahead, still = (
-            _squares(model, item, full, begin, task.sd) for begin in (start + move, start)
-        )
-        ahead, still = (np.where(np.isfinite(cost), cost, np.inf) for cost in (ahead, still))
-        goes = ahead <= still
-        chosen.append(np.where(goes[:, None], start + move, start))
-        total += float(np.sum(np.minimum(ahead, still)[used]))
+        begins = [start + share * move for share in SHARES]
+        costs = np.stack([_squares(model, item, full, begin, task.sd) for begin in begins])
+        costs = np.where(np.isfinite(costs), costs, np.inf)
+        best = np.argmin(costs, axis=0)
+        chosen.append(np.choose(best[:, None], begins))
+        total += float(np.sum(costs.min(axis=0)[used]))
     return (total if np.isfinite(total) else np.inf), chosen
 
 
