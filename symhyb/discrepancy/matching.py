@@ -23,7 +23,8 @@ ITERATIONS = 15
 TRIAL_DECREASE = 1e-4
 TRIAL_ITERATIONS = 7  # a structure that needs more is not close
 DAMPING_MOST = 1e8
-SHARES = (1.0, 0.3, 0.0)  # of the step of a window's initial state: the best is taken
+SHARES = (1.0, 0.0)  # of the step of a window's initial state: the best is taken
+SHARES_ALONE = (1.0, 0.3, 0.0)  # where no parameter moves with it
 HELD_ROUNDS = 2  # of steps for the initial states alone, when the parameters stand
 ROUNDS = 3  # of both
 SETTLED = 0.01  # of the cost: if settling takes more, the parameters move again
@@ -155,13 +156,13 @@ def _tried(
     starts: Sequence[Array],
     moved: Sequence[Array],
 ) -> tuple[float, list[Array]]:
-    """Cost and initial states after a step; a window that it would throw off takes a part of it or
-    stays where it is."""
+    """Cost and initial states after a step; a window that it would throw off stays where it is, or
+    takes a part of it."""
     full = _filled(p, model.free, values)
     total, chosen = float(np.sum(((values - task.mean) / task.spread) ** 2)), []
     for item, start, move in zip(task.laid, starts, moved, strict=True):
         used = np.ones(len(start), bool) if task.everything else ~item.held
-        begins = [start + share * move for share in SHARES]
+        begins = [start + share * move for share in (SHARES if values.size else SHARES_ALONE)]
         costs = np.stack([_squares(model, item, full, begin, task.sd) for begin in begins])
         costs = np.where(np.isfinite(costs), costs, np.inf)
         best = np.argmin(costs, axis=0)
