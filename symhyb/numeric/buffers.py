@@ -70,15 +70,3 @@ def mapped(function: ca.Function, total: int, repeated: Sequence[int] = ()) -> c
     ]
     wide = [ca.repmat(a, 1, total) if i in repeated else a for i, a in enumerate(arguments)]
     return ca.Function(function.name(), arguments, function.map(total).call(wide))
-
-
-def accumulated(function: ca.Function, total: int, repeated: Sequence[int] = ()) -> ca.Function:
-    """``function`` applied ``total`` times, its first output fed back into its first argument."""
-    arguments = [
-        ca.MX.sym(
-            function.name_in(i), function.size1_in(i), 1 if i == 0 or i in repeated else total
-        )
-        for i in range(function.n_in())
-    ]
-    wide = [ca.repmat(a, 1, total) if i in repeated else a for i, a in enumerate(arguments)]
-    return ca.Function(function.name(), arguments, function.mapaccum(total).call(wide))

@@ -1,4 +1,4 @@
-"""C code as machine code where a C compiler is found, kept in a cache; CasADi functions that way.
+"""C code as machine code where a C compiler is found, kept in a cache.
 
 Code is compiled once and kept in the user's cache folder under the hash of the code, the compiler
 and its flags, with a digest of the result beside it, so that a damaged file is never loaded and
@@ -15,28 +15,7 @@ from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
 
-import casadi as ca
-
-FLAGS = ("-O1",)
-INSTRUCTIONS_LEAST = 2500  # below, the virtual machine is quick enough
-INSTRUCTIONS_MOST = 60_000  # above, compiling takes longer than it saves
 FILES_MOST = 300  # kept in a cache folder
-
-
-def compiled(functions: dict[str, ca.Function]) -> dict[str, ca.Function]:
-    """The same functions, compiled together; unchanged where that is impossible or not worth it."""
-    sizes = [function.n_instructions() for function in functions.values()]
-    if find_compiler() is None or not INSTRUCTIONS_LEAST <= max(sizes) <= INSTRUCTIONS_MOST:
-        return functions
-    generator = ca.CodeGenerator("symhyb.c")
-    for function in functions.values():
-        generator.add(function)
-    library = shared_library(generator.dump(), FLAGS)
-    if library is None:
-        return functions
-    return {
-        name: ca.external(function.name(), str(library)) for name, function in functions.items()
-    }
 
 
 @lru_cache(maxsize=1)

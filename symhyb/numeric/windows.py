@@ -164,10 +164,10 @@ class WindowModel:
         t = block.t[:, :-1].reshape(-1)[owner] + part * h * parts[owner]
         begins = first.reshape(windows, length - 1)[:, : starts.shape[1]].reshape(-1)
         chain, place = _chained(begins, owner.size)
-        h = np.where(np.arange(place.shape[1]) < chain[:, None], h[place], 0.0)
+        real = np.arange(place.shape[1]) < chain[:, None]
+        h = np.where(real, h[place], 0.0)
         varying = (d0[place], d1[place], t[place][..., None], h[..., None])
         made = self._steps.run(what)(starts.reshape(-1, states), varying, p)
-        real = np.arange(place.shape[1]) < chain[:, None]
         after, *slopes = (output[real] for output in made)
         shape = (windows, length - 1, states)
         ends = after[first + parts - 1].reshape(shape)

@@ -4,7 +4,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from symhyb.numeric.buffers import accumulated, call, mapped
+from symhyb.numeric.buffers import call, mapped
 
 x, y = ca.SX.sym("x", 2), ca.SX.sym("y")
 BOTH = ca.Function("both", [x, y], [ca.densify(ca.diag(x) * y), x[0] + y], ["x", "y"], ["A", "b"])
@@ -43,12 +43,3 @@ def test_mapped_over_samples_is_a_loop() -> None:
         expected = call(BOTH, [point, 3.0])
         assert a.reshape(5, 2, 2)[i].tolist() == expected[0].tolist()
         assert b[i].tolist() == expected[1][0].tolist()
-
-
-def test_accumulated_feeds_the_first_output_back() -> None:
-    step = ca.Function("step", [x, y], [2 * x + y, y**2], ["x", "y"], ["next", "square"])
-    states, squares = call(accumulated(step, 3), [np.array([1.0, -1.0]), np.array([1.0, 2.0, 3.0])])
-    assert states.tolist() == [[3, -1], [8, 0], [19, 3]]
-    assert squares.tolist() == [[1], [4], [9]]
-    states, _ = call(accumulated(step, 3, repeated=(1,)), [np.array([1.0, -1.0]), 1.0])
-    assert states[-1].tolist() == [15, -1]
