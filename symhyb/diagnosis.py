@@ -26,6 +26,7 @@ from symhyb.correction.preparing import Prepared, prepare, settle
 from symhyb.correction.proof import Proof, prove
 from symhyb.correction.setting import Setting, Stage
 from symhyb.correction.sparse import propose
+from symhyb.correction.strength import element_forces
 from symhyb.correction.trajectory import Refined, grouped, refine
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.course import course_of
@@ -44,8 +45,6 @@ from symhyb.discrepancy.runs import Run, too_poor
 from symhyb.discrepancy.wording import verdict_sentence
 from symhyb.errors import NumericsError
 from symhyb.model.types import Model, On
-from symhyb.numeric.buffers import Array
-from symhyb.numeric.vector import along
 
 MISMATCH = 1.15  # χ²/N that noise may reach by the error of its own measurement
 
@@ -153,24 +152,12 @@ def _told(
 def _active(prepared: Prepared, final: Refined, item: Named) -> Activity | None:
     """Where and when an effect acts along the first recording."""
     run = prepared.runs[0]
-    forces, stretch, rate = element_forces(final, run)
+    forces, stretch, rate = element_forces(final, run.recording, run.motion)
     own = len(prepared.model.elements)
     forceful = [i for i, cause in enumerate(final.causes) if cause.place is not None]
     rows = [own + forceful.index(i) for i in item.causes]
     size = np.abs(forces[:, :, rows].sum(axis=2)).max(axis=1)
     return activity(run.motion.t, stretch[:, rows[0]], rate[:, rows[0]], size)
-
-
-def element_forces(final: Refined, run: Run) -> tuple[Array, Array, Array]:
-    """Generalized forces (N, n, E) of all elements along a run, stretches and rates (N, E), SI."""
-    machine = replace(final.machine, values=final.p)
-    c = course_of(run.recording, machine, run.motion)
-    given = c.q, c.v, c.z, c.u, c.t, final.p
-    (flat,) = along(machine.elements, given, (5,), c.t.size)
-    flat = flat + along(machine.carried, (c.q, c.v, c.a, c.t, final.p), (4,), c.t.size)[0]
-    forces = flat.reshape(c.t.size, -1, machine.n).swapaxes(1, 2)
-    stretch, rate, _ = along(machine.pathways, (c.q, c.v, c.t, final.p), (3,), c.t.size)
-    return forces, stretch, rate
 
 
 def _concluded(
@@ -267,7 +254,8 @@ def _clouds(prepared: Prepared, final: Refined, run: Run) -> list[Cloud]:
     course = course_of(run.recording, machine, motion)
     force = discrepancy(machine, course, machine.values)
     band = force_band(machine, motion, course)
-    law = element_forces(final, run)[0][:, :, len(prepared.model.elements) :].sum(axis=2)
+    forces = element_forces(final, run.recording, run.motion)[0]
+    law = forces[:, :, len(prepared.model.elements) :].sum(axis=2)
     return [
         Cloud(
             On(c.name), run.recording.name, motion.t, motion.q[:, i], motion.v[:, i],

@@ -12,6 +12,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
+import numpy as np
+
 from symhyb.correction.conventions import CERTAIN, alike, exact_twins, precedence
 from symhyb.correction.evidence import (
     NEAR_NOISE,
@@ -21,16 +23,19 @@ from symhyb.correction.evidence import (
     earns,
     excess,
     named,
+    price,
     unit_of,
 )  # fmt: skip
 from symhyb.correction.selection import LARGEST, Problem, Subset, best_subsets, solve, without
 from symhyb.correction.setting import Setting, along_motion, around
+from symhyb.correction.strength import SMALL, shares
 from symhyb.correction.trajectory import Refined, grouped, refine
 from symhyb.discrepancy.hypotheses import Hypothesis
 from symhyb.numeric.buffers import Array
 
 TRIALS = 3  # refined structures of each size
-PROMISE = 0.3  # of what is left, which the linear problem must promise before a trial
+PROMISE = 0.3  # of what can be taken, which the linear problem must promise before a trial
+HOPE = 0.5  # of the significance that it needs: the linear problem may promise too little
 ROUNDS = 6
 PLAINER = 2  # plain laws, and pairs of them, that are tried in place of one of several numbers
 STATIC_FIRST = 1.3  # of the Coulomb friction: the breakaway friction that is tried first
@@ -110,6 +115,17 @@ class _Trials:
         """How many causes compete."""
         return len({cause.family for cause in self.setting.hypotheses}) - len(self.dropped)
 
+    def believed(self, trial: Refined) -> bool:
+        """Whether its values are believable, and where more than noise is left, also worth a name:
+        what the structure still lacks bends every small force to its purpose."""
+        if not believable(trial, self.setting.stages[-1].length_s):
+            return False
+        if trial.fit.scale < NEAR_NOISE or len(trial.causes) < 2:
+            return True
+        sources = [item.source for item in self.setting.stages[-1].laid]
+        sizes = np.max([shares(trial, *source) for source in sources], axis=0)
+        return bool(np.all(sizes > SMALL))
+
     def causes(self, trial: Refined) -> tuple[int, ...]:
         return tuple(self.setting.hypotheses.index(cause) for cause in trial.causes)
 
@@ -134,16 +150,20 @@ def _climb(
 ) -> Refined:
     """From no cause upwards: the smallest larger structure that earns its place, and so on.
 
-    A structure is refined only if the linear problem promises a part of what is left.
+    A structure is refined only if the linear problem promises a part of what the best of all takes.
     """
     winner, left = nothing, problem.gram[-1, -1]
+    floor = min((subset.chi2 for subset in pool), default=0.0)
     for size in range(1, LARGEST + 1):
         if winner is not nothing and winner.fit.scale < NEAR_NOISE:
             break  # what is left, if anything, shows only along the winner's own simulation
         sized = sorted((s for s in pool if len(s.causes) == size), key=lambda s: s.chi2)
-        promising = [s for s in _distinct(problem, sized) if s.chi2 < (1 - PROMISE) * left]
+        promising = [
+            s for s in _distinct(problem, sized)
+            if left - s.chi2 > max(PROMISE * (left - floor), HOPE * _price(trials, winner, s))
+        ]  # fmt: skip
         tried = [trials.refined(s.causes, _first(problem, s)) for s in promising[:TRIALS]]
-        tried = [trial for trial in tried if believable(trial)]
+        tried = [trial for trial in tried if trials.believed(trial)]
         if not tried:
             continue
         best = _plainest(tried)
@@ -157,6 +177,12 @@ def _climb(
             subset = solve(problem, trials.causes(best))
             left = left if subset is None else subset.chi2
     return winner
+
+
+def _price(trials: _Trials, winner: Refined, subset: Subset) -> float:
+    """What Δχ² a subset must reach against the winner to be taken, if its residuals are white."""
+    numbers, causes = subset.numbers - winner.numbers, len(subset.causes) - len(winner.causes)
+    return SIGNIFICANT + price(winner, numbers, causes, trials.count)
 
 
 def _plainest(tried: Sequence[Refined]) -> Refined:
@@ -194,17 +220,17 @@ def _distinct(problem: Problem, subsets: Sequence[Subset]) -> list[Subset]:
 
 def _improved(trials: _Trials, winner: Refined, problem: Problem, log: list[str]) -> Refined:
     """The winner with one cause added, swapped or dropped, if that is better; else itself."""
-    for trial in filter(believable, _additions(trials, winner)):
+    for trial in filter(trials.believed, _additions(trials, winner)):
         earned, sentence = earns(trial, winner, trials.count)
         log.append(sentence)
         if earned:
             return trial
-    for trial in filter(believable, _variants(trials, winner)):
+    for trial in filter(trials.believed, _variants(trials, winner)):
         earned, sentence = earns(trial, winner)
         log.append(sentence)
         if earned:
             return trial
-    for trial in filter(believable, _swaps(trials, winner, problem)):
+    for trial in filter(trials.believed, _swaps(trials, winner, problem)):
         better = criterion(trial, winner) < criterion(winner, winner) - SIGNIFICANT
         if better and (trial.numbers <= winner.numbers or earns(trial, winner)[0]):
             log.append(f"{named(trial.causes)} instead of {named(winner.causes)}: fits better")
@@ -227,7 +253,9 @@ def _improved(trials: _Trials, winner: Refined, problem: Problem, log: list[str]
 
 def _additions(trials: _Trials, winner: Refined) -> Iterator[Refined]:
     """One more cause, where the linearisation along the winner's own simulation promises it."""
-    problem = without(around(trials.setting, winner), trials.dropped)
+    hypotheses = trials.setting.hypotheses
+    skewed = {c for c, cause in enumerate(hypotheses) if "skew" in cause.terms}
+    problem = without(around(trials.setting, winner), trials.dropped - skewed)
     taken = {c for c, cause in enumerate(problem.hypotheses) if _told(cause, winner)}
     base = solve(problem, ())
     if base is None:

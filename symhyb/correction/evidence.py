@@ -23,10 +23,8 @@ def earns(larger: Refined, smaller: Refined, tried: int = 1) -> tuple[bool, str]
     """
     unit = unit_of(larger)
     extra = larger.numbers - smaller.numbers
-    size = max(float(larger.fit.count[~larger.fit.held].sum()), 2.0)
     more = max(len(larger.causes) - len(smaller.causes), 0)
-    fitted = (smaller.fit.train - larger.fit.train) / unit - extra * np.log(size)
-    fitted -= 2 * more * np.log(max(tried, 1))
+    fitted = (smaller.fit.train - larger.fit.train) / unit - price(larger, extra, more, tried)
     held = (smaller.fit.validation - larger.fit.validation) / unit
     validation = bool(larger.fit.held.any())
     part = part_taken(larger, smaller)
@@ -51,10 +49,19 @@ def earns(larger: Refined, smaller: Refined, tried: int = 1) -> tuple[bool, str]
     return not failed, f"{names}, against {against}: {judged}"
 
 
-def believable(trial: Refined) -> bool:
+def price(trial: Refined, numbers: int, causes: int, tried: int) -> float:
+    """What Δχ²/c must pay for more numbers and for causes chosen among ``tried``."""
+    size = max(float(trial.fit.count[~trial.fit.held].sum()), 2.0)
+    return float(numbers * np.log(size) + 2 * causes * np.log(max(tried, 1)))
+
+
+def believable(trial: Refined, length_s: float = inf) -> bool:
     """Whether physics allows the fitted values, each strength stands out of its own deviation, and
     the fit allows a variant of a law: one that differs by direction is claimed only where it
-    explains the recordings down to their noise."""
+    explains the recordings down to their noise.
+
+    A memory that outlasts windows of ``length_s`` (s) cannot be told from their initial states.
+    """
     first = 0
     spread = np.sqrt(np.diag(trial.fit.covariance))
     for cause, values in zip(trial.causes, grouped(trial), strict=True):
@@ -64,6 +71,8 @@ def believable(trial: Refined) -> bool:
         if not abs(strength) > OUTSTANDING * spread[first]:
             return False
         first += cause.numbers
+        if cause.kind == "relaxation" and values["damping"] > length_s * values["stiffness"]:
+            return False
         if "skew" in cause.terms and not trial.fit.scale < NEAR_NOISE:
             return False
         if cause.kind == "friction" and values.get("static", inf) < values["coulomb"]:

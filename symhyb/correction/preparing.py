@@ -37,7 +37,7 @@ SAMPLES_LEAST = 4000  # of a recording, that are kept
 SAMPLES_MOST = 12_000  # over all recordings, in the windows that decide
 WINDOWS_LEAST = 9  # over all recordings at the longest window length
 FIRST_WINDOW = 0.25  # of the shortest period
-GROWTH = 3.0  # from stage to stage
+GROWTH = 3.0  # from stage to stage, at most
 STAGES_MOST = 4
 ACCURACY = 2e-3  # relative, of a fitted value: fixed steps, held inputs, smoothed friction
 GAIN_LEAST = 1e-3  # smaller gain errors are not worth a name
@@ -140,26 +140,31 @@ def _reaches(prepared: Prepared, places: Sequence[Place]) -> Mapping[Place, Reac
 
 
 def _stages(prepared: Prepared) -> tuple[Stage, ...]:
-    total = sum(run.recording.duration for run in prepared.runs)
     step = max(float(np.median(np.diff(run.recording.t))) for run in prepared.runs)
-    length = max(FIRST_WINDOW * prepared.shortest, 12 * step)
     share = SAMPLES_MOST / sum(run.recording.t.size for run in prepared.runs)
+    shortest = max(FIRST_WINDOW * prepared.shortest, 12 * step)
     stages: list[Stage] = []
-    while len(stages) < STAGES_MOST:
+    for length in _lengths(shortest, sum(run.recording.duration for run in prepared.runs)):
         laid = [_spread(laid_on(run, prepared.machine, length), share) for run in prepared.runs]
         kept = tuple(item for item in laid if item is not None)
         enough = sum(len(item.start) for item in kept) >= WINDOWS_LEAST
         if not kept or (stages and not enough):
             break
         stages.append(Stage(length, kept))
-        length *= GROWTH
-        if length > total / WINDOWS_LEAST:
-            break
     if not stages:
         names = ", ".join(run.recording.name for run in prepared.runs)
-        text = f"{names}: too short or too full of gaps for a window of {length:.3g} s"
+        text = f"{names}: too short or too full of gaps for a window of {shortest:.3g} s"
         raise InputError(Problem(text))
     return tuple(stages)
+
+
+def _lengths(shortest: float, total: float) -> list[float]:
+    """Lengths of windows in s, at equal ratios up to the longest of which enough fit in."""
+    ratio = min(total / WINDOWS_LEAST / shortest, GROWTH ** (STAGES_MOST - 1))
+    if ratio < 1:
+        return [shortest]
+    steps = int(np.ceil(np.log(ratio) / np.log(GROWTH) - 1e-9))
+    return [shortest * ratio ** (i / max(steps, 1)) for i in range(steps + 1)]
 
 
 def _spread(item: Laid | None, share: float) -> Laid | None:
