@@ -1,9 +1,7 @@
 """The bench of concealed effects: its generators are right, its oracle is, its scores are."""
 
-import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -13,13 +11,7 @@ from numpy.typing import NDArray
 import symhyb as sh
 from symhyb.model.read import parse_model
 from symhyb.numeric.buffers import call
-
-FOLDER = Path(__file__).parents[1] / "studies" / "concealed"
-NAMES = (
-    "laws", "systems", "chains", "plant", "hidden", "oracle", "effects", "plans", "conceal",
-    "truth", "claims", "draw", "score", "run",
-)  # fmt: skip
-Study = Mapping[str, ModuleType]
+from tests.concealed_bench import Study, answer_of, modules, run, told
 
 FORCES: dict[str, dict[str, float]] = {
     "spring": {"stiffness": 3.0, "quadratic": 2.0, "cubic": -1.5},
@@ -36,14 +28,9 @@ FORCES: dict[str, dict[str, float]] = {
 
 @pytest.fixture(scope="module")
 def study() -> Iterator[Study]:
-    """The modules of the bench, which are scripts beside each other."""
-    sys.path.insert(0, str(FOLDER))
-    try:
-        yield {name: __import__(name) for name in NAMES}
-    finally:
-        sys.path.remove(str(FOLDER))
-        for name in NAMES:
-            sys.modules.pop(name, None)
+    """The modules of the bench."""
+    with modules() as found:
+        yield found
 
 
 def still(study: Study, k: int) -> Any:
@@ -167,25 +154,6 @@ def test_a_seal_hides_and_opens(study: Study, tmp_path: Path) -> None:
     assert (again / "train.csv").read_bytes() == (folder / "train.csv").read_bytes()
 
 
-def answer_of(**changes: Any) -> dict[str, Any]:
-    effect = {"kind": "drag", "place": "x", "side": "both", "keys": {"drag": 0.8}, "share": 0.1}
-    plain = {
-        "kind": "drag", "noise": 0.01, "effects": [effect], "parameters": {}, "faults": [],
-        "rivals": [],
-    }  # fmt: skip
-    return {**plain, **changes}
-
-
-def told(kind: str, place: str, term: str, value: float, sd: float) -> dict[str, Any]:
-    parameters = {"b": {"value": value, "sd": sd, "unit": "1", "term": term}}
-    found = {"kind": kind, "place": {"on": place}, "parameters": parameters}
-    diagnosis = {
-        "verdict": "missing physics", "found": [found], "parameters": [], "measurement": [],
-        "alternatives": [],
-    }  # fmt: skip
-    return {"seconds": 1.0, "diagnosis": diagnosis}
-
-
 def test_scores_tell_hits_from_misses_twins_and_wrong_claims(study: Study) -> None:
     score = study["claims"].score_case
     hit = score("a", told("drag", "x", "drag", 0.81, 0.01), answer_of(), 1)
@@ -209,15 +177,11 @@ def test_scores_tell_hits_from_misses_twins_and_wrong_claims(study: Study) -> No
 @pytest.mark.parametrize("seed", [8, 10, 9])
 def test_cases_are_diagnosed_and_scored(study: Study, tmp_path: Path, seed: int) -> None:
     """Drag of a sled, ripple of a rig, and a sled with nothing concealed."""
-    (tmp_path / "results").mkdir()
-    study["run"].one(seed, tmp_path, tmp_path / "results")
-    options = study["run"].argparse.Namespace(
-        seeds=str(seed), output=tmp_path, results=tmp_path / "results", errors=True
-    )
-    rows, _, given_up = study["score"].read(options)
-    assert given_up == 0
-    assert rows[0].structure
-    assert not rows[0].wrong
-    if rows[0].wanted:
-        assert rows[0].error == pytest.approx(1.0, abs=0.1)
-    assert rows[0].case in study["score"].report(rows, 0, 0) or rows[0].structure
+    scored = run(study, [seed], tmp_path, errors=True)
+    assert scored.given_up == 0
+    (row,) = scored.rows
+    assert row.structure
+    assert not row.wrong
+    assert row.cpu > 0
+    if row.wanted:
+        assert row.error == pytest.approx(1.0, abs=0.1)

@@ -58,6 +58,19 @@ def plan_of(seed: int) -> Plan:
     return Plan(seed, system, kind, noise, complete, masked)
 
 
+def size_of(coordinates: int) -> int:
+    """The class of a system: 0 with one coordinate, 1 with two or three, 2 with more."""
+    return 0 if coordinates == 1 else 1 if coordinates < 4 else 2
+
+
+def in_turn(seed: int, shares: tuple[float, ...]) -> bool:
+    """Whether a seed is among the ``shares`` of its class of systems that are run, spread evenly
+    over the turns; it depends on the seed alone, so that nothing can be chosen afterwards."""
+    turn, place = divmod(seed // 2, len(SYSTEMS))
+    share = shares[size_of(SYSTEMS[place].n)]
+    return int((turn + 1) * share + 1e-9) > int(turn * share + 1e-9)
+
+
 def folder_of(seed: int, build: Path) -> Path:
     """Where the case of a seed lies; the name does not tell the answer."""
     return build / f"{seed:05d}-{SYSTEMS[(seed // 2) % len(SYSTEMS)].name}"
