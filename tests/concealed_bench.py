@@ -9,7 +9,7 @@ from typing import Any
 
 FOLDER = Path(__file__).parents[1] / "studies" / "concealed"
 NAMES = (
-    "laws", "systems", "chains", "plant", "hidden", "oracle", "effects", "plans", "conceal",
+    "laws", "systems", "chains", "arm", "plant", "hidden", "oracle", "effects", "plans", "conceal",
     "truth", "claims", "draw", "bars", "tables", "results", "report", "score", "run",
     "peer_library", "peer_motion", "peer_regression", "peers", "peer_tuning",
 )  # fmt: skip

@@ -7,7 +7,7 @@ import numpy as np
 import pysindy as ps
 from laws import Array
 from peer_library import Estimate
-from plans import SYSTEMS
+from plans import ENGINE_SYSTEMS, SYSTEMS
 from scipy.signal import savgol_filter
 from systems import System
 
@@ -27,7 +27,7 @@ class Recorded:
 
 def read(folder: Path, name: str) -> Recorded:
     """Read train.csv or holdout.csv of a case."""
-    system = next(s for s in SYSTEMS if s.name == folder.name.split("-", 1)[1])
+    system = next(s for s in (*SYSTEMS, *ENGINE_SYSTEMS) if s.name == folder.name.split("-", 1)[1])
     path = folder / name
     head = path.read_text(encoding="utf-8").split("\n", 1)[0].split(",")
     table = dict(zip(head, np.loadtxt(path, delimiter=",", skiprows=1).T, strict=True))

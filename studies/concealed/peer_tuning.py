@@ -16,7 +16,7 @@ import numpy as np
 from claims import Row
 from draw import unseal
 from peers import PEERS, Setting, grid
-from plans import SYSTEMS, folder_of, seeds_of
+from plans import ENGINE_SYSTEMS, SYSTEMS, folder_of, seeds_of
 from results import HERE
 from score import score_peer
 
@@ -26,7 +26,7 @@ QUIET = 0.01
 def collect(options: argparse.Namespace) -> dict[Setting, list[Row]]:
     """Rows of every setting over the cases that all settings have answered."""
     rows: dict[Setting, list[Row]] = {one: [] for one in grid()}
-    n = {system.name: system.n for system in SYSTEMS}
+    n = {system.name: system.n for system in (*SYSTEMS, *ENGINE_SYSTEMS)}
     for seed in seeds_of(options.seeds):
         folder = folder_of(seed, options.output)
         path = options.peers / f"{folder.name}.json"
