@@ -65,10 +65,30 @@ def test_scored_cases_come_back_from_their_file(study: Study, tmp_path: Path) ->
     results.write(path, scored)
     assert len(path.read_text().splitlines()[-6:]) == 6
     again = results.read(path)
-    assert [replace(row, fit=None) for row in again.rows] == list(rows)
+    assert again.rows == rows
     assert (again.discarded, again.given_up, again.about) == (4, 1, {"commits": ["abc"]})
     assert [row.name for row in again.peers["deltaf"]] == [row.name for row in rows]
     assert study["report"].section(again) == study["report"].section(scored)
+
+
+def test_a_picture_is_drawn_of_the_same_rows(study: Study, tmp_path: Path) -> None:
+    rows, figure = rows_of(study), study["figure"]
+    hidden = [row for row in rows if row.wanted]
+    middle, spread, count = figure.rates(hidden)
+    assert count == [0, 0, 0, 0, 3, 0]
+    assert middle[4] == pytest.approx(1 / 3)
+    low, high = spread[4]
+    assert binom.sf(0, 3, low) == pytest.approx(0.05)
+    assert binom.cdf(1, 3, high) == pytest.approx(0.05)
+    peer = tuple(replace(row, cpu=0.1, wrong=()) for row in rows)
+    study["results"].write(
+        tmp_path / "set.json", study["results"].Scored("2", rows, {"weak": peer})
+    )
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("sys.argv", ["figure.py", "--of", "set", "--from", str(tmp_path), "-o",
+                                   str(tmp_path / "picture.png")])  # fmt: skip
+        figure.main()
+    assert (tmp_path / "picture.png").stat().st_size > 10_000
 
 
 def test_tables_count_by_effect_size_and_say_how_misses_end(study: Study) -> None:

@@ -165,7 +165,10 @@ def main() -> None:
         ]  # fmt: skip
         if wanted:
             begin = time.perf_counter()
-            said |= diagnoses(folder, wanted, not options.every)
+            try:
+                said |= diagnoses(folder, wanted, not options.every)
+            except (np.linalg.LinAlgError, ValueError) as error:  # counts as a refusal, and is told
+                said |= {one.name: {"seconds": 0.0, "crash": str(error)} for one in wanted}
             part = target.with_suffix(".part")
             part.write_text(json.dumps(said) + "\n", encoding="utf-8")
             part.replace(target)

@@ -11,7 +11,8 @@ from claims import Row
 HERE = Path(__file__).resolve().parent / "results"
 COLUMNS = (
     "case", "kind", "noise", "coordinates", "rates", "verdict", "shares", "hits", "twins",
-    "structure", "wrong", "missed", "covered", "counted", "error", "seconds", "cpu", "failed",
+    "structure", "wrong", "missed", "covered", "counted", "error", "seconds", "cpu", "fit",
+    "failed",
 )  # fmt: skip
 OF_PEER = ("hits", "twins", "structure", "wrong", "covered", "counted", "cpu", "fit")
 DIGITS = {"error": 4, "seconds": 3, "cpu": 3, "fit": 3}

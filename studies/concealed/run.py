@@ -105,7 +105,7 @@ def _apart(seed: int, options: argparse.Namespace) -> None:
     except subprocess.TimeoutExpired:
         said = f"{seed}: not done after {LIMIT_S:g} s"
         name = folder_of(seed, options.output).name
-        told = {"seconds": LIMIT_S, "crash": said}
+        told = {"seconds": LIMIT_S, "cpu_seconds": LIMIT_S, "crash": said, "commit": commit()}
         (options.results / f"{name}.json").write_text(json.dumps(told) + "\n", encoding="utf-8")
     print(said, flush=True)
 

@@ -130,7 +130,8 @@ def score_peer(case: str, told: dict[str, Any], answer: dict[str, Any], n: int) 
     """The row of a peer, by the rules for everybody; one without words (a network) claims
     nothing."""
     silent = {"verdict": "", "found": [], "parameters": [], "measurement": [], "alternatives": []}
-    whole = {"diagnosis": silent, **told, "cpu_seconds": told["seconds"]}
+    whole = {"diagnosis": silent, "fit": 1.0 if "crash" in told else None, **told}
+    whole |= {"cpu_seconds": told["seconds"]}
     return score_case(case, whole, answer, n)
 
 
