@@ -1,6 +1,7 @@
 """The peers of the bench: right columns, claims in the form of a diagnosis, scored by one code."""
 
 import json
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -8,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.concealed_bench import Study, answer_of, modules
+from tests.concealed_bench import FOLDER, Study, answer_of, modules
 
 
 @pytest.fixture(scope="module")
@@ -119,6 +120,16 @@ def test_claims_of_peers_are_scored_like_all_others(study: Study) -> None:
     assert len(null.wrong) == 1
     silent = peer("00002-duffing", {"seconds": 1.0, "fit": 0.3}, answer_of(), 1)
     assert (silent.name, silent.wrong, silent.fit) == (0, (), 0.3)
+    failed = peer("00002-duffing", {"seconds": 0.0, "crash": "singular"}, answer_of(), 1)
+    assert (failed.name, failed.refused, failed.fit) == (0, True, 1.0)
+
+
+def test_generators_and_peers_share_no_code_with_symhyb() -> None:
+    using = {
+        path.name for path in FOLDER.glob("*.py")
+        if re.search(r"^\s*(import|from) symhyb", path.read_text(encoding="utf-8"), re.M)
+    }  # fmt: skip
+    assert using == {"run.py", "score.py"}
 
 
 def test_tuning_takes_the_best_f1_and_the_best_quiet_setting(study: Study) -> None:
