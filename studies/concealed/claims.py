@@ -34,7 +34,10 @@ class Claim:
 class Row:
     """The score of one case: of ``wanted`` causes how many places and names were hit, by how many
     twins; ``structure``: all of them with all their numbers and nothing else; of ``counted`` values
-    how many are within ± 2 sd; ``error``: unseen window error over that of the true model."""
+    how many are within ± 2 sd; ``error``: unseen window error over that of the true model.
+    ``shares`` of all causes (None: no force) and what became of each: ``hits`` 2 named, 1 placed,
+    0 neither. ``cpu``: seconds of the process, None where they were not kept. ``rates`` were sensed
+    too. ``fit``: unseen error of ΔF over that of the model as it is."""
 
     case: str
     kind: str
@@ -54,6 +57,11 @@ class Row:
     counted: int = 0
     error: float | None = None
     failed: str = ""
+    cpu: float | None = None
+    rates: bool = False
+    shares: tuple[float | None, ...] = ()
+    hits: tuple[int, ...] = ()
+    fit: float | None = None
 
     @property
     def refused(self) -> bool:
@@ -140,7 +148,9 @@ def score_case(name: str, result: dict[str, Any], answer: dict[str, Any], n: int
     shares = [effect["share"] for effect in answer["effects"]]
     row = Row(
         name, answer["kind"], answer["noise"], n, len(truth), min(shares) if shares else None,
-        result["seconds"],
+        result["seconds"], cpu=result.get("cpu_seconds"), fit=result.get("fit"),
+        rates=answer.get("complete", False), hits=(0,) * len(truth),
+        shares=(*shares, *[None] * (len(truth) - len(shares))),
     )  # fmt: skip
     if told is None:
         return replace(
@@ -150,27 +160,33 @@ def score_case(name: str, result: dict[str, Any], answer: dict[str, Any], n: int
         )  # fmt: skip
     rest, whole = claimed(told), True
     pairs = list(zip(truth, _stand_ins(answer, truth), strict=True))
-    row = replace(row, verdict=told["verdict"], place=_placed(pairs, rest))
-    for claim, stand_ins in pairs:
+    placed = _placed(pairs, rest)
+    hits = list(map(int, placed))
+    row = replace(row, verdict=told["verdict"], place=sum(placed))
+    for i, (claim, stand_ins) in enumerate(pairs):
         same = next((c for c in rest if c.cause == claim.cause), None)
         twin = next((c for c in rest if _stands(c, claim, stand_ins, alternatives(told))), None)
         if same is not None:
             rest.remove(same)
+            hits[i] = 2
             row, whole = _valued(row, claim, same), whole and _complete(claim, same)
         elif twin is not None:
             rest.remove(twin)
+            hits[i] = 2
             row = replace(row, name=row.name + 1, twins=row.twins + 1)
         else:
             row, whole = replace(row, missed=(*row.missed, _words(claim))), False
-    return replace(row, structure=whole and not rest, wrong=tuple(map(_words, rest)))
+    return replace(
+        row, structure=whole and not rest, wrong=tuple(map(_words, rest)), hits=tuple(hits)
+    )
 
 
-def _placed(pairs: Sequence[tuple[Claim, StandIns]], said: Sequence[Claim]) -> int:
-    """How many concealed causes have a claim at their place, or one that stands for them."""
-    return sum(
+def _placed(pairs: Sequence[tuple[Claim, StandIns]], said: Sequence[Claim]) -> list[bool]:
+    """Whether each concealed cause has a claim at its place, or one that stands for it."""
+    return [
         any(c.where == claim.where or (c.where, c.kind) in stand_ins for c in said)
         for claim, stand_ins in pairs
-    )
+    ]
 
 
 def _valued(row: Row, truth: Claim, found: Claim) -> Row:

@@ -1,12 +1,14 @@
 """What every seed asks for: the system, what is concealed, noise and sensing, before any draw.
 
-Odd seeds conceal nothing; systems take turns.
+Odd seeds conceal nothing; systems take turns. Seeds from 10000 on are for the machines whose
+equations come from MuJoCo.
 """
 
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from arm import ARM
 from chains import FOUR_MASSES, QUARTER_CAR, ROTOR, SIX_MASSES, THREE_MASSES, TWO_MASSES
 from effects import DULL, FORCES, NULLS
 from systems import (
@@ -27,6 +29,8 @@ SYSTEMS = (
     OSCILLATOR, DUFFING, VOLTS, PENDULUM, SLED, RIG, CARTPOLE, DOUBLE_PENDULUM, TWO_INERTIAS, TABLE,
     QUARTER_CAR, TWO_MASSES, THREE_MASSES, ROTOR, FOUR_MASSES, SIX_MASSES,
 )  # fmt: skip
+ENGINE_SYSTEMS = (ARM,)
+ENGINE_SEEDS = 10000  # the first of them
 NOISES = (0.001, 0.005, 0.01, 0.02, 0.05, 0.1)
 NOISE_WEIGHTS = (0.1, 0.15, 0.4, 0.1, 0.15, 0.1)
 
@@ -43,10 +47,19 @@ class Plan:
     masked: bool
 
 
+def system_of(seed: int) -> tuple[System, int]:
+    """The system of a seed, and how often it had its turn before."""
+    systems, pair = SYSTEMS, seed // 2
+    if seed >= ENGINE_SEEDS:
+        systems, pair = ENGINE_SYSTEMS, (seed - ENGINE_SEEDS) // 2
+    turn, place = divmod(pair, len(systems))
+    return systems[place], turn
+
+
 def plan_of(seed: int) -> Plan:
     """The plan of a seed: odd seeds conceal nothing, systems take turns."""
     random = np.random.default_rng([seed, 1])
-    system = SYSTEMS[(seed // 2) % len(SYSTEMS)]
+    system, _ = system_of(seed)
     if seed % 2:
         kind = str(random.choice(NULLS))
     else:
@@ -58,9 +71,22 @@ def plan_of(seed: int) -> Plan:
     return Plan(seed, system, kind, noise, complete, masked)
 
 
+def size_of(coordinates: int) -> int:
+    """The class of a system: 0 with one coordinate, 1 with two or three, 2 with more."""
+    return 0 if coordinates == 1 else 1 if coordinates < 4 else 2
+
+
+def in_turn(seed: int, shares: tuple[float, ...]) -> bool:
+    """Whether a seed is among the ``shares`` of its class of systems that are run, spread evenly
+    over the turns; it depends on the seed alone, so that nothing can be chosen afterwards."""
+    system, turn = system_of(seed)
+    share = shares[size_of(system.n)]
+    return int((turn + 1) * share + 1e-9) > int(turn * share + 1e-9)
+
+
 def folder_of(seed: int, build: Path) -> Path:
     """Where the case of a seed lies; the name does not tell the answer."""
-    return build / f"{seed:05d}-{SYSTEMS[(seed // 2) % len(SYSTEMS)].name}"
+    return build / f"{seed:05d}-{system_of(seed)[0].name}"
 
 
 def seeds_of(text: str) -> list[int]:

@@ -1,13 +1,16 @@
 """Diagnose drawn cases, each in a process of its own, and keep one JSON a case; resumable.
 
     python studies/concealed/run.py --seeds 0-99 [--systems duffing,table] [--kinds friction,null]
+    python studies/concealed/run.py --seeds 1000-2999 --concealed 300 --nulls 300
 
-Nothing here opens a seal: score.py does, afterwards.
+Nothing here opens a seal: score.py does, afterwards. With ``--concealed`` and ``--nulls`` so many
+cases are run, in the order of the seeds; seeds without a complete draw are replaced by later ones.
 """
 
 import argparse
 import json
 import os
+import resource
 import subprocess
 import sys
 import time
@@ -17,32 +20,60 @@ from typing import Any
 
 from draw import write
 from joblib import Parallel, delayed
-from plans import folder_of, plan_of, seeds_of
+from plans import folder_of, in_turn, plan_of, seeds_of
 
 LIMIT_S = 1200.0  # of one case
 
 
+def cpu() -> float:
+    """Seconds that this process and its ended children (a compiler) have computed so far."""
+    children = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return time.process_time() + children.ru_utime + children.ru_stime
+
+
+def commit() -> str:
+    """The commit of the code that diagnoses, with a + where files were changed after it."""
+    import symhyb
+
+    here = Path(symhyb.__file__).parent
+    git = ["git", "-C", str(here)]
+    try:
+        name = subprocess.run(
+            [*git, "rev-parse", "--short=12", "HEAD"], capture_output=True, text=True, check=True
+        )
+        changed = subprocess.run(
+            [*git, "status", "--porcelain", "--", str(here)],
+            capture_output=True, text=True, check=True,
+        )  # fmt: skip
+    except (OSError, subprocess.CalledProcessError):
+        return "unknown"
+    return name.stdout.strip() + "+" * bool(changed.stdout.strip())
+
+
 def diagnose(folder: Path) -> dict[str, Any]:
-    """What symhyb says of a case, the seconds it took, or how it failed."""
+    """What symhyb says of a case, the seconds it took, or how it failed.
+
+    ``seconds`` and ``cpu_seconds`` are those of the diagnosis alone, on the clock and computed."""
     import symhyb as sh
     from symhyb.report.contract import to_json
 
-    begin = time.perf_counter()
+    told: dict[str, Any] = {"symhyb": sh.__version__, "commit": commit()}
+    begin, spent = time.perf_counter(), cpu()
     try:
         model = sh.read_model(folder / "model.toml")
         train, holdout = (
             sh.read_recording(folder / f"{x}.csv", model) for x in ("train", "holdout")
         )
-        begin = time.perf_counter()
+        begin, spent = time.perf_counter(), cpu()
         diagnosis = sh.diagnose(model, train, holdout)
-        seconds = time.perf_counter() - begin
+        told |= {"seconds": time.perf_counter() - begin, "cpu_seconds": cpu() - spent}
         corrected = sh.apply(model, diagnosis.found, diagnosis.parameters, diagnosis.measurement)
         verdict = sh.judge(model, corrected, holdout, train=train)
-        return {"seconds": seconds, "diagnosis": to_json(diagnosis, verdict)}
+        return {**told, "diagnosis": to_json(diagnosis, verdict)}
     except Exception as error:  # a crash is a result too: it is told, not lost
-        seconds = time.perf_counter() - begin
+        lasted = {"seconds": time.perf_counter() - begin, "cpu_seconds": cpu() - spent}
         sort = "sentence" if isinstance(error, sh.InputError | sh.NumericsError) else "crash"
-        return {"seconds": seconds, sort: str(error), "traceback": traceback.format_exc()}
+        return {**lasted, **told, sort: str(error), "traceback": traceback.format_exc()}
 
 
 def one(seed: int, build: Path, results: Path) -> str:
@@ -74,23 +105,41 @@ def _apart(seed: int, options: argparse.Namespace) -> None:
     except subprocess.TimeoutExpired:
         said = f"{seed}: not done after {LIMIT_S:g} s"
         name = folder_of(seed, options.output).name
-        told = {"seconds": LIMIT_S, "crash": said}
+        told = {"seconds": LIMIT_S, "cpu_seconds": LIMIT_S, "crash": said, "commit": commit()}
         (options.results / f"{name}.json").write_text(json.dumps(told) + "\n", encoding="utf-8")
     print(said, flush=True)
 
 
 def wanted(options: argparse.Namespace) -> list[int]:
-    """The seeds whose plan has one of the systems and kinds asked for."""
+    """The seeds whose plan has one of the systems and kinds asked for, as many as asked for."""
+    systems, kinds = options.systems.split(","), options.kinds.split(",")
+    turns = tuple(float(x) for x in options.turns.split(","))
+    left = [_most(options.concealed), _most(options.nulls)]
     chosen = []
     for seed in seeds_of(options.seeds):
-        plan = plan_of(seed)
-        systems, kinds = options.systems.split(","), options.kinds.split(",")
+        plan, null = plan_of(seed), seed % 2
         if options.systems and plan.system.name not in systems:
             continue
         if options.kinds and not any(plan.kind.startswith(kind) for kind in kinds):
             continue
+        given_up = (folder_of(seed, options.output) / "discarded.json").exists()
+        if given_up or left[null] < 1 or (null and not in_turn(seed, turns)):
+            continue
+        left[null] -= 1
         chosen.append(seed)
     return chosen[: options.limit] if options.limit else chosen
+
+
+def _most(count: int | None) -> float:
+    return float("inf") if count is None else count
+
+
+def waiting(options: argparse.Namespace) -> list[int]:
+    """The wanted seeds that have no result yet."""
+    return [
+        seed for seed in wanted(options)
+        if not (options.results / f"{folder_of(seed, options.output).name}.json").exists()
+    ]  # fmt: skip
 
 
 def main() -> None:
@@ -99,6 +148,10 @@ def main() -> None:
     parser.add_argument("--seeds", default="0-99")
     parser.add_argument("--systems", default="", help="names, with commas")
     parser.add_argument("--kinds", default="", help="beginnings of kinds, with commas")
+    parser.add_argument("--concealed", type=int, default=None, help="so many with something in it")
+    parser.add_argument("--nulls", type=int, default=None, help="so many with nothing concealed")
+    parser.add_argument("--turns", default="1,1,1", help="share of the null cases that is run, of "
+                        "systems with one, two or three, and more coordinates")  # fmt: skip
     parser.add_argument("--limit", type=int, default=0)
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--one", type=int, default=None, help=argparse.SUPPRESS)
@@ -109,8 +162,11 @@ def main() -> None:
     if options.one is not None:
         print(one(options.one, options.output, options.results))
         return
-    tasks = (delayed(_apart)(seed, options) for seed in wanted(options))
-    Parallel(n_jobs=options.workers, prefer="threads")(tasks)
+    tried: set[int] = set()
+    while seeds := [seed for seed in waiting(options) if seed not in tried]:
+        tasks = (delayed(_apart)(seed, options) for seed in seeds)
+        Parallel(n_jobs=options.workers, prefer="threads")(tasks)
+        tried |= set(seeds)  # again, because draws that were given up are replaced by later ones
 
 
 if __name__ == "__main__":

@@ -1,11 +1,14 @@
-"""Open the seals and score what was said; writes results.json and a table in Markdown.
+"""Open the seals and score what was said, by symhyb and by the peers.
 
-python studies/concealed/score.py --seeds 0-99 -o build/concealed
+    python studies/concealed/score.py --seeds 0-999 --errors [--keep development]
+
+Writes ``report.md`` and ``results.json`` beside the results; with ``--keep NAME`` also the small
+file ``studies/concealed/results/NAME.json`` from which report.py makes the tables of the docs.
 """
 
 import argparse
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
@@ -16,6 +19,8 @@ from draw import unseal
 from hidden import Fault, Hidden
 from laws import Effect
 from plans import folder_of, plan_of, seeds_of
+from report import section
+from results import HERE, Scored, write
 from truth import truth_text
 
 
@@ -50,93 +55,84 @@ def unseen_error(folder: Path, told: dict[str, Any], answer: dict[str, Any], kee
     return float(np.sqrt(np.mean(np.square(ratios)))) if ratios else float("nan")
 
 
-def table(rows: Sequence[Row], title: str, key: Callable[[Row], Any]) -> str:
-    """One Markdown table: a line for every value of ``key``."""
-    lines = [
-        f"| {title} | cases | place | name | complete | wrong claims | refused | ±2 sd | "
-        "unseen error | time s |",
-        "|---|---|---|---|---|---|---|---|---|---|",
+def force_ratio(told: dict[str, Any]) -> float | None:
+    """RMS over coordinates of the unseen force error with what was found over that without."""
+    unseen = told["scores"]["holdout"]
+    pairs = [
+        (unseen["after"]["force_nrmse"].get(k), size)
+        for k, size in unseen["before"]["force_nrmse"].items()
     ]
-    for value in sorted({key(row) for row in rows}):
-        lines.append(f"| {value} | " + _line([row for row in rows if key(row) == value]))
-    lines.append("| all | " + _line(rows))
-    return "\n".join(lines)
+    known = [(a, b) for a, b in pairs if a is not None and b]
+    if not known:
+        return None
+    return float(np.sqrt(sum(a * a for a, _ in known) / sum(b * b for _, b in known)))
 
 
-def _line(rows: Sequence[Row]) -> str:
-    wanted = sum(row.wanted for row in rows)
-    counted = sum(row.counted for row in rows)
-    errors = [row.error for row in rows if row.error is not None and np.isfinite(row.error)]
-    cells = [
-        str(len(rows)),
-        _percent(sum(row.place for row in rows), wanted),
-        _percent(sum(row.name for row in rows), wanted),
-        _percent(sum(row.structure for row in rows), len(rows)),
-        _percent(sum(bool(row.wrong) for row in rows), len(rows)),
-        _percent(sum(row.refused for row in rows), len(rows)),
-        _percent(sum(row.covered for row in rows), counted),
-        f"{np.median(errors):.3f}" if errors else "–",
-        f"{np.median([row.seconds for row in rows]):.0f}",
-    ]
-    return " | ".join(cells) + " |"
-
-
-def _percent(part: float, whole: float) -> str:
-    return f"{100 * part / whole:.0f} %" if whole else "–"
-
-
-def shares(row: Row) -> str:
-    """The class of the smallest concealed force, as a share of the known ones."""
-    if row.share is None:
-        return "no force"
-    edges = ((0.01, "a: below 1 %"), (0.03, "b: 1 to 3 %"), (0.1, "c: 3 to 10 %"))
-    return next((words for edge, words in edges if row.share < edge), "d: above 10 %")
-
-
-def read(options: argparse.Namespace) -> tuple[list[Row], int, int]:
-    """All scored rows, how many draws were discarded, how many seeds were given up."""
-    rows, discarded, given_up = [], 0, 0
+def cases(options: argparse.Namespace) -> Iterator[tuple[int, Path, dict[str, Any]]]:
+    """Seed, folder and opened answer of every case that was drawn and has a result."""
     for seed in seeds_of(options.seeds):
         folder = folder_of(seed, options.output)
         result = options.results / f"{folder.name}.json"
-        if (folder / "discarded.json").exists():
+        if result.exists() and (folder / "sealed.json").exists():
+            yield seed, folder, unseal(folder / "sealed.json")
+
+
+def read(options: argparse.Namespace) -> Scored:
+    """All scored cases; a peer is told of only where it has answered every one of them."""
+    rows, said, commits, versions = [], [], set(), set()
+    discarded, given_up = 0, 0
+    for seed in seeds_of(options.seeds):
+        discard = folder_of(seed, options.output) / "discarded.json"
+        if discard.exists():
             given_up += 1
-            discarded += json.loads((folder / "discarded.json").read_text())["discarded"]
-        if not result.exists():
-            continue
-        told, answer = json.loads(result.read_text()), unseal(folder / "sealed.json")
+            discarded += json.loads(discard.read_text())["discarded"]
+    for seed, folder, answer in cases(options):
+        told = json.loads((options.results / f"{folder.name}.json").read_text())
+        commits.add(told.get("commit", "unknown"))
+        versions.add(told.get("symhyb", "unknown"))
         discarded += answer["discarded"]
         row = score_case(folder.name, told, answer, plan_of(seed).system.n)
+        if "diagnosis" in told:
+            row = replace(row, fit=force_ratio(told["diagnosis"]))
         if options.errors and "diagnosis" in told and answer["effects"]:
             keep = options.output / "oracle" / f"{folder.name}.json"
-            row = replace(row, error=unseen_error(folder, told["diagnosis"], answer, keep))
+            error = unseen_error(folder, told["diagnosis"], answer, keep)
+            row = replace(row, error=error if np.isfinite(error) else None)
         rows.append(row)
-    return rows, discarded, given_up
+        path = options.peers / f"{folder.name}.json"
+        others = json.loads(path.read_text()) if path.exists() else {}
+        said.append((folder.name, others, answer, row.coordinates))
+    about = {"symhyb": sorted(versions), "commits": sorted(commits)}
+    peers, settings = peers_of(said)
+    return Scored(
+        options.seeds, tuple(rows), peers, discarded, given_up, {**about, "settings": settings}
+    )
 
 
-def report(rows: Sequence[Row], discarded: int, given_up: int) -> str:
-    """The tables, the misses and the wrong claims, in Markdown."""
-    nulls = [row for row in rows if row.wanted == 0]
-    hidden = [row for row in rows if row.wanted]
-    text = [f"{len(hidden)} cases with something concealed, {len(nulls)} with nothing; "
-            f"{discarded} draws discarded, {given_up} seeds without a complete draw."]  # fmt: skip
-    if hidden:
-        text += ["", "## By kind", "", table(hidden, "kind", lambda row: row.kind)]
-        text += ["", "## By noise", "", table(hidden, "noise", lambda row: f"{row.noise:.1%}")]
-        text += ["", "## By share", "", table(hidden, "share", shares)]
-        text += ["", "## By coordinates", "", table(hidden, "n", lambda row: row.coordinates)]
-    if nulls:
-        text += ["", "## Nothing concealed", "", table(nulls, "noise", lambda row: row.kind)]
-        said = {v: sum(row.verdict == v for row in nulls) for v in {row.verdict for row in nulls}}
-        text += ["", f"Verdicts: {said}"]
-    text += ["", "## Misses and wrong claims", ""]
-    for row in rows:
-        if row.wrong or row.missed or row.failed or not row.structure:
-            text.append(
-                f"- {row.case} [{row.kind}, noise {row.noise:.1%}] {row.verdict}: "
-                f"wrong {list(row.wrong)}, missed {list(row.missed)} {row.failed[:120]}"
+def peers_of(
+    said: list[tuple[str, dict[str, Any], dict[str, Any], int]],
+) -> tuple[dict[str, tuple[Row, ...]], dict[str, str]]:
+    """Rows of every peer with the settings that were chosen, and those settings."""
+    fixed = HERE / "peers.json"
+    chosen = json.loads(fixed.read_text())["chosen"] if fixed.exists() else {}
+    rows, settings = {}, {}
+    for name, row in chosen.items():
+        setting = row["setting"]
+        if said and all(setting in others for _, others, _, _ in said):
+            rows[name] = tuple(
+                score_peer(case, others[setting], answer, n) for case, others, answer, n in said
             )
-    return "\n".join(text) + "\n"
+            settings[name] = setting
+    return rows, settings
+
+
+def score_peer(case: str, told: dict[str, Any], answer: dict[str, Any], n: int) -> Row:
+    """The row of a peer, by the rules for everybody; one without words (a network) claims
+    nothing."""
+    silent = {"verdict": "", "found": [], "parameters": [], "measurement": [], "alternatives": []}
+    whole = {"diagnosis": silent, "fit": 1.0 if "crash" in told else None, **told}
+    whole |= {"cpu_seconds": told["seconds"]}
+    return score_case(case, whole, answer, n)
 
 
 def main() -> None:
@@ -144,15 +140,31 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--seeds", default="0-999")
     parser.add_argument("--errors", action="store_true", help="unseen error over the oracle's")
+    parser.add_argument("--keep", default="", help="name of the file for the docs")
     parser.add_argument("-o", "--output", type=Path, default=Path("build/concealed"))
     parser.add_argument("--results", type=Path, default=Path("build/concealed/results"))
+    parser.add_argument("--peers", type=Path, default=Path("build/concealed/peers"))
     options = parser.parse_args()
-    rows, discarded, given_up = read(options)
-    text = report(rows, discarded, given_up)
+    scored = read(options)
+    text = section(scored) + "\n" + misses(scored.rows)
     (options.results / "report.md").write_text(text, encoding="utf-8")
-    kept = json.dumps([asdict(row) for row in rows], indent=1) + "\n"
+    kept = json.dumps([asdict(row) for row in scored.rows], indent=1) + "\n"
     (options.results / "results.json").write_text(kept, encoding="utf-8")
+    if options.keep:
+        write(HERE / f"{options.keep}.json", scored)
     print(text)
+
+
+def misses(rows: tuple[Row, ...]) -> str:
+    """Every case that was not told completely, a line each."""
+    text = ["Misses and wrong claims", ""]
+    for row in rows:
+        if row.wrong or row.missed or row.failed or not row.structure:
+            text.append(
+                f"- {row.case} [{row.kind}, noise {row.noise:.1%}] {row.verdict}: "
+                f"wrong {list(row.wrong)}, missed {list(row.missed)} {row.failed[:120]}"
+            )
+    return "\n".join(text) + "\n"
 
 
 if __name__ == "__main__":

@@ -1,0 +1,66 @@
+"""The scripts of the bench of concealed effects as modules, and small cases of it."""
+
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+FOLDER = Path(__file__).parents[1] / "studies" / "concealed"
+NAMES = (
+    "laws", "systems", "chains", "arm", "plant", "hidden", "oracle", "effects", "plans", "conceal",
+    "truth", "claims", "draw", "bars", "tables", "results", "report", "score", "run",
+    "peer_library", "peer_motion", "peer_regression", "peers", "peer_tuning", "figure",
+)  # fmt: skip
+Study = Mapping[str, ModuleType]
+
+
+@contextmanager
+def modules() -> Iterator[Study]:
+    """The modules of the bench, which are scripts beside each other."""
+    sys.path.insert(0, str(FOLDER))
+    try:
+        yield {name: __import__(name) for name in NAMES}
+    finally:
+        sys.path.remove(str(FOLDER))
+        for name in NAMES:
+            sys.modules.pop(name, None)
+
+
+def run(study: Study, seeds: Sequence[int], folder: Path, errors: bool = False) -> Any:
+    """Draw, diagnose and score cases."""
+    (folder / "results").mkdir()
+    for seed in seeds:
+        study["run"].one(seed, folder, folder / "results")
+    return score(study, seeds, folder, errors)
+
+
+def score(study: Study, seeds: Sequence[int], folder: Path, errors: bool = False) -> Any:
+    """Score cases that were diagnosed."""
+    options = study["score"].argparse.Namespace(
+        seeds=",".join(map(str, seeds)), output=folder, results=folder / "results",
+        peers=folder / "peers", errors=errors,
+    )  # fmt: skip
+    return study["score"].read(options)
+
+
+def answer_of(**changes: Any) -> dict[str, Any]:
+    """An opened answer: drag on x, or what is changed of it."""
+    effect = {"kind": "drag", "place": "x", "side": "both", "keys": {"drag": 0.8}, "share": 0.1}
+    plain = {
+        "kind": "drag", "noise": 0.01, "effects": [effect], "parameters": {}, "faults": [],
+        "rivals": [],
+    }  # fmt: skip
+    return {**plain, **changes}
+
+
+def told(kind: str, place: str, term: str, value: float, sd: float) -> dict[str, Any]:
+    """A result that claims one force."""
+    parameters = {"b": {"value": value, "sd": sd, "unit": "1", "term": term}}
+    found = {"kind": kind, "place": {"on": place}, "parameters": parameters}
+    diagnosis = {
+        "verdict": "missing physics", "found": [found], "parameters": [], "measurement": [],
+        "alternatives": [],
+    }  # fmt: skip
+    return {"seconds": 1.0, "diagnosis": diagnosis}
