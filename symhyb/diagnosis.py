@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from symhyb.correction.decide import Decision, decide
+from symhyb.correction.evidence import NEAR_NOISE
 from symhyb.correction.findings import (
     Named,
     alternatives_of,
@@ -105,9 +106,10 @@ def diagnose(
 
 def valued(setting: Setting, winner: Refined, prepared: Prepared) -> tuple[Refined, Stage]:
     """The winner refitted on all windows, at the window length that determines its values best:
-    short windows carry more noise, long ones more of what the model still lacks."""
+    short windows carry more noise, long ones more of what the model still lacks. Where nothing more
+    is lacking that is the longest."""
     best: tuple[float, Refined, Stage] | None = None
-    for stage in setting.stages:
+    for stage in reversed(setting.stages):
         trial = refine(
             prepared.model, winner.causes, grouped(winner), stage.laid, setting.sd,
             everything=True, careful=True,
@@ -116,6 +118,8 @@ def valued(setting: Setting, winner: Refined, prepared: Prepared) -> tuple[Refin
         width = float(np.sum(np.log(np.maximum(spread, 1e-300)))) if spread.size else 0.0
         if not trial.fit.reason and (best is None or width < best[0] or not spread.size):
             best = width, trial, stage
+        if best is not None and best[1].fit.scale < NEAR_NOISE:
+            break
     if best is None:
         return winner, setting.stages[-1]
     return replace(best[1], accuracy=setting.accuracy), best[2]

@@ -264,7 +264,10 @@ def _additions(trials: _Trials, winner: Refined) -> Iterator[Refined]:
             if (s := solve(problem, (c,))) is not None]  # fmt: skip
     for subset in sorted(more, key=lambda s: s.chi2)[:TRIALS]:
         gain = (base.chi2 - subset.chi2) / unit_of(winner)
-        if gain > SIGNIFICANT and base.chi2 - subset.chi2 > PROMISE * excess(base.chi2, winner):
+        more = price(winner, subset.numbers, 1, trials.count)
+        if gain > HOPE * (SIGNIFICANT + more) and base.chi2 - subset.chi2 > PROMISE * excess(
+            base.chi2, winner
+        ):
             values = [*grouped(winner), *_first(problem, subset)]
             causes = (*trials.causes(winner), *subset.causes)
             yield trials.refined(causes, values, winner.fit.starts)

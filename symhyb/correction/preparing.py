@@ -39,6 +39,8 @@ WINDOWS_LEAST = 9  # over all recordings at the longest window length
 FIRST_WINDOW = 0.25  # of the shortest period
 GROWTH = 3.0  # from stage to stage, at most
 STAGES_MOST = 4
+GROWN = 10.0  # times an error of the initial state may grow: beyond, a fit has many minima
+SHORTER = 0.7  # windows that are tried where it does
 ACCURACY = 2e-3  # relative, of a fitted value: fixed steps, held inputs, smoothed friction
 GAIN_LEAST = 1e-3  # smaller gain errors are not worth a name
 
@@ -143,8 +145,10 @@ def _stages(prepared: Prepared) -> tuple[Stage, ...]:
     step = max(float(np.median(np.diff(run.recording.t))) for run in prepared.runs)
     share = SAMPLES_MOST / sum(run.recording.t.size for run in prepared.runs)
     shortest = max(FIRST_WINDOW * prepared.shortest, 12 * step)
+    total = sum(run.recording.duration for run in prepared.runs)
+    longest = _foreseen(prepared, shortest, total / WINDOWS_LEAST)
     stages: list[Stage] = []
-    for length in _lengths(shortest, sum(run.recording.duration for run in prepared.runs)):
+    for length in _lengths(shortest, longest):
         laid = [_spread(laid_on(run, prepared.machine, length), share) for run in prepared.runs]
         kept = tuple(item for item in laid if item is not None)
         enough = sum(len(item.start) for item in kept) >= WINDOWS_LEAST
@@ -158,9 +162,32 @@ def _stages(prepared: Prepared) -> tuple[Stage, ...]:
     return tuple(stages)
 
 
-def _lengths(shortest: float, total: float) -> list[float]:
-    """Lengths of windows in s, at equal ratios up to the longest of which enough fit in."""
-    ratio = min(total / WINDOWS_LEAST / shortest, GROWTH ** (STAGES_MOST - 1))
+def _foreseen(prepared: Prepared, shortest: float, longest: float) -> float:
+    """The longest windows in s in which no error of the initial state grows ``GROWN`` times."""
+    while longest > shortest and _growth(prepared, longest) > GROWN:
+        longest *= SHORTER
+    return longest
+
+
+def _growth(prepared: Prepared, length: float) -> float:
+    """How many times an error of the state at the start of a window of ``length`` s grows in the
+    outputs, at most, along the measured motion; a state's error is in proportion to its spread."""
+    model, worst = WindowModel(prepared.machine), 1.0
+    for run in prepared.runs:
+        laid = laid_on(run, prepared.machine, length)
+        if laid is None or laid.states.size == 0:
+            continue
+        item = laid.suited(prepared.machine)
+        spread = item.states.reshape(-1, item.states.shape[2]).std(axis=0)
+        reply = model.along(item.block, item.states, prepared.machine.values).from_start()
+        size = np.sqrt(np.sum((reply * spread / prepared.sd[:, None]) ** 2, axis=(2, 3)))
+        worst = max(worst, float(np.max(size / np.maximum(size[:, :1], 1e-300))))
+    return worst
+
+
+def _lengths(shortest: float, longest: float) -> list[float]:
+    """Lengths of windows in s, at equal ratios."""
+    ratio = min(longest / shortest, GROWTH ** (STAGES_MOST - 1))
     if ratio < 1:
         return [shortest]
     steps = int(np.ceil(np.log(ratio) / np.log(GROWTH) - 1e-9))
