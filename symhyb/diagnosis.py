@@ -24,6 +24,7 @@ from symhyb.correction.findings import (
 from symhyb.correction.leftover import leftover
 from symhyb.correction.preparing import Prepared, prepare, settle
 from symhyb.correction.proof import Proof, prove
+from symhyb.correction.refusal import if_bounded, if_long_enough, with_lies
 from symhyb.correction.setting import Setting, Stage
 from symhyb.correction.sparse import propose
 from symhyb.correction.trajectory import Refined, grouped, refine
@@ -101,7 +102,10 @@ def diagnose(
     shown = prove(prepared, setting, final, stage, items)
     told = _told(model, prepared, final, items, shown)
     left = leftover(setting, certain) if certain.causes else ()
-    return _concluded(model, prepared, decision, final, told, (shown.remainder, left), places)
+    answer = _concluded(model, prepared, decision, final, told, (shown.remainder, left), places)
+    answer = if_bounded(answer, final, decision.nothing, (*prepared.runs, *prepared.holdout))
+    answer = if_long_enough(answer, prepared.runs)
+    return with_lies(answer, model, prepared.lies, final.fit.scale)
 
 
 def valued(setting: Setting, winner: Refined, prepared: Prepared) -> tuple[Refined, Stage]:
