@@ -1,21 +1,21 @@
 """How badly a model and its sensors fit the motion that recordings show, without simulating.
 
-Two numbers. ``forces``: what ΔF holds of all forces, inertia included, that act on a coordinate, as
-it is and after every ordinary cause took what it could: laws of the coordinate's own motion with
-the signs that physics allows, and every force of the model wrong by up to half. ``senses``: how far
-the sensors contradict each other, whatever the forces are. Sizes: N samples, n coordinates.
+Two things are measured. *Forces*: what ΔF holds of all forces, inertia included, that act on the
+coordinates, as it is and after the best two ordinary causes took what they could: laws of the
+motion with the signs that physics allows, equal and opposite between two coordinates, and every
+force of the model wrong by up to half. *Senses*: how far the sensors contradict each other, whatever
+the forces are. Sizes: N samples, n coordinates, C causes.
 """
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import lsq_linear
 
 from symhyb.discrepancy.course import Course, course_of
 from symhyb.discrepancy.hypotheses import GAIN_REACH
 from symhyb.discrepancy.motion import noise_level
-from symhyb.discrepancy.residual import discrepancy
+from symhyb.discrepancy.residual import discrepancy, force_band
 from symhyb.discrepancy.runs import Run
 from symhyb.numeric.buffers import Array
 from symhyb.numeric.machine import Machine
@@ -24,6 +24,7 @@ from symhyb.numeric.vector import along
 TRIMMED = 0.04  # of a recording at either end, where splines are wild
 MASS_MOST = 2.0  # times the inertia of the model: more mass than that is no oversight
 ROWS_MOST = 3000  # samples of a recording that are looked at
+BEAM = 6  # single causes that are tried with a second one
 
 Limited = tuple[Array, float, float]
 
@@ -31,7 +32,8 @@ Limited = tuple[Array, float, float]
 @dataclass(frozen=True, slots=True)
 class Misfit:
     """Shares of squares, dimensionless: ΔF against all forces (``plain``, the sum over coordinates)
-    and after ordinary causes (``ordinary``); ``senses``, the worst sensor against its spread."""
+    and what two ordinary causes and noise leave of it (``ordinary``); ``senses``, the worst sensor
+    against its spread."""
 
     plain: float
     ordinary: float
@@ -43,20 +45,32 @@ class Misfit:
         return max(self.ordinary, self.senses)
 
 
+@dataclass(frozen=True, slots=True)
+class _Forces:
+    """Along one recording, SI: ΔF (N, n) of the free coordinates, the squares (n,) of all that acts
+    and of the noise, and what ordinary causes do: columns (N, n, C) with bounds (C,)."""
+
+    lacking: Array
+    size: Array
+    noise: Array
+    columns: Array
+    lower: Array
+    upper: Array
+
+
 def misfit(machine: Machine, runs: Sequence[Run]) -> Misfit:
     """The misfit of a model, with ``machine.values``, along the smoothed motion of recordings."""
-    parts = [list(_rows(machine, course_of(r.recording, machine, r.motion))) for r in runs]
-    plain = ordinary = 0.0
-    for rows in zip(*parts, strict=True):  # one coordinate at a time, over all recordings
-        lacking = np.concatenate([row[0] for row in rows])
-        size = sum(float(row[1]) for row in rows)
-        if size <= 0 or not np.isfinite(size):
-            plain, ordinary = plain + float(size > 0), ordinary + float(size > 0)
-            continue
-        columns = [np.concatenate(pair) for pair in zip(*(row[2] for row in rows), strict=True)]
-        plain += float(lacking @ lacking) / size
-        ordinary += _left(lacking, columns, rows[0][3]) / size
-    return Misfit(plain, ordinary, senses(machine, runs))
+    parts = [_forces(machine, run) for run in runs]
+    size = np.sum([part.size for part in parts], axis=0)
+    scale = np.where(size > 0, 1 / np.sqrt(np.where(size > 0, size, 1.0)), 0.0)
+    lacking = np.concatenate([(part.lacking * scale).ravel() for part in parts])
+    columns = np.concatenate(
+        [(p.columns * scale[:, None]).reshape(-1, p.columns.shape[2]) for p in parts]
+    )
+    plain = float(lacking @ lacking)
+    noise = float(np.sum([part.noise * scale**2 for part in parts]))
+    left = _least(columns, lacking, parts[0].lower, parts[0].upper)
+    return Misfit(plain, max(left - noise, 0.0), senses(machine, runs))
 
 
 def senses(machine: Machine, runs: Sequence[Run]) -> float:
@@ -75,61 +89,84 @@ def senses(machine: Machine, runs: Sequence[Run]) -> float:
     return worst
 
 
-def _rows(
-    machine: Machine, c: Course
-) -> Iterator[tuple[Array, float, list[Array], tuple[Array, Array]]]:
-    """Of every free coordinate ΔF (N,), the sum of squares of all that acts, and columns of the
-    ordinary causes with their bounds."""
-    size = c.t.size
-    inner = slice(int(TRIMMED * size), size - int(TRIMMED * size), max(size // ROWS_MOST, 1))
+def _forces(machine: Machine, run: Run) -> _Forces:
+    c, free = course_of(run.recording, machine, run.motion), list(machine.free)
+    count = c.t.size
+    rows = slice(int(TRIMMED * count), count - int(TRIMMED * count), max(count // ROWS_MOST, 1))
     given = c.q, c.v, c.z, c.u, c.t, machine.values
-    (k_e,) = along(machine.k_e, given, (5,), size)
-    (flat,) = along(machine.elements, given, (5,), size)
-    forces = flat.reshape(size, -1, machine.n).swapaxes(1, 2)
+    (k_e,) = along(machine.k_e, given, (5,), count)
+    (flat,) = along(machine.elements, given, (5,), count)
+    elements = flat.reshape(count, -1, machine.n).swapaxes(1, 2)
     lacking = discrepancy(machine, c, machine.values)
-    inertia = lacking + k_e
-    rest = k_e - forces.sum(axis=2)
-    for i in machine.free:
-        acting = [forces[inner, i, e] for e in range(forces.shape[2])]
-        acting += [inertia[inner, i], rest[inner, i]]
-        acting = [force for force in acting if np.any(force)]
-        limited = [*_laws(c, i, inner, inertia[inner, i]), *((f, -GAIN_REACH, GAIN_REACH) for f in acting)]
-        columns = [column for column, _, _ in limited]
-        bounds = np.array([low for _, low, _ in limited]), np.array([up for *_, up in limited])
-        total = sum(float(force @ force) for force in acting)
-        yield lacking[inner, i], total, columns, bounds
+    rest, inertia = k_e - elements.sum(axis=2), lacking + k_e
+    acting = np.concatenate([elements, inertia[..., None], rest[..., None]], axis=2)[rows][:, free]
+    noise = force_band(machine, run.motion, c)[rows][:, free]
+    ordinary = list(_laws(c, free, rows, acting[..., -2]))
+    ordinary += [(acting[..., e], -GAIN_REACH, GAIN_REACH) for e in range(acting.shape[2])]
+    return _Forces(
+        lacking[rows][:, free],
+        np.sum(acting**2, axis=(0, 2)),
+        np.sum(noise**2, axis=0),
+        np.stack([column for column, _, _ in ordinary], axis=2),
+        np.array([low for _, low, _ in ordinary]),
+        np.array([high for _, _, high in ordinary]),
+    )
 
 
-def _laws(c: Course, i: int, rows: slice, inertia: Array) -> Iterator[Limited]:
-    """Forces (N,) of unit laws on a coordinate, with the bounds of their coefficients: a passive
-    machine only loses energy."""
-    q, v, a = c.q[rows, i], c.v[rows, i], c.a[rows, i]
-    centred, fast = q - q.mean(), max(float(np.abs(v).max()), 1e-300)
-    yield np.ones_like(q), -np.inf, np.inf
-    for held in (centred, centred**3, np.sin(q), np.cos(q)):
-        yield held, -np.inf, np.inf
-    for lost in (v, np.abs(v) * v, np.tanh(100 * v / fast)):
-        yield -lost, 0.0, np.inf
-    pull = float(np.linalg.norm(a))
-    mass = float(np.linalg.norm(inertia)) / pull if pull > 0 else 0.0
-    if mass > 0:
-        yield -a, 0.0, MASS_MOST * mass
-    for j in range(c.q.shape[1]):
-        if j != i:
-            yield q - c.q[rows, j], -np.inf, np.inf
-            yield c.v[rows, j] - v, 0.0, np.inf
+def _laws(c: Course, free: Sequence[int], rows: slice, inertia: Array) -> Iterator[Limited]:
+    """Forces (N, n) of unit laws on every coordinate and between two, with the bounds of their
+    coefficients: a passive machine only loses energy, and what it does to one coordinate it does to
+    the other in the opposite direction."""
+    q, v, a = c.q[rows][:, free], c.v[rows][:, free], c.a[rows][:, free]
+    for i in range(len(free)):
+        own = np.eye(len(free))[i]
+        for held in _holding(q[:, i]):
+            yield held[:, None] * own, -np.inf, np.inf
+        for lost in _losing(v[:, i]):
+            yield -lost[:, None] * own, 0.0, np.inf
+        pull = float(np.linalg.norm(a[:, i]))
+        mass = float(np.linalg.norm(inertia[:, i])) / pull if pull > 0 else 0.0
+        yield -a[:, i : i + 1] * own, 0.0, MASS_MOST * mass
+        for j in range(i):
+            pair = own - np.eye(len(free))[j]
+            for held in _holding(q[:, i] - q[:, j])[1:]:
+                yield held[:, None] * pair, -np.inf, np.inf
+            for lost in _losing(v[:, i] - v[:, j]):
+                yield -lost[:, None] * pair, 0.0, np.inf
 
 
-def _left(lacking: Array, columns: Sequence[Array], bounds: tuple[Array, Array]) -> float:
-    """The squares of ``lacking`` (N,) that columns within bounds of their coefficients leave."""
-    matrix = np.column_stack([*columns, lacking])
-    scale = np.linalg.norm(matrix, axis=0)
-    seen = scale > 0
-    if not seen[-1]:
-        return 0.0
-    scale = np.where(seen, scale, 1.0)
-    factor = np.linalg.qr(matrix / scale, mode="r")
-    used = seen[:-1]
-    low, high = (bound[used] * scale[:-1][used] / scale[-1] for bound in bounds)
-    fitted = lsq_linear(factor[:, :-1][:, used], factor[:, -1], (low, high), method="bvls")
-    return float(2 * fitted.cost * scale[-1] ** 2)
+def _holding(s: Array) -> tuple[Array, ...]:
+    centred = s - s.mean()
+    return np.ones_like(s), centred, centred**3, np.sin(s), np.cos(s)
+
+
+def _losing(rate: Array) -> tuple[Array, ...]:
+    fast = max(float(np.abs(rate).max()), 1e-300)
+    return rate, np.abs(rate) * rate, np.tanh(100 * rate / fast)
+
+
+def _least(columns: Array, lacking: Array, lower: Array, upper: Array) -> float:
+    """The squares of ``lacking`` (R,) that the best two of the columns (R, C) leave, their
+    coefficients (C,) within bounds."""
+    total = float(lacking @ lacking)
+    length = np.linalg.norm(columns, axis=0)
+    used = np.flatnonzero(np.isfinite(length) & (length > 0))
+    if total <= 0 or used.size == 0:
+        return total
+    unit = columns[:, used] / length[used]
+    low, high = lower[used] * length[used], upper[used] * length[used]
+    gram, along_each = unit.T @ unit, unit.T @ lacking
+    alone = np.clip(along_each, low, high)
+    single = total - 2 * alone * along_each + alone**2
+    best = float(single.min())
+    for i in np.argsort(single)[:BEAM]:
+        overlap = gram[i]
+        free = 1 - overlap**2
+        with np.errstate(divide="ignore", invalid="ignore"):
+            first = (along_each[i] - overlap * along_each) / free
+            second = (along_each - overlap * along_each[i]) / free
+            pair = total - first * along_each[i] - second * along_each
+        allowed = (free > 1e-9) & (first >= low[i]) & (first <= high[i])
+        allowed &= (second >= low) & (second <= high)
+        best = min(best, float(pair[allowed].min(initial=np.inf)))
+    return max(best, 0.0)

@@ -34,7 +34,7 @@ HELPS = 0.3  # of the misfit may be left, for a suspicion to be told
 ALIKE = 3.0  # two lies whose misfits are closer than this cannot be told apart
 LEVEL = 1e-4  # of squares: smaller misfits are alike
 SAMPLES_MOST = 2000  # of a recording, that are looked at
-COARSER = 3.0  # knots that are tried too: channels that contradict each other ask for finer ones
+SPACINGS_TRIED = (1.6, 4.0, 8.0, 16.0, 32.0, 64.0)  # samples between two knots
 SAMPLES_PERIOD = 80  # of the shortest period, that are kept
 LIE_LEAST = 1.5  # a factor closer to 1 is a gain
 
@@ -44,6 +44,7 @@ UNITS = (
     "N", "kN", "mN", "kgf", "lbf", "N*m", "mN*m", "kN*m", "V", "mV", "A", "mA",
 )  # fmt: skip
 """Units that recordings come in; of a channel, those of its dimension are tried."""
+TOGETHER = ("mm", "cm", "deg", "turn")  # lengths or angles, their speeds and accelerations
 NAMED = {"g": (9.80665, "m/s^2"), "kgf": (9.80665, "N"), "lbf": (4.4482216, "N")}
 TIMES = (("ms", 1e3), ("us", 1e6), ("min", 1 / 60))
 PLURALS = {"deg": "degrees", "turn": "revolutions", "inch": "inches"}
@@ -97,12 +98,24 @@ def suspect(machine: Machine, runs: Sequence[Run]) -> Repair:
     if before is None or before.worst < SUSPECT or any(run.motion.blind for run in runs):
         return Repair(model, ())
     short = [_shortened(run) for run in runs]
-    scored = []
+    spacing = float(np.median([run.motion.spacing_s for run in runs]))
+    plain = _along(machine, short, spacing)
+    before = None if plain is None else _measured(machine, plain)
+    if plain is None or before is None or before.worst < SUSPECT:
+        return Repair(model, ())
+    inputs, scored = {item.name for item in model.inputs}, []
     for lie in lies_of(model, short):
         changed = replace(machine, model=with_lie(model, lie))
         values = np.array([item.si for item in changed.model.all_parameters()])
         changed = replace(changed, values=values)
-        after = _tried(changed, [_undone(r, [lie]) for r in short], _spacing(lie, runs))
+        moved = lie.kind == "time" or not inputs.issuperset(lie.channels)
+        tried = [_undone(recording, [lie]) for recording in short]
+        if moved:
+            scale = lie.factor if lie.kind == "time" else 1.0
+            found = _along(changed, tried, spacing / scale)
+        else:
+            found = tuple(replace(r, recording=one) for r, one in zip(plain, tried, strict=True))
+        after = None if found is None else _measured(changed, found)
         if after is not None:
             scored.append((lie, after))
     return _judged(model, before, scored)
@@ -143,19 +156,22 @@ def _helps(before: Misfit, after: Misfit) -> bool:
     )
 
 
-def _spacing(lie: Lie, runs: Sequence[Run]) -> float:
-    """The distance of knots, s, that the recordings as they are asked for."""
-    first = float(np.median([run.motion.spacing_s for run in runs]))
-    return first / lie.factor if lie.kind == "time" else first
-
-
-def _tried(machine: Machine, recordings: Sequence[Recording], spacing: float) -> Misfit | None:
-    spacings = (spacing, COARSER * spacing)
-    try:
-        runs = [Run(r, motion_of(r, machine, spacings), np.empty(0)) for r in recordings]
-    except InputError:
-        return None
-    return _measured(machine, runs)
+def _along(
+    machine: Machine, recordings: Sequence[Recording], spacing_s: float
+) -> tuple[Run, ...] | None:
+    """Recordings with their motion, or None where there is none. Channels that contradict each
+    other ask for finer knots than channels that agree, so besides ``spacing_s`` others are tried.
+    """
+    runs = []
+    for recording in recordings:
+        step = float(np.median(np.diff(recording.t)))
+        spacings = sorted({spacing_s, *(one * step for one in SPACINGS_TRIED)})
+        try:
+            motion = motion_of(recording, machine, spacings)
+        except InputError:
+            return None
+        runs.append(Run(recording, motion, np.empty(0)))
+    return tuple(runs)
 
 
 def _measured(machine: Machine, runs: Sequence[Run]) -> Misfit | None:
@@ -201,10 +217,15 @@ def lies_of(model: Model, recordings: Sequence[Recording]) -> Iterator[Lie]:
         yield Lie("sign", (channel.name,), -1.0)
         for word, factor in misreadings(channel.unit):
             yield Lie("unit", (channel.name,), factor, word)
-    for unit in dict.fromkeys(sensor.unit for sensor in present):
-        alike = [s for s in present if s.unit.same_dimension(unit) and s.unit == unit]
-        for word, factor in misreadings(unit) if len(alike) > 1 else ():
-            yield Lie("unit", tuple(s.name for s in alike), factor, word)
+    for word in TOGETHER:
+        factors = {
+            s.name: factor
+            for s in present
+            for other, factor in misreadings(s.unit)
+            if other.split("/")[0] == word
+        }
+        if len(factors) > 1 and max(factors.values()) < 1.001 * min(factors.values()):
+            yield Lie("unit", tuple(factors), max(factors.values()), word)
     for group in (present, model.inputs):
         for first, second in combinations(group, 2):
             yield Lie("swap", (first.name, second.name))
