@@ -27,7 +27,7 @@ from symhyb.discrepancy.motion import motion_of
 from symhyb.discrepancy.residual import discrepancy
 from symhyb.discrepancy.results import Lie
 from symhyb.discrepancy.runs import Run, laid_on, noise_sd, with_noise
-from symhyb.discrepancy.suspicion import suspect
+from symhyb.discrepancy.suspicion import repaired, suspect
 from symhyb.discrepancy.windows import Laid
 from symhyb.errors import InputError, Problem
 from symhyb.model.types import Model, Place
@@ -65,8 +65,11 @@ def prepare(
     model: Model,
     recordings: Recording | Sequence[Recording],
     holdout: Recording | Sequence[Recording] = (),
+    clocks: tuple[Lie, ...] = (),
 ) -> Prepared:
     """Lower the model, thin the recordings and estimate motion and noise.
+
+    Channels that lie are put right first, those whose ``clocks`` are known to drift among them.
 
     Raises:
         InputError: no recording, or a coordinate that no sensor sees.
@@ -80,9 +83,10 @@ def prepare(
     machine = build(extended)
     first = [Run(r, motion_of(r, machine), np.empty(0)) for r in recordings]
     repair = suspect(machine, first)
-    if any(lie.claimed for lie in repair.told):
+    lies = (*repair.told, *clocks)
+    if any(lie.claimed for lie in lies):
         extended, machine = repair.model, build(repair.model)
-        recordings, holdout = repair.recordings(recordings), repair.recordings(holdout)
+        recordings, holdout = repaired(recordings, lies), repaired(holdout, lies)
         first = [Run(r, motion_of(r, machine), np.empty(0)) for r in recordings]
     periods = np.concatenate([run.motion.periods() for run in first])
     shortest = float(np.min(periods))
@@ -91,7 +95,7 @@ def prepare(
     sd = noise_sd(runs, machine)
     windows = WindowModel(machine)
     train, unseen = (with_noise(group, sd, windows) for group in (runs, proofs))
-    return Prepared(extended, machine, train, unseen, sd, shortest, repair.told)
+    return Prepared(extended, machine, train, unseen, sd, shortest, lies)
 
 
 def settle(prepared: Prepared) -> Setting:

@@ -1,8 +1,10 @@
 """A recording without the samples that its sensors got wrong."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from symhyb.data.faults import faulty
 from symhyb.data.recording import Recording
@@ -14,11 +16,20 @@ SUDDEN = ("accelerometer_x", "accelerometer_y", "force", "reaction")
 
 
 def without_faults(recording: Recording, model: Model) -> Recording:
-    """The recording without spikes, dropouts and saturated samples, with a note on each.
+    """The recording without dead sensors, spikes, dropouts and saturated samples, with a note on
+    each.
 
-    A spike of an accelerometer or of a force sensor may be an impact: there it stays.
+    A sensor that never changes is dead where another one moves. A spike of an accelerometer or of a
+    force sensor may be an impact: there it stays.
     """
     sensors, notes = dict(recording.sensors), []
+    dead = [name for name, values in sensors.items() if not moves(values)]
+    for name in dead if len(dead) < len(sensors) else []:
+        del sensors[name]
+        notes.append(
+            f"{recording.name}: sensor {name} is constant while others move, so it is dead; it is "
+            "left out"
+        )
     for sensor in model.sensors:
         values = sensors.get(sensor.name)
         if values is None:
@@ -37,6 +48,18 @@ def without_faults(recording: Recording, model: Model) -> Recording:
     if not notes:
         return recording
     return replace(recording, sensors=sensors, notes=(*recording.notes, *notes))
+
+
+def moves(values: NDArray[np.float64]) -> bool:
+    """Whether a signal (N,), in any unit, changes at all."""
+    known = values[np.isfinite(values)]
+    return bool(known.size and np.ptp(known) > 0)
+
+
+def still(recordings: Sequence[Recording]) -> bool:
+    """Whether there are recordings, and no sensor changes in any of them."""
+    values = [column for one in recordings for column in one.sensors.values()]
+    return bool(recordings) and not any(map(moves, values))
 
 
 def _sudden(sensor: Sensor) -> bool:

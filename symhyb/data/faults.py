@@ -18,7 +18,9 @@ Flags = NDArray[np.bool_]
 CLIPPED = 0.01  # part of the samples at the extreme value
 CLIPPED_RUN = 3  # samples in a row
 CREST = 5  # times as many samples as at the next level: the crest of a coarse signal is populated
-ENTRY = 0.2  # of the RMS step: how fast a signal runs into its limit, where it does not come to rest
+ENTRY = (
+    0.2  # of the RMS step: how fast a signal runs into its limit, where it does not come to rest
+)
 SPIKE = 12.0  # times what nine of ten samples deviate from their neighbours
 SPIKE_PATTERN = 0.2  # how closely the neighbours must show that only one sample is wrong
 SPIKES_MOST = 0.05  # of the samples: more are the signal itself

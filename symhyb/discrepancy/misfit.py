@@ -3,8 +3,8 @@
 Two things are measured. *Forces*: what ΔF holds of all forces, inertia included, that act on the
 coordinates, as it is and after the best two ordinary causes took what they could: laws of the
 motion with the signs that physics allows, equal and opposite between two coordinates, and every
-force of the model wrong by up to half. *Senses*: how far the sensors contradict each other, whatever
-the forces are. Sizes: N samples, n coordinates, C causes.
+force of the model wrong by up to half. *Senses*: how far the sensors contradict each other,
+whatever the forces are. Sizes: N samples, n coordinates, C causes.
 """
 
 from collections.abc import Iterator, Sequence

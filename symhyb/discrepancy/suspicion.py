@@ -23,6 +23,7 @@ from symhyb.discrepancy.runs import SAMPLES_TELL, Run
 from symhyb.discrepancy.wording import joined, percent_text
 from symhyb.errors import InputError
 from symhyb.model.types import Input, Model, Parameter, Sensor
+from symhyb.numeric.buffers import resampled
 from symhyb.numeric.machine import Machine
 from symhyb.units import ONE, Unit, parse_unit
 
@@ -57,10 +58,6 @@ class Repair:
     model: Model
     told: tuple[Lie, ...]
 
-    def recordings(self, given: Sequence[Recording]) -> tuple[Recording, ...]:
-        """Recordings with exchanged columns and the time column put right."""
-        return repaired(given, self.told)
-
 
 def repaired(given: Sequence[Recording], lies: Sequence[Lie]) -> tuple[Recording, ...]:
     """Recordings with what no model file can say put right: exchanged columns, the unit of time.
@@ -75,6 +72,8 @@ def _undone(recording: Recording, lies: Sequence[Lie]) -> Recording:
     for lie in lies:
         if lie.kind == "time":
             recording = replace(recording, t=recording.t / lie.factor)
+        if lie.kind == "clock":
+            recording = _retimed(recording, lie)
         if lie.kind == "swap":
             first, second = lie.channels
             sensors, inputs = dict(recording.sensors), dict(recording.inputs)
@@ -83,6 +82,21 @@ def _undone(recording: Recording, lies: Sequence[Lie]) -> Recording:
                 side[first], side[second] = side[second], side[first]
             recording = replace(recording, sensors=sensors, inputs=inputs)
     return recording
+
+
+def _retimed(recording: Recording, lie: Lie) -> Recording:
+    """A recording in which a channel's delay no longer grows."""
+    sensors, inputs = dict(recording.sensors), dict(recording.inputs)
+    grown = lie.factor * (recording.t - recording.t[0])
+    for name in lie.channels:
+        if name in sensors:  # what it shows at t + d was true at t
+            at = recording.t + grown
+            known = np.isfinite(sensors[name])
+            column = resampled(recording.t[known], sensors[name][known], at)
+            sensors[name] = np.where((at < recording.t[0]) | (at > recording.t[-1]), np.nan, column)
+        if name in inputs:
+            inputs[name] = resampled(recording.t, inputs[name], recording.t - grown)
+    return replace(recording, sensors=sensors, inputs=inputs)
 
 
 def suspect(machine: Machine, runs: Sequence[Run]) -> Repair:
@@ -284,7 +298,7 @@ def gain_of(model: Model, lie: Lie, name: str) -> float:
 def _rank(lie: Lie, model: Model) -> tuple[int, int, int]:
     """Which of two lies that fit alike is named: a sign before a unit before an exchange before
     the time, an input before a sensor, all sensors of a unit before a single one."""
-    order = ("sign", "unit", "swap", "time")
+    order = ("sign", "unit", "swap", "time", "clock")
     inputs = {item.name for item in model.inputs}
     return order.index(lie.kind), int(not inputs & {*lie.channels}), -len(lie.channels)
 
@@ -301,6 +315,8 @@ def said(lie: Lie) -> str:
             return f"{names} {verb} recorded in {word}"
         case "swap":
             return f"the columns of {names} are exchanged"
+        case "clock":
+            return f"the clock of {names} does not keep the time of the other channels"
         case _:
             return f"the time column is in {lie.word}, not in s"
 
@@ -326,5 +342,3 @@ def _share(found: Misfit) -> str:
     if found.senses > max(found.ordinary, SUSPECT):
         return f"the sensors contradict each other by {percent_text(found.senses)} of a variance"
     return f"{percent_text(min(found.ordinary, 1.0))} of the squared forces have no ordinary cause"
-
-
