@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 from symhyb.data.faults import faulty
 from symhyb.data.recording import Recording
 from symhyb.data.rows import SHORTEST, blocks
+from symhyb.errors import InputError, Problem
 from symhyb.model.expression import names, readings
 from symhyb.model.types import Model, Sensor
 
@@ -21,9 +23,14 @@ def without_faults(recording: Recording, model: Model) -> Recording:
 
     A sensor that never changes is dead where another one moves. A spike of an accelerometer or of a
     force sensor may be an impact: there it stays.
+
+    Raises:
+        InputError: one column stands for two sensors that measure different things.
     """
     sensors, notes = dict(recording.sensors), []
-    dead = [name for name, values in sensors.items() if not moves(values)]
+    for first, second in combinations(model.sensors, 2):
+        _require_two(recording, first, second)
+    dead = [n for n, values in sensors.items() if np.isfinite(values).any() and not moves(values)]
     for name in dead if len(dead) < len(sensors) else []:
         del sensors[name]
         notes.append(
@@ -48,6 +55,18 @@ def without_faults(recording: Recording, model: Model) -> Recording:
     if not notes:
         return recording
     return replace(recording, sensors=sensors, notes=(*recording.notes, *notes))
+
+
+def _require_two(recording: Recording, first: Sensor, second: Sensor) -> None:
+    one, other = (recording.sensors.get(sensor.name) for sensor in (first, second))
+    if one is None or other is None or first.measures == second.measures or not moves(one):
+        return
+    if np.array_equal(one, other, equal_nan=True):
+        text = (
+            f"{first.name} and {second.name} hold the same samples, though they measure different "
+            "things; map each of them to its own column"
+        )
+        raise InputError(Problem(text, "sensors", recording.name))
 
 
 def moves(values: NDArray[np.float64]) -> bool:
