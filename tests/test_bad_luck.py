@@ -11,12 +11,14 @@ import symhyb as sh
 from symhyb.correction.clocks import drifting
 from symhyb.correction.preparing import prepare, settle
 from symhyb.correction.refusal import runs_away
+from symhyb.correction.selection import Problem, best_subsets, solve
 from symhyb.data.recording import Recording
+from symhyb.discrepancy.hypotheses import Hypothesis
 from symhyb.discrepancy.motion import motion_of
 from symhyb.discrepancy.results import Lie
 from symhyb.discrepancy.runs import Run
 from symhyb.model.read import parse_model
-from symhyb.model.types import Model
+from symhyb.model.types import Model, On
 from symhyb.numeric.machine import build
 from tests.builders import double_pendulum
 from tests.liars import chain_model, chain_recording, pendulum_model, pendulum_recording
@@ -114,6 +116,25 @@ def test_one_column_for_two_sensors_is_refused_with_the_cure() -> None:
     same = replace(run, sensors={"near": run.sensors["near"], "far": run.sensors["near"].copy()})
     with pytest.raises(sh.InputError, match=r"near and far hold the same samples.*own column"):
         sh.diagnose(chain_model(), same)
+
+
+def test_a_regression_with_identical_columns_takes_one_of_them() -> None:
+    random = np.random.default_rng(0)
+    column = random.standard_normal(200)
+    rows = np.column_stack([column, column, 2 * column + 0.1 * random.standard_normal(200)])
+    causes = tuple(
+        Hypothesis(kind, On("x"), (term,), (False,))
+        for kind, term in (("spring", "stiffness"), ("constant", "constant"))
+    )
+    gram = rows.T @ rows
+    free = np.full(2, np.inf)
+    problem = Problem(
+        gram, gram, causes, ((0,), (1,)), (), np.zeros(2), -free, free, np.zeros(2)
+    )  # fmt: skip
+    assert solve(problem, (0, 1)) is None
+    sizes = best_subsets(problem)
+    assert len(sizes) == 2
+    assert sizes[1][0].values == pytest.approx([2.0], rel=0.02)
 
 
 def test_a_correction_that_runs_away_is_seen() -> None:

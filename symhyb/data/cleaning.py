@@ -28,8 +28,8 @@ def without_faults(recording: Recording, model: Model) -> Recording:
         InputError: one column stands for two sensors that measure different things.
     """
     sensors, notes = dict(recording.sensors), []
-    for first, second in combinations(model.sensors, 2):
-        _require_two(recording, first, second)
+    for pair in combinations(model.sensors, 2):
+        _require_two(recording, *pair)
     dead = [n for n, values in sensors.items() if np.isfinite(values).any() and not moves(values)]
     for name in dead if len(dead) < len(sensors) else []:
         del sensors[name]
@@ -46,10 +46,10 @@ def without_faults(recording: Recording, model: Model) -> Recording:
             if kept < SHORTEST or (words == "has spikes" and _sudden(sensor)):
                 continue
             values = np.where(flags, np.nan, values)
-            first = blocks(flags)[0].span(recording.t)
+            when = blocks(flags)[0].span(recording.t)
             notes.append(
                 f"{recording.name}: sensor {sensor.name} {words}: {flags.sum()} of {flags.size} "
-                f"samples, first at {first}; they are left out"
+                f"samples, first at {when}; they are left out"
             )
         sensors[sensor.name] = values
     if not notes:

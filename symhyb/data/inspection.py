@@ -116,9 +116,7 @@ def _clipping_notes(
         )
 
 
-def _sample_notes(
-    name: str, values: NDArray[np.float64], t: NDArray[np.float64]
-) -> Iterator[str]:
+def _sample_notes(name: str, values: NDArray[np.float64], t: NDArray[np.float64]) -> Iterator[str]:
     """Say which samples a sensor got wrong one by one."""
     for words, flags in faulty(values):
         if words != "is saturated":
