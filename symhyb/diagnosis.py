@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from symhyb.correction.clocks import drifting
 from symhyb.correction.decide import Decision, decide
 from symhyb.correction.evidence import NEAR_NOISE
 from symhyb.correction.findings import (
@@ -25,11 +26,13 @@ from symhyb.correction.findings import (
 from symhyb.correction.leftover import leftover
 from symhyb.correction.preparing import Prepared, prepare, settle
 from symhyb.correction.proof import Proof, prove
+from symhyb.correction.refusal import if_bounded, if_long_enough, with_lies
 from symhyb.correction.setting import Setting, Stage
 from symhyb.correction.sparse import propose
 from symhyb.correction.strength import element_forces
 from symhyb.correction.trajectory import Refined, grouped, refine
-from symhyb.data.recording import Recording
+from symhyb.data.cleaning import still
+from symhyb.data.recording import Recording, several
 from symhyb.discrepancy.course import course_of
 from symhyb.discrepancy.hypotheses import Hypothesis
 from symhyb.discrepancy.locate import activity, locate
@@ -61,6 +64,11 @@ RECORD_NEXT = (
     "moves at least thirty times its sensor's noise"
 )
 
+STILL = (
+    "These recordings cannot tell: no sensor changes in any of them, so that the machine stands "
+    "still or its sensors are dead. Nothing in them contradicts the model."
+)
+
 Say = Callable[[str], None]
 
 
@@ -81,9 +89,15 @@ def diagnose(
         NumericsError: the model cannot be simulated along the recordings at all.
     """
     tell = say or (lambda line: None)
+    if still(several(recordings)):
+        return Diagnosis("undecided", STILL, record_next=RECORD_NEXT)
     tell("estimating motion and noise")
     prepared = prepare(model, recordings, holdout)
     setting = settle(prepared)
+    clock = drifting(setting, lambda clocks: settle(prepare(model, recordings, holdout, clocks)))
+    if clock is not None:
+        prepared = prepare(model, recordings, holdout, (clock,))
+        setting = settle(prepared)
     tell("sparse regression on the weak form")
     middle = setting.stages[min(1, len(setting.stages) - 1)]
     proposals = propose(prepared.machine, setting.library, middle.laid, 5 / prepared.shortest)
@@ -101,7 +115,10 @@ def diagnose(
     shown = prove(prepared, setting, final, stage, items)
     told = _told(model, prepared, final, items, shown)
     left = leftover(setting, certain) if certain.causes else ()
-    return _concluded(model, prepared, decision, final, told, (shown.remainder, left), places)
+    answer = _concluded(model, prepared, decision, final, told, (shown.remainder, left), places)
+    answer = if_bounded(answer, final, decision.nothing, (*prepared.runs, *prepared.holdout))
+    answer = if_long_enough(answer, prepared.runs)
+    return with_lies(answer, model, prepared.lies, final.fit.scale)
 
 
 def valued(setting: Setting, winner: Refined, prepared: Prepared) -> tuple[Refined, Stage]:

@@ -21,11 +21,13 @@ from typing import Any
 
 from symhyb import __version__
 from symhyb.correction.apply import apply
+from symhyb.data.cleaning import without_faults
 from symhyb.data.datasets import fetch
 from symhyb.data.recording import Recording, read_recording
 from symhyb.diagnosis import diagnose
 from symhyb.discrepancy.judge import judge
 from symhyb.discrepancy.results import Diagnosis, Verdict
+from symhyb.discrepancy.suspicion import repaired
 from symhyb.errors import InputError, Problem
 from symhyb.expected import Check, Expected, check, read_expected
 from symhyb.model.diff import diff
@@ -102,11 +104,11 @@ def carry_out(study: Study, say: Say | None = None) -> StudyResult:
     diagnosis = diagnose(model, train, holdout, say=say)
     corrected = apply(model, diagnosis.found, diagnosis.parameters, diagnosis.measurement)
     say("judging the correction")
-    verdict = judge(
+    verdict = judge(  # on what the diagnosis put right: exchanged columns, times, wrong samples
         model,
         corrected,
-        holdout,
-        train=train,
+        repaired([without_faults(one, model) for one in holdout], diagnosis.lies),
+        train=repaired([without_faults(one, model) for one in train], diagnosis.lies),
         window_s=study.window_s,
         force_band_hz=study.force_band_hz,
     )

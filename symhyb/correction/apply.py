@@ -21,8 +21,11 @@ def apply(
     Raises:
         InputError: a name or a unit that does not fit this model.
     """
-    changed = {item.name: (item.value, item.sd) for item in parameters}
-    changed |= {f"{m.channel}.{m.kind}": (m.value, m.sd) for m in measurement}
+    changed: dict[str, tuple[float, float | None]] = {
+        item.name: (item.value, item.sd) for item in parameters
+    }
+    for m in measurement:  # the factor between two units has no deviation
+        changed[f"{m.channel}.{m.kind}"] = (m.value, m.sd or None)
     corrected = replace_parameters(model, changed) if changed else model
     elements = [item.element for item in found]
     return append_elements(corrected, elements) if elements else corrected

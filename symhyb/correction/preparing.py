@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from symhyb.correction.setting import Setting, Stage
+from symhyb.data.cleaning import without_faults
 from symhyb.data.recording import Recording, several
 from symhyb.data.thin import thinned
 from symhyb.discrepancy.candidates import (
@@ -24,7 +25,9 @@ from symhyb.discrepancy.hypotheses import (
 )  # fmt: skip
 from symhyb.discrepancy.motion import motion_of
 from symhyb.discrepancy.residual import discrepancy
+from symhyb.discrepancy.results import Lie
 from symhyb.discrepancy.runs import Run, laid_on, noise_sd, with_noise
+from symhyb.discrepancy.suspicion import repaired, suspect
 from symhyb.discrepancy.windows import Laid
 from symhyb.errors import InputError, Problem
 from symhyb.model.types import Model, Place
@@ -48,7 +51,8 @@ GAIN_LEAST = 1e-3  # smaller gain errors are not worth a name
 @dataclass(frozen=True, slots=True)
 class Prepared:
     """Model with channels, lowered; runs thinned to what the motion needs,
-    noise ``sd`` (m,) SI, and the ``shortest`` period of the motion in s."""
+    noise ``sd`` (m,) SI, and the ``shortest`` period of the motion in s; ``lies`` are channels that
+    were put right, or are suspected."""
 
     model: Model
     machine: Machine
@@ -56,14 +60,18 @@ class Prepared:
     holdout: tuple[Run, ...]
     sd: Array
     shortest: float
+    lies: tuple[Lie, ...] = ()
 
 
 def prepare(
     model: Model,
     recordings: Recording | Sequence[Recording],
     holdout: Recording | Sequence[Recording] = (),
+    clocks: tuple[Lie, ...] = (),
 ) -> Prepared:
     """Lower the model, thin the recordings and estimate motion and noise.
+
+    Channels that lie are put right first, those whose ``clocks`` are known to drift among them.
 
     Raises:
         InputError: no recording, or a coordinate that no sensor sees.
@@ -71,9 +79,17 @@ def prepare(
     recordings, holdout = several(recordings), several(holdout)
     if not recordings:
         raise InputError(Problem("no recording was given; a diagnosis needs at least one"))
+    recordings = tuple(without_faults(r, model) for r in recordings)
+    holdout = tuple(without_faults(r, model) for r in holdout)
     extended = with_channels(model)
     machine = build(extended)
     first = [Run(r, motion_of(r, machine), np.empty(0)) for r in recordings]
+    repair = suspect(machine, first)
+    lies = (*repair.told, *clocks)
+    if any(lie.claimed for lie in lies):
+        extended, machine = repair.model, build(repair.model)
+        recordings, holdout = repaired(recordings, lies), repaired(holdout, lies)
+        first = [Run(r, motion_of(r, machine), np.empty(0)) for r in recordings]
     periods = np.concatenate([run.motion.periods() for run in first])
     shortest = float(np.min(periods))
     runs = [_thin(run, machine, shortest) for run in first]
@@ -81,7 +97,7 @@ def prepare(
     sd = noise_sd(runs, machine)
     windows = WindowModel(machine)
     train, unseen = (with_noise(group, sd, windows) for group in (runs, proofs))
-    return Prepared(extended, machine, train, unseen, sd, shortest)
+    return Prepared(extended, machine, train, unseen, sd, shortest, lies)
 
 
 def settle(prepared: Prepared) -> Setting:

@@ -58,8 +58,8 @@ def screen(
             )
         )
     forces, free = sum(map(len, library.columns)), len(model.free)
-    lower, upper = _bounds(library, dull, free)
     declared = {item.path: item.si for item in model.machine.model.all_parameters()}
+    lower, upper = _bounds(library, dull, free, declared)
     return Problem(
         gram=np.sum([part.grams[~part.held].sum(axis=0) for part in parts], axis=0),
         held=np.sum([part.grams[part.held].sum(axis=0) for part in parts], axis=0),
@@ -85,9 +85,9 @@ def _least(
     """The smallest size of a dull cause that is worth a name, SI."""
     if cause.kind == "delay":
         return DELAY_LEAST * float(np.median(np.diff(laid[0].block.t, axis=1)))
-    if cause.kind == "parameter":
+    if cause.kind in ("parameter", "gain"):
         return gain_floor * abs(float(values[cause.path]))
-    return gain_floor if cause.kind == "gain" else 0.0
+    return 0.0
 
 
 def _probe_forces(library: Library, item: Laid, simulated: Array | None) -> Array:
@@ -107,12 +107,14 @@ def _probe_forces(library: Library, item: Laid, simulated: Array | None) -> Arra
     return library.forces(flat).reshape(*rows.shape, machine.n, -1)
 
 
-def _bounds(library: Library, dull: Sequence[Hypothesis], free: int) -> tuple[Array, Array]:
+def _bounds(
+    library: Library, dull: Sequence[Hypothesis], free: int, values: Mapping[str, float]
+) -> tuple[Array, Array]:
     """Bounds of the coefficients: dissipation is positive, a gain is off by half at most."""
+    reach = [GAIN_REACH * abs(values[h.path]) if h.kind == "gain" else np.inf for h in dull]
     lower = [0.0 if sign else -np.inf for h in library.hypotheses for sign in h.positive]
-    lower += [-GAIN_REACH if h.kind == "gain" else -np.inf for h in dull]
-    upper = [np.inf] * (len(lower) - len(dull))
-    upper += [GAIN_REACH if h.kind == "gain" else np.inf for h in dull]
+    upper = [np.inf] * len(lower) + reach
+    lower += [-one for one in reach]
     rest = np.full(free - len(dull), np.inf)
     return np.concatenate([lower, -rest]), np.concatenate([upper, rest])
 

@@ -138,7 +138,8 @@ def _limits(
             value, sd = declared[cause.path].si, declared[cause.path].si_sd
             low, high = 1e-6 * value if cause.positive[0] else -np.inf, np.inf
             if cause.kind == "gain":
-                low, high = value - GAIN_REACH, value + GAIN_REACH
+                reach = GAIN_REACH * abs(value)
+                low, high = value - reach, value + reach
             if cause.kind == "delay":
                 low, high = value - DELAY_REACH * step, value + DELAY_REACH * step
             rows.append((low, high, value, np.inf if sd is None else sd))

@@ -9,13 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symhyb.data.channels import own_step
-from symhyb.data.rows import Block, blocks
+from symhyb.data.faults import at_limit, faulty, saturated
+from symhyb.data.rows import blocks
 from symhyb.units import Unit
 
 UNEVEN = 1e-3  # of the median step: above that, sampling is called uneven
 GAP = 5.0  # median steps
-CLIPPED = 0.01  # part of the samples at the extreme value
-CLIPPED_RUN = 3  # samples in a row
 FEWEST_STEPS = 4  # between levels: fewer lie on a lattice by chance
 MOSTLY = 0.9  # part of the samples that lie on the lattice of a converter
 DENSE = 0.05  # part of the places of a lattice that are taken, if values beside it are allowed
@@ -76,6 +75,7 @@ def sensor_notes(
             yield f"sensor {name} is constant at {_quantity(present[0], units[name])}"
             continue
         yield from _clipping_notes(name, values, t, units[name])
+        yield from _sample_notes(name, values, t)
         grain = lattice_step(present)
         if grain is not None:
             steps, noise = (_quantity(x, units[name]) for x in (grain, grain / np.sqrt(12.0)))
@@ -101,22 +101,29 @@ def _clipping_notes(
     name: str, values: NDArray[np.float64], t: NDArray[np.float64], unit: Unit
 ) -> Iterator[str]:
     """Say where a sensor stands still at its very extreme, as it does when it is saturated."""
-    levels = np.unique(values[~np.isnan(values)])
-    for extreme, next_level, word in (
-        (levels[-1], levels[-2], "maximum"),
-        (levels[0], levels[1], "minimum"),
-    ):
-        runs = [run for run in blocks(values == extreme) if run.size >= CLIPPED_RUN]
-        count = sum(run.size for run in runs)
-        # The crest of a coarse signal is populated too, but so is the level beside it.
-        if count < CLIPPED * values.size or count < 5 * np.count_nonzero(values == next_level):
+    stuck = saturated(values)
+    for upper, word in ((True, "maximum"), (False, "minimum")):
+        limit = at_limit(values, upper)
+        if not limit.any():
             continue
-        longest: Block = max(runs, key=lambda run: run.size)
+        runs = blocks(limit)
+        extreme, longest = values[limit][0], max(runs, key=lambda run: run.size)
+        why = "it is saturated there" if (stuck & limit).any() else "saturated or at rest there"
         yield (
             f"sensor {name} stands at its {word} of {_quantity(extreme, unit)} in"
-            f" {100 * count / values.size:.2g} % of the samples (longest: {longest.span(t)});"
-            " it is saturated or at rest there"
+            f" {100 * limit.sum() / values.size:.2g} % of the samples"
+            f" (longest: {longest.span(t)}); {why}"
         )
+
+
+def _sample_notes(name: str, values: NDArray[np.float64], t: NDArray[np.float64]) -> Iterator[str]:
+    """Say which samples a sensor got wrong one by one."""
+    for words, flags in faulty(values):
+        if words != "is saturated":
+            yield (
+                f"sensor {name} {words}: {flags.sum()} of {flags.size} samples, first at "
+                f"{blocks(flags)[0].span(t)}"
+            )
 
 
 def lattice_step(values: NDArray[np.float64]) -> float | None:

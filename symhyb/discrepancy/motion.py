@@ -112,18 +112,21 @@ def noise_level(values: Array) -> float:
     return float(min(estimates)) if estimates else float("nan")
 
 
-def motion_of(recording: Recording, machine: Machine) -> Motion:
+def motion_of(
+    recording: Recording, machine: Machine, spacings_s: Sequence[float] | None = None
+) -> Motion:
     """Estimate the motion of all coordinates from whatever the sensors of a recording give.
 
-    Sensors of forces say nothing about it: they show what the model may lack.
+    Sensors of forces say nothing about it: they show what the model may lack. ``spacings_s`` are
+    distances of the knots in s to choose from; by default all that the samples allow.
 
     Raises:
         InputError: too few samples, or none of any sensor of motion.
     """
     watching, shown = _watching(machine.model, recording)
     if watching is machine.model:
-        return _smoothed(recording, machine)
-    motion = _smoothed(shown, build(watching, keep=False))
+        return _smoothed(recording, machine, spacings_s)
+    motion = _smoothed(shown, build(watching, keep=False), spacings_s)
     spreads = dict(zip((sensor.name for sensor in watching.sensors), motion.sd, strict=True))
     y = measured(recording, machine)
     sd = [
@@ -162,7 +165,9 @@ def _shows_force(sensor: Sensor) -> bool:
     return any(r.what in ("force", "reaction") for r in readings(sensor.measures))
 
 
-def _smoothed(recording: Recording, machine: Machine) -> Motion:
+def _smoothed(
+    recording: Recording, machine: Machine, spacings_s: Sequence[float] | None = None
+) -> Motion:
     y, u = measured(recording, machine), acting(recording, machine)
     t, step = recording.t, float(np.median(np.diff(recording.t)))
     blind = _unplaced(recording, machine, y, u)
@@ -173,7 +178,7 @@ def _smoothed(recording: Recording, machine: Machine) -> Motion:
         y = np.concatenate([y, np.zeros((t.size, guide.size))], axis=1)
         weights = np.concatenate([weights, guide])
     fits: list[_Fit] = []
-    for spacing in SPACINGS:
+    for spacing in SPACINGS if spacings_s is None else [s / step for s in spacings_s]:
         if t.size < 4 * spacing or not np.isfinite(sd).any():
             break
         fits.append(_fit(machine, t, u, y, weights, spacing * step))

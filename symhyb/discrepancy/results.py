@@ -78,6 +78,25 @@ class Measurement:
 
 
 @dataclass(frozen=True, slots=True)
+class Lie:
+    """A channel that lies by more than a gain: a wrong ``unit`` or ``sign``, two columns exchanged
+    (``swap``), a ``time`` column in another unit, a ``clock`` that runs fast.
+
+    What is recorded is ``factor`` times what the model means; ``word`` is the unit it is in.
+    ``claimed``: the evidence was decisive and the diagnosis went on with the repaired recordings;
+    else it is a suspicion. ``rivals`` would show in the same way.
+    """
+
+    kind: Literal["unit", "sign", "swap", "time", "clock"]
+    channels: tuple[str, ...]
+    factor: float = 1.0
+    word: str = ""
+    claimed: bool = False
+    sentence: str = ""
+    rivals: "tuple[Lie, ...]" = ()
+
+
+@dataclass(frozen=True, slots=True)
 class Alternative:
     """What the data cannot rule out; exactly one of ``place``, ``channel``, ``parameter`` is set.
 
@@ -204,3 +223,4 @@ class Diagnosis:
     clouds: tuple[Cloud, ...] = ()
     log: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    lies: tuple[Lie, ...] = ()

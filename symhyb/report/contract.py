@@ -1,8 +1,8 @@
 """The output contract: a diagnosis and its verdict as the mapping that ``diagnosis.json`` holds.
 
 Valid under ``diagnosis.schema.json`` beside this file. Keys of that schema are stable; ``format``,
-``options``, ``log``, ``notes``, ``remainder.notes`` and the scores ``*_rmse``, ``force_residual``,
-``force_band_hz`` and ``carries`` are extensions of it.
+``options``, ``channels``, ``log``, ``notes``, ``remainder.notes`` and the scores ``*_rmse``,
+``force_residual``, ``force_band_hz`` and ``carries`` are extensions of it.
 """
 
 import math
@@ -17,6 +17,7 @@ from symhyb.discrepancy.results import (
     Diagnosis,
     Estimate,
     Found,
+    Lie,
     PlaceShare,
     Score,
     Verdict,
@@ -73,6 +74,7 @@ def to_json(diagnosis: Diagnosis, verdict: Verdict) -> dict[str, Any]:
             }
             for fault in diagnosis.measurement
         ],
+        "channels": [_lie(lie) for lie in diagnosis.lies],
         "alternatives": [_alternative(rival) for rival in diagnosis.alternatives],
         "record_next": diagnosis.record_next,
         "remainder": {
@@ -109,6 +111,18 @@ def _found(effect: Found) -> dict[str, Any]:
         "share": finite(effect.share),
         "sentence": effect.sentence,
         **_active(effect.active),
+    }
+
+
+def _lie(lie: Lie) -> dict[str, Any]:
+    return {
+        "kind": lie.kind,
+        "channels": list(lie.channels),
+        "factor": _fitted(lie.factor, f"{lie.kind} of {', '.join(lie.channels)}"),
+        "unit": lie.word or None,
+        "claimed": lie.claimed,
+        "sentence": lie.sentence,
+        "rivals": [{"kind": rival.kind, "channels": list(rival.channels)} for rival in lie.rivals],
     }
 
 

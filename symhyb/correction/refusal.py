@@ -1,0 +1,173 @@
+"""What a diagnosis must not claim: physics where a channel lies, laws that let the model run away,
+anything from a recording shorter than its own motion.
+
+Each function takes a diagnosis and returns it with the claim withdrawn or the lie told first.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from symhyb.correction.trajectory import Refined
+from symhyb.discrepancy.results import Alternative, Diagnosis, Found, Lie, Measurement
+from symhyb.discrepancy.runs import Run, laid_on
+from symhyb.discrepancy.suspicion import gain_of
+from symhyb.discrepancy.wording import effect_phrase, joined
+from symhyb.model.types import Model, place_text
+from symhyb.numeric.machine import Machine
+from symhyb.numeric.windows import WindowModel
+
+RUNAWAY = 100.0  # times the range that was measured: further away a simulation has run away
+UNEXPLAINED = 2.0  # χ² per sample that found physics may leave while a channel is suspected
+REPAIRED_LEFT = (
+    " Put right, recordings and model still differ by more than the noise, and no cause that "
+    "symhyb knows accounts for the rest."
+)
+
+
+def with_lies(diagnosis: Diagnosis, model: Model, lies: Sequence[Lie], scale: float) -> Diagnosis:
+    """The diagnosis of repaired recordings with the lies that were claimed told first.
+
+    ``scale`` is χ² per sample of what was decided. A suspicion that was not claimed withdraws
+    physics that leaves more than noise.
+    """
+    claimed = [lie for lie in lies if lie.claimed]
+    suspected = [lie.sentence for lie in lies if not lie.claimed]
+    known = {(fault.channel, fault.kind) for fault in diagnosis.measurement}
+    gains = [
+        Measurement(name, "gain", gain_of(model, lie, name), 0.0, "1")
+        for lie in claimed
+        if lie.kind in ("unit", "sign")
+        for name in lie.channels
+        if (name, "gain") not in known
+    ]
+    twins = [
+        Alternative(None, "gain", (), 0.0, channel=name)
+        for lie in claimed
+        for rival in lie.rivals
+        if rival.kind in ("unit", "sign")
+        for name in rival.channels
+    ]
+    told = replace(
+        diagnosis,
+        lies=tuple(lies),
+        measurement=(*gains, *diagnosis.measurement),
+        alternatives=(*twins, *diagnosis.alternatives),
+        notes=(*suspected, *diagnosis.notes),
+    )
+    if claimed:
+        return _told_first(told, "; ".join(lie.sentence for lie in claimed))
+    if suspected and diagnosis.found and scale > UNEXPLAINED:
+        reason = f"A channel may lie: {suspected[0]}."
+        return withdrawn(told, f"{reason} Until that is settled no physics is named")
+    if suspected and diagnosis.verdict == "undecided":
+        return replace(told, sentence=f"{diagnosis.sentence} {_capital(suspected[0])}.")
+    return told
+
+
+def _told_first(diagnosis: Diagnosis, lie: str) -> Diagnosis:
+    match diagnosis.verdict:
+        case "nothing missing":
+            sentence = f"The physics of the model holds, the measurement does not: {lie}."
+        case "undecided":
+            sentence = f"The measurement is wrong: {lie}.{REPAIRED_LEFT}"
+        case _:
+            sentence = f"The measurement is wrong: {lie}. Put right: {diagnosis.sentence}"
+    verdict = diagnosis.verdict
+    if verdict != "missing physics":
+        verdict = "measurement"
+    return replace(diagnosis, verdict=verdict, sentence=sentence)
+
+
+def withdrawn(diagnosis: Diagnosis, reason: str) -> Diagnosis:
+    """The diagnosis undecided for a reason; what was found stands among the alternatives."""
+    found = [_as_alternative(item) for item in diagnosis.found]
+    named = [
+        f"{effect_phrase(item.element.kind, item.estimates, item.element.options)} "
+        f"{place_text(item.element.place)}"
+        for item in diagnosis.found
+    ]
+    fitting = f" (what fits best: {joined(named)})" if named else ""
+    return replace(
+        diagnosis,
+        verdict="undecided",
+        sentence=f"{reason}{fitting}.",
+        found=(),
+        parameters=(),
+        measurement=tuple(m for m in diagnosis.measurement if m.sd == 0),
+        alternatives=(*found, *diagnosis.alternatives),
+        remainder=1.0,
+    )
+
+
+def _as_alternative(item: Found) -> Alternative:
+    element = item.element
+    return Alternative(
+        None, element.kind, item.estimates, 0.0, place=element.place, options=element.options
+    )
+
+
+def if_bounded(
+    diagnosis: Diagnosis, final: Refined, nothing: Refined, runs: Sequence[Run]
+) -> Diagnosis:
+    """The diagnosis, undecided where the corrected model runs away in a simulation of one of the
+    ``runs`` and of the same inputs once more, and the model as given does not."""
+    if not final.causes:
+        return diagnosis
+    machine = replace(final.machine, values=final.p)
+    for run in runs:
+        when = runs_away(machine, run)
+        if when is None or runs_away(replace(nothing.machine, values=nothing.p), run) is not None:
+            continue
+        reason = (
+            f"The best correction is refused, for it makes the model unstable: simulated along "
+            f"{run.recording.name} it leaves the measured range {RUNAWAY:g}-fold after "
+            f"{when:.3g} s, which the machine does not"
+        )
+        return withdrawn(diagnosis, reason)
+    return diagnosis
+
+
+def runs_away(machine: Machine, run: Run) -> float | None:
+    """The time in s after which a simulation of a recording, and of its inputs once more from where
+    it ended, leaves the measured range a hundredfold; None if it stays."""
+    laid = laid_on(run, machine, run.recording.duration * (1 - 1e-9))
+    if laid is None:
+        return None
+    laid = laid.suited(machine).first()
+    y = laid.block.y[0]
+    seen = np.isfinite(y).any(axis=0)
+    reach = np.nanmax(y[:, seen], axis=0) - np.nanmin(y[:, seen], axis=0)
+    centre = np.nanmean(y[:, seen], axis=0)
+    model, start, passed = WindowModel(machine), laid.start, 0.0
+    for _ in range(2):
+        with np.errstate(all="ignore"):
+            x, output = model.simulate(laid.block, start, machine.values)
+            far = ~(np.abs(output[0][:, seen] - centre) < RUNAWAY * reach + 1e-12).all(axis=1)
+        if far.any():
+            t = laid.block.t[0]
+            return passed + float(t[int(np.argmax(far))] - t[0])
+        start, passed = x[:, -1], passed + run.recording.duration
+    return None
+
+
+def if_long_enough(diagnosis: Diagnosis, runs: Sequence[Run]) -> Diagnosis:
+    """The diagnosis, undecided where no recording lasts one period of any motion in it."""
+    claims = diagnosis.found or diagnosis.parameters or diagnosis.measurement
+    if not claims or any(_whole_period(run) for run in runs):
+        return diagnosis
+    longest = max(run.recording.duration for run in runs)
+    return withdrawn(
+        diagnosis,
+        f"These recordings cannot tell: the longest lasts {longest:.3g} s, less than one period of "
+        "its motion, and over so short a time one cause looks like another",
+    )
+
+
+def _whole_period(run: Run) -> bool:
+    return bool(np.min(run.motion.periods()) < (1 - 1e-9) * run.recording.duration)
+
+
+def _capital(words: str) -> str:
+    return words[:1].upper() + words[1:]
