@@ -5,7 +5,7 @@ trajectories and judged on held windows → the map of places → what was found
 recordings prove; they never choose. docs/method.md has the statistics and what was measured.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -26,6 +26,7 @@ from symhyb.correction.preparing import Prepared, prepare, settle
 from symhyb.correction.proof import Proof, prove
 from symhyb.correction.setting import Setting, Stage
 from symhyb.correction.sparse import propose
+from symhyb.correction.stability import stabilities, weakest
 from symhyb.correction.trajectory import Refined, grouped, refine
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.course import course_of
@@ -99,7 +100,8 @@ def diagnose(
     tell("removing each cause once, for its share")
     items = named(final)
     shown = prove(prepared, setting, final, stage, items)
-    told = _told(model, prepared, final, items, shown)
+    firm = dict(zip(decision.winner.causes, stabilities(decision), strict=True))
+    told = _told(model, prepared, final, items, shown, firm)
     left = leftover(setting, certain) if certain.causes else ()
     return _concluded(model, prepared, decision, final, told, (shown.remainder, left), places)
 
@@ -134,7 +136,12 @@ def _certain(setting: Setting, decision: Decision, prepared: Prepared) -> Refine
 
 
 def _told(
-    model: Model, prepared: Prepared, final: Refined, items: Sequence[Named], shown: Proof
+    model: Model,
+    prepared: Prepared,
+    final: Refined,
+    items: Sequence[Named],
+    shown: Proof,
+    firm: Mapping[Hypothesis, float | None],
 ) -> tuple[Found, ...]:
     """Every found effect with its element, share, activity and sentence."""
     provenance = (
@@ -144,7 +151,10 @@ def _told(
     )
     names = element_names(model, items)
     found = [
-        found_of(model, item, name, provenance, share, _active(prepared, final, item))
+        replace(
+            found_of(model, item, name, provenance, share, _active(prepared, final, item)),
+            stability=weakest(firm, [final.causes[i] for i in item.causes]),
+        )
         for item, name, share in zip(items, names, shown.shares, strict=True)
     ]
     return tuple(sorted(found, key=lambda item: -(item.share or 0.0)))

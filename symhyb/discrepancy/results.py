@@ -44,7 +44,8 @@ class Found:
 
     ``law`` is the force law with the kind's keys (``coulomb*tanh(s'/transition)``); ``share`` the
     increase of the unseen squared window error when this element is removed and the rest refitted,
-    over the error before any correction.
+    over the error before any correction. ``stability`` is the share of resampled windows in which
+    its causes stay chosen; None where there are too few windows.
     """
 
     element: Element
@@ -53,6 +54,7 @@ class Found:
     share: float | None
     sentence: str
     active: Activity | None = None
+    stability: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,7 +1,7 @@
 """The output contract: a diagnosis and its verdict as the mapping that ``diagnosis.json`` holds.
 
 Valid under ``diagnosis.schema.json`` beside this file. Keys of that schema are stable; ``format``,
-``options``, ``log``, ``notes``, ``remainder.notes`` and the scores ``*_rmse``, ``force_residual``,
+``options``, ``log``, ``notes``, ``stability``, ``remainder.notes`` and the scores ``*_rmse``, ``force_residual``,
 ``force_band_hz`` and ``carries`` are extensions of it.
 """
 
@@ -109,6 +109,7 @@ def _found(effect: Found) -> dict[str, Any]:
         "share": finite(effect.share),
         "sentence": effect.sentence,
         **_active(effect.active),
+        "stability": finite(effect.stability),
     }
 
 

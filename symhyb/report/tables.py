@@ -85,7 +85,7 @@ def tables(diagnosis: Diagnosis, verdict: Verdict, units: Mapping[str, Unit]) ->
 def _found_table(diagnosis: Diagnosis) -> Table:
     return Table(
         "Found effects",
-        ("element", "term", "value", "share", "place"),
+        ("element", "term", "value", "share", "place", "stays chosen"),
         tuple(
             (
                 effect.element.name,
@@ -93,11 +93,12 @@ def _found_table(diagnosis: Diagnosis) -> Table:
                 amount_text(estimate),
                 percent_text(effect.share),
                 place_text(effect.element.place),
+                "" if effect.stability is None else percent_text(effect.stability),
             )
             for effect in diagnosis.found
             for estimate in effect.estimates
         ),
-        (2, 3),
+        (2, 3, 5),
     )
 
 
