@@ -70,21 +70,23 @@ def diagnose(
     recordings: Recording | Sequence[Recording],
     holdout: Recording | Sequence[Recording] = (),
     *,
+    own: Sequence[str] = (),
     say: Say | None = None,
 ) -> Diagnosis:
     """Say what the model lacks, from recordings of the machine.
 
     ``holdout`` are unseen recordings: they prove (shares and scores) and never choose. ``say`` gets
-    a short line at every step.
+    a short line at every step. ``own`` names what every recording has its own value of: parameters
+    of the model, or keys of laws that may be found (``drag``); the phase of a harmonic force always.
 
     Raises:
-        InputError: recordings that cannot be used with this model.
+        InputError: recordings that cannot be used with this model, or an unknown name in ``own``.
         NumericsError: the model cannot be simulated along the recordings at all.
     """
     tell = say or (lambda line: None)
     tell("estimating motion and noise")
     prepared = prepare(model, recordings, holdout)
-    setting = settle(prepared)
+    setting = settle(prepared, own)
     tell("sparse regression on the weak form")
     middle = setting.stages[min(1, len(setting.stages) - 1)]
     proposals = propose(prepared.machine, setting.library, middle.laid, 5 / prepared.shortest)
@@ -173,13 +175,14 @@ def _active(prepared: Prepared, final: Refined, item: Named) -> Activity | None:
 
 def element_forces(final: Refined, run: Run) -> tuple[Array, Array, Array]:
     """Generalized forces (N, n, E) of all elements along a run, stretches and rates (N, E), SI."""
-    machine = replace(final.machine, values=final.p)
+    p = final.of(run.recording)
+    machine = replace(final.machine, values=p)
     c = course_of(run.recording, machine, run.motion)
-    given = c.q, c.v, c.z, c.u, c.t, final.p
+    given = c.q, c.v, c.z, c.u, c.t, p
     (flat,) = along(machine.elements, given, (5,), c.t.size)
-    flat = flat + along(machine.carried, (c.q, c.v, c.a, c.t, final.p), (4,), c.t.size)[0]
+    flat = flat + along(machine.carried, (c.q, c.v, c.a, c.t, p), (4,), c.t.size)[0]
     forces = flat.reshape(c.t.size, -1, machine.n).swapaxes(1, 2)
-    stretch, rate, _ = along(machine.pathways, (c.q, c.v, c.t, final.p), (3,), c.t.size)
+    stretch, rate, _ = along(machine.pathways, (c.q, c.v, c.t, p), (3,), c.t.size)
     return forces, stretch, rate
 
 

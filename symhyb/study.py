@@ -99,7 +99,7 @@ def carry_out(study: Study, say: Say | None = None) -> StudyResult:
     say("reading the model and the recordings")
     model = read_model(study.model)
     train, holdout = _recordings(study, model)
-    diagnosis = diagnose(model, train, holdout, say=say)
+    diagnosis = diagnose(model, train, holdout, own=study.own, say=say)
     corrected = apply(model, diagnosis.found, diagnosis.parameters, diagnosis.measurement)
     say("judging the correction")
     verdict = judge(

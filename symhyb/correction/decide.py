@@ -12,6 +12,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
+import numpy as np
+
 from symhyb.correction.conventions import CERTAIN, alike, exact_twins, precedence
 from symhyb.correction.evidence import (
     NEAR_NOISE,
@@ -177,10 +179,23 @@ def _first(problem: Problem, subset: Subset) -> list[dict[str, float]]:
     """The first guess of each cause of a subset, by key, SI."""
     rows, rest = [], list(subset.values)
     for index in subset.causes:
-        cause = problem.hypotheses[index]
-        rows.append(cause.values(rest[: len(cause.terms)]))
-        rest = rest[len(cause.terms) :]
+        count = len(problem.columns[index])
+        rows.append(_begin(problem, problem.hypotheses[index], rest[:count]))
+        rest = rest[count:]
     return rows
+
+
+def _begin(problem: Problem, cause: Hypothesis, values: Sequence[float]) -> dict[str, float]:
+    """The first guess of a cause: shared keys at their mean over the recordings that have numbers
+    of their own."""
+    size = len(cause.terms)
+    each = [cause.values(values[i : i + size]) for i in range(0, len(values), size)]
+    row = {key: float(np.mean([one[key] for one in each])) for key in each[0]}
+    if len(each) > 1:
+        for name, one in zip(problem.recordings, each, strict=True):
+            row |= {f"{key}@{name}": one[key] for key in cause.own}
+        row |= {key: each[0][key] for key in cause.own}
+    return row
 
 
 def _distinct(problem: Problem, subsets: Sequence[Subset]) -> list[Subset]:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from symhyb.correction.fleet import check_own, owning
 from symhyb.correction.setting import Setting, Stage
 from symhyb.data.recording import Recording, several
 from symhyb.data.thin import thinned
@@ -82,13 +83,20 @@ def prepare(
     return Prepared(extended, machine, train, unseen, sd, shortest)
 
 
-def settle(prepared: Prepared) -> Setting:
-    """Lower all hypotheses and lay windows at growing lengths."""
+def settle(prepared: Prepared, own: Sequence[str] = ()) -> Setting:
+    """Lower all hypotheses and lay windows at growing lengths; ``own`` names what each recording
+    has its own value of.
+
+    Raises:
+        InputError: ``own`` names neither a parameter of the model nor a key of a law.
+    """
+    check_own(prepared.model, own)
     model, machine = prepared.model, prepared.machine
     places = places_of(model)
     narrow = transition_share(_relative_noise(prepared))
-    causes = library(model, places, force_hypotheses(model, _reaches(prepared, places), narrow))
-    dull = dull_hypotheses(model)
+    forces = force_hypotheses(model, _reaches(prepared, places), narrow)
+    causes = library(model, places, owning(model, forces, own))
+    dull = owning(model, dull_hypotheses(model), own)
     windows = WindowModel(machine, tuple(machine.column(cause.path) for cause in dull))
     sag = _sag(prepared)
     return Setting(

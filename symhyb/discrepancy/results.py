@@ -45,7 +45,9 @@ class Found:
     ``law`` is the force law with the kind's keys (``coulomb*tanh(s'/transition)``); ``share`` the
     increase of the unseen squared window error when this element is removed and the rest refitted,
     over the error before any correction. ``stability`` is the share of resampled windows in which
-    its causes stay chosen; None where there are too few windows.
+    its causes stay chosen; None where there are too few windows. ``own`` are the values that are
+    each recording's own, by the name of the recording; ``element`` and ``estimates`` hold those of
+    the first.
     """
 
     element: Element
@@ -55,17 +57,48 @@ class Found:
     sentence: str
     active: Activity | None = None
     stability: float | None = None
+    own: tuple[tuple[str, tuple[Estimate, ...]], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class Reestimated:
-    """A parameter of the model that the recordings contradict."""
+    """A parameter of the model that the recordings contradict; ``own`` has (recording, value, sd)
+    where every recording has its own, ``value`` that of the first."""
 
     name: str
     was: float
     value: float
     sd: float
     unit: str
+    own: tuple[tuple[str, float, float], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Misfit:
+    """A recording that does not fit the others: the ``quantity`` (in words) in which it differs
+    most, its ``value`` and that of the ``others``, one sd each, and how often a recording that
+    belongs to them would differ as much by ``chance``."""
+
+    recording: str
+    quantity: str
+    value: float
+    sd: float
+    others: float
+    others_sd: float
+    unit: str
+    chance: float
+    sentence: str
+
+
+@dataclass(frozen=True, slots=True)
+class Repeats:
+    """Recordings of one manoeuvre: by sensor and in its unit the ``noise`` within a run and the
+    spread ``between`` runs beyond it; the larger of the two is the smallest effect claimed."""
+
+    recordings: tuple[str, ...]
+    noise: Mapping[str, float]
+    between: Mapping[str, float]
+    sentence: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -206,3 +239,5 @@ class Diagnosis:
     clouds: tuple[Cloud, ...] = ()
     log: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    misfits: tuple[Misfit, ...] = ()
+    repeats: tuple[Repeats, ...] = ()
