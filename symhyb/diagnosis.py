@@ -21,6 +21,8 @@ from symhyb.correction.findings import (
     named,
     reestimated,
 )  # fmt: skip
+from symhyb.correction.fleet import Stranger, parted, strangers, without
+from symhyb.correction.fleet_words import misfit, parameters_with_own, repeats_said, with_own
 from symhyb.correction.leftover import leftover
 from symhyb.correction.preparing import Prepared, prepare, settle
 from symhyb.correction.proof import Proof, prove
@@ -38,7 +40,9 @@ from symhyb.discrepancy.results import (
     Cloud,
     Diagnosis,
     Found,
+    Misfit,
     PlaceShare,
+    Repeats,
     VerdictName,
 )  # fmt: skip
 from symhyb.discrepancy.runs import Run, too_poor
@@ -75,9 +79,10 @@ def diagnose(
 ) -> Diagnosis:
     """Say what the model lacks, from recordings of the machine.
 
-    ``holdout`` are unseen recordings: they prove (shares and scores) and never choose. ``say`` gets
-    a short line at every step. ``own`` names what every recording has its own value of: parameters
-    of the model, or keys of laws that may be found (``drag``); the phase of a harmonic force always.
+    ``holdout`` are unseen recordings: they prove (shares and scores) and never choose. ``own``
+    names what every recording has its own value of: parameters of the model, or keys of laws that
+    may be found (``drag``); the phase of a harmonic force always. ``say`` gets a short line at
+    every step.
 
     Raises:
         InputError: recordings that cannot be used with this model, or an unknown name in ``own``.
@@ -91,6 +96,20 @@ def diagnose(
     middle = setting.stages[min(1, len(setting.stages) - 1)]
     proposals = propose(prepared.machine, setting.library, middle.laid, 5 / prepared.shortest)
     decision = decide(setting, proposals, tell)
+    laid = setting.stages[-1].laid
+    odd: tuple[Stranger, ...] = ()
+    if len(laid) > 1:
+        tell("holding the recordings against each other")
+        odd = strangers(prepared.model, decision.winner, setting.stages[-1], setting.sd)
+    misfits = tuple(misfit(decision.winner, one, [i.source[0] for i in laid]) for one in odd)
+    if odd:
+        tell("deciding again, with what does not fit by itself")
+        setting = (
+            without(setting, [one.recording for one in odd])
+            if len(laid) > 2
+            else parted(setting, decision.winner, odd[0])
+        )
+        decision = decide(setting, proposals, tell)
     if decision.nothing.fit.reason and not decision.winner.causes:
         raise NumericsError(f"the model cannot be simulated: {decision.nothing.fit.reason}")
     tell("estimating values")
@@ -105,7 +124,23 @@ def diagnose(
     firm = dict(zip(decision.winner.causes, stabilities(decision), strict=True))
     told = _told(model, prepared, final, items, shown, firm)
     left = leftover(setting, certain) if certain.causes else ()
-    return _concluded(model, prepared, decision, final, told, (shown.remainder, left), places)
+    found = _concluded(model, prepared, decision, final, told, (shown.remainder, left), places)
+    return _of_several(found, final, misfits, repeats_said(prepared))
+
+
+def _of_several(
+    found: Diagnosis, final: Refined, misfits: Sequence[Misfit], repeats: Sequence[Repeats]
+) -> Diagnosis:
+    """The diagnosis with what several recordings say of each other."""
+    said = [*(one.sentence for one in misfits), *(one.sentence for one in repeats)]
+    return replace(
+        found,
+        sentence=" ".join([found.sentence, *(one.sentence for one in misfits)]),
+        parameters=parameters_with_own(final, found.parameters),
+        misfits=tuple(misfits),
+        repeats=tuple(repeats),
+        notes=(*said, *found.notes),
+    )
 
 
 def valued(setting: Setting, winner: Refined, prepared: Prepared) -> tuple[Refined, Stage]:
@@ -154,7 +189,12 @@ def _told(
     names = element_names(model, items)
     found = [
         replace(
-            found_of(model, item, name, provenance, share, _active(prepared, final, item)),
+            with_own(
+                model,
+                final,
+                item,
+                found_of(model, item, name, provenance, share, _active(prepared, final, item)),
+            ),
             stability=weakest(firm, [final.causes[i] for i in item.causes]),
         )
         for item, name, share in zip(items, names, shown.shares, strict=True)

@@ -42,6 +42,9 @@ def earns(larger: Refined, smaller: Refined, tried: int = 1) -> tuple[bool, str]
         )
         if wrong
     ]
+    spare = (smaller.fit.train - larger.fit.train) / size
+    if not spare > larger.fit.floor:
+        failed.append("smaller than what repeated runs differ by")
     names, against = named(larger.causes), named(smaller.causes)
     judged = (
         "rejected: " + ", ".join(failed)

@@ -8,11 +8,13 @@ covariances (what a fit without it would say, to first order).
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from scipy.stats import chi2 as chi_square
 
-from symhyb.correction.setting import Stage
+from symhyb.correction.evidence import OUTSTANDING
+from symhyb.correction.setting import Setting, Stage
 from symhyb.correction.trajectory import Refined, grouped, keys_of, refine
 from symhyb.discrepancy.hypotheses import Hypothesis
 from symhyb.errors import InputError, Problem, did_you_mean
@@ -22,6 +24,8 @@ from symhyb.numeric.buffers import Array
 
 ODDS = 1e-3  # of naming any recording of a fleet in which all agree
 SIZE = 0.1  # of the others' value: a smaller difference is not worth a name
+TIMES = 1.5  # what the others leave: less is a matter of how well the noise is known
+SURE = 4.0  # standard deviations of a mean square
 WINDOWS_LEAST = 2  # of a recording that is fitted alone
 
 
@@ -67,9 +71,7 @@ def owning(
         return tuple(result)
     return (
         *(
-            Hypothesis(
-                "parameter", None, ("value",), (item.value > 0,), path=path, own=("value",)
-            )
+            Hypothesis("parameter", None, ("value",), (item.value > 0,), path=path, own=("value",))
             for path, item in parameters.items()
             if path in own and path not in told
         ),
@@ -81,62 +83,139 @@ def owning(
 class Stranger:
     """A recording (its index) that does not fit the others: the number in which it differs most
     (index of the cause, key), its own value and that of the others, each with one sd, SI;
-    ``chance`` is how often a recording that belongs would differ as much."""
+    ``distance`` is (x − y)ᵀ(C + D)⁻¹(x − y) over the shared numbers, ``chance`` how often a
+    recording that belongs to the others would be as far. Where no number tells them apart, the
+    cause is −1 and the values are χ² per sample."""
 
     recording: int
     cause: int
     key: str
     value: tuple[float, float]
     others: tuple[float, float]
+    distance: float
     chance: float
 
 
-def stranger(model: Model, final: Refined, stage: Stage, sd: Array) -> Stranger | None:
-    """The recording that differs most from the others in shared numbers, if any does beyond
-    chance and by more than a tenth.
+@dataclass(frozen=True, slots=True)
+class _Estimate:
+    """Shared numbers (K,) of one recording fitted alone, their covariance (K, K), SI."""
 
-    Of two recordings, neither is the stranger; then the second is given, beside the first.
-    """
-    apart = [i for i, item in enumerate(stage.laid) if len(item.start) >= WINDOWS_LEAST]
-    if len(apart) < 2 or not final.causes:
-        return None
-    shared = [(i, key) for i, cause in enumerate(final.causes) for key in keys_of(cause)]
-    rows = [n for n, (i, key) in enumerate(shared) if key not in final.causes[i].own]
-    fits = {i: _alone(model, final, stage, sd, i) for i in apart}
-    known = {
-        i: (trial.fit.values[rows], trial.fit.covariance[np.ix_(rows, rows)])
-        for i, trial in fits.items()
-        if not trial.fit.reason and np.isfinite(trial.fit.covariance).all()
-    }
-    if len(known) < 2 or not rows:
-        return None
-    found: Stranger | None = None
-    for i, (value, covariance) in known.items():
-        rest, spread = _joined([pair for j, pair in known.items() if j != i])
-        offset = value - rest
-        distance = float(offset @ np.linalg.pinv(covariance + spread, hermitian=True) @ offset)
-        chance = float(chi_square.sf(distance, len(rows)))
-        size = np.abs(offset) / np.sqrt(np.diag(covariance + spread))
-        worth = np.abs(offset) > SIZE * np.abs(rest)
-        if chance * len(known) > ODDS or not worth.any():
+    value: Array
+    covariance: Array
+
+
+def strangers(model: Model, final: Refined, stage: Stage, sd: Array) -> tuple[Stranger, ...]:
+    """The recordings that do not fit the others, the worst first; less than half of them. Of two
+    that differ neither is the stranger: the second is given, beside the first."""
+    keys = _shared(final)
+    known = _each(model, final, stage, sd, [n for n, _, _ in keys]) if keys else {}
+    found: list[Stranger] = []
+    while len(known) > 1 and len(found) < max((len(stage.laid) - 1) // 2, 1):
+        apart = [_against(i, known, keys, len(stage.laid)) for i in known]
+        worst = max((s for s in apart if s), key=lambda s: s.distance, default=None)
+        if worst is None:
+            break
+        found.append(worst)
+        del known[worst.recording]
+    if found or len(stage.laid) < 3:
+        return tuple(found)
+    left = _unexplained(final, stage)
+    return () if left is None else (left,)
+
+
+def _shared(final: Refined) -> list[tuple[int, int, str]]:
+    """The numbers that all recordings share: their index, cause and key."""
+    told = [(i, cause, key) for i, cause in enumerate(final.causes) for key in keys_of(cause)]
+    return [(n, i, key) for n, (i, cause, key) in enumerate(told) if key not in cause.own]
+
+
+def _each(
+    model: Model, final: Refined, stage: Stage, sd: Array, rows: Sequence[int]
+) -> dict[int, _Estimate]:
+    """The shared numbers of every recording alone, where it determines them."""
+    found = {}
+    for i, item in enumerate(stage.laid):
+        if len(item.start) < WINDOWS_LEAST:
             continue
-        n = int(np.argmax(np.where(worth, size, 0.0)))
-        told = Stranger(
-            i, *shared[rows[n]],
-            (float(value[n]), float(np.sqrt(covariance[n, n]))),
-            (float(rest[n]), float(np.sqrt(spread[n, n]))), chance,
-        )  # fmt: skip
-        if found is None or chance < found.chance or _further(told, found):
-            found = told
+        fit = _alone(model, final, stage, sd, i).fit
+        covariance = fit.covariance[np.ix_(rows, rows)]
+        if not fit.reason and np.isfinite(covariance).all():
+            found[i] = _Estimate(fit.values[list(rows)], covariance)
     return found
 
 
-def _further(one: Stranger, other: Stranger) -> bool:
-    """Of two whose chance is nought in floating point, the one that is further off."""
-    if one.chance > other.chance:
-        return False
-    first, second = (abs(s.value[0] - s.others[0]) / abs(s.others[0] or 1.0) for s in (one, other))
-    return first > second
+def _against(
+    which: int,
+    known: Mapping[int, _Estimate],
+    keys: Sequence[tuple[int, int, str]],
+    recordings: int,
+) -> Stranger | None:
+    """One recording against the others, if it differs beyond chance and by more than a tenth."""
+    mine, rest = known[which], _joined([other for i, other in known.items() if i != which])
+    offset, spread = mine.value - rest.value, mine.covariance + rest.covariance
+    distance = float(offset @ np.linalg.pinv(spread, hermitian=True) @ offset)
+    chance = float(chi_square.sf(distance, offset.size))
+    size = np.abs(offset) / np.sqrt(np.diag(spread))
+    worth = (np.abs(offset) > SIZE * np.abs(rest.value)) & (size > OUTSTANDING)
+    if chance * recordings > ODDS or not worth.any():
+        return None
+    n = int(np.argmax(np.where(worth, size, 0.0)))
+    own, others = (
+        (float(one.value[n]), float(np.sqrt(one.covariance[n, n]))) for one in (mine, rest)
+    )
+    return Stranger(which, *keys[n][1:], own, others, distance, chance)
+
+
+def _unexplained(final: Refined, stage: Stage) -> Stranger | None:
+    """The recording in which the structure leaves more than in the others together, if one does
+    beyond the deviation of a mean square, and beyond what the noise is known to."""
+    sizes = [len(item.start) for item in stage.laid]
+    bounds = np.cumsum([0, *sizes])
+    fit, worst = final.fit, None
+    for i, (a, b) in enumerate(pairwise(bounds)):
+        others = np.r_[0:a, b : bounds[-1]]
+        mine, rest = (
+            float(fit.chi2[rows].sum() / max(fit.count[rows].sum(), 1))
+            for rows in (np.arange(a, b), others)
+        )
+        sd = [
+            np.sqrt(2 * fit.correlation / max(fit.count[rows].sum(), 1)) * level
+            for rows, level in ((np.arange(a, b), mine), (others, rest))
+        ]
+        deviation = float(np.hypot(*sd))
+        if mine < TIMES * max(rest, 1.0) or mine - rest < SURE * deviation:
+            continue
+        if worst is None or mine > worst.value[0]:
+            distance = ((mine - rest) / deviation) ** 2
+            worst = Stranger(
+                i, -1, "", (mine, float(sd[0])), (rest, float(sd[1])), distance,
+                float(chi_square.sf(distance, 1)),
+            )  # fmt: skip
+    return worst
+
+
+def without(setting: Setting, gone: Sequence[int]) -> Setting:
+    """The setting without some recordings (their indices at the last stage)."""
+    names = [setting.stages[-1].laid[i].source[0] for i in gone]
+    stages = [
+        Stage(stage.length_s, tuple(item for item in stage.laid if item.source[0] not in names))
+        for stage in setting.stages
+    ]
+    return replace(setting, stages=tuple(stage for stage in stages if stage.laid))
+
+
+def parted(setting: Setting, winner: Refined, stranger: Stranger) -> Setting:
+    """The setting in which the number that differs is each recording's own."""
+    told = winner.causes[stranger.cause]
+
+    def own(cause: Hypothesis) -> Hypothesis:
+        same = (cause.kind, cause.place, cause.path) == (told.kind, told.place, told.path)
+        if not same or stranger.key not in keys_of(cause) or stranger.key in cause.own:
+            return cause
+        return replace(cause, own=(*cause.own, stranger.key))
+
+    library = replace(setting.library, hypotheses=tuple(map(own, setting.library.hypotheses)))
+    return replace(setting, library=library, dull=tuple(map(own, setting.dull)))
 
 
 def _alone(model: Model, final: Refined, stage: Stage, sd: Array, which: int) -> Refined:
@@ -152,9 +231,9 @@ def _first(row: Mapping[str, float], name: str) -> dict[str, float]:
     return {key: row.get(f"{key}@{name}", value) for key, value in shared.items()}
 
 
-def _joined(pairs: Sequence[tuple[Array, Array]]) -> tuple[Array, Array]:
-    """The mean of several estimates, weighed by their inverse covariances, and its covariance."""
-    weights = [np.linalg.pinv(covariance, hermitian=True) for _, covariance in pairs]
+def _joined(each: Sequence[_Estimate]) -> _Estimate:
+    """The mean of several estimates, weighed by their inverse covariances."""
+    weights = [np.linalg.pinv(one.covariance, hermitian=True) for one in each]
     spread = np.linalg.pinv(np.sum(weights, axis=0), hermitian=True)
-    total = np.sum([w @ value for w, (value, _) in zip(weights, pairs, strict=True)], axis=0)
-    return spread @ total, spread
+    total = np.sum([w @ one.value for w, one in zip(weights, each, strict=True)], axis=0)
+    return _Estimate(spread @ total, spread)

@@ -37,7 +37,7 @@ def leftover(setting: Setting, winner: Refined) -> tuple[str, ...]:
         screen(
             laws, model, (), laid, winner.p, setting.sd, winner.fit.starts,
             each=[winner.of(item.source[0]) for item in laid], own=winner.own_columns,
-        ),  # fmt: skip
+        ),
     ):
         for hypothesis, part in _promises(problem, winner):
             if hypothesis.family not in taken:

@@ -1,9 +1,10 @@
 """What a decision works on: motion, noise, thinned runs, lowered hypotheses and windows."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from symhyb.correction.fleet import check_own, owning
 from symhyb.correction.setting import Setting, Stage
@@ -24,6 +25,7 @@ from symhyb.discrepancy.hypotheses import (
     with_channels,
 )  # fmt: skip
 from symhyb.discrepancy.motion import motion_of
+from symhyb.discrepancy.repeats import Repeated, floor_of, repeated
 from symhyb.discrepancy.residual import discrepancy
 from symhyb.discrepancy.runs import Run, laid_on, noise_sd, with_noise
 from symhyb.discrepancy.windows import Laid
@@ -47,7 +49,8 @@ GAIN_LEAST = 1e-3  # smaller gain errors are not worth a name
 @dataclass(frozen=True, slots=True)
 class Prepared:
     """Model with channels, lowered; runs thinned to what the motion needs,
-    noise ``sd`` (m,) SI, and the ``shortest`` period of the motion in s."""
+    noise ``sd`` (m,) SI, not below what ``repeats`` of one manoeuvre differ by, and the
+    ``shortest`` period of the motion in s."""
 
     model: Model
     machine: Machine
@@ -55,6 +58,7 @@ class Prepared:
     holdout: tuple[Run, ...]
     sd: Array
     shortest: float
+    repeats: tuple[Repeated, ...] = ()
 
 
 def prepare(
@@ -78,9 +82,19 @@ def prepare(
     runs = [_thin(run, machine, shortest) for run in first]
     proofs = [_thin(Run(r, motion_of(r, machine), np.empty(0)), machine, shortest) for r in holdout]
     sd = noise_sd(runs, machine)
+    repeats = repeated(runs, [sensor.name for sensor in machine.model.sensors])
+    between = floor_of(repeats, sd.size)
+    sd = np.maximum(sd, between)
+    floor = float(np.mean(np.square(between / sd)[_recorded(runs)])) if repeats else 0.0
+    runs = [replace(run, floor=floor) for run in runs]
     windows = WindowModel(machine)
     train, unseen = (with_noise(group, sd, windows) for group in (runs, proofs))
-    return Prepared(extended, machine, train, unseen, sd, shortest)
+    return Prepared(extended, machine, train, unseen, sd, shortest, repeats)
+
+
+def _recorded(runs: Sequence[Run]) -> NDArray[np.bool_]:
+    """The sensors (m,) that recorded something."""
+    return np.asarray(np.isfinite([run.motion.sd for run in runs]).any(axis=0))
 
 
 def settle(prepared: Prepared, own: Sequence[str] = ()) -> Setting:

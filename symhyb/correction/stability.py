@@ -9,6 +9,7 @@ in two of nine would be lost in a tenth of the draws by the draw alone.
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -61,8 +62,9 @@ def weakest(
     shares: Mapping[Hypothesis, float | None], causes: Sequence[Hypothesis]
 ) -> float | None:
     """The smallest share of the causes that are told as one effect."""
-    known = [share for cause in causes if (share := shares.get(cause)) is not None]
-    return min(known, default=None)
+    bare = {replace(cause, own=()): share for cause, share in shares.items()}
+    known = [bare.get(replace(cause, own=())) for cause in causes]
+    return min((share for share in known if share is not None), default=None)
 
 
 def _margin(winner: Refined, trial: Refined, weights: Array) -> Array:

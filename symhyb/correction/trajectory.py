@@ -111,12 +111,10 @@ def refine(
     laid = [item.suited(machine) for item in laid]
     owned = shared_out(causes, len(laid))
     step = float(np.median(np.diff(laid[0].block.t, axis=1)))
-    lower, upper, mean, spread = _limits(machine, causes, step)
     begin = _beginning(machine, causes, start, laid, p[list(free)])
-    task = Task(
-        tuple(laid), sd, *(gathered(row, owned) for row in (lower, upper, mean, spread)),
-        everything, own=owned, first=begin,
-    )  # fmt: skip
+    bounds = [gathered(row, owned) for row in _limits(machine, causes, step)]
+    lower, upper, mean, spread = bounds
+    task = Task(tuple(laid), sd, lower, upper, mean, spread, everything, own=owned, first=begin)
     if not careful:
         task = replace(task, decrease=TRIAL_DECREASE, iterations=TRIAL_ITERATIONS)
     begun = None if starts is None else [_begun(*pair) for pair in zip(laid, starts, strict=True)]

@@ -38,7 +38,8 @@ class Fit:
     ``values`` (F,) SI; ``covariance`` (F, F), widened for coloured residuals; ``chi2`` of each
     window (W,) in the order of the recordings, ``count`` (W,) its samples less its initial states,
     ``held`` (W,); ``correlation`` c ≥ 1 of the fitted windows; ``starts`` the fitted initial
-    states of each recording (W, X). ``reason`` is empty, or says why the fit failed.
+    states of each recording (W, X). ``reason`` is empty, or says why the fit failed. ``floor`` is
+    the χ² per sample by which repeated runs differ: a smaller difference proves nothing.
     """
 
     values: Array
@@ -49,6 +50,7 @@ class Fit:
     correlation: float
     starts: tuple[Array, ...]
     reason: str = ""
+    floor: float = 0.0
 
     @property
     def train(self) -> float:
@@ -62,8 +64,9 @@ class Fit:
 
     @property
     def scale(self) -> float:
-        """χ² per sample of the fitted windows; below 1 where the noise was measured too large."""
-        return max(self.train / max(float(self.count[~self.held].sum()), 1.0), 1e-30)
+        """χ² per sample of the fitted windows; below 1 where the noise was measured too large, but
+        never below what repeated runs differ by."""
+        return max(self.train / max(float(self.count[~self.held].sum()), 1.0), self.floor, 1e-30)
 
 
 @dataclass(frozen=True, slots=True)
@@ -350,9 +353,12 @@ def _finish(
     for j in used:
         gram = gram + np.einsum("wai,waj->ij", j[..., :count], j[..., :count])
     degrees = max(float((seen - states)[~held].sum()) - count, 1.0)
-    scale = float(chi2[~held].sum()) / degrees
+    floor = max(item.floor for item in task.laid)
+    scale = max(float(chi2[~held].sum()) / degrees, floor)
     covariance = _inverse(gram) * scale * correlation
-    return Fit(values, covariance, chi2, seen - states, held, correlation, tuple(starts))
+    return Fit(
+        values, covariance, chi2, seen - states, held, correlation, tuple(starts), floor=floor
+    )
 
 
 def _inverse(gram: Array) -> Array:
