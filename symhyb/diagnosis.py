@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from symhyb.correction.beginnings import active_part, changed, in_part
 from symhyb.correction.decide import Decision, decide
 from symhyb.correction.findings import (
     Named,
@@ -95,6 +96,13 @@ def diagnose(
     tell("sparse regression on the weak form")
     middle = setting.stages[min(1, len(setting.stages) - 1)]
     proposals = propose(prepared.machine, setting.library, middle.laid, 5 / prepared.shortest)
+    tell("mapping the places")
+    values = prepared.machine.values
+    places = locate(
+        setting.library, setting.windows, middle.laid, values, setting.sd, setting.stages[0].laid
+    )
+    change = changed(places)
+    setting = active_part(setting, change)
     decision = decide(setting, proposals, tell)
     laid = setting.stages[-1].laid
     odd: tuple[Stranger, ...] = ()
@@ -115,9 +123,6 @@ def diagnose(
     tell("estimating values")
     certain = _certain(setting, decision, prepared)
     final, stage = valued(setting, certain, prepared)
-    tell("mapping the places")
-    values = prepared.machine.values
-    places = locate(setting.library, setting.windows, middle.laid, values, setting.sd)
     tell("removing each cause once, for its share")
     items = named(final)
     shown = prove(prepared, setting, final, stage, items)
@@ -125,7 +130,8 @@ def diagnose(
     told = _told(model, prepared, final, items, shown, firm)
     left = leftover(setting, certain) if certain.causes else ()
     found = _concluded(model, prepared, decision, final, told, (shown.remainder, left), places)
-    return _of_several(found, final, misfits, repeats_said(prepared))
+    found = _of_several(found, final, misfits, repeats_said(prepared))
+    return in_part(found, change)
 
 
 def _of_several(

@@ -39,14 +39,16 @@ def misfit(final: Refined, stranger: Stranger, recordings: Sequence[Recording]) 
         return Misfit(name, "remainder", *numbers, "1", stranger.chance, said + ".")
     cause = final.causes[stranger.cause]
     unit, quantity = unit_of_key(final.machine.model, cause, stranger.key), _words(cause, stranger)
-    told = tuple(x / unit.factor for x in (*stranger.value, *stranger.others))
-    first, second = (small_text(v, unit.text, sd) for v, sd in (told[:2], told[2:]))
+    (value, sd), (rest, rest_sd) = (
+        (pair[0] / unit.factor, pair[1] / unit.factor) for pair in (stranger.value, stranger.others)
+    )
+    first, second = small_text(value, unit.text, sd), small_text(rest, unit.text, rest_sd)
     if len(recordings) == 2:
         other = recordings[1 - stranger.recording].name
         said = f"{name} and {other} do not fit each other: {quantity} is {first} against {second}"
     else:
         said = f"{name} does not fit the others: its {quantity} is {first} against {second}"
-    return Misfit(name, quantity, *told, unit.text, stranger.chance, said + ".")
+    return Misfit(name, quantity, value, sd, rest, rest_sd, unit.text, stranger.chance, said + ".")
 
 
 def unit_of_key(model: Model, cause: Hypothesis, key: str) -> Unit:

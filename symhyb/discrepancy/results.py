@@ -131,12 +131,45 @@ class Alternative:
 
 
 @dataclass(frozen=True, slots=True)
+class Change:
+    """A mismatch that begins or ends within a recording, at ``time_s`` known to ``width_s``."""
+
+    recording: str
+    time_s: float
+    width_s: float
+    kind: Literal["begins", "ends"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Occurrence:
+    """When and how a mismatch acts at a place, along the first recording (a change: along any).
+
+    ``band_hz`` holds the middle four fifths of its power, ``beyond`` (SI) is the size of the
+    stretch below which it is absent. ``t`` (W,), ``before`` and ``after`` (W,): χ² per sample of
+    windows, uncorrected and with the best force of the place's own motion; ``lines`` (K,) in Hz and
+    ``power`` (K,) in units of its largest. ``sentence`` is empty if nothing sets it apart.
+    """
+
+    change: Change | None
+    band_hz: tuple[float, float] | None
+    beyond: float | None
+    t: NDArray[np.float64]
+    before: NDArray[np.float64]
+    after: NDArray[np.float64]
+    lines: NDArray[np.float64]
+    power: NDArray[np.float64]
+    sentence: str = ""
+
+
+@dataclass(frozen=True, slots=True)
 class PlaceShare:
-    """How much of the mismatch any smooth function of this place's own motion explains, unseen."""
+    """How much of the mismatch any smooth function of this place's own motion explains, unseen, and
+    when and how it acts there where that is much."""
 
     place: Place
     explained: float | None
     active: Activity | None = None
+    occurrence: Occurrence | None = None
 
 
 @dataclass(frozen=True, slots=True)
