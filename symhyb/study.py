@@ -158,6 +158,7 @@ def manifest(result: StudyResult) -> dict[str, Any]:
             for role, recording, span in _runs(result)
         ],
         "map": dict(study.columns or {}),
+        **({"own": list(study.own)} if study.own else {}),
         "versions": _versions(),
         "seeds": {"figures": 0},  # which points of a dense cloud are drawn; the rest has no chance
         "seconds": round(result.seconds, 1),

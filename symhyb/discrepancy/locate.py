@@ -70,6 +70,12 @@ def locate(
         if change is not None and short is not None:
             change = sharpened(change, short.placed(index, knots, sd), _ridge, short.names)
         acting = [_surface(s, r, knots) @ values for s, r, _ in motions]
+        if change is not None:
+            calm = still(placed, change, seen.names)
+            acting = [
+                np.where(calm[placed.recording == i][:, None], 0.0, force)
+                for i, force in enumerate(acting)
+            ]
         active = _activity(seen.laid, motions, acting)
         told = _occurrence(seen, index, knots, values, placed, change)
         result.append(PlaceShare(place, share, active, told))

@@ -19,6 +19,7 @@ from symhyb.discrepancy.results import (
     Estimate,
     Found,
     Misfit,
+    Occurrence,
     PlaceShare,
     Reestimated,
     Score,
@@ -169,6 +170,27 @@ def _place_share(share: PlaceShare) -> dict[str, Any]:
         "place": _place(share.place),
         "explained": finite(share.explained),
         **_active(share.active),
+        **_occurrence(share.occurrence),
+    }
+
+
+def _occurrence(told: Occurrence | None) -> dict[str, Any]:
+    """The keys that say when and how a mismatch acts, as far as they are known."""
+    if told is None:
+        return {}
+    change = None
+    if told.change is not None:
+        change = {
+            "recording": told.change.recording,
+            "kind": told.change.kind,
+            "time_s": float(told.change.time_s),
+            "width_s": float(told.change.width_s),
+        }
+    return {
+        "change": change,
+        "band_hz": None if told.band_hz is None else [float(f) for f in told.band_hz],
+        "beyond": finite(told.beyond),
+        "sentence": told.sentence,
     }
 
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from symhyb.discrepancy.results import Cloud, Trace
+from symhyb.discrepancy.results import Cloud, Occurrence, Trace
 from symhyb.discrepancy.wording import number_text, percent_text
 from symhyb.report.contract import finite
 from symhyb.report.series import (
@@ -196,6 +196,33 @@ def places_figure(places: Sequence[tuple[str, float | None, bool]]) -> bytes:
         _percent_axis(panel, logarithmic=False)
         panel.set_xticks(range(0, 101, 20))
         panel.set_xlabel("explained share of the mismatch [%]")
+        return _svg(figure)
+
+
+def occurrence_figure(told: Occurrence) -> bytes:
+    """Draw when a place's mismatch acts (what is left of every window, as it is and with the best
+    force of the place's own motion) and at which frequencies."""
+    with _drawing(3.6 if told.lines.size else 1.9) as figure:
+        panels = figure.subplots(2 if told.lines.size else 1, 1, squeeze=False)[:, 0]
+        floor = np.maximum(told.before, 1e-3), np.maximum(told.after, 1e-3)
+        for values, color, word in zip(
+            floor, (BEFORE, AFTER), ("as it is", "with the best force of this place"), strict=True
+        ):
+            panels[0].step(told.t, values, where="mid", color=color, label=word)
+        panels[0].axhline(1.0, color=QUIET, lw=0.8, ls="--", label="noise")
+        panels[0].set_yscale("log")
+        panels[0].set_title("mean square of what is left, in units of the noise")
+        if told.change is not None:
+            panels[0].axvline(told.change.time_s, color=LAW, label=f"{told.change.kind} here")
+        _legend(panels[0])
+        panels[0].set_xlabel("time [s]")
+        if told.lines.size:
+            panels[1].fill_between(told.lines, 0.0, told.power, color=AFTER, lw=0.0)
+            if told.band_hz is not None:
+                panels[1].axvspan(*told.band_hz, color="#eef1f4", zorder=0)
+            panels[1].set_title("power of the missing force, over its largest")
+            panels[1].set_xlabel("frequency [Hz]")
+            panels[1].set_ylim(0.0, 1.05)
         return _svg(figure)
 
 
