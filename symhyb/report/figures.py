@@ -202,18 +202,26 @@ def places_figure(places: Sequence[tuple[str, float | None, bool]]) -> bytes:
 def occurrence_figure(told: Occurrence) -> bytes:
     """Draw when a place's mismatch acts (what is left of every window, as it is and with the best
     force of the place's own motion) and at which frequencies."""
-    with _drawing(3.6 if told.lines.size else 1.9) as figure:
+    with _drawing(4.2 if told.lines.size else 2.3) as figure:
         panels = figure.subplots(2 if told.lines.size else 1, 1, squeeze=False)[:, 0]
-        floor = np.maximum(told.before, 1e-3), np.maximum(told.after, 1e-3)
-        for values, color, word in zip(
-            floor, (BEFORE, AFTER), ("as it is", "with the best force of this place"), strict=True
+        for values, color, word in (
+            (told.before, BEFORE, "as it is"),
+            (told.after, AFTER, "best force here"),
         ):
-            panels[0].step(told.t, values, where="mid", color=color, label=word)
+            shown = np.maximum(values, 1e-3)
+            panels[0].step(told.t, shown, where="mid", color=color, label=word)
         panels[0].axhline(1.0, color=QUIET, lw=0.8, ls="--", label="noise")
         panels[0].set_yscale("log")
-        panels[0].set_title("mean square of what is left, in units of the noise")
+        panels[0].yaxis.set_major_formatter("{x:g}")
+        panels[0].yaxis.set_minor_formatter("")
+        panels[0].set_title("left over [χ² per sample]")
         if told.change is not None:
-            panels[0].axvline(told.change.time_s, color=LAW, label=f"{told.change.kind} here")
+            panels[0].axvline(told.change.time_s, color=LAW)
+            at = (told.change.time_s, 0.97)
+            panels[0].annotate(
+                f"{told.change.kind} ", at, xycoords=panels[0].get_xaxis_transform(), color=LAW,
+                ha="right", va="top",
+            )  # fmt: skip
         _legend(panels[0])
         panels[0].set_xlabel("time [s]")
         if told.lines.size:
