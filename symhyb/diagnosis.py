@@ -22,8 +22,14 @@ from symhyb.correction.findings import (
     named,
     reestimated,
 )  # fmt: skip
-from symhyb.correction.fleet import Stranger, parted, strangers, without
-from symhyb.correction.fleet_words import misfit, parameters_with_own, repeats_said, with_own
+from symhyb.correction.fleet import Stranger, drifting, parted, strangers, widened, without
+from symhyb.correction.fleet_words import (
+    drift_sentence,
+    misfit,
+    parameters_with_own,
+    repeats_said,
+    with_own,
+)
 from symhyb.correction.leftover import leftover
 from symhyb.correction.preparing import Prepared, prepare, settle
 from symhyb.correction.proof import Proof, prove
@@ -123,6 +129,9 @@ def diagnose(
     tell("estimating values")
     certain = _certain(setting, decision, prepared)
     final, stage = valued(setting, certain, prepared)
+    drift = drifting(prepared.model, final, stage, setting.sd)
+    drifts = () if drift is None else (drift_sentence(final, drift),)
+    final = final if drift is None else widened(final, drift)
     tell("removing each cause once, for its share")
     items = named(final)
     shown = prove(prepared, setting, final, stage, items)
@@ -131,7 +140,16 @@ def diagnose(
     left = leftover(setting, certain) if certain.causes else ()
     found = _concluded(model, prepared, decision, final, told, (shown.remainder, left), places)
     found = _of_several(found, final, misfits, repeats_said(prepared))
-    return in_part(found, change)
+    return in_part(noted(found, drifts), change)
+
+
+def noted(found: Diagnosis, sentences: Sequence[str]) -> Diagnosis:
+    """The diagnosis with sentences that its answer and its notes must not go without."""
+    return replace(
+        found,
+        sentence=" ".join([found.sentence, *sentences]),
+        notes=(*sentences, *found.notes),
+    )
 
 
 def _of_several(

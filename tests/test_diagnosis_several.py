@@ -192,6 +192,18 @@ def test_friction_that_begins_half_way_is_located_and_named() -> None:
     assert found.stability > 10 / 11
 
 
+def test_friction_that_changes_half_way_is_not_said_to_be_constant() -> None:
+    def law(t: float, x: float, v: float) -> float:
+        return dry(1.0 if t >= 5.0 else 0.5)(t, x, v)
+
+    diagnosis = sh.diagnose(spring_model(), recorded(1, law, "run.csv", 12.0))
+    (found,) = diagnosis.found
+    (level,) = found.estimates
+    assert "Coulomb friction on x is not constant" in diagnosis.sentence
+    assert level.sd > 0.1
+    assert abs(level.value - 0.75) < 2 * level.sd
+
+
 def test_json_holds_what_several_recordings_say() -> None:
     from tests.fakes import verdict  # hand-made scores, no mechanics
 

@@ -11,12 +11,14 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.stats import chi2 as chi_square
 
 from symhyb.correction.evidence import OUTSTANDING
 from symhyb.correction.setting import Setting, Stage
 from symhyb.correction.trajectory import Refined, grouped, keys_of, refine
 from symhyb.discrepancy.hypotheses import Hypothesis
+from symhyb.discrepancy.windows import Laid
 from symhyb.errors import InputError, Problem, did_you_mean
 from symhyb.model.types import Model
 from symhyb.model.vocabulary import KINDS
@@ -192,6 +194,41 @@ def _unexplained(final: Refined, stage: Stage) -> Stranger | None:
                 float(chi_square.sf(distance, 1)),
             )  # fmt: skip
     return worst
+
+
+def drifting(model: Model, final: Refined, stage: Stage, sd: Array) -> Stranger | None:
+    """The shared number that differs most between the first halves of the recordings (``others``)
+    and the second (``value``), if one does beyond chance and by more than a tenth: a law that
+    changes on the way is not the constant one that was fitted."""
+    keys = _shared(final)
+    if not keys or any(len(item.start) < 2 * WINDOWS_LEAST for item in stage.laid):
+        return None
+    rows = [n for n, _, _ in keys]
+    known = {}
+    for half in (0, 1):
+        laid = [item.chosen(_half(item, half)) for item in stage.laid]
+        start = [*grouped(final)]
+        fit = refine(model, final.causes, start, laid, sd, everything=True).fit
+        covariance = fit.covariance[np.ix_(rows, rows)]
+        if fit.reason or not np.isfinite(covariance).all():
+            return None
+        known[half] = _Estimate(fit.values[rows], covariance)
+    return _against(1, known, keys, 1)
+
+
+def _half(item: Laid, which: int) -> NDArray[np.int64]:
+    """The windows of the first or the second half of a recording."""
+    middle = len(item.start) // 2
+    return np.arange(middle) if which == 0 else np.arange(middle, len(item.start))
+
+
+def widened(final: Refined, odd: Stranger) -> Refined:
+    """The structure with the deviation of the drifting number as wide as its two values."""
+    told = [(i, key) for i, cause in enumerate(final.causes) for key in keys_of(cause)]
+    n = told.index((odd.cause, odd.key))
+    covariance = final.fit.covariance.copy()
+    covariance[n, n] = max(covariance[n, n], ((odd.value[0] - odd.others[0]) / 2) ** 2)
+    return replace(final, fit=replace(final.fit, covariance=covariance))
 
 
 def without(setting: Setting, gone: Sequence[int]) -> Setting:

@@ -51,6 +51,21 @@ def misfit(final: Refined, stranger: Stranger, recordings: Sequence[Recording]) 
     return Misfit(name, quantity, value, sd, rest, rest_sd, unit.text, stranger.chance, said + ".")
 
 
+def drift_sentence(final: Refined, odd: Stranger) -> str:
+    """Say that a number is not the same in both halves of the recordings."""
+    cause = final.causes[odd.cause]
+    unit = unit_of_key(final.machine.model, cause, odd.key)
+    first, second = (
+        small_text(value / unit.factor, unit.text, sd / unit.factor)
+        for value, sd in (odd.others, odd.value)
+    )
+    words = _words(cause, odd)
+    return (
+        f"{words[:1].upper()}{words[1:]} is not constant: {first} in the first half of the time, "
+        f"{second} in the second; the deviation that is given covers both."
+    )
+
+
 def unit_of_key(model: Model, cause: Hypothesis, key: str) -> Unit:
     """The unit of a number of a cause, as the model file writes it."""
     if cause.place is not None:

@@ -18,6 +18,7 @@ from symhyb.numeric.buffers import Array
 
 SIGNIFICANT = 10.0  # of χ² on held windows, and 2 ln(moments tried) more
 PART = 1 / 2  # of what acting throughout leaves, that a beginning must take
+MISMATCH = 1.15  # χ² per sample that noise may reach by the error of its own measurement
 SIDE_LEAST = 3  # windows of the recording on either side of a moment
 BAND = (0.1, 0.9)  # of the power: the band between these quantiles
 BAND_MOST = 0.5  # of the samples' frequencies; a wider band says nothing
@@ -71,7 +72,7 @@ def change_of(placed: Placed, solve: Solve, names: Sequence[str]) -> Change | No
                 tried += 1
                 calm = np.zeros(before.size, bool)
                 calm[rows[:k] if begins else rows[k:]] = True
-                if not (fitted & ~calm).any():
+                if not (fitted & ~calm).any() or not _quiet(placed, calm):
                     continue
                 values = solve(placed.grams[fitted & ~calm].sum(axis=0))
                 total = float(np.where(calm, before, costs(placed.grams, values))[held].sum())
@@ -89,6 +90,14 @@ def change_of(placed: Placed, solve: Solve, names: Sequence[str]) -> Change | No
     rows = np.flatnonzero(placed.recording == r)
     width = float(np.median(placed.t[rows, 1] - placed.t[rows, 0]))
     return Change(names[r], moment, width, "begins" if begins else "ends")
+
+
+def _quiet(placed: Placed, calm: NDArray[np.bool_]) -> bool:
+    """Whether windows in which nothing is said to act show no mismatch, by the rule for a whole
+    recording."""
+    count = max(float(placed.count[calm].sum()), 1.0)
+    left = float(placed.grams[calm, -1, -1].sum()) / count
+    return left <= MISMATCH + 4 * float(np.sqrt(2 / count))
 
 
 def still(placed: Placed, change: Change, names: Sequence[str]) -> NDArray[np.bool_]:
@@ -132,7 +141,7 @@ def spectrum(t: Array, missing: Array, acting: Array) -> tuple[Array, Array]:
     window = np.hanning(t.size)
     first, second = (np.fft.rfft((x - x.mean()) * window) for x in (missing, acting))
     power = np.convolve(np.real(first * np.conj(second)), np.ones(3) / 3, mode="same")
-    return np.fft.rfftfreq(t.size, step), np.maximum(power, 0.0)
+    return np.arange(power.size) / (t.size * step), np.asarray(np.maximum(power, 0.0), dtype=float)
 
 
 def band_of(lines: Array, power: Array) -> tuple[float, float] | None:

@@ -20,6 +20,7 @@ from symhyb.numeric.buffers import Array
 INPUT_NOISE = 3.0  # noises, by which two records of the same input may differ
 INPUT_SHARE = 1e-3  # of an input's spread: its resolution
 START_SHARE = 0.05  # of the range of places and speeds: the same start
+START_SDS = 5.0  # and deviations of the smoothed motion, which is known least at its ends
 ALIKE = 0.3  # of a signal's spread: runs that differ by more are no repeats, whatever drove them
 SURE = 4.0  # standard deviations of a mean square: a spread between runs that noise does not feign
 STRANGE = 5.0  # times the spread of the others: a run that only seems to be a repeat
@@ -79,8 +80,11 @@ def _same_input(first: Array, second: Array) -> bool:
 
 def _same_start(first: Motion, second: Motion) -> bool:
     return all(
-        bool(np.all(np.abs(a[0] - b[0]) <= START_SHARE * np.ptp(a, axis=0)))
-        for a, b in ((first.q, second.q), (first.v, second.v))
+        bool(np.all(np.abs(a[0] - b[0]) <= START_SHARE * np.ptp(a, axis=0) + START_SDS * sd))
+        for a, b, sd in (
+            (first.q, second.q, first.q_sd + second.q_sd),
+            (first.v, second.v, first.v_sd + second.v_sd),
+        )
     )
 
 

@@ -200,7 +200,7 @@ def _place_picture(diagnosis: Diagnosis) -> Picture | None:
 
 def _occurrences(diagnosis: Diagnosis, model: Model | None) -> list[Picture]:
     """When and at which frequencies the mismatch acts at the places that explain most of it."""
-    drawn = []
+    drawn: list[Picture] = []
     for row in diagnosis.places:
         told = row.occurrence
         if told is None or told.t.size < 2 or len(drawn) == _PLACES_SHOWN:
