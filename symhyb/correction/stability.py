@@ -28,11 +28,13 @@ WINDOWS_LEAST = 4  # fewer say nothing about each other
 def stabilities(decision: Decision) -> tuple[float | None, ...]:
     """For each cause of the winner the share of draws in which it stays chosen.
 
-    It stays where the winner's χ²/c + k ln N is below that of every trial without it, over windows
-    fitted and held, weighed by the draw. None where too few windows are there.
+    It stays where the winner's χ²/c + k ln N is below that of every trial without it, over the
+    fitted windows, weighed by the draw: the criterion that chose it, asked again. (The initial
+    states of held windows only follow; where friction sticks they may end in another minimum.)
+    None where too few windows are there.
     """
     winner = decision.winner
-    windows = winner.fit.chi2.size
+    windows = int((~winner.fit.held).sum())
     if windows < WINDOWS_LEAST:
         return (None,) * len(winner.causes)
     weights = np.random.default_rng(0).exponential(size=(DRAWS, windows))
@@ -69,8 +71,9 @@ def weakest(
 
 def _margin(winner: Refined, trial: Refined, weights: Array) -> Array:
     """By how much the criterion of a trial is worse than the winner's, by draw (DRAWS,)."""
-    gain = (trial.fit.chi2 - winner.fit.chi2) / unit_of(winner)
-    size = max(float(winner.fit.count.sum()), 2.0)
+    fitted = ~winner.fit.held
+    gain = (trial.fit.chi2 - winner.fit.chi2)[fitted] / unit_of(winner)
+    size = max(float(winner.fit.count[fitted].sum()), 2.0)
     paid = (winner.numbers - trial.numbers) * float(np.log(size))
     with np.errstate(invalid="ignore"):
         margin = weights @ np.where(np.isfinite(gain), gain, np.inf)

@@ -20,7 +20,7 @@ from symhyb.numeric.buffers import Array
 INPUT_NOISE = 3.0  # noises, by which two records of the same input may differ
 INPUT_SHARE = 1e-3  # of an input's spread: its resolution
 START_SHARE = 0.05  # of the range of places and speeds: the same start
-START_SDS = 5.0  # and deviations of the smoothed motion, which is known least at its ends
+START_SDS = 15.0  # and deviations of the smoothed motion, which is ten times worse at its ends
 ALIKE = 0.3  # of a signal's spread: runs that differ by more are no repeats, whatever drove them
 SURE = 4.0  # standard deviations of a mean square: a spread between runs that noise does not feign
 STRANGE = 5.0  # times the spread of the others: a run that only seems to be a repeat
