@@ -35,8 +35,15 @@ def leftover(setting: Setting, winner: Refined) -> tuple[str, ...]:
     for problem in (
         around(setting, winner),
         screen(
-            laws, model, (), laid, winner.p, setting.sd, winner.fit.starts,
-            each=[winner.of(item.source[0]) for item in laid], own=winner.own_columns,
+            laws,
+            model,
+            (),
+            laid,
+            winner.p,
+            setting.sd,
+            winner.fit.starts,
+            each=[winner.of(item.source[0]) for item in laid],
+            own=winner.own_columns,
         ),
     ):
         for hypothesis, part in _promises(problem, winner):
