@@ -132,7 +132,10 @@ def missing() -> tuple[Diagnosis, Verdict]:
         remainder=0.0043,
         remainder_notes=("Friction is 4 % larger against positive q; left out: it earns 0.2 %.",),
         noise={"encoder": 0.0123, "tacho": 0.2},
-        places=(PlaceShare(q, 0.9962, active, occurrence()), PlaceShare(Between("anchor", "tip"), 0.21, active)),
+        places=(
+            PlaceShare(q, 0.9962, active, occurrence()),
+            PlaceShare(Between("anchor", "tip"), 0.21, active),
+        ),
         clouds=(cloud(q),),
         log=(
             "The noise of encoder is 0.0123 mm; the sensor's sd says 0.01 mm.",
