@@ -196,6 +196,14 @@ def diagnose(
     columns: Map = None,
     start: Start = None,
     end: End = None,
+    own: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME",
+            help="What every recording has its own value of, all else being shared: a parameter of"
+            " the model ('m') or a key of a law ('drag'). Repeat it.",
+        ),
+    ] = None,
     as_json: Json = False,
 ) -> None:
     """Find the physics that a model leaves out.
@@ -221,6 +229,7 @@ def diagnose(
         tuple(Source(path, span=(start, end)) for path in recordings),
         tuple(Source(path) for path in holdout or ()),
         read_map(columns),
+        own=tuple(own or ()),
     )
     require_folder(output)
     with progress() as say:

@@ -5,12 +5,13 @@ trajectories and judged on held windows → the map of places → what was found
 recordings prove; they never choose. docs/method.md has the statistics and what was measured.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from symhyb.correction.clocks import drifting
+from symhyb.correction.beginnings import active_part, changed, in_part
+from symhyb.correction.clocks import drifting as clock_drift
 from symhyb.correction.decide import Decision, decide
 from symhyb.correction.evidence import NEAR_NOISE
 from symhyb.correction.findings import (
@@ -23,12 +24,21 @@ from symhyb.correction.findings import (
     named,
     reestimated,
 )  # fmt: skip
+from symhyb.correction.fleet import Stranger, drifting, parted, strangers, widened, without
+from symhyb.correction.fleet_words import (
+    drift_sentence,
+    misfit,
+    parameters_with_own,
+    repeats_said,
+    with_own,
+)
 from symhyb.correction.leftover import leftover
 from symhyb.correction.preparing import Prepared, prepare, settle
 from symhyb.correction.proof import Proof, prove
 from symhyb.correction.refusal import if_bounded, if_long_enough, with_lies
 from symhyb.correction.setting import Setting, Stage
 from symhyb.correction.sparse import propose
+from symhyb.correction.stability import stabilities, weakest
 from symhyb.correction.strength import element_forces
 from symhyb.correction.trajectory import Refined, grouped, refine
 from symhyb.data.cleaning import still
@@ -42,7 +52,9 @@ from symhyb.discrepancy.results import (
     Cloud,
     Diagnosis,
     Found,
+    Misfit,
     PlaceShare,
+    Repeats,
     VerdictName,
 )  # fmt: skip
 from symhyb.discrepancy.runs import Run, too_poor
@@ -77,15 +89,18 @@ def diagnose(
     recordings: Recording | Sequence[Recording],
     holdout: Recording | Sequence[Recording] = (),
     *,
+    own: Sequence[str] = (),
     say: Say | None = None,
 ) -> Diagnosis:
     """Say what the model lacks, from recordings of the machine.
 
-    ``holdout`` are unseen recordings: they prove (shares and scores) and never choose. ``say`` gets
-    a short line at every step.
+    ``holdout`` are unseen recordings: they prove (shares and scores) and never choose. ``own``
+    names what every recording has its own value of: parameters of the model, or keys of laws that
+    may be found (``drag``); the phase of a harmonic force always. ``say`` gets a short line at
+    every step.
 
     Raises:
-        InputError: recordings that cannot be used with this model.
+        InputError: recordings that cannot be used with this model, or an unknown name in ``own``.
         NumericsError: the model cannot be simulated along the recordings at all.
     """
     tell = say or (lambda line: None)
@@ -93,32 +108,82 @@ def diagnose(
         return Diagnosis("undecided", STILL, record_next=RECORD_NEXT)
     tell("estimating motion and noise")
     prepared = prepare(model, recordings, holdout)
-    setting = settle(prepared)
-    clock = drifting(setting, lambda clocks: settle(prepare(model, recordings, holdout, clocks)))
+    setting = settle(prepared, own)
+    clock = clock_drift(
+        setting, lambda clocks: settle(prepare(model, recordings, holdout, clocks), own)
+    )
     if clock is not None:
         prepared = prepare(model, recordings, holdout, (clock,))
-        setting = settle(prepared)
+        setting = settle(prepared, own)
     tell("sparse regression on the weak form")
     middle = setting.stages[min(1, len(setting.stages) - 1)]
     proposals = propose(prepared.machine, setting.library, middle.laid, 5 / prepared.shortest)
+    tell("mapping the places")
+    values = prepared.machine.values
+    places = locate(
+        setting.library, setting.windows, middle.laid, values, setting.sd, setting.stages[0].laid
+    )
+    change = changed(places)
+    setting = active_part(setting, change)
     decision = decide(setting, proposals, tell)
+    laid = setting.stages[-1].laid
+    odd: tuple[Stranger, ...] = ()
+    if len(laid) > 1:
+        tell("holding the recordings against each other")
+        odd = strangers(prepared.model, decision.winner, setting.stages[-1], setting.sd)
+    misfits = tuple(misfit(decision.winner, one, [i.source[0] for i in laid]) for one in odd)
+    if odd:
+        tell("deciding again, with what does not fit by itself")
+        setting = (
+            without(setting, [one.recording for one in odd])
+            if len(laid) > 2
+            else parted(setting, decision.winner, odd[0])
+        )
+        decision = decide(setting, proposals, tell)
     if decision.nothing.fit.reason and not decision.winner.causes:
         raise NumericsError(f"the model cannot be simulated: {decision.nothing.fit.reason}")
     tell("estimating values")
     certain = _certain(setting, decision, prepared)
     final, stage = valued(setting, certain, prepared)
-    tell("mapping the places")
-    values = prepared.machine.values
-    places = locate(setting.library, setting.windows, middle.laid, values, setting.sd)
+    drift = drifting(prepared.model, final, stage, setting.sd)
+    drifts = () if drift is None else (drift_sentence(final, drift),)
+    final = final if drift is None else widened(final, drift)
     tell("removing each cause once, for its share")
     items = named(final)
     shown = prove(prepared, setting, final, stage, items)
-    told = _told(model, prepared, final, items, shown)
+    firm = dict(zip(decision.winner.causes, stabilities(decision), strict=True))
+    told = _told(model, prepared, final, items, shown, firm)
     left = leftover(setting, certain) if certain.causes else ()
     answer = _concluded(model, prepared, decision, final, told, (shown.remainder, left), places)
+    answer = _of_several(answer, final, misfits, repeats_said(prepared))
+    answer = in_part(noted(answer, drifts), change)
     answer = if_bounded(answer, final, decision.nothing, (*prepared.runs, *prepared.holdout))
     answer = if_long_enough(answer, prepared.runs)
     return with_lies(answer, model, prepared.lies, final.fit.scale)
+
+
+def noted(found: Diagnosis, sentences: Sequence[str]) -> Diagnosis:
+    """The diagnosis with sentences that its answer and its notes must not go without."""
+    return replace(
+        found,
+        sentence=" ".join([found.sentence, *sentences]),
+        notes=(*sentences, *found.notes),
+    )
+
+
+def _of_several(
+    found: Diagnosis, final: Refined, misfits: Sequence[Misfit], repeats: Sequence[Repeats]
+) -> Diagnosis:
+    """The diagnosis with what several recordings say of each other."""
+    said = [*(one.sentence for one in misfits), *(one.sentence for one in repeats)]
+    return replace(
+        found,
+        sentence=" ".join([found.sentence, *(one.sentence for one in misfits)]),
+        parameters=parameters_with_own(final, found.parameters),
+        misfits=tuple(misfits),
+        repeats=tuple(repeats),
+        notes=(*said, *found.notes),
+    )
 
 
 def valued(setting: Setting, winner: Refined, prepared: Prepared) -> tuple[Refined, Stage]:
@@ -154,7 +219,12 @@ def _certain(setting: Setting, decision: Decision, prepared: Prepared) -> Refine
 
 
 def _told(
-    model: Model, prepared: Prepared, final: Refined, items: Sequence[Named], shown: Proof
+    model: Model,
+    prepared: Prepared,
+    final: Refined,
+    items: Sequence[Named],
+    shown: Proof,
+    firm: Mapping[Hypothesis, float | None],
 ) -> tuple[Found, ...]:
     """Every found effect with its element, share, activity and sentence."""
     provenance = (
@@ -164,7 +234,15 @@ def _told(
     )
     names = element_names(model, items)
     found = [
-        found_of(model, item, name, provenance, share, _active(prepared, final, item))
+        replace(
+            with_own(
+                model,
+                final,
+                item,
+                found_of(model, item, name, provenance, share, _active(prepared, final, item)),
+            ),
+            stability=weakest(firm, [final.causes[i] for i in item.causes]),
+        )
         for item, name, share in zip(items, names, shown.shares, strict=True)
     ]
     return tuple(sorted(found, key=lambda item: -(item.share or 0.0)))

@@ -101,7 +101,7 @@ def carry_out(study: Study, say: Say | None = None) -> StudyResult:
     say("reading the model and the recordings")
     model = read_model(study.model)
     train, holdout = _recordings(study, model)
-    diagnosis = diagnose(model, train, holdout, say=say)
+    diagnosis = diagnose(model, train, holdout, own=study.own, say=say)
     corrected = apply(model, diagnosis.found, diagnosis.parameters, diagnosis.measurement)
     say("judging the correction")
     verdict = judge(  # on what the diagnosis put right: exchanged columns, times, wrong samples
@@ -160,6 +160,7 @@ def manifest(result: StudyResult) -> dict[str, Any]:
             for role, recording, span in _runs(result)
         ],
         "map": dict(study.columns or {}),
+        **({"own": list(study.own)} if study.own else {}),
         "versions": _versions(),
         "seeds": {"figures": 0},  # which points of a dense cloud are drawn; the rest has no chance
         "seconds": round(result.seconds, 1),

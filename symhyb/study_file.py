@@ -5,6 +5,8 @@ title  = "Linear ball-screw drive"       # of the report; without it the title o
 about  = "what the study shows"
 model  = "../../models/emps.toml"        # paths are relative to the study file
 
+own    = ["m", "drag"]                   # of which every recording has its own value: parameters
+                                         # of the model, keys of laws; all else is shared
 [map]                                    # what --map says on the command line
 force = "gtau*vir"
 
@@ -38,7 +40,7 @@ from symhyb.model.tables import Fault, Table, describe
 FORMAT = 1
 """The version of the study file that is read."""
 
-SECTIONS = ("symhyb", "title", "about", "model", "map", "train", "holdout", "score")
+SECTIONS = ("symhyb", "title", "about", "model", "map", "own", "train", "holdout", "score")
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,6 +67,7 @@ class Study:
     window_s: float | None = None
     force_band_hz: float | None = None
     file: Path | None = None
+    own: tuple[str, ...] = ()
 
 
 def read_study(path: str | os.PathLike[str]) -> Study:
@@ -127,7 +130,17 @@ def _study(root: Table, file: Path) -> Study:
         window_s=_positive(score, "window_s"),
         force_band_hz=_positive(score, "force_band_hz"),
         file=file,
+        own=_own(root),
     )
+
+
+def _own(root: Table) -> tuple[str, ...]:
+    """The names of what every recording has its own value of."""
+    listed = root.entries.get("own", [])
+    if not isinstance(listed, list) or not all(isinstance(name, str) for name in listed):
+        root.fault(f'must be a list of names, like ["m", "drag"], not {describe(listed)}', "own")
+        return ()
+    return tuple(listed)
 
 
 def _sources(root: Table, key: str, study: Path) -> Iterator[Source]:

@@ -81,7 +81,9 @@ def fake_diagnosis(monkeypatch: pytest.MonkeyPatch) -> Fake:
     ) -> list[tuple[object, ...]]:
         asked: list[tuple[object, ...]] = []
 
-        def diagnose(*arguments: object, say: Callable[[str], None]) -> Diagnosis:
+        def diagnose(
+            *arguments: object, say: Callable[[str], None], own: tuple[str, ...] = ()
+        ) -> Diagnosis:
             asked.append(arguments)
             say("trying [friction] on q")
             if error is not None:

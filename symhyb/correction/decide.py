@@ -203,10 +203,23 @@ def _first(problem: Problem, subset: Subset) -> list[dict[str, float]]:
     """The first guess of each cause of a subset, by key, SI."""
     rows, rest = [], list(subset.values)
     for index in subset.causes:
-        cause = problem.hypotheses[index]
-        rows.append(cause.values(rest[: len(cause.terms)]))
-        rest = rest[len(cause.terms) :]
+        count = len(problem.columns[index])
+        rows.append(_begin(problem, problem.hypotheses[index], rest[:count]))
+        rest = rest[count:]
     return rows
+
+
+def _begin(problem: Problem, cause: Hypothesis, values: Sequence[float]) -> dict[str, float]:
+    """The first guess of a cause: shared keys at their mean over the recordings that have numbers
+    of their own."""
+    size = len(cause.terms)
+    each = [cause.values(values[i : i + size]) for i in range(0, len(values), size)]
+    row = {key: float(np.mean([one[key] for one in each])) for key in each[0]}
+    if len(each) > 1:
+        for name, one in zip(problem.recordings, each, strict=True):
+            row |= {f"{key}@{name}": one[key] for key in cause.own}
+        row |= {key: each[0][key] for key in cause.own}
+    return row
 
 
 def _distinct(problem: Problem, subsets: Sequence[Subset]) -> list[Subset]:
@@ -264,10 +277,9 @@ def _additions(trials: _Trials, winner: Refined) -> Iterator[Refined]:
             if (s := solve(problem, (c,))) is not None]  # fmt: skip
     for subset in sorted(more, key=lambda s: s.chi2)[:TRIALS]:
         gain = (base.chi2 - subset.chi2) / unit_of(winner)
-        more = price(winner, subset.numbers, 1, trials.count)
-        if gain > HOPE * (SIGNIFICANT + more) and base.chi2 - subset.chi2 > PROMISE * excess(
-            base.chi2, winner
-        ):
+        needed = SIGNIFICANT + price(winner, subset.numbers, 1, trials.count)
+        part = (base.chi2 - subset.chi2) / excess(base.chi2, winner)
+        if gain > HOPE * needed and part > PROMISE:
             values = [*grouped(winner), *_first(problem, subset)]
             causes = (*trials.causes(winner), *subset.causes)
             yield trials.refined(causes, values, winner.fit.starts)

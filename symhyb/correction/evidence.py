@@ -21,7 +21,7 @@ def earns(larger: Refined, smaller: Refined, tried: int = 1) -> tuple[bool, str]
     It was chosen among ``tried`` causes, which costs 2 ln(tried) for each that is more (extended
     Bayesian information criterion: Chen & Chen, Biometrika 95, 2008).
     """
-    unit = unit_of(larger)
+    unit, size = unit_of(larger), _fitted(larger)
     extra = larger.numbers - smaller.numbers
     more = max(len(larger.causes) - len(smaller.causes), 0)
     fitted = (smaller.fit.train - larger.fit.train) / unit - price(larger, extra, more, tried)
@@ -40,6 +40,9 @@ def earns(larger: Refined, smaller: Refined, tried: int = 1) -> tuple[bool, str]
         )
         if wrong
     ]
+    spare = (smaller.fit.train - larger.fit.train) / size
+    if not spare > larger.fit.floor:
+        failed.append("smaller than what repeated runs differ by")
     names, against = named(larger.causes), named(smaller.causes)
     judged = (
         "rejected: " + ", ".join(failed)
@@ -51,8 +54,12 @@ def earns(larger: Refined, smaller: Refined, tried: int = 1) -> tuple[bool, str]
 
 def price(trial: Refined, numbers: int, causes: int, tried: int) -> float:
     """What Δχ²/c must pay for more numbers and for causes chosen among ``tried``."""
-    size = max(float(trial.fit.count[~trial.fit.held].sum()), 2.0)
-    return float(numbers * np.log(size) + 2 * causes * np.log(max(tried, 1)))
+    return float(numbers * np.log(_fitted(trial)) + 2 * causes * np.log(max(tried, 1)))
+
+
+def _fitted(trial: Refined) -> float:
+    """Samples of the fitted windows."""
+    return max(float(trial.fit.count[~trial.fit.held].sum()), 2.0)
 
 
 def believable(trial: Refined, length_s: float = inf) -> bool:
@@ -99,8 +106,8 @@ def unit_of(trial: Refined) -> float:
 
 def criterion(trial: Refined, reference: Refined) -> float:
     """χ²/c + k ln N of a structure, in the unit of a reference; smaller is better."""
-    size = max(float(trial.fit.count[~trial.fit.held].sum()), 2.0)
-    return trial.fit.train / unit_of(reference) + trial.numbers * float(np.log(size))
+    priced = trial.numbers * float(np.log(_fitted(trial)))
+    return trial.fit.train / unit_of(reference) + priced
 
 
 def excess(chi2: float, trial: Refined) -> float:

@@ -8,6 +8,7 @@ import numpy as np
 from symhyb.correction.conventions import CERTAIN, RIVAL, alike
 from symhyb.correction.decide import Decision
 from symhyb.correction.formulas import law_text
+from symhyb.correction.stability import unstable
 from symhyb.correction.textbook import critical_share
 from symhyb.correction.trajectory import Refined
 from symhyb.discrepancy.hypotheses import Hypothesis
@@ -180,8 +181,9 @@ def channel_faults(final: Refined) -> tuple[Measurement, ...]:
 
 
 def doubtful(decision: Decision) -> tuple[Hypothesis, ...]:
-    """Causes of the winner that a rival replaces almost as well: these recordings cannot tell."""
-    doubt = []
+    """Causes of the winner that these recordings cannot tell: a rival replaces them almost as well,
+    or they do not stay chosen when the windows are weighed anew."""
+    doubt = list(unstable(decision))
     for fresh, lost, evidence, _ in _rivals(decision):
         conventional = len(fresh) == len(lost) == 1 and alike(fresh[0], lost[0])
         if evidence < CERTAIN and not conventional:

@@ -34,7 +34,17 @@ def leftover(setting: Setting, winner: Refined) -> tuple[str, ...]:
     laid = setting.stages[-1].laid
     for problem in (
         around(setting, winner),
-        screen(laws, model, (), laid, winner.p, setting.sd, winner.fit.starts),
+        screen(
+            laws,
+            model,
+            (),
+            laid,
+            winner.p,
+            setting.sd,
+            winner.fit.starts,
+            each=[winner.of(item.source[0]) for item in laid],
+            own=winner.own_columns,
+        ),
     ):
         for hypothesis, part in _promises(problem, winner):
             if hypothesis.family not in taken:

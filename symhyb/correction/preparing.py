@@ -1,10 +1,12 @@
 """What a decision works on: motion, noise, thinned runs, lowered hypotheses and windows."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
+from symhyb.correction.fleet import check_own, owning
 from symhyb.correction.setting import Setting, Stage
 from symhyb.data.cleaning import without_faults
 from symhyb.data.recording import Recording, several
@@ -24,6 +26,7 @@ from symhyb.discrepancy.hypotheses import (
     with_channels,
 )  # fmt: skip
 from symhyb.discrepancy.motion import motion_of
+from symhyb.discrepancy.repeats import Repeated, floor_of, repeated
 from symhyb.discrepancy.residual import discrepancy
 from symhyb.discrepancy.results import Lie
 from symhyb.discrepancy.runs import Run, laid_on, noise_sd, with_noise
@@ -51,8 +54,9 @@ GAIN_LEAST = 1e-3  # smaller gain errors are not worth a name
 @dataclass(frozen=True, slots=True)
 class Prepared:
     """Model with channels, lowered; runs thinned to what the motion needs,
-    noise ``sd`` (m,) SI, and the ``shortest`` period of the motion in s; ``lies`` are channels that
-    were put right, or are suspected."""
+    noise ``sd`` (m,) SI, not below what ``repeats`` of one manoeuvre differ by, and the
+    ``shortest`` period of the motion in s; ``lies`` are channels that were put right, or are
+    suspected."""
 
     model: Model
     machine: Machine
@@ -61,6 +65,7 @@ class Prepared:
     sd: Array
     shortest: float
     lies: tuple[Lie, ...] = ()
+    repeats: tuple[Repeated, ...] = ()
 
 
 def prepare(
@@ -95,18 +100,35 @@ def prepare(
     runs = [_thin(run, machine, shortest) for run in first]
     proofs = [_thin(Run(r, motion_of(r, machine), np.empty(0)), machine, shortest) for r in holdout]
     sd = noise_sd(runs, machine)
+    repeats = repeated(runs, [sensor.name for sensor in machine.model.sensors])
+    between = floor_of(repeats, sd.size)
+    sd = np.maximum(sd, between)
+    floor = float(np.mean(np.square(between / sd)[_recorded(runs)])) if repeats else 0.0
+    runs = [replace(run, floor=floor) for run in runs]
     windows = WindowModel(machine)
     train, unseen = (with_noise(group, sd, windows) for group in (runs, proofs))
-    return Prepared(extended, machine, train, unseen, sd, shortest, lies)
+    return Prepared(extended, machine, train, unseen, sd, shortest, lies, repeats)
 
 
-def settle(prepared: Prepared) -> Setting:
-    """Lower all hypotheses and lay windows at growing lengths."""
+def _recorded(runs: Sequence[Run]) -> NDArray[np.bool_]:
+    """The sensors (m,) that recorded something."""
+    return np.asarray(np.isfinite([run.motion.sd for run in runs]).any(axis=0))
+
+
+def settle(prepared: Prepared, own: Sequence[str] = ()) -> Setting:
+    """Lower all hypotheses and lay windows at growing lengths; ``own`` names what each recording
+    has its own value of.
+
+    Raises:
+        InputError: ``own`` names neither a parameter of the model nor a key of a law.
+    """
+    check_own(prepared.model, own)
     model, machine = prepared.model, prepared.machine
     places = places_of(model)
     narrow = transition_share(_relative_noise(prepared))
-    causes = library(model, places, force_hypotheses(model, _reaches(prepared, places), narrow))
-    dull = dull_hypotheses(model)
+    forces = force_hypotheses(model, _reaches(prepared, places), narrow)
+    causes = library(model, places, owning(model, forces, own))
+    dull = owning(model, dull_hypotheses(model), own)
     windows = WindowModel(machine, tuple(machine.column(cause.path) for cause in dull))
     sag = _sag(prepared)
     return Setting(

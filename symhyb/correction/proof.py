@@ -8,9 +8,10 @@ import numpy as np
 from symhyb.correction.findings import Named
 from symhyb.correction.preparing import Prepared
 from symhyb.correction.setting import Setting, Stage
-from symhyb.correction.trajectory import Refined, grouped, refine
+from symhyb.correction.trajectory import Refined, grouped, own_values, refine
 from symhyb.discrepancy.matching import TRIAL_DECREASE, TRIAL_ITERATIONS, Task, fit
 from symhyb.discrepancy.runs import laid_on
+from symhyb.discrepancy.windows import Laid
 from symhyb.numeric.buffers import Array
 from symhyb.numeric.windows import WindowModel
 
@@ -76,27 +77,32 @@ def _unseen(prepared: Prepared, stage: Stage, trial: Refined) -> _Unseen:
         laid = tuple(item.suited(trial.machine) for item in found if item is not None)
     if not laid:
         return _Unseen(float("nan"), float("nan"), float("nan"))
-    nothing = np.zeros(0)
-    task = Task(
-        tuple(laid), prepared.sd, nothing, nothing, nothing, nothing,
-        decrease=TRIAL_DECREASE, iterations=TRIAL_ITERATIONS,
-    )  # fmt: skip
     late = tuple(c.path.removesuffix(".delay") for c in trial.causes if c.kind == "delay")
     model = WindowModel(trial.machine, late=late)
-    fitted = fit(model, task, trial.p)
-    use = (
-        np.ones(fitted.held.size, bool)
-        if prepared.holdout or not fitted.held.any()
-        else fitted.held
-    )
-    residual, measured = [], []
-    for item, start in zip(laid, fitted.starts, strict=True):
-        chosen = np.ones(len(start), bool) if prepared.holdout else item.held
-        _, y = model.simulate(item.block, start, trial.p)
-        residual.append((item.block.y - y)[chosen].reshape(-1, y.shape[2]))
-        measured.append(item.block.y[chosen].reshape(-1, y.shape[2]))
+    residual, measured, cost, count = [], [], 0.0, 0.0
+    any_held = any(item.held.any() for item in laid)
+    for item in laid:
+        p = own_values(trial, item, prepared.sd) if prepared.holdout else trial.of(item.source[0])
+        fitted = fit(model, _still(item, prepared.sd), p)
+        (start,) = fitted.starts
+        chosen = np.ones(len(start), bool) if prepared.holdout or not any_held else item.held
+        cost += float(fitted.chi2[chosen].sum())
+        count += float(fitted.count[chosen].sum())
+        _, y = model.simulate(item.block, start, p)
+        shown = np.ones(len(start), bool) if prepared.holdout else item.held
+        residual.append((item.block.y - y)[shown].reshape(-1, y.shape[2]))
+        measured.append(item.block.y[shown].reshape(-1, y.shape[2]))
     nrmse = _nrmse(np.concatenate(residual), np.concatenate(measured))
-    return _Unseen(float(fitted.chi2[use].sum()), float(fitted.count[use].sum()), nrmse)
+    return _Unseen(cost, count, nrmse)
+
+
+def _still(item: Laid, sd: Array) -> Task:
+    """The windows of one recording with no number to fit but their initial states."""
+    nothing = np.zeros(0)
+    return Task(
+        (item,), sd, nothing, nothing, nothing, nothing,
+        decrease=TRIAL_DECREASE, iterations=TRIAL_ITERATIONS,
+    )  # fmt: skip
 
 
 def _nrmse(residual: Array, measured: Array) -> float:

@@ -30,21 +30,31 @@ def screen(
     sd: Array,
     starts: Sequence[Array] | None = None,
     gain_floor: float = 0.0,
+    each: Sequence[Array] | None = None,
+    own: Sequence[int] = (),
 ) -> Problem:
     """Reduce windows to a linear problem in the forces of ``library`` and the free parameters.
 
     The first free parameters of ``model`` are those of the ``dull`` causes; any others are in every
     subset. With ``starts`` (one (W, X) a recording) the linearisation is along the simulation from
     there instead of the motion. A gain closer to 1 than ``gain_floor`` is none. ``p`` (P,), ``sd``
-    (m,) in SI.
+    (m,) in SI; with ``each``, a vector of parameters for every recording instead of ``p``. The free
+    parameters ``own`` (their columns in p) have a value in each recording, as causes may.
     """
     parts = []
+    forces, free = sum(map(len, library.columns)), len(model.free)
+    given = (*library.columns, *((forces + i,) for i in range(len(dull))))
+    always = tuple(range(forces + len(dull), forces + free))
+    causes = (*library.hypotheses, *dull)
+    mine = [c for cause, told in zip(causes, given, strict=True) if cause.own for c in told]
+    mine += [forces + i for i, column in enumerate(model.free) if column in own and i >= len(dull)]
+    extra = copies(mine, forces + free, len(laid))
     for i, fine in enumerate(laid):
-        item = fine.suited(model.machine)
+        item, now = fine.suited(model.machine), p if each is None else each[i]
         if starts is None:
-            linear = model.along(item.block, item.states, p)
+            linear = model.along(item.block, item.states, now)
         else:
-            linear = model.differentiate(item.block, starts[i], p, forces=True)
+            linear = model.differentiate(item.block, starts[i], now, forces=True)
         residual = item.block.y - linear.output - linear.from_defect()
         probes = _probe_forces(library, item, None if starts is None else linear.x)
         columns = [linear.from_forces(probes), linear.from_free()]
@@ -52,31 +62,56 @@ def screen(
             reduce(
                 residual,
                 linear.from_start()[..., : 2 * len(model.form.free)],
-                np.concatenate(columns, axis=3),
+                apart(np.concatenate(columns, axis=3), mine, i, len(laid)),
                 sd,
                 item.held,
             )
         )
     forces, free = sum(map(len, library.columns)), len(model.free)
+    source = [*range(forces + free), *(mine * (len(laid) - 1))]
     declared = {item.path: item.si for item in model.machine.model.all_parameters()}
     lower, upper = _bounds(library, dull, free, declared)
+    prior = np.concatenate([np.zeros(forces), _priors(model, dull), np.zeros(free - len(dull))])
+    floors = [_least(cause, gain_floor, laid, declared) for cause in dull]
+    least = np.concatenate([np.zeros(forces), floors, np.zeros(free - len(dull))])
     return Problem(
         gram=np.sum([part.grams[~part.held].sum(axis=0) for part in parts], axis=0),
         held=np.sum([part.grams[part.held].sum(axis=0) for part in parts], axis=0),
-        hypotheses=(*library.hypotheses, *dull),
-        columns=(*library.columns, *((forces + i,) for i in range(len(dull)))),
-        always=tuple(range(forces + len(dull), forces + free)),
-        prior=np.concatenate([np.zeros(forces), _priors(model, dull), np.zeros(free - len(dull))]),
-        lower=lower,
-        upper=upper,
-        least=np.concatenate(
-            [
-                np.zeros(forces),
-                [_least(cause, gain_floor, laid, declared) for cause in dull],
-                np.zeros(free - len(dull)),
-            ]
-        ),
+        hypotheses=causes,
+        columns=tuple(widened(told, mine, extra) for told in given),
+        always=widened(always, mine, extra),
+        prior=prior[source],
+        lower=lower[source],
+        upper=upper[source],
+        least=least[source],
+        recordings=tuple(item.source[0].name for item in laid),
     )
+
+
+def copies(mine: Sequence[int], size: int, recordings: int) -> list[dict[int, int]]:
+    """Where the columns ``mine`` of every recording but the first stand, behind ``size`` others."""
+    count = len(mine)
+    return [{c: size + r * count + j for j, c in enumerate(mine)} for r in range(recordings - 1)]
+
+
+def apart(columns: Array, mine: Sequence[int], which: int, recordings: int) -> Array:
+    """Columns (W, L, m, F) of one recording with those that are its own moved behind the rest."""
+    if not mine or recordings < 2:
+        return columns
+    wide = np.zeros((*columns.shape[:3], columns.shape[3] + (recordings - 1) * len(mine)))
+    wide[..., : columns.shape[3]] = columns
+    if which:
+        first = columns.shape[3] + (which - 1) * len(mine)
+        wide[..., first : first + len(mine)] = columns[..., list(mine)]
+        wide[..., list(mine)] = 0.0
+    return wide
+
+
+def widened(
+    told: Sequence[int], mine: Sequence[int], extra: Sequence[Mapping[int, int]]
+) -> tuple[int, ...]:
+    """The columns ``told`` with those of every other recording, recording by recording."""
+    return (*told, *(row[c] for row in extra for c in told if c in mine))
 
 
 def _least(

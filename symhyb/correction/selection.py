@@ -35,7 +35,8 @@ class Problem:
     """The reduced problem: Gram matrices (F + 1, F + 1) of the fitted and the held windows,
     ``columns`` of each cause, columns that are ``always`` in, priors 1/sd² (F,), bounds of the
     coefficients (F,) in SI, beyond which a subset is not physics, and the ``least`` size (F,) of a
-    coefficient that is worth a name."""
+    coefficient that is worth a name. A cause with numbers of its own in every one of the
+    ``recordings`` (their names) has as many columns for each, recording by recording."""
 
     gram: Array
     held: Array
@@ -46,6 +47,7 @@ class Problem:
     lower: Array
     upper: Array
     least: Array
+    recordings: tuple[str, ...] = ()
 
 
 def best_subsets(problem: Problem, largest: int = LARGEST) -> list[list[Subset]]:

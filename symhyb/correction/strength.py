@@ -19,13 +19,14 @@ def element_forces(
 ) -> tuple[Array, Array, Array]:
     """Generalized forces (N, n, E) of all elements along a recording, stretches and rates (N, E),
     SI; those of the causes come last."""
-    machine = replace(final.machine, values=final.p)
+    p = final.of(recording)
+    machine = replace(final.machine, values=p)
     c = course_of(recording, machine, motion)
-    given = c.q, c.v, c.z, c.u, c.t, final.p
+    given = c.q, c.v, c.z, c.u, c.t, p
     (flat,) = along(machine.elements, given, (5,), c.t.size)
-    flat = flat + along(machine.carried, (c.q, c.v, c.a, c.t, final.p), (4,), c.t.size)[0]
+    flat = flat + along(machine.carried, (c.q, c.v, c.a, c.t, p), (4,), c.t.size)[0]
     forces = flat.reshape(c.t.size, -1, machine.n).swapaxes(1, 2)
-    stretch, rate, _ = along(machine.pathways, (c.q, c.v, c.t, final.p), (3,), c.t.size)
+    stretch, rate, _ = along(machine.pathways, (c.q, c.v, c.t, p), (3,), c.t.size)
     return forces, stretch, rate
 
 

@@ -135,7 +135,8 @@ def _periodic(place: Place, reach: Reach) -> Iterator[Hypothesis]:
     rest = _unexplained(reach)
     for frequency in time_peaks(reach.t, rest):
         shape = (("frequency", frequency),)
-        yield Hypothesis("harmonic", place, terms, free, shape, ("frequency",))
+        # the clock of every recording starts anew, so that its phase is its own
+        yield Hypothesis("harmonic", place, terms, free, shape, ("frequency",), own=("phase",))
     for period in place_peaks(reach.stretch, rest):
         yield Hypothesis("ripple", place, terms, free, (("period", period),), ("period",))
 

@@ -50,7 +50,8 @@ class Hypothesis:
     ``terms`` are unknown coefficients in which the force is linear; ``shape`` are keys that are set
     beforehand (SI), ``refined`` those of them that are fitted afterwards and so cost a number each,
     ``tied`` those that grow with the first coefficient (the damping of a relaxation of a given
-    time). ``positive`` says which terms physics forbids to be negative; ``options`` are words.
+    time). ``positive`` says which terms physics forbids to be negative; ``options`` are words;
+    ``own`` are fitted keys that every recording has its own value of.
     """
 
     kind: str
@@ -62,6 +63,7 @@ class Hypothesis:
     path: str = ""
     tied: tuple[str, ...] = ()
     options: tuple[tuple[str, str], ...] = ()
+    own: tuple[str, ...] = ()
 
     @property
     def keys(self) -> tuple[str, ...]:

@@ -5,14 +5,29 @@ linearised windows and judged on windows that were held out. Sizes: W windows, L
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
+from symhyb.discrepancy.candidates import lacking
 from symhyb.discrepancy.hypotheses import Library
-from symhyb.discrepancy.results import Activity, PlaceShare
+from symhyb.discrepancy.occurrence import (
+    Placed,
+    band_of,
+    beyond_of,
+    change_of,
+    costs,
+    sharpened,
+    spectrum,
+    still,
+)
+from symhyb.discrepancy.occurrence_words import occurrence_sentence
+from symhyb.discrepancy.residual import discrepancy
+from symhyb.discrepancy.results import Activity, Change, Occurrence, PlaceShare
 from symhyb.discrepancy.windows import Laid, merge, reduce
 from symhyb.numeric.buffers import Array
-from symhyb.numeric.windows import WindowModel
+from symhyb.numeric.machine import Machine
+from symhyb.numeric.windows import Linear, WindowModel
 
 KNOTS = (5, 9)  # of the surface along stretch and rate
 RIDGE = 1e-4  # of the mean column power
@@ -20,33 +35,130 @@ ACTIVE_SHARE = 0.1  # of the largest force: acting
 
 
 def locate(
-    library: Library, model: WindowModel, laid: Sequence[Laid], p: Array, sd: Array
+    library: Library,
+    model: WindowModel,
+    laid: Sequence[Laid],
+    p: Array,
+    sd: Array,
+    fine: Sequence[Laid] = (),
 ) -> tuple[PlaceShare, ...]:
-    """The map of places, each with the explained share on held windows and where it is active.
+    """The map of places, each with the explained share on held windows, where it is active, and
+    when, at which frequencies and beyond which amplitude.
 
-    ``p`` (P,) and ``sd`` (m,) in SI. The share is None where no window is held or nothing is left.
+    ``p`` (P,) and ``sd`` (m,) in SI; on ``fine``, shorter windows, the moment of a change is found.
+    The share is None where no window is held or nothing is left.
     """
-    laid = [item.suited(model.machine) for item in laid]
-    linears = [model.along(item.block, item.states, p) for item in laid]
+    seen = _Seen.of(library, model, laid, p)
+    short = _Seen.of(library, model, fine, p) if fine else None
     result = []
     for index, place in enumerate(library.places):
-        motions = [_motion(library, item, index) for item in laid]
+        motions = seen.motions(index)
         knots = [_knots([m[i] for m in motions], KNOTS[i]) for i in (0, 1)]
-        parts, surfaces = [], []
-        for item, linear, (stretch, rate, unit) in zip(laid, linears, motions, strict=True):
-            basis = _surface(stretch, rate, knots)
-            forces = unit[..., None] * basis[:, :, None, :]
+        placed = seen.placed(index, knots, sd)
+        values = _ridge(placed.grams[~placed.held].sum(axis=0))
+        total, count = placed.grams[placed.held].sum(axis=0), placed.count[placed.held].sum()
+        share = _explained(total, values, float(count))
+        change = None if share is None else change_of(placed, _ridge, seen.names)
+        if change is None and (not share or share <= ACTIVE_SHARE):
+            result.append(PlaceShare(place, share))
+            continue
+        if change is not None:  # what it takes where it acts
+            on = ~still(placed, change, seen.names)
+            values = _ridge(placed.grams[on & ~placed.held].sum(axis=0))
+            total = placed.grams[on & placed.held].sum(axis=0)
+            share = _explained(total, values, float(placed.count[on & placed.held].sum()))
+        if change is not None and short is not None:
+            change = sharpened(change, short.placed(index, knots, sd), _ridge, short.names)
+        acting = [_surface(s, r, knots) @ values for s, r, _ in motions]
+        if change is not None:
+            calm = still(placed, change, seen.names)
+            acting = [
+                np.where(calm[placed.recording == i][:, None], 0.0, force)
+                for i, force in enumerate(acting)
+            ]
+        active = _activity(seen.laid, motions, acting)
+        told = _occurrence(seen, index, knots, values, placed, change)
+        result.append(PlaceShare(place, share, active, told))
+    return tuple(sorted(result, key=lambda item: -(item.explained or 0.0)))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Seen:
+    """Windows of all recordings with the dynamics linearised along the measured motion."""
+
+    library: Library
+    machine: Machine
+    laid: tuple[Laid, ...]
+    linears: tuple[Linear, ...]
+
+    @classmethod
+    def of(cls, library: Library, model: WindowModel, laid: Sequence[Laid], p: Array) -> "_Seen":
+        suited = tuple(item.suited(model.machine) for item in laid)
+        linears = tuple(model.along(item.block, item.states, p) for item in suited)
+        return cls(library, model.machine, suited, linears)
+
+    @property
+    def names(self) -> list[str]:
+        return [item.source[0].name for item in self.laid]
+
+    def motions(self, index: int) -> list[tuple[Array, Array, Array]]:
+        """Stretch, rate and generalized unit force at a place, recording by recording."""
+        return [_motion(self.library, item, index) for item in self.laid]
+
+    def placed(self, index: int, knots: Sequence[Array], sd: Array) -> Placed:
+        """The windows reduced to the force surface of one place."""
+        parts = []
+        motions = self.motions(index)
+        for item, linear, (stretch, rate, unit) in zip(
+            self.laid, self.linears, motions, strict=True
+        ):
+            forces = unit[..., None] * _surface(stretch, rate, knots)[:, :, None, :]
             residual = item.block.y - linear.output - linear.from_defect()
             columns = linear.from_forces(forces)
             parts.append(reduce(residual, linear.from_start(), columns, sd, item.held))
-            surfaces.append(basis)
         grams, count, held = merge(parts)
-        values = _ridge(grams[~held].sum(axis=0))
-        share = _explained(grams[held].sum(axis=0), values, float(count[held].sum()))
-        acting = [surface @ values for surface in surfaces]
-        active = _activity(laid, motions, acting) if share and share > ACTIVE_SHARE else None
-        result.append(PlaceShare(place, share, active))
-    return tuple(sorted(result, key=lambda item: -(item.explained or 0.0)))
+        times = [item.block.t[:, [0, -1]] for item in self.laid]
+        which = [np.full(len(t), i) for i, t in enumerate(times)]
+        return Placed(grams, count, held, np.concatenate(which), np.concatenate(times))
+
+
+def _occurrence(
+    seen: _Seen,
+    index: int,
+    knots: Sequence[Array],
+    values: Array,
+    placed: Placed,
+    change: Change | None,
+) -> Occurrence:
+    """When and how the mismatch acts at a place, along the first recording."""
+    first, library = seen.laid[0], seen.library
+    course = first.course(library.machine)
+    stretch, rate = (part[:, index] for part in library.motion(course))
+    bare = first.course(seen.machine)
+    lacks = discrepancy(seen.machine, bare, seen.machine.values)
+    missing = lacking(lacks, library.directions(course), index)
+    acting = (_surface(stretch[None], rate[None], knots) @ values)[0]
+    lines, power = spectrum(course.t, missing, acting)
+    band, beyond = band_of(lines, power), beyond_of(stretch, missing)
+    active = activity(course.t, stretch, rate, acting)
+    spans = () if active is None else active.time
+    duty = sum(b - a for a, b in spans) / max(float(np.ptp(course.t)), 1e-300)
+    line = float(lines[1]) if lines.size > 1 else 0.0
+    said = occurrence_sentence(
+        seen.machine.model, library.places[index], change, band, line, beyond, spans, duty
+    )
+    mine = placed.recording == 0
+    count = np.maximum(placed.count[mine], 1)
+    before = placed.grams[mine][:, -1, -1] / count
+    after = costs(placed.grams[mine], values) / count
+    if change is not None:
+        after = np.where(still(placed, change, seen.names)[mine], before, after)
+    shown = power > 0.003 * power.max(initial=0.0)
+    last = int(np.flatnonzero(shown)[-1]) + 1 if shown.any() else 0
+    return Occurrence(
+        change, band, beyond, placed.t[mine].mean(axis=1), before, after, lines[:last],
+        power[:last] / max(power.max(initial=0.0), 1e-300), said,
+    )  # fmt: skip
 
 
 def activity(t: Array, stretch: Array, rate: Array, force: Array) -> Activity | None:

@@ -7,7 +7,7 @@ Sizes: F free parameters, W windows, L samples a window, m sensors, X states.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,7 +38,8 @@ class Fit:
     ``values`` (F,) SI; ``covariance`` (F, F), widened for coloured residuals; ``chi2`` of each
     window (W,) in the order of the recordings, ``count`` (W,) its samples less its initial states,
     ``held`` (W,); ``correlation`` c ≥ 1 of the fitted windows; ``starts`` the fitted initial
-    states of each recording (W, X). ``reason`` is empty, or says why the fit failed.
+    states of each recording (W, X). ``reason`` is empty, or says why the fit failed. ``floor`` is
+    the χ² per sample by which repeated runs differ: a smaller difference proves nothing.
     """
 
     values: Array
@@ -49,6 +50,7 @@ class Fit:
     correlation: float
     starts: tuple[Array, ...]
     reason: str = ""
+    floor: float = 0.0
 
     @property
     def train(self) -> float:
@@ -62,8 +64,9 @@ class Fit:
 
     @property
     def scale(self) -> float:
-        """χ² per sample of the fitted windows; below 1 where the noise was measured too large."""
-        return max(self.train / max(float(self.count[~self.held].sum()), 1.0), 1e-30)
+        """χ² per sample of the fitted windows; below 1 where the noise was measured too large, but
+        never below what repeated runs differ by."""
+        return max(self.train / max(float(self.count[~self.held].sum()), 1.0), self.floor, 1e-30)
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,6 +76,9 @@ class Task:
 
     With ``everything`` the held windows are fitted too. Steps end where one is predicted to lower
     the cost by less than ``decrease`` of it, or after ``iterations``.
+
+    Where recordings have numbers of their own, ``own`` says for each of them which of the fitted
+    numbers its free parameters are; ``first`` is then where all these numbers begin.
     """
 
     laid: tuple[Laid, ...]
@@ -84,6 +90,14 @@ class Task:
     everything: bool = False
     decrease: float = DECREASE
     iterations: int = ITERATIONS
+    own: tuple[tuple[int, ...], ...] = ()
+    first: Array | None = None
+
+    def filled(self, which: int, p: Array, free: Sequence[int], values: Array) -> Array:
+        """The parameters (P,) of one recording."""
+        full = p.copy()
+        full[list(free)] = values[list(self.own[which])] if self.own else values
+        return full
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,7 +117,8 @@ def fit(model: WindowModel, task: Task, p: Array, starts: Sequence[Array] | None
     Initial states start at ``starts`` (W, X) of each recording (default: those of the smoothed
     motion) and are fitted on every window, parameters on those that are not held.
     """
-    values = np.clip(p[list(model.free)], task.lower, task.upper)
+    first = p[list(model.free)] if task.first is None else task.first
+    values = np.clip(first, task.lower, task.upper)
     now = [item.start for item in task.laid] if starts is None else list(starts)
     cost = _cost(model, task, p, values, now)
     if not np.isfinite(cost):
@@ -158,9 +173,9 @@ def _tried(
 ) -> tuple[float, list[Array]]:
     """Cost and initial states after a step; a window that it would throw off stays where it is, or
     takes a part of it."""
-    full = _filled(p, model.free, values)
     total, chosen = float(np.sum(((values - task.mean) / task.spread) ** 2)), []
-    for item, start, move in zip(task.laid, starts, moved, strict=True):
+    for i, (item, start, move) in enumerate(zip(task.laid, starts, moved, strict=True)):
+        full = task.filled(i, p, model.free, values)
         used = np.ones(len(start), bool) if task.everything else ~item.held
         begins = [start + share * move for share in (SHARES if values.size else SHARES_ALONE)]
         costs = np.stack([_squares(model, item, full, begin, task.sd) for begin in begins])
@@ -177,10 +192,11 @@ def _settled(
     """Initial states for the parameters as they stand, window by window: those of held windows had
     no say in which steps were taken, and one bad window may have held up the others."""
     now = list(starts)
-    full, still = _filled(p, model.free, values), np.zeros_like(values)
+    still = np.zeros_like(values)
     for _ in range(HELD_ROUNDS):
         parts = _linearise(model, task, p, values, now)
         for i, (item, part) in enumerate(zip(task.laid, parts, strict=True)):
+            full = task.filled(i, p, model.free, values)
             ahead = now[i] + _start_step(part, still, 0.0)[0]
             after = _squares(model, item, full, ahead, task.sd)
             better = after < np.sum(part.residual**2, axis=1)
@@ -201,9 +217,9 @@ def _cost(
     model: WindowModel, task: Task, p: Array, values: Array, starts: Sequence[Array]
 ) -> float:
     """Squared whitened residuals of the fitted windows, plus the prior."""
-    full = _filled(p, model.free, values)
     total = float(np.sum(((values - task.mean) / task.spread) ** 2))
-    for item, start in zip(task.laid, starts, strict=True):
+    for i, (item, start) in enumerate(zip(task.laid, starts, strict=True)):
+        full = task.filled(i, p, model.free, values)
         used = np.ones(len(start), bool) if task.everything else ~item.held
         total += float(np.sum(_squares(model, item, full, start, task.sd)[used]))
     return total if np.isfinite(total) else np.inf
@@ -213,8 +229,8 @@ def _linearise(
     model: WindowModel, task: Task, p: Array, values: Array, starts: Sequence[Array]
 ) -> list[_Part]:
     parts = []
-    full = _filled(p, model.free, values)
-    for item, start in zip(task.laid, starts, strict=True):
+    for i, (item, start) in enumerate(zip(task.laid, starts, strict=True)):
+        full = task.filled(i, p, model.free, values)
         linear = model.differentiate(item.block, start, full)
         windows, length, m = item.block.y.shape
         seen = np.isfinite(item.block.y)
@@ -227,8 +243,16 @@ def _linearise(
             linear.from_free().reshape(windows, length * m, -1) * weight,
             used,
         )
-        parts.append(_held_back(part, model, item, full, start))
+        part = _held_back(part, model, item, full, start)
+        parts.append(_spread_out(part, task.own[i], values.size) if task.own else part)
     return parts
+
+
+def _spread_out(part: _Part, own: Sequence[int], size: int) -> _Part:
+    """The columns of a recording's free parameters among those of all numbers (``size``)."""
+    wide = np.zeros((*part.by_free.shape[:2], size))
+    wide[:, :, list(own)] = part.by_free
+    return replace(part, by_free=wide)
 
 
 def _held_back(part: _Part, model: WindowModel, item: Laid, p: Array, start: Array) -> _Part:
@@ -329,9 +353,12 @@ def _finish(
     for j in used:
         gram = gram + np.einsum("wai,waj->ij", j[..., :count], j[..., :count])
     degrees = max(float((seen - states)[~held].sum()) - count, 1.0)
-    scale = float(chi2[~held].sum()) / degrees
+    floor = max(item.floor for item in task.laid)
+    scale = max(float(chi2[~held].sum()) / degrees, floor)
     covariance = _inverse(gram) * scale * correlation
-    return Fit(values, covariance, chi2, seen - states, held, correlation, tuple(starts))
+    return Fit(
+        values, covariance, chi2, seen - states, held, correlation, tuple(starts), floor=floor
+    )
 
 
 def _inverse(gram: Array) -> Array:
@@ -341,7 +368,7 @@ def _inverse(gram: Array) -> Array:
     balance = np.outer(scale, scale)
     power, axes = np.linalg.eigh(gram / balance)
     # a direction that the data do not see is as uncertain as numbers go, not certain
-    weight = 1 / np.maximum(power, UNSEEN * power[-1])
+    weight = 1 / np.maximum(power, max(UNSEEN * power[-1], UNSEEN**2))
     with np.errstate(over="ignore"):  # a number that does nothing is as uncertain as can be
         return np.asarray((axes * weight) @ axes.T / balance)
 
@@ -355,9 +382,3 @@ def _failed(task: Task, starts: list[Array], values: Array, reason: str) -> Fit:
         values, np.full((size, size), np.inf), worst, np.ones(windows, int), held, 1.0,
         tuple(starts), reason,
     )  # fmt: skip
-
-
-def _filled(p: Array, free: Sequence[int], values: Array) -> Array:
-    full = p.copy()
-    full[list(free)] = values
-    return full

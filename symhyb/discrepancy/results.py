@@ -44,7 +44,10 @@ class Found:
 
     ``law`` is the force law with the kind's keys (``coulomb*tanh(s'/transition)``); ``share`` the
     increase of the unseen squared window error when this element is removed and the rest refitted,
-    over the error before any correction.
+    over the error before any correction. ``stability`` is the share of resampled windows in which
+    its causes stay chosen; None where there are too few windows. ``own`` are the values that are
+    each recording's own, by the name of the recording; ``element`` and ``estimates`` hold those of
+    the first.
     """
 
     element: Element
@@ -53,17 +56,49 @@ class Found:
     share: float | None
     sentence: str
     active: Activity | None = None
+    stability: float | None = None
+    own: tuple[tuple[str, tuple[Estimate, ...]], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class Reestimated:
-    """A parameter of the model that the recordings contradict."""
+    """A parameter of the model that the recordings contradict; ``own`` has (recording, value, sd)
+    where every recording has its own, ``value`` that of the first."""
 
     name: str
     was: float
     value: float
     sd: float
     unit: str
+    own: tuple[tuple[str, float, float], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Misfit:
+    """A recording that does not fit the others: the ``quantity`` (in words) in which it differs
+    most, its ``value`` and that of the ``others``, one sd each, and how often a recording that
+    belongs to them would differ as much by ``chance``."""
+
+    recording: str
+    quantity: str
+    value: float
+    sd: float
+    others: float
+    others_sd: float
+    unit: str
+    chance: float
+    sentence: str
+
+
+@dataclass(frozen=True, slots=True)
+class Repeats:
+    """Recordings of one manoeuvre: by sensor and in its unit the ``noise`` within a run and the
+    spread ``between`` runs beyond it; the larger of the two is the smallest effect claimed."""
+
+    recordings: tuple[str, ...]
+    noise: Mapping[str, float]
+    between: Mapping[str, float]
+    sentence: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,12 +150,45 @@ class Alternative:
 
 
 @dataclass(frozen=True, slots=True)
+class Change:
+    """A mismatch that begins or ends within a recording, at ``time_s`` known to ``width_s``."""
+
+    recording: str
+    time_s: float
+    width_s: float
+    kind: Literal["begins", "ends"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Occurrence:
+    """When and how a mismatch acts at a place, along the first recording (a change: along any).
+
+    ``band_hz`` holds the middle four fifths of its power, ``beyond`` (SI) is the size of the
+    stretch below which it is absent. ``t`` (W,), ``before`` and ``after`` (W,): χ² per sample of
+    windows, uncorrected and with the best force of the place's own motion; ``lines`` (K,) in Hz and
+    ``power`` (K,) in units of its largest. ``sentence`` is empty if nothing sets it apart.
+    """
+
+    change: Change | None
+    band_hz: tuple[float, float] | None
+    beyond: float | None
+    t: NDArray[np.float64]
+    before: NDArray[np.float64]
+    after: NDArray[np.float64]
+    lines: NDArray[np.float64]
+    power: NDArray[np.float64]
+    sentence: str = ""
+
+
+@dataclass(frozen=True, slots=True)
 class PlaceShare:
-    """How much of the mismatch any smooth function of this place's own motion explains, unseen."""
+    """How much of the mismatch any smooth function of this place's own motion explains, unseen, and
+    when and how it acts there where that is much."""
 
     place: Place
     explained: float | None
     active: Activity | None = None
+    occurrence: Occurrence | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -224,3 +292,5 @@ class Diagnosis:
     log: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     lies: tuple[Lie, ...] = ()
+    misfits: tuple[Misfit, ...] = ()
+    repeats: tuple[Repeats, ...] = ()

@@ -31,19 +31,22 @@ RANGE_SHARE = 2e-5  # of a sensor's range: an error of integration that is alway
 @dataclass(frozen=True, slots=True)
 class Run:
     """One recording with its smoothed motion, the noise ``sd`` (m,) of its sensors, SI, and the
-    integration ``steps`` between two samples, each ``fine`` times finer near a reversal."""
+    integration ``steps`` between two samples, each ``fine`` times finer near a reversal; ``floor``
+    is the mean square by which repeated runs differ beyond their noise, in units of ``sd``²."""
 
     recording: Recording
     motion: Motion
     sd: Array
     steps: int = 1
     fine: int = FINE_LEAST
+    floor: float = 0.0
 
 
 def laid_on(run: Run, machine: Machine, length_s: float) -> Laid | None:
     """Windows of one run, ``length_s`` in s, with finer steps near reversals of a coordinate."""
     parts = run.steps * np.where(reversals(run.motion.v), run.fine, 1)
-    return lay(run.recording, machine, run.motion, length_s, parts)
+    laid = lay(run.recording, machine, run.motion, length_s, parts)
+    return laid if laid is None else replace(laid, floor=run.floor)
 
 
 def noise_sd(runs: Sequence[Run], machine: Machine) -> Array:

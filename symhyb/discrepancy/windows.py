@@ -30,7 +30,8 @@ SAMPLES_LEAST = 12  # samples a window has at least
 class Laid:
     """Windows laid on one recording: the block, start states (W, X) and the ``states`` (W, L, X)
     from smoothing, SI, and ``held`` (W,), True where a window only validates. ``rows`` (W, L) are
-    the samples of the recording, ``source`` where they come from."""
+    the samples of the recording, ``source`` where they come from. ``floor`` is the mean square by
+    which repeated runs differ beyond their noise, in units of the noise: less proves nothing."""
 
     block: Block
     start: Array
@@ -38,6 +39,7 @@ class Laid:
     held: NDArray[np.bool_]
     rows: NDArray[np.int64]
     source: tuple[Recording, Motion]
+    floor: float = 0.0
 
     def course(self, machine: Machine) -> Course:
         """The whole course that the windows are cut from."""
@@ -53,7 +55,7 @@ class Laid:
         )  # fmt: skip
         return Laid(
             block, self.start[rows], self.states[rows], np.arange(rows.size) % 3 == 2,
-            self.rows[rows], self.source,
+            self.rows[rows], self.source, self.floor,
         )  # fmt: skip
 
     def suited(self, machine: Machine) -> "Laid":

@@ -1,8 +1,9 @@
 """The output contract: a diagnosis and its verdict as the mapping that ``diagnosis.json`` holds.
 
 Valid under ``diagnosis.schema.json`` beside this file. Keys of that schema are stable; ``format``,
-``options``, ``channels``, ``log``, ``notes``, ``remainder.notes`` and the scores ``*_rmse``,
-``force_residual``, ``force_band_hz`` and ``carries`` are extensions of it.
+``options``, ``channels``, ``log``, ``notes``, ``stability``, ``own``, ``misfits``, ``repeats``,
+``remainder.notes`` and the scores ``*_rmse``, ``force_residual``, ``force_band_hz`` and ``carries``
+are extensions of it.
 """
 
 import math
@@ -18,7 +19,10 @@ from symhyb.discrepancy.results import (
     Estimate,
     Found,
     Lie,
+    Misfit,
+    Occurrence,
     PlaceShare,
+    Reestimated,
     Score,
     Verdict,
 )
@@ -61,6 +65,7 @@ def to_json(diagnosis: Diagnosis, verdict: Verdict) -> dict[str, Any]:
                 "value": _fitted(parameter.value, parameter.name),
                 "sd": _bounded(parameter.sd),
                 "unit": parameter.unit,
+                **_own(parameter),
             }
             for parameter in diagnosis.parameters
         ],
@@ -84,6 +89,16 @@ def to_json(diagnosis: Diagnosis, verdict: Verdict) -> dict[str, Any]:
         "scores": _scores(verdict),
         "noise": {sensor: float(sd) for sensor, sd in diagnosis.noise.items() if math.isfinite(sd)},
         "places": [_place_share(share) for share in diagnosis.places],
+        "misfits": [_misfit(one) for one in diagnosis.misfits],
+        "repeats": [
+            {
+                "recordings": list(group.recordings),
+                "noise": _channels(group.noise),
+                "between": _channels(group.between),
+                "sentence": group.sentence,
+            }
+            for group in diagnosis.repeats
+        ],
         "log": list(diagnosis.log),
         "notes": list(diagnosis.notes),
     }
@@ -111,6 +126,28 @@ def _found(effect: Found) -> dict[str, Any]:
         "share": finite(effect.share),
         "sentence": effect.sentence,
         **_active(effect.active),
+        "stability": finite(effect.stability),
+        **({"own": {name: _estimates(own) for name, own in effect.own}} if effect.own else {}),
+    }
+
+
+def _own(parameter: Reestimated) -> dict[str, Any]:
+    """The key ``own`` with the values of every recording, or nothing."""
+    rows = {name: {"value": value, "sd": _bounded(sd)} for name, value, sd in parameter.own}
+    return {"own": rows} if rows else {}
+
+
+def _misfit(one: Misfit) -> dict[str, Any]:
+    return {
+        "recording": one.recording,
+        "quantity": one.quantity,
+        "value": _fitted(one.value, one.quantity),
+        "sd": _bounded(one.sd),
+        "others": _fitted(one.others, one.quantity),
+        "others_sd": _bounded(one.others_sd),
+        "unit": one.unit,
+        "chance": _fitted(one.chance, "chance"),
+        "sentence": one.sentence,
     }
 
 
@@ -147,6 +184,27 @@ def _place_share(share: PlaceShare) -> dict[str, Any]:
         "place": _place(share.place),
         "explained": finite(share.explained),
         **_active(share.active),
+        **_occurrence(share.occurrence),
+    }
+
+
+def _occurrence(told: Occurrence | None) -> dict[str, Any]:
+    """The keys that say when and how a mismatch acts, as far as they are known."""
+    if told is None:
+        return {}
+    change = None
+    if told.change is not None:
+        change = {
+            "recording": told.change.recording,
+            "kind": told.change.kind,
+            "time_s": float(told.change.time_s),
+            "width_s": float(told.change.width_s),
+        }
+    return {
+        "change": change,
+        "band_hz": None if told.band_hz is None else [float(f) for f in told.band_hz],
+        "beyond": finite(told.beyond),
+        "sentence": told.sentence,
     }
 
 

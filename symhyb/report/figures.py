@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from symhyb.discrepancy.results import Cloud, Trace
+from symhyb.discrepancy.results import Cloud, Occurrence, Trace
 from symhyb.discrepancy.wording import number_text, percent_text
 from symhyb.report.contract import finite
 from symhyb.report.series import (
@@ -196,6 +196,41 @@ def places_figure(places: Sequence[tuple[str, float | None, bool]]) -> bytes:
         _percent_axis(panel, logarithmic=False)
         panel.set_xticks(range(0, 101, 20))
         panel.set_xlabel("explained share of the mismatch [%]")
+        return _svg(figure)
+
+
+def occurrence_figure(told: Occurrence) -> bytes:
+    """Draw when a place's mismatch acts (what is left of every window, as it is and with the best
+    force of the place's own motion) and at which frequencies."""
+    with _drawing(4.2 if told.lines.size else 2.3) as figure:
+        panels = figure.subplots(2 if told.lines.size else 1, 1, squeeze=False)[:, 0]
+        for values, color, word in (
+            (told.before, BEFORE, "as it is"),
+            (told.after, AFTER, "best force here"),
+        ):
+            shown = np.maximum(values, 1e-3)
+            panels[0].step(told.t, shown, where="mid", color=color, label=word)
+        panels[0].axhline(1.0, color=QUIET, lw=0.8, ls="--", label="noise")
+        panels[0].set_yscale("log")
+        panels[0].yaxis.set_major_formatter("{x:g}")
+        panels[0].yaxis.set_minor_formatter("")
+        panels[0].set_title("left over [χ² per sample]")
+        if told.change is not None:
+            panels[0].axvline(told.change.time_s, color=LAW)
+            at = (told.change.time_s, 0.97)
+            panels[0].annotate(
+                f"{told.change.kind} ", at, xycoords=panels[0].get_xaxis_transform(), color=LAW,
+                ha="right", va="top",
+            )  # fmt: skip
+        _legend(panels[0])
+        panels[0].set_xlabel("time [s]")
+        if told.lines.size:
+            panels[1].fill_between(told.lines, 0.0, told.power, color=AFTER, lw=0.0)
+            if told.band_hz is not None:
+                panels[1].axvspan(*told.band_hz, color="#eef1f4", zorder=0)
+            panels[1].set_title("power of the missing force, over its largest")
+            panels[1].set_xlabel("frequency [Hz]")
+            panels[1].set_ylim(0.0, 1.05)
         return _svg(figure)
 
 

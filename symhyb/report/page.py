@@ -8,6 +8,7 @@ from importlib import resources
 import numpy as np
 from jinja2 import Environment, StrictUndefined
 
+from symhyb.discrepancy.occurrence_words import place_words
 from symhyb.discrepancy.results import Cloud, Diagnosis, Trace, Verdict
 from symhyb.discrepancy.wording import (
     measurement_phrase,
@@ -32,6 +33,7 @@ _TRACES_SHOWN, _CLOUDS_SHOWN, _BARS_SHOWN = (
     24,
 )  # each picture costs a second and a hundred kilobytes
 
+_PLACES_SHOWN = 3
 
 _REMEMBERING = frozenset(kind.name for kind in KINDS.values() if kind.state)
 _OF_TIME = frozenset({"harmonic", "added_mass"})  # no function of stretch and rate at all
@@ -93,6 +95,7 @@ def render_page(
         ),
         tables=[table for table in tables(diagnosis, verdict, units) if table.rows],
         places=place_table(diagnosis, model),
+        occurrences=_occurrences(diagnosis, model),
         difference=difference.strip("\n").splitlines(),
         provenance=dict(provenance or {}),
     )
@@ -193,6 +196,26 @@ def _place_picture(diagnosis: Diagnosis) -> Picture | None:
         "How much of the mismatch any smooth function of a place's own motion explains, on data "
         "that it was not fitted to. Blue: something was found there.",
     )
+
+
+def _occurrences(diagnosis: Diagnosis, model: Model | None) -> list[Picture]:
+    """When and at which frequencies the mismatch acts at the places that explain most of it."""
+    drawn: list[Picture] = []
+    for row in diagnosis.places:
+        told = row.occurrence
+        if told is None or told.t.size < 2 or len(drawn) == _PLACES_SHOWN:
+            continue
+        where = place_text(row.place) if model is None else place_words(model, row.place)
+        said = told.sentence or f"{where[:1].upper()}{where[1:]}, the mismatch acts throughout."
+        drawn.append(
+            Picture(
+                _image(figures.occurrence_figure(told)),
+                f"What is left of the windows over time {where}, and the power of the missing "
+                "force over frequency.",
+                said,
+            )
+        )
+    return drawn
 
 
 def _omitted(diagnosis: Diagnosis, verdict: Verdict) -> list[str]:

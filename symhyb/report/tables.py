@@ -4,6 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from symhyb.discrepancy.effects import amount_text
+from symhyb.discrepancy.occurrence_words import place_words
 from symhyb.discrepancy.results import Activity, Diagnosis, Score, Verdict
 from symhyb.discrepancy.wording import number_text, percent_text, quantity_text, unit_text
 from symhyb.model.types import Model, Place, place_text
@@ -67,6 +68,7 @@ def tables(diagnosis: Diagnosis, verdict: Verdict, units: Mapping[str, Unit]) ->
         ),
         (2,),
     )
+    yield fleet_table(diagnosis)
     yield _score_table(verdict, units)
     yield Table(
         "Measured noise (one standard deviation)",
@@ -85,7 +87,7 @@ def tables(diagnosis: Diagnosis, verdict: Verdict, units: Mapping[str, Unit]) ->
 def _found_table(diagnosis: Diagnosis) -> Table:
     return Table(
         "Found effects",
-        ("element", "term", "value", "share", "place"),
+        ("element", "term", "value", "share", "place", "stays chosen"),
         tuple(
             (
                 effect.element.name,
@@ -93,11 +95,12 @@ def _found_table(diagnosis: Diagnosis) -> Table:
                 amount_text(estimate),
                 percent_text(effect.share),
                 place_text(effect.element.place),
+                "" if effect.stability is None else percent_text(effect.stability),
             )
             for effect in diagnosis.found
             for estimate in effect.estimates
         ),
-        (2, 3),
+        (2, 3, 5),
     )
 
 
@@ -126,11 +129,28 @@ def _score_text(
     return f"{share} ({error_text(error, units[channel].text)})"
 
 
+def fleet_table(diagnosis: Diagnosis) -> Table:
+    """Give the values that are each recording's own."""
+    rows = [
+        (name, effect.element.name, amount_text(number))
+        for effect in diagnosis.found
+        for name, numbers in effect.own
+        for number in numbers
+    ]
+    rows += [
+        (name, parameter.name, quantity_text(value, parameter.unit, sd))
+        for parameter in diagnosis.parameters
+        for name, value, sd in parameter.own
+    ]
+    heading = ("recording", "of", "value")
+    return Table("What is each recording's own", heading, tuple(rows), (2,))
+
+
 def place_table(diagnosis: Diagnosis, model: Model | None) -> Table:
     """Give the map of the mismatch: what each place explains, and where and when it acts."""
     rows = tuple(
         (
-            place_text(row.place),
+            place_text(row.place) if model is None else place_words(model, row.place),
             percent_text(row.explained),
             *_active_text(row.active, place_units(model, row.place)),
         )

@@ -9,14 +9,18 @@ import pytest
 from symhyb.discrepancy.results import (
     Activity,
     Alternative,
+    Change,
     Cloud,
     Comparison,
     Diagnosis,
     Estimate,
     Found,
     Measurement,
+    Misfit,
+    Occurrence,
     PlaceShare,
     Reestimated,
+    Repeats,
     Score,
     Trace,
     Verdict,
@@ -82,6 +86,15 @@ def model() -> Model:
     )
 
 
+def occurrence() -> Occurrence:
+    t, lines = np.linspace(0.1, 23.9, 120), np.linspace(0.0, 5.0, 200)
+    change = Change("DATA_EMPS.mat", 12.02, 0.2, "begins")
+    before = np.where(t > 12.0, 40.0, 1.0)
+    power = np.exp(-((lines - 2.0) ** 2))
+    said = "On q, the mismatch begins at t = 12.02 s of DATA_EMPS.mat (to 0.2 s)."
+    return Occurrence(change, (1.1, 2.9), None, t, before, np.ones(120), lines, power, said)
+
+
 def missing() -> tuple[Diagnosis, Verdict]:
     q = On("q")
     effects = (
@@ -119,7 +132,10 @@ def missing() -> tuple[Diagnosis, Verdict]:
         remainder=0.0043,
         remainder_notes=("Friction is 4 % larger against positive q; left out: it earns 0.2 %.",),
         noise={"encoder": 0.0123, "tacho": 0.2},
-        places=(PlaceShare(q, 0.9962, active), PlaceShare(Between("anchor", "tip"), 0.21, active)),
+        places=(
+            PlaceShare(q, 0.9962, active, occurrence()),
+            PlaceShare(Between("anchor", "tip"), 0.21, active),
+        ),
         clouds=(cloud(q),),
         log=(
             "The noise of encoder is 0.0123 mm; the sensor's sd says 0.01 mm.",
@@ -127,6 +143,8 @@ def missing() -> tuple[Diagnosis, Verdict]:
             "friction on q enters: Δχ² / c = 15300 on training windows, 9000 on held-out ones.",
         ),
         notes=("DATA_EMPS.mat: 12 samples of encoder are missing and were left out.",),
+        misfits=(Misfit("c.csv", "Coulomb friction on q", 2.1, 0.1, 1.1, 0.1, "N", 1e-9, "c."),),
+        repeats=(Repeats(("a.csv", "b.csv"), {"encoder": 0.01}, {"encoder": 0.02}, "Both."),),
     )  # fmt: skip
     verdict = Verdict(
         0.25,

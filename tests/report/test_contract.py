@@ -39,6 +39,17 @@ def test_found_effects_say_place_terms_and_numbers(cases: Cases) -> None:
     assert content["notes"]
 
 
+def test_places_say_when_and_recordings_say_what_they_say_of_each_other(cases: Cases) -> None:
+    content = to_json(*cases["missing"]())
+    first, second = content["places"]
+    assert first["change"]["time_s"] == 12.02
+    assert first["band_hz"] == [1.1, 2.9]
+    assert first["beyond"] is None
+    assert "change" not in second
+    assert content["misfits"][0]["recording"] == "c.csv"
+    assert content["repeats"][0]["between"] == {"encoder": 0.02}
+
+
 def test_scores_hold_every_kind_before_and_after(cases: Cases) -> None:
     scores = to_json(*cases["missing"]())["scores"]
     assert scores["window_s"] == 0.25
