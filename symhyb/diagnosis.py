@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from symhyb.correction.advice import advise, better_recording
 from symhyb.correction.decide import Decision, decide
 from symhyb.correction.findings import (
     Named,
@@ -21,6 +22,7 @@ from symhyb.correction.findings import (
     named,
     reestimated,
 )  # fmt: skip
+from symhyb.correction.isolability import completed, isolability
 from symhyb.correction.leftover import leftover
 from symhyb.correction.preparing import Prepared, prepare, settle
 from symhyb.correction.proof import Proof, prove
@@ -56,11 +58,6 @@ COLOURED = (
     "of it: the sensors' noise is coloured."
 )
 
-RECORD_NEXT = (
-    "a longer run, of at least ten periods of the slowest motion, driven so that every coordinate "
-    "moves at least thirty times its sensor's noise"
-)
-
 Say = Callable[[str], None]
 
 
@@ -87,7 +84,7 @@ def diagnose(
     tell("sparse regression on the weak form")
     middle = setting.stages[min(1, len(setting.stages) - 1)]
     proposals = propose(prepared.machine, setting.library, middle.laid, 5 / prepared.shortest)
-    decision = decide(setting, proposals, tell)
+    decision = completed(setting, decide(setting, proposals, tell))
     if decision.nothing.fit.reason and not decision.winner.causes:
         raise NumericsError(f"the model cannot be simulated: {decision.nothing.fit.reason}")
     tell("estimating values")
@@ -101,7 +98,9 @@ def diagnose(
     shown = prove(prepared, setting, final, stage, items)
     told = _told(model, prepared, final, items, shown)
     left = leftover(setting, certain) if certain.causes else ()
-    return _concluded(model, prepared, decision, final, told, (shown.remainder, left), places)
+    answer = _concluded(model, prepared, decision, final, told, (shown.remainder, left), places)
+    tell("looking for what to record next")
+    return _advised(answer, prepared, setting, decision)
 
 
 def valued(setting: Setting, winner: Refined, prepared: Prepared) -> tuple[Refined, Stage]:
@@ -202,7 +201,7 @@ def _concluded(
     ]
     return Diagnosis(
         verdict, sentence, found, parameters, faults, alternatives,
-        record_next=RECORD_NEXT if poor and verdict == "undecided" else None,
+        record_next=better_recording(prepared) if poor and verdict == "undecided" else None,
         remainder=1.0 if verdict == "undecided" and not poor else remainder[0],
         remainder_notes=remainder[1],
         noise=noise,
@@ -211,6 +210,17 @@ def _concluded(
         log=decision.log,
         notes=(*dict.fromkeys(notes), *noise_notes(model, noise)),
     )  # fmt: skip
+
+
+def _advised(
+    answer: Diagnosis, prepared: Prepared, setting: Setting, decision: Decision
+) -> Diagnosis:
+    """The answer with what the recordings tell apart, and the manoeuvre for what they do not."""
+    told = replace(answer, isolability=isolability(setting, decision))
+    if answer.record_next is not None:
+        return told
+    sentence, manoeuvre = advise(prepared, setting, decision)
+    return replace(told, record_next=sentence, manoeuvre=manoeuvre)
 
 
 def _measured_noise(model: Model, prepared: Prepared) -> dict[str, float]:
