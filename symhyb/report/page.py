@@ -87,6 +87,7 @@ def render_page(
         ],
         score_picture=_score_picture(verdict),
         place_picture=_place_picture(diagnosis),
+        apart_picture=_apart_picture(diagnosis),
         omitted=_omitted(diagnosis, verdict),
         corrected=any(
             scores.before != scores.after for scores in (verdict.train, verdict.holdout) if scores
@@ -192,6 +193,18 @@ def _place_picture(diagnosis: Diagnosis) -> Picture | None:
         "Bars of the share of the mismatch that each place explains.",
         "How much of the mismatch any smooth function of a place's own motion explains, on data "
         "that it was not fitted to. Blue: something was found there.",
+    )
+
+
+def _apart_picture(diagnosis: Diagnosis) -> Picture | None:
+    if diagnosis.isolability is None:
+        return None
+    return Picture(
+        _image(figures.apart_figure(diagnosis.isolability)),
+        "Matrix of the odds with which these recordings tell each cause from each other one.",
+        "How well these recordings tell causes apart, at the size found: if the cause of a row "
+        "acts, the odds against that of a column. Red: below 10, they cannot tell; yellow: below "
+        "100; blue: they can.",
     )
 
 
