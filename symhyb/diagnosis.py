@@ -250,6 +250,8 @@ def _verdict(
         return "measurement"
     if parameters:
         return "parameters"
+    if decision.winner.causes:
+        return "undecided"  # something earned its place, and all of it is in doubt
     nothing = decision.nothing.fit
     slack = 4 * np.sqrt(2 * nothing.correlation / max(float(nothing.count.sum()), 1.0))
     return "nothing missing" if nothing.scale <= MISMATCH + slack else "undecided"

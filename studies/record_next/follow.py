@@ -1,6 +1,6 @@
 """Does the advice help? Ambiguous recordings, their diagnosis, the recording it asks for, and again.
 
-    python studies/record_next/follow.py            # every case, five seeds: writes results.json
+    python studies/record_next/follow.py            # every case, three seeds: writes results.json
     python studies/record_next/follow.py damping 3  # one case, one seed
 
 Only the structured advice (``manoeuvre`` of the diagnosis) is read. What the machine does under it
@@ -24,7 +24,7 @@ from symhyb.discrepancy.results import Diagnosis, Manoeuvre
 HERE = Path(__file__).resolve().parent
 Array = NDArray[np.float64]
 RATE, SETTLED, LASTING = 100.0, 20.0, 20.0  # samples a second; s until it swings evenly; s recorded
-SEEDS = range(1, 6)
+SEEDS = range(1, 4)
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +47,7 @@ CASES = {
     "relaxation": Case(
         {"stiffness": 60.0, "time": 0.03}, 0.4, 4.0, 0.03, ("relaxation:x",)
     ),
-    "friction": Case({"coulomb": 0.3}, 0.5, 4.0, 0.06, ("friction:x",)),
+    "friction": Case({"coulomb": 0.15}, 1.0, 4.0, 0.06, ("friction:x",)),
 }  # fmt: skip
 
 

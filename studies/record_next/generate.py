@@ -58,7 +58,8 @@ def simulate(
             rtol=1e-9, atol=1e-11, max_step=0.02,
         )  # fmt: skip
         inside = (t > now) & (t <= run.t[-1])
-        positions[inside] = run.sol(t[inside])[0]
+        if inside.any():
+            positions[inside] = run.sol(t[inside])[0]
         now, state = float(run.t[-1]), run.y[:, -1].copy()
         if run.status == 1:
             rested = way != 0

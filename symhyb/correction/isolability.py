@@ -18,7 +18,7 @@ import numpy as np
 from symhyb.correction.conventions import RIVAL
 from symhyb.correction.decide import Decision
 from symhyb.correction.evidence import believable, named, unit_of
-from symhyb.correction.findings import cause_phrase
+from symhyb.correction.findings import cause_phrase, doubtful
 from symhyb.correction.selection import Problem
 from symhyb.correction.setting import Setting, around
 from symhyb.correction.trajectory import Refined, grouped, refine
@@ -47,7 +47,7 @@ def isolability(setting: Setting, decision: Decision) -> Isolability | None:
     None if nothing was found."""
     if not decision.winner.causes:
         return None
-    space = _Space(setting, decision)
+    space, doubt = _Space(setting, decision), doubtful(decision)
     chosen = list(space.own)
     rivals = {cause.family for trial in decision.trials for cause in trial.causes
               if decision.criterion(trial) < RIVAL}  # fmt: skip
@@ -59,7 +59,7 @@ def isolability(setting: Setting, decision: Decision) -> Isolability | None:
     told = sorted(unique.values(), key=lambda cause: chosen.index(cause))[:TOLD_MOST]
     return Isolability(
         tuple(cause_phrase(cause.hypothesis) for cause in told),
-        tuple(cause in space.own for cause in told),
+        tuple(cause in space.own and cause.hypothesis not in doubt for cause in told),
         np.array([[*(space.against(a, b) for b in told), space.against(a, None)] for a in told]),
     )
 
