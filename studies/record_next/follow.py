@@ -1,4 +1,4 @@
-"""Does the advice help? Ambiguous recordings, their diagnosis, the recording it asks for, and again.
+"""Does the advice help? Ambiguous recordings, what the diagnosis asks for next, and both together.
 
     python studies/record_next/follow.py            # every case, three seeds: writes results.json
     python studies/record_next/follow.py damping 3  # one case, one seed
