@@ -34,6 +34,7 @@ ODDS = 100.0  # to 1: decisive
 MARGIN = 2.0  # standard deviations of the evidence, by which the expected one must exceed ln(ODDS)
 TRAVEL_MOST = 3.0  # of the travel that was recorded
 FITS_MOST = 48  # of one explanation to what another one would do
+ADDED = "another_sensor"  # the name of one that is tried beside those that recorded
 WINDOWS = 3  # that a manoeuvre holds at least
 
 
@@ -169,8 +170,9 @@ def played(prepared: Prepared, truth: Refined, plan: Manoeuvre) -> tuple[Recordi
     own = prepared.runs[0].motion
     motion = replace(own, t=t, q=q, v=v, a=np.gradient(v, t, axis=0), blind=())
     imposed = {names[i]: given[:, i] for i in machine.imposed}
+    seen = {ADDED}.union(*(run.recording.sensors for run in prepared.runs))
     sensors = {s.name: column for s, column in zip(model.sensors, y.T, strict=True)
-               if any(s.name in run.recording.sensors for run in prepared.runs)}  # fmt: skip
+               if s.name in seen}  # fmt: skip
     return Recording("next", t, {**inputs, **imposed}, sensors, (), ""), motion
 
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from symhyb.correction.manoeuvre import Rivals, expected, needed_evidence, played
+from symhyb.correction.manoeuvre import ADDED, Rivals, expected, needed_evidence, played
 from symhyb.correction.offers import offers
 from symhyb.correction.preparing import Prepared
 from symhyb.correction.setting import Setting
@@ -17,7 +17,6 @@ from symhyb.numeric.buffers import Array
 from symhyb.numeric.machine import build
 from symhyb.units import parse_unit
 
-ADDED = "another_sensor"  # its name while it is tried
 TRIED_MOST = 3
 SEEN = (("", "place"), ("'", "speed"), ("''", "acceleration"))
 

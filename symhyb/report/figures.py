@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from symhyb.discrepancy.results import Cloud, Isolability, Trace
+from symhyb.discrepancy.results import Cloud, Trace
 from symhyb.discrepancy.wording import number_text, percent_text
 from symhyb.report.contract import finite
 from symhyb.report.series import (
@@ -38,9 +38,6 @@ if TYPE_CHECKING:
 WIDTH = 5.4  # inches; with type of 9 pt that reads at 760 px and on a phone
 MEASURED, BEFORE, AFTER, LAW = "#1f2933", "#d9812e", "#1f6fb2", "#b3261e"
 QUIET = "#8a949e"
-# below 10 to 1 a cause is in doubt, below 100 to 1 it is not certain; by 1/odds
-_ODDS_SHADES = ((0.1, "#f3b6ae"), (0.01, "#f7e0ac"), (-1.0, "#cfe3f3"))
-_ODDS_SHOWN = 13.8  # ln of a million
 _STYLE: dict[Any, Any] = {  # matplotlib's own type lists every key it knows
     "font.family": "DejaVu Sans",
     "font.size": 9.0,
@@ -98,7 +95,7 @@ def trace_figure(trace: Trace, sensor: str, unit: Unit) -> bytes:
         runs = [(after, AFTER, "simulated")]
     zoom = zoom_window(trace.t, measured)
     heights = [2.0, 1.2] + ([1.7] if zoom else [])
-    with _drawing(sum(heights) + 0.9) as figure:
+    with drawing(sum(heights) + 0.9) as figure:
         panels = figure.subplots(len(heights), 1, height_ratios=heights, squeeze=False)[:, 0]
         _signals(panels[0], trace.t, measured, runs, sensor, unit)
         _legend(panels[0])
@@ -110,7 +107,7 @@ def trace_figure(trace: Trace, sensor: str, unit: Unit) -> bytes:
             _signals(panels[2], trace.t[inside], measured[inside], cut, f"zoom: {sensor}", unit)
             panels[0].axvspan(*zoom, color="#eef1f4", zorder=0)
         panels[-1].set_xlabel("time [s]")
-        return _svg(figure)
+        return svg(figure)
 
 
 def cloud_figure(cloud: Cloud, units: PlaceUnits, remembers: bool = False) -> bytes:
@@ -125,7 +122,7 @@ def cloud_figure(cloud: Cloud, units: PlaceUnits, remembers: bool = False) -> by
     looped = (cloud.t >= low) & (cloud.t <= high) if remembers else None
     rate = (cloud.rate / units.rate.factor, "rate", units.rate.text)
     stretch = (cloud.stretch / units.stretch.factor, "stretch", units.stretch.text)
-    with _drawing(5.6) as figure:
+    with drawing(5.6) as figure:
         panels = figure.subplots(2, 1)
         for panel, across, colored in ((panels[0], rate, stretch), (panels[1], stretch, rate)):
             _cloud(panel, cloud, across, colored, units.force, looped)
@@ -135,7 +132,7 @@ def cloud_figure(cloud: Cloud, units: PlaceUnits, remembers: bool = False) -> by
         if not remembers:
             panels[0].fill_between([], [], color=LAW, alpha=0.18, label="± one sd of ΔF")
         _legend(panels[0])
-        return _svg(figure)
+        return svg(figure)
 
 
 def force_figure(cloud: Cloud, unit: Unit) -> bytes:
@@ -143,7 +140,7 @@ def force_figure(cloud: Cloud, unit: Unit) -> bytes:
     force, band, law = (values / unit.factor for values in (cloud.force, cloud.band, cloud.law))
     inner = _without_ends(cloud.t)  # where a motion ends, ΔF is not known well
     zoom = zoom_window(cloud.t[inner], (law if np.any(law) else force)[inner])
-    with _drawing(4.6 if zoom else 2.6) as figure:
+    with drawing(4.6 if zoom else 2.6) as figure:
         panels = figure.subplots(2 if zoom else 1, 1, squeeze=False)[:, 0]
         for panel, window in zip(panels, (None, zoom), strict=False):
             low, high = window or (-np.inf, np.inf)
@@ -159,7 +156,7 @@ def force_figure(cloud: Cloud, unit: Unit) -> bytes:
             _limit(panel, [force[inside] / scale, law[inside] / scale], 0.1, _TAILS)
         _legend(panels[0])
         panels[-1].set_xlabel("time [s]")
-        return _svg(figure)
+        return svg(figure)
 
 
 def score_figure(pairs: Sequence[Pair]) -> bytes:
@@ -167,7 +164,7 @@ def score_figure(pairs: Sequence[Pair]) -> bytes:
     values = [finite(value) for pair in pairs for value in (pair.before, pair.after)]
     shown = [100.0 * value for value in values if value is not None and value > 0.0]
     logarithmic = bool(shown) and max(shown) > 20.0 * min(shown)
-    with _drawing(0.52 * len(pairs) + 0.75) as figure:
+    with drawing(0.52 * len(pairs) + 0.75) as figure:
         panel = figure.subplots()
         if logarithmic:
             panel.set_xscale("log")
@@ -181,7 +178,7 @@ def score_figure(pairs: Sequence[Pair]) -> bytes:
         panel.set_ylim(len(pairs) - 0.2, -0.3)
         _percent_axis(panel, logarithmic)
         panel.set_xlabel("error [%]" + (", logarithmic" if logarithmic else ""))
-        return _svg(figure)
+        return svg(figure)
 
 
 def places_figure(places: Sequence[tuple[str, float | None, bool]]) -> bytes:
@@ -189,7 +186,7 @@ def places_figure(places: Sequence[tuple[str, float | None, bool]]) -> bytes:
 
     ``places`` are (words, explained share or None, whether something was found there).
     """
-    with _drawing(0.48 * len(places) + 0.8) as figure:
+    with drawing(0.48 * len(places) + 0.8) as figure:
         panel = figure.subplots()
         panel.set_xlim(0.0, 118.0)
         for row, (words, explained, found) in enumerate(places):
@@ -199,52 +196,11 @@ def places_figure(places: Sequence[tuple[str, float | None, bool]]) -> bytes:
         _percent_axis(panel, logarithmic=False)
         panel.set_xticks(range(0, 101, 20))
         panel.set_xlabel("explained share of the mismatch [%]")
-        return _svg(figure)
-
-
-def apart_figure(matrix: Isolability) -> bytes:
-    """Draw the odds with which the recordings tell causes apart: a row for the cause that acts, a
-    column for the one that is tried in its place."""
-    size = len(matrix.causes)
-    with _drawing(0.52 * size + 1.0) as figure:
-        panel = figure.subplots()
-        for row, words in enumerate(matrix.causes):
-            name = f"{row + 1}  {words}" + (" (found)" if matrix.found[row] else "")
-            panel.text(0.0, row - 0.02, name, va="bottom", color=MEASURED)
-            for column, value in enumerate(matrix.evidence[row]):
-                if np.isnan(value):
-                    continue
-                color = next(shade for least, shade in _ODDS_SHADES if np.exp(-value) > least)
-                box = (column + 0.02, row + 0.05), 0.96, 0.5
-                panel.add_patch(_rectangle(box, color))
-                panel.text(column + 0.5, row + 0.3, odds_text(value), ha="center", va="center")
-        panel.set_xlim(0.0, size + 1)
-        panel.set_ylim(size, -0.5)
-        panel.set_xticks(np.arange(size + 1) + 0.5, [*map(str, range(1, size + 1)), "nothing"])
-        panel.set_xlabel("odds against the cause of the column where that of the row acts")
-        panel.set_yticks([])
-        panel.grid(False)
-        for side in ("left", "bottom"):
-            panel.spines[side].set_visible(False)
-        panel.tick_params(length=0)
-        return _svg(figure)
-
-
-def odds_text(evidence: float) -> str:
-    """Write odds from their logarithm: ``1.2``, ``45``, ``> 10⁶``."""
-    if evidence > _ODDS_SHOWN:
-        return "> 10⁶"
-    return number_text(float(np.exp(max(evidence, 0.0))), digits=2)
-
-
-def _rectangle(box: tuple[tuple[float, float], float, float], color: str) -> Any:
-    from matplotlib.patches import Rectangle
-
-    return Rectangle(*box, facecolor=color, edgecolor="none")
+        return svg(figure)
 
 
 @contextmanager
-def _drawing(height: float) -> Iterator["Figure"]:
+def drawing(height: float) -> Iterator["Figure"]:
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
@@ -253,7 +209,7 @@ def _drawing(height: float) -> Iterator["Figure"]:
         yield Figure(figsize=(WIDTH, height), dpi=150, layout="constrained", facecolor="white")
 
 
-def _svg(figure: "Figure") -> bytes:
+def svg(figure: "Figure") -> bytes:
     target = io.BytesIO()
     figure.savefig(target, format="svg", metadata={"Date": None, "Creator": "symhyb"})
     return target.getvalue()

@@ -16,6 +16,7 @@ from symhyb.discrepancy.wording import (
 from symhyb.model.types import Model, On, place_text
 from symhyb.model.vocabulary import KINDS
 from symhyb.report import figures
+from symhyb.report.apart import apart_figure
 from symhyb.report.sentences import (
     alternative_sentence,
     method_sentences,
@@ -200,7 +201,7 @@ def _apart_picture(diagnosis: Diagnosis) -> Picture | None:
     if diagnosis.isolability is None:
         return None
     return Picture(
-        _image(figures.apart_figure(diagnosis.isolability)),
+        _image(apart_figure(diagnosis.isolability)),
         "Matrix of the odds with which these recordings tell each cause from each other one.",
         "How well these recordings tell causes apart, at the size found: if the cause of a row "
         "acts, the odds against that of a column. Red: below 10, they cannot tell; yellow: below "
