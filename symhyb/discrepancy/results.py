@@ -190,7 +190,8 @@ class Isolability:
 
     ``evidence`` (C, C + 1), dimensionless: ln of the odds that are expected against the cause of
     the column where the cause of the row acts, at the size found; the last column is "nothing
-    there". NaN on the diagonal. ``causes`` are words, ``found`` says which of them the diagnosis claims.
+    there". NaN on the diagonal. ``causes`` are words, ``found`` says which of them the
+    diagnosis claims.
     """
 
     causes: tuple[str, ...]

@@ -201,6 +201,7 @@ def places_figure(places: Sequence[tuple[str, float | None, bool]]) -> bytes:
 
 @contextmanager
 def drawing(height: float) -> Iterator["Figure"]:
+    """Yield a figure in the style of the page, ``height`` in inches."""
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
@@ -210,6 +211,7 @@ def drawing(height: float) -> Iterator["Figure"]:
 
 
 def svg(figure: "Figure") -> bytes:
+    """Give a figure as the bytes of an SVG that is the same every time."""
     target = io.BytesIO()
     figure.savefig(target, format="svg", metadata={"Date": None, "Creator": "symhyb"})
     return target.getvalue()
