@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from symhyb.correction.advice import advise, better_recording
 from symhyb.correction.beginnings import active_part, changed, in_part
 from symhyb.correction.clocks import drifting as clock_drift
 from symhyb.correction.decide import Decision, decide
@@ -32,6 +33,7 @@ from symhyb.correction.fleet_words import (
     repeats_said,
     with_own,
 )
+from symhyb.correction.isolability import completed, isolability
 from symhyb.correction.leftover import leftover
 from symhyb.correction.preparing import Prepared, prepare, settle
 from symhyb.correction.proof import Proof, prove
@@ -140,6 +142,7 @@ def diagnose(
             else parted(setting, decision.winner, odd[0])
         )
         decision = decide(setting, proposals, tell)
+    decision = completed(setting, decision)
     if decision.nothing.fit.reason and not decision.winner.causes:
         raise NumericsError(f"the model cannot be simulated: {decision.nothing.fit.reason}")
     tell("estimating values")
@@ -159,7 +162,9 @@ def diagnose(
     answer = in_part(noted(answer, drifts), change)
     answer = if_bounded(answer, final, decision.nothing, (*prepared.runs, *prepared.holdout))
     answer = if_long_enough(answer, prepared.runs)
-    return with_lies(answer, model, prepared.lies, final.fit.scale)
+    answer = with_lies(answer, model, prepared.lies, final.fit.scale)
+    tell("looking for what to record next")
+    return _advised(answer, prepared, setting, decision)
 
 
 def noted(found: Diagnosis, sentences: Sequence[str]) -> Diagnosis:
@@ -288,7 +293,7 @@ def _concluded(
     ]
     return Diagnosis(
         verdict, sentence, found, parameters, faults, alternatives,
-        record_next=RECORD_NEXT if poor and verdict == "undecided" else None,
+        record_next=better_recording(prepared) if poor and verdict == "undecided" else None,
         remainder=1.0 if verdict == "undecided" and not poor else remainder[0],
         remainder_notes=remainder[1],
         noise=noise,
@@ -297,6 +302,17 @@ def _concluded(
         log=decision.log,
         notes=(*dict.fromkeys(notes), *noise_notes(model, noise)),
     )  # fmt: skip
+
+
+def _advised(
+    answer: Diagnosis, prepared: Prepared, setting: Setting, decision: Decision
+) -> Diagnosis:
+    """The answer with what the recordings tell apart, and the manoeuvre for what they do not."""
+    told = replace(answer, isolability=isolability(setting, decision))
+    if answer.record_next is not None:
+        return told
+    sentence, manoeuvre = advise(prepared, setting, decision)
+    return replace(told, record_next=sentence, manoeuvre=manoeuvre)
 
 
 def _measured_noise(model: Model, prepared: Prepared) -> dict[str, float]:
@@ -326,6 +342,8 @@ def _verdict(
         return "measurement"
     if parameters:
         return "parameters"
+    if decision.winner.causes:
+        return "undecided"  # something earned its place, and all of it is in doubt
     nothing = decision.nothing.fit
     slack = 4 * np.sqrt(2 * nothing.correlation / max(float(nothing.count.sum()), 1.0))
     return "nothing missing" if nothing.scale <= MISMATCH + slack else "undecided"

@@ -20,7 +20,7 @@ from symhyb.discrepancy.results import (
     Measurement,
     Reestimated,
 )  # fmt: skip
-from symhyb.discrepancy.wording import effect_sentence, percent_text
+from symhyb.discrepancy.wording import alternative_phrase, effect_sentence, percent_text
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import At, Between, ChannelKind, Element, Model, On, Parameter, Place
 from symhyb.model.vocabulary import KINDS, key_unit
@@ -180,11 +180,24 @@ def channel_faults(final: Refined) -> tuple[Measurement, ...]:
     return tuple(rows)
 
 
+def cause_phrase(cause: Hypothesis) -> str:
+    """Name a cause without its numbers: ``viscous damping on x``."""
+    plain = Alternative(None, cause.kind, (), 0.0)
+    if cause.place is not None:
+        said = alternative_phrase(replace(plain, place=cause.place, options=cause.options))
+        if cause.kind == "spring" and cause.terms != ("stiffness",):
+            said = said.replace("a spring", f"a {cause.terms[0]} spring")
+        return said
+    if cause.kind == "parameter":
+        return alternative_phrase(replace(plain, parameter=cause.path))
+    return alternative_phrase(replace(plain, channel=cause.path.split(".")[0]))
+
+
 def doubtful(decision: Decision) -> tuple[Hypothesis, ...]:
     """Causes of the winner that these recordings cannot tell: a rival replaces them almost as well,
     or they do not stay chosen when the windows are weighed anew."""
     doubt = list(unstable(decision))
-    for fresh, lost, evidence, _ in _rivals(decision):
+    for fresh, lost, evidence, _ in rivals_of(decision):
         conventional = len(fresh) == len(lost) == 1 and alike(fresh[0], lost[0])
         if evidence < CERTAIN and not conventional:
             doubt += lost
@@ -207,7 +220,7 @@ def alternatives_of(
     for first, second in decision.twins:
         if first in winner.causes:
             rows.append(_alternative(model, second, {}, names.get(first), 0.0))
-    for fresh, lost, evidence, trial in _rivals(decision):
+    for fresh, lost, evidence, trial in rivals_of(decision):
         for cause in fresh:
             values = _told_values(trial, cause)
             rows.append(_alternative(model, cause, values, names.get(lost[0]), max(evidence, 0.0)))
@@ -217,7 +230,7 @@ def alternatives_of(
 Rival = tuple[list[Hypothesis], list[Hypothesis], float, Refined]
 
 
-def _rivals(decision: Decision) -> list[Rival]:
+def rivals_of(decision: Decision) -> list[Rival]:
     """Trials within reach of the winner that replace some of its causes: the fresh causes, the lost
     ones, the difference of the criterion, the trial."""
     rivals = []

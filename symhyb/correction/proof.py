@@ -74,7 +74,8 @@ def _unseen(prepared: Prepared, stage: Stage, trial: Refined) -> _Unseen:
     laid = stage.laid
     if prepared.holdout:
         found = [laid_on(run, trial.machine, stage.length_s) for run in prepared.holdout]
-        laid = tuple(item.suited(trial.machine) for item in found if item is not None)
+        laid = tuple(item for item in found if item is not None)
+    laid = tuple(item.suited(trial.machine) for item in laid)
     if not laid:
         return _Unseen(float("nan"), float("nan"), float("nan"))
     late = tuple(c.path.removesuffix(".delay") for c in trial.causes if c.kind == "delay")

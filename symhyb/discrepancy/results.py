@@ -17,6 +17,8 @@ VerdictName = Literal[
     "missing physics", "parameters", "measurement", "nothing missing", "undecided"
 ]
 
+SignalName = Literal["sine", "sweep", "multisine", "steps", "triangle", "release"]
+
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
@@ -270,11 +272,52 @@ class Cloud:
 
 
 @dataclass(frozen=True, slots=True)
+class Isolability:
+    """How well the recordings at hand tell causes apart.
+
+    ``evidence`` (C, C + 1), dimensionless: ln of the odds that are expected against the cause of
+    the column where the cause of the row acts, at the size found; the last column is "nothing
+    there". NaN on the diagonal. ``causes`` are words, ``found`` says which of them the
+    diagnosis claims.
+    """
+
+    causes: tuple[str, ...]
+    found: tuple[bool, ...]
+    evidence: NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Manoeuvre:
+    """What to record next, for a program; ``sentence`` says the same for a person.
+
+    ``channel`` is the input to drive, or the coordinate to release from ``amplitude``.
+    ``amplitude`` (the peak) and ``offset`` are in ``unit``, ``frequency`` (lo, hi) in Hz, None for
+    a release; ``duration`` and ``sampling`` (the time between two samples) in s. ``between`` are
+    the causes that it tells apart, with an ``evidence`` (ln of the odds) of at least so much;
+    ``beyond`` is True where it goes beyond what was recorded. docs/output.md states the signals.
+    """
+
+    channel: str
+    signal: SignalName
+    amplitude: float
+    unit: str
+    duration: float
+    sampling: float
+    frequency: tuple[float, float] | None = None
+    offset: float = 0.0
+    between: tuple[str, ...] = ()
+    evidence: float = 0.0
+    beyond: bool = False
+    sentence: str = ""
+
+
+@dataclass(frozen=True, slots=True)
 class Diagnosis:
     """The answer: a verdict with its sentence, what was found, and what cannot be told apart.
 
     ``noise`` by sensor in the sensor's unit; ``log`` the story of the decision, one sentence a
-    step; ``notes`` what was handled in the recordings.
+    step; ``notes`` what was handled in the recordings. ``manoeuvre`` is ``record_next`` for a
+    program, where it is one.
     """
 
     verdict: VerdictName
@@ -294,3 +337,5 @@ class Diagnosis:
     lies: tuple[Lie, ...] = ()
     misfits: tuple[Misfit, ...] = ()
     repeats: tuple[Repeats, ...] = ()
+    isolability: Isolability | None = None
+    manoeuvre: Manoeuvre | None = None

@@ -2,8 +2,8 @@
 
 Valid under ``diagnosis.schema.json`` beside this file. Keys of that schema are stable; ``format``,
 ``options``, ``channels``, ``log``, ``notes``, ``stability``, ``own``, ``misfits``, ``repeats``,
-``remainder.notes`` and the scores ``*_rmse``, ``force_residual``, ``force_band_hz`` and ``carries``
-are extensions of it.
+``isolability``, ``manoeuvre``, ``remainder.notes`` and the scores ``*_rmse``, ``force_residual``,
+``force_band_hz`` and ``carries`` are extensions of it.
 """
 
 import math
@@ -18,7 +18,9 @@ from symhyb.discrepancy.results import (
     Diagnosis,
     Estimate,
     Found,
+    Isolability,
     Lie,
+    Manoeuvre,
     Misfit,
     Occurrence,
     PlaceShare,
@@ -82,6 +84,8 @@ def to_json(diagnosis: Diagnosis, verdict: Verdict) -> dict[str, Any]:
         "channels": [_lie(lie) for lie in diagnosis.lies],
         "alternatives": [_alternative(rival) for rival in diagnosis.alternatives],
         "record_next": diagnosis.record_next,
+        "manoeuvre": _manoeuvre(diagnosis.manoeuvre),
+        "isolability": _isolability(diagnosis.isolability),
         "remainder": {
             "share": finite(diagnosis.remainder),
             "notes": list(diagnosis.remainder_notes),
@@ -176,6 +180,34 @@ def _alternative(rival: Alternative) -> dict[str, Any]:
         **_options(rival.options),
         "parameters": _estimates(rival.estimates),
         "evidence": _bounded(rival.evidence),
+    }
+
+
+def _manoeuvre(plan: Manoeuvre | None) -> dict[str, Any] | None:
+    if plan is None:
+        return None
+    return {
+        "channel": plan.channel,
+        "signal": plan.signal,
+        "amplitude": _fitted(plan.amplitude, "amplitude"),
+        "unit": plan.unit,
+        "offset": _fitted(plan.offset, "offset"),
+        "frequency_hz": None if plan.frequency is None else list(plan.frequency),
+        "duration_s": plan.duration,
+        "sampling_s": plan.sampling,
+        "between": list(plan.between),
+        "evidence": _bounded(plan.evidence),
+        "beyond": plan.beyond,
+    }
+
+
+def _isolability(matrix: Isolability | None) -> dict[str, Any] | None:
+    if matrix is None:
+        return None
+    return {
+        "causes": list(matrix.causes),
+        "found": list(matrix.found),
+        "evidence": [[finite(value) for value in row] for row in matrix.evidence.tolist()],
     }
 
 

@@ -95,7 +95,7 @@ def trace_figure(trace: Trace, sensor: str, unit: Unit) -> bytes:
         runs = [(after, AFTER, "simulated")]
     zoom = zoom_window(trace.t, measured)
     heights = [2.0, 1.2] + ([1.7] if zoom else [])
-    with _drawing(sum(heights) + 0.9) as figure:
+    with drawing(sum(heights) + 0.9) as figure:
         panels = figure.subplots(len(heights), 1, height_ratios=heights, squeeze=False)[:, 0]
         _signals(panels[0], trace.t, measured, runs, sensor, unit)
         _legend(panels[0])
@@ -107,7 +107,7 @@ def trace_figure(trace: Trace, sensor: str, unit: Unit) -> bytes:
             _signals(panels[2], trace.t[inside], measured[inside], cut, f"zoom: {sensor}", unit)
             panels[0].axvspan(*zoom, color="#eef1f4", zorder=0)
         panels[-1].set_xlabel("time [s]")
-        return _svg(figure)
+        return svg(figure)
 
 
 def cloud_figure(cloud: Cloud, units: PlaceUnits, remembers: bool = False) -> bytes:
@@ -122,7 +122,7 @@ def cloud_figure(cloud: Cloud, units: PlaceUnits, remembers: bool = False) -> by
     looped = (cloud.t >= low) & (cloud.t <= high) if remembers else None
     rate = (cloud.rate / units.rate.factor, "rate", units.rate.text)
     stretch = (cloud.stretch / units.stretch.factor, "stretch", units.stretch.text)
-    with _drawing(5.6) as figure:
+    with drawing(5.6) as figure:
         panels = figure.subplots(2, 1)
         for panel, across, colored in ((panels[0], rate, stretch), (panels[1], stretch, rate)):
             _cloud(panel, cloud, across, colored, units.force, looped)
@@ -132,7 +132,7 @@ def cloud_figure(cloud: Cloud, units: PlaceUnits, remembers: bool = False) -> by
         if not remembers:
             panels[0].fill_between([], [], color=LAW, alpha=0.18, label="± one sd of ΔF")
         _legend(panels[0])
-        return _svg(figure)
+        return svg(figure)
 
 
 def force_figure(cloud: Cloud, unit: Unit) -> bytes:
@@ -140,7 +140,7 @@ def force_figure(cloud: Cloud, unit: Unit) -> bytes:
     force, band, law = (values / unit.factor for values in (cloud.force, cloud.band, cloud.law))
     inner = _without_ends(cloud.t)  # where a motion ends, ΔF is not known well
     zoom = zoom_window(cloud.t[inner], (law if np.any(law) else force)[inner])
-    with _drawing(4.6 if zoom else 2.6) as figure:
+    with drawing(4.6 if zoom else 2.6) as figure:
         panels = figure.subplots(2 if zoom else 1, 1, squeeze=False)[:, 0]
         for panel, window in zip(panels, (None, zoom), strict=False):
             low, high = window or (-np.inf, np.inf)
@@ -156,7 +156,7 @@ def force_figure(cloud: Cloud, unit: Unit) -> bytes:
             _limit(panel, [force[inside] / scale, law[inside] / scale], 0.1, _TAILS)
         _legend(panels[0])
         panels[-1].set_xlabel("time [s]")
-        return _svg(figure)
+        return svg(figure)
 
 
 def score_figure(pairs: Sequence[Pair]) -> bytes:
@@ -164,7 +164,7 @@ def score_figure(pairs: Sequence[Pair]) -> bytes:
     values = [finite(value) for pair in pairs for value in (pair.before, pair.after)]
     shown = [100.0 * value for value in values if value is not None and value > 0.0]
     logarithmic = bool(shown) and max(shown) > 20.0 * min(shown)
-    with _drawing(0.52 * len(pairs) + 0.75) as figure:
+    with drawing(0.52 * len(pairs) + 0.75) as figure:
         panel = figure.subplots()
         if logarithmic:
             panel.set_xscale("log")
@@ -178,7 +178,7 @@ def score_figure(pairs: Sequence[Pair]) -> bytes:
         panel.set_ylim(len(pairs) - 0.2, -0.3)
         _percent_axis(panel, logarithmic)
         panel.set_xlabel("error [%]" + (", logarithmic" if logarithmic else ""))
-        return _svg(figure)
+        return svg(figure)
 
 
 def places_figure(places: Sequence[tuple[str, float | None, bool]]) -> bytes:
@@ -186,7 +186,7 @@ def places_figure(places: Sequence[tuple[str, float | None, bool]]) -> bytes:
 
     ``places`` are (words, explained share or None, whether something was found there).
     """
-    with _drawing(0.48 * len(places) + 0.8) as figure:
+    with drawing(0.48 * len(places) + 0.8) as figure:
         panel = figure.subplots()
         panel.set_xlim(0.0, 118.0)
         for row, (words, explained, found) in enumerate(places):
@@ -196,13 +196,13 @@ def places_figure(places: Sequence[tuple[str, float | None, bool]]) -> bytes:
         _percent_axis(panel, logarithmic=False)
         panel.set_xticks(range(0, 101, 20))
         panel.set_xlabel("explained share of the mismatch [%]")
-        return _svg(figure)
+        return svg(figure)
 
 
 def occurrence_figure(told: Occurrence) -> bytes:
     """Draw when a place's mismatch acts (what is left of every window, as it is and with the best
     force of the place's own motion) and at which frequencies."""
-    with _drawing(4.2 if told.lines.size else 2.3) as figure:
+    with drawing(4.2 if told.lines.size else 2.3) as figure:
         panels = figure.subplots(2 if told.lines.size else 1, 1, squeeze=False)[:, 0]
         for values, color, word in (
             (told.before, BEFORE, "as it is"),
@@ -231,11 +231,12 @@ def occurrence_figure(told: Occurrence) -> bytes:
             panels[1].set_title("power of the missing force, over its largest")
             panels[1].set_xlabel("frequency [Hz]")
             panels[1].set_ylim(0.0, 1.05)
-        return _svg(figure)
+        return svg(figure)
 
 
 @contextmanager
-def _drawing(height: float) -> Iterator["Figure"]:
+def drawing(height: float) -> Iterator["Figure"]:
+    """Yield a figure in the style of the page, ``height`` in inches."""
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
@@ -244,7 +245,8 @@ def _drawing(height: float) -> Iterator["Figure"]:
         yield Figure(figsize=(WIDTH, height), dpi=150, layout="constrained", facecolor="white")
 
 
-def _svg(figure: "Figure") -> bytes:
+def svg(figure: "Figure") -> bytes:
+    """Give a figure as the bytes of an SVG that is the same every time."""
     target = io.BytesIO()
     figure.savefig(target, format="svg", metadata={"Date": None, "Creator": "symhyb"})
     return target.getvalue()

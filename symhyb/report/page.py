@@ -17,6 +17,7 @@ from symhyb.discrepancy.wording import (
 from symhyb.model.types import Model, On, place_text
 from symhyb.model.vocabulary import KINDS
 from symhyb.report import figures
+from symhyb.report.apart import apart_figure
 from symhyb.report.sentences import (
     alternative_sentence,
     method_sentences,
@@ -89,6 +90,7 @@ def render_page(
         ],
         score_picture=_score_picture(verdict),
         place_picture=_place_picture(diagnosis),
+        apart_picture=_apart_picture(diagnosis),
         omitted=_omitted(diagnosis, verdict),
         corrected=any(
             scores.before != scores.after for scores in (verdict.train, verdict.holdout) if scores
@@ -216,6 +218,18 @@ def _occurrences(diagnosis: Diagnosis, model: Model | None) -> list[Picture]:
             )
         )
     return drawn
+
+
+def _apart_picture(diagnosis: Diagnosis) -> Picture | None:
+    if diagnosis.isolability is None:
+        return None
+    return Picture(
+        _image(apart_figure(diagnosis.isolability)),
+        "Matrix of the odds with which these recordings tell each cause from each other one.",
+        "How well these recordings tell causes apart, at the size found: if the cause of a row "
+        "acts, the odds against that of a column. Red: below 10, they cannot tell; yellow: below "
+        "100; blue: they can.",
+    )
 
 
 def _omitted(diagnosis: Diagnosis, verdict: Verdict) -> list[str]:
