@@ -22,11 +22,14 @@ from symhyb.correction.evidence import (
     excess,
     named,
     unit_of,
+    weak,
 )  # fmt: skip
+from symhyb.correction.kin import variants_of
 from symhyb.correction.selection import LARGEST, Problem, Subset, best_subsets, solve, without
 from symhyb.correction.setting import Setting, along_motion, around
 from symhyb.correction.trajectory import Refined, grouped, refine
 from symhyb.discrepancy.hypotheses import Hypothesis
+from symhyb.model.types import Place
 from symhyb.numeric.buffers import Array
 
 TRIALS = 3  # refined structures of each size
@@ -90,6 +93,7 @@ class _Trials:
     def __init__(self, setting: Setting, dropped: set[int], say: Say):
         self.setting, self.dropped, self.say = setting, dropped, say
         self.done: dict[tuple[int, ...], Refined] = {}
+        self.known = list(setting.hypotheses)
 
     def refined(
         self,
@@ -99,7 +103,7 @@ class _Trials:
     ) -> Refined:
         key = tuple(sorted(causes))
         if key not in self.done:
-            chosen = [self.setting.hypotheses[cause] for cause in causes]
+            chosen = [self.known[cause] for cause in causes]
             self.say("trying " + named(chosen))
             stage, model = self.setting.stages[-1], self.setting.windows.machine.model
             self.done[key] = refine(model, chosen, values, stage.laid, self.setting.sd, starts)
@@ -111,7 +115,17 @@ class _Trials:
         return len({cause.family for cause in self.setting.hypotheses}) - len(self.dropped)
 
     def causes(self, trial: Refined) -> tuple[int, ...]:
-        return tuple(self.setting.hypotheses.index(cause) for cause in trial.causes)
+        return tuple(map(self.index, trial.causes))
+
+    def index(self, cause: Hypothesis) -> int:
+        """The number of a cause; one that is not in the first list gets a new one."""
+        if cause not in self.known:
+            self.known.append(cause)
+        return self.known.index(cause)
+
+    def listed(self, trial: Refined) -> bool:
+        """Whether the linear problems hold every cause of a structure."""
+        return max(self.causes(trial), default=-1) < len(self.setting.hypotheses)
 
 
 def _conventional(trials: _Trials, winner: Refined, problem: Problem) -> Refined:
@@ -194,12 +208,18 @@ def _distinct(problem: Problem, subsets: Sequence[Subset]) -> list[Subset]:
 
 def _improved(trials: _Trials, winner: Refined, problem: Problem, log: list[str]) -> Refined:
     """The winner with one cause added, swapped or dropped, if that is better; else itself."""
+    deeper = list(filter(believable, _deeper(trials, winner)))
+    for trial in deeper:  # where one law with a number more says it all, no second law is tried
+        earned, sentence = earns(trial, winner)
+        if earned and trial.fit.scale < NEAR_NOISE:
+            log.append(sentence)
+            return trial
     for trial in filter(believable, _additions(trials, winner)):
         earned, sentence = earns(trial, winner, trials.count)
         log.append(sentence)
         if earned:
             return trial
-    for trial in filter(believable, _variants(trials, winner)):
+    for trial in (*filter(believable, _variants(trials, winner)), *deeper):
         earned, sentence = earns(trial, winner)
         log.append(sentence)
         if earned:
@@ -222,6 +242,11 @@ def _improved(trials: _Trials, winner: Refined, problem: Problem, log: list[str]
         log.append(sentence)
         if not earned:
             return smaller
+        for single in filter(believable, _deeper(trials, smaller, winner.causes[i].place)):
+            earned, sentence = earns(winner, single)
+            log.append(sentence)
+            if not earned:
+                return single
     return winner
 
 
@@ -256,8 +281,36 @@ def _variants(trials: _Trials, winner: Refined) -> Iterator[Refined]:
             kept = {key: value for key, value in rows[i].items() if key in other.keys}
             rows[i] = {**other.values(plain), **kept}
             causes = [*winner.causes[:i], other, *winner.causes[i + 1 :]]
-            indices = [trials.setting.hypotheses.index(c) for c in causes]
+            indices = [trials.index(c) for c in causes]
             yield trials.refined(indices, rows, winner.fit.starts)
+
+
+def _deeper(trials: _Trials, winner: Refined, place: Place | None = None) -> Iterator[Refined]:
+    """The winner with one law (at ``place``, where one is given) replaced by a variant with a key
+    more, where something is left; the variant that fits best first."""
+    if winner.fit.scale < NEAR_NOISE:
+        return
+    tried = []
+    for i, cause in enumerate(winner.causes):
+        if place is not None and cause.place != place:
+            continue
+        for other, row in variants_of(trials.setting, cause, grouped(winner)[i]):
+            rows = [*grouped(winner)[:i], row, *grouped(winner)[i + 1 :]]
+            causes = [*winner.causes[:i], other, *winner.causes[i + 1 :]]
+            indices = [trials.index(c) for c in causes]
+            trial = trials.refined(indices, rows, winner.fit.starts)
+            tried += [trial, *_lean(trials, trial, other)]
+    yield from sorted(tried, key=lambda trial: trial.fit.train)
+
+
+def _lean(trials: _Trials, trial: Refined, kept: Hypothesis) -> Iterator[Refined]:
+    """The structure without the causes that no longer stand out: they stood in for a key of the
+    law that is ``kept``."""
+    gone = {i for i in weak(trial) if trial.causes[i] != kept}
+    if gone and not trial.fit.reason:
+        rows = [row for i, row in enumerate(grouped(trial)) if i not in gone]
+        causes = [cause for i, cause in enumerate(trials.causes(trial)) if i not in gone]
+        yield trials.refined(causes, rows, trial.fit.starts)
 
 
 def _told(cause: Hypothesis, winner: Refined) -> bool:
@@ -271,6 +324,8 @@ def _told(cause: Hypothesis, winner: Refined) -> bool:
 
 def _swaps(trials: _Trials, winner: Refined, problem: Problem) -> Iterator[Refined]:
     """For each cause of the winner the best replacement at another place or of another kind."""
+    if not trials.listed(winner):
+        return
     causes = trials.causes(winner)
     for cause in causes:
         rest = [c for c in causes if c != cause]
@@ -290,6 +345,8 @@ def _swaps(trials: _Trials, winner: Refined, problem: Problem) -> Iterator[Refin
 def _plainer(trials: _Trials, winner: Refined, problem: Problem) -> Iterator[Refined]:
     """The winner with a law of several numbers replaced by the one or two plain laws at its place
     that come closest: a stop behind a clearance by a spring that hardens."""
+    if not trials.listed(winner):
+        return
     causes = trials.causes(winner)
     for cause in causes:
         mine = problem.hypotheses[cause]
@@ -323,5 +380,5 @@ def _simplifications(trials: _Trials, winner: Refined) -> Iterator[Refined]:
             rows = grouped(winner)
             rows[i] = {key: rows[i][key] for key in other.keys}
             causes = [*winner.causes[:i], other, *winner.causes[i + 1 :]]
-            indices = [trials.setting.hypotheses.index(c) for c in causes]
+            indices = [trials.index(c) for c in causes]
             yield trials.refined(indices, rows, winner.fit.starts)

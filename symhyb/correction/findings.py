@@ -223,6 +223,8 @@ def _rivals(decision: Decision) -> list[Rival]:
         evidence = decision.criterion(trial)
         fresh = [cause for cause in trial.causes if cause not in decision.winner.causes]
         lost = [cause for cause in decision.winner.causes if cause not in trial.causes]
+        if {cause.family for cause in fresh} == {cause.family for cause in lost}:
+            continue  # the same law, begun at other values: no rival of itself
         if fresh and lost and evidence < RIVAL and not _larger(fresh, lost):
             rivals.append((fresh, lost, evidence, trial))
     return rivals

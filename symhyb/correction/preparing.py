@@ -23,6 +23,7 @@ from symhyb.discrepancy.hypotheses import (
     with_channels,
 )  # fmt: skip
 from symhyb.discrepancy.motion import motion_of
+from symhyb.discrepancy.points import point_hypotheses
 from symhyb.discrepancy.residual import discrepancy
 from symhyb.discrepancy.runs import Run, laid_on, noise_sd, with_noise
 from symhyb.discrepancy.windows import Laid
@@ -87,7 +88,12 @@ def settle(prepared: Prepared) -> Setting:
     model, machine = prepared.model, prepared.machine
     places = places_of(model)
     narrow = transition_share(_relative_noise(prepared))
-    causes = library(model, places, force_hypotheses(model, _reaches(prepared, places), narrow))
+    motions = [(run.motion.q, run.motion.v, run.motion.t) for run in prepared.runs]
+    tried = (
+        *force_hypotheses(model, _reaches(prepared, places), narrow),
+        *point_hypotheses(model, motions, narrow),
+    )
+    causes = library(model, places, tried)
     dull = dull_hypotheses(model)
     windows = WindowModel(machine, tuple(machine.column(cause.path) for cause in dull))
     sag = _sag(prepared)

@@ -73,9 +73,10 @@ def _unseen(prepared: Prepared, stage: Stage, trial: Refined) -> _Unseen:
     laid = stage.laid
     if prepared.holdout:
         found = [laid_on(run, trial.machine, stage.length_s) for run in prepared.holdout]
-        laid = tuple(item.suited(trial.machine) for item in found if item is not None)
+        laid = tuple(item for item in found if item is not None)
     if not laid:
         return _Unseen(float("nan"), float("nan"), float("nan"))
+    laid = tuple(item.suited(trial.machine) for item in laid)  # a law that remembers has states
     nothing = np.zeros(0)
     task = Task(
         tuple(laid), prepared.sd, nothing, nothing, nothing, nothing,

@@ -41,6 +41,7 @@ NARROW = {"frequency": 1.2, "period": 1.2, "clearance": 3.0, "exponent": 4.0}
 WIDER = 10.0  # a Stribeck speed against the transition
 SKEW = 0.95  # of an asymmetry: beyond, a damper would drive
 WAVES = ("harmonic", "ripple")
+PLAIN = {"exponent": 1.0}  # value of an added key at which a variant is the plain law, else 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +52,7 @@ class Hypothesis:
     beforehand (SI), ``refined`` those of them that are fitted afterwards and so cost a number each,
     ``tied`` those that grow with the first coefficient (the damping of a relaxation of a given
     time). ``positive`` says which terms physics forbids to be negative; ``options`` are words.
+    ``added`` are the refined keys that make a variant of a plain law (the play of a hysteresis).
     """
 
     kind: str
@@ -62,6 +64,7 @@ class Hypothesis:
     path: str = ""
     tied: tuple[str, ...] = ()
     options: tuple[tuple[str, str], ...] = ()
+    added: tuple[str, ...] = ()
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -80,7 +83,7 @@ class Hypothesis:
     def variant(self) -> bool:
         """Whether this is a plain law with something added, which is tried where the plain one was
         found: dry friction that falls with speed, damping that differs by direction."""
-        return "static" in self.terms or "skew" in self.terms
+        return "static" in self.terms or "skew" in self.terms or bool(self.added)
 
     @property
     def family(self) -> tuple[object, ...]:
@@ -115,8 +118,11 @@ class Hypothesis:
             reach = NARROW.get(key, SHAPE_REACH)
             if key in self.tied:
                 return 0.0, inf
-            if key == "stribeck":  # slower, it would only undo the smoothing
+            if key == "stribeck" and "transition" in dict(self.shape):
+                # slower, it would only undo the smoothing
                 return WIDER * dict(self.shape)["transition"], tried * reach
+            if key in self.added and key != "stribeck":
+                return PLAIN.get(key, 0.0), tried * reach
             return (1.0 if key == "exponent" else tried / reach), tried * reach
         if key == "asymmetry":
             return -SKEW, SKEW
