@@ -29,8 +29,10 @@ from symhyb.correction.sparse import propose
 from symhyb.correction.trajectory import Refined, grouped, refine
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.course import course_of
+from symhyb.discrepancy.formula import LAW, WARNING, law_text
 from symhyb.discrepancy.hypotheses import Hypothesis
 from symhyb.discrepancy.locate import activity, locate
+from symhyb.discrepancy.memoryless import memoryless
 from symhyb.discrepancy.residual import blind_notes, discrepancy, force_band, noise_notes
 from symhyb.discrepancy.results import (
     Activity,
@@ -96,12 +98,14 @@ def diagnose(
     tell("mapping the places")
     values = prepared.machine.values
     places = locate(setting.library, setting.windows, middle.laid, values, setting.sd)
+    memory = memoryless(setting.library, setting.windows, middle.laid, values, setting.sd)
     tell("removing each cause once, for its share")
     items = named(final)
     shown = prove(prepared, setting, final, stage, items)
     told = _told(model, prepared, final, items, shown)
     left = leftover(setting, certain) if certain.causes else ()
-    return _concluded(model, prepared, decision, final, told, (shown.remainder, left), places)
+    diagnosis = _concluded(model, prepared, decision, final, told, (shown.remainder, left), places)
+    return replace(diagnosis, memory=memory if _missing(diagnosis) else None)
 
 
 def valued(setting: Setting, winner: Refined, prepared: Prepared) -> tuple[Refined, Stage]:
@@ -209,8 +213,22 @@ def _concluded(
         places=places,
         clouds=tuple(cloud for run in prepared.runs for cloud in _clouds(prepared, final, run)),
         log=decision.log,
-        notes=(*dict.fromkeys(notes), *noise_notes(model, noise)),
+        notes=(*dict.fromkeys(notes), *noise_notes(model, noise), *_warnings(found)),
     )  # fmt: skip
+
+
+def _missing(diagnosis: Diagnosis) -> bool:
+    """Whether there is a force of which anything can be asked."""
+    return diagnosis.verdict == "missing physics" or diagnosis.remainder == 1.0
+
+
+def _warnings(found: Sequence[Found]) -> tuple[str, ...]:
+    """Say of every product that it is no law known by name."""
+    return tuple(
+        f"{item.element.name} is {WARNING}: it holds where the recordings moved, and nowhere else"
+        for item in found
+        if item.element.kind == LAW
+    )
 
 
 def _measured_noise(model: Model, prepared: Prepared) -> dict[str, float]:
@@ -226,6 +244,8 @@ def _measured_noise(model: Model, prepared: Prepared) -> dict[str, float]:
 def _title(cause: Hypothesis, found: Sequence[Found]) -> str:
     for item in found:
         mine = item.element
+        if cause.kind == LAW and (mine.place, item.law) == (cause.place, law_text(cause.path)):
+            return mine.name
         if (mine.kind, mine.place, mine.options) == (cause.kind, cause.place, cause.options):
             return item.element.name
     return cause.path

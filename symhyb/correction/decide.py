@@ -25,6 +25,7 @@ from symhyb.correction.evidence import (
     weak,
 )  # fmt: skip
 from symhyb.correction.kin import variants_of
+from symhyb.correction.last_resort import beside, candidates, instead
 from symhyb.correction.selection import LARGEST, Problem, Subset, best_subsets, solve, without
 from symhyb.correction.setting import Setting, along_motion, around
 from symhyb.correction.trajectory import Refined, grouped, refine
@@ -82,6 +83,7 @@ def decide(setting: Setting, proposals: Sequence[Subset], say: Say) -> Decision:
         if better is winner:
             break
         winner = better
+    winner = _last_resort(trials, winner, nothing, log)
     winner = _conventional(trials, winner, problem)
     named = tuple((setting.hypotheses[a], setting.hypotheses[b]) for a, b in twins)
     return Decision(winner, nothing, tuple(trials.done.values()), named, tuple(log))
@@ -126,6 +128,44 @@ class _Trials:
     def listed(self, trial: Refined) -> bool:
         """Whether the linear problems hold every cause of a structure."""
         return max(self.causes(trial), default=-1) < len(self.setting.hypotheses)
+
+
+def _last_resort(trials: _Trials, winner: Refined, nothing: Refined, log: list[str]) -> Refined:
+    """Where the laws that have a name leave more than noise: the winner with one product more, or
+    a product alone, if that explains the recordings down to their noise; else the winner."""
+    if winner.fit.scale < NEAR_NOISE:
+        return winner
+    book = candidates(trials.setting)
+    tried: list[Refined] = []
+    for base, offered in (
+        (winner, beside(trials.setting, book, winner)),
+        (nothing, instead(trials.setting, book, nothing)),
+    ):
+        for cause, row in offered:
+            indices = (*trials.causes(base), trials.index(cause))
+            starts = base.fit.starts if base is winner else None
+            trial = trials.refined(indices, [*grouped(base), row], starts)
+            tried += [trial, *_lean(trials, trial, cause)]
+    fitting = [trial for trial in filter(believable, tried) if trial.fit.scale < NEAR_NOISE]
+    for trial in sorted(fitting, key=lambda trial: criterion(trial, fitting[0])):
+        earned, sentence = earns(trial, winner, trials.count + len(book.hypotheses))
+        log.append(sentence)
+        if earned:
+            return _spared(trials, trial, log)
+    return winner
+
+
+def _spared(trials: _Trials, winner: Refined, log: list[str]) -> Refined:
+    """The winner without the causes that do not earn their place in it."""
+    for i, cause in enumerate(trials.causes(winner)):
+        rest = [c for c in trials.causes(winner) if c != cause]
+        rows = [row for j, row in enumerate(grouped(winner)) if j != i]
+        smaller = trials.refined(rest, rows, winner.fit.starts)
+        earned, sentence = earns(winner, smaller)
+        log.append(sentence)
+        if not earned:
+            return _spared(trials, smaller, log)
+    return winner
 
 
 def _conventional(trials: _Trials, winner: Refined, problem: Problem) -> Refined:

@@ -10,6 +10,8 @@ from symhyb.correction.decide import Decision
 from symhyb.correction.formulas import law_text
 from symhyb.correction.textbook import critical_share
 from symhyb.correction.trajectory import Refined
+from symhyb.discrepancy.formula import LAW, WARNING, law_element, law_unit
+from symhyb.discrepancy.formula import law_text as law_text_of
 from symhyb.discrepancy.hypotheses import Hypothesis
 from symhyb.discrepancy.results import (
     Activity,
@@ -29,7 +31,7 @@ SYMBOLS = {
     "coulomb": "F_c", "static": "F_s", "stribeck": "v_s", "transition": "v_t", "constant": "F_0",
     "length": "l_0", "clearance": "s_c", "play": "s_p", "exponent": "n", "micro_damping": "d_m",
     "amplitude": "F_a", "frequency": "f_0", "phase": "phi_0", "period": "l_p", "mass": "m_a",
-    "asymmetry": "a_s",
+    "asymmetry": "a_s", "coefficient": "c",
 }  # fmt: skip
 
 
@@ -49,6 +51,7 @@ class Named:
     causes: tuple[int, ...]
     values: Mapping[str, tuple[float, float]]
     options: tuple[tuple[str, str], ...] = ()
+    formula: str = ""
 
     @property
     def exponent(self) -> float:
@@ -65,9 +68,12 @@ def named(final: Refined) -> tuple[Named, ...]:
             alone = -1 if cause.kind == "spring" else i
             groups.setdefault((cause.kind, cause.place, alone), []).append(i)
     return tuple(
-        Named(kind, place, tuple(rows), _values(final, rows), final.causes[rows[0]].options)
+        Named(
+            kind, place, tuple(rows), _values(final, rows), final.causes[rows[0]].options,
+            final.causes[rows[0]].path,
+        )
         for (kind, place, _), rows in groups.items()
-    )
+    )  # fmt: skip
 
 
 def _values(final: Refined, rows: Sequence[int]) -> dict[str, tuple[float, float]]:
@@ -78,6 +84,8 @@ def _values(final: Refined, rows: Sequence[int]) -> dict[str, tuple[float, float
             values.setdefault(key, (shape, float("nan")))
         for key in cause.keys:
             values[key] = final.value(f"cause{i}.{key}")
+    if final.causes[rows[0]].kind == LAW:
+        return values
     order = [key.name for key in KINDS[final.causes[rows[0]].kind].keys]
     return {key: values[key] for key in order if key in values}
 
@@ -91,6 +99,8 @@ def found_of(
     active: Activity | None,
 ) -> Found:
     """Tell one named effect as an element of the model file, with law, values and sentence."""
+    if item.kind == LAW:
+        return _empirical(model, item, name, provenance, share, active)
     own, entries, estimates = [], [], []
     for key, (value, sd) in item.values.items():
         unit = key_unit(model, item.kind, key, item.place, item.exponent)
@@ -108,6 +118,33 @@ def found_of(
     sentence = effect_sentence(item.kind, item.place, estimates, share, item.options, meaning)
     law = law_text(item.kind, item.values, item.options)
     return Found(element, law, tuple(estimates), share, sentence, active)
+
+
+def _empirical(
+    model: Model,
+    item: Named,
+    name: str,
+    provenance: tuple[tuple[str, object], ...],
+    share: float | None,
+    active: Activity | None,
+) -> Found:
+    """Tell a product as a ``law``, with the warning that it is no law known by name."""
+    assert isinstance(item.place, On)
+    values = {key: value for key, (value, _) in item.values.items()}
+    spreads = {key: sd for key, (_, sd) in item.values.items() if np.isfinite(sd)}
+    symbols = {key: symbol_of(model, key) for key in values}
+    element = replace(
+        law_element(model, name, item.place, item.formula, values, symbols, spreads),
+        found=provenance,
+    )
+    unit = law_unit(model, item.place, item.formula, "coefficient")
+    value, sd = item.values["coefficient"]
+    own = Estimate(
+        symbols["coefficient"], value / unit.factor, sd / unit.factor, unit.text, "coefficient"
+    )
+    words = (("formula", item.formula),)
+    sentence = effect_sentence(LAW, item.place, [own], share, words, WARNING)
+    return Found(element, law_text_of(item.formula), (own,), share, sentence, active)
 
 
 def _meaning(model: Model, item: Named) -> str:
@@ -248,7 +285,13 @@ def _alternative(
 ) -> Alternative:
     estimates = []
     exponent = values.get("exponent", (1.0, 0.0))[0]
-    if cause.place is not None:
+    if cause.kind == LAW and isinstance(cause.place, On):
+        for key, (value, sd) in values.items():
+            unit = law_unit(model, cause.place, cause.path, key)
+            if np.isfinite(sd):
+                scaled = value / unit.factor, sd / unit.factor
+                estimates.append(Estimate(symbol_of(model, key), *scaled, unit.text, key))
+    elif cause.place is not None:
         for key, (value, sd) in values.items():
             unit = key_unit(model, cause.kind, key, cause.place, exponent)
             if np.isfinite(sd):
@@ -256,7 +299,8 @@ def _alternative(
                 estimates.append(Estimate(symbol_of(model, key), *scaled, unit.text, key))
     base = Alternative(instead_of, cause.kind, tuple(estimates), evidence)
     if cause.place is not None:
-        return replace(base, place=cause.place, options=cause.options)
+        words = (("formula", cause.path),) if cause.kind == LAW else cause.options
+        return replace(base, place=cause.place, options=words)
     if cause.kind == "parameter":
         return replace(base, parameter=cause.path)
     return replace(base, channel=cause.path.split(".")[0])

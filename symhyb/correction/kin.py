@@ -19,6 +19,7 @@ MICRO_SHARE = 0.3  # of friction over speed (RMS): micro-damping
 STATIC_FIRST = 1.3  # of the sliding friction: the breakaway friction that is tried first
 STRIBECK_FIRST = 0.1  # of the largest rate
 CONTACT_SHARES = (0.03, 0.3)  # of stretch over speed (both RMS): damping over stiffness of a stop
+HALF = 0.5
 LEAST = 1e-3  # of beta + gamma: the smallest of them that a variant starts from
 
 Row = Mapping[str, float]
@@ -49,6 +50,12 @@ def variants_of(
             yield from _sliding(cause, row, pace)
             if not cause.added:
                 yield from _unsymmetric(cause, row)
+        case "relaxation" if pace.time > 0:
+            # whatever remembers resembles it at first: from where it would saturate at half of
+            # the stretch (RMS)
+            stretch = HALF * pace.time * pace.rate
+            told = {"stiffness": row["stiffness"], "coulomb": row["stiffness"] * stretch}
+            yield from _unsymmetric(cause, told)
         case "gap" if "damping" not in cause.added and pace.rate > 0:
             for share in CONTACT_SHARES:
                 damping = share * pace.time * row["stiffness"]

@@ -16,6 +16,7 @@ from typing import TypeVar
 import numpy as np
 
 from symhyb.discrepancy.course import Course
+from symhyb.discrepancy.formula import LAW, law_element
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import (
     Between,
@@ -46,7 +47,8 @@ PLAIN = {"exponent": 1.0}  # value of an added key at which a variant is the pla
 
 @dataclass(frozen=True, slots=True)
 class Hypothesis:
-    """One cause: a law at a place, or (``place`` None) the parameter ``path`` of the model.
+    """One cause: a law at a place, or (``place`` None) the parameter ``path`` of the model; of a
+    ``law`` at a place ``path`` is the formula.
 
     ``terms`` are unknown coefficients in which the force is linear; ``shape`` are keys that are set
     beforehand (SI), ``refined`` those of them that are fitted afterwards and so cost a number each,
@@ -93,6 +95,8 @@ class Hypothesis:
     def __str__(self) -> str:
         if self.place is None:
             return self.path if self.kind == "law" else f"{self.kind} {self.path}"
+        if self.kind == LAW:
+            return f"law ({self.path}) {place_text(self.place)}"
         said = ", ".join((*(f"{key} {word}" for key, word in self.options), *self.keys))
         return f"{self.kind} ({said}) {place_text(self.place)}"
 
@@ -134,6 +138,8 @@ class Hypothesis:
     def element(self, model: Model, name: str, values: Mapping[str, float]) -> Element:
         """The element of a force hypothesis with these values of its keys, else its shape, SI."""
         assert self.place is not None
+        if self.kind == LAW and isinstance(self.place, On):
+            return law_element(model, name, self.place, self.path, {**dict(self.shape), **values})
         own = []
         exponent = dict(self.shape).get("exponent", 1.0)
         for key, value in {**dict(self.shape), **values}.items():

@@ -31,10 +31,10 @@ def locate(
     result = []
     for index, place in enumerate(library.places):
         motions = [_motion(library, item, index) for item in laid]
-        knots = [_knots([m[i] for m in motions], KNOTS[i]) for i in (0, 1)]
+        corners = [knots([m[i] for m in motions], KNOTS[i]) for i in (0, 1)]
         parts, surfaces = [], []
         for item, linear, (stretch, rate, unit) in zip(laid, linears, motions, strict=True):
-            basis = _surface(stretch, rate, knots)
+            basis = _surface(stretch, rate, corners)
             forces = unit[..., None] * basis[:, :, None, :]
             residual = item.block.y - linear.output - linear.from_defect()
             columns = linear.from_forces(forces)
@@ -42,7 +42,7 @@ def locate(
             surfaces.append(basis)
         grams, count, held = merge(parts)
         values = _ridge(grams[~held].sum(axis=0))
-        share = _explained(grams[held].sum(axis=0), values, float(count[held].sum()))
+        share = explained(grams[held].sum(axis=0), values, float(count[held].sum()))
         acting = [surface @ values for surface in surfaces]
         active = _activity(laid, motions, acting) if share and share > ACTIVE_SHARE else None
         result.append(PlaceShare(place, share, active))
@@ -73,23 +73,24 @@ def _motion(library: Library, item: Laid, index: int) -> tuple[Array, Array, Arr
     return stretch[rows, index], rate[rows, index], library.directions(course)[rows][..., index]
 
 
-def _knots(values: Sequence[Array], count: int) -> Array:
+def knots(values: Sequence[Array], count: int) -> Array:
     """Knots at quantiles of all windows, closest where the motion is most."""
     joined = np.concatenate([value.reshape(-1) for value in values])
-    knots = np.unique(np.quantile(joined, np.linspace(0, 1, count)))
-    return knots if knots.size > 1 else np.array([knots[0] - 1, knots[0] + 1])
+    at = np.unique(np.quantile(joined, np.linspace(0, 1, count)))
+    return at if at.size > 1 else np.array([at[0] - 1, at[0] + 1])
 
 
-def _surface(stretch: Array, rate: Array, knots: Sequence[Array]) -> Array:
+def _surface(stretch: Array, rate: Array, corners: Sequence[Array]) -> Array:
     """Tensor products of hat functions (W, L, B) over stretch and rate (W, L)."""
-    along, across = _hats(stretch, knots[0]), _hats(rate, knots[1])
+    along, across = hats(stretch, corners[0]), hats(rate, corners[1])
     product = along[..., :, None] * across[..., None, :]
     return product.reshape(*stretch.shape, -1)
 
 
-def _hats(x: Array, knots: Array) -> Array:
-    inside = np.clip(x, knots[0], knots[-1])
-    return np.stack([np.interp(inside, knots, row) for row in np.eye(knots.size)], axis=-1)
+def hats(x: Array, at: Array) -> Array:
+    """Hat functions (…, B) over knots ``at`` (B,), constant beyond them."""
+    inside = np.clip(x, at[0], at[-1])
+    return np.stack([np.interp(inside, at, row) for row in np.eye(at.size)], axis=-1)
 
 
 def _ridge(gram: Array) -> Array:
@@ -98,7 +99,9 @@ def _ridge(gram: Array) -> Array:
     return np.linalg.solve(block + (RIDGE * mean + 1e-300) * np.eye(block.shape[0]), right)
 
 
-def _explained(gram: Array, values: Array, floor: float) -> float | None:
+def explained(gram: Array, values: Array, floor: float) -> float | None:
+    """The share of a residual beyond its noise ``floor`` that coefficients (C,) explain, by the
+    Gram matrix (C + 1, C + 1) of other windows; None where nothing is left."""
     mix = np.append(-values, 1.0)
     before, after = float(gram[-1, -1]), float(mix @ gram @ mix)
     if before <= floor or before == 0:

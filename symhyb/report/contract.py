@@ -1,8 +1,8 @@
 """The output contract: a diagnosis and its verdict as the mapping that ``diagnosis.json`` holds.
 
 Valid under ``diagnosis.schema.json`` beside this file. Keys of that schema are stable; ``format``,
-``options``, ``log``, ``notes``, ``remainder.notes`` and the scores ``*_rmse``, ``force_residual``,
-``force_band_hz`` and ``carries`` are extensions of it.
+``options``, ``memory``, ``log``, ``notes``, ``remainder.notes`` and the scores ``*_rmse``,
+``force_residual``, ``force_band_hz`` and ``carries`` are extensions of it.
 """
 
 import math
@@ -17,6 +17,7 @@ from symhyb.discrepancy.results import (
     Diagnosis,
     Estimate,
     Found,
+    Memory,
     PlaceShare,
     Score,
     Verdict,
@@ -82,6 +83,7 @@ def to_json(diagnosis: Diagnosis, verdict: Verdict) -> dict[str, Any]:
         "scores": _scores(verdict),
         "noise": {sensor: float(sd) for sensor, sd in diagnosis.noise.items() if math.isfinite(sd)},
         "places": [_place_share(share) for share in diagnosis.places],
+        "memory": _memory(diagnosis.memory),
         "log": list(diagnosis.log),
         "notes": list(diagnosis.notes),
     }
@@ -134,6 +136,14 @@ def _place_share(share: PlaceShare) -> dict[str, Any]:
         "explained": finite(share.explained),
         **_active(share.active),
     }
+
+
+def _memory(memory: Memory | None) -> dict[str, Any] | None:
+    if memory is None:
+        return None
+    return {
+        "state": finite(memory.state), "past": finite(memory.past), "sentence": memory.sentence,
+    }  # fmt: skip
 
 
 def _scores(verdict: Verdict) -> dict[str, Any]:
