@@ -98,7 +98,8 @@ def diagnose(
     tell("mapping the places")
     values = prepared.machine.values
     places = locate(setting.library, setting.windows, middle.laid, values, setting.sd)
-    memory = memoryless(setting.library, setting.windows, middle.laid, values, setting.sd)
+    longest = setting.stages[-1].laid  # there the missing force stands out of the noise most
+    memory = memoryless(setting.library, setting.windows, longest, values, setting.sd)
     tell("removing each cause once, for its share")
     items = named(final)
     shown = prove(prepared, setting, final, stage, items)

@@ -58,24 +58,28 @@ def driven(
     law: Law,
     seed: int,
     *,
+    lines: Mapping[float, float] | None = None,
     noise: float = 0.003,
     duration: float = 15.0,
     size: float = 8.0,
 ) -> Recording:
     """Position at 200 Hz under a multisine of ``size`` N; ``noise`` is relative to the standard
-    deviation of the position."""
+    deviation of the position, ``lines`` are unknown forces: amplitudes in N by frequency in Hz."""
     random = np.random.default_rng(seed)
     t = np.arange(0, duration, 0.005)
-    lines, phases = np.linspace(0.3, 5, 14), random.uniform(0, 2 * np.pi, 14)
+    shaken, phases = np.linspace(0.3, 5, 14), random.uniform(0, 2 * np.pi, 14)
 
     def push(time: float) -> float:
-        return float(size * np.sqrt(2 / 14) * np.sin(2 * np.pi * lines * time + phases).sum())
+        return float(size * np.sqrt(2 / 14) * np.sin(2 * np.pi * shaken * time + phases).sum())
+
+    def hum(time: float) -> float:
+        return sum(a * np.sin(2 * np.pi * f * time + f) for f, a in (lines or {}).items())
 
     def rate(time: float, state: np.ndarray) -> list[float]:
         x, v, z = state
         f = push(time)
         force, drift = law(x, v, z, f)
-        return [v, (f - STIFFNESS * x - DAMPING * v - force) / MASS, drift]
+        return [v, (f + hum(time) - STIFFNESS * x - DAMPING * v - force) / MASS, drift]
 
     run = solve_ivp(
         rate, (0, duration), [0, 0, 0], t_eval=t, method="LSODA", rtol=1e-8, atol=1e-10,
@@ -192,7 +196,7 @@ def pendulum(
 
 
 def numbers(diagnosis: object) -> Mapping[str, tuple[float, float]]:
-    """(value, sd) of everything found, as ``kind.key``."""
+    """(value, sd) of everything found, as ``kind.key``; of several of a kind the last."""
     return {
         f"{found.element.kind}.{one.term}": (one.value, one.sd)
         for found in diagnosis.found  # type: ignore[attr-defined]

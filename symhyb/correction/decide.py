@@ -26,6 +26,7 @@ from symhyb.correction.evidence import (
 )  # fmt: skip
 from symhyb.correction.kin import variants_of
 from symhyb.correction.last_resort import beside, candidates, instead
+from symhyb.correction.overtones import overtones
 from symhyb.correction.selection import LARGEST, Problem, Subset, best_subsets, solve, without
 from symhyb.correction.setting import Setting, along_motion, around
 from symhyb.correction.trajectory import Refined, grouped, refine
@@ -264,6 +265,11 @@ def _improved(trials: _Trials, winner: Refined, problem: Problem, log: list[str]
         log.append(sentence)
         if earned:
             return trial
+    for trial in filter(believable, _more_lines(trials, winner)):
+        earned, sentence = earns(trial, winner, trials.count)
+        log.append(sentence)
+        if earned:
+            return trial
     for trial in filter(believable, _swaps(trials, winner, problem)):
         better = criterion(trial, winner) < criterion(winner, winner) - SIGNIFICANT
         if better and (trial.numbers <= winner.numbers or earns(trial, winner)[0]):
@@ -341,6 +347,15 @@ def _deeper(trials: _Trials, winner: Refined, place: Place | None = None) -> Ite
             trial = trials.refined(indices, rows, winner.fit.starts)
             tried += [trial, *_lean(trials, trial, other)]
     yield from sorted(tried, key=lambda trial: trial.fit.train)
+
+
+def _more_lines(trials: _Trials, winner: Refined) -> Iterator[Refined]:
+    """The winner with one or two lines more, where it has one and something is left."""
+    if winner.fit.scale < NEAR_NOISE:
+        return
+    for lines, rows in overtones(trials.setting, winner):
+        indices = (*trials.causes(winner), *map(trials.index, lines))
+        yield trials.refined(indices, [*grouped(winner), *rows], winner.fit.starts)
 
 
 def _lean(trials: _Trials, trial: Refined, kept: Hypothesis) -> Iterator[Refined]:

@@ -1,6 +1,6 @@
 """From a decided structure to what is told: elements, parameters, channel faults, rivals."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,7 +12,7 @@ from symhyb.correction.textbook import critical_share
 from symhyb.correction.trajectory import Refined
 from symhyb.discrepancy.formula import LAW, WARNING, law_element, law_unit
 from symhyb.discrepancy.formula import law_text as law_text_of
-from symhyb.discrepancy.hypotheses import Hypothesis
+from symhyb.discrepancy.hypotheses import SKEW, Hypothesis
 from symhyb.discrepancy.results import (
     Activity,
     Alternative,
@@ -246,7 +246,26 @@ def alternatives_of(
         for cause in fresh:
             values = _told_values(trial, cause)
             rows.append(_alternative(model, cause, values, names.get(lost[0]), max(evidence, 0.0)))
+    rows += _sided(model, winner, names)
     return tuple(sorted(rows, key=lambda row: row.evidence))
+
+
+def _sided(model: Model, winner: Refined, names: Mapping[Hypothesis, str]) -> Iterator[Alternative]:
+    """Dry friction that differs by direction, in place of dry friction and a constant force on one
+    coordinate: whether the place slides or holds, the two are the same."""
+    at = {(cause.kind, cause.place): i for i, cause in enumerate(winner.causes)}
+    for i, cause in enumerate(winner.causes):
+        j = at.get(("constant", cause.place))
+        if cause.kind != "friction" or cause.terms != ("coulomb",) or j is None:
+            continue
+        values = _values(winner, [i])
+        level, spread = values["coulomb"]
+        push, push_sd = winner.value(f"cause{j}.constant")
+        share = -push / level
+        if isinstance(cause.place, On) and abs(share) < SKEW:
+            sd = float(np.hypot(push_sd, share * spread)) / level
+            told = {"coulomb": (level, spread), "asymmetry": (share, sd)}
+            yield _alternative(model, cause, told, names.get(winner.causes[j]), 0.0)
 
 
 Rival = tuple[list[Hypothesis], list[Hypothesis], float, Refined]

@@ -62,13 +62,16 @@ def _promised(
     subsets = [s for i in range(len(book.hypotheses)) if (s := solve(problem, (i,))) is not None]
     unit = unit_of(base) if starts is not None else empty.chi2 / max(base.fit.count.sum(), 1)
     return [
-        (cause, {**dict(cause.shape), "coefficient": float(subset.values[0])})
+        (cause, cause.values(subset.values.tolist()))
         for subset in sorted(subsets, key=lambda s: s.chi2)[:TRIALS]
-        if _enough(empty, subset, base, unit)
+        if worth(empty, subset, base, unit)
         for cause in (book.hypotheses[subset.causes[0]],)
     ]
 
 
-def _enough(empty: Subset, subset: Subset, base: Refined, unit: float) -> bool:
+def worth(empty: Subset, subset: Subset, base: Refined, unit: float | None = None) -> bool:
+    """Whether a linear problem promises enough for a trial: a significant part of what a structure
+    leaves; ``unit`` is χ² of one independent sample (default: that of the structure)."""
     gain = empty.chi2 - subset.chi2
-    return gain / unit > SIGNIFICANT and gain > PROMISE * excess(empty.chi2, base)
+    significant = gain / (unit_of(base) if unit is None else unit) > SIGNIFICANT
+    return significant and gain > PROMISE * excess(empty.chi2, base)

@@ -34,7 +34,7 @@ def locate(
         corners = [knots([m[i] for m in motions], KNOTS[i]) for i in (0, 1)]
         parts, surfaces = [], []
         for item, linear, (stretch, rate, unit) in zip(laid, linears, motions, strict=True):
-            basis = _surface(stretch, rate, corners)
+            basis = surface(stretch, rate, corners)
             forces = unit[..., None] * basis[:, :, None, :]
             residual = item.block.y - linear.output - linear.from_defect()
             columns = linear.from_forces(forces)
@@ -80,7 +80,7 @@ def knots(values: Sequence[Array], count: int) -> Array:
     return at if at.size > 1 else np.array([at[0] - 1, at[0] + 1])
 
 
-def _surface(stretch: Array, rate: Array, corners: Sequence[Array]) -> Array:
+def surface(stretch: Array, rate: Array, corners: Sequence[Array]) -> Array:
     """Tensor products of hat functions (W, L, B) over stretch and rate (W, L)."""
     along, across = hats(stretch, corners[0]), hats(rate, corners[1])
     product = along[..., :, None] * across[..., None, :]
