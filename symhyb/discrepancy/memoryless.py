@@ -113,6 +113,8 @@ class _Sums:
     def explained(self, which: NDArray[np.int64]) -> float | None:
         """The share of the held windows that the columns ``which`` explain, the residual being the
         last; one half of the fitted windows says how much the other is to be smoothed."""
+        if not all(np.isfinite(gram).all() for gram in (*self.halves, self.held)):
+            return None
         first, second = (half[np.ix_(which, which)] for half in self.halves)
         errors = [
             _left(second, one) + _left(first, other)
@@ -125,15 +127,17 @@ class _Sums:
 def _fits(gram: Array) -> list[Array]:
     """Coefficients (B,) of a Gram matrix (B + 1, B + 1) whose last column is the residual: all
     functions smoothed by a ridge, and the few that greedily take most."""
-    size = np.sqrt(np.maximum(np.diag(gram)[:-1], 1e-300))
-    unit, right = gram[:-1, :-1] / np.outer(size, size), gram[:-1, -1] / size
+    alive = np.diag(gram)[:-1] > 0  # a function that is zero all along has no coefficient
+    size = np.sqrt(np.where(alive, np.diag(gram)[:-1], 1.0))
+    unit = gram[:-1, :-1] / np.outer(size, size) + np.diag(~alive)
+    right = gram[:-1, -1] / size
     each = np.eye(size.size)
     fits = [np.linalg.solve(unit + share * each, right) / size for share in RIDGES]
     chosen: list[int] = []
     values = np.zeros(size.size)
     for count in range(1, min(FEW[-1], size.size) + 1):
         promise = np.abs(right - unit @ values)
-        promise[chosen] = 0.0
+        promise[chosen] = -1.0  # none twice
         chosen.append(int(np.argmax(promise)))
         block = np.ix_(chosen, chosen)
         values = np.zeros(size.size)
