@@ -8,10 +8,11 @@
 3. Terms are added, swapped and dropped around the winner until nothing changes.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
+from symhyb.correction.beyond import deeper, last_resort, more_lines
 from symhyb.correction.conventions import CERTAIN, alike, exact_twins, precedence
 from symhyb.correction.evidence import (
     NEAR_NOISE,
@@ -22,25 +23,18 @@ from symhyb.correction.evidence import (
     excess,
     named,
     unit_of,
-    weak,
 )  # fmt: skip
-from symhyb.correction.kin import variants_of
-from symhyb.correction.last_resort import beside, candidates, instead
-from symhyb.correction.overtones import overtones
 from symhyb.correction.selection import LARGEST, Problem, Subset, best_subsets, solve, without
 from symhyb.correction.setting import Setting, along_motion, around
-from symhyb.correction.trajectory import Refined, grouped, refine
+from symhyb.correction.trajectory import Refined, grouped
+from symhyb.correction.trials import Say, Trials
 from symhyb.discrepancy.hypotheses import Hypothesis
-from symhyb.model.types import Place
-from symhyb.numeric.buffers import Array
 
 TRIALS = 3  # refined structures of each size
 PROMISE = 0.3  # of what is left, which the linear problem must promise before a trial
 ROUNDS = 6
 PLAINER = 2  # plain laws, and pairs of them, that are tried in place of one of several numbers
 STATIC_FIRST = 1.3  # of the Coulomb friction: the breakaway friction that is tried first
-
-Say = Callable[[str], None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +70,7 @@ def decide(setting: Setting, proposals: Sequence[Subset], say: Say) -> Decision:
     # where the linear problem explains most, its promises are worth most
     problem = min(problems, key=lambda pair: pair[0])[1]
     subsets = [subset for causes in sorted(pool) if (subset := solve(problem, causes)) is not None]
-    trials = _Trials(setting, {second for _, second in twins} | variants, say)
+    trials = Trials(setting, {second for _, second in twins} | variants, say)
     nothing = trials.refined(())
     winner = _climb(trials, nothing, problem, subsets, log)
     for _ in range(ROUNDS):
@@ -84,92 +78,13 @@ def decide(setting: Setting, proposals: Sequence[Subset], say: Say) -> Decision:
         if better is winner:
             break
         winner = better
-    winner = _last_resort(trials, winner, nothing, log)
+    winner = last_resort(trials, winner, nothing, log)
     winner = _conventional(trials, winner, problem)
     named = tuple((setting.hypotheses[a], setting.hypotheses[b]) for a, b in twins)
     return Decision(winner, nothing, tuple(trials.done.values()), named, tuple(log))
 
 
-class _Trials:
-    """Structures refined at the longest windows, each once; ``dropped`` twins are not tried."""
-
-    def __init__(self, setting: Setting, dropped: set[int], say: Say):
-        self.setting, self.dropped, self.say = setting, dropped, say
-        self.done: dict[tuple[int, ...], Refined] = {}
-        self.known = list(setting.hypotheses)
-
-    def refined(
-        self,
-        causes: Sequence[int],
-        values: Sequence[Mapping[str, float]] = (),
-        starts: Sequence[Array] | None = None,
-    ) -> Refined:
-        key = tuple(sorted(causes))
-        if key not in self.done:
-            chosen = [self.known[cause] for cause in causes]
-            self.say("trying " + named(chosen))
-            stage, model = self.setting.stages[-1], self.setting.windows.machine.model
-            self.done[key] = refine(model, chosen, values, stage.laid, self.setting.sd, starts)
-        return self.done[key]
-
-    @property
-    def count(self) -> int:
-        """How many causes compete."""
-        return len({cause.family for cause in self.setting.hypotheses}) - len(self.dropped)
-
-    def causes(self, trial: Refined) -> tuple[int, ...]:
-        return tuple(map(self.index, trial.causes))
-
-    def index(self, cause: Hypothesis) -> int:
-        """The number of a cause; one that is not in the first list gets a new one."""
-        if cause not in self.known:
-            self.known.append(cause)
-        return self.known.index(cause)
-
-    def listed(self, trial: Refined) -> bool:
-        """Whether the linear problems hold every cause of a structure."""
-        return max(self.causes(trial), default=-1) < len(self.setting.hypotheses)
-
-
-def _last_resort(trials: _Trials, winner: Refined, nothing: Refined, log: list[str]) -> Refined:
-    """Where the laws that have a name leave more than noise: the winner with one product more, or
-    a product alone, if that explains the recordings down to their noise; else the winner."""
-    if winner.fit.scale < NEAR_NOISE:
-        return winner
-    book = candidates(trials.setting)
-    tried: list[Refined] = []
-    for base, offered in (
-        (winner, beside(trials.setting, book, winner)),
-        (nothing, instead(trials.setting, book, nothing)),
-    ):
-        for cause, row in offered:
-            indices = (*trials.causes(base), trials.index(cause))
-            starts = base.fit.starts if base is winner else None
-            trial = trials.refined(indices, [*grouped(base), row], starts)
-            tried += [trial, *_lean(trials, trial, cause)]
-    fitting = [trial for trial in filter(believable, tried) if trial.fit.scale < NEAR_NOISE]
-    for trial in sorted(fitting, key=lambda trial: criterion(trial, fitting[0])):
-        earned, sentence = earns(trial, winner, trials.count + len(book.hypotheses))
-        log.append(sentence)
-        if earned:
-            return _spared(trials, trial, log)
-    return winner
-
-
-def _spared(trials: _Trials, winner: Refined, log: list[str]) -> Refined:
-    """The winner without the causes that do not earn their place in it."""
-    for i, cause in enumerate(trials.causes(winner)):
-        rest = [c for c in trials.causes(winner) if c != cause]
-        rows = [row for j, row in enumerate(grouped(winner)) if j != i]
-        smaller = trials.refined(rest, rows, winner.fit.starts)
-        earned, sentence = earns(winner, smaller)
-        log.append(sentence)
-        if not earned:
-            return _spared(trials, smaller, log)
-    return winner
-
-
-def _conventional(trials: _Trials, winner: Refined, problem: Problem) -> Refined:
+def _conventional(trials: Trials, winner: Refined, problem: Problem) -> Refined:
     """Where convention names one of two causes that noise cannot tell apart, the one it names."""
     for trial in trials.done.values():
         fresh = [cause for cause in trial.causes if cause not in winner.causes]
@@ -185,7 +100,7 @@ def _conventional(trials: _Trials, winner: Refined, problem: Problem) -> Refined
 
 
 def _climb(
-    trials: _Trials, nothing: Refined, problem: Problem, pool: list[Subset], log: list[str]
+    trials: Trials, nothing: Refined, problem: Problem, pool: list[Subset], log: list[str]
 ) -> Refined:
     """From no cause upwards: the smallest larger structure that earns its place, and so on.
 
@@ -247,10 +162,10 @@ def _distinct(problem: Problem, subsets: Sequence[Subset]) -> list[Subset]:
     return list(first.values())
 
 
-def _improved(trials: _Trials, winner: Refined, problem: Problem, log: list[str]) -> Refined:
+def _improved(trials: Trials, winner: Refined, problem: Problem, log: list[str]) -> Refined:
     """The winner with one cause added, swapped or dropped, if that is better; else itself."""
-    deeper = list(filter(believable, _deeper(trials, winner)))
-    for trial in deeper:  # where one law with a number more says it all, no second law is tried
+    variants = list(filter(believable, deeper(trials, winner)))
+    for trial in variants:  # where one law with a number more says it all, no second law is tried
         earned, sentence = earns(trial, winner)
         if earned and trial.fit.scale < NEAR_NOISE:
             log.append(sentence)
@@ -260,12 +175,12 @@ def _improved(trials: _Trials, winner: Refined, problem: Problem, log: list[str]
         log.append(sentence)
         if earned:
             return trial
-    for trial in (*filter(believable, _variants(trials, winner)), *deeper):
+    for trial in (*filter(believable, _variants(trials, winner)), *variants):
         earned, sentence = earns(trial, winner)
         log.append(sentence)
         if earned:
             return trial
-    for trial in filter(believable, _more_lines(trials, winner)):
+    for trial in filter(believable, more_lines(trials, winner)):
         earned, sentence = earns(trial, winner, trials.count)
         log.append(sentence)
         if earned:
@@ -288,7 +203,7 @@ def _improved(trials: _Trials, winner: Refined, problem: Problem, log: list[str]
         log.append(sentence)
         if not earned:
             return smaller
-        for single in filter(believable, _deeper(trials, smaller, winner.causes[i].place)):
+        for single in filter(believable, deeper(trials, smaller, winner.causes[i].place)):
             earned, sentence = earns(winner, single)
             log.append(sentence)
             if not earned:
@@ -296,7 +211,7 @@ def _improved(trials: _Trials, winner: Refined, problem: Problem, log: list[str]
     return winner
 
 
-def _additions(trials: _Trials, winner: Refined) -> Iterator[Refined]:
+def _additions(trials: Trials, winner: Refined) -> Iterator[Refined]:
     """One more cause, where the linearisation along the winner's own simulation promises it."""
     problem = without(around(trials.setting, winner), trials.dropped)
     taken = {c for c, cause in enumerate(problem.hypotheses) if _told(cause, winner)}
@@ -313,7 +228,7 @@ def _additions(trials: _Trials, winner: Refined) -> Iterator[Refined]:
             yield trials.refined(causes, values, winner.fit.starts)
 
 
-def _variants(trials: _Trials, winner: Refined) -> Iterator[Refined]:
+def _variants(trials: Trials, winner: Refined) -> Iterator[Refined]:
     """The winner with one plain law replaced by a variant of it."""
     for i, cause in enumerate(winner.causes):
         for other in trials.setting.hypotheses:
@@ -331,43 +246,6 @@ def _variants(trials: _Trials, winner: Refined) -> Iterator[Refined]:
             yield trials.refined(indices, rows, winner.fit.starts)
 
 
-def _deeper(trials: _Trials, winner: Refined, place: Place | None = None) -> Iterator[Refined]:
-    """The winner with one law (at ``place``, where one is given) replaced by a variant with a key
-    more, where something is left; the variant that fits best first."""
-    if winner.fit.scale < NEAR_NOISE:
-        return
-    tried = []
-    for i, cause in enumerate(winner.causes):
-        if place is not None and cause.place != place:
-            continue
-        for other, row in variants_of(trials.setting, cause, grouped(winner)[i]):
-            rows = [*grouped(winner)[:i], row, *grouped(winner)[i + 1 :]]
-            causes = [*winner.causes[:i], other, *winner.causes[i + 1 :]]
-            indices = [trials.index(c) for c in causes]
-            trial = trials.refined(indices, rows, winner.fit.starts)
-            tried += [trial, *_lean(trials, trial, other)]
-    yield from sorted(tried, key=lambda trial: trial.fit.train)
-
-
-def _more_lines(trials: _Trials, winner: Refined) -> Iterator[Refined]:
-    """The winner with one or two lines more, where it has one and something is left."""
-    if winner.fit.scale < NEAR_NOISE:
-        return
-    for lines, rows in overtones(trials.setting, winner):
-        indices = (*trials.causes(winner), *map(trials.index, lines))
-        yield trials.refined(indices, [*grouped(winner), *rows], winner.fit.starts)
-
-
-def _lean(trials: _Trials, trial: Refined, kept: Hypothesis) -> Iterator[Refined]:
-    """The structure without the causes that no longer stand out: they stood in for a key of the
-    law that is ``kept``."""
-    gone = {i for i in weak(trial) if trial.causes[i] != kept}
-    if gone and not trial.fit.reason:
-        rows = [row for i, row in enumerate(grouped(trial)) if i not in gone]
-        causes = [cause for i, cause in enumerate(trials.causes(trial)) if i not in gone]
-        yield trials.refined(causes, rows, trial.fit.starts)
-
-
 def _told(cause: Hypothesis, winner: Refined) -> bool:
     """Whether the winner has a law of this kind at this place, with one of these terms."""
     return any(
@@ -377,7 +255,7 @@ def _told(cause: Hypothesis, winner: Refined) -> bool:
     )
 
 
-def _swaps(trials: _Trials, winner: Refined, problem: Problem) -> Iterator[Refined]:
+def _swaps(trials: Trials, winner: Refined, problem: Problem) -> Iterator[Refined]:
     """For each cause of the winner the best replacement at another place or of another kind."""
     if not trials.listed(winner):
         return
@@ -397,7 +275,7 @@ def _swaps(trials: _Trials, winner: Refined, problem: Problem) -> Iterator[Refin
             yield trials.refined(best.causes, _first(problem, best))
 
 
-def _plainer(trials: _Trials, winner: Refined, problem: Problem) -> Iterator[Refined]:
+def _plainer(trials: Trials, winner: Refined, problem: Problem) -> Iterator[Refined]:
     """The winner with a law of several numbers replaced by the one or two plain laws at its place
     that come closest: a stop behind a clearance by a spring that hardens."""
     if not trials.listed(winner):
@@ -425,7 +303,7 @@ def _plainer(trials: _Trials, winner: Refined, problem: Problem) -> Iterator[Ref
                     yield trial
 
 
-def _simplifications(trials: _Trials, winner: Refined) -> Iterator[Refined]:
+def _simplifications(trials: Trials, winner: Refined) -> Iterator[Refined]:
     """The winner with one law replaced by a simpler one of its kind (Stribeck by Coulomb)."""
     for i, cause in enumerate(winner.causes):
         for other in trials.setting.hypotheses:
