@@ -5,7 +5,7 @@ trajectories and judged on held windows → the map of places → what was found
 recordings prove; they never choose. docs/method.md has the statistics and what was measured.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -14,7 +14,7 @@ from symhyb.correction.advice import advise, better_recording
 from symhyb.correction.beginnings import active_part, changed, in_part
 from symhyb.correction.clocks import drifting as clock_drift
 from symhyb.correction.decide import Decision, decide
-from symhyb.correction.evidence import NEAR_NOISE
+from symhyb.correction.evidence import NEAR_NOISE, weak
 from symhyb.correction.findings import (
     Named,
     alternatives_of,
@@ -46,8 +46,10 @@ from symhyb.correction.trajectory import Refined, grouped, refine
 from symhyb.data.cleaning import still
 from symhyb.data.recording import Recording, several
 from symhyb.discrepancy.course import course_of
+from symhyb.discrepancy.formula import LAW, WARNING, law_text
 from symhyb.discrepancy.hypotheses import Hypothesis
 from symhyb.discrepancy.locate import activity, locate
+from symhyb.discrepancy.memoryless import memoryless
 from symhyb.discrepancy.residual import blind_notes, discrepancy, force_band, noise_notes
 from symhyb.discrepancy.results import (
     Activity,
@@ -146,23 +148,27 @@ def diagnose(
     if decision.nothing.fit.reason and not decision.winner.causes:
         raise NumericsError(f"the model cannot be simulated: {decision.nothing.fit.reason}")
     tell("estimating values")
-    certain = _certain(setting, decision, prepared)
-    final, stage = valued(setting, certain, prepared)
+    final, stage = valued(setting, decision.winner, prepared)
+    doubt = {*doubtful(decision), *(final.causes[i] for i in weak(final))}
     drift = drifting(prepared.model, final, stage, setting.sd)
     drifts = () if drift is None else (drift_sentence(final, drift),)
     final = final if drift is None else widened(final, drift)
+    longest = setting.stages[-1].laid  # there the missing force stands out of the noise most
+    memory = memoryless(setting.library, setting.windows, longest, values, setting.sd)
     tell("removing each cause once, for its share")
-    items = named(final)
+    items = [item for item in named(final) if not doubt & {final.causes[i] for i in item.causes}]
     shown = prove(prepared, setting, final, stage, items)
     firm = dict(zip(decision.winner.causes, stabilities(decision), strict=True))
     told = _told(model, prepared, final, items, shown, firm)
-    left = leftover(setting, certain) if certain.causes else ()
-    answer = _concluded(model, prepared, decision, final, told, (shown.remainder, left), places)
+    left = leftover(setting, decision.winner) if doubt < {*final.causes} else ()
+    rest = shown.remainder, left
+    answer = _concluded(model, prepared, decision, final, told, doubt, rest, places)
     answer = _of_several(answer, final, misfits, repeats_said(prepared))
     answer = in_part(noted(answer, drifts), change)
     answer = if_bounded(answer, final, decision.nothing, (*prepared.runs, *prepared.holdout))
     answer = if_long_enough(answer, prepared.runs)
     answer = with_lies(answer, model, prepared.lies, final.fit.scale)
+    answer = replace(answer, memory=memory if _missing(answer) else None)
     tell("looking for what to record next")
     return _advised(answer, prepared, setting, decision)
 
@@ -212,17 +218,6 @@ def valued(setting: Setting, winner: Refined, prepared: Prepared) -> tuple[Refin
     return replace(best[1], accuracy=setting.accuracy), best[2]
 
 
-def _certain(setting: Setting, decision: Decision, prepared: Prepared) -> Refined:
-    """The winner without the causes that a rival replaces almost as well."""
-    doubt = doubtful(decision)
-    if not doubt:
-        return decision.winner
-    rows = dict(zip(decision.winner.causes, grouped(decision.winner), strict=True))
-    kept = [cause for cause in decision.winner.causes if cause not in doubt]
-    first = [rows[cause] for cause in kept]
-    return refine(prepared.model, kept, first, setting.stages[-1].laid, setting.sd)
-
-
 def _told(
     model: Model,
     prepared: Prepared,
@@ -270,10 +265,11 @@ def _concluded(
     decision: Decision,
     final: Refined,
     found: tuple[Found, ...],
+    doubt: Collection[Hypothesis],
     remainder: tuple[float | None, tuple[str, ...]],
     places: tuple[PlaceShare, ...],
 ) -> Diagnosis:
-    parameters, faults = reestimated(model, final), channel_faults(final)
+    parameters, faults = reestimated(model, final, doubt), channel_faults(final, doubt)
     titles = {cause: _title(cause, found) for cause in decision.winner.causes}
     alternatives = alternatives_of(model, decision, titles)
     verdict = _verdict(decision, found, bool(faults), bool(parameters))
@@ -300,7 +296,7 @@ def _concluded(
         places=places,
         clouds=tuple(cloud for run in prepared.runs for cloud in _clouds(prepared, final, run)),
         log=decision.log,
-        notes=(*dict.fromkeys(notes), *noise_notes(model, noise)),
+        notes=(*dict.fromkeys(notes), *noise_notes(model, noise), *_warnings(found)),
     )  # fmt: skip
 
 
@@ -313,6 +309,20 @@ def _advised(
         return told
     sentence, manoeuvre = advise(prepared, setting, decision)
     return replace(told, record_next=sentence, manoeuvre=manoeuvre)
+
+
+def _missing(diagnosis: Diagnosis) -> bool:
+    """Whether there is a force of which anything can be asked."""
+    return diagnosis.verdict == "missing physics" or diagnosis.remainder == 1.0
+
+
+def _warnings(found: Sequence[Found]) -> tuple[str, ...]:
+    """Say of every product that it is no law known by name."""
+    return tuple(
+        f"{item.element.name} is {WARNING}: it holds where the recordings moved, and nowhere else"
+        for item in found
+        if item.element.kind == LAW
+    )
 
 
 def _measured_noise(model: Model, prepared: Prepared) -> dict[str, float]:
@@ -328,6 +338,8 @@ def _measured_noise(model: Model, prepared: Prepared) -> dict[str, float]:
 def _title(cause: Hypothesis, found: Sequence[Found]) -> str:
     for item in found:
         mine = item.element
+        if cause.kind == LAW and (mine.place, item.law) == (cause.place, law_text(cause.path)):
+            return mine.name
         if (mine.kind, mine.place, mine.options) == (cause.kind, cause.place, cause.options):
             return item.element.name
     return cause.path

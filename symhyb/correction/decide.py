@@ -8,17 +8,17 @@
 3. Terms are added, swapped and dropped around the winner until nothing changes.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
 
+from symhyb.correction.beyond import deeper, last_resort, more_lines
 from symhyb.correction.conventions import CERTAIN, alike, exact_twins, precedence
 from symhyb.correction.evidence import (
     NEAR_NOISE,
     SIGNIFICANT,
-    believable,
     criterion,
     earns,
     excess,
@@ -28,10 +28,9 @@ from symhyb.correction.evidence import (
 )  # fmt: skip
 from symhyb.correction.selection import LARGEST, Problem, Subset, best_subsets, solve, without
 from symhyb.correction.setting import Setting, along_motion, around
-from symhyb.correction.strength import SMALL, shares
-from symhyb.correction.trajectory import Refined, grouped, refine
+from symhyb.correction.trajectory import Refined, grouped
+from symhyb.correction.trials import Say, Trials
 from symhyb.discrepancy.hypotheses import Hypothesis
-from symhyb.numeric.buffers import Array
 
 TRIALS = 3  # refined structures of each size
 PROMISE = 0.3  # of what can be taken, which the linear problem must promise before a trial
@@ -39,8 +38,6 @@ HOPE = 0.5  # of the significance that it needs: the linear problem may promise 
 ROUNDS = 6
 PLAINER = 2  # plain laws, and pairs of them, that are tried in place of one of several numbers
 STATIC_FIRST = 1.3  # of the Coulomb friction: the breakaway friction that is tried first
-
-Say = Callable[[str], None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +73,7 @@ def decide(setting: Setting, proposals: Sequence[Subset], say: Say) -> Decision:
     # where the linear problem explains most, its promises are worth most
     problem = min(problems, key=lambda pair: pair[0])[1]
     subsets = [subset for causes in sorted(pool) if (subset := solve(problem, causes)) is not None]
-    trials = _Trials(setting, {second for _, second in twins} | variants, say)
+    trials = Trials(setting, {second for _, second in twins} | variants, say)
     nothing = trials.refined(())
     winner = _climb(trials, nothing, problem, subsets, log)
     for _ in range(ROUNDS):
@@ -84,53 +81,13 @@ def decide(setting: Setting, proposals: Sequence[Subset], say: Say) -> Decision:
         if better is winner:
             break
         winner = better
+    winner = last_resort(trials, winner, nothing, log)
     winner = _conventional(trials, winner, problem)
     named = tuple((setting.hypotheses[a], setting.hypotheses[b]) for a, b in twins)
     return Decision(winner, nothing, tuple(trials.done.values()), named, tuple(log))
 
 
-class _Trials:
-    """Structures refined at the longest windows, each once; ``dropped`` twins are not tried."""
-
-    def __init__(self, setting: Setting, dropped: set[int], say: Say):
-        self.setting, self.dropped, self.say = setting, dropped, say
-        self.done: dict[tuple[int, ...], Refined] = {}
-
-    def refined(
-        self,
-        causes: Sequence[int],
-        values: Sequence[Mapping[str, float]] = (),
-        starts: Sequence[Array] | None = None,
-    ) -> Refined:
-        key = tuple(sorted(causes))
-        if key not in self.done:
-            chosen = [self.setting.hypotheses[cause] for cause in causes]
-            self.say("trying " + named(chosen))
-            stage, model = self.setting.stages[-1], self.setting.windows.machine.model
-            self.done[key] = refine(model, chosen, values, stage.laid, self.setting.sd, starts)
-        return self.done[key]
-
-    @property
-    def count(self) -> int:
-        """How many causes compete."""
-        return len({cause.family for cause in self.setting.hypotheses}) - len(self.dropped)
-
-    def believed(self, trial: Refined) -> bool:
-        """Whether its values are believable, and where more than noise is left, also worth a name:
-        what the structure still lacks bends every small force to its purpose."""
-        if not believable(trial, self.setting.stages[-1].length_s):
-            return False
-        if trial.fit.scale < NEAR_NOISE or len(trial.causes) < 2:
-            return True
-        sources = [item.source for item in self.setting.stages[-1].laid]
-        sizes = np.max([shares(trial, *source) for source in sources], axis=0)
-        return bool(np.all(sizes > SMALL))
-
-    def causes(self, trial: Refined) -> tuple[int, ...]:
-        return tuple(self.setting.hypotheses.index(cause) for cause in trial.causes)
-
-
-def _conventional(trials: _Trials, winner: Refined, problem: Problem) -> Refined:
+def _conventional(trials: Trials, winner: Refined, problem: Problem) -> Refined:
     """Where convention names one of two causes that noise cannot tell apart, the one it names."""
     for trial in trials.done.values():
         fresh = [cause for cause in trial.causes if cause not in winner.causes]
@@ -146,7 +103,7 @@ def _conventional(trials: _Trials, winner: Refined, problem: Problem) -> Refined
 
 
 def _climb(
-    trials: _Trials, nothing: Refined, problem: Problem, pool: list[Subset], log: list[str]
+    trials: Trials, nothing: Refined, problem: Problem, pool: list[Subset], log: list[str]
 ) -> Refined:
     """From no cause upwards: the smallest larger structure that earns its place, and so on.
 
@@ -179,7 +136,7 @@ def _climb(
     return winner
 
 
-def _price(trials: _Trials, winner: Refined, subset: Subset) -> float:
+def _price(trials: Trials, winner: Refined, subset: Subset) -> float:
     """What Δχ² a subset must reach against the winner to be taken, if its residuals are white."""
     numbers, causes = subset.numbers - winner.numbers, len(subset.causes) - len(winner.causes)
     return SIGNIFICANT + price(winner, numbers, causes, trials.count)
@@ -231,15 +188,26 @@ def _distinct(problem: Problem, subsets: Sequence[Subset]) -> list[Subset]:
     return list(first.values())
 
 
-def _improved(trials: _Trials, winner: Refined, problem: Problem, log: list[str]) -> Refined:
+def _improved(trials: Trials, winner: Refined, problem: Problem, log: list[str]) -> Refined:
     """The winner with one cause added, swapped or dropped, if that is better; else itself."""
+    variants = list(filter(trials.believed, deeper(trials, winner)))
+    for trial in variants:  # where one law with a number more says it all, no second law is tried
+        earned, sentence = earns(trial, winner)
+        if earned and trial.fit.scale < NEAR_NOISE:
+            log.append(sentence)
+            return trial
     for trial in filter(trials.believed, _additions(trials, winner)):
         earned, sentence = earns(trial, winner, trials.count)
         log.append(sentence)
         if earned:
             return trial
-    for trial in filter(trials.believed, _variants(trials, winner)):
+    for trial in (*filter(trials.believed, _variants(trials, winner)), *variants):
         earned, sentence = earns(trial, winner)
+        log.append(sentence)
+        if earned:
+            return trial
+    for trial in filter(trials.believed, more_lines(trials, winner)):
+        earned, sentence = earns(trial, winner, trials.count)
         log.append(sentence)
         if earned:
             return trial
@@ -261,10 +229,15 @@ def _improved(trials: _Trials, winner: Refined, problem: Problem, log: list[str]
         log.append(sentence)
         if not earned:
             return smaller
+        for single in filter(trials.believed, deeper(trials, smaller, winner.causes[i].place)):
+            earned, sentence = earns(winner, single)
+            log.append(sentence)
+            if not earned:
+                return single
     return winner
 
 
-def _additions(trials: _Trials, winner: Refined) -> Iterator[Refined]:
+def _additions(trials: Trials, winner: Refined) -> Iterator[Refined]:
     """One more cause, where the linearisation along the winner's own simulation promises it."""
     hypotheses = trials.setting.hypotheses
     skewed = {c for c, cause in enumerate(hypotheses) if "skew" in cause.terms}
@@ -285,7 +258,7 @@ def _additions(trials: _Trials, winner: Refined) -> Iterator[Refined]:
             yield trials.refined(causes, values, winner.fit.starts)
 
 
-def _variants(trials: _Trials, winner: Refined) -> Iterator[Refined]:
+def _variants(trials: Trials, winner: Refined) -> Iterator[Refined]:
     """The winner with one plain law replaced by a variant of it."""
     for i, cause in enumerate(winner.causes):
         for other in trials.setting.hypotheses:
@@ -299,7 +272,7 @@ def _variants(trials: _Trials, winner: Refined) -> Iterator[Refined]:
             kept = {key: value for key, value in rows[i].items() if key in other.keys}
             rows[i] = {**other.values(plain), **kept}
             causes = [*winner.causes[:i], other, *winner.causes[i + 1 :]]
-            indices = [trials.setting.hypotheses.index(c) for c in causes]
+            indices = [trials.index(c) for c in causes]
             yield trials.refined(indices, rows, winner.fit.starts)
 
 
@@ -312,8 +285,10 @@ def _told(cause: Hypothesis, winner: Refined) -> bool:
     )
 
 
-def _swaps(trials: _Trials, winner: Refined, problem: Problem) -> Iterator[Refined]:
+def _swaps(trials: Trials, winner: Refined, problem: Problem) -> Iterator[Refined]:
     """For each cause of the winner the best replacement at another place or of another kind."""
+    if not trials.listed(winner):
+        return
     causes = trials.causes(winner)
     for cause in causes:
         rest = [c for c in causes if c != cause]
@@ -330,9 +305,11 @@ def _swaps(trials: _Trials, winner: Refined, problem: Problem) -> Iterator[Refin
             yield trials.refined(best.causes, _first(problem, best))
 
 
-def _plainer(trials: _Trials, winner: Refined, problem: Problem) -> Iterator[Refined]:
+def _plainer(trials: Trials, winner: Refined, problem: Problem) -> Iterator[Refined]:
     """The winner with a law of several numbers replaced by the one or two plain laws at its place
     that come closest: a stop behind a clearance by a spring that hardens."""
+    if not trials.listed(winner):
+        return
     causes = trials.causes(winner)
     for cause in causes:
         mine = problem.hypotheses[cause]
@@ -356,7 +333,7 @@ def _plainer(trials: _Trials, winner: Refined, problem: Problem) -> Iterator[Ref
                     yield trial
 
 
-def _simplifications(trials: _Trials, winner: Refined) -> Iterator[Refined]:
+def _simplifications(trials: Trials, winner: Refined) -> Iterator[Refined]:
     """The winner with one law replaced by a simpler one of its kind (Stribeck by Coulomb)."""
     for i, cause in enumerate(winner.causes):
         for other in trials.setting.hypotheses:
@@ -366,5 +343,5 @@ def _simplifications(trials: _Trials, winner: Refined) -> Iterator[Refined]:
             rows = grouped(winner)
             rows[i] = {key: rows[i][key] for key in other.keys}
             causes = [*winner.causes[:i], other, *winner.causes[i + 1 :]]
-            indices = [trials.setting.hypotheses.index(c) for c in causes]
+            indices = [trials.index(c) for c in causes]
             yield trials.refined(indices, rows, winner.fit.starts)

@@ -1,12 +1,13 @@
 """When a larger structure is believed: significance for coloured residuals, and practical size."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import inf
 
 import numpy as np
 
 from symhyb.correction.trajectory import Refined, grouped
-from symhyb.discrepancy.hypotheses import Hypothesis
+from symhyb.discrepancy.hypotheses import PLAIN, Hypothesis
+from symhyb.numeric.buffers import Array
 
 SIGNIFICANT = 10.0  # Δχ²/c − k ln N on fitted windows, Δχ²/c on held ones (10: odds of 150 to 1)
 OUTSTANDING = 3.0  # standard deviations, of the strength of a cause
@@ -69,20 +70,41 @@ def believable(trial: Refined, length_s: float = inf) -> bool:
 
     A memory that outlasts windows of ``length_s`` (s) cannot be told from their initial states.
     """
-    first = 0
-    spread = np.sqrt(np.diag(trial.fit.covariance))
+    if weak(trial):
+        return False
     for cause, values in zip(trial.causes, grouped(trial), strict=True):
-        strength = next(iter(values.values()))
-        if "static" in values:
-            strength = values["static"] - values["coulomb"]
-        if not abs(strength) > OUTSTANDING * spread[first]:
-            return False
-        first += cause.numbers
         if cause.kind == "relaxation" and values["damping"] > length_s * values["stiffness"]:
             return False
         if "skew" in cause.terms and not trial.fit.scale < NEAR_NOISE:
             return False
         if cause.kind == "friction" and values.get("static", inf) < values["coulomb"]:
+            return False
+    return True
+
+
+def weak(trial: Refined) -> tuple[int, ...]:
+    """The causes, by their place in the structure, whose strength or added key does not stand out
+    of its own deviation."""
+    first, found = 0, []
+    spread = np.sqrt(np.diag(trial.fit.covariance))
+    for i, (cause, values) in enumerate(zip(trial.causes, grouped(trial), strict=True)):
+        strength = next(iter(values.values()))
+        if "static" in cause.terms:
+            strength = values["static"] - values["coulomb"]
+        stands = abs(strength) > OUTSTANDING * spread[first]
+        if not (stands and _added_stands(cause, values, spread[first : first + cause.numbers])):
+            found.append(i)
+        first += cause.numbers
+    return tuple(found)
+
+
+def _added_stands(cause: Hypothesis, values: Mapping[str, float], spread: Array) -> bool:
+    """Whether every key that was added to a plain law stands out of its own deviation (``spread``
+    (k,), SI, in the order of ``values``): an exponent from 1, breakaway from sliding friction."""
+    for key, sd in zip(values, spread, strict=True):
+        plain = values["coulomb"] if key == "static" else PLAIN.get(key, 0.0)
+        fixed = key not in cause.added or key == "stribeck"
+        if not fixed and not values[key] - plain > OUTSTANDING * sd:
             return False
     return True
 

@@ -1,6 +1,6 @@
 """From a decided structure to what is told: elements, parameters, channel faults, rivals."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,7 +11,9 @@ from symhyb.correction.formulas import law_text
 from symhyb.correction.stability import unstable
 from symhyb.correction.textbook import critical_share
 from symhyb.correction.trajectory import Refined
-from symhyb.discrepancy.hypotheses import Hypothesis
+from symhyb.discrepancy.formula import LAW, WARNING, law_element, law_unit
+from symhyb.discrepancy.formula import law_text as law_text_of
+from symhyb.discrepancy.hypotheses import SKEW, Hypothesis
 from symhyb.discrepancy.results import (
     Activity,
     Alternative,
@@ -30,7 +32,7 @@ SYMBOLS = {
     "coulomb": "F_c", "static": "F_s", "stribeck": "v_s", "transition": "v_t", "constant": "F_0",
     "length": "l_0", "clearance": "s_c", "play": "s_p", "exponent": "n", "micro_damping": "d_m",
     "amplitude": "F_a", "frequency": "f_0", "phase": "phi_0", "period": "l_p", "mass": "m_a",
-    "asymmetry": "a_s",
+    "asymmetry": "a_s", "coefficient": "c",
 }  # fmt: skip
 
 
@@ -50,6 +52,7 @@ class Named:
     causes: tuple[int, ...]
     values: Mapping[str, tuple[float, float]]
     options: tuple[tuple[str, str], ...] = ()
+    formula: str = ""
 
     @property
     def exponent(self) -> float:
@@ -66,9 +69,12 @@ def named(final: Refined) -> tuple[Named, ...]:
             alone = -1 if cause.kind == "spring" else i
             groups.setdefault((cause.kind, cause.place, alone), []).append(i)
     return tuple(
-        Named(kind, place, tuple(rows), _values(final, rows), final.causes[rows[0]].options)
+        Named(
+            kind, place, tuple(rows), _values(final, rows), final.causes[rows[0]].options,
+            final.causes[rows[0]].path,
+        )
         for (kind, place, _), rows in groups.items()
-    )
+    )  # fmt: skip
 
 
 def _values(final: Refined, rows: Sequence[int]) -> dict[str, tuple[float, float]]:
@@ -79,6 +85,8 @@ def _values(final: Refined, rows: Sequence[int]) -> dict[str, tuple[float, float
             values.setdefault(key, (shape, float("nan")))
         for key in cause.keys:
             values[key] = final.value(f"cause{i}.{key}")
+    if final.causes[rows[0]].kind == LAW:
+        return values
     order = [key.name for key in KINDS[final.causes[rows[0]].kind].keys]
     return {key: values[key] for key in order if key in values}
 
@@ -92,6 +100,8 @@ def found_of(
     active: Activity | None,
 ) -> Found:
     """Tell one named effect as an element of the model file, with law, values and sentence."""
+    if item.kind == LAW:
+        return _empirical(model, item, name, provenance, share, active)
     own, entries, estimates = [], [], []
     for key, (value, sd) in item.values.items():
         unit = key_unit(model, item.kind, key, item.place, item.exponent)
@@ -109,6 +119,33 @@ def found_of(
     sentence = effect_sentence(item.kind, item.place, estimates, share, item.options, meaning)
     law = law_text(item.kind, item.values, item.options)
     return Found(element, law, tuple(estimates), share, sentence, active)
+
+
+def _empirical(
+    model: Model,
+    item: Named,
+    name: str,
+    provenance: tuple[tuple[str, object], ...],
+    share: float | None,
+    active: Activity | None,
+) -> Found:
+    """Tell a product as a ``law``, with the warning that it is no law known by name."""
+    assert isinstance(item.place, On)
+    values = {key: value for key, (value, _) in item.values.items()}
+    spreads = {key: sd for key, (_, sd) in item.values.items() if np.isfinite(sd)}
+    symbols = {key: symbol_of(model, key) for key in values}
+    element = replace(
+        law_element(model, name, item.place, item.formula, values, symbols, spreads),
+        found=provenance,
+    )
+    unit = law_unit(model, item.place, item.formula, "coefficient")
+    value, sd = item.values["coefficient"]
+    own = Estimate(
+        symbols["coefficient"], value / unit.factor, sd / unit.factor, unit.text, "coefficient"
+    )
+    words = (("formula", item.formula),)
+    sentence = effect_sentence(LAW, item.place, [own], share, words, WARNING)
+    return Found(element, law_text_of(item.formula), (own,), share, sentence, active)
 
 
 def _meaning(model: Model, item: Named) -> str:
@@ -155,24 +192,27 @@ def _place_word(place: Place) -> str:
             return point
 
 
-def reestimated(model: Model, final: Refined) -> tuple[Reestimated, ...]:
-    """The parameters of the model among the causes, in the units of the file."""
+def reestimated(
+    model: Model, final: Refined, doubt: Collection[Hypothesis] = ()
+) -> tuple[Reestimated, ...]:
+    """The parameters of the model among the causes but those in doubt, in the units of the file."""
     declared = {item.path: item for item in model.all_parameters()}
     rows = []
     for cause in final.causes:
-        if cause.kind == "parameter":
+        if cause.kind == "parameter" and cause not in doubt:
             item = declared[cause.path]
             value, sd = (number / item.unit.factor for number in final.value(cause.path))
             rows.append(Reestimated(cause.path, item.value, value, sd, item.unit.text))
     return tuple(rows)
 
 
-def channel_faults(final: Refined) -> tuple[Measurement, ...]:
-    """Gains, offsets and delays among the causes, in the units of their channels."""
+def channel_faults(final: Refined, doubt: Collection[Hypothesis] = ()) -> tuple[Measurement, ...]:
+    """Gains, offsets and delays among the causes, in the units of their channels, but those in
+    doubt."""
     declared = {item.path: item for item in final.machine.model.all_parameters()}
     rows = []
     for cause in final.causes:
-        if cause.kind in ("gain", "offset", "delay"):
+        if cause.kind in ("gain", "offset", "delay") and cause not in doubt:
             item = declared[cause.path]
             value, sd = (number / item.unit.factor for number in final.value(cause.path))
             kind = _CHANNEL_KINDS[cause.kind]
@@ -224,7 +264,26 @@ def alternatives_of(
         for cause in fresh:
             values = _told_values(trial, cause)
             rows.append(_alternative(model, cause, values, names.get(lost[0]), max(evidence, 0.0)))
+    rows += _sided(model, winner, names)
     return tuple(sorted(rows, key=lambda row: row.evidence))
+
+
+def _sided(model: Model, winner: Refined, names: Mapping[Hypothesis, str]) -> Iterator[Alternative]:
+    """Dry friction that differs by direction, in place of dry friction and a constant force on one
+    coordinate: whether the place slides or holds, the two are the same."""
+    at = {(cause.kind, cause.place): i for i, cause in enumerate(winner.causes)}
+    for i, cause in enumerate(winner.causes):
+        j = at.get(("constant", cause.place))
+        if cause.kind != "friction" or cause.terms != ("coulomb",) or j is None:
+            continue
+        values = _values(winner, [i])
+        level, spread = values["coulomb"]
+        push, push_sd = winner.value(f"cause{j}.constant")
+        share = -push / level
+        if isinstance(cause.place, On) and abs(share) < SKEW:
+            sd = float(np.hypot(push_sd, share * spread)) / level
+            told = {"coulomb": (level, spread), "asymmetry": (share, sd)}
+            yield _alternative(model, cause, told, names.get(winner.causes[j]), 0.0)
 
 
 Rival = tuple[list[Hypothesis], list[Hypothesis], float, Refined]
@@ -238,6 +297,8 @@ def rivals_of(decision: Decision) -> list[Rival]:
         evidence = decision.criterion(trial)
         fresh = [cause for cause in trial.causes if cause not in decision.winner.causes]
         lost = [cause for cause in decision.winner.causes if cause not in trial.causes]
+        if {cause.family for cause in fresh} == {cause.family for cause in lost}:
+            continue  # the same law, begun at other values: no rival of itself
         if fresh and lost and evidence < RIVAL and not _larger(fresh, lost):
             rivals.append((fresh, lost, evidence, trial))
     return rivals
@@ -261,7 +322,13 @@ def _alternative(
 ) -> Alternative:
     estimates = []
     exponent = values.get("exponent", (1.0, 0.0))[0]
-    if cause.place is not None:
+    if cause.kind == LAW and isinstance(cause.place, On):
+        for key, (value, sd) in values.items():
+            unit = law_unit(model, cause.place, cause.path, key)
+            if np.isfinite(sd):
+                scaled = value / unit.factor, sd / unit.factor
+                estimates.append(Estimate(symbol_of(model, key), *scaled, unit.text, key))
+    elif cause.place is not None:
         for key, (value, sd) in values.items():
             unit = key_unit(model, cause.kind, key, cause.place, exponent)
             if np.isfinite(sd):
@@ -269,7 +336,8 @@ def _alternative(
                 estimates.append(Estimate(symbol_of(model, key), *scaled, unit.text, key))
     base = Alternative(instead_of, cause.kind, tuple(estimates), evidence)
     if cause.place is not None:
-        return replace(base, place=cause.place, options=cause.options)
+        words = (("formula", cause.path),) if cause.kind == LAW else cause.options
+        return replace(base, place=cause.place, options=words)
     if cause.kind == "parameter":
         return replace(base, parameter=cause.path)
     return replace(base, channel=cause.path.split(".")[0])

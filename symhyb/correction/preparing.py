@@ -26,6 +26,7 @@ from symhyb.discrepancy.hypotheses import (
     with_channels,
 )  # fmt: skip
 from symhyb.discrepancy.motion import motion_of
+from symhyb.discrepancy.points import point_hypotheses
 from symhyb.discrepancy.repeats import Repeated, floor_of, repeated
 from symhyb.discrepancy.residual import discrepancy
 from symhyb.discrepancy.results import Lie
@@ -126,8 +127,12 @@ def settle(prepared: Prepared, own: Sequence[str] = ()) -> Setting:
     model, machine = prepared.model, prepared.machine
     places = places_of(model)
     narrow = transition_share(_relative_noise(prepared))
-    forces = force_hypotheses(model, _reaches(prepared, places), narrow)
-    causes = library(model, places, owning(model, forces, own))
+    motions = [(run.motion.q, run.motion.v, run.motion.t) for run in prepared.runs]
+    tried = (
+        *force_hypotheses(model, _reaches(prepared, places), narrow),
+        *point_hypotheses(model, motions, narrow),
+    )
+    causes = library(model, places, owning(model, tried, own))
     dull = owning(model, dull_hypotheses(model), own)
     windows = WindowModel(machine, tuple(machine.column(cause.path) for cause in dull))
     sag = _sag(prepared)

@@ -290,6 +290,15 @@ def _added_mass(n: Numbers, _: Mapping[str, str]) -> Said | None:
     return Said(f"{noun} of {n.amount('mass')}", terms=("mass",), resists="acceleration")
 
 
+def _law(n: Numbers, options: Mapping[str, str]) -> Said | None:
+    if "formula" not in options or "coefficient" not in n:
+        return None
+    noun, letter = ("torque" if n.turns else "force"), n.by_term["coefficient"].name
+    told = f"-{letter}*{options['formula']}".replace("-", "−")
+    head = f"an empirical {noun} {told} with {letter} = {n.amount('coefficient')}"
+    return Said(head, terms=("coefficient",))
+
+
 _RESISTING = {"friction": "coulomb", "damper": "damping", "drag": "drag"}  # main key
 _SAYERS: Mapping[str, Callable[[Numbers, Mapping[str, str]], Said | None]] = {
     "spring": _spring,
@@ -304,4 +313,5 @@ _SAYERS: Mapping[str, Callable[[Numbers, Mapping[str, str]], Said | None]] = {
     "harmonic": _harmonic,
     "ripple": _ripple,
     "added_mass": _added_mass,
+    "law": _law,
 }

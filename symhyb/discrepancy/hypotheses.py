@@ -16,6 +16,7 @@ from typing import TypeVar
 import numpy as np
 
 from symhyb.discrepancy.course import Course
+from symhyb.discrepancy.formula import LAW, law_element
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import (
     Between,
@@ -41,17 +42,20 @@ NARROW = {"frequency": 1.2, "period": 1.2, "clearance": 3.0, "exponent": 4.0}
 WIDER = 10.0  # a Stribeck speed against the transition
 SKEW = 0.95  # of an asymmetry: beyond, a damper would drive
 WAVES = ("harmonic", "ripple")
+PLAIN = {"exponent": 1.0}  # value of an added key at which a variant is the plain law, else 0
 
 
 @dataclass(frozen=True, slots=True)
 class Hypothesis:
-    """One cause: a law at a place, or (``place`` None) the parameter ``path`` of the model.
+    """One cause: a law at a place, or (``place`` None) the parameter ``path`` of the model; of a
+    ``law`` at a place ``path`` is the formula.
 
     ``terms`` are unknown coefficients in which the force is linear; ``shape`` are keys that are set
     beforehand (SI), ``refined`` those of them that are fitted afterwards and so cost a number each,
     ``tied`` those that grow with the first coefficient (the damping of a relaxation of a given
     time). ``positive`` says which terms physics forbids to be negative; ``options`` are words;
-    ``own`` are fitted keys that every recording has its own value of.
+    ``own`` are fitted keys that every recording has its own value of; ``added`` are the refined
+    keys that make a variant of a plain law (the play of a hysteresis).
     """
 
     kind: str
@@ -64,6 +68,7 @@ class Hypothesis:
     tied: tuple[str, ...] = ()
     options: tuple[tuple[str, str], ...] = ()
     own: tuple[str, ...] = ()
+    added: tuple[str, ...] = ()
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -82,7 +87,7 @@ class Hypothesis:
     def variant(self) -> bool:
         """Whether this is a plain law with something added, which is tried where the plain one was
         found: dry friction that falls with speed, damping that differs by direction."""
-        return "static" in self.terms or "skew" in self.terms
+        return "static" in self.terms or "skew" in self.terms or bool(self.added)
 
     @property
     def family(self) -> tuple[object, ...]:
@@ -92,6 +97,8 @@ class Hypothesis:
     def __str__(self) -> str:
         if self.place is None:
             return self.path if self.kind == "law" else f"{self.kind} {self.path}"
+        if self.kind == LAW:
+            return f"law ({self.path}) {place_text(self.place)}"
         said = ", ".join((*(f"{key} {word}" for key, word in self.options), *self.keys))
         return f"{self.kind} ({said}) {place_text(self.place)}"
 
@@ -117,8 +124,11 @@ class Hypothesis:
             reach = NARROW.get(key, SHAPE_REACH)
             if key in self.tied:
                 return 0.0, inf
-            if key == "stribeck":  # slower, it would only undo the smoothing
+            if key == "stribeck" and "transition" in dict(self.shape):
+                # slower, it would only undo the smoothing
                 return WIDER * dict(self.shape)["transition"], tried * reach
+            if key in self.added and key != "stribeck":
+                return PLAIN.get(key, 0.0), tried * reach
             return (1.0 if key == "exponent" else tried / reach), tried * reach
         if key == "asymmetry":
             return -SKEW, SKEW
@@ -130,6 +140,8 @@ class Hypothesis:
     def element(self, model: Model, name: str, values: Mapping[str, float]) -> Element:
         """The element of a force hypothesis with these values of its keys, else its shape, SI."""
         assert self.place is not None
+        if self.kind == LAW and isinstance(self.place, On):
+            return law_element(model, name, self.place, self.path, {**dict(self.shape), **values})
         own = []
         exponent = dict(self.shape).get("exponent", 1.0)
         for key, value in {**dict(self.shape), **values}.items():

@@ -53,23 +53,23 @@ def locate(
     result = []
     for index, place in enumerate(library.places):
         motions = seen.motions(index)
-        knots = [_knots([m[i] for m in motions], KNOTS[i]) for i in (0, 1)]
-        placed = seen.placed(index, knots, sd)
-        values = _ridge(placed.grams[~placed.held].sum(axis=0))
+        corners = [knots([m[i] for m in motions], KNOTS[i]) for i in (0, 1)]
+        placed = seen.placed(index, corners, sd)
+        values = ridge(placed.grams[~placed.held].sum(axis=0))
         total, count = placed.grams[placed.held].sum(axis=0), placed.count[placed.held].sum()
-        share = _explained(total, values, float(count))
-        change = None if share is None else change_of(placed, _ridge, seen.names)
+        share = explained(total, values, float(count))
+        change = None if share is None else change_of(placed, ridge, seen.names)
         if change is None and (not share or share <= ACTIVE_SHARE):
             result.append(PlaceShare(place, share))
             continue
         if change is not None:  # what it takes where it acts
             on = ~still(placed, change, seen.names)
-            values = _ridge(placed.grams[on & ~placed.held].sum(axis=0))
+            values = ridge(placed.grams[on & ~placed.held].sum(axis=0))
             total = placed.grams[on & placed.held].sum(axis=0)
-            share = _explained(total, values, float(placed.count[on & placed.held].sum()))
+            share = explained(total, values, float(placed.count[on & placed.held].sum()))
         if change is not None and short is not None:
-            change = sharpened(change, short.placed(index, knots, sd), _ridge, short.names)
-        acting = [_surface(s, r, knots) @ values for s, r, _ in motions]
+            change = sharpened(change, short.placed(index, corners, sd), ridge, short.names)
+        acting = [surface(s, r, corners) @ values for s, r, _ in motions]
         if change is not None:
             calm = still(placed, change, seen.names)
             acting = [
@@ -77,7 +77,7 @@ def locate(
                 for i, force in enumerate(acting)
             ]
         active = _activity(seen.laid, motions, acting)
-        told = _occurrence(seen, index, knots, values, placed, change)
+        told = _occurrence(seen, index, corners, values, placed, change)
         result.append(PlaceShare(place, share, active, told))
     return tuple(sorted(result, key=lambda item: -(item.explained or 0.0)))
 
@@ -105,14 +105,14 @@ class _Seen:
         """Stretch, rate and generalized unit force at a place, recording by recording."""
         return [_motion(self.library, item, index) for item in self.laid]
 
-    def placed(self, index: int, knots: Sequence[Array], sd: Array) -> Placed:
+    def placed(self, index: int, corners: Sequence[Array], sd: Array) -> Placed:
         """The windows reduced to the force surface of one place."""
         parts = []
         motions = self.motions(index)
         for item, linear, (stretch, rate, unit) in zip(
             self.laid, self.linears, motions, strict=True
         ):
-            forces = unit[..., None] * _surface(stretch, rate, knots)[:, :, None, :]
+            forces = unit[..., None] * surface(stretch, rate, corners)[:, :, None, :]
             residual = item.block.y - linear.output - linear.from_defect()
             columns = linear.from_forces(forces)
             parts.append(reduce(residual, linear.from_start(), columns, sd, item.held))
@@ -125,7 +125,7 @@ class _Seen:
 def _occurrence(
     seen: _Seen,
     index: int,
-    knots: Sequence[Array],
+    corners: Sequence[Array],
     values: Array,
     placed: Placed,
     change: Change | None,
@@ -137,7 +137,7 @@ def _occurrence(
     bare = first.course(seen.machine)
     lacks = discrepancy(seen.machine, bare, seen.machine.values)
     missing = lacking(lacks, library.directions(course), index)
-    acting = (_surface(stretch[None], rate[None], knots) @ values)[0]
+    acting = (surface(stretch[None], rate[None], corners) @ values)[0]
     lines, power = spectrum(course.t, missing, acting)
     band, beyond = band_of(lines, power), beyond_of(stretch, missing)
     active = activity(course.t, stretch, rate, acting)
@@ -185,32 +185,35 @@ def _motion(library: Library, item: Laid, index: int) -> tuple[Array, Array, Arr
     return stretch[rows, index], rate[rows, index], library.directions(course)[rows][..., index]
 
 
-def _knots(values: Sequence[Array], count: int) -> Array:
+def knots(values: Sequence[Array], count: int) -> Array:
     """Knots at quantiles of all windows, closest where the motion is most."""
     joined = np.concatenate([value.reshape(-1) for value in values])
-    knots = np.unique(np.quantile(joined, np.linspace(0, 1, count)))
-    return knots if knots.size > 1 else np.array([knots[0] - 1, knots[0] + 1])
+    at = np.unique(np.quantile(joined, np.linspace(0, 1, count)))
+    return at if at.size > 1 else np.array([at[0] - 1, at[0] + 1])
 
 
-def _surface(stretch: Array, rate: Array, knots: Sequence[Array]) -> Array:
+def surface(stretch: Array, rate: Array, corners: Sequence[Array]) -> Array:
     """Tensor products of hat functions (W, L, B) over stretch and rate (W, L)."""
-    along, across = _hats(stretch, knots[0]), _hats(rate, knots[1])
+    along, across = hats(stretch, corners[0]), hats(rate, corners[1])
     product = along[..., :, None] * across[..., None, :]
     return product.reshape(*stretch.shape, -1)
 
 
-def _hats(x: Array, knots: Array) -> Array:
-    inside = np.clip(x, knots[0], knots[-1])
-    return np.stack([np.interp(inside, knots, row) for row in np.eye(knots.size)], axis=-1)
+def hats(x: Array, at: Array) -> Array:
+    """Hat functions (…, B) over knots ``at`` (B,), constant beyond them."""
+    inside = np.clip(x, at[0], at[-1])
+    return np.stack([np.interp(inside, at, row) for row in np.eye(at.size)], axis=-1)
 
 
-def _ridge(gram: Array) -> Array:
+def ridge(gram: Array) -> Array:
     block, right = gram[:-1, :-1], gram[:-1, -1]
     mean = float(np.trace(block)) / block.shape[0]
     return np.linalg.solve(block + (RIDGE * mean + 1e-300) * np.eye(block.shape[0]), right)
 
 
-def _explained(gram: Array, values: Array, floor: float) -> float | None:
+def explained(gram: Array, values: Array, floor: float) -> float | None:
+    """The share of a residual beyond its noise ``floor`` that coefficients (C,) explain, by the
+    Gram matrix (C + 1, C + 1) of other windows; None where nothing is left."""
     mix = np.append(-values, 1.0)
     before, after = float(gram[-1, -1]), float(mix @ gram @ mix)
     if before <= floor or before == 0:

@@ -194,6 +194,17 @@ class PlaceShare:
 
 
 @dataclass(frozen=True, slots=True)
+class Memory:
+    """Whether the missing force is a function of positions, speeds and inputs: the share of the
+    mismatch that such a function explains, unseen (``state``), the share with laws that remember
+    added (``past``), and what that means."""
+
+    state: float
+    past: float
+    sentence: str
+
+
+@dataclass(frozen=True, slots=True)
 class Score:
     """How well one model meets one set of recordings.
 
@@ -339,3 +350,4 @@ class Diagnosis:
     repeats: tuple[Repeats, ...] = ()
     isolability: Isolability | None = None
     manoeuvre: Manoeuvre | None = None
+    memory: Memory | None = None

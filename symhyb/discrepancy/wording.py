@@ -18,6 +18,7 @@ from symhyb.discrepancy.amounts import (
     unit_text,
 )
 from symhyb.discrepancy.effects import Options, action_of, amount_text, said_of, secondary_of
+from symhyb.discrepancy.formula import LAW, law_text
 from symhyb.discrepancy.results import (
     Alternative,
     Estimate,
@@ -147,7 +148,10 @@ def _lacking(found: Sequence[Found]) -> str:
     places: dict[Place, list[str]] = {}
     for effect in found:
         element = effect.element
-        phrase = effect_phrase(element.kind, effect.estimates, element.options)
+        words = element.options
+        if element.kind == LAW:
+            words = (("formula", effect.law.removeprefix(law_text("", "coefficient"))),)
+        phrase = effect_phrase(element.kind, effect.estimates, words)
         places.setdefault(element.place, []).append(phrase)
     (first, lacking), *others = places.items()
     said = f"{_capital(place_text(first))} the model lacks {_listed(lacking)}"

@@ -1,9 +1,9 @@
 """The output contract: a diagnosis and its verdict as the mapping that ``diagnosis.json`` holds.
 
 Valid under ``diagnosis.schema.json`` beside this file. Keys of that schema are stable; ``format``,
-``options``, ``channels``, ``log``, ``notes``, ``stability``, ``own``, ``misfits``, ``repeats``,
-``isolability``, ``manoeuvre``, ``remainder.notes`` and the scores ``*_rmse``, ``force_residual``,
-``force_band_hz`` and ``carries`` are extensions of it.
+``options``, ``channels``, ``log``, ``memory``, ``notes``, ``stability``, ``own``, ``misfits``,
+``repeats``, ``isolability``, ``manoeuvre``, ``remainder.notes`` and the scores ``*_rmse``,
+``force_residual``, ``force_band_hz`` and ``carries`` are extensions of it.
 """
 
 import math
@@ -21,6 +21,7 @@ from symhyb.discrepancy.results import (
     Isolability,
     Lie,
     Manoeuvre,
+    Memory,
     Misfit,
     Occurrence,
     PlaceShare,
@@ -103,6 +104,7 @@ def to_json(diagnosis: Diagnosis, verdict: Verdict) -> dict[str, Any]:
             }
             for group in diagnosis.repeats
         ],
+        "memory": _memory(diagnosis.memory),
         "log": list(diagnosis.log),
         "notes": list(diagnosis.notes),
     }
@@ -238,6 +240,14 @@ def _occurrence(told: Occurrence | None) -> dict[str, Any]:
         "beyond": finite(told.beyond),
         "sentence": told.sentence,
     }
+
+
+def _memory(memory: Memory | None) -> dict[str, Any] | None:
+    if memory is None:
+        return None
+    return {
+        "state": finite(memory.state), "past": finite(memory.past), "sentence": memory.sentence,
+    }  # fmt: skip
 
 
 def _scores(verdict: Verdict) -> dict[str, Any]:

@@ -1,0 +1,90 @@
+"""Structures beyond the first list: variants of a law, further lines, products as the last resort.
+
+Each is tried only where what was found leaves more than noise.
+"""
+
+from collections.abc import Iterator
+
+from symhyb.correction.evidence import NEAR_NOISE, believable, criterion, earns, weak
+from symhyb.correction.kin import variants_of
+from symhyb.correction.last_resort import beside, candidates, instead
+from symhyb.correction.overtones import overtones
+from symhyb.correction.trajectory import Refined, grouped
+from symhyb.correction.trials import Trials
+from symhyb.discrepancy.hypotheses import Hypothesis
+from symhyb.model.types import Place
+
+
+def deeper(trials: Trials, winner: Refined, place: Place | None = None) -> Iterator[Refined]:
+    """The winner with one law (at ``place``, where one is given) replaced by a variant with a key
+    more, where something is left; the variant that fits best first."""
+    if winner.fit.scale < NEAR_NOISE:
+        return
+    tried = []
+    for i, cause in enumerate(winner.causes):
+        if place is not None and cause.place != place:
+            continue
+        for other, row in variants_of(trials.setting, cause, grouped(winner)[i]):
+            rows = [*grouped(winner)[:i], row, *grouped(winner)[i + 1 :]]
+            causes = [*winner.causes[:i], other, *winner.causes[i + 1 :]]
+            indices = [trials.index(c) for c in causes]
+            trial = trials.refined(indices, rows, winner.fit.starts)
+            tried += [trial, *_lean(trials, trial, other)]
+    yield from sorted(tried, key=lambda trial: trial.fit.train)
+
+
+def more_lines(trials: Trials, winner: Refined) -> Iterator[Refined]:
+    """The winner with one or two lines more, where it has one and something is left."""
+    if winner.fit.scale < NEAR_NOISE:
+        return
+    for lines, rows in overtones(trials.setting, winner):
+        indices = (*trials.causes(winner), *map(trials.index, lines))
+        yield trials.refined(indices, [*grouped(winner), *rows], winner.fit.starts)
+
+
+def _lean(trials: Trials, trial: Refined, kept: Hypothesis) -> Iterator[Refined]:
+    """The structure without the causes that no longer stand out: they stood in for a key of the
+    law that is ``kept``."""
+    gone = {i for i in weak(trial) if trial.causes[i] != kept}
+    if gone and not trial.fit.reason:
+        rows = [row for i, row in enumerate(grouped(trial)) if i not in gone]
+        causes = [cause for i, cause in enumerate(trials.causes(trial)) if i not in gone]
+        yield trials.refined(causes, rows, trial.fit.starts)
+
+
+def last_resort(trials: Trials, winner: Refined, nothing: Refined, log: list[str]) -> Refined:
+    """Where the laws that have a name leave more than noise: the winner with one product more, or
+    a product alone, if that explains the recordings down to their noise; else the winner."""
+    if winner.fit.scale < NEAR_NOISE:
+        return winner
+    book = candidates(trials.setting)
+    tried: list[Refined] = []
+    for base, offered in (
+        (winner, beside(trials.setting, book, winner)),
+        (nothing, instead(trials.setting, book, nothing)),
+    ):
+        for cause, row in offered:
+            indices = (*trials.causes(base), trials.index(cause))
+            starts = base.fit.starts if base is winner else None
+            trial = trials.refined(indices, [*grouped(base), row], starts)
+            tried += [trial, *_lean(trials, trial, cause)]
+    fitting = [trial for trial in filter(believable, tried) if trial.fit.scale < NEAR_NOISE]
+    for trial in sorted(fitting, key=lambda trial: criterion(trial, fitting[0])):
+        earned, sentence = earns(trial, winner, trials.count + len(book.hypotheses))
+        log.append(sentence)
+        if earned:
+            return _spared(trials, trial, log)
+    return winner
+
+
+def _spared(trials: Trials, winner: Refined, log: list[str]) -> Refined:
+    """The winner without the causes that do not earn their place in it."""
+    for i, cause in enumerate(trials.causes(winner)):
+        rest = [c for c in trials.causes(winner) if c != cause]
+        rows = [row for j, row in enumerate(grouped(winner)) if j != i]
+        smaller = trials.refined(rest, rows, winner.fit.starts)
+        earned, sentence = earns(winner, smaller)
+        log.append(sentence)
+        if not earned:
+            return _spared(trials, smaller, log)
+    return winner

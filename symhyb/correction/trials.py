@@ -1,0 +1,66 @@
+"""Structures refined at the longest windows, each once."""
+
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+
+from symhyb.correction.evidence import NEAR_NOISE, believable, named
+from symhyb.correction.setting import Setting
+from symhyb.correction.strength import SMALL, shares
+from symhyb.correction.trajectory import Refined, refine
+from symhyb.discrepancy.hypotheses import Hypothesis
+from symhyb.numeric.buffers import Array
+
+Say = Callable[[str], None]
+
+
+class Trials:
+    """Structures refined at the longest windows, each once; ``dropped`` twins are not tried."""
+
+    def __init__(self, setting: Setting, dropped: set[int], say: Say):
+        self.setting, self.dropped, self.say = setting, dropped, say
+        self.done: dict[tuple[int, ...], Refined] = {}
+        self.known = list(setting.hypotheses)
+
+    def refined(
+        self,
+        causes: Sequence[int],
+        values: Sequence[Mapping[str, float]] = (),
+        starts: Sequence[Array] | None = None,
+    ) -> Refined:
+        key = tuple(sorted(causes))
+        if key not in self.done:
+            chosen = [self.known[cause] for cause in causes]
+            self.say("trying " + named(chosen))
+            stage, model = self.setting.stages[-1], self.setting.windows.machine.model
+            self.done[key] = refine(model, chosen, values, stage.laid, self.setting.sd, starts)
+        return self.done[key]
+
+    @property
+    def count(self) -> int:
+        """How many causes compete."""
+        return len({cause.family for cause in self.setting.hypotheses}) - len(self.dropped)
+
+    def believed(self, trial: Refined) -> bool:
+        """Whether its values are believable, and where more than noise is left, also worth a name:
+        what the structure still lacks bends every small force to its purpose."""
+        if not believable(trial, self.setting.stages[-1].length_s):
+            return False
+        if trial.fit.scale < NEAR_NOISE or len(trial.causes) < 2:
+            return True
+        sources = [item.source for item in self.setting.stages[-1].laid]
+        sizes = np.max([shares(trial, *source) for source in sources], axis=0)
+        return bool(np.all(sizes > SMALL))
+
+    def causes(self, trial: Refined) -> tuple[int, ...]:
+        return tuple(map(self.index, trial.causes))
+
+    def index(self, cause: Hypothesis) -> int:
+        """The number of a cause; one that is not in the first list gets a new one."""
+        if cause not in self.known:
+            self.known.append(cause)
+        return self.known.index(cause)
+
+    def listed(self, trial: Refined) -> bool:
+        """Whether the linear problems hold every cause of a structure."""
+        return max(self.causes(trial), default=-1) < len(self.setting.hypotheses)

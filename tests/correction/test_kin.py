@@ -1,0 +1,116 @@
+"""Variants of a law: tried where something is left, named with their numbers, and only then."""
+
+import numpy as np
+import pytest
+from law_rigs import RIG, Law, bouc_wen, lugre, numbers, on_rig, stop
+
+import symhyb as sh
+from symhyb.correction.kin import variants_of
+from symhyb.correction.preparing import prepare, settle
+from symhyb.discrepancy.hypotheses import Hypothesis
+from symhyb.model.read import parse_model
+from symhyb.model.types import On
+from symhyb.model.vocabulary import KINDS
+
+X = On("x")
+
+
+def diagnosed(law: Law, seed: int = 1, **more: float) -> dict[str, tuple[float, float]]:
+    """What is found on the rig, by kind and key; the sentence has to be certain."""
+    diagnosis = sh.diagnose(parse_model(RIG, "rig.toml"), on_rig(law, seed, **more))
+    assert diagnosis.verdict == "missing physics"
+    assert len(diagnosis.found) == 1
+    return dict(numbers(diagnosis))
+
+
+def assert_close(found: dict[str, tuple[float, float]], truth: dict[str, float]) -> None:
+    assert set(found) == set(truth)
+    for key, value in truth.items():
+        assert found[key][0] == pytest.approx(value, rel=0.05), key
+        assert abs(found[key][0] - value) < 4 * found[key][1], key
+
+
+@pytest.mark.slow
+def test_an_exponent_of_hysteresis_is_found() -> None:
+    found = diagnosed(bouc_wen(150.0, 1.6e4, 1e4, exponent=2.0))
+    truth = {"stiffness": 150.0, "beta": 1.6e4, "gamma": 1e4, "exponent": 2.0}
+    assert_close(found, {f"hysteresis.{key}": value for key, value in truth.items()})
+
+
+@pytest.mark.slow
+def test_play_in_series_with_hysteresis_is_found() -> None:
+    found = diagnosed(bouc_wen(300.0, 100.0, 40.0, play=0.004))
+    truth = {"stiffness": 300.0, "beta": 100.0, "gamma": 40.0, "play": 0.004}
+    assert_close(found, {f"hysteresis.{key}": value for key, value in truth.items()})
+
+
+@pytest.mark.slow
+def test_micro_damping_is_found() -> None:
+    found = diagnosed(lugre(1.0, 600.0, micro=8.0))
+    truth = {"coulomb": 1.0, "stiffness": 600.0, "micro_damping": 8.0}
+    assert_close(found, {f"friction_dynamic.{key}": value for key, value in truth.items()})
+
+
+@pytest.mark.slow
+def test_damping_of_a_stop_is_found() -> None:
+    found = diagnosed(stop(800.0, 0.012, damping=6.0))
+    truth = {"stiffness": 800.0, "clearance": 0.012, "damping": 6.0}
+    assert_close(found, {f"gap.{key}": value for key, value in truth.items()})
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("law", "truth"),
+    [
+        (bouc_wen(150.0, 100.0, 60.0), {"hysteresis": 3}),
+        (lugre(1.0, 600.0), {"friction_dynamic": 2}),
+        (stop(800.0, 0.012), {"gap": 2}),
+    ],
+    ids=["Bouc-Wen", "Dahl", "stop"],
+)
+def test_plain_laws_stay_plain(law: Law, truth: dict[str, int]) -> None:
+    """Nothing is added to a law that explains the recording."""
+    found = diagnosed(law, seed=3)
+    assert {key.split(".")[0]: len(found) for key in found} == truth
+
+
+def test_variants_begin_at_the_law_that_was_found() -> None:
+    """One key more each, known to the vocabulary, within the limits of its key; the force at which
+    a hysteresis saturates stays where it was."""
+    setting = settle(prepare(parse_model(RIG, "rig.toml"), on_rig(lugre(1.0, 600.0), 1)))
+    rows = {
+        "hysteresis": {"stiffness": 150.0, "beta": 100.0, "gamma": -20.0},
+        "friction_dynamic": {"coulomb": 1.0, "stiffness": 600.0},
+        "gap": {"stiffness": 800.0, "clearance": 0.02},
+    }
+    for kind, row in rows.items():
+        plain = next(h for h in setting.hypotheses if h.kind == kind and h.place == X)
+        found = list(variants_of(setting, plain, row))
+        assert {key for h, _ in found for key in h.added} == {
+            "hysteresis": {"exponent", "play"},
+            "friction_dynamic": {"micro_damping", "static", "stribeck", "exponent", "play"},
+            "gap": {"damping"},
+        }[kind]
+        for variant, first in found:
+            assert set(first) == set(variant.keys) <= {key.name for key in KINDS[variant.kind].keys}
+            assert variant not in setting.hypotheses
+            for key, number in first.items():
+                low, high = variant.limits(key)
+                assert low <= number <= high
+            if kind == "hysteresis":
+                n = first.get("exponent", 1.0)
+                level = (first["beta"] + first["gamma"]) ** (-1 / n) - first.get("play", 0.0)
+                assert 150.0 * level == pytest.approx(150.0 / 80.0)
+
+
+def test_variants_stack_and_no_key_is_added_twice() -> None:
+    setting = settle(prepare(parse_model(RIG, "rig.toml"), on_rig(lugre(1.0, 600.0), 1)))
+    plain = next(h for h in setting.hypotheses if h.kind == "hysteresis")
+    row = {"stiffness": 150.0, "beta": 100.0, "gamma": 50.0}
+    (knee, first), *_ = variants_of(setting, plain, row)
+    assert knee.added == ("exponent",)
+    twice = {h.added for h, _ in variants_of(setting, knee, first)}
+    assert twice == {("exponent", "play")}
+    other = Hypothesis("hysteresis", On("y"), ("stiffness",), (True,))
+    assert list(variants_of(setting, other, row)) == []
+    assert np.all([h.variant for h, _ in variants_of(setting, plain, row)])
