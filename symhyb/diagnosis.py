@@ -203,8 +203,9 @@ def valued(setting: Setting, winner: Refined, prepared: Prepared) -> tuple[Refin
     is lacking that is the longest."""
     best: tuple[float, Refined, Stage] | None = None
     for stage in reversed(setting.stages):
+        starts = winner.fit.starts if stage is setting.stages[-1] else None
         trial = refine(
-            prepared.model, winner.causes, grouped(winner), stage.laid, setting.sd,
+            prepared.model, winner.causes, grouped(winner), stage.laid, setting.sd, starts,
             everything=True, careful=True,
         )  # fmt: skip
         spread = np.sqrt(np.diag(trial.fit.covariance))

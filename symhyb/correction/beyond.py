@@ -29,7 +29,7 @@ def deeper(trials: Trials, winner: Refined, place: Place | None = None) -> Itera
             causes = [*winner.causes[:i], other, *winner.causes[i + 1 :]]
             indices = [trials.index(c) for c in causes]
             trial = trials.refined(indices, rows, winner.fit.starts)
-            tried += [trial, *_lean(trials, trial, other)]
+            tried += [trial, *lean(trials, trial, other)]
     yield from sorted(tried, key=lambda trial: trial.fit.train)
 
 
@@ -42,9 +42,9 @@ def more_lines(trials: Trials, winner: Refined) -> Iterator[Refined]:
         yield trials.refined(indices, [*grouped(winner), *rows], winner.fit.starts)
 
 
-def _lean(trials: Trials, trial: Refined, kept: Hypothesis) -> Iterator[Refined]:
+def lean(trials: Trials, trial: Refined, kept: Hypothesis) -> Iterator[Refined]:
     """The structure without the causes that no longer stand out: they stood in for a key of the
-    law that is ``kept``."""
+    law that is ``kept``, or were surrogates of it."""
     gone = {i for i in weak(trial) if trial.causes[i] != kept}
     if gone and not trial.fit.reason:
         rows = [row for i, row in enumerate(grouped(trial)) if i not in gone]
@@ -67,7 +67,7 @@ def last_resort(trials: Trials, winner: Refined, nothing: Refined, log: list[str
             indices = (*trials.causes(base), trials.index(cause))
             starts = base.fit.starts if base is winner else None
             trial = trials.refined(indices, [*grouped(base), row], starts)
-            tried += [trial, *_lean(trials, trial, cause)]
+            tried += [trial, *lean(trials, trial, cause)]
     fitting = [trial for trial in filter(believable, tried) if trial.fit.scale < NEAR_NOISE]
     for trial in sorted(fitting, key=lambda trial: criterion(trial, fitting[0])):
         earned, sentence = earns(trial, winner, trials.count + len(book.hypotheses))

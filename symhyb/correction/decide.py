@@ -14,7 +14,7 @@ from itertools import combinations
 
 import numpy as np
 
-from symhyb.correction.beyond import deeper, last_resort, more_lines
+from symhyb.correction.beyond import deeper, last_resort, lean, more_lines
 from symhyb.correction.conventions import CERTAIN, alike, exact_twins, precedence
 from symhyb.correction.evidence import (
     NEAR_NOISE,
@@ -238,7 +238,8 @@ def _improved(trials: Trials, winner: Refined, problem: Problem, log: list[str])
 
 
 def _additions(trials: Trials, winner: Refined) -> Iterator[Refined]:
-    """One more cause, where the linearisation along the winner's own simulation promises it."""
+    """One more cause, where the linearisation along the winner's own simulation promises it; first
+    without those that it makes redundant."""
     hypotheses = trials.setting.hypotheses
     skewed = {c for c, cause in enumerate(hypotheses) if "skew" in cause.terms}
     problem = without(around(trials.setting, winner), trials.dropped - skewed)
@@ -255,7 +256,9 @@ def _additions(trials: Trials, winner: Refined) -> Iterator[Refined]:
         if gain > HOPE * needed and part > PROMISE:
             values = [*grouped(winner), *_first(problem, subset)]
             causes = (*trials.causes(winner), *subset.causes)
-            yield trials.refined(causes, values, winner.fit.starts)
+            trial = trials.refined(causes, values, winner.fit.starts)
+            yield from lean(trials, trial, trial.causes[-1])
+            yield trial
 
 
 def _variants(trials: Trials, winner: Refined) -> Iterator[Refined]:

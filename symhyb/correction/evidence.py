@@ -101,7 +101,7 @@ def weak(trial: Refined) -> tuple[int, ...]:
 def _added_stands(cause: Hypothesis, values: Mapping[str, float], spread: Array) -> bool:
     """Whether every key that was added to a plain law stands out of its own deviation (``spread``
     (k,), SI, in the order of ``values``): an exponent from 1, breakaway from sliding friction."""
-    for key, sd in zip(values, spread, strict=True):
+    for key, sd in zip(list(values)[: cause.numbers], spread, strict=True):
         plain = values["coulomb"] if key == "static" else PLAIN.get(key, 0.0)
         fixed = key not in cause.added or key == "stribeck"
         if not fixed and not values[key] - plain > OUTSTANDING * sd:

@@ -108,7 +108,8 @@ class _Estimate:
 
 def strangers(model: Model, final: Refined, stage: Stage, sd: Array) -> tuple[Stranger, ...]:
     """The recordings that do not fit the others, the worst first; less than half of them. Of two
-    that differ neither is the stranger: the second is given, beside the first."""
+    that differ neither is the stranger: the second is given, beside the first. ``sd`` (m,) is the
+    noise of the sensors, SI."""
     keys = _shared(final)
     known = _each(model, final, stage, sd, [n for n, _, _ in keys]) if keys else {}
     found: list[Stranger] = []
@@ -199,7 +200,7 @@ def _unexplained(final: Refined, stage: Stage) -> Stranger | None:
 def drifting(model: Model, final: Refined, stage: Stage, sd: Array) -> Stranger | None:
     """The shared number that differs most between the first halves of the recordings (``others``)
     and the second (``value``), if one does beyond chance and by more than a tenth: a law that
-    changes on the way is not the constant one that was fitted."""
+    changes on the way is not the constant one that was fitted. ``sd`` (m,) is the noise, SI."""
     keys = _shared(final)
     if not keys or any(len(item.start) < 2 * WINDOWS_LEAST for item in stage.laid):
         return None

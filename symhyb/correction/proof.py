@@ -65,8 +65,9 @@ def _refitted(
     causes = [final.causes[i] for i in chosen]
     rows = grouped(final)
     first = [rows[j] for j in chosen]
+    starts = None if final.machine.inner_states else final.fit.starts
     everything = bool(prepared.holdout)
-    return refine(prepared.model, causes, first, stage.laid, setting.sd, everything=everything)
+    return refine(prepared.model, causes, first, stage.laid, setting.sd, starts, everything)
 
 
 def _unseen(prepared: Prepared, stage: Stage, trial: Refined) -> _Unseen:

@@ -95,7 +95,8 @@ def copies(mine: Sequence[int], size: int, recordings: int) -> list[dict[int, in
 
 
 def apart(columns: Array, mine: Sequence[int], which: int, recordings: int) -> Array:
-    """Columns (W, L, m, F) of one recording with those that are its own moved behind the rest."""
+    """Columns (W, L, m, F) of one recording, in units of the noise, with those that are its own
+    moved behind the rest."""
     if not mine or recordings < 2:
         return columns
     wide = np.zeros((*columns.shape[:3], columns.shape[3] + (recordings - 1) * len(mine)))

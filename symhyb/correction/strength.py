@@ -31,8 +31,8 @@ def element_forces(
 
 
 def shares(trial: Refined, recording: Recording, motion: Motion) -> Array:
-    """RMS of each force cause (E,) over the RMS of what all of them add, at the coordinate where it
-    weighs most."""
+    """RMS of each force cause (E,) over the RMS of what all of them add, dimensionless, at the
+    coordinate where it weighs most."""
     count = sum(cause.place is not None for cause in trial.causes)
     if count == 0:
         return np.zeros(0)

@@ -226,41 +226,32 @@ def _joined(
 
 
 class _Steps:
-    """The step functions of a form, lowered once; what only screens need, when they ask for it."""
+    """The step functions of a form: each lowered when it is asked for, and once."""
 
     def __init__(self, form: StateForm, free: list[int]):
         self.sense = _sensing(form, free)
-        self._functions = _stepping(form, free)
+        self._form, self._free = form, free
         self._ready: dict[str, Chains] = {}
 
     def run(self, what: str) -> Chains:
         """The steps of chains: ``plain``, with slopes to ``fit``, or to ``screen``."""
         if what not in self._ready:
-            self._ready[what] = Chains(self._functions[what])
+            self._ready[what] = Chains(self._function(what))
         return self._ready[what]
 
-
-def _stepping(form: StateForm, free: list[int]) -> dict[str, ca.Function]:
-    """(x, d0, d1, t, h, p) -> x after the step; for fits with its slopes by x and p, for screens
-    also by a test force."""
-    if form.size == 0:
-        return {}
-    x, d0, t, p, w = form.symbols()
-    d1, h = ca.SX.sym("d1", form.drive), ca.SX.sym("h")
-    after = rosenbrock_step(form)(x, d0, d1, t, h, p, w)
-    by_x, by_free = ca.jacobian(after, x), ca.jacobian(after, p)[:, free]
-    outputs = {
-        "plain": [after],
-        "fit": [after, by_x, by_free],
-        "screen": [after, by_x, by_free, ca.jacobian(after, w)],
-    }
-    return {
-        what: ca.Function(
-            what, [x, d0, d1, t, h, p],
-            [ca.densify(ca.substitute(part, w, 0 * w)) for part in parts], {"cse": True},
-        )
-        for what, parts in outputs.items()
-    }  # fmt: skip
+    def _function(self, what: str) -> ca.Function:
+        """(x, d0, d1, t, h, p) -> x after the step; for fits with its slopes by x and p, for
+        screens also by a test force w."""
+        x, d0, t, p, w = self._form.symbols()
+        d1, h = ca.SX.sym("d1", self._form.drive), ca.SX.sym("h")
+        names = {"plain": "", "fit": "xp", "screen": "xpw"}[what]
+        after = rosenbrock_step(self._form)(x, d0, d1, t, h, p, w)
+        slopes = {"x": x, "p": p, "w": w}
+        parts = [after, *(ca.jacobian(after, slopes[name]) for name in names)]
+        if "p" in names:
+            parts[2] = parts[2][:, self._free]
+        parts = [ca.densify(ca.substitute(part, w, 0 * w)) for part in parts]
+        return ca.Function(what, [x, d0, d1, t, h, p], parts, {"cse": True})
 
 
 def _sensing(form: StateForm, free: list[int]) -> ca.Function:
