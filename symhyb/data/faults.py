@@ -24,6 +24,9 @@ ENTRY = (
 SPIKE = 12.0  # times what nine of ten samples deviate from their neighbours
 SPIKE_PATTERN = 0.2  # how closely the neighbours must show that only one sample is wrong
 SPIKES_MOST = 0.05  # of the samples: more are the signal itself
+SPIKE_SHAPE = np.array([1 / 6, -2 / 3, 1.0, -2 / 3, 1 / 6])  # of e around one wrong sample
+SPIKE_GAPS = (2, 3, 4)  # samples between two spikes that spoil each other's shape; 1 may be a jump
+PAIR_ROOM = 5  # samples before and after, in which ringing would go on
 DROPOUT_LEAST = 2  # times the same value
 
 
@@ -32,7 +35,8 @@ def spikes(values: Signal) -> Flags:
 
     e_i = y_i − (−y_{i−2} + 4 y_{i−1} + 4 y_{i+1} − y_{i+2})/6, the deviation from the cubic through
     the neighbours. A spike s shows as e = s/6, −2s/3, s, −2s/3, s/6; a kink or a step of the motion
-    leaves another pattern, however large it is.
+    leaves another pattern, however large it is. Two spikes with a good sample between them are
+    found by the sum of their patterns.
     """
     flags = np.zeros(values.size, bool)
     if values.size < 25:
@@ -48,11 +52,34 @@ def spikes(values: Signal) -> Flags:
         before, after = e[1:-3] / e[2:-2], e[3:-1] / e[2:-2]
         alone = (np.abs(before + 2 / 3) < SPIKE_PATTERN) & (np.abs(after + 2 / 3) < SPIKE_PATTERN)
         flags[2:-2] = (np.abs(e[2:-2]) > SPIKE * usual) & alone
+    flags |= pairs(e, SPIKE * usual)
     return flags if flags.sum() <= SPIKES_MOST * values.size else np.zeros_like(flags)
 
 
+def pairs(e: Signal, least: float) -> Flags:
+    """Flag (N,) two spikes so close that their patterns overlap in the deviations ``e`` (N,) from
+    the neighbours: what is left of ``e`` beside the two is small against either. Both are at least
+    ``least``, in the unit of the signal."""
+    flags = np.zeros(e.size, bool)
+    large = np.abs(e) > least
+    for gap in SPIKE_GAPS:
+        first = np.flatnonzero(large[:-gap] & large[gap:])
+        first = first[(first >= PAIR_ROOM) & (first + gap + PAIR_ROOM < e.size)]
+        shapes = np.zeros((2 * PAIR_ROOM + 1 + gap, 2))
+        for column, at in enumerate((PAIR_ROOM, PAIR_ROOM + gap)):
+            shapes[at - 2 : at + 3, column] = SPIKE_SHAPE
+        around = e[first[:, None] + np.arange(-PAIR_ROOM, gap + PAIR_ROOM + 1)]
+        heights = around @ np.linalg.pinv(shapes).T
+        rest = np.abs(around - heights @ shapes.T).max(axis=1)
+        smaller = np.abs(heights).min(axis=1)
+        good = first[(smaller > least) & (rest < SPIKE_PATTERN * smaller)]
+        flags[good] = flags[good + gap] = True
+    return flags
+
+
 def dropouts(values: Signal) -> Flags:
-    """Flag (N,) samples where a channel fell to one and the same value, far from its neighbours.
+    """Flag (N,) samples where a channel (N,), in any unit, fell to one and the same value, far from
+    its neighbours.
 
     The value is the one that most of the samples share with another sample; at least two of its
     runs must leave and return by more than any step of the rest.
@@ -82,8 +109,8 @@ def dropouts(values: Signal) -> Flags:
 
 
 def at_limit(values: Signal, upper: bool) -> Flags:
-    """Flag (N,) the runs of at least three samples at the very extreme of a signal, where so many
-    are there that it is no crest."""
+    """Flag (N,) the runs of at least three samples at the very extreme of a signal (N,), in any
+    unit, where so many are there that it is no crest."""
     flags = np.zeros(values.size, bool)
     levels = np.unique(values[np.isfinite(values)])
     if levels.size < 2:
@@ -98,8 +125,8 @@ def at_limit(values: Signal, upper: bool) -> Flags:
 
 
 def saturated(values: Signal) -> Flags:
-    """Flag (N,) the samples at a limit that the signal runs into without slowing down: there the
-    sensor ends, not the motion."""
+    """Flag (N,) the samples at a limit that the signal (N,), in any unit, runs into without slowing
+    down: there the sensor ends, not the motion."""
     flags = np.zeros(values.size, bool)
     steps = np.diff(values)
     usual = float(np.sqrt(np.nanmean(steps**2))) if np.isfinite(steps).any() else 0.0
@@ -124,8 +151,8 @@ FAULTS: tuple[tuple[str, Callable[[Signal], Flags]], ...] = (
 
 
 def faulty(values: Signal) -> Iterator[tuple[str, Flags]]:
-    """What is wrong with samples of a signal (N,), each with its flags (N,); what one fault took is
-    missing for the next."""
+    """What is wrong with samples of a signal (N,), in any unit, each with its flags (N,); what one
+    fault took is missing for the next."""
     left = values.copy()
     for words, find in FAULTS:
         flags = find(left)
