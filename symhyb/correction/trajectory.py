@@ -142,7 +142,7 @@ def shared_out(causes: Sequence[Hypothesis], recordings: int) -> tuple[tuple[int
 
 
 def gathered(row: Array, owned: Sequence[Sequence[int]]) -> Array:
-    """What holds for each free parameter, for each of all numbers."""
+    """What holds for each free parameter (P,), SI, for each of all numbers."""
     if not owned:
         return row
     full = np.empty(1 + max(map(max, owned)))
@@ -195,7 +195,7 @@ def _begun(item: Laid, start: Array) -> Array:
 
 
 def own_values(trial: Refined, item: Laid, sd: Array) -> Array:
-    """The parameter vector (P,) of a recording that was not fitted: its own numbers are fitted to
+    """The parameters (P,), SI, of a recording that was not fitted: its own numbers are fitted to
     its windows as initial states are, all others stay. A phase is tried all around."""
     own = trial.own_columns
     if not own:

@@ -28,6 +28,8 @@ class Trials:
         values: Sequence[Mapping[str, float]] = (),
         starts: Sequence[Array] | None = None,
     ) -> Refined:
+        """The structure of the numbered ``causes``, fitted from ``values`` (SI, by key; as many as
+        causes) and the initial states of windows ``starts`` (W, 2n), where given."""
         key = tuple(sorted(causes))
         if key not in self.done:
             chosen = [self.known[cause] for cause in causes]
@@ -53,6 +55,7 @@ class Trials:
         return bool(np.all(sizes > SMALL))
 
     def causes(self, trial: Refined) -> tuple[int, ...]:
+        """The numbers of a structure's causes."""
         return tuple(map(self.index, trial.causes))
 
     def index(self, cause: Hypothesis) -> int:

@@ -186,26 +186,28 @@ def _motion(library: Library, item: Laid, index: int) -> tuple[Array, Array, Arr
 
 
 def knots(values: Sequence[Array], count: int) -> Array:
-    """Knots at quantiles of all windows, closest where the motion is most."""
+    """Knots (B,) at quantiles of all windows (W, L), closest where the motion is most; SI."""
     joined = np.concatenate([value.reshape(-1) for value in values])
     at = np.unique(np.quantile(joined, np.linspace(0, 1, count)))
     return at if at.size > 1 else np.array([at[0] - 1, at[0] + 1])
 
 
 def surface(stretch: Array, rate: Array, corners: Sequence[Array]) -> Array:
-    """Tensor products of hat functions (W, L, B) over stretch and rate (W, L)."""
+    """Tensor products of hat functions (W, L, B) over stretch and rate (W, L), SI."""
     along, across = hats(stretch, corners[0]), hats(rate, corners[1])
     product = along[..., :, None] * across[..., None, :]
     return product.reshape(*stretch.shape, -1)
 
 
 def hats(x: Array, at: Array) -> Array:
-    """Hat functions (…, B) over knots ``at`` (B,), constant beyond them."""
+    """Hat functions (…, B), dimensionless, over knots ``at`` (B,), constant beyond them."""
     inside = np.clip(x, at[0], at[-1])
     return np.stack([np.interp(inside, at, row) for row in np.eye(at.size)], axis=-1)
 
 
 def ridge(gram: Array) -> Array:
+    """The coefficients (C,) of a Gram matrix (C + 1, C + 1) whose last row and column are those of
+    the residual, in units of the noise; held towards 0 by a small part of its mean diagonal."""
     block, right = gram[:-1, :-1], gram[:-1, -1]
     mean = float(np.trace(block)) / block.shape[0]
     return np.linalg.solve(block + (RIDGE * mean + 1e-300) * np.eye(block.shape[0]), right)
@@ -213,7 +215,8 @@ def ridge(gram: Array) -> Array:
 
 def explained(gram: Array, values: Array, floor: float) -> float | None:
     """The share of a residual beyond its noise ``floor`` that coefficients (C,) explain, by the
-    Gram matrix (C + 1, C + 1) of other windows; None where nothing is left."""
+    Gram matrix (C + 1, C + 1) of other windows, all in units of the noise; None where nothing is
+    left."""
     mix = np.append(-values, 1.0)
     before, after = float(gram[-1, -1]), float(mix @ gram @ mix)
     if before <= floor or before == 0:

@@ -31,8 +31,9 @@ SURE = 5.0  # standard errors of the mean force in a bin
 
 @dataclass(frozen=True, slots=True)
 class Placed:
-    """Reduced windows of all recordings at one place: ``grams`` (W, B + 1, B + 1), ``count`` and
-    ``held`` (W,), the ``recording`` (W,) each belongs to, its first and last time ``t`` (W, 2)."""
+    """Reduced windows of all recordings at one place: ``grams`` (W, B + 1, B + 1) in units of the
+    noise, ``count`` and ``held`` (W,), the ``recording`` (W,) each belongs to, its first and last
+    time ``t`` (W, 2) in s."""
 
     grams: Array
     count: NDArray[np.int64]
@@ -45,14 +46,15 @@ Solve = Callable[[Array], Array]
 
 
 def costs(grams: Array, values: Array) -> Array:
-    """χ² (W,) of windows under the coefficients (B,) of a surface."""
+    """χ² (W,), dimensionless, of windows under the coefficients (B,) of a surface."""
     mix = np.append(-values, 1.0)
     return np.asarray(np.einsum("i,wij,j->w", mix, grams, mix))
 
 
 def change_of(placed: Placed, solve: Solve, names: Sequence[str]) -> Change | None:
     """Whether what the place lacks begins or ends within a recording; ``solve`` gives the
-    coefficients of the surface for a sum of Gram matrices, ``names`` those of the recordings.
+    coefficients (B,) of the surface for a sum of Gram matrices (B + 1, B + 1), in units of the
+    noise, ``names`` those of the recordings.
 
     Of all moments between windows the best is taken; it must be significant for the number of
     moments tried, and take half of what acting throughout leaves beyond the noise.
@@ -109,8 +111,8 @@ def still(placed: Placed, change: Change, names: Sequence[str]) -> NDArray[np.bo
 
 
 def sharpened(change: Change, fine: Placed, solve: Solve, names: Sequence[str]) -> Change:
-    """The moment of a change on shorter windows: the one within a window of the first guess that
-    leaves least, with no surface before (after) it."""
+    """The moment of a change on shorter windows (W,): the one within a window of the first guess
+    that leaves least, in units of the noise, with no surface before (after) it."""
     r = list(names).index(change.recording)
     mine = np.flatnonzero(fine.recording == r)
     begins = change.kind == "begins"
@@ -132,9 +134,9 @@ def sharpened(change: Change, fine: Placed, solve: Solve, names: Sequence[str]) 
 
 
 def spectrum(t: Array, missing: Array, acting: Array) -> tuple[Array, Array]:
-    """Frequencies (Hz) and the power of a missing force (N,) that the ``acting`` one (N,) explains:
-    the real part of their cross-spectrum, smoothed over three lines. Empty where samples lie
-    unevenly."""
+    """Frequencies (F,) in Hz and the power (F,), in squares of the unit of the forces, of a
+    ``missing`` force (N,) that the ``acting`` one (N,) explains, over ``t`` (N,) in s: the real
+    part of their cross-spectrum, smoothed over three lines. Empty where samples lie unevenly."""
     step = float(np.median(np.diff(t))) if t.size > 64 else 0.0
     if step <= 0 or np.max(np.abs(np.diff(t) - step)) > 0.5 * step:
         return np.empty(0), np.empty(0)
@@ -145,8 +147,8 @@ def spectrum(t: Array, missing: Array, acting: Array) -> tuple[Array, Array]:
 
 
 def band_of(lines: Array, power: Array) -> tuple[float, float] | None:
-    """The band (Hz) that holds the middle four fifths of the power; None if it is no narrower than
-    half of what the samples resolve."""
+    """The band in Hz that holds the middle four fifths of the ``power`` (F,) over frequencies
+    ``lines`` (F,) in Hz; None if it is no narrower than half of what the samples resolve."""
     if lines.size < 8 or not power.sum() > 0:
         return None
     total = np.cumsum(power) / power.sum()
@@ -155,8 +157,8 @@ def band_of(lines: Array, power: Array) -> tuple[float, float] | None:
 
 
 def beyond_of(stretch: Array, missing: Array) -> float | None:
-    """The size of the stretch (from zero) below which no force is missing on average, and beyond
-    which one is; None for a force that is there from the start."""
+    """The size of the ``stretch`` (N,), from zero, below which no force is ``missing`` (N,) on
+    average, and beyond which one is, SI; None for a force that is there from the start."""
     size, most = np.abs(stretch), float(np.quantile(np.abs(stretch), 0.999))
     if most <= 0 or stretch.min() >= 0.5 * most:
         return None

@@ -31,7 +31,8 @@ def point_hypotheses(
     model: Model, motions: Sequence[Motion], narrow: float
 ) -> tuple[Hypothesis, ...]:
     """Damper, drag, friction and added mass at every point that moves in its own way; ``narrow`` is
-    the friction transition over the largest speed of the point along the ``motions``."""
+    the friction transition over the largest speed of the point along the ``motions``: q, v (N, n)
+    and t (N,), SI."""
     points = moving_points(model)
     if not points:
         return ()
