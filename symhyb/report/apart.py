@@ -6,7 +6,7 @@ import numpy as np
 
 from symhyb.discrepancy.results import Isolability
 from symhyb.discrepancy.wording import number_text
-from symhyb.report.figures import MEASURED, drawing, svg
+from symhyb.report.canvas import MEASURED, drawing, svg
 
 # below 10 to 1 a cause is in doubt, below 100 to 1 it is not certain; by 1/odds
 _ODDS_SHADES = ((0.1, "#f3b6ae"), (0.01, "#f7e0ac"), (-1.0, "#cfe3f3"))

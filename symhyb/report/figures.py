@@ -1,22 +1,30 @@
-"""Pictures of the report as self-contained SVG: the one file that draws (matplotlib, no pyplot).
+"""Pictures of motion and force as self-contained SVG: free runs, and ΔF over motion and over time.
 
 Every function takes SI arrays with time on axis 0 and the units to show them in, and returns the
 bytes of an SVG. Labels stand above what they name, so that a long name costs height, not width.
 """
 
-import io
 import warnings
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from symhyb.discrepancy.results import Cloud, Occurrence, Trace
-from symhyb.discrepancy.wording import number_text, percent_text
-from symhyb.report.contract import finite
+from symhyb.discrepancy.results import Cloud, Trace
+from symhyb.discrepancy.wording import number_text
+from symhyb.report.canvas import (
+    AFTER,
+    BEFORE,
+    LAW,
+    MEASURED,
+    QUIET,
+    bracketed,
+    drawing,
+    legend,
+    svg,
+)
 from symhyb.report.series import (
     BINS,
     Array,
@@ -33,34 +41,7 @@ from symhyb.units import Unit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
-WIDTH = 5.4  # inches; with type of 9 pt that reads at 760 px and on a phone
-MEASURED, BEFORE, AFTER, LAW = "#1f2933", "#d9812e", "#1f6fb2", "#b3261e"
-QUIET = "#8a949e"
-_STYLE: dict[Any, Any] = {  # matplotlib's own type lists every key it knows
-    "font.family": "DejaVu Sans",
-    "font.size": 9.0,
-    "text.parse_math": False,  # a name may hold a dollar sign
-    "axes.titlesize": 9.0,
-    "axes.titlelocation": "left",
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.edgecolor": QUIET,
-    "axes.grid": True,
-    "axes.axisbelow": True,
-    "axes.formatter.useoffset": False,
-    "axes.xmargin": 0.01,
-    "grid.color": "#e6e9ec",
-    "grid.linewidth": 0.6,
-    "xtick.color": "#4a5560",
-    "ytick.color": "#4a5560",
-    "lines.linewidth": 1.1,
-    "legend.frameon": False,
-    "legend.fontsize": 8.5,
-    "svg.fonttype": "path",  # looks the same without any font installed
-    "svg.hashsalt": "symhyb",
-}
 _TAILS = 0.2  # percent of ΔF that a noisy peak may push out of the picture
 _NEAR, _FAR = 0.4, 50.0  # ranges of the measurement: that a picture shows, that are drawn at all
 _POINTS = 5000  # of a drawn cloud
@@ -73,15 +54,6 @@ class PlaceUnits:
     stretch: Unit
     rate: Unit
     force: Unit
-
-
-@dataclass(frozen=True, slots=True)
-class Pair:
-    """A score before and after the correction, as a share of one (None: not computable)."""
-
-    label: str
-    before: float | None
-    after: float | None
 
 
 def trace_figure(trace: Trace, sensor: str, unit: Unit) -> bytes:
@@ -98,7 +70,7 @@ def trace_figure(trace: Trace, sensor: str, unit: Unit) -> bytes:
     with drawing(sum(heights) + 0.9) as figure:
         panels = figure.subplots(len(heights), 1, height_ratios=heights, squeeze=False)[:, 0]
         _signals(panels[0], trace.t, measured, runs, sensor, unit)
-        _legend(panels[0])
+        legend(panels[0])
         _residuals(panels[1], trace.t, measured, runs, unit)
         panels[1].sharex(panels[0])
         if zoom:
@@ -131,7 +103,7 @@ def cloud_figure(cloud: Cloud, units: PlaceUnits, remembers: bool = False) -> by
         panels[0].plot([], [], color=LAW, label=law if np.any(cloud.law) else "no law: 0")
         if not remembers:
             panels[0].fill_between([], [], color=LAW, alpha=0.18, label="± one sd of ΔF")
-        _legend(panels[0])
+        legend(panels[0])
         return svg(figure)
 
 
@@ -152,104 +124,11 @@ def force_figure(cloud: Cloud, unit: Unit) -> bytes:
             panel.plot(*envelope(t, force[inside] / scale), color=QUIET, label="ΔF", lw=0.8)
             if np.any(law):
                 panel.plot(*envelope(t, law[inside] / scale), color=LAW, label="found law")
-            panel.set_title(f"ΔF{_bracketed(label)}" + (", zoomed" if window else ""))
+            panel.set_title(f"ΔF{bracketed(label)}" + (", zoomed" if window else ""))
             _limit(panel, [force[inside] / scale, law[inside] / scale], 0.1, _TAILS)
-        _legend(panels[0])
+        legend(panels[0])
         panels[-1].set_xlabel("time [s]")
         return svg(figure)
-
-
-def score_figure(pairs: Sequence[Pair]) -> bytes:
-    """Draw scores before and after as paired bars in percent, logarithmic if they differ much."""
-    values = [finite(value) for pair in pairs for value in (pair.before, pair.after)]
-    shown = [100.0 * value for value in values if value is not None and value > 0.0]
-    logarithmic = bool(shown) and max(shown) > 20.0 * min(shown)
-    with drawing(0.52 * len(pairs) + 0.75) as figure:
-        panel = figure.subplots()
-        if logarithmic:
-            panel.set_xscale("log")
-            panel.set_xlim(min(shown) / 2.0, max(shown) * 3.0)
-        elif shown:
-            panel.set_xlim(0.0, max(shown) * 1.18)
-        for row, pair in enumerate(pairs):
-            _above(panel, float(row), pair.label)
-            _bar(panel, row + 0.32, pair.before, BEFORE)
-            _bar(panel, row + 0.57, pair.after, AFTER)
-        panel.set_ylim(len(pairs) - 0.2, -0.3)
-        _percent_axis(panel, logarithmic)
-        panel.set_xlabel("error [%]" + (", logarithmic" if logarithmic else ""))
-        return svg(figure)
-
-
-def places_figure(places: Sequence[tuple[str, float | None, bool]]) -> bytes:
-    """Draw the share of the mismatch that each place explains; found places stand out.
-
-    ``places`` are (words, explained share or None, whether something was found there).
-    """
-    with drawing(0.48 * len(places) + 0.8) as figure:
-        panel = figure.subplots()
-        panel.set_xlim(0.0, 118.0)
-        for row, (words, explained, found) in enumerate(places):
-            _above(panel, float(row), words)
-            _bar(panel, row + 0.4, explained, AFTER if found else "#aab4bd")
-        panel.set_ylim(len(places), -0.4)
-        _percent_axis(panel, logarithmic=False)
-        panel.set_xticks(range(0, 101, 20))
-        panel.set_xlabel("explained share of the mismatch [%]")
-        return svg(figure)
-
-
-def occurrence_figure(told: Occurrence) -> bytes:
-    """Draw when a place's mismatch acts (what is left of every window, as it is and with the best
-    force of the place's own motion) and at which frequencies."""
-    with drawing(4.2 if told.lines.size else 2.3) as figure:
-        panels = figure.subplots(2 if told.lines.size else 1, 1, squeeze=False)[:, 0]
-        for values, color, word in (
-            (told.before, BEFORE, "as it is"),
-            (told.after, AFTER, "best force here"),
-        ):
-            shown = np.maximum(values, 1e-3)
-            panels[0].step(told.t, shown, where="mid", color=color, label=word)
-        panels[0].axhline(1.0, color=QUIET, lw=0.8, ls="--", label="noise")
-        panels[0].set_yscale("log")
-        panels[0].yaxis.set_major_formatter("{x:g}")
-        panels[0].yaxis.set_minor_formatter("")
-        panels[0].set_title("left over [χ² per sample]")
-        if told.change is not None:
-            panels[0].axvline(told.change.time_s, color=LAW)
-            at = (told.change.time_s, 0.97)
-            panels[0].annotate(
-                f"{told.change.kind} ", at, xycoords=panels[0].get_xaxis_transform(), color=LAW,
-                ha="right", va="top",
-            )  # fmt: skip
-        _legend(panels[0])
-        panels[0].set_xlabel("time [s]")
-        if told.lines.size:
-            panels[1].fill_between(told.lines, 0.0, told.power, color=AFTER, lw=0.0)
-            if told.band_hz is not None:
-                panels[1].axvspan(*told.band_hz, color="#eef1f4", zorder=0)
-            panels[1].set_title("power of the missing force, over its largest")
-            panels[1].set_xlabel("frequency [Hz]")
-            panels[1].set_ylim(0.0, 1.05)
-        return svg(figure)
-
-
-@contextmanager
-def drawing(height: float) -> Iterator["Figure"]:
-    """Yield a figure in the style of the page, ``height`` in inches."""
-    import matplotlib as mpl
-    from matplotlib.figure import Figure
-
-    with mpl.rc_context(_STYLE), warnings.catch_warnings():
-        warnings.filterwarnings("ignore", message="Glyph .* missing", category=UserWarning)
-        yield Figure(figsize=(WIDTH, height), dpi=150, layout="constrained", facecolor="white")
-
-
-def svg(figure: "Figure") -> bytes:
-    """Give a figure as the bytes of an SVG that is the same every time."""
-    target = io.BytesIO()
-    figure.savefig(target, format="svg", metadata={"Date": None, "Creator": "symhyb"})
-    return target.getvalue()
 
 
 def _signals(
@@ -265,7 +144,7 @@ def _signals(
     for run, color, word in runs:
         drawn = _near(run, measured, _FAR)
         panel.plot(*envelope(t, drawn / scale), color=color, label=word)
-    panel.set_title(f"{shortened(name, 28)}{_bracketed(label)}")
+    panel.set_title(f"{shortened(name, 28)}{bracketed(label)}")
     _limit(panel, [measured / scale, *(_near(run, measured) / scale for run, _, _ in runs)], 0.06)
 
 
@@ -297,9 +176,9 @@ def _residuals(
         said = f"{word}: RMS {number_text(rms, digits=3)}"
         panel.plot(*envelope(t, drawn), color=color, label=said)
     panel.axhline(0.0, color=QUIET, lw=0.6)
-    panel.set_title(f"residual{_bracketed(label)}")
+    panel.set_title(f"residual{bracketed(label)}")
     _limit(panel, [values / scale for values in near], 0.1)
-    _legend(panel)
+    legend(panel)
 
 
 def _cloud(
@@ -329,15 +208,15 @@ def _cloud(
     opaque = ScalarMappable(points.norm, points.cmap)
     bar = panel.figure.colorbar(opaque, ax=panel, pad=0.02, aspect=18)
     bar.outline.set_visible(False)
-    bar.set_label(f"{colored[1]}{_bracketed(label_c)}")
+    bar.set_label(f"{colored[1]}{bracketed(label_c)}")
     if looped is None:
         spans = _branches(panel, x, law, band, halves(colored[0]))
     else:
         spans = [law[looped]]
         panel.plot(x[looped], law[looped], color=LAW, lw=1.1)
     strange = "" if spans else " (of which the found law is no function)"
-    panel.set_xlabel(f"{across[1]}{_bracketed(label_x)}{strange}")
-    panel.set_title(f"ΔF{_bracketed(label_y)}")
+    panel.set_xlabel(f"{across[1]}{bracketed(label_x)}{strange}")
+    panel.set_title(f"ΔF{bracketed(label_y)}")
     _limit(panel, [force, *spans], 0.1, _TAILS)
 
 
@@ -373,40 +252,6 @@ def _band(panel: "Axes", t: Array, lower: Array, upper: Array) -> None:
         low = np.nanmin(lower[:whole].reshape(-1, size), axis=1)
         high = np.nanmax(upper[:whole].reshape(-1, size), axis=1)
     panel.fill_between(t[:whole:size], low, high, color="#dfe4e8", lw=0.0, label="± one sd")
-
-
-def _bar(panel: "Axes", height: float, share: float | None, color: str) -> None:
-    known = finite(share)
-    left = panel.get_xlim()[0]
-    if known is not None:
-        panel.barh(height, 100.0 * known - left, left=left, height=0.24, color=color)
-    said = "not computable" if known is None else percent_text(known)
-    end = left if known is None else max(100.0 * known, left)
-    panel.annotate(
-        said, (end, height), xytext=(3, 0), textcoords="offset points", va="center", fontsize=8
-    )
-
-
-def _above(panel: "Axes", height: float, text: str) -> None:
-    across = panel.get_yaxis_transform()
-    panel.annotate(shortened(text), (0.0, height), xycoords=across, va="center")
-
-
-def _percent_axis(panel: "Axes", logarithmic: bool) -> None:
-    panel.set_yticks([])
-    panel.spines["left"].set_visible(False)
-    panel.grid(visible=True, axis="x", which="major")
-    if logarithmic:
-        panel.xaxis.set_major_formatter(lambda value, _: number_text(float(value)))
-        panel.xaxis.set_minor_formatter(lambda value, _: "")
-
-
-def _legend(panel: "Axes") -> None:
-    panel.legend(loc="lower right", bbox_to_anchor=(1.0, 0.98), ncols=3, borderaxespad=0.0)
-
-
-def _bracketed(unit: str) -> str:
-    return f" [{unit}]" if unit else " [1]"
 
 
 def _limit(panel: "Axes", series: Sequence[Array], margin: float, tails: float = 0.0) -> None:

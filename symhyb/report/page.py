@@ -18,6 +18,8 @@ from symhyb.model.types import Model, On, place_text
 from symhyb.model.vocabulary import KINDS
 from symhyb.report import figures
 from symhyb.report.apart import apart_figure
+from symhyb.report.bars import Pair, places_figure, score_figure
+from symhyb.report.occurring import occurrence_figure
 from symhyb.report.sentences import (
     alternative_sentence,
     method_sentences,
@@ -28,13 +30,8 @@ from symhyb.report.sentences import (
 from symhyb.report.tables import SCORES, place_table, place_units, tables
 from symhyb.units import Unit
 
-_TRACES_SHOWN, _CLOUDS_SHOWN, _BARS_SHOWN = (
-    12,
-    6,
-    24,
-)  # each picture costs a second and a hundred kilobytes
-
-_PLACES_SHOWN = 3
+# each picture costs a second and a hundred kilobytes
+_TRACES_SHOWN, _CLOUDS_SHOWN, _BARS_SHOWN, _PLACES_SHOWN = 12, 6, 24, 3
 
 _REMEMBERING = frozenset(kind.name for kind in KINDS.values() if kind.state)
 _OF_TIME = frozenset({"harmonic", "added_mass"})  # no function of stretch and rate at all
@@ -170,7 +167,7 @@ def _cloud_pictures(
 def _score_picture(verdict: Verdict) -> Picture | None:
     scores = verdict.holdout or verdict.train
     pairs = [
-        figures.Pair(f"{words}, {name}", old.get(name), new.get(name))
+        Pair(f"{words}, {name}", old.get(name), new.get(name))
         for key, _, words in SCORES
         if key != "force_nrmse"  # the residual says the same against a scale that people know
         for old, new in [(getattr(scores.before, key), getattr(scores.after, key))]
@@ -180,7 +177,7 @@ def _score_picture(verdict: Verdict) -> Picture | None:
         return None
     which = "unseen recordings" if verdict.holdout else "training recordings"
     return Picture(
-        _image(figures.score_figure(pairs[:_BARS_SHOWN])),
+        _image(score_figure(pairs[:_BARS_SHOWN])),
         f"Bars of the scores before and after the correction, on {which}.",
         f"Scores on {which}: before (upper bar, orange) and after the correction (lower bar, blue)",
     )
@@ -193,7 +190,7 @@ def _place_picture(diagnosis: Diagnosis) -> Picture | None:
     shown = diagnosis.places[:_BARS_SHOWN]
     rows = [(place_text(row.place), row.explained, row.place in found) for row in shown]
     return Picture(
-        _image(figures.places_figure(rows)),
+        _image(places_figure(rows)),
         "Bars of the share of the mismatch that each place explains.",
         "How much of the mismatch any smooth function of a place's own motion explains, on data "
         "that it was not fitted to. Blue: something was found there.",
@@ -211,7 +208,7 @@ def _occurrences(diagnosis: Diagnosis, model: Model | None) -> list[Picture]:
         said = told.sentence or f"{where[:1].upper()}{where[1:]}, the mismatch acts throughout."
         drawn.append(
             Picture(
-                _image(figures.occurrence_figure(told)),
+                _image(occurrence_figure(told)),
                 f"What is left of the windows over time {where}, and the power of the missing "
                 "force over frequency.",
                 said,

@@ -9,7 +9,8 @@ import pytest
 
 from symhyb.discrepancy.results import Diagnosis, Verdict
 from symhyb.report import figures
-from symhyb.report.figures import Pair, PlaceUnits
+from symhyb.report.bars import Pair, places_figure, score_figure
+from symhyb.report.figures import PlaceUnits
 from symhyb.report.series import (
     binned,
     envelope,
@@ -74,7 +75,7 @@ def test_clouds_are_labelled_with_units_and_name_the_law(cases: Cases) -> None:
 def test_scores_are_drawn_logarithmic_only_where_needed(
     values: tuple[float | None, float | None], axis: str
 ) -> None:
-    shown = texts(figures.score_figure([Pair("window error, laser", *values)]))
+    shown = texts(score_figure([Pair("window error, laser", *values)]))
     assert axis in shown
     assert ("logarithmic" in axis) == ("logarithmic" in shown)
     assert ("not computable" in shown) == (values[0] is None)
@@ -82,7 +83,7 @@ def test_scores_are_drawn_logarithmic_only_where_needed(
 
 def test_places_show_their_share() -> None:
     rows = [("on x", 0.9962, True), ("between anchor and tip", None, False)]
-    shown = texts(figures.places_figure(rows))
+    shown = texts(places_figure(rows))
     for label in ("on x", "99.6 %", "between anchor and tip", "not computable", "mismatch [%]"):
         assert label in shown
 

@@ -1,0 +1,69 @@
+"""The sheet that every picture of the report is drawn on: style, colours, SVG.
+
+matplotlib without pyplot: nothing is shown, and nothing stays open.
+"""
+
+import io
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+WIDTH = 5.4  # inches; with type of 9 pt that reads at 760 px and on a phone
+MEASURED, BEFORE, AFTER, LAW = "#1f2933", "#d9812e", "#1f6fb2", "#b3261e"
+QUIET = "#8a949e"
+_STYLE: dict[Any, Any] = {  # matplotlib's own type lists every key it knows
+    "font.family": "DejaVu Sans",
+    "font.size": 9.0,
+    "text.parse_math": False,  # a name may hold a dollar sign
+    "axes.titlesize": 9.0,
+    "axes.titlelocation": "left",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.edgecolor": QUIET,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.formatter.useoffset": False,
+    "axes.xmargin": 0.01,
+    "grid.color": "#e6e9ec",
+    "grid.linewidth": 0.6,
+    "xtick.color": "#4a5560",
+    "ytick.color": "#4a5560",
+    "lines.linewidth": 1.1,
+    "legend.frameon": False,
+    "legend.fontsize": 8.5,
+    "svg.fonttype": "path",  # looks the same without any font installed
+    "svg.hashsalt": "symhyb",
+}
+
+
+@contextmanager
+def drawing(height: float) -> Iterator["Figure"]:
+    """Yield a figure in the style of the page, ``height`` in inches."""
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+
+    with mpl.rc_context(_STYLE), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Glyph .* missing", category=UserWarning)
+        yield Figure(figsize=(WIDTH, height), dpi=150, layout="constrained", facecolor="white")
+
+
+def svg(figure: "Figure") -> bytes:
+    """Give a figure as the bytes of an SVG that is the same every time."""
+    target = io.BytesIO()
+    figure.savefig(target, format="svg", metadata={"Date": None, "Creator": "symhyb"})
+    return target.getvalue()
+
+
+def legend(panel: "Axes") -> None:
+    """Put the legend above the panel, on the right."""
+    panel.legend(loc="lower right", bbox_to_anchor=(1.0, 0.98), ncols=3, borderaxespad=0.0)
+
+
+def bracketed(unit: str) -> str:
+    """Write a unit behind the name of an axis."""
+    return f" [{unit}]" if unit else " [1]"
