@@ -8,6 +8,7 @@ from symhyb.discrepancy.results import Isolability
 from symhyb.discrepancy.wording import number_text
 from symhyb.report.canvas import MEASURED, drawing, svg
 
+_SURE = np.log(100.0)  # evidence; with less a cause is not certain
 # below 10 to 1 a cause is in doubt, below 100 to 1 it is not certain; by 1/odds
 _ODDS_SHADES = ((0.1, "#f3b6ae"), (0.01, "#f7e0ac"), (-1.0, "#cfe3f3"))
 _ODDS_SHOWN = 13.8  # ln of a million
@@ -39,6 +40,20 @@ def apart_figure(matrix: Isolability) -> bytes:
             panel.spines[side].set_visible(False)
         panel.tick_params(length=0)
         return svg(figure)
+
+
+def apart_sentence(matrix: Isolability) -> str | None:
+    """Say that every found cause is told from every other one; None where one is not, or where
+    nothing was found."""
+    rows = matrix.evidence[np.array(matrix.found, dtype=bool)]
+    least = float(np.nanmin(rows)) if np.isfinite(rows).any() else 0.0
+    if least < _SURE:
+        return None
+    odds = "more than 10⁶" if least > _ODDS_SHOWN else f"at least {odds_text(least)}"
+    return (
+        "These recordings tell what was found from every other cause that comes near, with odds of "
+        f"{odds} to 1."
+    )
 
 
 def odds_text(evidence: float) -> str:

@@ -34,7 +34,7 @@ def _when(panel: "Axes", told: Occurrence) -> None:
     panel.set_yscale("log")
     panel.yaxis.set_major_formatter("{x:g}")
     panel.yaxis.set_minor_formatter("")
-    panel.set_title("left over [χ² per sample]")
+    panel.set_title("squared error over noise")
     if told.change is not None:
         panel.axvline(told.change.time_s, color=LAW)
         panel.annotate(

@@ -17,7 +17,7 @@ from symhyb.discrepancy.wording import (
 from symhyb.model.types import Model, On, place_text
 from symhyb.model.vocabulary import KINDS
 from symhyb.report import figures
-from symhyb.report.apart import apart_figure
+from symhyb.report.apart import apart_figure, apart_sentence
 from symhyb.report.bars import Pair, places_figure, score_figure
 from symhyb.report.occurring import occurrence_figure
 from symhyb.report.sentences import (
@@ -88,6 +88,7 @@ def render_page(
         score_picture=_score_picture(verdict),
         place_picture=_place_picture(diagnosis),
         apart_picture=_apart_picture(diagnosis),
+        apart_sentence=_apart_sentence(diagnosis),
         omitted=_omitted(diagnosis, verdict),
         corrected=any(
             scores.before != scores.after for scores in (verdict.train, verdict.holdout) if scores
@@ -227,6 +228,13 @@ def _apart_picture(diagnosis: Diagnosis) -> Picture | None:
         "acts, the odds against that of a column. Red: below 10, they cannot tell; yellow: below "
         "100; blue: they can.",
     )
+
+
+def _apart_sentence(diagnosis: Diagnosis) -> str | None:
+    """Say that there is nothing to tell apart; None where there is, or where it is not known."""
+    if diagnosis.isolability is None or diagnosis.alternatives or diagnosis.record_next:
+        return None
+    return apart_sentence(diagnosis.isolability)
 
 
 def _omitted(diagnosis: Diagnosis, verdict: Verdict) -> list[str]:

@@ -77,6 +77,8 @@ def method_sentences(verdict: Verdict) -> tuple[str, ...]:
         "ratio. Where nothing holds a coordinate in place, small errors add up without bound.",
         "Share of a found effect: by how much the squared window error on unseen data grows when "
         "the effect is left out and the rest fitted again, over that error uncorrected.",
+        "Stays chosen: in how many of 400 random weighings of the windows the effect would be "
+        "found again. With fewer than 80 % it is in doubt.",
         f"Initial states: {verdict.initial_states}.".replace("..", "."),
     )
 
@@ -98,6 +100,8 @@ def remainder_sentence(share: float | None) -> str:
     """Say how much of the mismatch is still unexplained."""
     if finite(share) is None:
         return "Nothing was corrected, so there is no remainder to state."
+    if share == 0.0:
+        return "Of the mismatch nothing is left beyond the noise."
     return f"{percent_text(share)} of the mismatch is still unexplained."
 
 

@@ -10,7 +10,7 @@ import pytest
 from fakes import friction, verdict
 
 from symhyb.discrepancy.results import Diagnosis, Isolability, Manoeuvre
-from symhyb.report.apart import apart_figure, odds_text
+from symhyb.report.apart import apart_figure, apart_sentence, odds_text
 from symhyb.report.contract import to_json
 from symhyb.report.page import render_page
 
@@ -52,6 +52,30 @@ def test_the_page_draws_the_matrix_where_there_is_one(diagnosis: Diagnosis) -> N
     picture = apart_figure(MATRIX).decode()
     for shade in ("#f3b6ae", "#f7e0ac", "#cfe3f3"):  # in doubt, not certain, told
         assert shade in picture
+
+
+def test_a_page_without_rivals_says_so_and_folds_the_matrix() -> None:
+    bare = replace(friction(), alternatives=(), record_next=None)
+    told = replace(MATRIX, evidence=np.array([[np.nan, 5.0, 800.0], [5.0, np.nan, 700.0]]))
+    page = render_page("t", replace(bare, isolability=told), verdict())
+    assert "with odds of at least 150 to 1" in page.replace("\u00a0", " ")
+    assert "<summary>The odds</summary>" in page
+    page = render_page("t", replace(bare, isolability=MATRIX), verdict())
+    assert "<summary>The odds</summary>" not in page
+
+
+@pytest.mark.parametrize(
+    ("evidence", "said"),
+    [(800.0, "of more than 10⁶ to 1"), (5.0, "of at least 150 to 1"), (4.0, None)],
+)
+def test_odds_are_said_where_nothing_is_in_doubt(evidence: float, said: str | None) -> None:
+    rows = np.array([[np.nan, evidence, 800.0], [1.0, np.nan, 2.0]])
+    sentence = apart_sentence(replace(MATRIX, evidence=rows))
+    assert (sentence or "").endswith(f"odds {said}.") if said else sentence is None
+
+
+def test_nothing_is_told_apart_where_nothing_was_found() -> None:
+    assert apart_sentence(replace(MATRIX, found=(False, False))) is None
 
 
 def test_odds_in_print() -> None:
