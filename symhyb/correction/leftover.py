@@ -9,11 +9,13 @@ from dataclasses import replace
 import numpy as np
 
 from symhyb.correction.evidence import SIGNIFICANT, unit_of
+from symhyb.correction.findings import cause_phrase
 from symhyb.correction.screen import screen
 from symhyb.correction.selection import Problem, solve
 from symhyb.correction.setting import Setting, around
 from symhyb.correction.trajectory import Refined
 from symhyb.discrepancy.candidates import TRANSITION_SHARE
+from symhyb.discrepancy.formula import LAW
 from symhyb.discrepancy.hypotheses import Hypothesis, Library
 from symhyb.discrepancy.wording import percent_text
 from symhyb.model.expression import parse_expression
@@ -48,12 +50,19 @@ def leftover(setting: Setting, winner: Refined) -> tuple[str, ...]:
     ):
         for hypothesis, part in _promises(problem, winner):
             if hypothesis.family not in taken:
-                parts[str(hypothesis)] = max(part, parts.get(str(hypothesis), 0.0))
+                said = _said(hypothesis)
+                parts[said] = max(part, parts.get(said, 0.0))
     ranked = sorted(parts.items(), key=lambda item: -item[1])[:TOLD]
     return tuple(
         f"{name[0].upper()}{name[1:]} would take {percent_text(part)} of what is left."
         for name, part in ranked
     )
+
+
+def _said(hypothesis: Hypothesis) -> str:
+    """A cause without its numbers; effects that are no law of the vocabulary bring their words."""
+    probe = hypothesis.kind == LAW and hypothesis.place is None
+    return hypothesis.path if probe else cause_phrase(hypothesis)
 
 
 def _promises(problem: Problem, winner: Refined) -> list[tuple[Hypothesis, float]]:
@@ -93,7 +102,7 @@ def _laws(setting: Setting) -> Library:
             name = f"law{len(elements)}"
             entry = ("force", parse_expression(force))
             elements.append(Element(name, "law", On(x), (entry,)))
-            hypotheses.append(Hypothesis("law", None, ("force",), (False,), path=said))
+            hypotheses.append(Hypothesis(LAW, None, ("force",), (False,), path=said))
     machine = build(replace(model, elements=(*model.elements, *elements)), keep=False)
     columns = tuple((i,) for i in range(len(elements)))
     return Library(machine, (), tuple(hypotheses), columns)

@@ -43,16 +43,15 @@ def apart_figure(matrix: Isolability) -> bytes:
 
 
 def apart_sentence(matrix: Isolability) -> str | None:
-    """Say that every found cause is told from every other one; None where one is not, or where
-    nothing was found."""
+    """Say that what was found is told from every cause of the matrix; None where it is not, or
+    where nothing was found."""
     rows = matrix.evidence[np.array(matrix.found, dtype=bool)]
     least = float(np.nanmin(rows)) if np.isfinite(rows).any() else 0.0
     if least < _SURE:
         return None
     odds = "more than 10⁶" if least > _ODDS_SHOWN else f"at least {odds_text(least)}"
     return (
-        "These recordings tell what was found from every other cause that comes near, with odds of "
-        f"{odds} to 1."
+        f"From every other cause that comes near, what was found is told with odds of {odds} to 1."
     )
 
 

@@ -88,7 +88,7 @@ def render_page(
         score_picture=_score_picture(verdict),
         place_picture=_place_picture(diagnosis),
         apart_picture=_apart_picture(diagnosis),
-        apart_sentence=_apart_sentence(diagnosis),
+        apart_sentence=diagnosis.isolability and apart_sentence(diagnosis.isolability),
         omitted=_omitted(diagnosis, verdict),
         corrected=any(
             scores.before != scores.after for scores in (verdict.train, verdict.holdout) if scores
@@ -228,13 +228,6 @@ def _apart_picture(diagnosis: Diagnosis) -> Picture | None:
         "acts, the odds against that of a column. Red: below 10, they cannot tell; yellow: below "
         "100; blue: they can.",
     )
-
-
-def _apart_sentence(diagnosis: Diagnosis) -> str | None:
-    """Say that there is nothing to tell apart; None where there is, or where it is not known."""
-    if diagnosis.isolability is None or diagnosis.alternatives or diagnosis.record_next:
-        return None
-    return apart_sentence(diagnosis.isolability)
 
 
 def _omitted(diagnosis: Diagnosis, verdict: Verdict) -> list[str]:

@@ -54,13 +54,12 @@ def test_the_page_draws_the_matrix_where_there_is_one(diagnosis: Diagnosis) -> N
         assert shade in picture
 
 
-def test_a_page_without_rivals_says_so_and_folds_the_matrix() -> None:
-    bare = replace(friction(), alternatives=(), record_next=None)
+def test_a_matrix_without_doubt_is_folded() -> None:
     told = replace(MATRIX, evidence=np.array([[np.nan, 5.0, 800.0], [5.0, np.nan, 700.0]]))
-    page = render_page("t", replace(bare, isolability=told), verdict())
+    page = render_page("t", replace(friction(), isolability=told), verdict())
     assert "with odds of at least 150 to 1" in page.replace("\u00a0", " ")
     assert "<summary>The odds</summary>" in page
-    page = render_page("t", replace(bare, isolability=MATRIX), verdict())
+    page = render_page("t", replace(friction(), isolability=MATRIX), verdict())
     assert "<summary>The odds</summary>" not in page
 
 
