@@ -35,6 +35,7 @@ from symhyb.discrepancy.hypotheses import Hypothesis
 TRIALS = 3  # refined structures of each size
 PROMISE = 0.3  # of what can be taken, which the linear problem must promise before a trial
 HOPE = 0.5  # of the significance that it needs: the linear problem may promise too little
+VOID = 0.1  # of what the linear problem promised: less means that its promises are void
 ROUNDS = 6
 PLAINER = 2  # plain laws, and pairs of them, that are tried in place of one of several numbers
 STATIC_FIRST = 1.3  # of the Coulomb friction: the breakaway friction that is tried first
@@ -107,9 +108,10 @@ def _climb(
 ) -> Refined:
     """From no cause upwards: the smallest larger structure that earns its place, and so on.
 
-    A structure is refined only if the linear problem promises a part of what the best of all takes.
+    A structure is refined only if the linear problem promises a part of what the best of all takes,
+    on held windows as well.
     """
-    winner, left = nothing, problem.gram[-1, -1]
+    winner, left, held = nothing, problem.gram[-1, -1], problem.held[-1, -1]
     floor = min((subset.chi2 for subset in pool), default=0.0)
     for size in range(1, LARGEST + 1):
         if winner is not nothing and winner.fit.scale < NEAR_NOISE:
@@ -118,8 +120,12 @@ def _climb(
         promising = [
             s for s in _distinct(problem, sized)
             if left - s.chi2 > max(PROMISE * (left - floor), HOPE * _price(trials, winner, s))
+            and s.held <= held
         ]  # fmt: skip
         tried = [trials.refined(s.causes, _first(problem, s)) for s in promising[:TRIALS]]
+        kept = [winner.fit.train - trial.fit.train for trial in tried]
+        if tried and max(kept) < VOID * (left - promising[0].chi2):
+            break  # along simulations the linear problem does not hold here
         tried = [trial for trial in tried if trials.believed(trial)]
         if not tried:
             continue
@@ -132,7 +138,7 @@ def _climb(
         if earned:
             winner = best
             subset = solve(problem, trials.causes(best))
-            left = left if subset is None else subset.chi2
+            left, held = (left, held) if subset is None else (subset.chi2, subset.held)
     return winner
 
 

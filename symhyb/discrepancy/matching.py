@@ -231,7 +231,9 @@ def _linearise(
     parts = []
     for i, (item, start) in enumerate(zip(task.laid, starts, strict=True)):
         full = task.filled(i, p, model.free, values)
-        linear = model.differentiate(item.block, start, full)
+        with np.errstate(over="ignore", invalid="ignore"):  # a window that runs away
+            linear = model.differentiate(item.block, start, full)
+            by_start, by_free = linear.from_start(), linear.from_free()
         windows, length, m = item.block.y.shape
         seen = np.isfinite(item.block.y)
         weight = np.where(seen, 1 / task.sd, 0.0).reshape(windows, length * m, 1)
@@ -239,8 +241,8 @@ def _linearise(
         used = np.ones(windows, bool) if task.everything else ~item.held
         part = _Part(
             residual * weight[..., 0],
-            linear.from_start().reshape(windows, length * m, -1) * weight,
-            linear.from_free().reshape(windows, length * m, -1) * weight,
+            by_start.reshape(windows, length * m, -1) * weight,
+            by_free.reshape(windows, length * m, -1) * weight,
             used,
         )
         part = _held_back(part, model, item, full, start)
@@ -274,8 +276,9 @@ def _held_back(part: _Part, model: WindowModel, item: Laid, p: Array, start: Arr
 
 def _project(part: _Part) -> tuple[Array, Array, Array, Array]:
     """QR of the initial-state columns: basis, scaled triangle, scale, and [columns, residual]
-    with the initial states projected out."""
-    scale = np.linalg.norm(part.by_start, axis=1, keepdims=True)
+    with the initial states projected out; not finite for a window that ran away."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        scale = np.linalg.norm(part.by_start, axis=1, keepdims=True)
     scale = np.where(scale > 0, scale, 1.0)
     windows, _, states = part.by_start.shape
     ridge = np.broadcast_to(1e-7 * np.eye(states), (windows, states, states))
