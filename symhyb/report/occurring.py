@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from symhyb.discrepancy.results import Occurrence
+from symhyb.discrepancy.wording import number_text
 from symhyb.report.canvas import AFTER, BEFORE, LAW, QUIET, drawing, legend, svg
 
 if TYPE_CHECKING:
@@ -32,9 +33,9 @@ def _when(panel: "Axes", told: Occurrence) -> None:
         panel.step(told.t, np.maximum(values, _LEAST), where="mid", color=color, label=word)
     panel.axhline(1.0, color=QUIET, lw=0.8, ls="--", label="noise")
     panel.set_yscale("log")
-    panel.yaxis.set_major_formatter("{x:g}")
+    panel.yaxis.set_major_formatter(lambda value, _: number_text(float(value)))
     panel.yaxis.set_minor_formatter("")
-    panel.set_title("squared error over noise")
+    panel.set_title("squared error / noise")
     if told.change is not None:
         panel.axvline(told.change.time_s, color=LAW)
         panel.annotate(
