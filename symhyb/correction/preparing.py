@@ -46,8 +46,9 @@ WINDOWS_LEAST = 9  # over all recordings at the longest window length
 FIRST_WINDOW = 0.25  # of the shortest period
 GROWTH = 3.0  # from stage to stage, at most
 STAGES_MOST = 4
-GROWN = 10.0  # times an error of the initial state may grow: beyond, a fit has many minima
-SHORTER = 0.7  # windows that are tried where it does
+GROWN = 10.0  # times an error of the initial state may grow: a window beyond has many minima
+CALM_LEAST = 2 / 3  # of the windows: if more errors grow so, windows are ...
+SHORTER = 0.7  # ... shortened to this
 ACCURACY = 2e-3  # relative, of a fitted value: fixed steps, held inputs, smoothed friction
 GAIN_LEAST = 1e-3  # smaller gain errors are not worth a name
 
@@ -193,7 +194,8 @@ def _stages(prepared: Prepared) -> tuple[Stage, ...]:
     stages: list[Stage] = []
     for length in _lengths(shortest, longest):
         laid = [_spread(laid_on(run, prepared.machine, length), share) for run in prepared.runs]
-        kept = tuple(item for item in laid if item is not None)
+        calm = [None if item is None else _foreseeable(prepared, item) for item in laid]
+        kept = tuple(item for item in calm if item is not None)
         enough = sum(len(item.start) for item in kept) >= WINDOWS_LEAST
         if not kept or (stages and not enough):
             break
@@ -206,26 +208,58 @@ def _stages(prepared: Prepared) -> tuple[Stage, ...]:
 
 
 def _foreseen(prepared: Prepared, shortest: float, longest: float) -> float:
-    """The longest windows in s in which no error of the initial state grows ``GROWN`` times."""
-    while longest > shortest and _growth(prepared, longest) > GROWN:
+    """The longest windows in s of which most can be foreseen."""
+    while longest > shortest:
+        laid = [laid_on(run, prepared.machine, longest) for run in prepared.runs]
+        calm = [_calm(prepared, item) for item in laid if item is not None]
+        if calm and np.mean(np.concatenate(calm)) >= CALM_LEAST:
+            break
         longest *= SHORTER
     return longest
 
 
-def _growth(prepared: Prepared, length: float) -> float:
-    """How many times an error of the state at the start of a window of ``length`` s grows in the
-    outputs, at most, along the measured motion; a state's error is in proportion to its spread."""
-    model, worst = WindowModel(prepared.machine), 1.0
-    for run in prepared.runs:
-        laid = laid_on(run, prepared.machine, length)
-        if laid is None or laid.states.size == 0:
-            continue
-        item = laid.suited(prepared.machine)
-        spread = item.states.reshape(-1, item.states.shape[2]).std(axis=0)
-        reply = model.along(item.block, item.states, prepared.machine.values).from_start()
-        size = np.sqrt(np.sum((reply * spread / prepared.sd[:, None]) ** 2, axis=(2, 3)))
-        worst = max(worst, float(np.max(size / np.maximum(size[:, :1], 1e-300))))
-    return worst
+def _foreseeable(prepared: Prepared, item: Laid) -> Laid | None:
+    """The windows that can be foreseen, if there are any."""
+    calm = _calm(prepared, item)
+    if calm.all():
+        return item
+    return item.chosen(np.flatnonzero(calm)) if calm.any() else None
+
+
+def _calm(prepared: Prepared, item: Laid) -> NDArray[np.bool_]:
+    """The windows (W,) along whose measured motion no error of the state at the start shows
+    ``GROWN`` times more in the outputs than if no force acted."""
+    model = WindowModel(prepared.machine)
+    half, item = len(model.form.free), item.suited(prepared.machine)
+    linear = model.along(item.block, item.states, prepared.machine.values)
+    reply = linear.from_start()[..., : 2 * half] / prepared.sd[:, None]
+    reply = reply * _errors(reply[:, 0, :, :half], item.states)
+    coasting = np.repeat(reply[:, :1], reply.shape[1], axis=1)
+    past = (item.block.t - item.block.t[:, :1])[..., None, None]
+    coasting[..., half:] += past * _rates(item.states, half) * coasting[..., :half]
+    return np.asarray(np.all(_size(reply) <= GROWN * _size(coasting), axis=1))
+
+
+def _rates(states: Array, half: int) -> Array:
+    """Spread of every speed over that of its position, 1/s, of states (W, L, X)."""
+    spread = states.reshape(-1, states.shape[2]).std(axis=0)
+    return np.asarray(spread[half : 2 * half] / np.maximum(spread[:half], 1e-300))
+
+
+def _errors(seen: Array, states: Array) -> Array:
+    """Errors of positions that sensors see as one standard deviation, from whitened slopes
+    ``seen`` (W, m, q), and of the speeds that go with them; a position that no sensor sees is off
+    by its spread. SI."""
+    half = seen.shape[2]
+    size = np.sqrt(np.mean(np.sum(seen**2, axis=1), axis=0))
+    spread = states.reshape(-1, states.shape[2]).std(axis=0)[:half]
+    position = np.where(size > 0, 1 / np.where(size > 0, size, 1.0), spread)
+    return np.concatenate([position, position * _rates(states, half)])
+
+
+def _size(reply: Array) -> Array:
+    """Root of the squares (W, L) of replies (W, L, m, X)."""
+    return np.asarray(np.sqrt(np.sum(reply**2, axis=(2, 3))))
 
 
 def _lengths(shortest: float, longest: float) -> list[float]:
