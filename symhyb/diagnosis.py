@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from symhyb.correction.advice import advise, better_recording
-from symhyb.correction.beginnings import active_part, changed, in_part
+from symhyb.correction.beginnings import active_part, changed, contradicted, in_part
 from symhyb.correction.clocks import drifting as clock_drift
 from symhyb.correction.decide import Decision, decide
 from symhyb.correction.evidence import NEAR_NOISE, weak
@@ -128,8 +128,12 @@ def diagnose(
         setting.library, setting.windows, middle.laid, values, setting.sd, setting.stages[0].laid
     )
     change = changed(places)
-    setting = active_part(setting, change)
+    whole, setting = setting, active_part(setting, change)
     decision = decide(setting, proposals, tell)
+    if change is not None and not contradicted(whole, decision.winner, change):
+        tell("deciding again, for it may act throughout")
+        change, setting = None, whole
+        decision = decide(setting, proposals, tell)
     laid = setting.stages[-1].laid
     odd: tuple[Stranger, ...] = ()
     if len(laid) > 1:

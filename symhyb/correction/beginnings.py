@@ -4,11 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 
+from symhyb.correction.evidence import SIGNIFICANT, unit_of
 from symhyb.correction.preparing import WINDOWS_LEAST
 from symhyb.correction.setting import Setting, Stage
+from symhyb.correction.trajectory import Refined
+from symhyb.discrepancy.matching import Task, fit
 from symhyb.discrepancy.occurrence_words import change_words
 from symhyb.discrepancy.results import Change, Diagnosis, PlaceShare
 from symhyb.discrepancy.windows import Laid
+from symhyb.numeric.buffers import Array
+from symhyb.numeric.machine import Machine
+from symhyb.numeric.windows import WindowModel
 
 
 def changed(places: tuple[PlaceShare, ...]) -> Change | None:
@@ -42,9 +48,32 @@ def _acting(item: Laid, change: Change) -> Laid | None:
     return item.chosen(rows) if rows.size else None
 
 
+def contradicted(whole: Setting, winner: Refined, change: Change) -> bool:
+    """Whether what was found where the effect acts makes the rest of the recording worse: else it
+    may act throughout, in a motion that does not show it there."""
+    rest = replace(change, kind="ends" if change.kind == "begins" else "begins")
+    items = [item for item in whole.stages[-1].laid if item.source[0].name == change.recording]
+    laid = [part for item in items if (part := _acting(item, rest)) is not None]
+    if not laid:
+        return True
+    model = whole.windows.machine
+    with_it, without_it = (
+        sum(float(_followed(machine, p, item, whole.sd).sum()) for item in laid)
+        for machine, p in ((winner.machine, winner.p), (model, model.values))
+    )
+    return with_it - without_it > SIGNIFICANT * unit_of(winner)
+
+
+def _followed(machine: Machine, p: Array, item: Laid, sd: Array) -> Array:
+    """χ² (W,) of windows by a machine as it is, with parameters ``p`` (P,) in SI."""
+    none = np.zeros(0)
+    task = Task((item.suited(machine),), sd, none, none, none, none)
+    return fit(WindowModel(machine), task, p).chi2
+
+
 def in_part(found: Diagnosis, change: Change | None) -> Diagnosis:
     """The diagnosis with the words that its laws hold for a part of the recording only."""
-    if change is None:
+    if change is None or found.verdict == "nothing missing":
         return found
     rest = "before" if change.kind == "begins" else "after"
     said = (

@@ -231,6 +231,8 @@ def _calm(prepared: Prepared, item: Laid) -> NDArray[np.bool_]:
     ``GROWN`` times more in the outputs than if no force acted."""
     model = WindowModel(prepared.machine)
     half, item = len(model.form.free), item.suited(prepared.machine)
+    if half == 0:  # all motion is given
+        return np.ones(len(item.start), bool)
     linear = model.along(item.block, item.states, prepared.machine.values)
     reply = linear.from_start()[..., : 2 * half] / prepared.sd[:, None]
     reply = reply * _errors(reply[:, 0, :, :half], item.states)
