@@ -26,6 +26,7 @@ def earns(larger: Refined, smaller: Refined, tried: int = 1) -> tuple[bool, str]
     extra = larger.numbers - smaller.numbers
     more = max(len(larger.causes) - len(smaller.causes), 0)
     fitted = (smaller.fit.train - larger.fit.train) / unit - price(larger, extra, more, tried)
+    fitted += smaller.fit.prior - larger.fit.prior
     held = (smaller.fit.validation - larger.fit.validation) / unit
     validation = bool(larger.fit.held.any())
     part = part_taken(larger, smaller)
@@ -127,8 +128,9 @@ def unit_of(trial: Refined) -> float:
 
 
 def criterion(trial: Refined, reference: Refined) -> float:
-    """χ²/c + k ln N of a structure, in the unit of a reference; smaller is better."""
-    priced = trial.numbers * float(np.log(_fitted(trial)))
+    """χ²/c + k ln N of a structure, in the unit of a reference, and χ² of its values against what
+    was known of them before; smaller is better."""
+    priced = trial.numbers * float(np.log(_fitted(trial))) + trial.fit.prior
     return trial.fit.train / unit_of(reference) + priced
 
 

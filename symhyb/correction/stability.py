@@ -75,6 +75,7 @@ def _margin(winner: Refined, trial: Refined, weights: Array) -> Array:
     gain = (trial.fit.chi2 - winner.fit.chi2)[fitted] / unit_of(winner)
     size = max(float(winner.fit.count[fitted].sum()), 2.0)
     paid = (winner.numbers - trial.numbers) * float(np.log(size))
+    paid += winner.fit.prior - trial.fit.prior
     with np.errstate(invalid="ignore"):
         margin = weights @ np.where(np.isfinite(gain), gain, np.inf)
     return np.asarray(margin - paid)

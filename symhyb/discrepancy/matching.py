@@ -38,7 +38,8 @@ class Fit:
     ``values`` (F,) SI; ``covariance`` (F, F), widened for coloured residuals; ``chi2`` of each
     window (W,) in the order of the recordings, ``count`` (W,) its samples less its initial states,
     ``held`` (W,); ``correlation`` c ≥ 1 of the fitted windows; ``starts`` the fitted initial
-    states of each recording (W, X). ``reason`` is empty, or says why the fit failed. ``floor`` is
+    states of each recording (W, X); ``prior`` the χ² of the values against what was known of them
+    before. ``reason`` is empty, or says why the fit failed. ``floor`` is
     the χ² per sample by which repeated runs differ: a smaller difference proves nothing.
     """
 
@@ -50,6 +51,7 @@ class Fit:
     correlation: float
     starts: tuple[Array, ...]
     reason: str = ""
+    prior: float = 0.0
     floor: float = 0.0
 
     @property
@@ -199,7 +201,8 @@ def _settled(
             full = task.filled(i, p, model.free, values)
             ahead = now[i] + _start_step(part, still, 0.0)[0]
             after = _squares(model, item, full, ahead, task.sd)
-            better = after < np.sum(part.residual**2, axis=1)
+            with np.errstate(over="ignore"):
+                better = after < np.sum(part.residual**2, axis=1)
             now[i] = np.where(better[:, None], ahead, now[i])
     return now
 
@@ -360,8 +363,9 @@ def _finish(
     scale = max(float(chi2[~held].sum()) / degrees, floor)
     covariance = _inverse(gram) * scale * correlation
     return Fit(
-        values, covariance, chi2, seen - states, held, correlation, tuple(starts), floor=floor
-    )
+        values, covariance, chi2, seen - states, held, correlation, tuple(starts), floor=floor,
+        prior=float(np.sum(((values - task.mean) / task.spread) ** 2)),
+    )  # fmt: skip
 
 
 def _inverse(gram: Array) -> Array:
