@@ -1,0 +1,73 @@
+"""The values of a chosen structure, from all windows, and which of its causes are told."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from symhyb.correction.choice import Choice
+from symhyb.correction.evidence import NEAR_NOISE, weak
+from symhyb.correction.findings import Named, doubtful, named
+from symhyb.correction.fleet import drifting, widened
+from symhyb.correction.fleet_words import drift_sentence
+from symhyb.correction.preparing import Prepared
+from symhyb.correction.setting import Setting, Stage
+from symhyb.correction.trajectory import Refined, grouped, refine
+from symhyb.discrepancy.hypotheses import Hypothesis
+
+
+@dataclass(frozen=True, slots=True)
+class Estimated:
+    """The structure with its final values at one ``stage``, its causes in ``doubt``, which are not
+    told, and sentences on numbers that change on the way."""
+
+    final: Refined
+    stage: Stage
+    doubt: frozenset[Hypothesis]
+    drifts: tuple[str, ...]
+
+    @property
+    def items(self) -> Sequence[Named]:
+        """The effects that are told."""
+        causes = self.final.causes
+        return [
+            item for item in named(self.final) if not self.doubt & {causes[i] for i in item.causes}
+        ]
+
+    @property
+    def tells(self) -> bool:
+        """Whether any cause is told."""
+        return self.doubt < {*self.final.causes}
+
+
+def estimate(prepared: Prepared, choice: Choice) -> Estimated:
+    """Fit the chosen structure to all windows; causes in doubt stay in, or they would bend the
+    others."""
+    final, stage = valued(choice.setting, choice.decision.winner, prepared)
+    doubt = frozenset({*doubtful(choice.decision), *(final.causes[i] for i in weak(final))})
+    drift = drifting(prepared.model, final, stage, choice.setting.sd)
+    if drift is None:
+        return Estimated(final, stage, doubt, ())
+    return Estimated(widened(final, drift), stage, doubt, (drift_sentence(final, drift),))
+
+
+def valued(setting: Setting, winner: Refined, prepared: Prepared) -> tuple[Refined, Stage]:
+    """The winner refitted on all windows, at the window length that determines its values best:
+    short windows carry more noise, long ones more of what the model still lacks. Where nothing more
+    is lacking that is the longest."""
+    best: tuple[float, Refined, Stage] | None = None
+    for stage in reversed(setting.stages):
+        starts = winner.fit.starts if stage is setting.stages[-1] else None
+        trial = refine(
+            prepared.model, winner.causes, grouped(winner), stage.laid, setting.sd, starts,
+            everything=True, careful=True,
+        )  # fmt: skip
+        spread = np.sqrt(np.diag(trial.fit.covariance))
+        width = float(np.sum(np.log(np.maximum(spread, 1e-300)))) if spread.size else 0.0
+        if not trial.fit.reason and (best is None or width < best[0] or not spread.size):
+            best = width, trial, stage
+        if best is not None and best[1].fit.scale < NEAR_NOISE:
+            break
+    if best is None:
+        return winner, setting.stages[-1]
+    return replace(best[1], accuracy=setting.accuracy), best[2]
