@@ -12,6 +12,7 @@ from symhyb.correction.decide import Decision, decide
 from symhyb.correction.fleet import Stranger, parted, strangers, without
 from symhyb.correction.fleet_words import misfit
 from symhyb.correction.isolability import completed
+from symhyb.correction.luck import with_luck
 from symhyb.correction.preparing import Prepared
 from symhyb.correction.selection import Subset
 from symhyb.correction.setting import Setting
@@ -59,7 +60,8 @@ def choose(prepared: Prepared, setting: Setting, say: Say) -> Choice:
             else parted(setting, decision.winner, odd[0])
         )
         decision = decide(setting, proposals, say)
-    return Choice(setting, completed(setting, decision), places, change, misfits)
+    decision = with_luck(setting, completed(setting, decision))
+    return Choice(setting, decision, places, change, misfits)
 
 
 def _where_it_acts(

@@ -44,17 +44,24 @@ STATIC_FIRST = 1.3  # of the Coulomb friction: the breakaway friction that is tr
 @dataclass(frozen=True, slots=True)
 class Decision:
     """The structure that is believed (``winner``), every other that was refined (``trials``), and
-    ``twins``: causes that no recording of this kind tells from another one."""
+    ``twins``: causes that no recording of this kind tells from another one. ``luck`` is by how much
+    the χ²/c of a trial may differ from the winner's by noise alone, one deviation."""
 
     winner: Refined
     nothing: Refined
     trials: tuple[Refined, ...]
     twins: tuple[tuple[Hypothesis, Hypothesis], ...]
     log: tuple[str, ...]
+    luck: tuple[tuple[Refined, float], ...] = ()
 
     def criterion(self, trial: Refined) -> float:
         """Δ of χ²/c + k ln N to the winner; positive is worse."""
         return criterion(trial, self.winner) - criterion(self.winner, self.winner)
+
+    def evidence(self, trial: Refined) -> float:
+        """The criterion less two deviations of luck: what can be counted on."""
+        luck = next((spread for known, spread in self.luck if known is trial), 0.0)
+        return self.criterion(trial) - 2 * luck
 
 
 def decide(setting: Setting, proposals: Sequence[Subset], say: Say) -> Decision:

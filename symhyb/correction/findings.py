@@ -294,7 +294,7 @@ def rivals_of(decision: Decision) -> list[Rival]:
     ones, the difference of the criterion, the trial."""
     rivals = []
     for trial in decision.trials:
-        evidence = decision.criterion(trial)
+        evidence = decision.evidence(trial)
         fresh = [cause for cause in trial.causes if cause not in decision.winner.causes]
         lost = [cause for cause in decision.winner.causes if cause not in trial.causes]
         if {cause.family for cause in fresh} == {cause.family for cause in lost}:
