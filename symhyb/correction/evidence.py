@@ -29,7 +29,9 @@ def earns(larger: Refined, smaller: Refined, tried: int = 1) -> tuple[bool, str]
     fitted += smaller.fit.prior - larger.fit.prior
     held = (smaller.fit.validation - larger.fit.validation) / unit
     validation = bool(larger.fit.held.any())
-    part = part_taken(larger, smaller)
+    other = _another_law(larger, smaller)
+    least = 0.0 if other else SIGNIFICANT
+    part = part_taken(larger, smaller, everywhere=other)
     steps = max(len(larger.causes) - len(smaller.causes), 1)
     needed = 1 - (1 - PART_LEFT) ** steps
     failed = [
@@ -37,7 +39,7 @@ def earns(larger: Refined, smaller: Refined, tried: int = 1) -> tuple[bool, str]
         for wrong, text in (
             (bool(larger.fit.reason), larger.fit.reason),
             (not fitted > SIGNIFICANT, f"not significant on fitted windows ({fitted:.3g})"),
-            (validation and not held > SIGNIFICANT, f"not on held windows ({held:.3g})"),
+            (validation and not held > least, f"not on held windows ({held:.3g})"),
             (not part > needed, f"takes {_percent(part)} of what is left"),
         )
         if wrong
@@ -110,10 +112,22 @@ def _added_stands(cause: Hypothesis, values: Mapping[str, float], spread: Array)
     return True
 
 
-def part_taken(larger: Refined, smaller: Refined) -> float:
+def _another_law(larger: Refined, smaller: Refined) -> bool:
+    """Whether one law stands in place of another kind, where hardly more than noise is left: that
+    something acts there is certain, so held windows need only agree, however few show it."""
+    fresh = [cause for cause in larger.causes if cause not in smaller.causes]
+    lost = [cause for cause in smaller.causes if cause not in larger.causes]
+    one = len(fresh) == len(lost) == 1 and fresh[0].kind != lost[0].kind
+    return one and fresh[0].place == lost[0].place and smaller.fit.scale < NEAR_NOISE
+
+
+def part_taken(larger: Refined, smaller: Refined, everywhere: bool = False) -> float:
     """The share of the mismatch left by ``smaller`` that ``larger`` takes, on held windows (on the
-    fitted ones where none is held); the noise floor is taken off, and known to 2 % only."""
+    fitted ones where none is held, on all if ``everywhere``); the noise floor is taken off, and
+    known to 2 % only."""
     held = smaller.fit.held if smaller.fit.held.any() else ~smaller.fit.held
+    if everywhere:
+        held = np.ones_like(held)
     floor = float(smaller.fit.count[held].sum())
     before, after = float(smaller.fit.chi2[held].sum()), float(larger.fit.chi2[held].sum())
     if not np.isfinite(before):
