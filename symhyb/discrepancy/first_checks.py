@@ -179,6 +179,8 @@ def _swing(name: str, machine: Machine, course: Course) -> Swing | str:
     rest = rest_position(plain, start, idle, t)
     place = start if rest is None else rest
     modes = modes_at(plain, place, idle, t)
+    if not modes:
+        return "a law of the model has no slope where it would rest"
     coordinates = machine.model.coordinates
     where = {c.name: float(q) / c.unit.factor for c, q in zip(coordinates, place, strict=True)}
     return Swing(name, where, rest is not None, modes, dry)

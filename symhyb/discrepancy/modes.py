@@ -92,6 +92,8 @@ def slopes_at(machine: Machine, q: Array, u: Array, t: float = 0.0) -> Linearise
 def modes_at(machine: Machine, q: Array, u: Array, t: float = 0.0) -> tuple[Mode, ...]:
     """The modes about a place (n,) of rest under inputs (k,), SI; the slowest first."""
     slopes = slopes_at(machine, q, u, t)
+    if not np.isfinite(slopes.A).all():
+        return ()
     roots, vectors = np.linalg.eig(slopes.A)
     scale = max(float(np.abs(roots).max(initial=0.0)), 1e-300)
     names = [machine.model.coordinates[i].name for i in machine.free]

@@ -90,8 +90,8 @@ class Driven:
 
 
 def driven(t: Array, drives: Mapping[str, Array]) -> Driven | str:
-    """The recorded drives (N,), SI, at times (N,), s, on an even grid, without those that do not change; or why there are
-    no frequency responses."""
+    """The recorded drives (N,), SI, at times (N,), s, on an even grid, without those
+    that do not change; or why there are no frequency responses."""
     moving = {name: u for name, u in drives.items() if float(np.ptp(u)) > 0}
     if not moving:
         return "nothing that changes drives the machine in this recording"

@@ -38,8 +38,8 @@ class Split:
 
 
 def period_of(u: Array) -> int | None:
-    """The period of all inputs (N, k), of any unit, together in samples, None if they do not repeat at least
-    four times."""
+    """The period of all inputs (N, k), of any unit, together in samples, None if they do not
+    repeat at least four times."""
     varying = [column - column.mean() for column in u.T if np.ptp(column) > 0]
     if not varying:
         return None
@@ -58,8 +58,8 @@ def period_of(u: Array) -> int | None:
 
 
 def split_of(u: Array, y: Array, period: int) -> Split:
-    """Split a sensor (N,), in its unit, under inputs (N, k) of a ``period`` in samples; counted from the end,
-    where the machine has settled most. The mean is no part."""
+    """Split a sensor (N,), in its unit, under inputs (N, k) of a ``period`` in samples;
+    counted from the end, where the machine has settled most. The mean is no part."""
     count = len(y) // period
     settled = count // 2
     drives = [settled_lines(column, period).mean(axis=0) for column in u.T]
@@ -97,7 +97,7 @@ def split_of(u: Array, y: Array, period: int) -> Split:
 
 
 def excited_lines(drive: NDArray[np.complex128]) -> NDArray[np.bool_]:
-    """Which lines of a spectrum (F,) of a drive, in its unit, excite a machine; the mean is none."""
+    """Which lines of a spectrum (F,) of a drive, in its unit, excite a machine; not the mean."""
     size = np.abs(drive)
     size[0] = 0.0
     return np.asarray(size > EXCITED * size.max())

@@ -2,8 +2,9 @@
 
 A sensor is held against the motion that all other sensors show, an input against the force that
 the recorded motion asks for: the delay is that under which it is made best of this force and of any
-inertia, damping, stiffness, dry friction, a constant and other inputs, so that most physics a model
-lacks is not mistaken for a delay. Under a single sine these can make any delay, and none is told.
+inertia, damping, stiffness, drag, dry friction, a constant and other inputs, so that most physics a
+model lacks is not mistaken for a delay; where more than noise is left, none is told. Under a single
+sine these can make any delay, and none is told either.
 Sizes: N samples, n coordinates, R rows.
 """
 
@@ -15,7 +16,7 @@ import numpy as np
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.course import Course
 from symhyb.discrepancy.motion import Motion, acting, measured, motion_of
-from symhyb.discrepancy.residual import discrepancy
+from symhyb.discrepancy.residual import discrepancy, force_band
 from symhyb.discrepancy.windows import correlation_time
 from symhyb.discrepancy.wording import number_text, percent_text, small_text
 from symhyb.errors import InputError
@@ -30,9 +31,11 @@ GRID = 41  # delays that are tried first
 REACH = 0.25  # of the shortest period: the longest delay that is looked for, either way
 REACH_MOST = 0.1  # of the recording
 ROUNDS = 4
-SEEN = 1e-3  # of a signal's change by a delay, that nothing else can make, for it to be told
+CLEAN = 2.0  # times the noise of the force: more is left where physics is missing too
+SEEN = 0.1  # of what a delay changes in a signal, that nothing else can make, for it to be told
 CHANGES_LEAST = 20  # of a held channel, that show at which rate it changes
 SENSORS_MOST = 6  # held against the others one by one: each costs an estimate of the motion
+FEIGNED = "but the model lacks more than that, which may feign it"
 UNTOLD = "this motion tells no delay"
 JITTER = 0.01  # of a sample: times that are further from even are told
 
@@ -40,7 +43,7 @@ JITTER = 0.01  # of a sample: times that are further from even are told
 @dataclass(frozen=True, slots=True)
 class Late:
     """By how much a ``channel`` shows or acts later than ``against`` says, s, one ``sd``; None
-    where the recording cannot tell, with the ``reason``."""
+    where the recording cannot tell; ``reason`` says why it is not ``told``."""
 
     channel: str
     against: str
@@ -55,6 +58,9 @@ class Late:
         if self.delay is None:
             return f"{self.channel} against {self.against}: {self.reason}"
         amount = small_text(abs(self.delay), "s", self.sd)
+        if self.reason:
+            way = "late" if self.delay > 0 else "early"
+            return f"{self.channel} against {self.against}: {amount} {way} fits best, {self.reason}"
         if not self.told:
             return f"{self.channel} against {self.against}: no delay ({amount})"
         return f"{self.channel} is {amount} {'late' if self.delay > 0 else 'early'} against " + (
@@ -108,8 +114,8 @@ def timing_of(
 
 
 def hold_of(values: Array) -> int:
-    """Every how many samples (N,) of any unit a channel changes: 1 unless it is held in between, as by a
-    logger that is faster than the channel."""
+    """Every how many samples (N,) of any unit a channel changes: 1 unless it is held in
+    between, as by a logger that is faster than the channel."""
     changes = 1 + np.flatnonzero(np.diff(values[np.isfinite(values)]) != 0)
     if changes.size < CHANGES_LEAST:
         return 1
@@ -125,6 +131,7 @@ def _inputs(machine: Machine, motion: Motion, course: Course) -> Iterator[Late]:
     (slopes,) = along(machine.input_matrix, (c.q, c.v, c.t, machine.values), (3,), c.t.size)
     by = slopes.reshape(c.t.size, len(model.inputs), machine.n)[:, :, free]  # (N, k, free)
     lacking = discrepancy(machine, c, machine.values)[:, free]
+    band = force_band(machine, motion, c)[:, free]
     for j, item in enumerate(model.inputs):
         if float(np.ptp(c.u[:, j])) == 0 or not np.abs(by[:, j]).max(initial=0.0) > 0:
             continue
@@ -138,17 +145,19 @@ def _inputs(machine: Machine, motion: Motion, course: Course) -> Iterator[Late]:
 
         target = target / np.where(size > 0, size, 1.0)
         others = [push[:, i] * c.u[:, i : i + 1] for i in range(len(model.inputs)) if i != j]
-        yield _late(item.name, against, c.t, target, pushing, _ordinary(c, free, others), motion)
+        noise = float(np.sqrt(np.mean((band / np.where(size > 0, size, 1.0)) ** 2)))
+        ordinary = _ordinary(c, free, others)
+        yield _late(item.name, against, c.t, target, pushing, ordinary, motion, noise)
 
 
 def _ordinary(course: Course, free: list[int], others: list[Array]) -> list[Array]:
-    """What inertia, damping, stiffness, dry friction and a constant on each free coordinate, and
-    other inputs, could make of a force: columns (N, free)."""
+    """What inertia, damping, drag, stiffness, dry friction and a constant on each free coordinate,
+    and other inputs, could make of a force: columns (N, free)."""
     columns = list(others)
     for row in range(len(free)):
         for i in free:
-            for signal in (course.q, course.v, course.a):
-                columns.append(_only(signal[:, i], row, len(free)))
+            q, v, a = course.q[:, i], course.v[:, i], course.a[:, i]
+            columns += [_only(signal, row, len(free)) for signal in (q, v, a, v * np.abs(v), q**3)]
         speed = course.v[:, free[row]]
         columns.append(_only(np.sign(speed), row, len(free)))
         columns.append(_only(np.ones_like(speed), row, len(free)))
@@ -211,9 +220,11 @@ def _late(
     signal: Callable[[float], Array],
     others: list[Array],
     motion: Motion,
+    noise: float = np.inf,
 ) -> Late:
     """The delay by which a ``signal`` (N, r) is best made of the ``target`` (N, r), SI, and the
-    columns of ``others``: the least that they leave of it, first on a grid, then by Gauss and Newton."""
+    columns of ``others``: the least that they leave of it, first on a grid, then by Newton.
+    Where they leave more than ``noise`` explains, physics that is missing may feign the delay."""
     reach = min(REACH * float(motion.periods().min()), REACH_MOST * float(t[-1] - t[0]))
     inside = (t >= t[0] + reach) & (t <= t[-1] - reach)
     fixed = np.column_stack([one[inside].reshape(-1) for one in (target, *others)])
@@ -241,12 +252,14 @@ def _late(
     if seen <= SEEN * float(np.sum(change(delay)[inside] ** 2)):
         return Late(channel, against, None, np.inf, False, UNTOLD)
     together = correlation_time([left.reshape(1, -1)], target.shape[1])
-    noise = float(left @ left) / max(left.size - basis.shape[1] - 1, 1)
-    sd = float(np.sqrt(noise * together / seen))
+    variance = float(left @ left) / max(left.size - basis.shape[1] - 1, 1)
+    sd = float(np.sqrt(variance * together / seen))
     if sd > reach:
         said = f"{UNTOLD} (± {small_text(sd, 's', digits=2)})"
         return Late(channel, against, None, sd, False, said)
     if abs(delay) >= reach * (1 - 1e-6):
         return Late(channel, against, None, sd, False, "no delay within reach fits")
+    if float(np.sqrt(np.mean(left**2))) > CLEAN * noise:
+        return Late(channel, against, delay, sd, False, FEIGNED)
     told = abs(delay) > SURE * sd and abs(delay) > SAMPLES_LATE * step
     return Late(channel, against, delay, sd, told)
