@@ -156,32 +156,48 @@ def compare(
     end: End = None,
     as_json: Json = False,
 ) -> None:
-    """Say how large the force is that a model lacks.
+    """Say how large the force is that a model lacks, and what the first checks show.
 
     That force is dF = M q'' + k_c - k_e along the recorded motion; it is given beside its noise.
-    Naming its cause is what diagnose does.
+    First checks: sample rates and delays, rest position, modes, frequency responses, energy
+    balance, repeated runs. Naming a cause is what diagnose does.
 
     \b
     Example:
       symhyb compare models/oscillator.toml studies/oscillator/train.csv
     """
-    from symhyb.console import discrepancy_facts, progress, read_map
+    from symhyb.console import (
+        check_facts,
+        discrepancy_facts,
+        print_first_checks,
+        progress,
+        read_map,
+    )
     from symhyb.data.recording import read_recording
+    from symhyb.discrepancy.first_checks import first_checks, repeats_of
     from symhyb.discrepancy.residual import compare as compare_recording
     from symhyb.model.read import read_model
     from symhyb.numeric.machine import build
 
     declared, mapped = read_model(model), read_map(columns)
-    machine, gaps = build(declared), []
+    machine, gaps, checked = build(declared), [], []
     read = [read_recording(one, declared, mapped, span=(start, end)) for one in recordings]
     with progress() as say:
         for recording in read:
             say(f"comparing {recording.name}")
             gaps.append(compare_recording(machine, recording))
+            say(f"first checks of {recording.name}")
+            checked.append(first_checks(machine, recording, gaps[-1].motion))
+    repeats = repeats_of(declared, read, [gap.motion for gap in gaps])
+    pairs = list(zip(gaps, checked, strict=True))
     if as_json:
-        _print_json({"recordings": [discrepancy_facts(gap) for gap in gaps]})
-    else:
-        print(*(gap.summary() for gap in gaps), sep="\n")
+        facts = [{**discrepancy_facts(gap), "first_checks": check_facts(one)} for gap, one in pairs]
+        _print_json({"recordings": facts, "repeats": [asdict(one) for one in repeats]})
+        return
+    for gap, one in pairs:
+        print(gap.summary())
+        print_first_checks(one)
+    print(*(one.sentence for one in repeats), sep="\n", end="\n" if repeats else "")
 
 
 @app.command()

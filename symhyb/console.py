@@ -3,6 +3,7 @@
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -30,7 +31,10 @@ from symhyb.report.contract import finite
 from symhyb.report.sentences import alternative_sentence, remainder_sentence, score_sentences
 
 if TYPE_CHECKING:  # a verb that only reads a file need not load the numerics
+    from symhyb.discrepancy.first_checks import FirstChecks
+    from symhyb.discrepancy.modes import Mode
     from symhyb.discrepancy.residual import Discrepancy
+    from symhyb.discrepancy.response import Response
     from symhyb.study import StudyResult
 
 WIDE = 160  # columns of a table that does not go to a terminal
@@ -135,6 +139,75 @@ def discrepancy_facts(gap: "Discrepancy") -> dict[str, Any]:
         "noise": dict(gap.noise),
         "notes": list(gap.notes),
         "summary": gap.summary(),
+    }
+
+
+def print_first_checks(checks: "FirstChecks") -> None:
+    """Print what the first checks of a recording show, a check a row."""
+    console = Console(highlight=False)
+    if not console.is_terminal:
+        console = Console(highlight=False, width=WIDE)
+    table = Table(box=None, show_header=False, pad_edge=True, padding=(0, 0, 0, 4))
+    table.add_column(no_wrap=True)
+    table.add_column(overflow="fold")
+    before = ""
+    for name, sentence in checks.said:
+        table.add_row("" if name == before else name, escape(sentence))
+        before = name
+    with console.capture() as written:
+        console.print(table)
+    print("  first checks:", *(line.rstrip() for line in written.get().splitlines()), sep="\n")
+
+
+def check_facts(checks: "FirstChecks") -> dict[str, Any]:
+    """Give the first checks of one recording as plain values; null where one could not be had,
+    for which ``skipped`` gives the reason. Frequency responses are [real, imaginary], SI."""
+    timing, balance = checks.timing, checks.balance
+    return {
+        "sampling": {
+            "rate": timing.rate, "jitter": timing.jitter, "held": timing.held,
+            "missing": timing.missing,
+        },
+        "delays": [
+            {**asdict(late), "sd": finite(late.sd), "sentence": late.sentence}
+            for late in timing.late
+        ],
+        "rest": asdict(checks.standstill) if checks.standstill else None,
+        "modes": [
+            {**asdict(swing), "modes": [_mode_facts(mode) for mode in swing.modes]}
+            for swing in checks.swings
+        ],
+        "response": [_response_facts(one) for one in checks.responses],
+        "energy": {**asdict(balance), "sentence": balance.sentence} if balance else None,
+        "skipped": dict(checks.skipped),
+    }  # fmt: skip
+
+
+def _mode_facts(mode: "Mode") -> dict[str, Any]:
+    shape = {name: [part.real, part.imag] for name, part in mode.shape}
+    return {
+        "frequency": mode.frequency, "damping": mode.damping, "rate": mode.rate, "shape": shape,
+    }  # fmt: skip
+
+
+def _response_facts(one: "Response") -> dict[str, Any]:
+    gains = {"measured": one.measured, **one.simulated}
+    return {
+        "sensor": one.sensor,
+        "drives": list(one.drives),
+        "frequency": one.frequency.tolist(),
+        "coherence": one.coherence.tolist(),
+        "gain": {
+            name: {
+                drive: [[float(h.real), float(h.imag)] for h in gain[:, i]]
+                for i, drive in enumerate(one.drives)
+            }
+            for name, gain in gains.items()
+        },
+        "unexplained": one.unexplained,
+        "apart": dict(one.apart),
+        "split": asdict(one.split) if one.split else None,
+        "sentence": one.sentence,
     }
 
 

@@ -11,7 +11,7 @@ import platform
 import shutil
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from importlib import metadata
@@ -21,10 +21,11 @@ from typing import Any
 
 from symhyb import __version__
 from symhyb.correction.apply import apply
-from symhyb.data.cleaning import without_faults
+from symhyb.data.cleaning import still, without_faults
 from symhyb.data.datasets import fetch
 from symhyb.data.recording import Recording, read_recording
 from symhyb.diagnosis import diagnose
+from symhyb.discrepancy.first_checks import FirstChecks, first_checks
 from symhyb.discrepancy.judge import judge
 from symhyb.discrepancy.results import Diagnosis, Verdict
 from symhyb.discrepancy.suspicion import repaired
@@ -34,6 +35,7 @@ from symhyb.model.diff import diff
 from symhyb.model.read import read_model
 from symhyb.model.types import Model
 from symhyb.model.write import write_model
+from symhyb.numeric.machine import build
 from symhyb.report.contract import exit_status, to_json
 from symhyb.report.files import write_diagnosis, write_report, write_simulation
 from symhyb.study_file import Source, Study, read_study
@@ -45,7 +47,7 @@ LIBRARIES = ("numpy", "scipy", "casadi", "sympy", "pysindy", "scikit-learn")
 @dataclass(frozen=True, slots=True)
 class StudyResult:
     """What came out of a study, ``seconds`` the time it took; ``checks`` are empty where nothing
-    is expected."""
+    is expected, ``first`` the first checks of the first training recording."""
 
     study: Study
     model: Model
@@ -56,6 +58,7 @@ class StudyResult:
     verdict: Verdict
     checks: tuple[Check, ...]
     seconds: float
+    first: FirstChecks | None = None
 
     @property
     def passed(self) -> bool:
@@ -104,16 +107,43 @@ def carry_out(study: Study, say: Say | None = None) -> StudyResult:
     diagnosis = diagnose(model, train, holdout, own=study.own, say=say)
     corrected = apply(model, diagnosis.found, diagnosis.parameters, diagnosis.measurement)
     say("judging the correction")
+    seen = repaired([without_faults(one, model) for one in train], diagnosis.lies)
     verdict = judge(  # on what the diagnosis put right: exchanged columns, times, wrong samples
         model,
         corrected,
         repaired([without_faults(one, model) for one in holdout], diagnosis.lies),
-        train=repaired([without_faults(one, model) for one in train], diagnosis.lies),
+        train=seen,
         window_s=study.window_s,
         force_band_hz=study.force_band_hz,
     )
+    say("first checks")
+    first = _first_checks(model, corrected, seen, verdict)
     seconds = time.perf_counter() - begin
-    return StudyResult(study, model, corrected, train, holdout, diagnosis, verdict, (), seconds)
+    return StudyResult(
+        study, model, corrected, train, holdout, diagnosis, verdict, (), seconds, first
+    )
+
+
+def _first_checks(
+    model: Model, corrected: Model, seen: Sequence[Recording], verdict: Verdict
+) -> FirstChecks | None:
+    """First checks of the first training recording, beside the free runs of the verdict; none
+    where no sensor changes."""
+    recording = seen[0]
+    if still([recording]):
+        return None
+    changed = corrected != model
+    runs = [
+        {"model": trace.before, **({"corrected": trace.after} if changed else {})}
+        for trace in verdict.traces
+        if trace.recording == recording.name
+        and trace.role == "train"
+        and trace.t.size == recording.t.size
+    ]
+    machine = build(model)
+    return first_checks(
+        machine, recording, corrected=build(corrected), simulated=runs[0] if runs else None
+    )
 
 
 def leave_files(result: StudyResult, directory: str | os.PathLike[str]) -> None:
@@ -139,6 +169,7 @@ def leave_files(result: StudyResult, directory: str | os.PathLike[str]) -> None:
                 replace(result.model, file=name), replace(result.corrected, file="corrected.toml")
             ),
             provenance=_provenance(result),
+            first=result.first,
         )
         if result.study.file is not None:
             text = json.dumps(manifest(result), indent=2, ensure_ascii=False) + "\n"

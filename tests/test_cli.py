@@ -341,6 +341,9 @@ def test_compare_says_how_large_the_missing_force_is(symhyb: Call) -> None:
     done = symhyb("compare", OSCILLATOR, TRAIN, HOLDOUT)
     assert done.status == 0
     assert done.out.count("structure, not noise") == 2
+    assert done.out.count("first checks:") == 2
+    assert "lost beyond what the model knows" in done.out
+    assert "speed against the other sensors: no delay" in done.out
 
 
 def test_compare_prints_json_and_cuts(symhyb: Call) -> None:
@@ -349,6 +352,10 @@ def test_compare_prints_json_and_cuts(symhyb: Call) -> None:
     assert facts["rms"]["q"]["force"] > 5 * facts["rms"]["q"]["noise"]
     assert facts["rms"]["q"]["unit"] == "N"
     assert any("5 … 15 s" in note or "outside" in note for note in facts["notes"])
+    checks = facts["first_checks"]
+    assert checks["sampling"]["rate"] == pytest.approx(100.0)
+    assert checks["energy"]["unaccounted"] < 0
+    assert "stand still" in checks["skipped"]["rest"]
 
 
 def test_compare_maps_columns(symhyb: Call, write: Write) -> None:

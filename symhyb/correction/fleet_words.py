@@ -12,6 +12,7 @@ from symhyb.correction.trajectory import Refined
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.amounts import joined, number_text, quantity_text, small_text
 from symhyb.discrepancy.hypotheses import Hypothesis
+from symhyb.discrepancy.repeats import told_repeats
 from symhyb.discrepancy.results import Estimate, Found, Misfit, Reestimated, Repeats
 from symhyb.model.types import Model, place_text
 from symhyb.model.vocabulary import key_unit
@@ -83,27 +84,7 @@ def _words(cause: Hypothesis, stranger: Stranger) -> str:
 
 def repeats_said(prepared: Prepared) -> tuple[Repeats, ...]:
     """The repeated runs, with what they differ by in the units of the sensors."""
-    result = []
-    for group in prepared.repeats:
-        names = tuple(prepared.runs[i].recording.name for i in group.runs)
-        noise, between, parts = {}, {}, []
-        for j, sensor in enumerate(prepared.model.sensors):
-            if not np.isfinite(group.between[j]):
-                continue
-            spreads = [prepared.runs[i].motion.sd[j] for i in group.runs]
-            noise[sensor.name] = float(np.sqrt(np.mean(np.square(spreads)))) / sensor.unit.factor
-            between[sensor.name] = float(group.between[j]) / sensor.unit.factor
-            if between[sensor.name] > 0:
-                text = [small_text(x[sensor.name], sensor.unit.text, digits=2)
-                        for x in (between, noise)]  # fmt: skip
-                parts.append(f"{text[0]} in {sensor.name} (noise {text[1]})")
-        said = f"{joined(names)} repeat one manoeuvre"
-        if parts:
-            said += f" and differ by {joined(parts)}: no smaller effect is claimed."
-        else:
-            said += " and differ by no more than their noise."
-        result.append(Repeats(names, noise, between, said))
-    return tuple(result)
+    return told_repeats(prepared.model, prepared.runs, prepared.repeats)
 
 
 def with_own(model: Model, final: Refined, item: Named, found: Found) -> Found:

@@ -14,7 +14,10 @@ import numpy as np
 
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.motion import Motion, noise_level
+from symhyb.discrepancy.results import Repeats
 from symhyb.discrepancy.runs import Run
+from symhyb.discrepancy.wording import joined, small_text
+from symhyb.model.types import Model
 from symhyb.numeric.buffers import Array
 
 INPUT_NOISE = 3.0  # noises, by which two records of the same input may differ
@@ -61,6 +64,33 @@ def floor_of(groups: Sequence[Repeated], sensors: int) -> Array:
     return np.asarray(np.max([np.zeros(sensors), *rows], axis=0))
 
 
+def told_repeats(
+    model: Model, runs: Sequence[Run], groups: Sequence[Repeated]
+) -> tuple[Repeats, ...]:
+    """The groups of repeated runs in words, with what they differ by in the units of sensors."""
+    result = []
+    for group in groups:
+        names = tuple(runs[i].recording.name for i in group.runs)
+        noise, between, parts = {}, {}, []
+        for j, sensor in enumerate(model.sensors):
+            if not np.isfinite(group.between[j]):
+                continue
+            spreads = [runs[i].motion.sd[j] for i in group.runs]
+            noise[sensor.name] = float(np.sqrt(np.mean(np.square(spreads)))) / sensor.unit.factor
+            between[sensor.name] = float(group.between[j]) / sensor.unit.factor
+            if between[sensor.name] > 0:
+                text = [small_text(x[sensor.name], sensor.unit.text, digits=2)
+                        for x in (between, noise)]  # fmt: skip
+                parts.append(f"{text[0]} in {sensor.name} (noise {text[1]})")
+        said = f"{joined(names)} repeat one manoeuvre"
+        if parts:
+            said += f" and differ by {joined(parts)}: no smaller effect is claimed."
+        else:
+            said += " and differ by no more than their noise."
+        result.append(Repeats(names, noise, between, said))
+    return tuple(result)
+
+
 def _same(first: Run, second: Run) -> bool:
     a, b = first.recording, second.recording
     if a.t.size != b.t.size or set(a.inputs) != set(b.inputs) or set(a.sensors) != set(b.sensors):
@@ -68,11 +98,12 @@ def _same(first: Run, second: Run) -> bool:
     step = float(np.median(np.diff(a.t)))
     if np.max(np.abs((a.t - a.t[0]) - (b.t - b.t[0]))) > 0.5 * step:
         return False
-    driven = all(_same_input(a.inputs[name], b.inputs[name]) for name in a.inputs)
+    driven = all(same_input(a.inputs[name], b.inputs[name]) for name in a.inputs)
     return driven and _same_start(first.motion, second.motion) and _alike(a, b)
 
 
-def _same_input(first: Array, second: Array) -> bool:
+def same_input(first: Array, second: Array) -> bool:
+    """Whether two records (N,) of a signal, in any one unit, are the same within their noise."""
     noise = float(np.hypot(noise_level(first), noise_level(second)))
     allowed = max(INPUT_NOISE * noise, INPUT_SHARE * float(np.std(first)))
     return bool(np.sqrt(np.mean((first - second) ** 2)) <= allowed)

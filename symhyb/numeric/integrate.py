@@ -17,6 +17,7 @@ from symhyb.model.expression import Node, Operation
 from symhyb.model.types import Model
 from symhyb.numeric.buffers import Array, call
 from symhyb.numeric.dynamics import StateForm, state_form
+from symhyb.numeric.linear import state_slope
 from symhyb.numeric.machine import Machine
 from symhyb.numeric.vector import along
 
@@ -135,12 +136,8 @@ def _stiff(form: StateForm, scenario: Scenario, drive: Array, start: Array, p: A
     model = form.machine.model
     if any(element.kind in STEEP for element in model.elements) or _culprits(model):
         return True
-    x, d, t, values, w = form.symbols()
-    f = len(form.free)
-    rates = ca.vertcat(x[f : 2 * f, 0], form.rates()(x, d, t, values, w))
-    slope = ca.Function("slope", [x, d, t, values, w], [ca.densify(ca.jacobian(rates, x))])
     first = drive[0] if len(drive) else np.zeros(form.drive)
-    (matrix,) = call(slope, (start, first, float(scenario.t[0]), p, np.zeros(form.machine.n)))
+    matrix = state_slope(form, start, first, float(scenario.t[0]), p)
     if not np.isfinite(matrix).all():
         return True
     roots = np.linalg.eigvals(matrix)

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from symhyb.discrepancy.first_checks import FirstChecks
 from symhyb.discrepancy.results import Diagnosis, Trace, Verdict
 from symhyb.errors import InputError, Problem
 from symhyb.model.types import Model
@@ -26,6 +27,7 @@ def write_report(
     title: str | None = None,
     difference: str = "",
     provenance: Mapping[str, str] | None = None,
+    first: FirstChecks | None = None,
 ) -> None:
     """Write the diagnosis as one self-contained HTML page (see :func:`render_page`).
 
@@ -35,7 +37,7 @@ def write_report(
         InputError: the file cannot be written.
     """
     heading = title or (model.title if model is not None else "Diagnosis")
-    page = render_page(heading, diagnosis, verdict, difference, provenance, model)
+    page = render_page(heading, diagnosis, verdict, difference, provenance, model, first)
     _write(Path(path), page)
 
 

@@ -8,6 +8,7 @@ from importlib import resources
 import numpy as np
 from jinja2 import Environment, StrictUndefined
 
+from symhyb.discrepancy.first_checks import FirstChecks
 from symhyb.discrepancy.occurrence_words import place_words
 from symhyb.discrepancy.results import Cloud, Diagnosis, Trace, Verdict
 from symhyb.discrepancy.wording import (
@@ -20,6 +21,7 @@ from symhyb.report import figures
 from symhyb.report.apart import apart_figure, apart_sentence
 from symhyb.report.bars import Pair, places_figure, score_figure
 from symhyb.report.occurring import occurrence_figure
+from symhyb.report.responding import LINES_LEAST, response_figure
 from symhyb.report.sentences import (
     alternative_sentence,
     method_sentences,
@@ -54,12 +56,13 @@ def render_page(
     difference: str = "",
     provenance: Mapping[str, str] | None = None,
     model: Model | None = None,
+    first: FirstChecks | None = None,
 ) -> str:
     """Write the report as HTML that needs no other file and no network.
 
     ``difference`` is the text of the model diff, ``provenance`` says what the result was made from
     (files, SHA-256, versions). ``model`` gives the units in which sensors and places are shown;
-    without it they are shown in SI.
+    without it they are shown in SI. ``first`` are the first checks of a training recording.
     """
     units = {} if model is None else {sensor.name: sensor.unit for sensor in model.sensors}
     pages = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True)
@@ -85,6 +88,8 @@ def render_page(
                 cloud, place_units(model, cloud.place), _kinds_at(cloud, diagnosis)
             )
         ],
+        first=first,
+        first_picture=first and _first_picture(first),
         score_picture=_score_picture(verdict),
         place_picture=_place_picture(diagnosis),
         apart_picture=_apart_picture(diagnosis),
@@ -181,6 +186,21 @@ def _score_picture(verdict: Verdict) -> Picture | None:
         _image(score_figure(pairs[:_BARS_SHOWN])),
         f"Bars of the scores before and after the correction, on {which}.",
         f"Scores on {which}: before (upper bar, orange) and after the correction (lower bar, blue)",
+    )
+
+
+def _first_picture(first: FirstChecks) -> Picture | None:
+    """The frequency response that the simulations miss most, if any has enough lines."""
+    drawn = [one for one in first.responses if one.frequency.size >= LINES_LEAST]
+    if not drawn:
+        return None
+    worst = max(drawn, key=lambda one: max(one.apart.values(), default=0.0))
+    return Picture(
+        _image(response_figure(worst)),
+        f"Gain, phase and coherence of {worst.sensor} from {worst.drives[0]}, measured and "
+        "simulated.",
+        f"Frequency response of {worst.sensor} to {worst.drives[0]} ({first.recording}), measured "
+        "and in free runs by the same estimator; in the grey the coherence is too low to trust it.",
     )
 
 
