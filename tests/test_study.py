@@ -96,7 +96,7 @@ def test_the_least_that_a_study_says(write: Write) -> None:
     assert (study.columns, study.holdout, study.window_s, study.title) == (None, (), None, "")
 
 
-@pytest.mark.parametrize("name", ["emps", "oscillator", "null"])
+@pytest.mark.parametrize("name", ["emps", "oscillator", "null", "friction_damper"])
 def test_the_studies_that_are_shipped_are_valid(name: str) -> None:
     study = read_study(STUDIES / name / "study.toml")
     assert study.train
@@ -331,3 +331,15 @@ def test_the_real_drive_gives_what_is_published(
     assert len(result.checks) == 7
     assert [one for one in result.checks if not one.passed] == []
     assert result.exit_status == 1
+
+
+@pytest.mark.slow
+def test_the_real_friction_damper_slips_behind_a_play(
+    tmp_path: Path, public_file: Callable[..., Path]
+) -> None:
+    public_file("brfd", "0.5Hz30lbtension1amplitude.json")
+    result = run_study(STUDIES / "friction_damper" / "study.toml", tmp_path)
+    assert len(result.checks) == 4
+    assert [one for one in result.checks if not one.passed] == []
+    assert [effect.element.kind for effect in result.diagnosis.found] == ["hysteresis"]
+    assert (result.diagnosis.parameters, result.diagnosis.measurement) == ((), ())

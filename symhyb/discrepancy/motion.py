@@ -31,6 +31,7 @@ GUIDE_LEAST, GUIDE_MOST = 0.02, 0.5  # of what acts, afterwards
 GUIDE_ROUNDS = 3
 GUIDE_KNOTS = 4  # samples
 WORSE_MOST = 3  # spacings in a row that are worse than the best: stop
+SWING_MOST = np.pi / 2  # RMS speed over that from sample to sample: a sine of two samples a period
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -182,7 +183,8 @@ def _smoothed(
         if t.size < 4 * spacing or not np.isfinite(sd).any():
             break
         fits.append(_fit(machine, t, u, y, weights, spacing * step))
-        if len(fits) - _best(fits) > WORSE_MOST:
+        best = _best(fits)
+        if np.isfinite(fits[best].criterion) and len(fits) - best > WORSE_MOST:
             break
     if not fits:
         text = f"{t.size} samples are too few to estimate a motion"
@@ -301,10 +303,17 @@ def _fit(machine: Machine, t: Array, u: Array, y: Array, weights: Array, spacing
     cost = float(np.nansum((residual * weights) ** 2))
     free = max(count - n * size, 1)
     criterion = count * np.log(max(cost, 1e-300) / count) + n * size * np.log(count)
-    if free < 0.15 * count:
+    if free < 0.15 * count or _swings(t, q, v):
         criterion = np.inf
     spreads = bands(basis, normal, n)
     return _Fit(list(coefficients), basis, residual, cost / free, spreads, criterion, spacing)
+
+
+def _swings(t: Array, q: Array, v: Array) -> bool:
+    """Whether a spline through few samples swings between them: its speeds (N, n) are then larger
+    than places (N, n) at the times (N,) can tell."""
+    seen = np.sqrt(np.mean(np.square(np.diff(q, axis=0) / np.diff(t)[:, None]), axis=0))
+    return bool(np.any(np.sqrt(np.mean(v**2, axis=0)) > SWING_MOST * seen))
 
 
 def _weights(y: Array, sd: Array) -> Array:

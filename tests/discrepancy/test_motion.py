@@ -240,6 +240,15 @@ def test_a_recording_that_is_too_short_for_its_noise_is_refused(samples: int) ->
         motion_of(recording(t, p=sines(t)[0]), machine(p=PLACE))
 
 
+@pytest.mark.parametrize("seed", [1, 5, 10, 11])
+def test_few_samples_of_a_fall_do_not_swing_between_them(seed: int) -> None:
+    """56 samples at 15 Hz: as many knots as samples would explain the noise, and give the first or
+    the last sample a speed of hundreds of m/s."""
+    t = np.arange(56) / 15
+    motion = motion_of(recording(t, p=noisy(45 - 3.43 * t**2, 0.04, seed)), machine(p=PLACE))
+    assert np.abs(motion.v[:, 0] + 6.86 * t).max() < 3
+
+
 # --- noise ---------------------------------------------------------------------------------
 
 
