@@ -372,3 +372,42 @@ def test_a_model_that_depends_on_time_itself() -> None:
         {"hold": spring("k*(1 + 0.1*sin(2*pi*w*t))"), "motor": push("f")}, parameters=more
     )
     assert "time itself" in first_checks(build(moving), turning(moving)).skipped["modes"]
+
+
+def test_a_motion_that_is_hardly_shown_tells_no_delay() -> None:
+    t = np.arange(1500) / 200
+    run = run_of(driven_model(), t, 5 * broad(t, 0.5, 5.0), sd=0.02, late=0.02)
+    late = first_checks(build(driven_model()), run).timing.late
+    assert not any(one.told for one in late)
+
+
+def test_a_sensor_that_is_missing_and_one_with_holes() -> None:
+    sensors: Mapping[str, Entries] = {
+        "place": {"measures": "x", "unit": "m"},
+        "speed": {"measures": "x'", "unit": "m/s"},
+    }
+    model = driven_model(sensors=sensors)  # type: ignore[arg-type]
+    t = np.arange(1500) / 100
+    run = run_of(model, t, 5 * broad(t, 0.5, 5.0), sd=1e-4)
+    place = run.sensors["place"].copy()
+    place[300:450] = np.nan
+    checks = first_checks(build(model), recording(t, {"f": run.inputs["f"]}, place=place))
+    assert checks.timing.missing == {"place": pytest.approx(0.1)}
+    assert "10 % of the samples of place are missing" in checks.skipped["response"]
+    assert [late.channel for late in checks.timing.late] == ["f"]
+    assert checks.balance is not None
+
+
+def test_two_drives_are_parted() -> None:
+    inputs: Mapping[str, Entries] = {"f": {"unit": "N"}, "g": {"unit": "N"}}
+    elements = {**LINEAR, "pot": damper("d"), "other": push("3*g")}
+    model = oscillator(elements, {**VALUES, "d": (12.0, "N*s/m")}, inputs=inputs)
+    t = np.arange(6000) / 100
+    u = np.column_stack([broad(t, 0.5, 5.0, seed) for seed in (1, 2)])
+    run = simulate(build(model), Scenario(t, np.zeros(1), np.zeros(1), t, u))
+    given = recording(t, {"f": u[:, 0], "g": u[:, 1]}, place=run.q[:, 0])
+    (found,) = first_checks(build(model), given).responses
+    middle = (found.frequency > 1.0) & (found.frequency < 4.0)
+    ratio = found.measured[middle, 1] / found.measured[middle, 0]
+    assert np.median(np.abs(ratio)) == pytest.approx(3.0, rel=0.1)
+    assert found.drives == ("f", "g")
