@@ -19,6 +19,7 @@ from symhyb.numeric.machine import Machine, build
 DRY = ("friction", "friction_dynamic")
 BALANCED = 1e-8  # of the forces at work: what may be left at a place of rest
 FREE = 1e-6  # of the fastest root: a root this slow moves freely
+ROUNDED = 1e-9  # damping ratio: what rounding leaves to a machine without damping
 SHOWN = 0.05  # of the largest component of a shape: smaller ones are not said
 MOMENTS = (0.0, 0.137, 0.291, 0.618, 0.877)  # of a recording, at which slopes must agree
 
@@ -137,7 +138,10 @@ def _mode(value: complex, vector: Array, names: Sequence[str], scale: float) -> 
             if abs(part) >= SHOWN
         )
     if value.imag > FREE * scale:
-        return Mode(float(size / (2 * np.pi)), float(-value.real / size), float(-value.real), shape)
+        ratio, rate = float(-value.real / size), float(-value.real)
+        undamped = abs(ratio) < ROUNDED
+        damped = (0.0, 0.0) if undamped else (ratio, rate)
+        return Mode(float(size / (2 * np.pi)), *damped, shape)
     rate = 0.0 if size <= FREE * scale else float(-value.real)
     return Mode(0.0, 0.0, rate, shape)
 

@@ -31,10 +31,12 @@ GRID = 41  # delays that are tried first
 REACH = 0.25  # of the shortest period: the longest delay that is looked for, either way
 REACH_MOST = 0.1  # of the recording
 ROUNDS = 4
+POOR = 0.1  # of a signal's power: where noise or what is left has more, no delay is told
 CLEAN = 2.0  # times the noise of the force: more is left where physics is missing too
 SEEN = 0.1  # of what a delay changes in a signal, that nothing else can make, for it to be told
 CHANGES_LEAST = 20  # of a held channel, that show at which rate it changes
-SENSORS_MOST = 6  # held against the others one by one: each costs an estimate of the motion
+SENSORS_MOST = 4  # held against the others one by one: each costs an estimate of the motion
+SHOWN = "nothing shows it closely enough to tell a delay"
 FEIGNED = "but the model lacks more than that, which may feign it"
 UNTOLD = "this motion tells no delay"
 JITTER = 0.01  # of a sample: times that are further from even are told
@@ -257,6 +259,11 @@ def _late(
     if sd > reach:
         said = f"{UNTOLD} (± {small_text(sd, 's', digits=2)})"
         return Late(channel, against, None, sd, False, said)
+    whole = signal(delay)[inside]
+    size = float(np.sum((whole - whole.mean(axis=0)) ** 2))
+    rough = np.isfinite(noise) and whole.size * noise**2 > POOR * size
+    if rough or float(left @ left) > POOR * size:
+        return Late(channel, against, None, sd, False, SHOWN)
     if abs(delay) >= reach * (1 - 1e-6):
         return Late(channel, against, None, sd, False, "no delay within reach fits")
     if float(np.sqrt(np.mean(left**2))) > CLEAN * noise:
