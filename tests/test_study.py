@@ -96,7 +96,7 @@ def test_the_least_that_a_study_says(write: Write) -> None:
     assert (study.columns, study.holdout, study.window_s, study.title) == (None, (), None, "")
 
 
-@pytest.mark.parametrize("name", ["emps", "oscillator", "null", "friction_damper"])
+@pytest.mark.parametrize("name", ["emps", "oscillator", "null", "friction_damper", "bowling_ball"])
 def test_the_studies_that_are_shipped_are_valid(name: str) -> None:
     study = read_study(STUDIES / name / "study.toml")
     assert study.train
@@ -343,3 +343,14 @@ def test_the_real_friction_damper_slips_behind_a_play(
     assert [one for one in result.checks if not one.passed] == []
     assert [effect.element.kind for effect in result.diagnosis.found] == ["hysteresis"]
     assert (result.diagnosis.parameters, result.diagnosis.measurement) == ((), ())
+
+
+@pytest.mark.slow
+def test_no_drag_is_claimed_of_a_bowling_ball(
+    tmp_path: Path, public_file: Callable[..., Path]
+) -> None:
+    public_file("balldrops", "Ball_drops_data.xls")
+    result = run_study(STUDIES / "bowling_ball" / "study.toml", tmp_path)
+    assert len(result.checks) == 3
+    assert [one for one in result.checks if not one.passed] == []
+    assert result.diagnosis.found == ()

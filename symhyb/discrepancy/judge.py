@@ -107,8 +107,9 @@ def _carries(comparison: Comparison | None, window: float, unseen: bool, same: b
     if same or before is None or after is None:
         shown = "not computable" if before is None else percent_text(before)
         return f"On {where} the window NRMSE is {shown}. {why}"
+    went = "rises" if after > before else "falls"
     return (
-        f"On {where} the window NRMSE falls from {percent_text(before)} to "
+        f"On {where} the window NRMSE {went} from {percent_text(before)} to "
         f"{percent_text(after)}. {why}"
     )
 

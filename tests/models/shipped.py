@@ -31,6 +31,7 @@ SPREAD: dict[str, tuple[tuple[float, ...], float, tuple[float, ...]]] = {
     "rotor_imbalance": ((2e-4, 2e-4), 5e-3, ()),
     "falling_ball": ((1.0, 5.0), 0.5, ()),
     "damper_rig": ((0.02,), 0.3, ()),
+    "dropped_ball": ((5.0,), 0.5, ()),
     "rig_alone": ((0.02,), 0.3, ()),
     "loudspeaker": ((3e-3, 1e-3), 3e-3, (4.0,)),
 }

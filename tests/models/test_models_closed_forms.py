@@ -35,6 +35,13 @@ def test_a_ball_falls_towards_its_terminal_speed() -> None:
     assert np.all(done.q[:, 0] == 0)
 
 
+def test_a_dropped_ball_falls_along_a_parabola() -> None:
+    done = run("dropped_ball", 3.0, [45.0], [0.0])
+    assert done.q[:, 0] == pytest.approx(
+        45 - numbers("dropped_ball")["g"] * done.t**2 / 2, abs=1e-6
+    )
+
+
 def test_a_cubic_spring_swings_as_an_elliptic_function() -> None:
     p, size = numbers("oscillator"), 0.4
     done = run("oscillator", 5.0, [size], [0.0], [0.0])

@@ -262,6 +262,10 @@ def falling_ball(q: Symbols, p: Names, u: Symbols, _: sp.Symbol) -> Energies:
     )
 
 
+def dropped_ball(q: Symbols, p: Names, u: Symbols, _: sp.Symbol) -> Energies:
+    return Energies(p["m"] * q[0].diff(T) ** 2 / 2, p["m"] * p["g"] * q[0])
+
+
 def damper_rig(q: Symbols, p: Names, u: Symbols, z: sp.Symbol) -> Energies:
     rate = q[0].diff(T)
     taut = sp.Piecewise((z - p["p"], z > p["p"]), (z + p["p"], z < -p["p"]), (0, True))
@@ -286,6 +290,6 @@ WRITTEN: Mapping[str, Callable[[Symbols, Names, Symbols, sp.Symbol], Energies]] 
         oscillator, duffing, emps, silverbox, ship_roll, pendulum, double_pendulum,
         triple_pendulum, pendulum_on_cart, cartpole, two_link_arm, quarter_car, half_car,
         chain_of_masses, two_inertia_backlash, rotor_imbalance, falling_ball, damper_rig,
-        rig_alone, loudspeaker,
+        dropped_ball, rig_alone, loudspeaker,
     )
 }  # fmt: skip
