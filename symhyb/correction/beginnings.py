@@ -8,7 +8,7 @@ from symhyb.correction.evidence import SIGNIFICANT, unit_of
 from symhyb.correction.preparing import WINDOWS_LEAST
 from symhyb.correction.setting import Setting, Stage
 from symhyb.correction.trajectory import Refined
-from symhyb.discrepancy.matching import Task, fit
+from symhyb.discrepancy.matching import fit, starts_only
 from symhyb.discrepancy.occurrence_words import change_words
 from symhyb.discrepancy.results import Change, Diagnosis, PlaceShare
 from symhyb.discrepancy.windows import Laid
@@ -66,9 +66,7 @@ def contradicted(whole: Setting, winner: Refined, change: Change) -> bool:
 
 def _followed(machine: Machine, p: Array, item: Laid, sd: Array) -> Array:
     """χ² (W,) of windows by a machine as it is, with parameters ``p`` (P,) in SI."""
-    none = np.zeros(0)
-    task = Task((item.suited(machine),), sd, none, none, none, none)
-    return fit(WindowModel(machine), task, p).chi2
+    return fit(WindowModel(machine), starts_only(item.suited(machine), sd), p).chi2
 
 
 def in_part(found: Diagnosis, change: Change | None) -> Diagnosis:

@@ -1,7 +1,7 @@
 """What each cause is worth on unseen windows, and what is left: the unseen recordings prove."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -9,7 +9,13 @@ from symhyb.correction.findings import Named
 from symhyb.correction.preparing import Prepared
 from symhyb.correction.setting import Setting, Stage
 from symhyb.correction.trajectory import Refined, grouped, own_values, refine
-from symhyb.discrepancy.matching import TRIAL_DECREASE, TRIAL_ITERATIONS, Task, fit
+from symhyb.discrepancy.matching import (
+    TRIAL_DECREASE,
+    TRIAL_ITERATIONS,
+    Task,
+    fit,
+    starts_only,
+)
 from symhyb.discrepancy.runs import laid_on
 from symhyb.discrepancy.windows import Laid
 from symhyb.numeric.buffers import Array
@@ -100,11 +106,7 @@ def _unseen(prepared: Prepared, stage: Stage, trial: Refined) -> _Unseen:
 
 def _still(item: Laid, sd: Array) -> Task:
     """The windows of one recording with no number to fit but their initial states."""
-    nothing = np.zeros(0)
-    return Task(
-        (item,), sd, nothing, nothing, nothing, nothing,
-        decrease=TRIAL_DECREASE, iterations=TRIAL_ITERATIONS,
-    )  # fmt: skip
+    return replace(starts_only(item, sd), decrease=TRIAL_DECREASE, iterations=TRIAL_ITERATIONS)
 
 
 def _nrmse(residual: Array, measured: Array) -> float:

@@ -113,6 +113,13 @@ class _Part:
     used: NDArray[np.bool_]
 
 
+def starts_only(laid: Laid, sd: Array) -> Task:
+    """The task for windows of one recording, noise ``sd`` (m,) in SI, in which nothing but initial
+    states is to be fitted."""
+    nothing = np.zeros(0)
+    return Task((laid,), sd, nothing, nothing, nothing, nothing)
+
+
 def fit(model: WindowModel, task: Task, p: Array, starts: Sequence[Array] | None = None) -> Fit:
     """Fit the free parameters of ``model`` from ``p`` (P,) in SI by damped Gauss–Newton steps.
 

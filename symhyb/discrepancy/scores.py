@@ -11,7 +11,7 @@ import numpy as np
 
 from symhyb.data.thin import thinned
 from symhyb.discrepancy.course import course_of
-from symhyb.discrepancy.matching import Task, fit
+from symhyb.discrepancy.matching import fit, starts_only
 from symhyb.discrepancy.motion import measured
 from symhyb.discrepancy.residual import applied_force, discrepancy
 from symhyb.discrepancy.results import Score
@@ -111,14 +111,13 @@ def _fitted_start(model: WindowModel, run: Run) -> Array:
     short = replace(run, recording=thinned(run.recording, factor), motion=run.motion.every(factor))
     first = course_of(run.recording, model.machine, run.motion).states[0]
     starts: list[Array] = [first, _stated(model.form, first)]
-    nothing = np.zeros(0)
     laid: Laid | None = None
     for share in RUN_SHARES:
         laid = laid_on(short, model.machine, share * short.recording.duration)
         if laid is None:
             continue
         laid = laid.first().suited(model.machine)
-        task = Task((laid,), run.sd, nothing, nothing, nothing, nothing, iterations=10)
+        task = replace(starts_only(laid, run.sd), iterations=10)
         begin = [starts[-1 if share > RUN_SHARES[0] else 0][None]]
         starts.append(fit(model, task, model.machine.values, begin).starts[0][0])
     if laid is None:
@@ -149,9 +148,7 @@ def _window_errors(model: WindowModel, run: Run, window_s: float) -> Array:
     if laid is None:
         return np.empty((0, len(model.machine.model.sensors)))
     laid = laid.suited(model.machine)
-    nothing = np.zeros(0)
-    task = Task((laid,), run.sd, nothing, nothing, nothing, nothing)
-    fitted = fit(model, task, model.machine.values)
+    fitted = fit(model, starts_only(laid, run.sd), model.machine.values)
     _, y = model.simulate(laid.block, fitted.starts[0], model.machine.values)
     return np.asarray(((laid.block.y - y) ** 2).reshape(-1, y.shape[2]))
 
