@@ -6,7 +6,7 @@ from math import exp, inf
 
 import numpy as np
 
-from symhyb.correction.conventions import RIVAL, alike
+from symhyb.correction.conventions import RIVAL
 from symhyb.correction.decide import Decision
 from symhyb.correction.findings import cause_phrase, rivals_of
 from symhyb.correction.manoeuvre import Rivals, Told, design
@@ -41,11 +41,13 @@ def advise(
 def _pairs(decision: Decision) -> list[Rivals]:
     """The winner with each rival that is not ranked by convention alone, the closest first."""
     pairs = []
-    for fresh, lost, evidence, trial in sorted(rivals_of(decision), key=lambda rival: rival[2]):
-        conventional = len(fresh) == len(lost) == 1 and alike(fresh[0], lost[0])
-        if not conventional and not trial.fit.reason and evidence < RIVAL:
-            names = tuple(joined([cause_phrase(c) for c in causes]) for causes in (lost, fresh))
-            pairs.append(Rivals(decision.winner, trial, (names[0], names[1])))
+    for change, evidence, trial in sorted(rivals_of(decision), key=lambda rival: rival[1]):
+        if not change.conventional and not trial.fit.reason and evidence < RIVAL:
+            lost, fresh = (
+                joined([cause_phrase(cause) for cause in side])
+                for side in (change.lost, change.fresh)
+            )
+            pairs.append(Rivals(decision.winner, trial, (lost, fresh)))
     return pairs[:PAIRS_MOST]
 
 

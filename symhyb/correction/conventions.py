@@ -1,11 +1,47 @@
 """Causes that no recording of a kind tells apart, and which of them convention names."""
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 from symhyb.correction.selection import Problem
 from symhyb.discrepancy.hypotheses import Hypothesis
 
 CERTAIN = 4.6  # of the criterion: a rival closer than this (odds 10 to 1) leaves a cause in doubt
 RIVAL = 10.0  # of the criterion: closer than this, a rival is told
 TWINS = 1e-6  # of 1 − ρ² between two effects: the same
+
+
+@dataclass(frozen=True)
+class Exchange:
+    """What one structure has in place of what another has."""
+
+    fresh: tuple[Hypothesis, ...]  # causes of the one that the other lacks
+    lost: tuple[Hypothesis, ...]  # causes of the other that the one lacks
+
+    @property
+    def pair(self) -> tuple[Hypothesis, Hypothesis] | None:
+        """The fresh and the lost cause, where there is one of each."""
+        one = len(self.fresh) == len(self.lost) == 1
+        return (self.fresh[0], self.lost[0]) if one else None
+
+    @property
+    def conventional(self) -> bool:
+        """Whether one cause stands for another of a kind that convention ranks."""
+        return self.pair is not None and alike(*self.pair)
+
+    @property
+    def grows(self) -> bool:
+        """Whether more numbers come than go: an extension rather than a rival."""
+        fresh, lost = (sum(cause.numbers for cause in side) for side in (self.fresh, self.lost))
+        return fresh > lost
+
+
+def exchange(one: Sequence[Hypothesis], other: Sequence[Hypothesis]) -> Exchange:
+    """What the causes ``one`` have in place of the causes ``other``."""
+    return Exchange(
+        tuple(cause for cause in one if cause not in other),
+        tuple(cause for cause in other if cause not in one),
+    )
 
 
 def exact_twins(problem: Problem) -> tuple[tuple[int, int], ...]:

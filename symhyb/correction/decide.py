@@ -15,7 +15,7 @@ from itertools import combinations
 import numpy as np
 
 from symhyb.correction.beyond import deeper, last_resort, lean, more_lines
-from symhyb.correction.conventions import CERTAIN, alike, exact_twins, precedence
+from symhyb.correction.conventions import CERTAIN, exact_twins, exchange, precedence
 from symhyb.correction.evidence import (
     NEAR_NOISE,
     SIGNIFICANT,
@@ -98,12 +98,11 @@ def decide(setting: Setting, proposals: Sequence[Subset], say: Say) -> Decision:
 def _conventional(trials: Trials, winner: Refined, problem: Problem) -> Refined:
     """Where convention names one of two causes that noise cannot tell apart, the one it names."""
     for trial in trials.done.values():
-        fresh = [cause for cause in trial.causes if cause not in winner.causes]
-        lost = [cause for cause in winner.causes if cause not in trial.causes]
-        if len(fresh) != 1 or len(lost) != 1 or not alike(fresh[0], lost[0]):
+        change = exchange(trial.causes, winner.causes)
+        if change.pair is None or not change.conventional:
             continue
         first, second = (
-            precedence(problem.hypotheses.index(cause), cause) for cause in (fresh[0], lost[0])
+            precedence(problem.hypotheses.index(cause), cause) for cause in change.pair
         )
         if first < second and abs(criterion(trial, winner) - criterion(winner, winner)) < CERTAIN:
             return trial

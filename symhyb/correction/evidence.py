@@ -5,6 +5,7 @@ from math import inf
 
 import numpy as np
 
+from symhyb.correction.conventions import exchange
 from symhyb.correction.trajectory import Refined, grouped
 from symhyb.discrepancy.hypotheses import PLAIN, Hypothesis
 from symhyb.numeric.buffers import Array
@@ -115,10 +116,10 @@ def _added_stands(cause: Hypothesis, values: Mapping[str, float], spread: Array)
 def _another_law(larger: Refined, smaller: Refined) -> bool:
     """Whether one law stands in place of another kind, where hardly more than noise is left: that
     something acts there is certain, so held windows need only agree, however few show it."""
-    fresh = [cause for cause in larger.causes if cause not in smaller.causes]
-    lost = [cause for cause in smaller.causes if cause not in larger.causes]
-    one = len(fresh) == len(lost) == 1 and fresh[0].kind != lost[0].kind
-    return one and fresh[0].place == lost[0].place and smaller.fit.scale < NEAR_NOISE
+    pair = exchange(larger.causes, smaller.causes).pair
+    if pair is None or pair[0].kind == pair[1].kind:
+        return False
+    return pair[0].place == pair[1].place and smaller.fit.scale < NEAR_NOISE
 
 
 def part_taken(larger: Refined, smaller: Refined, everywhere: bool = False) -> float:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symhyb.correction.conventions import CERTAIN, RIVAL, alike
+from symhyb.correction.conventions import CERTAIN, RIVAL, Exchange, exchange
 from symhyb.correction.decide import Decision
 from symhyb.correction.formulas import law_text
 from symhyb.correction.stability import unstable
@@ -237,10 +237,9 @@ def doubtful(decision: Decision) -> tuple[Hypothesis, ...]:
     """Causes of the winner that these recordings cannot tell: a rival replaces them almost as well,
     or they do not stay chosen when the windows are weighed anew."""
     doubt = list(unstable(decision))
-    for fresh, lost, evidence, _ in rivals_of(decision):
-        conventional = len(fresh) == len(lost) == 1 and alike(fresh[0], lost[0])
-        if evidence < CERTAIN and not conventional:
-            doubt += lost
+    for change, evidence, _ in rivals_of(decision):
+        if evidence < CERTAIN and not change.conventional:
+            doubt += change.lost
     return tuple(cause for cause in decision.winner.causes if cause in doubt)
 
 
@@ -260,10 +259,11 @@ def alternatives_of(
     for first, second in decision.twins:
         if first in winner.causes:
             rows.append(_alternative(model, second, {}, names.get(first), 0.0))
-    for fresh, lost, evidence, trial in rivals_of(decision):
-        for cause in fresh:
+    for change, evidence, trial in rivals_of(decision):
+        instead_of = names.get(change.lost[0])
+        for cause in change.fresh:
             values = _told_values(trial, cause)
-            rows.append(_alternative(model, cause, values, names.get(lost[0]), max(evidence, 0.0)))
+            rows.append(_alternative(model, cause, values, instead_of, max(evidence, 0.0)))
     rows += _sided(model, winner, names)
     return tuple(sorted(rows, key=lambda row: row.evidence))
 
@@ -286,31 +286,22 @@ def _sided(model: Model, winner: Refined, names: Mapping[Hypothesis, str]) -> It
             yield _alternative(model, cause, told, names.get(winner.causes[j]), 0.0)
 
 
-Rival = tuple[list[Hypothesis], list[Hypothesis], float, Refined]
-
-
-def rivals_of(decision: Decision) -> list[Rival]:
-    """Trials within reach of the winner that replace some of its causes: the fresh causes, the lost
-    ones, the difference of the criterion, the trial."""
+def rivals_of(decision: Decision) -> list[tuple[Exchange, float, Refined]]:
+    """Trials within reach of the winner that replace some of its causes: what they exchange, the
+    difference of the criterion, the trial."""
     rivals = []
     for trial in decision.trials:
         evidence = decision.evidence(trial)
-        fresh = [cause for cause in trial.causes if cause not in decision.winner.causes]
-        lost = [cause for cause in decision.winner.causes if cause not in trial.causes]
-        if {cause.family for cause in fresh} == {cause.family for cause in lost}:
+        change = exchange(trial.causes, decision.winner.causes)
+        if {cause.family for cause in change.fresh} == {cause.family for cause in change.lost}:
             continue  # the same law, begun at other values: no rival of itself
-        if fresh and lost and evidence < RIVAL and not _larger(fresh, lost):
-            rivals.append((fresh, lost, evidence, trial))
+        if change.fresh and change.lost and evidence < RIVAL and not change.grows:
+            rivals.append((change, evidence, trial))
     return rivals
 
 
 def _told_values(trial: Refined, cause: Hypothesis) -> dict[str, tuple[float, float]]:
     return {} if cause.place is None else _values(trial, [trial.causes.index(cause)])
-
-
-def _larger(fresh: Sequence[Hypothesis], lost: Sequence[Hypothesis]) -> bool:
-    """Whether a trial holds more than it replaces: no rival but an extension that was refused."""
-    return sum(cause.numbers for cause in fresh) > sum(cause.numbers for cause in lost)
 
 
 def _alternative(

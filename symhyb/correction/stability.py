@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from symhyb.correction.conventions import alike
+from symhyb.correction.conventions import exchange
 from symhyb.correction.decide import Decision
 from symhyb.correction.evidence import believable, unit_of
 from symhyb.correction.trajectory import Refined
@@ -89,15 +89,8 @@ def _denies(trial: Refined, winner: Refined, cause: Hypothesis) -> bool:
         return False
     if trial.fit.chi2.size != winner.fit.chi2.size or not believable(trial):
         return False
-    fresh = _missing(trial.causes, winner.causes)
-    lost = _missing(winner.causes, trial.causes)
-    if len(fresh) == len(lost) == 1 and alike(fresh[0], lost[0]):
-        return False
-    return sum(c.numbers for c in fresh) <= sum(c.numbers for c in lost)
-
-
-def _missing(those: Sequence[Hypothesis], these: Sequence[Hypothesis]) -> list[Hypothesis]:
-    return [cause for cause in those if cause not in these]
+    change = exchange(trial.causes, winner.causes)
+    return not change.conventional and not change.grows
 
 
 def _sort(cause: Hypothesis) -> tuple[object, ...]:

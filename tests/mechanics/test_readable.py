@@ -188,12 +188,12 @@ def test_a_chain_is_printed_as_it_is_computed(links: int) -> None:
 def test_a_chain_of_twelve_links_is_short_and_fast() -> None:
     """Σ over 12 bodies of 13 x 13 products of up to 12 sines would fill hundreds of pages."""
     model = chain(12)
-    begin = time.perf_counter()
+    begin = time.process_time()
     for matrices in (False, True):
         text = show_equations(model, matrices=matrices)
         assert max(map(len, text.splitlines())) <= 110
         assert len(text) < 60_000
-    assert time.perf_counter() - begin < 10.0
+    assert time.process_time() - begin < 10.0
     assert "x(link3)_q2 = " in text
     assert text.count("sin(") == 12  # each sine once
 
@@ -215,9 +215,9 @@ mass = "m"
 at = ["x", "l*{factors}"]
 """
     )
-    begin = time.perf_counter()
+    begin = time.process_time()
     text = show_equations(model)
-    assert time.perf_counter() - begin < 10.0
+    assert time.process_time() - begin < 10.0
     assert len(text) < 60_000
     compare(model, 1)
 

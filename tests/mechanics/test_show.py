@@ -18,9 +18,9 @@ MODELS = Path(__file__).parents[2] / "models"
 
 
 def test_cart_and_pole_reads_like_the_mechanics_book() -> None:
-    begin = time.perf_counter()
+    begin = time.process_time()
     text = show_equations(read_model(MODELS / "cartpole.toml"))
-    assert time.perf_counter() - begin < 1.0
+    assert time.process_time() - begin < 1.0
     rows = [re.sub(" +", " ", line.strip()) for line in text.splitlines()]
     band = "|tip - post|"
     for row in (
@@ -196,9 +196,9 @@ def test_a_product_of_many_sums_is_not_multiplied_out() -> None:
         parameters={"m": (1.2, "kg"), "a": (1.0, "1/m")},
         energy={"kinetic": f"0.5*m*x'**2*{factors}"},
     )
-    begin = time.perf_counter()
+    begin = time.process_time()
     assert "(39*a*x + 1)" in show_equations(model)
-    assert time.perf_counter() - begin < 5.0
+    assert time.process_time() - begin < 5.0
 
 
 def latex(model: Model) -> str:

@@ -181,16 +181,16 @@ def test_everything_but_arithmetic_is_refused(text: str) -> None:
     ids=["parentheses", "minus", "sum", "calls", "long", "digits", "powers"],
 )
 def test_deep_long_and_large_is_refused_at_once(text: str) -> None:
-    begin = time.perf_counter()
+    begin = time.process_time()
     with pytest.raises(ExpressionError):
         parse_expression(text)
-    assert time.perf_counter() - begin < 1.0
+    assert time.process_time() - begin < 1.0
 
 
 def test_a_huge_power_does_not_hang() -> None:
-    begin = time.perf_counter()
+    begin = time.process_time()
     assert np.isinf(evaluate(parse_expression("9**9**9**9**9"), {}))
-    assert time.perf_counter() - begin < 1.0
+    assert time.process_time() - begin < 1.0
 
 
 @pytest.mark.parametrize(
