@@ -16,7 +16,7 @@ from symhyb.expected import Expected, check, found_terms, read_expected
 from symhyb.model.types import Between
 from symhyb.report.contract import to_json
 from symhyb.study import manifest, run_study, staged
-from symhyb.study_file import Source, read_study
+from symhyb.study_file import Source, Study, read_study
 
 ROOT = Path(__file__).parent.parent
 STUDIES = ROOT / "studies"
@@ -155,6 +155,48 @@ def test_a_study_needs_recordings(write: Write, train: str, said: str) -> None:
 def test_a_study_that_is_not_there(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="cannot be read: No such file"):
         read_study(tmp_path / "study.toml")
+
+
+def test_a_recording_may_have_entries_of_the_map_for_itself(write: Write) -> None:
+    text = STUDY.replace("span = [1, 5.5]", 'map = { f = "u [kN]", laser = "y" }')
+    text = text.replace('file = "../folder/b.csv"', 'file = "b.csv"\n[holdout.map]\nlaser = "z"')
+    study = read_study(write(text))
+    first, second, unseen = (*study.train, *study.holdout)
+    assert study.columns_of(first) == {"f": "u [kN]", "laser": "y"}
+    assert study.columns_of(second) == {"f": "2*u"}
+    assert study.columns_of(unseen) == {"f": "2*u", "laser": "z"}
+
+
+@pytest.mark.parametrize(
+    ("map_", "line"),
+    [("map = 3", 11), ("map = { f = 3 }", 11), ("[train.map]\ng = 'y'\nf = 3", 13)],
+)
+def test_mistakes_in_the_map_of_one_recording(write: Write, map_: str, line: int) -> None:
+    (said,) = problems(write(STUDY.replace("span = [1, 5.5]", map_)))
+    assert said.startswith(f"{line}: train[1].map")
+    assert "must be" in said
+
+
+SPANS = [
+    ((0, 5), (5, 9), r"its sample at 5 s is in a training .*, as in \[5\.005, …\]"),
+    ((5, 9), (0, 5), r"its sample at 5 s is in a training .*; let one span end before it"),
+    ((0, 5), (4, 9), r"4 … 5 s of it are in a training .*; let the spans not overlap"),
+    ((0, 5), (0, 5), r"is a training recording too; what is learned from cannot prove anything"),
+]
+
+
+@pytest.mark.parametrize(("seen", "unseen", "said"), SPANS)
+def test_what_is_learned_from_may_not_prove(
+    tmp_path: Path, seen: tuple[float, float], unseen: tuple[float, float], said: str
+) -> None:
+    file = STUDIES / "null" / "train.csv"
+    study = Study(
+        ROOT / "models" / "oscillator.toml",
+        (Source(file, span=seen),),
+        (Source(file, span=unseen),),
+    )
+    with pytest.raises(InputError, match=said):
+        module.carry_out(study)
 
 
 # --- what is expected ---------------------------------------------------------------------------
