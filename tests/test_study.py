@@ -10,10 +10,10 @@ import pytest
 from fakes import NOTHING, Fake, fake_diagnosis, friction, verdict
 
 from symhyb import study as module
-from symhyb.discrepancy.results import Estimate, Measurement, Reestimated
+from symhyb.discrepancy.results import Alternative, Diagnosis, Estimate, Measurement, Reestimated
 from symhyb.errors import InputError
-from symhyb.expected import Expected, check, found_terms, read_expected
-from symhyb.model.types import Between
+from symhyb.expected import Expected, Reference, check, found_terms, read_expected
+from symhyb.model.types import Between, On
 from symhyb.report.contract import to_json
 from symhyb.study import manifest, run_study, staged
 from symhyb.study_file import Source, Study, read_study
@@ -233,6 +233,59 @@ def test_a_diagnosis_that_is_not_as_expected_fails(
     assert one.got == got
 
 
+UNDECIDED = replace(
+    NOTHING,
+    verdict="undecided",
+    alternatives=(
+        Alternative(None, "drag", (), 0.0, place=On("q")),
+        Alternative(None, "gain", (), 1.0, channel="f"),
+        Alternative(None, "parameter", (), 2.0, parameter="k"),
+    ),
+)
+EITHER = Expected(
+    any_of=(
+        Expected(verdict="missing physics", found={"q.coulomb": (0.4905, 0.05)}),
+        Expected(verdict="undecided", alternatives=("q.drag", "f.gain", "parameter.k")),
+    )
+)
+
+
+@pytest.mark.parametrize(("case", "diagnosis"), [(1, friction(0.5)), (2, UNDECIDED)])
+def test_either_of_two_may_be_expected(case: int, diagnosis: Diagnosis) -> None:
+    checks = check(EITHER, to_json(diagnosis, verdict()))
+    assert all(one.passed for one in checks)
+    assert checks[0].subject == f"case {case} of 2: verdict"
+
+
+def test_where_neither_is_met_the_nearer_one_is_told() -> None:
+    checks = check(EITHER, to_json(friction(0.9), verdict()))
+    assert [one.passed for one in checks] == [True, False]
+    assert checks[1].subject == "case 1 of 2: q.coulomb"
+    lacking = replace(UNDECIDED, alternatives=UNDECIDED.alternatives[:1])
+    checks = check(EITHER, to_json(lacking, verdict()))
+    assert [(one.got, one.passed) for one in checks[1:]] == [
+        ("among the alternatives", True), ("q.drag", False), ("q.drag", False),
+    ]  # fmt: skip
+
+
+def test_what_holds_in_every_case_is_judged_beside_the_cases() -> None:
+    limit = replace(EITHER, at_most={"holdout.after.window_rmse.speed": 0.001})
+    checks = check(limit, to_json(UNDECIDED, verdict()))
+    assert [one.passed for one in checks] == [False, True, True, True, True]
+
+
+def test_what_is_published_is_read_and_not_judged(tmp_path: Path) -> None:
+    path = tmp_path / "expected.json"
+    row = {"value": 20.4, "unit": "N", "sd": 0.1, "about": "Fc"}
+    text = {"published": {"source": "somebody", "says": "a law", "found": {"q.coulomb": row}}}
+    path.write_text(json.dumps(text))
+    expected = read_expected(path)
+    assert expected.published is not None
+    assert expected.published.found == {"q.coulomb": Reference(20.4, "N", 0.1, "Fc")}
+    assert (expected.published.says, expected.published.scores) == ("a law", {})
+    assert check(expected, CONTENT) == ()
+
+
 def test_what_shapes_a_law_is_nothing_else_but_a_parameter_and_a_gain_are() -> None:
     diagnosis = friction(0.5)
     (effect,) = diagnosis.found
@@ -266,6 +319,17 @@ def test_places_between_points_have_a_name() -> None:
         ('{"found": {"x.c": {"value": 1}}}', "found.x.c: 'within' is missing"),
         ('{"scores": {"a": {"at_most": "1"}}}', "scores.a.at_most: must be a number"),
         ('{"nothing_else": 1}', "nothing_else: must be true or false"),
+        ('{"verdict": "undecidd"}', "verdict: 'undecidd' is no verdict; did you mean 'undecided'"),
+        ('{"alternatives": "x"}', "alternatives: must be a list of names"),
+        ('{"any_of": {}}', "any_of: must be a list of mappings"),
+        ('{"any_of": [{"verdict": "undecided"}]}', "any_of: must hold at least two cases"),
+        ('{"any_of": [{"nothing_else": true}, {}]}', "any_of[2]: an empty case is always met"),
+        ('{"any_of": [{"source": "x"}, {"a": 1}]}', "any_of[1].source: 'source' is not a key"),
+        ('{"published": {"says": "x"}}', "published: 'source' is missing"),
+        (
+            '{"published": {"source": "x", "found": {"x.c": {"value": 1, "unit": "Nm"}}}}',
+            "published.found.x.c.unit: 'Nm' is not a known unit",
+        ),
     ],
 )
 def test_mistakes_in_what_is_expected(tmp_path: Path, text: str, said: str) -> None:
