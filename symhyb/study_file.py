@@ -31,7 +31,7 @@ from dataclasses import dataclass
 from itertools import islice, takewhile
 from pathlib import Path
 
-from symhyb.data.catalogue import DATASETS
+from symhyb.data.catalogue import named, unknown
 from symhyb.data.formats import split_part
 from symhyb.data.rows import Span
 from symhyb.errors import InputError, Problem, did_you_mean
@@ -190,10 +190,9 @@ def _file(table: Table, key: str, name: str | None, study: Path) -> Path | None:
 def _check_data(table: Table, data: str) -> None:
     """See whether a name like ``emps/DATA_EMPS.mat`` is known."""
     name, _, file = data.partition("/")
-    dataset = next((known for known in DATASETS if known.name == name), None)
+    dataset = named(name)
     if dataset is None:
-        near = did_you_mean(name, [known.name for known in DATASETS])
-        table.fault(f"no recording is known by the name '{name}'{near}", "data")
+        table.fault(unknown(name), "data")
         return
     files = [known.name for known in dataset.files]
     file = split_part(file)[0].name if file else file
