@@ -119,19 +119,29 @@ def check(expected: Expected, content: Mapping[str, Any]) -> tuple[Check, ...]:
     if not expected.any_of:
         return always
     tried = [tuple(_checks(case, content)) for case in expected.any_of]
-    missed = [sum(not one.passed for one in checks) for checks in tried]
+    missed = [sum(not one.passed for one in checks) / max(len(checks), 1) for checks in tried]
     nearest = missed.index(min(missed))
     name = f"case {nearest + 1} of {len(tried)}: "
     return (*always, *(replace(one, subject=name + one.subject) for one in tried[nearest]))
 
 
 def found_terms(content: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
-    """Give every fitted number of the found elements of a ``diagnosis.json`` by place.term."""
-    return {
-        f"{_place_name(effect['place'])}.{number['term']}": number
-        for effect in content["found"]
-        for number in effect["parameters"].values()
-    }
+    """Give every fitted number of a ``diagnosis.json`` by name: ``x.coulomb`` of a found element,
+    ``parameter.k``, ``force.offset`` of a channel; a recording's own number as ``x.drag@a.csv``."""
+    terms: dict[str, Mapping[str, Any]] = {}
+    for effect in content["found"]:
+        place = _place_name(effect["place"])
+        for recording, numbers in (("", effect["parameters"]), *effect.get("own", {}).items()):
+            behind = f"@{recording}" if recording else ""
+            terms |= {f"{place}.{one['term']}{behind}": one for one in numbers.values()}
+    for changed in content["parameters"]:
+        name = f"parameter.{changed['name']}"
+        terms[name] = changed
+        terms |= {
+            f"{name}@{recording}": {**one, "unit": changed["unit"]}
+            for recording, one in changed.get("own", {}).items()
+        }
+    return terms | {f"{one['channel']}.{one['kind']}": one for one in content["measurement"]}
 
 
 def _case(table: Table) -> Expected:
@@ -267,11 +277,15 @@ def _others(
     expected: Expected, content: Mapping[str, Any], terms: Mapping[str, Mapping[str, Any]]
 ) -> Iterator[str]:
     """Name what was found beyond the expectation."""
+    wanted = {name.partition("@")[0] for name in expected.found or {}}
+    words = {
+        f"parameter.{one['name']}": f"parameter {one['name']}" for one in content["parameters"]
+    }
+    for one in content["measurement"]:
+        words[f"{one['channel']}.{one['kind']}"] = f"{one['kind']} of {one['channel']}"
     for name in terms:
-        if name not in (expected.found or {}) and name.rpartition(".")[2] not in SHAPES:
-            yield name
-    yield from (f"parameter {changed['name']}" for changed in content["parameters"])
-    yield from (f"{fault['kind']} of {fault['channel']}" for fault in content["measurement"])
+        if name not in wanted and "@" not in name and name.rpartition(".")[2] not in SHAPES:
+            yield words.get(name, name)
 
 
 def score_at(scores: Any, path: str) -> float | None:

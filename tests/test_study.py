@@ -302,6 +302,30 @@ def test_what_shapes_a_law_is_nothing_else_but_a_parameter_and_a_gain_are() -> N
     assert check(EXPECTED, to_json(changed, verdict()))[-1].got == "parameter c, gain of speed"
 
 
+def test_parameters_channels_and_own_numbers_may_be_expected() -> None:
+    diagnosis = friction(0.5)
+    (effect,) = diagnosis.found
+    own = tuple(
+        (name, (Estimate("F_c", v, 0.01, "N", "coulomb"),)) for name, v in (("a", 0.5), ("b", 0.7))
+    )
+    content = to_json(
+        replace(
+            diagnosis,
+            found=(replace(effect, own=own),),
+            parameters=(Reestimated("c", 100.0, 104.0, 1.0, "N/m^3", (("b", 90.0, 2.0),)),),
+            measurement=(Measurement("f", "offset", 0.1, 0.01, "N"),),
+        ),
+        verdict(),
+    )
+    wanted = {
+        "q.coulomb@b": (0.7, 0.01), "parameter.c": (104.0, 0.01), "parameter.c@b": (90.0, 0.01),
+        "f.offset": (0.1, 0.01),
+    }  # fmt: skip
+    assert all(one.passed for one in check(Expected(found=wanted, nothing_else=True), content))
+    (one,) = check(Expected(found={"q.coulomb@c": (0.7, 0.01)}), content)
+    assert one.got == "not found"
+
+
 def test_places_between_points_have_a_name() -> None:
     diagnosis = friction()
     (effect,) = diagnosis.found
