@@ -11,7 +11,8 @@
 
 ``found`` names place.term (two points as ``anchor-tip``), the value in the unit of the diagnosis
 and how far off it may be, as a part of it. ``scores`` are paths into ``scores`` of
-``diagnosis.json``. ``alternatives`` names causes that must stand among the rivals, ``any_of``
+``diagnosis.json``. ``alternatives`` are causes that must stand among the rivals: a list of names
+(``x.drag``: place.kind), or numbers by place.term as under ``found``. ``any_of`` are
 several whole expectations of which one must be met. ``published`` is never judged: it is shown
 beside what was found. Only the finished content is judged, so nothing can leak into a diagnosis.
 """
@@ -26,7 +27,7 @@ from typing import Any, get_args
 from symhyb.discrepancy.results import VerdictName
 from symhyb.errors import InputError, Problem, did_you_mean
 from symhyb.model.tables import Fault, Table, describe
-from symhyb.units import UnitError, parse_unit
+from symhyb.published import Published, read_published
 
 SHAPES = ("length", "stribeck", "transition")
 """Terms that shape a law and are no effect of their own."""
@@ -38,38 +39,18 @@ KEYS = ("verdict", "found", "nothing_else", "scores", "alternatives")
 
 
 @dataclass(frozen=True, slots=True)
-class Reference:
-    """A number that others published, in ``unit``; ``about`` says which."""
-
-    value: float
-    unit: str
-    sd: float | None = None
-    about: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class Published:
-    """What others published on a recording: numbers by place.term and by path of a score, and
-    in words what is no number. It stands beside what was found and is never judged."""
-
-    source: str
-    says: str
-    found: Mapping[str, Reference]
-    scores: Mapping[str, Reference]
-
-
-@dataclass(frozen=True, slots=True)
 class Expected:
     """What ought to come out. ``found`` by place.term: (value, part of it that it may be off);
     ``at_most`` by path of a score; a verdict of None is not judged. ``alternatives`` are
-    place.kind, channel.kind or parameter.name; of ``any_of``, if there are any, one must be met."""
+    place.kind, channel.kind or parameter.name with None, or place.term with (value, part of it);
+    of ``any_of``, if there are any, one must be met."""
 
     source: str = ""
     verdict: str | None = None
     found: Mapping[str, tuple[float, float]] | None = None
     nothing_else: bool = False
     at_most: Mapping[str, float] | None = None
-    alternatives: tuple[str, ...] = ()
+    alternatives: Mapping[str, tuple[float, float] | None] | None = None
     any_of: "tuple[Expected, ...]" = ()
     published: Published | None = None
 
@@ -103,7 +84,7 @@ def read_expected(path: str | os.PathLike[str]) -> Expected:
         _case(root),
         source=root.text("source") or "",
         any_of=tuple(_cases(root)),
-        published=_published(root),
+        published=read_published(root),
     )
     if faults:
         raise InputError(Problem(text, ".".join(place), str(path)) for place, text in faults)
@@ -151,10 +132,10 @@ def _case(table: Table) -> Expected:
         table.fault(f"'{verdict}' is no verdict{did_you_mean(verdict, VERDICTS)}", "verdict")
     return Expected(
         verdict=verdict,
-        found=dict(_found(table)),
+        found=dict(_values(table, "found")),
         nothing_else=_flag(table, "nothing_else"),
         at_most=dict(_limits(table)),
-        alternatives=_names(table, "alternatives"),
+        alternatives=_alternatives(table),
     )
 
 
@@ -173,40 +154,20 @@ def _cases(root: Table) -> Iterator[Expected]:
         yield _case(table)
 
 
-def _names(table: Table, key: str) -> tuple[str, ...]:
-    listed = table.entries.get(key, [])
-    if not isinstance(listed, list) or not all(isinstance(name, str) for name in listed):
-        table.fault(f'must be a list of names, like ["x.drag"], not {describe(listed)}', key)
-        return ()
-    return tuple(listed)
+def _alternatives(table: Table) -> dict[str, tuple[float, float] | None]:
+    """Read causes by name alone, or numbers by place.term."""
+    listed = table.entries.get("alternatives", [])
+    if isinstance(listed, dict):
+        return dict(_values(table, "alternatives"))
+    if isinstance(listed, list) and all(isinstance(name, str) for name in listed):
+        return dict.fromkeys(listed)
+    said = f'must be a list of names, like ["x.drag"], or a mapping, not {describe(listed)}'
+    table.fault(said, "alternatives")
+    return {}
 
 
-def _published(root: Table) -> Published | None:
-    table = root.table("published")
-    if table is None:
-        return None
-    table = table.checked(("source", "says", "found", "scores"))
-    return Published(
-        table.text("source", True) or "",
-        table.text("says") or "",
-        dict(_references(table, "found")),
-        dict(_references(table, "scores")),
-    )
-
-
-def _references(root: Table, key: str) -> Iterator[tuple[str, Reference]]:
-    for name, table in _inner(root, key, ("value", "sd", "unit", "about")):
-        value, unit = table.number("value", True), table.text("unit", True)
-        try:
-            parse_unit(unit or "1")
-        except UnitError as error:
-            table.fault(str(error), "unit")
-        if value is not None and unit is not None:
-            yield name, Reference(value, unit, table.number("sd"), table.about())
-
-
-def _found(root: Table) -> Iterator[tuple[str, tuple[float, float]]]:
-    for name, table in _inner(root, "found", ("value", "within")):
+def _values(root: Table, key: str) -> Iterator[tuple[str, tuple[float, float]]]:
+    for name, table in _inner(root, key, ("value", "within")):
         value, within = table.number("value", True), table.number("within", True)
         if value is not None and within is not None:
             yield name, (value, within)
@@ -244,14 +205,32 @@ def _checks(expected: Expected, content: Mapping[str, Any]) -> Iterator[Check]:
     if expected.nothing_else:
         others = list(_others(expected, content, terms))
         yield Check("anything else", "nothing", ", ".join(others) or "nothing", not others)
-    rivals = _rivals(content)
-    for name in expected.alternatives:
-        got = "among the alternatives" if name in rivals else ", ".join(rivals) or "none"
-        yield Check(f"alternative {name}", "among the alternatives", got, name in rivals)
+    yield from _rival_checks(expected, content, terms)
     for path, limit in (expected.at_most or {}).items():
         got = score_at(content["scores"], path)
         passed = got is not None and got <= limit
         yield Check(path, f"at most {limit:.4g}", "none" if got is None else f"{got:.4g}", passed)
+
+
+def _rival_checks(
+    expected: Expected, content: Mapping[str, Any], terms: Mapping[str, Mapping[str, Any]]
+) -> Iterator[Check]:
+    """What must stand among the alternatives, and not be found."""
+    names = _rivals(content)
+    numbers = {
+        f"{_place_name(rival['place'])}.{number['term']}": number
+        for rival in reversed(content["alternatives"])  # the best of each comes last and stays
+        if "place" in rival
+        for number in rival["parameters"].values()
+    }
+    for name, value in (expected.alternatives or {}).items():
+        subject = f"alternative {name}"
+        if value is not None:
+            one = _value_check(name, *value, numbers.get(name))
+            yield replace(one, subject=subject, passed=one.passed and name not in terms)
+            continue
+        got = "among the alternatives" if name in names else ", ".join(names) or "none"
+        yield Check(subject, "among the alternatives", got, name in names)
 
 
 def _rivals(content: Mapping[str, Any]) -> list[str]:

@@ -12,8 +12,9 @@ from fakes import NOTHING, Fake, fake_diagnosis, friction, verdict
 from symhyb import study as module
 from symhyb.discrepancy.results import Alternative, Diagnosis, Estimate, Measurement, Reestimated
 from symhyb.errors import InputError
-from symhyb.expected import Expected, Reference, check, found_terms, read_expected
+from symhyb.expected import Expected, check, found_terms, read_expected
 from symhyb.model.types import Between, On
+from symhyb.published import Reference
 from symhyb.report.contract import to_json
 from symhyb.study import manifest, run_study, staged
 from symhyb.study_file import Source, Study, read_study
@@ -245,7 +246,9 @@ UNDECIDED = replace(
 EITHER = Expected(
     any_of=(
         Expected(verdict="missing physics", found={"q.coulomb": (0.4905, 0.05)}),
-        Expected(verdict="undecided", alternatives=("q.drag", "f.gain", "parameter.k")),
+        Expected(
+            verdict="undecided", alternatives=dict.fromkeys(["q.drag", "f.gain", "parameter.k"])
+        ),
     )
 )
 
@@ -266,6 +269,21 @@ def test_where_neither_is_met_the_nearer_one_is_told() -> None:
     assert [(one.got, one.passed) for one in checks[1:]] == [
         ("among the alternatives", True), ("q.drag", False), ("q.drag", False),
     ]  # fmt: skip
+
+
+def test_numbers_of_alternatives_may_be_expected() -> None:
+    rivals = tuple(
+        Alternative(None, "drag", (Estimate("b", value, 0.1, "N*s^2/m^2", "drag"),), odds, On("q"))
+        for value, odds in ((0.8, 0.0), (3.0, 5.0))
+    )
+    content = to_json(replace(UNDECIDED, alternatives=rivals), verdict())
+    (near,) = check(Expected(alternatives={"q.drag": (0.81, 0.05)}), content)
+    (far,) = check(Expected(alternatives={"q.drag": (3.0, 0.05)}), content)
+    (absent,) = check(Expected(alternatives={"q.damping": (3.0, 0.05)}), content)
+    assert (near.passed, far.passed, absent.passed) == (True, False, False)
+    assert (near.subject, absent.got) == ("alternative q.drag", "not found")
+    found = Expected(alternatives={"q.coulomb": (0.5, 0.05)})
+    assert not check(found, CONTENT)[0].passed  # what is found is no alternative
 
 
 def test_what_holds_in_every_case_is_judged_beside_the_cases() -> None:
@@ -345,6 +363,7 @@ def test_places_between_points_have_a_name() -> None:
         ('{"nothing_else": 1}', "nothing_else: must be true or false"),
         ('{"verdict": "undecidd"}', "verdict: 'undecidd' is no verdict; did you mean 'undecided'"),
         ('{"alternatives": "x"}', "alternatives: must be a list of names"),
+        ('{"alternatives": {"x.c": {"value": 1}}}', "alternatives.x.c: 'within' is missing"),
         ('{"any_of": {}}', "any_of: must be a list of mappings"),
         ('{"any_of": [{"verdict": "undecided"}]}', "any_of: must hold at least two cases"),
         ('{"any_of": [{"nothing_else": true}, {}]}', "any_of[2]: an empty case is always met"),
