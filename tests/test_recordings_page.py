@@ -109,6 +109,22 @@ def test_a_result_is_kept_and_drawn(page: ModuleType, fake: Fake, tmp_path: Path
     assert "](recordings-null.png)" in text
 
 
+def test_figures_of_a_study_s_own_script_stand_in_a_table(page: ModuleType, tmp_path: Path) -> None:
+    (case,) = (case for case in page.cases() if case.name == "bowling_ball")
+    file = tmp_path / "study.toml"
+    file.write_text(case.file.read_text(encoding="utf-8"))
+    rows = {"multisine": {"as given": 6.96, "named": 0.322}, "arrow": {"as given": 14.4}}
+    figures = {"about": "simulation, RMSE", "by": "scores.py", "unit": "mV", "rows": rows}
+    (tmp_path / "scores.json").write_text(json.dumps(figures))
+    said = Published("somebody", "", {}, {"multisine": Reference(0.36, "mV", None, "best")})
+    expected = replace(case.expected, published=said)
+    study = replace(case.study, file=file)
+    text = page.page_text([replace(case, study=study, expected=expected)], tmp_path)
+    assert "| simulation, RMSE | as given | named | published |\n|---|---|---|---|\n" in text
+    assert "| multisine | 6.96 mV | 0.322 mV | 0.36 mV (best) |" in text
+    assert "| arrow | 14.4 mV | – | – |" in text
+
+
 def test_a_published_number_in_another_unit_must_measure_the_same(page: ModuleType) -> None:
     with pytest.raises(ValueError, match="published in N, but found in m"):
         page.words._converted({"value": 1.0, "sd": 0.1, "unit": "m"}, "N")

@@ -38,6 +38,12 @@ class Case:
         return self.study.file
 
     @property
+    def figures(self) -> Mapping[str, Any] | None:
+        """Scores that the study makes by a script of its own: ``scores.json`` beside it."""
+        beside = self.file.with_name("scores.json")
+        return json.loads(beside.read_text(encoding="utf-8")) if beside.is_file() else None
+
+    @property
     def stale(self) -> bool:
         """Whether the study file or the model has changed since it was run."""
         if self.kept is None:
@@ -68,7 +74,7 @@ def cases(studies: Path = STUDIES, results: Path = RESULTS) -> tuple[Case, ...]:
 
 def content(result: StudyResult, cpu: float, load: float) -> dict[str, Any]:
     """What is kept of a result; ``cpu`` is the time in s that all processors worked on it, ``load``
-    how many other processes wanted one when it began."""
+    how many other processes wanted one when it began (None: not known)."""
     said = to_json(result.diagnosis, result.verdict)
     made = manifest(result)
     whole = {

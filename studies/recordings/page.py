@@ -15,7 +15,7 @@ from typing import Any
 
 from kept import RESULTS, STUDIES, Case, cases, keep
 from picture import draw
-from words import about, knows, numbers, rivals, score_rows, short, told
+from words import about, knows, numbers, own_scores, rivals, score_rows, short, told
 
 from symhyb.study import run_study
 
@@ -36,7 +36,7 @@ diagnosis sees it. The unseen recordings choose nothing.
 - Errors are those of the unseen recordings, in the unit of the sensor: windows with fitted initial
   states, and free runs over the whole recording. Before is the model as given, after the model with
   what was found.
-- Times are on the clock, on a machine with two cores, and of all processors. With other processes
+- Times are of the processors, on a machine with two cores, and on the clock. With other processes
   beside it both are longer than alone.
 """
 
@@ -62,7 +62,7 @@ def _row(case: Case) -> str:
     table = [(name.split(" (")[0], *rest) for name, *rest in table if "@" not in name]
     ours = ", ".join(f"{name} {amount}" for name, amount, _, _ in table if amount)
     theirs = ", ".join(f"{name} {amount}" for name, _, amount, _ in table if amount)
-    said = (case.kept["verdict"], ours, theirs, errors, f"{case.kept['seconds']:.0f} s")
+    said = (case.kept["verdict"], ours, theirs, errors, _time(case.kept))
     return f"| {link} | " + " | ".join(said) + " |"
 
 
@@ -85,6 +85,8 @@ def _section(case: Case, docs: Path) -> str:
             "- **Older than its study file or model:** these have changed since it was run."
         )
     parts += ["\n".join(facts), *_tables(case)]
+    if own_scores(case):
+        parts.append(own_scores(case))
     picture = docs / f"recordings-{case.name}.png"
     if picture.is_file():
         parts.append(f"![{case.name}: what the model lacks, and a free run]({picture.name})")
@@ -103,8 +105,9 @@ def _readme(case: Case) -> str:
 
 
 def _time(kept: Mapping[str, Any]) -> str:
-    busy = f", while {kept['load']:.0f} other processes ran" if kept["load"] >= 0.5 else ""
-    return f"{kept['seconds']:.0f} s{busy}; {kept['cpu_seconds']:.0f} s of processors"
+    busy = f", while {kept['load']:.0f} other processes ran" if (kept["load"] or 0) >= 0.5 else ""
+    cpu, clock = kept["cpu_seconds"], kept["seconds"]
+    return f"{cpu:.0f} s of processors, {clock:.0f} s on the clock{busy}"
 
 
 def _checks(kept: Mapping[str, Any]) -> str:

@@ -172,6 +172,24 @@ def score_rows(case: Case) -> Sequence[ScoreRow]:
     return rows
 
 
+def own_scores(case: Case) -> str:
+    """The table of a study's own ``scores.json``: about, by, unit, and rows of numbers by column;
+    empty without one. What is published of a row is found by its name."""
+    figures = case.figures
+    if figures is None:
+        return ""
+    theirs = case.expected.published.scores if case.expected.published else {}
+    columns = list(dict.fromkeys(name for row in figures["rows"].values() for name in row))
+    head = " | ".join([figures["about"], *columns, "published"])
+    lines = [f"| {head} |", "|---" * (len(columns) + 2) + "|"]
+    for name, row in figures["rows"].items():
+        cells = [short(row[one], figures["unit"]) if one in row else "–" for one in columns]
+        known = theirs.get(name)
+        behind = f" ({known.about})" if known and known.about else ""
+        lines.append(f"| {' | '.join([name, *cells, (_published(known) or '–') + behind])} |")
+    return "\n".join(lines)
+
+
 def _score(theirs: Mapping[str, Reference], path: str) -> str:
     parts = []
     for when in ("before", "after"):
