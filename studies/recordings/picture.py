@@ -57,12 +57,13 @@ def _force(axes: Axes, clouds: Sequence[Cloud], model: Model) -> None:
     each = max(POINTS // len(clouds), 50)
     for number, cloud in enumerate(clouds):
         step = max(cloud.t.size // each, 1)
+        size = 1.8 if cloud.t.size > 300 else 4.0
         rate, force, law = (x[::step] for x in (cloud.rate, cloud.force, cloud.law))
         say = {"label": "ΔF"} if number == 0 else {}
-        axes.plot(rate, force, ".", ms=1.8, color=MEASURED, alpha=0.5, mew=0, **say)
+        axes.plot(rate, force, ".", ms=size, color=MEASURED, alpha=0.5, mew=0, **say)
         if np.any(law != 0):
             say = {"label": "found"} if number == 0 else {}
-            axes.plot(rate, law, ".", ms=2.2, color=LAW, mew=0, **say)
+            axes.plot(rate, law, ".", ms=size + 0.4, color=LAW, mew=0, **say)
     both = np.concatenate([one.force for one in clouds])
     low, high = np.nanpercentile(both, [0.5, 99.5])  # the rest is noise of the acceleration
     axes.set_ylim(low - 0.2 * (high - low), high + 0.2 * (high - low))
