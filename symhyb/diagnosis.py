@@ -79,7 +79,7 @@ def diagnose(
     answer = concluded(model, prepared, choice, known, shown, left)
     answer = _of_several(answer, final, choice.misfits, repeats_said(prepared))
     answer = in_part(_noted(answer, known.drifts), choice.change)
-    answer = if_bounded(answer, final, nothing, (*prepared.runs, *prepared.holdout))
+    answer = if_bounded(answer, final, nothing, prepared.runs, prepared.holdout)
     answer = if_long_enough(answer, prepared.runs)
     answer = with_lies(answer, model, prepared.lies, final.fit.scale)
     tell("looking for what to record next")

@@ -109,16 +109,23 @@ def _as_alternative(item: Found) -> Alternative:
 
 
 def if_bounded(
-    diagnosis: Diagnosis, final: Refined, nothing: Refined, runs: Sequence[Run]
+    diagnosis: Diagnosis,
+    final: Refined,
+    nothing: Refined,
+    runs: Sequence[Run],
+    unseen: Sequence[Run] = (),
 ) -> Diagnosis:
     """The diagnosis, undecided where the corrected model runs away in a simulation of one of the
-    ``runs`` and of the same inputs once more, and the model as given does not."""
+    ``runs`` and of the same inputs once more, and the model as given does not.
+
+    Along an ``unseen`` recording that is only said: what is unseen proves and never chooses.
+    """
     if not final.causes:
         return diagnosis
-    machine = replace(final.machine, values=final.p)
+    before, after = (replace(one.machine, values=one.p) for one in (nothing, final))
     for run in runs:
-        when = runs_away(machine, run)
-        if when is None or runs_away(replace(nothing.machine, values=nothing.p), run) is not None:
+        when = _runs_away_alone(after, before, run)
+        if when is None:
             continue
         reason = (
             f"The best correction is refused, for it makes the model unstable: simulated along "
@@ -126,7 +133,24 @@ def if_bounded(
             f"{when:.3g} s, which the machine does not"
         )
         return withdrawn(diagnosis, reason)
+    for run in unseen if diagnosis.found else ():
+        when = _runs_away_alone(after, before, run)
+        if when is not None:
+            said = (
+                f"Simulated along {run.recording.name}, which it has not seen, the corrected model "
+                f"leaves the measured range {RUNAWAY:g}-fold after {when:.3g} s: what was found "
+                "holds within the motion that it was learned from."
+            )
+            sentence = f"{diagnosis.sentence} {said}"
+            return replace(diagnosis, sentence=sentence, notes=(said, *diagnosis.notes))
     return diagnosis
+
+
+def _runs_away_alone(after: Machine, before: Machine, run: Run) -> float | None:
+    """The time in s after which the corrected machine runs away; None if it or the one before does
+    not."""
+    when = runs_away(after, run)
+    return None if when is None or runs_away(before, run) is not None else when
 
 
 def runs_away(machine: Machine, run: Run) -> float | None:
