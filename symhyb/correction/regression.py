@@ -30,13 +30,15 @@ from symhyb.errors import InputError, Problem
 from symhyb.numeric.buffers import Array
 from symhyb.numeric.factor import Blocks, Factor, factor_of, pieces_of
 
-BLOCK = 2**16  # numbers evaluated at a time: half a megabyte stays in the cache
+BLOCK = 2**17  # numbers evaluated at a time: a megabyte stays in the cache
 
 
 class Optimizer(Protocol):
     """What is asked of an optimiser of PySINDy."""
 
     coef_: Array
+    initial_guess: Array | None
+    normalize_columns: bool
 
     def fit(self, x_: Array, y: Array) -> object:
         """Fit right-hand sides (rows, T) by columns (rows, P), any units."""
@@ -78,12 +80,15 @@ def regress(candidates: Candidates, optimizer: Optimizer) -> Array:
         InputError: a number is not finite, there are fewer rows than candidates, candidates depend
             on each other (which), or an optimiser that picks rows.
     """
+    from threadpoolctl import threadpool_limits
+
     _require_squares(optimizer)
-    factor = factor_of(candidates.blocks(), candidates.names, candidates.targets)
-    problems = factor.problems()
-    if problems:
-        raise InputError(problems)
-    return fitted(factor, optimizer)
+    with threadpool_limits(1):  # blocks are small: threads that wait for each other cost more
+        factor = factor_of(candidates.blocks(), candidates.names, candidates.targets)
+        problems = factor.problems()
+        if problems:
+            raise InputError(problems)
+        return fitted(factor, optimizer)
 
 
 def resampled(
@@ -99,6 +104,8 @@ def resampled(
     Raises:
         InputError: as :func:`regress`, or fewer than two chunks.
     """
+    from threadpoolctl import threadpool_limits
+
     _require_squares(optimizer)
     if not 0 < chunk <= candidates.rows // 2:
         raise InputError(
@@ -107,17 +114,30 @@ def resampled(
                 f"between 1 and {candidates.rows // 2}"
             )
         )
-    pieces = pieces_of(candidates.blocks(chunk), candidates.names, candidates.targets)
-    count = pieces.rows.size
-    shares = np.full(count, 1 / count)
-    weights = np.random.default_rng(seed).multinomial(count, shares, size=draws)
-    return np.stack([fitted(factor, optimizer) for factor in pieces.drawn(weights.astype(float))])
+    with threadpool_limits(1):
+        pieces = pieces_of(candidates.blocks(chunk), candidates.names, candidates.targets)
+        count = pieces.rows.size
+        shares = np.full(count, 1 / count)
+        weights = np.random.default_rng(seed).multinomial(count, shares, size=draws).astype(float)
+        return np.stack([fitted(factor, optimizer) for factor in pieces.drawn(weights)])
 
 
 def fitted(factor: Factor, optimizer: Optimizer) -> Array:
     """Coefficients (T, P) of ``optimizer`` on a factor, in units of the right-hand side over those
     of the candidate."""
-    optimizer.fit(factor.columns, factor.right)
+    from sklearn import config_context
+
+    # an optimiser begins with least squares, which from a triangle is a matter of back substitution
+    guess = None
+    if optimizer.initial_guess is None and not optimizer.normalize_columns:
+        guess = factor.back_substituted()
+    optimizer.initial_guess = optimizer.initial_guess if guess is None else guess.T
+    try:
+        # what it is built on checks every array and parameter anew, longer than it computes
+        with config_context(assume_finite=True, skip_parameter_validation=True):
+            optimizer.fit(factor.columns, factor.right)
+    finally:
+        optimizer.initial_guess = optimizer.initial_guess if guess is None else None
     return np.array(optimizer.coef_, ndmin=2)
 
 

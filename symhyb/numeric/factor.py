@@ -79,6 +79,17 @@ class Factor:
         solved = np.linalg.lstsq(self.columns / length, self.right, rcond=None)[0]
         return np.asarray(solved / length[:, None])
 
+    def back_substituted(self) -> Array | None:
+        """The same (P, T), units too, many times faster; None where the triangle is not one, or
+        candidates depend on each other."""
+        from scipy.linalg import solve_triangular
+
+        count = self.columns.shape[1]
+        square, length = self.columns[:count], np.linalg.norm(self.columns, axis=0)
+        if np.tril(self.columns, -1).any() or self.rows < count or self._lost(length).any():
+            return None
+        return np.asarray(solve_triangular(square, self.right[:count], check_finite=False))
+
     def problems(self) -> tuple[Problem, ...]:
         """Why the coefficients are not determined; empty where they are."""
         count = self.triangle.shape[1] - self.targets
@@ -89,13 +100,13 @@ class Factor:
                     "rows as candidates, or fewer candidates"
                 ),
             )
-        length = np.linalg.norm(self.columns, axis=0)
+        lost = self._lost(np.linalg.norm(self.columns, axis=0))
+        return tuple(self._dependent(int(j)) for j in np.flatnonzero(lost))
+
+    def _lost(self, length: Array) -> NDArray[np.bool_]:
+        """Which candidates (P,) of this length are zero, or made of those before them."""
         left = np.abs(np.diagonal(self.columns))
-        return tuple(
-            self._dependent(j)
-            for j in range(count)
-            if length[j] == 0 or left[j] <= DEPENDENT * length[j]
-        )
+        return np.asarray((length == 0) | (left <= DEPENDENT * length))
 
     def _dependent(self, j: int) -> Problem:
         """Which columns before it the column j is made of."""
@@ -152,10 +163,11 @@ def factor_of(blocks: Blocks, names: Sequence[str], targets: int = 1) -> Factor:
     Raises:
         InputError: a number is not finite, with its column and row.
     """
-    total = reduce(_merged, (_moments(block) for block in _checked(blocks, names)))
+    total = reduce(_merged, (_moments(*each) for each in _checked(blocks, names)))
     triangle = _from_moments(total)
     if triangle is None:
-        triangle = reduce(_below, _checked(blocks, names), _nothing(len(names)))
+        every = (block for block, _ in _checked(blocks, names))
+        triangle = reduce(_below, every, _nothing(len(names)))
         return Factor(triangle, total.rows, tuple(names), targets)
     return Factor(triangle, total.rows, tuple(names), targets, by_gram=True)
 
@@ -167,7 +179,7 @@ def pieces_of(blocks: Blocks, names: Sequence[str], targets: int = 1) -> Pieces:
     Raises:
         InputError: a number is not finite, or candidates depend on each other, which is named.
     """
-    parts = [_moments(block) for block in _checked(blocks, names)]
+    parts = [_moments(*each) for each in _checked(blocks, names)]
     rows, whole = np.array([float(part.rows) for part in parts]), reduce(_merged, parts)
     triangle = _from_moments(whole)
     factor = Factor(_nothing(len(names)), whole.rows, tuple(names), targets)
@@ -176,7 +188,7 @@ def pieces_of(blocks: Blocks, names: Sequence[str], targets: int = 1) -> Pieces:
         _require(factor)
         return Pieces(factor, np.stack([_whitened(part, triangle) for part in parts]), rows)
     del parts
-    roots = [_below(_nothing(len(names)), block) for block in _checked(blocks, names)]
+    roots = [_below(_nothing(len(names)), block) for block, _ in _checked(blocks, names)]
     factor = replace(factor, triangle=reduce(_below, roots, factor.triangle))
     _require(factor)
     units = [_over(root, factor.triangle) for root in roots]
@@ -192,8 +204,7 @@ class _Moments:
     gram: Array
 
 
-def _moments(block: Array) -> _Moments:
-    mean = block.mean(axis=0)
+def _moments(block: Array, mean: Array) -> _Moments:
     away = block - mean
     return _Moments(len(block), mean, away.T @ away)
 
@@ -269,15 +280,16 @@ def _require(factor: Factor) -> None:
         raise InputError(problems)
 
 
-def _checked(blocks: Blocks, names: Sequence[str]) -> Iterator[Array]:
-    """The blocks, none of them empty; refused where a number is not finite."""
+def _checked(blocks: Blocks, names: Sequence[str]) -> Iterator[tuple[Array, Array]]:
+    """The blocks, none of them empty, and the mean (F,) of each; refused where a number is not
+    finite, which the mean shows."""
     first = 0
     for block in blocks():
         if not len(block):
             continue
         with np.errstate(invalid="ignore", over="ignore"):
-            sums = block.sum(axis=0)
-        if not np.isfinite(sums).all():
+            mean = np.full(len(block), 1 / len(block)) @ block
+        if not np.isfinite(mean).all() and not np.isfinite(block).all():
             row, column = np.argwhere(~np.isfinite(block))[0]
             raise InputError(
                 Problem(
@@ -285,7 +297,7 @@ def _checked(blocks: Blocks, names: Sequence[str]) -> Iterator[Array]:
                     "leave out rows that are not finite"
                 )
             )
-        yield block
+        yield block, mean
         first += len(block)
     if not first:
         raise InputError(Problem("there are no rows; give at least as many as candidates"))
