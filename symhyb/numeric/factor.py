@@ -33,6 +33,7 @@ from symhyb.numeric.buffers import Array
 CONDITION_MOST = 1e3  # of centred, scaled columns: beyond, the Gram matrix is not good enough
 CONSTANT = 1e-12  # of a column's RMS: what varies less is a constant and its rounding
 DEPENDENT = 1e-13  # of a column's length: what is left of it beside the columns before it
+LOST = 1e-6  # of the length of a direction in all rows: a draw with less has lost it
 PANEL = 32  # columns that LAPACK factors at a time
 
 Blocks = Callable[[], Iterable[Array]]
@@ -146,9 +147,11 @@ class Pieces:
         column."""
         count = self.grams.shape[1]
         flat = self.grams.reshape(len(self.grams), -1)
+        least = DEPENDENT * np.linalg.norm(self.factor.triangle, axis=0)
         for some in np.array_split(weights, max(1, len(weights) // 32)):
             for gram, weight in zip((some @ flat).reshape(-1, count, count), some, strict=True):
                 triangle = _root(gram) @ self.factor.triangle
+                triangle[:, np.linalg.norm(triangle, axis=0) <= least] = 0.0  # rounding of nothing
                 rows = round(float(weight @ self.rows))
                 yield replace(self.factor, triangle=triangle, rows=rows)
 
@@ -266,12 +269,16 @@ def _over(rows: Array, triangle: Array) -> Array:
 
 
 def _root(gram: Array) -> Array:
-    """C with CᵀC = gram (F, F), upper triangular where the matrix is positive definite."""
+    """C with CᵀC = gram (F, F), upper triangular unless a draw lost a direction: its rounding
+    would else be taken for one."""
     try:
-        return np.asarray(np.linalg.cholesky(gram).T)
-    except np.linalg.LinAlgError:  # a draw without the only block that shows a column
-        power, axes = np.linalg.eigh(gram)
-        return np.asarray(np.sqrt(np.maximum(power, 0.0))[:, None] * axes.T)
+        root = np.linalg.cholesky(gram).T
+        if np.diagonal(root).min() > LOST:
+            return np.asarray(root)
+    except np.linalg.LinAlgError:
+        pass
+    power, axes = np.linalg.eigh(gram)
+    return np.asarray(np.sqrt(np.where(power > LOST**2, power, 0.0))[:, None] * axes.T)
 
 
 def _require(factor: Factor) -> None:
