@@ -33,7 +33,9 @@ def test_the_weak_form_is_regressed_without_storing_its_rows(
         assert np.array_equal(ours != 0, plain.coef_ != 0)
         assert np.abs(ours - plain.coef_).max() < 1e-6 * np.abs(plain.coef_).max()
 
-    for subset in sparse.propose(*given, band):
+    proposed = sparse.propose(*given, band)
+    assert proposed
+    for subset in proposed:
         values = np.zeros(rows.shape[1] - 1)
         values[[c for i in subset.causes for c in setting.library.columns[i]]] = subset.values
         left = float(np.sum((rows[:, -1] - rows[:, :-1] @ values) ** 2))
