@@ -34,14 +34,15 @@ BLOCK = 2**17  # numbers evaluated at a time: a megabyte stays in the cache
 
 
 class Optimizer(Protocol):
-    """What is asked of an optimiser of PySINDy."""
+    """What is asked of an optimiser of PySINDy: coefficients ``coef_`` (T, P) in units of the
+    right-hand side over those of the candidate, and where they begin."""
 
     coef_: Array
     initial_guess: Array | None
     normalize_columns: bool
 
     def fit(self, x_: Array, y: Array) -> object:
-        """Fit right-hand sides (rows, T) by columns (rows, P), any units."""
+        """Fit right-hand sides ``y`` (N, T) by columns ``x_`` (N, P), in any units."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -159,7 +159,7 @@ class Pieces:
 def factor_of(blocks: Blocks, names: Sequence[str], targets: int = 1) -> Factor:
     """Reduce the rows of a least-squares problem to its factor.
 
-    ``blocks()`` begins anew and yields rows [A, B] (rows, F) in any units, the same each time: it
+    ``blocks()`` begins anew and yields rows [A, B] (R, F) in any units, the same each time: it
     is called again where the Gram matrix is not good enough. The last ``targets`` columns are
     right-hand sides, ``names`` (F) are those of all columns.
 
@@ -176,7 +176,7 @@ def factor_of(blocks: Blocks, names: Sequence[str], targets: int = 1) -> Factor:
 
 
 def pieces_of(blocks: Blocks, names: Sequence[str], targets: int = 1) -> Pieces:
-    """The same with every block (rows, F) of ``blocks``, any units, kept as K·F² numbers to draw
+    """The same with every block (R, F) of ``blocks``, in any units, kept as K·F² numbers to draw
     from.
 
     Raises:

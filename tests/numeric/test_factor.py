@@ -84,7 +84,7 @@ def test_powers_of_a_signal_with_an_offset_defeat_normal_equations_but_not_the_f
     assert not factor.by_gram
     assert not factor.problems()
     assert np.abs(normal / truth - 1).max() > 0.3
-    # κ of these columns at unit length is 3e8: 1e-16 of them is 3e-8 of the coefficients
+    # κ of these columns at unit length is 5e8: ε κ is 1e-7 of the coefficients
     assert np.abs(factor.least_squares()[:, 0] / truth - 1).max() < 1e-5
 
 
