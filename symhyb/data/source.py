@@ -117,10 +117,16 @@ def _column(name: str, channel: Wanted, table: Table, part: str) -> Column | Non
     if len(found) > 1:
         listed = ", ".join(column.part for column in found[:12]) + " …" * (len(found) > 12)
         first = found[0]
+        said, whole = f"#{first.part}", table.file
+        if table.run:
+            said += f"#{table.run}"
+            whole = whole.removesuffix(f"#{table.run}")
         text = (
             f"the column '{name}' is in {len(found)} parts of the file ({listed}); say which, as in"
-            f" {channel.name}={first.name}, or read one part, as in '{table.file}#{first.part}'"
+            f" {channel.name}={first.name}, or read one part, as in '{whole}{said}'"
         )
+        if table.run:
+            text += f" (a number names no part but a run: '#{table.run}' is the run {table.run})"
         raise InputError(Problem(text, str(channel), table.file))
     return found[0] if found else None
 
