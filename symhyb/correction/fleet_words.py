@@ -110,10 +110,12 @@ def with_own(model: Model, final: Refined, item: Named, found: Found) -> Found:
     )
     silent = joined([name for name, numbers in rows if not _stands(numbers)])
     words = joined([WORDS.get((item.kind, key), key) for key in told])
-    sentence = f"{found.sentence} Each recording has its own {words}: {said}." if told else ""
+    sentence = found.sentence
+    if told and said:
+        sentence += f" Each recording has its own {words}: {said}."
     if told and silent:
         sentence += f" Of {silent} it does not stand out of its own deviation and may be none."
-    return replace(found, own=tuple(rows), sentence=sentence or found.sentence)
+    return replace(found, own=tuple(rows), sentence=sentence)
 
 
 def _stands(numbers: Sequence[Estimate]) -> bool:
