@@ -386,7 +386,7 @@ def test_eleven_balls_share_one_law_of_drag_whatever_is_unseen(
     assert [one for one in result.checks if not one.passed] == []
     (drag,) = result.diagnosis.found
     assert (drag.element.kind, result.diagnosis.measurement) == ("drag", ())
-    assert [one.name for one in result.diagnosis.parameters] == ["scale"]
+    assert {one.name for one in result.diagnosis.parameters} <= {"scale"}
     numbers = {name.split("#")[1]: own[0] for name, own in drag.own}
     assert len(numbers) == 11
     found = {ball: _coefficient(ball, numbers[ball].value) for ball in BALLS}
@@ -394,8 +394,9 @@ def test_eleven_balls_share_one_law_of_drag_whatever_is_unseen(
     assert 0.47 < np.mean(whiffle) < 0.70
     spread = _coefficient("Tennis Ball", numbers["Tennis Ball"].sd)
     assert 0.4 - spread < found["Tennis Ball"] < 0.6 + spread
-    bowling = numbers["Bowling Ball"]
-    assert abs(bowling.value) < 3 * bowling.sd  # it may be none
+    loose = _coefficient("Bowling Ball", numbers["Bowling Ball"].sd)  # it is hardly seen
+    assert loose > 0.15
+    assert abs(found["Bowling Ball"] - 0.3) < 2 * loose
     random = np.random.default_rng(0)
     noise = [
         replace(one, sensors={"height": 30 + 10 * random.standard_normal(one.t.size)})

@@ -30,7 +30,7 @@ from symhyb.discrepancy.points import point_hypotheses
 from symhyb.discrepancy.repeats import Repeated, floor_of, repeated
 from symhyb.discrepancy.residual import discrepancy
 from symhyb.discrepancy.results import Lie
-from symhyb.discrepancy.runs import Run, laid_on, noise_sd, with_noise
+from symhyb.discrepancy.runs import Run, laid_within, noise_sd, with_noise
 from symhyb.discrepancy.suspicion import repaired, suspect
 from symhyb.discrepancy.windows import Laid
 from symhyb.errors import InputError, Problem
@@ -196,7 +196,7 @@ def _stages(prepared: Prepared) -> tuple[Stage, ...]:
     longest = _foreseen(prepared, shortest, total / WINDOWS_LEAST)
     stages: list[Stage] = []
     for length in _lengths(shortest, longest):
-        laid = [_spread(_laid(run, prepared.machine, length), share) for run in prepared.runs]
+        laid = [_spread(laid_within(run, prepared.machine, length), share) for run in prepared.runs]
         calm = [None if item is None else _foreseeable(prepared, item) for item in laid]
         kept = tuple(item for item in calm if item is not None)
         enough = sum(len(item.start) for item in kept) >= WINDOWS_LEAST
@@ -210,16 +210,10 @@ def _stages(prepared: Prepared) -> tuple[Stage, ...]:
     return tuple(stages)
 
 
-def _laid(run: Run, machine: Machine, length: float) -> Laid | None:
-    """Windows of a run of ``length`` in s; a shorter run is one window, for all of it counts."""
-    t = run.recording.t
-    return laid_on(run, machine, min(length, float(np.median(np.diff(t))) * (t.size - 1)))
-
-
 def _foreseen(prepared: Prepared, shortest: float, longest: float) -> float:
     """The longest windows in s of which most can be foreseen."""
     while longest > shortest:
-        laid = [_laid(run, prepared.machine, longest) for run in prepared.runs]
+        laid = [laid_within(run, prepared.machine, longest) for run in prepared.runs]
         calm = [_calm(prepared, item) for item in laid if item is not None]
         if calm and np.mean(np.concatenate(calm)) >= CALM_LEAST:
             break
