@@ -93,14 +93,14 @@ def _prepared(
     own: Sequence[str],
 ) -> tuple[Prepared, Setting]:
     """Motion, noise, windows and hypotheses, with a clock that drifts put right."""
-    prepared = prepare(model, recordings, holdout)
+    prepared = prepare(model, recordings, holdout, own=own)
     setting = settle(prepared, own)
     clock = drifting(
-        setting, lambda clocks: settle(prepare(model, recordings, holdout, clocks), own)
+        setting, lambda clocks: settle(prepare(model, recordings, holdout, clocks, own), own)
     )
     if clock is None:
         return prepared, setting
-    prepared = prepare(model, recordings, holdout, (clock,))
+    prepared = prepare(model, recordings, holdout, (clock,), own)
     return prepared, settle(prepared, own)
 
 

@@ -6,10 +6,12 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from fakes import NOTHING, Fake, fake_diagnosis, friction, verdict
 
 from symhyb import study as module
+from symhyb.diagnosis import diagnose
 from symhyb.discrepancy.results import Alternative, Diagnosis, Estimate, Measurement, Reestimated
 from symhyb.errors import InputError
 from symhyb.expected import Expected, check, found_terms, read_expected
@@ -97,7 +99,10 @@ def test_the_least_that_a_study_says(write: Write) -> None:
     assert (study.columns, study.holdout, study.window_s, study.title) == (None, (), None, "")
 
 
-@pytest.mark.parametrize("name", ["emps", "oscillator", "null", "friction_damper", "bowling_ball"])
+SHIPPED = ["emps", "oscillator", "null", "friction_damper", "bowling_ball", "ball_drops"]
+
+
+@pytest.mark.parametrize("name", SHIPPED)
 def test_the_studies_that_are_shipped_are_valid(name: str) -> None:
     study = read_study(STUDIES / name / "study.toml")
     assert study.train
@@ -503,3 +508,48 @@ def test_no_drag_is_claimed_of_a_bowling_ball(
     assert len(result.checks) == 3
     assert [one for one in result.checks if not one.passed] == []
     assert result.diagnosis.found == ()
+
+
+BALLS = {  # ounces and centimetres around, as published with the recordings
+    "Bowling Ball": (81, 67.0), "Tennis Ball": (2, 20.75), "Whiffle Ball 1": (1, 22.8),
+    "Whiffle Ball 2": (1, 22.8), "Yellow Whiffle Ball": (1.5, 29.0),
+    "Orange Whiffle Ball": (1.5, 29.0),
+}  # fmt: skip
+AIR = 1.2  # kg/m^3
+OUNCE = 0.02835  # kg
+
+
+def _coefficient(ball: str, drag: float) -> float:
+    """c_d of a ball from its drag per mass, 1/m."""
+    ounces, around = BALLS[ball]
+    area = around**2 * 1e-4 / (4 * np.pi)
+    return drag * 2 * ounces * OUNCE / (AIR * area)
+
+
+@pytest.mark.slow
+def test_eleven_balls_share_one_law_of_drag_whatever_is_unseen(
+    tmp_path: Path, public_file: Callable[..., Path]
+) -> None:
+    public_file("balldrops", "Ball_drops_data.xls")
+    result = run_study(STUDIES / "ball_drops" / "study.toml", tmp_path)
+    assert [one for one in result.checks if not one.passed] == []
+    (drag,) = result.diagnosis.found
+    assert (drag.element.kind, result.diagnosis.measurement) == ("drag", ())
+    assert {one.name for one in result.diagnosis.parameters} <= {"scale"}
+    numbers = {name.split("#")[1]: own[0] for name, own in drag.own}
+    assert len(numbers) == 11
+    found = {ball: _coefficient(ball, numbers[ball].value) for ball in BALLS}
+    whiffle = [value for ball, value in found.items() if "Whiffle" in ball]
+    assert 0.47 < np.mean(whiffle) < 0.70
+    spread = _coefficient("Tennis Ball", numbers["Tennis Ball"].sd)
+    assert 0.4 - spread < found["Tennis Ball"] < 0.6 + spread
+    loose = _coefficient("Bowling Ball", numbers["Bowling Ball"].sd)  # it is hardly seen
+    assert loose > 0.15
+    assert abs(found["Bowling Ball"] - 0.3) < 2 * loose
+    random = np.random.default_rng(0)
+    noise = [
+        replace(one, sensors={"height": 30 + 10 * random.standard_normal(one.t.size)})
+        for one in result.holdout
+    ]
+    again = diagnose(result.model, result.train, noise, own=result.study.own)
+    assert [one.own for one in again.found] == [drag.own]

@@ -9,7 +9,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from symhyb.correction.advice import other_speeds
 from symhyb.correction.trajectory import Refined
+from symhyb.discrepancy.passages import one_way, passed_at_one_speed
 from symhyb.discrepancy.results import Alternative, Diagnosis, Found, Lie, Measurement
 from symhyb.discrepancy.runs import Run, laid_on
 from symhyb.discrepancy.suspicion import gain_of
@@ -177,16 +179,26 @@ def runs_away(machine: Machine, run: Run) -> float | None:
 
 
 def if_long_enough(diagnosis: Diagnosis, runs: Sequence[Run]) -> Diagnosis:
-    """The diagnosis, undecided where no recording lasts one period of any motion in it."""
+    """The diagnosis, undecided where no recording lasts one period of any motion in it; where
+    nothing comes back there is no period, and passages at several speeds tell as well."""
     claims = diagnosis.found or diagnosis.parameters or diagnosis.measurement
     if not claims or any(_whole_period(run) for run in runs):
         return diagnosis
-    longest = max(run.recording.duration for run in runs)
-    return withdrawn(
+    if not all(one_way(run.motion) for run in runs):
+        longest = max(run.recording.duration for run in runs)
+        return withdrawn(
+            diagnosis,
+            f"These recordings cannot tell: the longest lasts {longest:.3g} s, less than one "
+            "period of its motion, and over so short a time one cause looks like another",
+        )
+    if not passed_at_one_speed(runs):
+        return diagnosis
+    told = withdrawn(
         diagnosis,
-        f"These recordings cannot tell: the longest lasts {longest:.3g} s, less than one period of "
-        "its motion, and over so short a time one cause looks like another",
+        "These recordings cannot tell: nothing comes back in them, and every place is passed at "
+        "one speed alone, so that forces of place, of speed and of time look alike",
     )
+    return replace(told, record_next=other_speeds(runs))
 
 
 def _whole_period(run: Run) -> bool:

@@ -83,6 +83,9 @@ def test_the_balls_have_to_be_told_apart(public_file):
     mapping = {"t": "Time (s)", "height": "Height (m)"}
     with pytest.raises(InputError, match=r"in 11 parts of the file \(Baseball, Blue Basketball"):
         read_recording(path, one("height", "m"), mapping)
+    numbered = r"'#6' counts runs and not parts: name the part first, as in .*#Baseball'"
+    with pytest.raises(InputError, match=numbered):
+        read_recording(f"{path}#6", one("height", "m"), mapping)
 
 
 @pytest.mark.parametrize(
