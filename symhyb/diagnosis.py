@@ -71,7 +71,7 @@ def diagnose(
     if nothing.fit.reason and not winner.causes:
         raise NumericsError(f"the model cannot be simulated: {nothing.fit.reason}")
     tell("estimating values")
-    known = estimate(prepared, choice)
+    known = estimate(prepared, choice, tell)
     final, setting = known.final, choice.setting
     tell("removing each cause once, for its share")
     shown = prove(prepared, setting, final, known.stage, known.items)
