@@ -5,18 +5,20 @@
       "verdict": "missing physics",
       "found": {"x.coulomb": {"value": 20.3935, "within": 0.05}},
       "nothing_else": true,
+      "alternatives": {"x.damping": {"value": 203.5, "within": 0.15}},
       "scores": {"holdout.after.window_rmse.encoder": {"at_most": 6.0e-5}}
     }
 
 ``found`` names place.term (two points as ``anchor-tip``), the value in the unit of the diagnosis
-and how far off it may be, as a part of it. ``scores`` are paths into ``scores`` of
+and how far off it may be, as a part of it; ``alternatives`` says the same of causes that the
+recordings cannot rule out, and that must be told, not found. ``scores`` are paths into ``scores`` of
 ``diagnosis.json``. Only that content is judged, so the expectation cannot leak into a diagnosis.
 """
 
 import json
 import os
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -25,18 +27,20 @@ from symhyb.model.tables import Fault, Table, describe
 
 SHAPES = ("length", "stribeck", "transition")
 """Terms that shape a law and are no effect of their own."""
+_KEYS = ("source", "verdict", "found", "nothing_else", "alternatives", "scores")
 
 
 @dataclass(frozen=True, slots=True)
 class Expected:
-    """What ought to come out. ``found`` by place.term: (value, part of it that it may be off);
-    ``at_most`` by path of a score; a verdict of None is not judged."""
+    """What ought to come out. ``found`` and ``alternatives`` by place.term: (value, part of it that
+    it may be off); ``at_most`` by path of a score; a verdict of None is not judged."""
 
     source: str = ""
     verdict: str | None = None
     found: Mapping[str, tuple[float, float]] | None = None
     nothing_else: bool = False
     at_most: Mapping[str, float] | None = None
+    alternatives: Mapping[str, tuple[float, float]] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,13 +67,14 @@ def read_expected(path: str | os.PathLike[str]) -> Expected:
     if not isinstance(content, dict):
         raise InputError(Problem("must be a mapping in braces", file=str(path)))
     root = Table((), content, faults)
-    root = root.checked(("source", "verdict", "found", "nothing_else", "scores"))
+    root = root.checked(_KEYS)
     expected = Expected(
         source=root.text("source") or "",
         verdict=root.text("verdict"),
-        found=dict(_found(root)),
+        found=dict(_values(root, "found")),
         nothing_else=_flag(root, "nothing_else"),
         at_most=dict(_limits(root)),
+        alternatives=dict(_values(root, "alternatives")),
     )
     if faults:
         raise InputError(Problem(text, ".".join(place), str(path)) for place, text in faults)
@@ -90,8 +95,18 @@ def found_terms(content: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
     }
 
 
-def _found(root: Table) -> Iterator[tuple[str, tuple[float, float]]]:
-    for name, table in _inner(root, "found", ("value", "within")):
+def alternative_terms(content: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
+    """Give every number of the alternatives that are forces, by place.term; the best of each."""
+    return {
+        f"{_place_name(rival['place'])}.{number['term']}": number
+        for rival in reversed(content["alternatives"])
+        if rival.get("place")
+        for number in rival["parameters"].values()
+    }
+
+
+def _values(root: Table, key: str) -> Iterator[tuple[str, tuple[float, float]]]:
+    for name, table in _inner(root, key, ("value", "within")):
         value, within = table.number("value", True), table.number("within", True)
         if value is not None and within is not None:
             yield name, (value, within)
@@ -129,6 +144,11 @@ def _checks(expected: Expected, content: Mapping[str, Any]) -> Iterator[Check]:
     if expected.nothing_else:
         others = list(_others(expected, content, terms))
         yield Check("anything else", "nothing", ", ".join(others) or "nothing", not others)
+    rivals = alternative_terms(content) if expected.alternatives else {}
+    for name, (value, within) in (expected.alternatives or {}).items():
+        one = _value_check(name, value, within, rivals.get(name))
+        told = name in rivals and name not in terms
+        yield replace(one, subject=f"alternative {name}", passed=one.passed and told)
     for path, limit in (expected.at_most or {}).items():
         got = _score(content["scores"], path)
         passed = got is not None and got <= limit
