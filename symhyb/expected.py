@@ -11,8 +11,9 @@
 
 ``found`` names place.term (two points as ``anchor-tip``), the value in the unit of the diagnosis
 and how far off it may be, as a part of it; ``alternatives`` says the same of causes that the
-recordings cannot rule out, and that must be told, not found. ``scores`` are paths into ``scores`` of
-``diagnosis.json``. Only that content is judged, so the expectation cannot leak into a diagnosis.
+recordings cannot rule out, and that must be told there, and not found. ``scores`` are paths into
+``scores`` of ``diagnosis.json``. Only that content is judged, so the expectation cannot leak into a
+diagnosis.
 """
 
 import json
