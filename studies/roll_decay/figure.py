@@ -1,4 +1,4 @@
-"""The picture of README.md: how fast the roll decays, against its amplitude, and with what was found.
+"""The picture of README.md: how fast the roll decays against its amplitude, and what was found.
 
 python studies/roll_decay/figure.py AT_REST AT_SPEED     # two folders that `symhyb run` has left
 
