@@ -1,12 +1,11 @@
-"""Windows as long as they may be: nine fit where nine were meant."""
+"""Plain laws whose twin is a parameter of the model."""
 
 import numpy as np
-import pytest
 from builders import model_of, recording, spring
 
 from symhyb.correction.conventions import exact_twins
 from symhyb.correction.decide import _plain_at
-from symhyb.correction.preparing import WINDOWS_LEAST, prepare, settle
+from symhyb.correction.preparing import prepare, settle
 from symhyb.correction.setting import along_motion
 from symhyb.correction.trials import Trials
 from symhyb.data.recording import Recording
@@ -26,21 +25,6 @@ def decaying(samples: int, seed: int = 0) -> Recording:
     t = 0.05 * np.arange(samples)
     noise = 1e-3 * np.random.default_rng(seed).standard_normal(samples)
     return recording(t, place=np.exp(-0.03 * t) * np.cos(2.45 * t) + noise)
-
-
-@pytest.mark.parametrize("samples", [599, 605, 608, 611])
-def test_nine_windows_fit_whatever_the_length(samples: int) -> None:
-    last = settle(prepare(swing(), decaying(samples))).stages[-1]
-    assert sum(len(item.start) for item in last.laid) == WINDOWS_LEAST
-    assert last.length_s == pytest.approx(0.05 * samples / WINDOWS_LEAST, rel=0.02)
-
-
-def test_windows_of_several_recordings_end_within_each() -> None:
-    """Two recordings hold nine windows of a tenth of both, not of a ninth."""
-    runs = [decaying(500, seed) for seed in (0, 1)]
-    last = settle(prepare(swing(), runs)).stages[-1]
-    assert sum(len(item.start) for item in last.laid) >= WINDOWS_LEAST
-    assert last.length_s == pytest.approx(5.0, rel=0.02)
 
 
 def test_a_stiffness_that_may_be_estimated_stands_for_the_spring_at_its_place() -> None:
