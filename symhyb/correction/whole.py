@@ -29,7 +29,7 @@ from symhyb.correction.evidence import (
     price,
     unit_of,
 )  # fmt: skip
-from symhyb.correction.preparing import Prepared
+from symhyb.correction.preparing import SAMPLES_MOST, Prepared
 from symhyb.correction.selection import Problem, Subset, solve, without
 from symhyb.correction.setting import Setting, Stage, around
 from symhyb.correction.trajectory import Refined, grouped, refine
@@ -95,7 +95,11 @@ def completed_over_all(prepared: Prepared, choice: Choice, say: Say) -> Complete
 
 
 def whole_of(prepared: Prepared, setting: Setting) -> Stage | None:
-    """Every recording as one window; None where one has gaps, or is one window already."""
+    """Every recording as one window; None where one has gaps, or is one window already, or where
+    they have more samples than a search takes: one long window cannot run side by side with others.
+    """
+    if sum(item.source[0].t.size for item in setting.stages[-1].laid) > SAMPLES_MOST:
+        return None
     laid: list[Laid] = []
     for item in setting.stages[-1].laid:
         run = next(run for run in prepared.runs if run.recording is item.source[0])
