@@ -22,13 +22,14 @@ from symhyb.discrepancy.hypotheses import Hypothesis
 class Estimated:
     """The structure with its final values, the ``stage`` of windows that proves it, its causes in
     ``doubt``, which are not told, sentences on numbers that change on the way, and what whole
-    recordings added (``completed``)."""
+    recordings added (``completed``), with the structure as it is ``seen`` in the windows then."""
 
     final: Refined
     stage: Stage
     doubt: frozenset[Hypothesis]
     drifts: tuple[str, ...]
     completed: Completed | None = None
+    seen: Refined | None = None
 
     @property
     def items(self) -> Sequence[Named]:
@@ -72,7 +73,11 @@ def estimate_completed(prepared: Prepared, choice: Choice, completed: Completed)
     if drift is not None:
         said.append(drift_sentence(final, drift))
         final = widened(final, drift)
-    return Estimated(final, stage, frozenset(doubt), tuple(said), completed)
+    seen = refine(
+        prepared.model, final.causes, grouped(final), stage.laid, choice.setting.sd,
+        choice.decision.winner.fit.starts,
+    )  # fmt: skip
+    return Estimated(final, stage, frozenset(doubt), tuple(said), completed, seen)
 
 
 def valued(setting: Setting, winner: Refined, prepared: Prepared) -> tuple[Refined, Stage]:
