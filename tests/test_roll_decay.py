@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from fakes import friction, verdict
 
-from symhyb.discrepancy.results import Alternative, Estimate
+from symhyb.discrepancy.results import Alternative, Diagnosis, Estimate
 from symhyb.expected import Expected, check, read_expected
 from symhyb.model.types import On
 from symhyb.report.contract import to_json
@@ -71,7 +71,8 @@ def test_at_speed_damping_is_mostly_linear_and_unseen_data_choose_nothing(
     monkeypatch.setattr("symhyb.study._recordings", lambda study, model: given)
     blind = carry_out(read_study(STUDY / "at_speed" / "study.toml"))
 
-    def told(found: object) -> object:
-        return [(one.element.kind, one.element.place, one.estimates) for one in found]  # type: ignore[attr-defined]
+    def told(diagnosis: Diagnosis) -> dict[str, object]:  # the share alone is of unseen data
+        return {one.element.kind: (one.element.place, one.estimates) for one in diagnosis.found}
 
-    assert told(blind.diagnosis.found) == told(result.diagnosis.found)
+    assert len(told(blind.diagnosis)) == len(blind.diagnosis.found) == 4
+    assert told(blind.diagnosis) == told(result.diagnosis)
