@@ -268,6 +268,11 @@ def alternatives_of(
     return tuple(sorted(rows, key=lambda row: row.evidence))
 
 
+def alternative_of(model: Model, trial: Refined, cause: Hypothesis, evidence: float) -> Alternative:
+    """One cause of a fitted structure, with its values there, as an alternative by itself."""
+    return _alternative(model, cause, _told_values(trial, cause), None, evidence)
+
+
 def _sided(model: Model, winner: Refined, names: Mapping[Hypothesis, str]) -> Iterator[Alternative]:
     """Dry friction that differs by direction, in place of dry friction and a constant force on one
     coordinate: whether the place slides or holds, the two are the same."""
