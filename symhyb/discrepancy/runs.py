@@ -46,7 +46,7 @@ def laid_on(run: Run, machine: Machine, length_s: float) -> Laid | None:
     """Windows of one run, ``length_s`` in s, with finer steps near reversals of a coordinate."""
     parts = run.steps * np.where(reversals(run.motion.v), run.fine, 1)
     laid = lay(run.recording, machine, run.motion, length_s, parts)
-    return laid if laid is None else replace(laid, floor=run.floor)
+    return laid if laid is None else replace(laid, floor=run.floor, steps=run.steps)
 
 
 def noise_sd(runs: Sequence[Run], machine: Machine) -> Array:
@@ -109,7 +109,8 @@ def _steps_needed(model: WindowModel, run: Run) -> int:
 
 def _fine_needed(machine: Machine, run: Run) -> int:
     """The same near reversals, for a model with as much dry friction as the force that the model
-    lacks could hold."""
+    lacks could hold; where every interval has many steps already, fewer times as many are tried."""
+    first = max(FINE_LEAST // run.steps, 1)
     missing = discrepancy(machine, course_of(run.recording, machine, run.motion), machine.values)
     size = np.sqrt(np.mean(missing**2, axis=0))
     speed = np.abs(run.motion.v).max(axis=0)
@@ -122,7 +123,7 @@ def _fine_needed(machine: Machine, run: Run) -> int:
             entries = (("coulomb", level), ("transition", width))
             frictions.append(Element(name, "friction", place, entries))
     if not frictions:
-        return FINE_LEAST
+        return first
     model = machine.model
     steep = build(replace(model, elements=(*model.elements, *frictions)), keep=False)
     length = float(run.motion.periods().min())
@@ -130,7 +131,7 @@ def _fine_needed(machine: Machine, run: Run) -> int:
     def laid(fine: int) -> Laid | None:
         return laid_on(replace(run, fine=fine), steep, length)
 
-    return _enough(WindowModel(steep), run, laid, FINE_LEAST, FINE_MOST)
+    return _enough(WindowModel(steep), run, laid, first, FINE_MOST)
 
 
 def _enough(

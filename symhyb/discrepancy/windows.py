@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.course import Course, course_of
 from symhyb.discrepancy.motion import Motion, measured
+from symhyb.numeric.between import finer, smooth_columns
 from symhyb.numeric.buffers import Array
 from symhyb.numeric.dynamics import state_form
 from symhyb.numeric.machine import Machine
@@ -31,7 +32,8 @@ class Laid:
     """Windows laid on one recording: the block, start states (W, X) and the ``states`` (W, L, X)
     from smoothing, SI, and ``held`` (W,), True where a window only validates. ``rows`` (W, L) are
     the samples of the recording, ``source`` where they come from. ``floor`` is the mean square by
-    which repeated runs differ beyond their noise, in units of the noise: less proves nothing."""
+    which repeated runs differ beyond their noise, in units of the noise: less proves nothing.
+    ``steps`` are the integration steps between two samples that laws without jumps need."""
 
     block: Block
     start: Array
@@ -40,6 +42,7 @@ class Laid:
     rows: NDArray[np.int64]
     source: tuple[Recording, Motion]
     floor: float = 0.0
+    steps: int = 1
 
     def course(self, machine: Machine) -> Course:
         """The whole course that the windows are cut from."""
@@ -55,19 +58,20 @@ class Laid:
         )  # fmt: skip
         return Laid(
             block, self.start[rows], self.states[rows], np.arange(rows.size) % 3 == 2,
-            self.rows[rows], self.source, self.floor,
+            self.rows[rows], self.source, self.floor, self.steps,
         )  # fmt: skip
 
     def suited(self, machine: Machine) -> "Laid":
         """The windows for another machine with the same coordinates: with its inner states, and
-        with the fewest steps everywhere unless it has a steep law."""
+        with the fewest steps everywhere unless it has a steep law. With few samples a period every
+        sample is near a reversal, so the fewest are not those that happen to occur."""
         item = self
         if machine.inner_states or state_form(machine).size != self.start.shape[1]:
             states = self.course(machine).states[self.rows]
             item = replace(self, start=states[:, 0], states=states)
         if any(element.kind in STEEP for element in machine.model.elements):
             return item
-        parts = np.full_like(item.block.substeps, item.block.substeps.min())
+        parts = np.full_like(item.block.substeps, item.steps)
         return replace(item, block=replace(item.block, substeps=parts))
 
     def first(self) -> "Laid":
@@ -106,8 +110,10 @@ def lay(
     parts = np.ones(recording.t.size - 1, int) if substeps is None else substeps
     inputs = [recording.inputs[item.name] for item in machine.model.inputs]
     recorded = recording.t, np.column_stack(inputs) if inputs else np.empty((recording.t.size, 0))
+    recorded = finer(*recorded, smooth_columns(machine.model.inputs))
     block = Block(recording.t[rows], course.drive[rows], y[rows], parts[rows[:, :-1]], recorded)
-    return Laid(block, states[:, 0], states, held, rows, (recording, motion))
+    least = int(parts.min())
+    return Laid(block, states[:, 0], states, held, rows, (recording, motion), steps=least)
 
 
 def reversals(rates: Array) -> NDArray[np.bool_]:
