@@ -208,6 +208,17 @@ def _stages(prepared: Prepared) -> tuple[Stage, ...]:
     return tuple(stages)
 
 
+def last_windows(prepared: Prepared, *, spread: bool) -> tuple[Laid, ...]:
+    """The windows of the last stage: those that decide, or where not ``spread`` all of their
+    length, for values."""
+    last = _stages(prepared)[-1]
+    if spread:
+        return last.laid
+    laid = [laid_on(run, prepared.machine, last.length_s) for run in prepared.runs]
+    calm = [None if item is None else _foreseeable(prepared, item) for item in laid]
+    return tuple(item for item in calm if item is not None)
+
+
 def _foreseen(prepared: Prepared, shortest: float, longest: float) -> float:
     """The longest windows in s of which most can be foreseen."""
     while longest > shortest:

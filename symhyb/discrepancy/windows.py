@@ -25,6 +25,8 @@ FINITE_SHARE = 0.7  # of the samples of a window that must be there
 STEEP = ("friction", "friction_dynamic", "gap", "hysteresis")  # finer steps at reversals
 SLOW_SHARE = 0.02
 SAMPLES_LEAST = 12  # samples a window has at least
+END_KNOTS = 3  # of the smoothed motion, that are not trusted where it swings at its end:
+SWUNG = 1.5  # times as fast as anywhere else
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,7 +98,8 @@ def lay(
     samples = max(round(length_s / step) + 1, SAMPLES_LEAST)
     if samples > recording.t.size:
         return None
-    firsts = np.arange(0, recording.t.size - samples + 1, samples - 1)
+    begin = _settled(motion, step) if recording.t.size > 2 * samples else 0
+    firsts = np.arange(begin, recording.t.size - samples + 1, samples - 1)
     rows = firsts[:, None] + np.arange(samples)
     y, course = measured(recording, machine), course_of(recording, machine, motion)
     whole = (recording.t[rows[:, -1]] - recording.t[rows[:, 0]]) < 1.5 * (samples - 1) * step
@@ -114,6 +117,16 @@ def lay(
     block = Block(recording.t[rows], course.drive[rows], y[rows], parts[rows[:, :-1]], recorded)
     least = int(parts.min())
     return Laid(block, states[:, 0], states, held, rows, (recording, motion), steps=least)
+
+
+def _settled(motion: Motion, step: float) -> int:
+    """The sample from which the smoothed motion tells a start: with few samples a period a spline
+    may swing at its end, to speeds that the motion never has again."""
+    end = int(np.ceil(END_KNOTS * motion.spacing_s / step))
+    size = np.abs(motion.v)
+    if size.shape[0] < 20 * end or size.shape[1] == 0:
+        return 0
+    return end if bool((size[:end] > SWUNG * size[end:-end].max(axis=0)).any()) else 0
 
 
 def reversals(rates: Array) -> NDArray[np.bool_]:
