@@ -35,7 +35,7 @@ DEGREE_MOST = 5  # of the polynomial
 RARE = 0.005  # of the samples at either end: so few do not determine a polynomial there
 NUDGE = 1e-4  # of a named value: the step of a one-sided difference of ΔF, which is linear in most
 ALIKE = 1e-9  # of the largest singular value: directions that the motion does not tell apart
-STEPS = 3  # Gauss–Newton steps: the remainder is small, so that the problem is almost linear
+STEPS = 2  # Gauss–Newton steps: the remainder is small, so that the problem is almost linear
 NAME = "remainder"
 ABOUT = "part of the smooth remainder: measured, but no physics known by name"
 
