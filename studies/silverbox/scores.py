@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from symhyb.correction.apply import apply
+from symhyb.correction.finish import finished
 from symhyb.correction.remainder import remainder
 from symhyb.data.datasets import fetch
 from symhyb.data.recording import Recording, read_recording
@@ -77,6 +78,9 @@ def main() -> None:
     corrected = apply(model, found.found, found.parameters, found.measurement)
     shown = {"sentence": found.sentence, "named": scores(corrected)}
     write_model(corrected, given.out / "corrected.toml")
+    corrected = finished(corrected, train).model
+    shown["named, last values"] = scores(corrected)
+    write_model(corrected, given.out / "finished.toml")
     left = remainder(corrected, train) if given.remainder else None
     if left is not None:
         write_model(left.model, given.out / "with_remainder.toml")
