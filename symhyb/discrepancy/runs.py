@@ -18,6 +18,8 @@ from symhyb.numeric.windows import WindowModel
 
 FINE_LEAST, FINE_MOST = 8, 64  # steps near a reversal, for one elsewhere
 STEPS_MOST = 16
+BEND_SHARE = 2e-3  # of the size of a smooth input, that lines within steps may cut: the accuracy of
+# the fitted values
 SIGNAL_LEAST = 3.0  # spread of a channel over its noise, for a recording that shows something
 SAMPLES_TELL = 100  # that recordings have together
 PERIODS_LEAST = 2.0  # of the slowest motion, that recordings last together
@@ -104,7 +106,20 @@ def _steps_needed(model: WindowModel, run: Run) -> int:
         parts = steps * np.ones(samples, np.int64)
         return lay(run.recording, model.machine, run.motion, length, parts)
 
-    return _enough(model, run, laid, 1, STEPS_MOST)
+    return _enough(model, run, laid, _for_bends(model, run), STEPS_MOST)
+
+
+def _for_bends(model: WindowModel, run: Run) -> int:
+    """Steps between samples that follow the bends of smooth inputs: noise does not excuse a line
+    there, which biases every sample alike. The sag of a chord, |Δ²u|/8, falls with their square."""
+    steps = 1
+    for item in model.machine.model.inputs:
+        values = run.recording.inputs[item.name]
+        if item.between == "smooth" and (size := float(np.std(values))) > 0:
+            sag = float(np.sqrt(np.mean(np.diff(values, n=2) ** 2))) / 8 / size
+            while sag / steps**2 > BEND_SHARE and steps < STEPS_MOST:
+                steps *= 2
+    return steps
 
 
 def _fine_needed(machine: Machine, run: Run) -> int:
