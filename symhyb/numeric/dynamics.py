@@ -71,8 +71,8 @@ class StateForm:
         return np.concatenate([drive, rise, still], axis=-1)
 
     def cleared(self, i: int, p: Array) -> float:
-        """The delay in s that the i-th input is cleared of: that of ``p`` where it is
-        differentiated, else the one that the model states."""
+        """The delay in s that the i-th input is cleared of: that of ``p`` (P,), SI, where
+        it is differentiated, else the one that the model states."""
         item = self.machine.model.inputs[i]
         if item.name in self.late:
             return float(p[self.machine.column(f"{item.name}.delay")])
