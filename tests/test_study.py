@@ -500,6 +500,16 @@ def test_the_real_friction_damper_slips_behind_a_play(
 
 
 @pytest.mark.slow
+def test_the_real_circuit_hardens(tmp_path: Path, public_file: Callable[..., Path]) -> None:
+    public_file("silverbox", "SNLS80mV.csv")
+    result = run_study(STUDIES / "silverbox" / "study.toml", tmp_path)
+    assert len(result.checks) == 4
+    assert [one for one in result.checks if not one.passed] == []
+    assert result.diagnosis.found[0].element.kind == "spring"
+    assert {effect.element.kind for effect in result.diagnosis.found} == {"spring", "constant"}
+
+
+@pytest.mark.slow
 def test_no_drag_is_claimed_of_a_bowling_ball(
     tmp_path: Path, public_file: Callable[..., Path]
 ) -> None:
