@@ -217,7 +217,7 @@ def last_windows(prepared: Prepared, *, spread: bool) -> tuple[Laid, ...]:
     last = _stages(prepared)[-1]
     if spread:
         return last.laid
-    laid = [laid_on(run, prepared.machine, last.length_s) for run in prepared.runs]
+    laid = [laid_within(run, prepared.machine, last.length_s) for run in prepared.runs]
     calm = [None if item is None else _foreseeable(prepared, item) for item in laid]
     return tuple(item for item in calm if item is not None)
 
