@@ -30,9 +30,19 @@ class Finished:
     model: Model
     scale: float
 
+    @property
+    def sentence(self) -> str:
+        """What was done, in words."""
+        return (
+            "The corrected model holds last values: the numbers of what was found and all "
+            "parameters with a stated deviation, fitted together on all training recordings"
+            + (f" (χ² per sample {self.scale:.4g})." if np.isfinite(self.scale) else ".")
+        )
+
 
 def finished(model: Model, recordings: Recording | Sequence[Recording]) -> Finished:
-    """Fit the numbers of found elements, and the parameters that state an sd, on all windows.
+    """Fit the numbers of found elements, and the parameters of the model, that state an sd (a width
+    that only smooths a law states none), on all windows.
 
     Raises:
         InputError: unusable recordings.
@@ -42,7 +52,7 @@ def finished(model: Model, recordings: Recording | Sequence[Recording]) -> Finis
     found = {element.name for element in model.elements if element.found}
     free = [
         item for item in model.all_parameters()
-        if item.owner in found or (not item.owner and item.sd is not None)
+        if item.sd is not None and (item.owner in found or not item.owner)
     ]  # fmt: skip
     if not free:
         return Finished(model, float("nan"))
@@ -67,7 +77,7 @@ def finished(model: Model, recordings: Recording | Sequence[Recording]) -> Finis
 def _known(item: Parameter, found: set[str]) -> float:
     """What was known of a number before these recordings, as one deviation in SI: nothing of what
     they told themselves."""
-    told = item.owner in found or item.was is not None or item.sd is None
+    told = item.owner in found or item.was is not None
     return np.inf if told else float(item.si_sd or np.inf)
 
 

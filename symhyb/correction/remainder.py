@@ -37,6 +37,7 @@ NUDGE = 1e-4  # of a named value: the step of a one-sided difference of ΔF, whi
 ALIKE = 1e-9  # of the largest singular value: directions that the motion does not tell apart
 STEPS = 2  # Gauss–Newton steps: the remainder is small, so that the problem is almost linear
 NAME = "remainder"
+NO_REMAINDER = "No smooth remainder: no polynomial is better on held windows than none."
 ABOUT = "part of the smooth remainder: measured, but no physics known by name"
 
 Powers = tuple[int, int]
