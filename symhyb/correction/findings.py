@@ -8,6 +8,7 @@ import numpy as np
 from symhyb.correction.conventions import CERTAIN, RIVAL, Exchange, exchange
 from symhyb.correction.decide import Decision
 from symhyb.correction.formulas import law_text
+from symhyb.correction.smoothing import with_smoothing
 from symhyb.correction.stability import unstable
 from symhyb.correction.textbook import critical_share
 from symhyb.correction.trajectory import Refined
@@ -88,7 +89,7 @@ def _values(final: Refined, rows: Sequence[int]) -> dict[str, tuple[float, float
     if final.causes[rows[0]].kind == LAW:
         return values
     order = [key.name for key in KINDS[final.causes[rows[0]].kind].keys]
-    return {key: values[key] for key in order if key in values}
+    return with_smoothing({key: values[key] for key in order if key in values})
 
 
 def found_of(
