@@ -21,6 +21,7 @@ from symhyb.model.scope import (
 )
 from symhyb.model.sensing import sensor_faults
 from symhyb.model.source import Path
+from symhyb.model.space import space_faults
 from symhyb.model.tables import Fault
 from symhyb.model.types import Body, Model
 from symhyb.units import ONE, Unit, parse_unit
@@ -67,6 +68,7 @@ def faults_of(model: Model, energy: Unit | None, unreadable: frozenset[str]) -> 
     yield from _energy_faults(model, scope, energy)
     for body in model.bodies:
         yield from _body_faults(body, model, scope, energy)
+    yield from space_faults(model, scope, _mass_unit(energy, ONE))
     for element in model.elements:
         yield from element_faults(element, model, scope, energy, unreadable)
     for sensor in model.sensors:
