@@ -39,6 +39,8 @@ def read_body(
     mass, about = table.expression("mass", required=True), table.about()
     (inertia, tensor), angle = read_inertia(table), table.expression("angle")
     turned = read_turned(table)
+    if turned is None and any(key in table.entries for key in ("rotations", "quaternion")):
+        return None
     hung = not (table.lacks("parent") and table.lacks("joint"))
     parent = table.text("parent")
     _turning_faults(table, hung, dimension)

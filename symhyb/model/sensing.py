@@ -99,7 +99,8 @@ def _reading_faults(
             found = list(_name_faults(path, section, name, model, unreadable))
         yield from found
         faults += len(found)
-    if not faults:
+    unread = {dotted.partition(".")[2] for dotted in unreadable}
+    if not faults and not unread & set(reading.names):
         yield from _fit_faults(path, reading, model)
 
 
@@ -129,7 +130,7 @@ def _fit_faults(path: Path, reading: Reading, model: Model) -> Iterator[Fault]:
             yield path, f"{reading} goes from the point '{name}' to itself"
         case "orientation" | "gyroscope" | "gyroscope_x" | "gyroscope_y" | "gyroscope_z":
             body = next((body for body in model.bodies if body.name == name), None)
-            if body is not None and body.angle is body.turned is None and not body.parent:
+            if body is not None and body.angle is None and body.turned is None and not body.parent:
                 cure = "an 'angle'" if reading.what[-2] != "_" else "'rotations' or a 'quaternion'"
                 yield path, f"the body '{name}' does not turn; give it {cure}"
         case "force":

@@ -13,6 +13,7 @@ from collections.abc import Iterator, Mapping
 from math import cos, degrees, isfinite, sin, sqrt
 
 import numpy as np
+from numpy.typing import NDArray
 
 from symhyb.model.expression import Expression, ExpressionError, Name, evaluate, names
 from symhyb.model.scope import MASS, POSITION, Scope, expression_faults
@@ -20,6 +21,8 @@ from symhyb.model.source import Path
 from symhyb.model.tables import Fault, shorten
 from symhyb.model.types import At, Body, Element, Model, Quaternion, Rotations, Vector
 from symhyb.units import ONE, Unit
+
+Values = dict[tuple[str, int] | str, NDArray[np.float64] | float]
 
 UNIT_LENGTH = 1e-3  # how far a quaternion may begin from length 1: four digits by hand are enough
 SLIGHT = 1e-9  # relative: rounding of moments of inertia that are equal
@@ -37,10 +40,11 @@ def vectors(model: Model) -> Iterator[tuple[Path, Vector]]:
         yield ("gravity",), model.gravity
     for point in model.points:
         yield ("points", point.name), point.at
+    named = [point.at for point in model.points]
     for body in model.bodies:
-        if body.joint is not None:
-            yield ("bodies", body.name, "joint"), body.joint
-        yield ("bodies", body.name, "at"), body.at
+        for key, vector in (("joint", body.joint), ("at", body.at)):
+            if vector is not None and vector not in named:
+                yield ("bodies", body.name, key), vector
 
 
 def space_faults(model: Model, scope: Scope, inertia: Unit | None) -> Iterator[Fault]:
@@ -63,9 +67,12 @@ def space_faults(model: Model, scope: Scope, inertia: Unit | None) -> Iterator[F
                 yield from expression_faults((*path, "rotations"), angle, scope, POSITION, ONE)
         if isinstance(body.turned, Quaternion):
             yield from _quaternion_faults(body, body.turned, model, taken)
-        for part in body.tensor:
-            yield from expression_faults((*path, "inertia"), part, scope, MASS, inertia)
-        yield from _inertia_faults(body, model)
+        faults = [
+            fault
+            for part in body.tensor
+            for fault in expression_faults((*path, "inertia"), part, scope, MASS, inertia)
+        ]
+        yield from faults or _inertia_faults(body, model)
     for element in model.elements:
         yield from _element_faults(element, model, size)
 
@@ -150,7 +157,7 @@ def _inertia_faults(body: Body, model: Model) -> Iterator[Fault]:
 
 def _value(expression: Expression, model: Model) -> float | None:
     """Evaluate an expression of parameters, SI; None if it has other names."""
-    values = {parameter.name: parameter.si for parameter in model.parameters}
+    values: Values = {parameter.name: parameter.si for parameter in model.parameters}
     if any(name.order or name.name not in values for name in names(expression)):
         return None
     return float(evaluate(expression, values))
@@ -180,8 +187,8 @@ def gimbal_lock(model: Model, places: Mapping[str, float], near: float = LOCKED)
     """Say which body is at gimbal lock (|cos| below ``near``) and at which angle; empty if none is.
     ``places`` are the coordinates by name, SI; a sequence of which an angle does not move locks
     nothing."""
-    values = {**{parameter.name: parameter.si for parameter in model.parameters}, "t": 0.0}
-    values.update(places)
+    values: Values = {parameter.name: parameter.si for parameter in model.parameters}
+    values |= {"t": 0.0, **dict(places)}
     coordinates = {coordinate.name for coordinate in model.coordinates}
     for body, angle, by_sine in second_angles(model):
         steps = body.turned.steps if isinstance(body.turned, Rotations) else ()

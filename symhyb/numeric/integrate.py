@@ -18,6 +18,7 @@ from symhyb.model.space import gimbal_lock
 from symhyb.model.types import Model
 from symhyb.numeric.buffers import Array, call
 from symhyb.numeric.dynamics import StateForm, state_form
+from symhyb.numeric.lengths import at_unit_length
 from symhyb.numeric.linear import state_slope
 from symhyb.numeric.machine import Machine
 from symhyb.numeric.vector import along
@@ -353,7 +354,8 @@ def _observe(
     d = np.column_stack(
         [np.interp(t, scenario.t_u, column) for column in drive.T] or [np.empty((total, 0))]
     )
-    q, v = form.motion(x, d)
+    q, v = at_unit_length(form.machine.model, *form.motion(x, d))
+    x = form.state(q, v, x[:, 2 * len(form.free) :])
     still = np.zeros(form.machine.n)
     y, a = along(form.outputs(), (x, d, t, values, still), repeated=(3, 4), samples=total)
     z = x[:, 2 * len(form.free) :]

@@ -242,7 +242,6 @@ def test_a_tumbling_body_keeps_its_angular_momentum_and_the_length_of_its_quater
     p = numbers("quadrotor")
     run = flown(60.0, np.zeros(4), np.array([0.01, 5.0, 0.01]), 601, still_air=True)
     lengths = np.linalg.norm(run.q[:, 3:], axis=1)
-    print("drift", np.abs(lengths - 1).max())
     assert np.abs(lengths - 1).max() < 1e-8
     inertia = np.array([p["J_x"], p["J_y"], p["J_z"]])
     spins = 2 * np.array([multiplied(q * [1, -1, -1, -1], v)[1:]
@@ -250,7 +249,6 @@ def test_a_tumbling_body_keeps_its_angular_momentum_and_the_length_of_its_quater
     momentum = np.array([axes_of(q) @ (inertia * w)
                          for q, w in zip(run.q[:, 3:], spins, strict=True)])  # fmt: skip
     size = np.linalg.norm(momentum[0])
-    print("momentum", np.abs(momentum - momentum[0]).max() / size, np.ptp(spins[:, 1]))
     assert np.abs(momentum - momentum[0]).max() < 1e-6 * size
     assert np.ptp(spins[:, 1]) > 9.0  # it did tip over
     energy = spins**2 @ inertia / 2
@@ -300,9 +298,8 @@ def test_the_energy_of_the_top_is_lost_in_its_bearing_alone() -> None:
     energy = np.array([kinetic.item() + potential.item() for kinetic, potential in rows])
     power = -p["d"] * run.v[:, 2] ** 2
     lost = np.concatenate([[0], np.cumsum((power[1:] + power[:-1]) / 2 * np.diff(t))])
-    swing = np.ptp([kinetic.item() for kinetic, _ in rows])
-    assert energy - energy[0] == pytest.approx(lost, abs=1e-6 * swing)
-    assert lost[-1] < -1e-4 * swing
+    assert energy - energy[0] == pytest.approx(lost, abs=3e-8 * energy[0])
+    assert lost[-1] < -3e-3 * energy[0]
 
 
 @pytest.mark.parametrize("name", ["gyroscope", "furuta_pendulum", "quadrotor"])
