@@ -174,6 +174,12 @@ def _element_faults(element: Element, model: Model, size: int) -> Iterator[Fault
         yield ("elements", element.name, "at"), f"{text}; declare the point with its body"
 
 
+def quaternion_parts(model: Model) -> frozenset[str]:
+    """Return the coordinates that are parts of quaternions: none of them has a force of its own."""
+    turned = (body.turned for body in model.bodies)
+    return frozenset(name for item in turned if isinstance(item, Quaternion) for name in item.parts)
+
+
 def second_angles(model: Model) -> Iterator[tuple[Body, Expression, bool]]:
     """Yield the second angle of every body that is turned by three rotations, and whether it
     locks where its sine is 0 (first and third axis of one name) instead of its cosine."""
@@ -188,7 +194,8 @@ def gimbal_lock(model: Model, places: Mapping[str, float], near: float = LOCKED)
     ``places`` are the coordinates by name, SI; a sequence of which an angle does not move locks
     nothing."""
     values: Values = {parameter.name: parameter.si for parameter in model.parameters}
-    values |= {"t": 0.0, **dict(places)}
+    for name, value in {"t": 0.0, **places}.items():
+        values[name] = value
     coordinates = {coordinate.name for coordinate in model.coordinates}
     for body, angle, by_sine in second_angles(model):
         steps = body.turned.steps if isinstance(body.turned, Rotations) else ()
