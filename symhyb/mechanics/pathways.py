@@ -14,6 +14,7 @@ from symhyb.mechanics.spinning import couple_force
 from symhyb.mechanics.tidy import tidied
 from symhyb.model.types import At, Between, Element, Model, On
 
+LARGEST_TIDIED = 40  # operations of an expression in space
 _POWERS = (1, 2, -1, -2, -3, -4)  # SymPy holds a distance d = √x in any power of x
 
 
@@ -40,7 +41,8 @@ def _names_of(
                 named = Named(distance, value, "distance", ends)
                 yield named
                 lapse = sp.Symbol(f"|{second} - {first}|'", real=True)
-                rate = tidied(slopes.rate(value).xreplace(short_of((named,))))
+                lapsing = slopes.rate(value).xreplace(short_of((named,)))
+                rate = _tidy(lapsing, len(equations.gravity))
                 yield Named(lapse, rate, "lapse", ends)
         case At(point), Vectorial(law=law) if law is not None:
             velocity = _velocity(term, slopes)
@@ -71,19 +73,19 @@ def force_rows(
             turning = {symbol: slopes.rate(angle) for symbol, angle in rates}
             omega = tuple(part.xreplace(turning) for part in term.omega)
             for i, force in enumerate(couple_force(term.torque, omega, slopes)):
-                yield Row("k_e", (i,), source, tidied(force))
+                yield Row("k_e", (i,), source, _tidy(force))
             continue
         known = known_of(element, term, equations, slopes, names)
         if isinstance(term, Vectorial):
             force = [part.xreplace(known) for part in term.force]
             for i, by in enumerate(slopes.by):
-                leans = [tidied(by(part)) for part in term.position]
+                leans = [_tidy(by(part), len(term.position)) for part in term.position]
                 yield Row("k_e", (i,), source, product(force, leans))
             continue
         push = term.sign * term.law.force.xreplace(known)
         for i, by in enumerate(slopes.by):
             lean = by(term.path).xreplace(short)
-            lean = lean if isinstance(element.place, On) else tidied(lean)
+            lean = lean if isinstance(element.place, On) else _tidy(lean, len(equations.gravity))
             yield Row("k_e", (i,), source, push * lean)
 
 
@@ -108,6 +110,8 @@ def known_of(
     found = {(item.kind, item.owners): item for item in names}
     if isinstance(term, Vectorial):
         assert isinstance(element.place, At)
+        if term.law is None:  # a force as given, whatever the velocity
+            return {}
         return _direction(term, slopes, found.get(("speed", (element.place.point,))))
     stretch, rate = term.path, slopes.rate(term.path)
     if isinstance(element.place, Between):
@@ -136,7 +140,14 @@ def _direction(term: Vectorial, slopes: Slopes, speed: Named | None) -> Short:
 
 
 def _velocity(term: Vectorial, slopes: Slopes) -> tuple[sp.Expr, ...]:
-    return tuple(tidied(slopes.rate(part)) for part in term.position)
+    return tuple(_tidy(slopes.rate(part), len(term.position)) for part in term.position)
+
+
+def _tidy(expression: sp.Expr, dimension: int = 3) -> sp.Expr:
+    """A shorter form, in space of small expressions only: those of three rotations or a quaternion
+    take minutes and become no shorter."""
+    large = dimension == 3 and sp.count_ops(expression) > LARGEST_TIDIED
+    return expression if large else tidied(expression)
 
 
 def _size(vector: tuple[sp.Expr, ...]) -> sp.Expr:
