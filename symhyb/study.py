@@ -19,6 +19,9 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from symhyb import __version__
 from symhyb.correction.apply import apply
 from symhyb.data.cleaning import still, without_faults
@@ -187,8 +190,14 @@ def manifest(result: StudyResult) -> dict[str, Any]:
             if file is not None
         },
         "recordings": [
-            {"role": role, "file": recording.name, "sha256": recording.sha256, "span": span}
-            for role, recording, span in _runs(result)
+            {
+                "role": role,
+                "file": recording.name,
+                "sha256": recording.sha256,
+                "span": list(source.span),
+                **({"map": dict(source.columns)} if source.columns else {}),
+            }
+            for role, recording, source in _runs(result)
         ],
         "map": dict(study.columns or {}),
         **({"own": list(study.own)} if study.own else {}),
@@ -256,7 +265,7 @@ def _recordings(study: Study, model: Model) -> tuple[tuple[Recording, ...], tupl
     for source in (*study.train, *study.holdout):
         try:
             path = source.file or fetch(*source.data.split("/", 1))
-            read[source] = read_recording(path, model, study.columns, span=source.span)
+            read[source] = read_recording(path, model, study.columns_of(source), span=source.span)
         except InputError as error:
             problems.extend(error.problems)
     if problems:
@@ -264,20 +273,39 @@ def _recordings(study: Study, model: Model) -> tuple[tuple[Recording, ...], tupl
     train = tuple(read[source] for source in study.train)
     holdout = tuple(read[source] for source in study.holdout)
     for seen, unseen in product(train, holdout):
-        if seen.shares(unseen):
-            text = "is a training recording too; what is learned from cannot prove anything"
-            raise InputError(Problem(text, "holdout", unseen.name))
+        common = seen.common(unseen)
+        if common.size:
+            raise InputError(Problem(_seen_before(common, unseen), "holdout", unseen.name))
     return train, holdout
 
 
-def _runs(result: StudyResult) -> Iterator[tuple[str, Recording, list[float | None]]]:
-    """Role, recording and span of everything that was read."""
+def _seen_before(common: NDArray[np.float64], unseen: Recording) -> str:
+    """Say that ``common`` times (K,) of an unseen recording are in a training recording, and the
+    cure: a span includes the samples at both its ends."""
+    why = "what is learned from cannot prove anything"
+    if common.size == unseen.t.size:
+        return f"is a training recording too; {why}"
+    if common.size > 1:
+        stretch = f"{common[0]:g} … {common[-1]:g} s"
+        return f"{stretch} of it are in a training recording too; {why}; let the spans not overlap"
+    behind = unseen.t[unseen.t > common[0]]
+    cure = "let one span end before it"
+    if behind.size and common[0] == unseen.t[0]:
+        cure = f"begin this span behind it, as in [{(common[0] + behind[0]) / 2:.9g}, …]"
+    return (
+        f"its sample at {common[0]:.9g} s is in a training recording too, for a span includes the"
+        f" samples at both its ends; {cure}"
+    )
+
+
+def _runs(result: StudyResult) -> Iterator[tuple[str, Recording, Source]]:
+    """Role, recording and where it came from, of everything that was read."""
     for role, recordings, sources in (
         ("train", result.train, result.study.train),
         ("holdout", result.holdout, result.study.holdout),
     ):
         for recording, source in zip(recordings, sources, strict=True):
-            yield role, recording, list(source.span)
+            yield role, recording, source
 
 
 def _provenance(result: StudyResult) -> dict[str, str]:

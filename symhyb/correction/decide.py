@@ -38,6 +38,7 @@ HOPE = 0.5  # of the significance that it needs: the linear problem may promise 
 VOID = 0.1  # of what the linear problem promised: less means that its promises are void
 ROUNDS = 6
 PLAINER = 2  # plain laws, and pairs of them, that are tried in place of one of several numbers
+NEXT_TO_NONE = 1e-3  # of the mean of the others: where a recording without a cause begins
 STATIC_FIRST = 1.3  # of the Coulomb friction: the breakaway friction that is tried first
 
 
@@ -182,7 +183,10 @@ def _begin(problem: Problem, cause: Hypothesis, values: Sequence[float]) -> dict
     """The first guess of a cause: shared keys at their mean over the recordings that have numbers
     of their own."""
     size = len(cause.terms)
-    each = [cause.values(values[i : i + size]) for i in range(0, len(values), size)]
+    numbers = np.reshape(values, (-1, size))
+    # where one recording shows nothing of a cause the law still stands: it may divide by its key
+    numbers = np.where(numbers == 0, NEXT_TO_NONE * np.mean(numbers, axis=0), numbers)
+    each = [cause.values(list(row)) for row in numbers]
     row = {key: float(np.mean([one[key] for one in each])) for key in each[0]}
     if len(each) > 1:
         for name, one in zip(problem.recordings, each, strict=True):

@@ -10,6 +10,7 @@ from symhyb.correction.evidence import NEAR_NOISE, weak
 from symhyb.correction.findings import Named, doubtful, named
 from symhyb.correction.fleet import drifting, widened
 from symhyb.correction.fleet_words import drift_sentence
+from symhyb.correction.held import with_what_is_held
 from symhyb.correction.preparing import Prepared
 from symhyb.correction.setting import Setting, Stage
 from symhyb.correction.trajectory import Refined, grouped, refine
@@ -46,6 +47,7 @@ def estimate(prepared: Prepared, choice: Choice) -> Estimated:
     final, stage = valued(choice.setting, choice.decision.winner, prepared)
     doubt = frozenset({*doubtful(choice.decision), *(final.causes[i] for i in weak(final))})
     drift = drifting(prepared.model, final, stage, choice.setting.sd)
+    final = with_what_is_held(prepared.model, choice.setting, final, stage)
     if drift is None:
         return Estimated(final, stage, doubt, ())
     return Estimated(widened(final, drift), stage, doubt, (drift_sentence(final, drift),))

@@ -30,7 +30,7 @@ from symhyb.discrepancy.points import point_hypotheses
 from symhyb.discrepancy.repeats import Repeated, floor_of, repeated
 from symhyb.discrepancy.residual import discrepancy
 from symhyb.discrepancy.results import Lie
-from symhyb.discrepancy.runs import Run, laid_on, noise_sd, with_noise
+from symhyb.discrepancy.runs import Run, laid_within, noise_sd, with_noise
 from symhyb.discrepancy.suspicion import repaired, suspect
 from symhyb.discrepancy.windows import Laid
 from symhyb.errors import InputError, Problem
@@ -75,6 +75,7 @@ def prepare(
     recordings: Recording | Sequence[Recording],
     holdout: Recording | Sequence[Recording] = (),
     clocks: tuple[Lie, ...] = (),
+    own: Sequence[str] = (),
 ) -> Prepared:
     """Lower the model, thin the recordings and estimate motion and noise.
 
@@ -102,7 +103,9 @@ def prepare(
     runs = [_thin(run, machine, shortest) for run in first]
     proofs = [_thin(Run(r, motion_of(r, machine), np.empty(0)), machine, shortest) for r in holdout]
     sd = noise_sd(runs, machine)
-    repeats = repeated(runs, [sensor.name for sensor in machine.model.sensors])
+    # recordings that have numbers of their own are of different machines: no repeats of one run
+    names = [sensor.name for sensor in machine.model.sensors]
+    repeats = () if own else repeated(runs, names)
     between = floor_of(repeats, sd.size)
     sd = np.maximum(sd, between)
     floor = float(np.mean(np.square(between / sd)[_recorded(runs)])) if repeats else 0.0
@@ -193,7 +196,7 @@ def _stages(prepared: Prepared) -> tuple[Stage, ...]:
     longest = _foreseen(prepared, shortest, total / WINDOWS_LEAST)
     stages: list[Stage] = []
     for length in _lengths(shortest, longest):
-        laid = [_spread(laid_on(run, prepared.machine, length), share) for run in prepared.runs]
+        laid = [_spread(laid_within(run, prepared.machine, length), share) for run in prepared.runs]
         calm = [None if item is None else _foreseeable(prepared, item) for item in laid]
         kept = tuple(item for item in calm if item is not None)
         enough = sum(len(item.start) for item in kept) >= WINDOWS_LEAST
@@ -210,7 +213,7 @@ def _stages(prepared: Prepared) -> tuple[Stage, ...]:
 def _foreseen(prepared: Prepared, shortest: float, longest: float) -> float:
     """The longest windows in s of which most can be foreseen."""
     while longest > shortest:
-        laid = [laid_on(run, prepared.machine, longest) for run in prepared.runs]
+        laid = [laid_within(run, prepared.machine, longest) for run in prepared.runs]
         calm = [_calm(prepared, item) for item in laid if item is not None]
         if calm and np.mean(np.concatenate(calm)) >= CALM_LEAST:
             break

@@ -16,7 +16,7 @@ from symhyb.discrepancy.matching import (
     fit,
     starts_only,
 )
-from symhyb.discrepancy.runs import laid_on
+from symhyb.discrepancy.runs import laid_within
 from symhyb.discrepancy.windows import Laid
 from symhyb.numeric.buffers import Array
 from symhyb.numeric.windows import WindowModel
@@ -80,7 +80,7 @@ def _unseen(prepared: Prepared, stage: Stage, trial: Refined) -> _Unseen:
     """Errors of a fitted structure on the unseen recordings, or on the held windows."""
     laid = stage.laid
     if prepared.holdout:
-        found = [laid_on(run, trial.machine, stage.length_s) for run in prepared.holdout]
+        found = [laid_within(run, trial.machine, stage.length_s) for run in prepared.holdout]
         laid = tuple(item for item in found if item is not None)
     laid = tuple(item.suited(trial.machine) for item in laid)
     if not laid:

@@ -49,6 +49,12 @@ def laid_on(run: Run, machine: Machine, length_s: float) -> Laid | None:
     return laid if laid is None else replace(laid, floor=run.floor)
 
 
+def laid_within(run: Run, machine: Machine, length_s: float) -> Laid | None:
+    """The same; a run shorter than ``length_s`` is one window, for all of it counts."""
+    t = run.recording.t
+    return laid_on(run, machine, min(length_s, float(np.median(np.diff(t))) * (t.size - 1)))
+
+
 def noise_sd(runs: Sequence[Run], machine: Machine) -> Array:
     """Noise (m,) by sensor over all runs, SI; 1 for a sensor without samples."""
     sd = np.ones(len(machine.model.sensors))

@@ -72,6 +72,18 @@ class Linear:
         """∂y/∂θ, (W, L, m, F)."""
         return self.by_state @ self._propagate(self._rest(self.by_free), self.by_free) + self.direct
 
+    def from_start_and_free(self) -> tuple[Array, Array]:
+        """The two above from one pass, which costs little more than either: ∂y/∂(initial state)
+        (W, L, m, X) and ∂y/∂θ (W, L, m, F)."""
+        windows, _, states = self.x.shape
+        both = states + self.by_free.shape[3]
+        begin = np.zeros((windows, states, both))
+        begin[:, :, :states] = np.eye(states)
+        added = np.zeros((*self.by_free.shape[:3], both))
+        added[..., states:] = self.by_free
+        made = self.by_state @ self._propagate(begin, added)
+        return made[..., :states], made[..., states:] + self.direct
+
     def from_forces(self, forces: Array) -> Array:
         """Response of y to small test forces (W, L, n, C) at the samples: (W, L, m, C)."""
         added = self.left @ forces[:, :-1] + self.right @ forces[:, 1:]
