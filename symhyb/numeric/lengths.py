@@ -12,15 +12,33 @@ from symhyb.numeric.buffers import Array
 
 def at_unit_length(model: Model, q: Array, v: Array) -> tuple[Array, Array]:
     """Places and rates (N, n), SI, with every quaternion at length 1 and its rate across it."""
-    names = [coordinate.name for coordinate in model.coordinates]
-    found = [body.turned.parts for body in model.bodies if isinstance(body.turned, Quaternion)]
+    found = _columns(model)
     if not found:
         return q, v
     q, v = q.copy(), v.copy()
-    for parts in found:
-        columns = [names.index(name) for name in parts]
+    for columns in found:
         length = np.linalg.norm(q[:, columns], axis=1, keepdims=True)
         unit, rate = q[:, columns] / length, v[:, columns] / length
         q[:, columns] = unit
         v[:, columns] = rate - unit * np.sum(unit * rate, axis=1, keepdims=True)
     return q, v
+
+
+def length_directions(model: Model, q: Array) -> Array:
+    """Unit vectors (Q, n) along which the lengths of the Q quaternions change at a place q (n,)."""
+    found = _columns(model)
+    directions = np.zeros((len(found), q.size))
+    for direction, columns in zip(directions, found, strict=True):
+        direction[columns] = q[columns] / np.linalg.norm(q[columns])
+    return directions
+
+
+def _columns(model: Model) -> list[list[int]]:
+    """The coordinates that are parts of each quaternion."""
+    names = [coordinate.name for coordinate in model.coordinates]
+    turned = (body.turned for body in model.bodies)
+    return [
+        [names.index(name) for name in item.parts]
+        for item in turned
+        if isinstance(item, Quaternion)
+    ]

@@ -12,9 +12,10 @@ import numpy as np
 import pytest
 from shipped import close, machine_of, shipped, start_of
 from test_models_against_mujoco import mass_and_forces
-from test_models_balances import in_other_units
+from test_models_balances import balance_of, in_other_units
 from textbook import Array, numbers
 
+from symhyb.discrepancy.modes import modes_at
 from symhyb.model.read import parse_model
 from symhyb.numeric.buffers import call
 from symhyb.numeric.integrate import Scenario, Trajectory, simulate
@@ -260,6 +261,30 @@ def test_rotors_that_carry_the_weight_let_it_hover() -> None:
     run = flown(3.0, np.full(4, p["m"] * p["g"] / 4), np.zeros(3), 31)
     assert run.q == pytest.approx(np.tile(start_of("quadrotor"), (31, 1)), abs=1e-9)
     assert run.y[:, 8] == pytest.approx(p["g"], rel=1e-9)  # its support, along z of the frame
+
+
+def test_the_length_of_a_quaternion_is_no_mode_of_a_machine() -> None:
+    """At hover nothing pulls back: all six motions are free, and the length is not among them."""
+    p, machine = numbers("quadrotor"), machine_of("quadrotor")
+    modes = modes_at(machine, start_of("quadrotor"), np.full(4, p["m"] * p["g"] / 4))
+    assert modes
+    assert all(mode.frequency == mode.rate == 0.0 for mode in modes)
+    assert all(dict(mode.shape).get("qw", 0.0) == 0.0 for mode in modes)
+
+
+@pytest.mark.parametrize("name", CHAINS)
+def test_energy_in_space_changes_by_the_power_of_dampers_and_motors(name: str) -> None:
+    machine, rng = machine_of(name), np.random.default_rng(26)
+    balance, still, n = balance_of(machine), np.zeros(0), machine.n
+    rows = []
+    for _ in range(200):
+        q, v = rng.normal(size=(2, n)) * np.array([[2.0], [5.0]])
+        u = rng.normal(size=len(machine.model.inputs))
+        a = call(machine.acceleration, (q, v, still, u, 0, machine.values, 0 * q, still))[0][0]
+        rows.append([x.item() for x in call(balance, (q, v, a, still, u, 0, machine.values))])
+    _, power, slope = np.array(rows).T
+    assert close(slope, power, 1e-9, 1e-11 * float(np.abs(power).max()))
+    assert np.abs(power).min() > 0
 
 
 # --- the top ------------------------------------------------------------------------------------
