@@ -14,7 +14,7 @@ from symhyb.errors import InputError, Problem
 from symhyb.model.expression import names, readings
 from symhyb.model.types import Model, Sensor
 
-SUDDEN = ("accelerometer_x", "accelerometer_y", "force", "reaction")
+SUDDEN = ("accelerometer_x", "accelerometer_y", "accelerometer_z", "force", "reaction")
 
 
 def without_faults(recording: Recording, model: Model) -> Recording:

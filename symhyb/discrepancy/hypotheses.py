@@ -18,6 +18,7 @@ import numpy as np
 from symhyb.discrepancy.course import Course
 from symhyb.discrepancy.formula import LAW, law_element
 from symhyb.model.expression import parse_expression
+from symhyb.model.space import quaternion_parts
 from symhyb.model.types import (
     Between,
     Element,
@@ -207,9 +208,10 @@ def _stated(channel: Channel) -> Channel:
 
 
 def places_of(model: Model) -> tuple[Place, ...]:
-    """Places worth a hypothesis: every coordinate and, where a machine has several, every pair of
-    points that an element joins."""
-    places: list[Place] = [On(c.name) for c in model.coordinates]
+    """Places worth a hypothesis: every coordinate (but the parts of a quaternion, of which no force
+    has one alone) and, where a machine has several, every pair of points that an element joins."""
+    parts = quaternion_parts(model)
+    places: list[Place] = [On(c.name) for c in model.coordinates if c.name not in parts]
     if len(model.coordinates) > 1:
         for element in model.elements:
             if isinstance(element.place, Between) and element.place not in places:

@@ -13,6 +13,7 @@ from symhyb.discrepancy.wording import joined, number_text
 from symhyb.model.types import Model
 from symhyb.numeric.buffers import Array, call
 from symhyb.numeric.dynamics import StateForm, state_form
+from symhyb.numeric.lengths import length_directions
 from symhyb.numeric.linear import Linearised, linearised
 from symhyb.numeric.machine import Machine, build
 
@@ -20,6 +21,7 @@ DRY = ("friction", "friction_dynamic")
 BALANCED = 1e-8  # of the forces at work: what may be left at a place of rest
 FREE = 1e-6  # of the fastest root: a root this slow moves freely
 ROUNDED = 1e-9  # damping ratio: what rounding leaves to a machine without damping
+LENGTH = 0.999  # of a shape: the rest is rounding of a double root
 SHOWN = 0.05  # of the largest component of a shape: smaller ones are not said
 MOMENTS = (0.0, 0.137, 0.291, 0.618, 0.877)  # of a recording, at which slopes must agree
 
@@ -97,11 +99,16 @@ def modes_at(machine: Machine, q: Array, u: Array, t: float = 0.0) -> tuple[Mode
         return ()
     roots, vectors = np.linalg.eig(slopes.A)
     scale = max(float(np.abs(roots).max(initial=0.0)), 1e-300)
-    names = [machine.model.coordinates[i].name for i in machine.free]
+    free = list(machine.free)
+    names = [machine.model.coordinates[i].name for i in free]
+    lengths = length_directions(machine.model, q)[:, free]
     found = []
     for value, vector in sorted(zip(roots, vectors.T, strict=True), key=lambda pair: abs(pair[0])):
         if value.imag < -FREE * scale:  # the partner of a pair says the same
             continue
+        places = vector[: len(free)]
+        if lengths.size and np.linalg.norm(lengths @ places) > LENGTH * np.linalg.norm(places) > 0:
+            continue  # the length of a quaternion is no motion
         found.append(_mode(value, vector, names, scale))
     return tuple(dict.fromkeys(found))  # what moves freely has two roots, and is one mode
 

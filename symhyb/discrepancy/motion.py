@@ -20,10 +20,11 @@ from symhyb.data.recording import Recording
 from symhyb.discrepancy.splines import bands, design, ridge, spline_basis
 from symhyb.errors import InputError, Problem
 from symhyb.model.expression import parse_expression, readings
-from symhyb.model.types import Energy, Model, Sensor
+from symhyb.model.types import Energy, Model, Quaternion, Sensor
 from symhyb.numeric.buffers import Array, call, later
 from symhyb.numeric.machine import Machine, build
 from symhyb.numeric.vector import along
+from symhyb.units import ONE
 
 SPACINGS = (1.3, 1.6, 2, 3, 4, 6, 8, 11, 16, 23, 32, 45, 64, 91, 128)  # samples between two knots
 GUIDE_FIRST = 0.01  # of what acts: the force that a model may lack at first, where it must guide
@@ -151,15 +152,28 @@ def given_motion(recording: Recording, machine: Machine) -> Array:
 
 def _watching(model: Model, recording: Recording) -> tuple[Model, Recording]:
     """The model with the sensors that show its motion (those of forces left out), and one more for
-    each imposed coordinate; and the recording with these channels."""
+    each imposed coordinate and each quaternion; and the recording with these channels."""
     kept = tuple(s for s in model.sensors if not _shows_force(s))
     imposed = [c for c in model.coordinates if c.imposed]
-    if len(kept) == len(model.sensors) and not imposed:
+    lengths = length_gauges(model)
+    if len(kept) == len(model.sensors) and not imposed and not lengths:
         return model, recording
     gauges = tuple(Sensor(f"imposed {c.name}", parse_expression(c.name), c.unit) for c in imposed)
     more = {f"imposed {c.name}": recording.inputs[c.name] for c in imposed}
+    more |= {gauge.name: np.ones(recording.t.size) for gauge in lengths}
     channels = {**recording.sensors, **more}
-    return replace(model, sensors=(*kept, *gauges)), replace(recording, sensors=channels)
+    watching = replace(model, sensors=(*kept, *gauges, *lengths))
+    return watching, replace(recording, sensors=channels)
+
+
+def length_gauges(model: Model) -> tuple[Sensor, ...]:
+    """A sensor that shows 1 for each quaternion: no other one tells its length."""
+    found = []
+    for body in model.bodies:
+        if isinstance(body.turned, Quaternion):
+            squares = " + ".join(f"{name}**2" for name in body.turned.parts)
+            found.append(Sensor(f"length of {body.name}", parse_expression(squares), ONE))
+    return tuple(found)
 
 
 def _shows_force(sensor: Sensor) -> bool:

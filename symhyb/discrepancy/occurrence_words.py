@@ -3,7 +3,7 @@
 from symhyb.discrepancy.amounts import joined, number_text, quantity_text, small_text
 from symhyb.discrepancy.results import Change
 from symhyb.model.expression import Expression, names
-from symhyb.model.types import Model, On, Place, place_text
+from symhyb.model.types import Body, Model, On, Place, Quaternion, Rotations, place_text
 from symhyb.model.vocabulary import stretch_unit
 
 BURSTS_MOST = 0.15  # of the time: a force that acts for longer does not act in bursts
@@ -31,10 +31,19 @@ def _owner(model: Model, coordinate: str) -> str:
             for item in names(expression)
         )
 
-    joints = [b for b in model.bodies if b.joint is not None and moved(b.angle, *b.joint)]
+    def turning(body: Body) -> bool:
+        match body.turned:
+            case Rotations(steps):
+                return moved(*(angle for _, angle in steps))
+            case Quaternion(parts):
+                return coordinate in parts
+        return moved(body.angle)
+
+    hung = [b for b in model.bodies if b.joint is not None]
+    joints = [b for b in hung if turning(b) or moved(*(b.joint or ()))]
     if len(joints) == 1:
         return f"joint of {joints[0].name} to {joints[0].parent or 'the ground'}"
-    turned = [b for b in model.bodies if b.joint is None and moved(b.angle)]
+    turned = [b for b in model.bodies if b.joint is None and turning(b)]
     if len(turned) == 1 and not joints:
         return f"turn of {turned[0].name}"
     pushed = [b for b in model.bodies if b.joint is None and moved(*b.at)]

@@ -13,24 +13,31 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from symhyb.mechanics.kinematics import Geometry, Vector, geometry, located, stretch_of
+from symhyb.mechanics.attitude import Vector, across, along, tensor_of
+from symhyb.mechanics.kinematics import Geometry, geometry, located, stretch_of
 from symhyb.mechanics.laws import ZERO, Law, Motion, law_of, wave
 from symhyb.mechanics.symbols import Symbols, symbols_of, to_sympy
 from symhyb.model.expression import Expression, Reading, readings
-from symhyb.model.types import At, Element, Model, On
+from symhyb.model.space import dimension
+from symhyb.model.types import At, Element, Model, On, Quaternion
 from symhyb.model.vocabulary import KINDS
 
 
 @dataclass(frozen=True, slots=True)
 class Mass:
     """What a body adds to T: ``mass`` (kg) at ``centre`` (m), ``inertia`` (kg·m²) turned by
-    ``angle``; and in gravity to V."""
+    ``angle``; and in gravity to V. In space ½ ωᵀJω: ``tensor`` J (6,) in the axes of the body and
+    its angular velocity ``omega`` (3,). ``quaternion`` are the four symbols q and their rates by
+    which it is turned, if it is turned so."""
 
     body: str
     mass: sp.Expr
     centre: Vector
     inertia: sp.Expr
     angle: sp.Expr
+    tensor: Vector = ()
+    omega: Vector = ()
+    quaternion: tuple[Vector, Vector] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +57,8 @@ class Term:
 
 @dataclass(frozen=True, slots=True)
 class Vectorial:
-    """A force at a point: its ``position``, ``force`` [Fx, Fy] and the ``mass`` that moves with it.
+    """A force at a point: its ``position``, ``force`` [Fx, Fy] ([Fx, Fy, Fz] in space) and the
+    ``mass`` that moves with it.
 
     An isotropic law acts against the velocity (``along`` are the symbols of its direction, ``r``
     that of the speed); of any other force these are unused."""
@@ -59,8 +67,19 @@ class Vectorial:
     position: Vector
     force: Vector
     r: sp.Symbol
-    along: tuple[sp.Symbol, sp.Symbol]
+    along: tuple[sp.Symbol, ...]
     law: Law | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Couple:
+    """A torque on a body in space: ``torque`` and the angular velocity ``omega`` (3,) of the body,
+    both in its own axes. Q = (∂ω/∂q')ᵀ torque."""
+
+    element: str
+    torque: Vector
+    omega: Vector
+    law: None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +94,7 @@ class Equations:
     kinetic: sp.Expr
     potential: sp.Expr
     gravity: Vector
-    terms: tuple[Term | Vectorial, ...]
+    terms: tuple[Term | Vectorial | Couple, ...]
     outputs: tuple[sp.Expr, ...]
     readings: tuple[Reading, ...]
     networks: Mapping[str, tuple[sp.Expr, ...]]
@@ -84,18 +103,22 @@ class Equations:
 def derive(model: Model) -> Equations:
     """Build masses, laws and outputs of a checked model."""
     symbols = symbols_of(model)
-    places = geometry(model, symbols)
+    places, spatial = geometry(model, symbols), dimension(model) == 3
     masses = tuple(
         Mass(
             body.name,
             to_sympy(body.mass, symbols.scope),
             places.centres[body.name],
-            _optional(body.inertia, symbols),
+            ZERO if spatial else _optional(body.inertia, symbols),
             places.frames[body.name].angle,
+            tensor_of(body, symbols) if spatial else (),
+            places.attitude(body.name).omega if spatial else (),
+            _quaternion(body.turned, symbols) if isinstance(body.turned, Quaternion) else None,
         )
         for body in model.bodies
     )
-    gravity = (ZERO, ZERO) if model.gravity is None else located(model.gravity, symbols)
+    nothing = (ZERO,) * dimension(model)
+    gravity = nothing if model.gravity is None else located(model.gravity, symbols)
     terms = tuple(_term(model, element, places, symbols) for element in model.elements)
     return Equations(
         symbols=symbols,
@@ -123,7 +146,14 @@ def _optional(expression: Expression | None, symbols: Symbols) -> sp.Expr:
     return ZERO if expression is None else to_sympy(expression, symbols.scope)
 
 
-def _term(model: Model, element: Element, places: Geometry, symbols: Symbols) -> Term | Vectorial:
+def _quaternion(turned: Quaternion, symbols: Symbols) -> tuple[Vector, Vector]:
+    q, v = (tuple(symbols.scope[name, order] for name in turned.parts) for order in (0, 1))
+    return q, v
+
+
+def _term(
+    model: Model, element: Element, places: Geometry, symbols: Symbols
+) -> Term | Vectorial | Couple:
     scope = symbols.within(element.name)
     values = {key: to_sympy(expression, scope) for key, expression in element.values}
     s, r = (sp.Symbol(f"{mark}({element.name})", real=True) for mark in ("s", "s'"))
@@ -131,7 +161,9 @@ def _term(model: Model, element: Element, places: Geometry, symbols: Symbols) ->
     motion = Motion(s, r, inner, symbols.t)
     if isinstance(element.place, At):
         where = places.points[element.place.point]
-        return _vectorial(element, where, motion, values)
+        if element.kind == "torque":
+            return _couple(model, element, places, values)
+        return _vectorial(element, where, motion, values, places)
     path = stretch_of(model, element.place, places, symbols) - values.pop("length", ZERO)
     on = isinstance(element.place, On)
     sign = 1 if on and not KINDS[element.kind].passive else -1
@@ -142,24 +174,45 @@ def _term(model: Model, element: Element, places: Geometry, symbols: Symbols) ->
 
 
 def _vectorial(
-    element: Element, where: Vector, motion: Motion, values: dict[str, sp.Expr]
+    element: Element,
+    where: Vector,
+    motion: Motion,
+    values: dict[str, sp.Expr],
+    places: Geometry,
 ) -> Vectorial:
     r"""Forces at a point: as given, or against its velocity with s' the speed:
 
     p o───▶ v        F = −F(|v|) v/|v|
     """
     r = motion.r
-    along = tuple(sp.Symbol(f"{axis}({element.name})", real=True) for axis in ("ex", "ey"))
+    way = tuple(sp.Symbol(f"e{axis}({element.name})", real=True) for axis in "xyz"[: len(where)])
     strength = {"harmonic": "amplitude", "constant": "constant"}.get(element.kind, "force")
-    x, y = (values.get(f"{strength}.{axis}", ZERO) for axis in ("x", "y"))
-    if element.kind == "harmonic":
-        swing = wave(motion, values)
-        x, y = x * swing, y * swing
     if KINDS[element.kind].energy == "active":
-        return Vectorial(element.name, where, (x, y), r, along)
+        swing = wave(motion, values) if element.kind == "harmonic" else sp.Integer(1)
+        given = _components(strength, values, len(where))
+        axes = element.option("axes", "")
+        given = along(places.attitude(axes).axes, given) if axes else given
+        return Vectorial(element.name, where, tuple(part * swing for part in given), r, way)
     law = law_of(element, motion, values)
-    force = (-law.force * along[0], -law.force * along[1])
-    return Vectorial(element.name, where, force, r, along, law)
+    force = tuple(-law.force * part for part in way)
+    return Vectorial(element.name, where, force, r, way, law)
+
+
+def _components(key: str, values: dict[str, sp.Expr], size: int) -> Vector:
+    return tuple(values.get(f"{key}.{axis}", ZERO) for axis in "xyz"[:size])
+
+
+def _couple(model: Model, element: Element, places: Geometry, values: dict[str, sp.Expr]) -> Couple:
+    """A torque on the body to which a point is fixed, in inertial axes unless it says whose."""
+    assert isinstance(element.place, At)
+    name = element.place.point
+    body = next(point.body for point in model.points if point.name == name)
+    own, axes = places.attitude(body), element.option("axes", "")
+    torque = _components("torque", values, 3)
+    if axes != body:
+        turned = along(places.attitude(axes).axes, torque) if axes else torque
+        torque = across(own.axes, turned)
+    return Couple(element.name, torque, own.omega)
 
 
 def _outputs(model: Model, symbols: Symbols) -> tuple[sp.Expr, ...]:

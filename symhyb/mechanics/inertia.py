@@ -13,8 +13,9 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from symhyb.mechanics.equations import Equations, Term, Vectorial
+from symhyb.mechanics.equations import Couple, Equations, Term, Vectorial
 from symhyb.mechanics.rows import ONE, Named, Row, Short, Slopes, product
+from symhyb.mechanics.spinning import length, length_inertia
 from symhyb.mechanics.symbols import to_sympy
 from symhyb.mechanics.tidy import along, exact, terms
 from symhyb.model.types import Model
@@ -34,7 +35,7 @@ class Moving:
     @property
     def owner(self) -> str:
         """The body by its name, an element with its section."""
-        return self.source.removeprefix("bodies.")
+        return self.source.removeprefix("bodies.").removeprefix("length of ")
 
 
 def moving_parts(equations: Equations) -> tuple[Moving, ...]:
@@ -45,14 +46,17 @@ def moving_parts(equations: Equations) -> tuple[Moving, ...]:
 def _moving(equations: Equations) -> Iterator[Moving]:
     for body in equations.masses:
         source = f"bodies.{body.body}"
-        for axis, path in zip("xy", body.centre, strict=True):
+        for axis, path in zip("xyz", body.centre, strict=False):
             yield Moving(source, axis, body.mass, path)
         if body.inertia != 0:
             yield Moving(source, "angle", body.inertia, body.angle)
+        if body.quaternion is not None:
+            path = length(body.quaternion[0])
+            yield Moving(f"length of {body.body}", "n", length_inertia(body.tensor), path)
     for term in equations.terms:
-        if term.law is not None and term.law.mass != 0:
+        if not isinstance(term, Couple) and term.law is not None and term.law.mass != 0:
             vector = isinstance(term, Vectorial)
-            for axis, path in zip("xy" if vector else "s", _paths(term), strict=True):
+            for axis, path in zip("xyz" if vector else "s", _paths(term), strict=False):
                 yield Moving(f"elements.{term.element}", axis, term.law.mass, path)
 
 

@@ -9,19 +9,21 @@ from dataclasses import dataclass
 
 import sympy as sp
 
+from symhyb.mechanics.attitude import Attitude, Vector, along, turned
 from symhyb.mechanics.symbols import Symbols, to_sympy
 from symhyb.model.expression import Expression
+from symhyb.model.space import dimension
 from symhyb.model.types import Between, Body, Model, On, Place, Point
-
-Vector = tuple[sp.Expr, sp.Expr]
 
 
 @dataclass(frozen=True, slots=True)
 class Frame:
-    """The axes of a body: ``origin`` (m) and ``angle`` (rad) against the inertial axes."""
+    """The axes of a body: ``origin`` (m) and ``angle`` (rad) against the inertial axes; in space
+    the ``attitude`` instead of the angle."""
 
     origin: Vector
     angle: sp.Expr
+    attitude: Attitude | None = None
 
     def place(self, local: Vector) -> Vector:
         r"""A position given in these axes, in the inertial ones:
@@ -30,6 +32,9 @@ class Frame:
           |  /  angle a
           o--------> x
         """
+        if self.attitude is not None:
+            shifted = zip(self.origin, along(self.attitude.axes, local), strict=True)
+            return tuple(a + b for a, b in shifted)
         if self.angle == 0:
             return self.origin[0] + local[0], self.origin[1] + local[1]
         c, s = sp.cos(self.angle), sp.sin(self.angle)
@@ -40,6 +45,7 @@ class Frame:
 
 
 GROUND = Frame((sp.Integer(0), sp.Integer(0)), sp.Integer(0))
+GROUND_IN_SPACE = Frame((sp.Integer(0),) * 3, sp.Integer(0), Attitude())
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,6 +56,11 @@ class Geometry:
     centres: Mapping[str, Vector]
     points: Mapping[str, Vector]
 
+    def attitude(self, body: str) -> Attitude:
+        """How a body in space is turned."""
+        found = self.frames[body].attitude
+        return Attitude() if found is None else found
+
 
 def geometry(model: Model, symbols: Symbols) -> Geometry:
     """Place everything of a checked model; a chain of bodies is followed from the ground."""
@@ -57,10 +68,11 @@ def geometry(model: Model, symbols: Symbols) -> Geometry:
     declared = {point.name: point for point in model.points}
     frames: dict[str, Frame] = {}
     points: dict[str, Vector] = {}
+    ground = GROUND_IN_SPACE if dimension(model) == 3 else GROUND
 
     def frame(name: str) -> Frame:
         if name not in frames:
-            frames[name] = _frame(bodies[name], symbols, frame)
+            frames[name] = _frame(bodies[name], symbols, frame, ground)
         return frames[name]
 
     def point(item: Point) -> Vector:
@@ -80,17 +92,23 @@ def geometry(model: Model, symbols: Symbols) -> Geometry:
     return Geometry(frames, centres, points)
 
 
-def _frame(body: Body, symbols: Symbols, frame: Callable[[str], Frame]) -> Frame:
+def _frame(
+    body: Body, symbols: Symbols, frame: Callable[[str], Frame], ground: Frame = GROUND
+) -> Frame:
     angle = sp.Integer(0) if body.angle is None else to_sympy(body.angle, symbols.scope)
+    parent = frame(body.parent) if body.parent else ground
+    attitude = None
+    if parent.attitude is not None:
+        attitude = turned(body, parent.attitude, symbols)
     if body.joint is None:
-        return Frame(located(body.at, symbols), angle)
-    parent = frame(body.parent) if body.parent else GROUND
-    return Frame(parent.place(located(body.joint, symbols)), parent.angle + angle)
+        return Frame(located(body.at, symbols), angle, attitude)
+    origin = parent.place(located(body.joint, symbols))
+    return Frame(origin, parent.angle + angle, attitude)
 
 
-def located(at: tuple[Expression, Expression], symbols: Symbols) -> Vector:
-    """Two expressions as a position, m."""
-    return to_sympy(at[0], symbols.scope), to_sympy(at[1], symbols.scope)
+def located(at: tuple[Expression, ...], symbols: Symbols) -> Vector:
+    """Expressions as a position, m."""
+    return tuple(to_sympy(part, symbols.scope) for part in at)
 
 
 def stretch_of(model: Model, place: Place, places: Geometry, symbols: Symbols) -> sp.Expr:
@@ -113,7 +131,7 @@ def stretch_of(model: Model, place: Place, places: Geometry, symbols: Symbols) -
 
 def distance(a: Vector, b: Vector) -> sp.Expr:
     """|b − a|, m."""
-    return sp.sqrt((b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2)
+    return sp.sqrt(sp.Add(*((end - start) ** 2 for start, end in zip(a, b, strict=True))))
 
 
 def rate_of(expression: sp.Expr, symbols: Symbols) -> sp.Expr:

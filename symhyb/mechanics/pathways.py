@@ -7,12 +7,14 @@ from collections.abc import Iterator
 
 import sympy as sp
 
-from symhyb.mechanics.equations import Equations, Term, Vectorial
+from symhyb.mechanics.equations import Couple, Equations, Term, Vectorial
 from symhyb.mechanics.kinematics import stretch_of
 from symhyb.mechanics.rows import Named, Row, Short, Slopes, product
+from symhyb.mechanics.spinning import couple_force
 from symhyb.mechanics.tidy import tidied
 from symhyb.model.types import At, Between, Element, Model, On
 
+LARGEST_TIDIED = 40  # operations of an expression in space
 _POWERS = (1, 2, -1, -2, -3, -4)  # SymPy holds a distance d = √x in any power of x
 
 
@@ -27,8 +29,9 @@ def named_pathways(model: Model, equations: Equations, slopes: Slopes) -> tuple[
 
 
 def _names_of(
-    model: Model, element: Element, term: Term | Vectorial, equations: Equations, slopes: Slopes
-) -> Iterator[Named]:
+    model: Model, element: Element, term: Term | Vectorial | Couple, equations: Equations,
+    slopes: Slopes,
+) -> Iterator[Named]:  # fmt: skip
     match element.place, term:
         case Between(first, second), Term():
             value = stretch_of(model, element.place, equations.places, equations.symbols)
@@ -38,11 +41,12 @@ def _names_of(
                 named = Named(distance, value, "distance", ends)
                 yield named
                 lapse = sp.Symbol(f"|{second} - {first}|'", real=True)
-                rate = tidied(slopes.rate(value).xreplace(short_of((named,))))
+                lapsing = slopes.rate(value).xreplace(short_of((named,)))
+                rate = _tidy(lapsing, len(equations.gravity))
                 yield Named(lapse, rate, "lapse", ends)
         case At(point), Vectorial(law=law) if law is not None:
             velocity = _velocity(term, slopes)
-            speed = sp.sqrt(velocity[0] ** 2 + velocity[1] ** 2)
+            speed = _size(velocity)
             if isinstance(speed, sp.Pow):
                 yield Named(sp.Symbol(f"|{point}'|", positive=True), speed, "speed", (point,))
 
@@ -64,17 +68,24 @@ def force_rows(
     short = short_of(names)
     for element, term in zip(model.elements, equations.terms, strict=True):
         source = f"elements.{element.name}"
+        if isinstance(term, Couple):
+            rates = equations.places.attitude(_turned_body(model, element)).rates
+            turning = {symbol: slopes.rate(angle) for symbol, angle in rates}
+            omega = tuple(part.xreplace(turning) for part in term.omega)
+            for i, force in enumerate(couple_force(term.torque, omega, slopes)):
+                yield Row("k_e", (i,), source, _tidy(force))
+            continue
         known = known_of(element, term, equations, slopes, names)
         if isinstance(term, Vectorial):
             force = [part.xreplace(known) for part in term.force]
             for i, by in enumerate(slopes.by):
-                leans = [tidied(by(part)) for part in term.position]
+                leans = [_tidy(by(part), len(term.position)) for part in term.position]
                 yield Row("k_e", (i,), source, product(force, leans))
             continue
         push = term.sign * term.law.force.xreplace(known)
         for i, by in enumerate(slopes.by):
             lean = by(term.path).xreplace(short)
-            lean = lean if isinstance(element.place, On) else tidied(lean)
+            lean = lean if isinstance(element.place, On) else _tidy(lean, len(equations.gravity))
             yield Row("k_e", (i,), source, push * lean)
 
 
@@ -99,6 +110,8 @@ def known_of(
     found = {(item.kind, item.owners): item for item in names}
     if isinstance(term, Vectorial):
         assert isinstance(element.place, At)
+        if term.law is None:  # a force as given, whatever the velocity
+            return {}
         return _direction(term, slopes, found.get(("speed", (element.place.point,))))
     stretch, rate = term.path, slopes.rate(term.path)
     if isinstance(element.place, Between):
@@ -119,13 +132,30 @@ def known_of(
 def _direction(term: Vectorial, slopes: Slopes, speed: Named | None) -> Short:
     """The direction and the speed of a point; a fixed point has neither."""
     velocity = _velocity(term, slopes)
-    size = sp.sqrt(velocity[0] ** 2 + velocity[1] ** 2) if speed is None else speed.symbol
+    size = _size(velocity) if speed is None else speed.symbol
     if size == 0:
         return dict.fromkeys((term.r, *term.along), sp.Integer(0))
     ways = (part / size for part in velocity)
     return {term.r: size, **dict(zip(term.along, ways, strict=True))}
 
 
-def _velocity(term: Vectorial, slopes: Slopes) -> tuple[sp.Expr, sp.Expr]:
-    x, y = (tidied(slopes.rate(part)) for part in term.position)
-    return x, y
+def _velocity(term: Vectorial, slopes: Slopes) -> tuple[sp.Expr, ...]:
+    return tuple(_tidy(slopes.rate(part), len(term.position)) for part in term.position)
+
+
+def _tidy(expression: sp.Expr, dimension: int = 3) -> sp.Expr:
+    """A shorter form, in space of small expressions only: those of three rotations or a quaternion
+    take minutes and become no shorter."""
+    large = dimension == 3 and sp.count_ops(expression) > LARGEST_TIDIED
+    return expression if large else tidied(expression)
+
+
+def _size(vector: tuple[sp.Expr, ...]) -> sp.Expr:
+    return sp.sqrt(sp.Add(*(part**2 for part in vector)))
+
+
+def _turned_body(model: Model, element: Element) -> str:
+    """The body on which a torque at a point acts."""
+    assert isinstance(element.place, At)
+    name = element.place.point
+    return next(point.body for point in model.points if point.name == name)

@@ -22,12 +22,20 @@ from symhyb.mechanics.inertia import (
 )
 from symhyb.mechanics.pathways import force_rows, inner_rates, named_pathways, short_of
 from symhyb.mechanics.rows import Named, Row, Side, Slopes
+from symhyb.mechanics.spinning import (
+    length_rows,
+    named_turning,
+    spin_effort,
+    spin_rows,
+    spinning_bodies,
+)
 from symhyb.mechanics.symbols import Symbols
 from symhyb.mechanics.tidy import exact, named, tidied
 from symhyb.model.expression import Reading
 from symhyb.model.types import Model
 
 MOST_TIDIED = 2_000  # terms of M and k_c that are tidied
+_PLAIN = ("slope", "pull", "bias", "turn")
 LONGEST = 2_500  # operations of a whole model without names for what recurs
 
 
@@ -56,24 +64,34 @@ def readable(model: Model, matrices: bool = False) -> Readable:
     """
     equations: Equations = exact(derive(model))
     slopes, parts = Slopes(equations.symbols), moving_parts(equations)
-    small = effort(parts, slopes) <= MOST_TIDIED
+    turning = spinning_bodies(equations, slopes)
+    small = effort(parts, slopes) + spin_effort(turning) <= MOST_TIDIED
     tidy: Tidy = tidied if small else _as_it_is
     pathways = named_pathways(model, equations, slopes)
     motion = () if small else named_motion(model, parts, slopes)
     lengths = short_of(pathways)
     short = {**lengths, **{item.value: item.symbol for item in motion}}
+    turns = () if small else named_turning(model, turning)
+    spins = {item.value: item.symbol for item in turns}
     motion = tuple(replace(item, value=item.value.xreplace(lengths)) for item in motion)
     rows = (
-        *kinetic_rows(parts, slopes, tidy, short, matrices),
+        *_joined(
+            (
+                *kinetic_rows(parts, slopes, tidy, short, matrices),
+                *spin_rows(turning, equations.symbols.a, tidy, spins, matrices),
+            ),
+            tidy,
+        ),
         *declared_rows(model, equations, slopes, tidy, matrices),
         *gravity_rows(equations, slopes, tidy, short),
+        *length_rows(equations, slopes),
         *force_rows(model, equations, slopes, pathways),
     )
     rows = _summed(rows, tidy) if matrices else rows
     shown = tuple(row for row in rows if row.value != 0)
     inner = tuple(inner_rates(model, equations, slopes, pathways))
     values = [*(row.value for row in shown), *(rate for _, rate in inner)]
-    names = _needed((*motion, *pathways), values)
+    names = _needed((*motion, *turns, *pathways), values)
     return _shortened(
         Readable(equations.symbols, shown, inner, equations.outputs, equations.readings, names)
     )
@@ -81,6 +99,17 @@ def readable(model: Model, matrices: bool = False) -> Readable:
 
 def _as_it_is(expression: sp.Expr) -> sp.Expr:
     return expression
+
+
+def _joined(rows: tuple[Row, ...], tidy: Tidy) -> tuple[Row, ...]:
+    """One row for each entry and source: a body in space has one of its centre, one of its turn."""
+    found: dict[tuple[Side, tuple[int, ...], str], list[sp.Expr]] = {}
+    for row in rows:
+        found.setdefault((row.side, row.of, row.source), []).append(row.value)
+    return tuple(
+        Row(*key, values[0] if len(values) == 1 else tidy(sp.Add(*values)))
+        for key, values in found.items()
+    )
 
 
 def _summed(rows: tuple[Row, ...], tidy: Tidy) -> tuple[Row, ...]:
@@ -123,7 +152,7 @@ def _shortened(full: Readable) -> Readable:
     if sum(map(sp.count_ops, values)) <= LONGEST:
         return full
     taken = {symbol.name for value in values for symbol in value.free_symbols}
-    plain = {item.symbol for item in full.names if item.kind in ("slope", "pull", "bias")}
+    plain = {item.symbol for item in full.names if item.kind.split()[-1] in _PLAIN}
     # a row in terms of named motion is short: names for its products would hide what it says
     held = [bool(row.value.free_symbols & plain) for row in full.rows]
     long = [row.value for row, kept in zip(full.rows, held, strict=True) if not kept]

@@ -33,7 +33,8 @@ class Named:
     ``kind`` says what it is, of the names in ``owners``: the "distance" |b − a| of two points, the
     "lapse" of it in time, the "speed" of a point; of a position or angle w of a body (axis, body):
     the "slope" ∂w/∂q (axis, body, coordinate) and the summands "pull" and "bias" of w'', of which
-    the first goes with q''; or a "part" that recurs.
+    the first goes with q''; of the angular velocity ω of a body in space (axis, body) "turn", and
+    "turn slope" ∂ω/∂q', "turn pull" and "turn bias" likewise; or a "part" that recurs.
     """
 
     symbol: sp.Symbol

@@ -113,6 +113,9 @@ def _names(derived: Readable) -> Iterator[str]:
     if any(item.kind == "slope" for item in derived.names):
         yield "  x(b)_q: the slope of x by q, x of the centre of the body b; y and angle likewise"
         yield "  x(b)''_M + x(b)''_c: the acceleration along x, first what goes with q''"
+    if any(item.kind.startswith("turn") for item in derived.names):
+        yield "  omega_x(b): the angular velocity of the body b about its own x axis, omega_x(b)_q'"
+        yield "  its slope by q', omega_x(b)'_M + omega_x(b)'_c its rate, first what goes with q''"
     for item in derived.names:
         yield from _wrapped(f"  {item.symbol.name} = ", text(item.value))
 

@@ -147,6 +147,8 @@ def _name_of(item: Named) -> str:
             return rf"\left| v_{{{owners[0]}}} \right|"
         case "part":
             return _latex_name(item.symbol.name)
+    if item.kind.startswith("turn"):
+        return _turn_name(item, owners[1])
     axis = _AXES[item.owners[0]]
     if item.kind == "slope":
         by = _latex_name(item.owners[2])
@@ -155,7 +157,19 @@ def _name_of(item: Named) -> str:
     return rf"\ddot{{{axis}}}_{{{side},{owners[1]}}}"
 
 
-_AXES = {"x": "x", "y": "y", "s": "s", "angle": r"\varphi"}
+def _turn_name(item: Named, body: str) -> str:
+    """A component of the angular velocity of a body in space, or a derivative of it."""
+    turn = rf"\omega^{item.owners[0]}_{{{body}}}"
+    match item.kind:
+        case "turn slope":
+            return rf"\frac{{\partial {turn}}}{{\partial \dot{{{_latex_name(item.owners[2])}}}}}"
+        case "turn pull" | "turn bias":
+            side = "M" if item.kind == "turn pull" else "c"
+            return rf"\dot{{\omega}}^{item.owners[0]}_{{{side},{body}}}"
+    return turn
+
+
+_AXES = {"z": "z", "n": "n", "x": "x", "y": "y", "s": "s", "angle": r"\varphi"}
 
 
 def _latex_name(path: str) -> str:

@@ -8,7 +8,7 @@ def reading_in_words(reading: Reading) -> str:
     """Say what an instrument of a model file shows."""
     first, second = (*reading.names, "")[:2]
     match reading.what:
-        case "position_x" | "position_y":
+        case "position_x" | "position_y" | "position_z":
             return f"the {reading.what[-1]} component of where the point {first} is"
         case "distance":
             return f"the distance from the point {first} to the point {second}"
@@ -18,7 +18,9 @@ def reading_in_words(reading: Reading) -> str:
             return f"the angle of the body {first} against the inertial axes"
         case "gyroscope":
             return f"the angular speed of the body {first}"
-        case "accelerometer_x" | "accelerometer_y":
+        case "gyroscope_x" | "gyroscope_y" | "gyroscope_z":
+            return f"the angular speed of the body {first} about its {reading.what[-1]} axis"
+        case "accelerometer_x" | "accelerometer_y" | "accelerometer_z":
             axis = reading.what[-1]
             felt = f"acceleration minus gravity of the point {first}"
             return f"{felt}, along the {axis} axis of the body {second}"

@@ -21,6 +21,7 @@ from symhyb.model.scope import (
 )
 from symhyb.model.sensing import sensor_faults
 from symhyb.model.source import Path
+from symhyb.model.space import dimension, space_faults
 from symhyb.model.tables import Fault
 from symhyb.model.types import Body, Model
 from symhyb.units import ONE, Unit, parse_unit
@@ -42,8 +43,9 @@ def energy_unit(model: Model, unreadable: frozenset[str]) -> tuple[Unit | None, 
         return None, [(("bodies",), "nothing has a mass; add a body or a kinetic energy")]
     places = [place_unit(body, scope) for body in model.bodies]
     units = [coordinate.unit for coordinate in model.coordinates]
+    spatial = dimension(model) == 3
     if any(unit.is_angle or unit.same_dimension(metre) for unit in units) or any(
-        unit is not None and unit.same_dimension(metre) for unit in places
+        spatial or (unit is not None and unit.same_dimension(metre)) for unit in places
     ):
         return parse_unit("J"), []
     for body, place in zip(model.bodies, places, strict=True):
@@ -67,6 +69,7 @@ def faults_of(model: Model, energy: Unit | None, unreadable: frozenset[str]) -> 
     yield from _energy_faults(model, scope, energy)
     for body in model.bodies:
         yield from _body_faults(body, model, scope, energy)
+    yield from space_faults(model, scope, _mass_unit(energy, ONE))
     for element in model.elements:
         yield from element_faults(element, model, scope, energy, unreadable)
     for sensor in model.sensors:

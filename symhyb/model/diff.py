@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterator, Mapping
 from difflib import unified_diff
 
-from symhyb.model.expression import Expression, Name
+from symhyb.model.expression import Name
 from symhyb.model.types import (
     Body,
     Coordinate,
@@ -14,7 +14,10 @@ from symhyb.model.types import (
     Network,
     Parameter,
     Point,
+    Quaternion,
+    Rotations,
     Sensor,
+    Vector,
     place_text,
 )
 from symhyb.model.write import text_of
@@ -124,6 +127,7 @@ def _facets(part: Part) -> Facets:
             facets = {"mass": part.mass.text, "at": _pair(part.at)}
             extra = (("inertia", part.inertia), ("angle", part.angle))
             facets |= {name: value.text for name, value in extra if value is not None}
+            facets |= _in_space(part)
             if part.joint is not None:
                 facets |= {"parent": part.parent or "the ground", "joint": _pair(part.joint)}
             return facets
@@ -182,5 +186,16 @@ def _quantity(parameter: Parameter) -> str:
     return f"{parameter.value:.6g}{band}{unit}"
 
 
-def _pair(at: tuple[Expression, Expression]) -> str:
-    return f"({at[0]}, {at[1]})"
+def _in_space(body: Body) -> Facets:
+    """How a body in space is turned, and its tensor of inertia."""
+    facets = {"inertia": _pair(body.tensor)} if body.tensor else {}
+    match body.turned:
+        case Rotations(steps):
+            facets["rotations"] = ", ".join(f"{axis} by {angle}" for axis, angle in steps)
+        case Quaternion(parts):
+            facets["quaternion"] = f"({', '.join(parts)})"
+    return facets
+
+
+def _pair(at: Vector) -> str:
+    return f"({', '.join(map(str, at))})"

@@ -3,11 +3,10 @@
 from collections.abc import Iterator
 
 from symhyb.errors import did_you_mean
-from symhyb.model.expression import Expression
 from symhyb.model.scope import POSITION, Scope, vector_faults, vector_unit
 from symhyb.model.source import Path
 from symhyb.model.tables import Fault, shorten
-from symhyb.model.types import Body, Model
+from symhyb.model.types import Body, Model, Vector
 from symhyb.units import Unit, parse_unit
 
 
@@ -35,7 +34,7 @@ def place_unit(body: Body, scope: Scope) -> Unit | None:
 def point_faults(
     path: Path, name: str, model: Model, scope: Scope, unreadable: frozenset[str]
 ) -> Iterator[Fault]:
-    """A point that is used must be declared, and lie in a plane of lengths."""
+    """A point that is used must be declared, and lie in a plane or space of lengths."""
     if f"points.{name}" in unreadable:
         return
     point = next((point for point in model.points if point.name == name), None)
@@ -83,9 +82,7 @@ def _told(body: Body, model: Model) -> bool:
     return any(point.body == body.parent and point.at == body.joint for point in model.points)
 
 
-def _fixed_faults(
-    path: Path, vector: tuple[Expression, Expression], scope: Scope
-) -> Iterator[Fault]:
+def _fixed_faults(path: Path, vector: Vector, scope: Scope) -> Iterator[Fault]:
     """A place in the axes of a body, which mix its components: both are lengths."""
     faults = list(vector_faults(path, vector, scope, POSITION))
     yield from faults

@@ -14,6 +14,7 @@ from symhyb.errors import InputError, Problem, did_you_mean
 from symhyb.model.check import energy_unit, faults_of
 from symhyb.model.read_bodies import read_body, read_point
 from symhyb.model.read_elements import read_element, read_parameter
+from symhyb.model.read_space import dimension_of
 from symhyb.model.render import FORMAT
 from symhyb.model.source import Source, scan
 from symhyb.model.tables import Fault, Table, describe
@@ -125,6 +126,7 @@ def _draft(root: Table, text: str, file: str) -> tuple[Model, frozenset[str]]:
     Those names stay known, so that one mistake does not return as "unknown name" elsewhere.
     """
     points = _present(read_point(table, name) for table, name in root.pairs("points"))
+    size = dimension_of(root.entries)
     energy = root.table("energy")
     model = Model(
         title=root.text("title") or "",
@@ -133,11 +135,11 @@ def _draft(root: Table, text: str, file: str) -> tuple[Model, frozenset[str]]:
         parameters=_present(read_parameter(table) for table in root.tables("parameters")),
         inputs=_present(map(_input, root.tables("inputs"))),
         points=points,
-        bodies=_present(read_body(table, root, points) for table in root.tables("bodies")),
-        elements=_present(map(read_element, root.tables("elements"))),
+        bodies=_present(read_body(table, root, points, size) for table in root.tables("bodies")),
+        elements=_present(read_element(table, root, size) for table in root.tables("elements")),
         sensors=_present(map(_sensor, root.tables("sensors"))),
         energy=_energy(energy) if energy else Energy(),
-        gravity=root.pair("gravity") if "gravity" in root.entries else None,
+        gravity=root.vector("gravity") if "gravity" in root.entries else None,
         text=text,
         file=file,
     )

@@ -3,6 +3,7 @@
 from symhyb.errors import did_you_mean
 from symhyb.model.expression import Expression
 from symhyb.model.read_network import NETWORK_KEYS, read_network
+from symhyb.model.read_space import kind_in, read_axes
 from symhyb.model.tables import Table, describe, shorten
 from symhyb.model.types import At, Between, Element, On, Parameter, Place
 from symhyb.model.vocabulary import KINDS, Key, Kind, placement_of
@@ -20,14 +21,19 @@ def read_parameter(table: Table, owner: str = "") -> Parameter | None:
     return Parameter(table.path[-1], 1.0 if value is None else value, unit, sd, about, was, owner)
 
 
-def read_element(table: Table) -> Element | None:
-    """Read one element, None if its kind or its place cannot be told."""
+def read_element(table: Table, root: Table, dimension: int = 2) -> Element | None:
+    """Read one element, None if its kind or its place cannot be told; vectors have ``dimension``
+    components."""
     kind = _kind(table)
     if kind is None:
         return None
+    kind = kind_in(kind, dimension)
     trained = kind.name == "network"
     network_keys = NETWORK_KEYS if trained else ()
-    table = table.checked((*_COMMON, *(key.name for key in kind.keys), *network_keys))
+    vectorial = any(key.vector for key in kind.keys) and "at" in table.entries
+    axes_keys = ("axes",) if vectorial and "axes" in table.entries else ()
+    own_keys = (*(key.name for key in kind.keys), *network_keys, *axes_keys)
+    table = table.checked((*_COMMON, *own_keys))
     place = _place(table, kind)
     owner = table.path[-1]
     parameters = tuple(read_parameter(inner, owner) for inner in table.tables("parameters"))
@@ -36,6 +42,7 @@ def read_element(table: Table) -> Element | None:
     if place is None:
         return None
     values, options = _values(table, kind, place), _options(table, kind)
+    options += read_axes(table, root.declared("bodies"), dimension) if axes_keys else ()
     if trained and network is None:
         return None
     if None in parameters:  # the fault is noted; without its unit the laws cannot be checked
@@ -113,8 +120,8 @@ def _values(table: Table, kind: Kind, place: Place) -> tuple[tuple[str, Expressi
 
 def _value(table: Table, key: Key, placement: str) -> list[tuple[str, Expression]]:
     if key.vector and placement == "at":
-        pair = table.pair(key.name)
-        return [(f"{key.name}.x", pair[0]), (f"{key.name}.y", pair[1])] if pair else []
+        vector = table.vector(key.name) or ()
+        return [(f"{key.name}.{axis}", part) for axis, part in zip("xyz", vector, strict=False)]
     value = table.expression(key.name)
     return [(key.name, value)] if value else []
 

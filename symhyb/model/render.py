@@ -16,6 +16,8 @@ from symhyb.model.types import (
     On,
     Parameter,
     Point,
+    Quaternion,
+    Rotations,
     Sensor,
 )
 
@@ -97,10 +99,9 @@ def element_lines(element: Element) -> Iterator[str]:
         case At(point):
             places = {"at": point}
     values = dict(element.values)
-    vectors = {key.split(".")[0] for key in values if key.endswith((".x", ".y"))}
-    for key in vectors:
-        values_of_key = [values.pop(f"{key}.x"), values.pop(f"{key}.y")]
-        places = {**places, key: values_of_key}
+    for key in dict.fromkeys(key.split(".")[0] for key in values if "." in key):
+        parts = [values.pop(f"{key}.{axis}") for axis in "xyz" if f"{key}.{axis}" in values]
+        places = {**places, key: parts}
     entries = {"kind": element.kind, **places, **values, **dict(element.options)}
     lines = [(key, _toml(value)) for key, value in entries.items()]
     if element.network is not None:
@@ -184,8 +185,10 @@ def _body_entries(body: Body) -> Iterator[tuple[str, str]]:
         ("joint", body.joint),
         ("mass", body.mass),
         ("at", body.at),
-        ("inertia", body.inertia),
+        ("inertia", body.tensor or body.inertia),
         ("angle", body.angle),
+        ("rotations", body.turned.steps if isinstance(body.turned, Rotations) else None),
+        ("quaternion", body.turned.parts if isinstance(body.turned, Quaternion) else None),
         ("about", body.about),
     )
     yield from ((key, _toml(value)) for key, value in entries if value is not None)

@@ -18,7 +18,7 @@ from symhyb.model.expression import (
 )
 from symhyb.model.source import Path
 from symhyb.model.tables import Fault, shorten
-from symhyb.model.types import Coordinate, Input, Model, Parameter
+from symhyb.model.types import Coordinate, Input, Model, Parameter, Vector
 from symhyb.units import Unit, parse_unit
 
 
@@ -90,21 +90,20 @@ def shared_names(
     )
 
 
-def vector_faults(
-    path: Path, vector: tuple[Expression, Expression], scope: Scope, use: Use
-) -> Iterator[Fault]:
+def vector_faults(path: Path, vector: Vector, scope: Scope, use: Use) -> Iterator[Fault]:
     """Yield what is wrong with a vector: each component, then whether their units agree."""
     faults = [fault for part in vector for fault in expression_faults(path, part, scope, use, None)]
     yield from faults
-    first, second = (unit_in(part, scope) for part in vector)
-    if first is not None and second is not None and not first.same_dimension(second):
-        yield path, f"its two components differ: {first} and {second}"
+    units = [unit for part in vector if (unit := unit_in(part, scope)) is not None]
+    other = next((unit for unit in units[1:] if not unit.same_dimension(units[0])), None)
+    if other is not None:
+        count = {2: "two", 3: "three"}[len(vector)]
+        yield path, f"its {count} components differ: {units[0]} and {other}"
 
 
-def vector_unit(vector: tuple[Expression, Expression], scope: Scope) -> Unit | None:
-    """Return the unit of a vector; a component of literal 0 takes that of the other."""
-    first, second = (unit_in(part, scope) for part in vector)
-    return first if first is not None else second
+def vector_unit(vector: Vector, scope: Scope) -> Unit | None:
+    """Return the unit of a vector; a component of literal 0 takes that of the others."""
+    return next((unit for part in vector if (unit := unit_in(part, scope)) is not None), None)
 
 
 def unit_in(expression: Expression, scope: Scope) -> Unit | None:

@@ -1,6 +1,6 @@
 """Check what sensors measure: expressions, and readings of instruments at named places."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from symhyb.errors import did_you_mean
@@ -8,16 +8,30 @@ from symhyb.model.expression import READINGS, Name, Reading, names, readings
 from symhyb.model.frames import point_faults
 from symhyb.model.scope import MEASURED, Scope, expression_faults
 from symhyb.model.source import Path
+from symhyb.model.space import dimension
 from symhyb.model.tables import Fault, shorten
 from symhyb.model.types import At, Model, On, Sensor
 from symhyb.model.vocabulary import force_unit
 from symhyb.units import Unit, parse_unit
 
 _UNITS = {
-    "position_x": "m", "position_y": "m", "distance": "m",
+    "position_x": "m", "position_y": "m", "position_z": "m", "distance": "m",
     "direction": "rad", "orientation": "rad", "gyroscope": "rad/s",
-    "accelerometer_x": "m/s^2", "accelerometer_y": "m/s^2",
+    "gyroscope_x": "rad/s", "gyroscope_y": "rad/s", "gyroscope_z": "rad/s",
+    "accelerometer_x": "m/s^2", "accelerometer_y": "m/s^2", "accelerometer_z": "m/s^2",
 }  # fmt: skip
+_IN_PLANE: Mapping[str, str] = {
+    "direction": "in space a direction is no angle; measure positions of the points",
+    "orientation": "in space no single angle tells it; measure a coordinate, or positions",
+    "gyroscope": "in space it has three axes: gyroscope_x, gyroscope_y, gyroscope_z",
+}
+_IN_SPACE: Mapping[str, str] = {
+    "position_z": "in the plane a point has x and y",
+    "accelerometer_z": "in the plane it has the axes x and y",
+    "gyroscope_x": "in the plane write gyroscope(body)",
+    "gyroscope_y": "in the plane write gyroscope(body)",
+    "gyroscope_z": "in the plane write gyroscope(body)",
+}
 
 
 def reading_unit(model: Model, reading: Reading) -> Unit:
@@ -85,7 +99,8 @@ def _reading_faults(
             found = list(_name_faults(path, section, name, model, unreadable))
         yield from found
         faults += len(found)
-    if not faults:
+    unread = {dotted.partition(".")[2] for dotted in unreadable}
+    if not faults and not unread & set(reading.names):
         yield from _fit_faults(path, reading, model)
 
 
@@ -106,13 +121,18 @@ def _name_faults(
 def _fit_faults(path: Path, reading: Reading, model: Model) -> Iterator[Fault]:
     """Instruments that show nothing where they are: the names are known."""
     name = reading.names[0]
+    elsewhere = _IN_SPACE if dimension(model) == 2 else _IN_PLANE
+    if reading.what in elsewhere:
+        yield path, f"{reading}: {elsewhere[reading.what]}"
+        return
     match reading.what:
         case "distance" | "direction" if name == reading.names[1]:
             yield path, f"{reading} goes from the point '{name}' to itself"
-        case "orientation" | "gyroscope":
+        case "orientation" | "gyroscope" | "gyroscope_x" | "gyroscope_y" | "gyroscope_z":
             body = next((body for body in model.bodies if body.name == name), None)
-            if body is not None and body.angle is None and not body.parent:
-                yield path, f"the body '{name}' does not turn; give it an 'angle'"
+            if body is not None and body.angle is None and body.turned is None and not body.parent:
+                cure = "an 'angle'" if reading.what[-2] != "_" else "'rotations' or a 'quaternion'"
+                yield path, f"the body '{name}' does not turn; give it {cure}"
         case "force":
             element = next((item for item in model.elements if item.name == name), None)
             if element is not None and isinstance(element.place, At):

@@ -18,7 +18,7 @@ from symhyb.units import Unit, UnitError, parse_unit
 Fault = tuple[Path, str]
 """Where something is wrong, as the parts of a dotted name, and what."""
 
-LATER_KEYS = ("constraints", "rotation")
+LATER_KEYS = ("constraints",)
 """Entries of format 1 that this version cannot compute yet."""
 
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
@@ -149,14 +149,19 @@ class Table:
             self.fault(str(error), key)
             return None
 
-    def pair(self, key: str) -> tuple[Expression, Expression] | None:
-        """Return two expressions, the components of a vector."""
+    def vector(self, key: str) -> tuple[Expression, ...] | None:
+        """Return the components of a vector: two expressions in the plane, three in space."""
         value = self.entries.get(key)
-        if not isinstance(value, list) or len(value) != 2:
-            self.fault(f"must be a list of two expressions, not {describe(value)}", key)
+        if not isinstance(value, list) or len(value) not in (2, 3):
+            text = "must be a list of two expressions, not"
+            self.fault(f"{text} {describe(value)}; in space of three", key)
             return None
-        first, second = (self.as_expression(part, key) for part in value)
-        return None if first is None or second is None else (first, second)
+        return self.expressions(value, key)
+
+    def expressions(self, values: Sequence[object], key: str) -> tuple[Expression, ...] | None:
+        """Read the items of a list as expressions, None if one of them is none."""
+        found = [self.as_expression(part, key) for part in values]
+        return None if None in found else tuple(item for item in found if item is not None)
 
     def table(self, key: str) -> "Table | None":
         """Return the table under a key, None if there is none."""

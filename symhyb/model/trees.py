@@ -12,10 +12,12 @@ FUNCTIONS: Mapping[str, int] = {
     "min": 2, "max": 2,
 }  # fmt: skip
 READINGS: Mapping[str, tuple[str, ...]] = {
-    "position_x": ("point",), "position_y": ("point",),
+    "position_x": ("point",), "position_y": ("point",), "position_z": ("point",),
     "distance": ("point", "point"), "direction": ("point", "point"),
     "orientation": ("body",), "gyroscope": ("body",),
+    "gyroscope_x": ("body",), "gyroscope_y": ("body",), "gyroscope_z": ("body",),
     "accelerometer_x": ("point", "body"), "accelerometer_y": ("point", "body"),
+    "accelerometer_z": ("point", "body"),
     "force": ("element",), "reaction": ("coordinate",),
 }  # fmt: skip
 """What sensors may measure besides expressions, and of what: names of those sections. As they are

@@ -95,15 +95,36 @@ class Sensor:
     delay: Parameter | None = None
 
 
+Vector = tuple[Expression, ...]
+"""Two components in the plane, three in space."""
+
+
 @dataclass(frozen=True, slots=True)
 class Point:
-    """A named place: its two components in the inertial axes, or fixed to a ``body``, in the axes
+    """A named place: its components in the inertial axes, or fixed to a ``body``, in the axes
     of that body and counted from its origin."""
 
     name: str
-    at: tuple[Expression, Expression]
+    at: Vector
     body: str = ""
     about: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Rotations:
+    """How a body in space is turned against what it hangs on: one rotation after the other, each
+    about an axis ("x", "y", "z") of the body as the rotations before have turned it, by an angle
+    (rad, counter-clockwise)."""
+
+    steps: tuple[tuple[str, Expression], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Quaternion:
+    """How a body in space is turned: four coordinates w, x, y, z of a quaternion, by name. Only
+    its direction counts, so that its length does not matter to the physics."""
+
+    parts: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,16 +138,22 @@ class Body:
         parent's origin o-- joint, in the parent's axes --o origin of the body
                                                            \  turned by ``angle`` to the parent
                                                             o centre of mass, ``at`` in own axes
+
+    In space it is ``turned`` instead of by an angle, and ``tensor`` holds its inertia about the
+    centre in its own axes, where that is not the same about every axis: three principal values, or
+    Jxx, Jyy, Jzz, Jxy, Jxz, Jyz (kg·m², the last three as they stand in the matrix).
     """
 
     name: str
     mass: Expression
-    at: tuple[Expression, Expression]
+    at: Vector
     inertia: Expression | None = None
     angle: Expression | None = None
     about: str = ""
     parent: str = ""
-    joint: tuple[Expression, Expression] | None = None
+    joint: Vector | None = None
+    turned: Rotations | Quaternion | None = None
+    tensor: Vector = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -216,7 +243,7 @@ class Model:
     elements: tuple[Element, ...] = ()
     sensors: tuple[Sensor, ...] = ()
     energy: Energy = Energy()
-    gravity: tuple[Expression, Expression] | None = None
+    gravity: Vector | None = None
     energy_unit: Unit = ONE
     text: str = ""
     file: str = ""

@@ -290,9 +290,10 @@ def key_unit(
 ) -> Unit:
     """Return the unit that a key of a kind has at a place, as readable text (``N*s^2/m^2``).
 
-    ``force.x`` and ``force.y`` are the components of a force at a point; ``exponent`` is the n of a
-    hysteresis, on which the units of its beta and gamma depend: no unit has finer powers than
-    twelfths, so an n between them (1.37) takes the nearest, and the number counts in SI.
+    ``force.x`` and ``force.y`` are components of a force at a point (in space a torque may stand
+    there too); ``exponent`` is the n of a hysteresis, on which the units of its beta and gamma
+    depend: no unit has finer powers than twelfths, so an n between them (1.37) takes the nearest,
+    and the number counts in SI.
 
     Raises:
         KeyError: an unknown kind or key.
@@ -301,6 +302,8 @@ def key_unit(
     if declared is None:
         raise KeyError(f"{element_kind} has no key '{key}'")
     force, stretch = force_unit(model, place), stretch_unit(model, place)
+    if element_kind == "torque" and isinstance(place, At):
+        return parse_unit("N*m")
     if (element_kind, declared.name) == ("added_mass", "mass") and force.text in _INERTIA:
         return parse_unit(_INERTIA[force.text])
     n = Fraction(exponent).limit_denominator(12) if declared.exponent else Fraction(1)

@@ -15,10 +15,12 @@ import casadi as ca
 import numpy as np
 
 from symhyb.model.expression import Node, Operation
+from symhyb.model.space import gimbal_lock
 from symhyb.model.types import Model
 from symhyb.numeric.between import finer, smooth_columns
 from symhyb.numeric.buffers import Array, call
 from symhyb.numeric.dynamics import StateForm, state_form
+from symhyb.numeric.lengths import at_unit_length
 from symhyb.numeric.linear import state_slope
 from symhyb.numeric.machine import Machine
 from symhyb.numeric.vector import along
@@ -37,6 +39,7 @@ LONGEST_STEP = 2  # samples of an input: no pulse is stepped over
 GROWN = 1e6  # a state this many scales large has grown without bound
 STEPS_LEAST, STEPS_TOGETHER = 500, 2_000_000  # for one output, and shared by all of them
 STEEP = ("friction", "friction_dynamic", "gap", "hysteresis", "relaxation")
+NEAR_LOCK = 0.1  # |cos| of the second of three rotations where a run ended
 DAMPED = 10.0  # a decay this many times faster than it swings is stiff
 
 
@@ -366,8 +369,21 @@ def _observe(
     d = np.column_stack(
         [np.interp(t, scenario.t_u, column) for column in drive.T] or [np.empty((total, 0))]
     )
-    q, v = form.motion(x, d)
+    q, v = at_unit_length(form.machine.model, *form.motion(x, d))
+    x = form.state(q, v, x[:, 2 * len(form.free) :])
     still = np.zeros(form.machine.n)
     y, a = along(form.outputs(), (x, d, t, values, still), repeated=(3, 4), samples=total)
     z = x[:, 2 * len(form.free) :]
-    return Trajectory(t, q, v, a, y, z, reason, method)
+    return Trajectory(t, q, v, a, y, z, _told(form.machine, q, reason), method)
+
+
+def _told(machine: Machine, q: Array, reason: str) -> str:
+    """Why a run ended, with the gimbal lock that it ran into, if it did: the last row of q (N, n)
+    that was computed may lie a little before it."""
+    last = np.flatnonzero(np.isfinite(q).all(axis=1))[-1:]
+    if not reason or not last.size:
+        return reason
+    names = [coordinate.name for coordinate in machine.model.coordinates]
+    near = dict(zip(names, (float(x) for x in q[last[0]]), strict=True))
+    locked = gimbal_lock(machine.model, near, NEAR_LOCK)
+    return f"{reason}; {locked}" if locked else reason

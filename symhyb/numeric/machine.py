@@ -146,7 +146,7 @@ def _lowered(model: Model) -> dict[str, ca.Function]:
     mass = ca.jacobian(momentum, v)
     k_c = ca.jtimes(momentum, q, v) + ca.jacobian(momentum, t) - ca.gradient(low.kinetic, q)
     forces = ca.horzcat(*low.forces) if low.forces else ca.SX(n, 0)
-    k_e = -ca.gradient(low.potential, q) + ca.sum2(forces)
+    k_e = -ca.gradient(low.potential, q) + ca.sum2(forces) + low.guidance
     w, b = ca.SX.sym("w", n), ca.SX.sym("b", len(imposed))
     rest = ca.densify(ca.mtimes(mass, a) + k_c - k_e)
     sensed = low.outputs(rest - w, [c.name for c in model.coordinates])

@@ -6,6 +6,7 @@ import casadi as ca
 import numpy as np
 
 from symhyb.errors import InputError, Problem
+from symhyb.model.space import gimbal_lock
 from symhyb.model.types import Model
 from symhyb.numeric.buffers import Array, call
 
@@ -42,6 +43,12 @@ def _require_mass(model: Model, function: ca.Function, q: Array, p: Array) -> No
             f"the mass matrix is singular: nothing that moves with {', '.join(bare)} has mass; "
             "give a body there a mass or an inertia"
         )
+        raise InputError(Problem(text, "bodies", model.file))
+    locked = gimbal_lock(
+        model, {c.name: float(x) for c, x in zip(model.coordinates, q, strict=True)}
+    )
+    if locked:
+        text = f"the mass matrix is singular at the start: {locked}, or start elsewhere"
         raise InputError(Problem(text, "bodies", model.file))
     balanced = mass / np.outer(scale, scale)
     values, vectors = np.linalg.eigh((balanced + balanced.T) / 2)

@@ -10,12 +10,15 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 import casadi as ca
 import sympy as sp
 
-from symhyb.mechanics.equations import Equations, Mass, Term, Vectorial
+from symhyb.mechanics.attitude import Vector, spun
+from symhyb.mechanics.equations import Couple, Equations, Mass, Term, Vectorial
 from symhyb.mechanics.symbols import reading_symbol
 from symhyb.model.expression import Reading
 
 SUMS_KEPT = 16  # enough for the few sums that a link of a chain adds
 STILL = 1e-9  # m/s: below, the direction of a point's velocity fades
+GUIDED = 3.0  # of the rate of turning: how fast the length of a quaternion returns to 1
+GUIDED_LEAST = 1.0  # 1/s: and at rest
 Fill = Callable[[ca.SX], ca.SX]
 """What fills the hole of a network: the force (SI) from its inputs."""
 
@@ -112,7 +115,7 @@ class Lowered:
     Symbols q, v, a (n), z (inner states), u (k), p (P), t; on them T, V, and a row an element:
     generalized forces (each (n, 1)), stored energies, pathways (stretch, rate, direction; None at
     points), scalar forces F (by name; not at points), and of the inner states (nz, 1) the rates z'
-    (``inner``) and the values at ``rest``.
+    (``inner``) and the values at ``rest``. ``guidance`` (n, 1) keeps quaternions at length 1.
     """
 
     def __init__(self, equations: Equations, networks: Mapping[str, Fill] | None = None):
@@ -132,7 +135,10 @@ class Lowered:
         self._equations = equations
         self.kinetic = self._lower(equations.kinetic)
         self.potential = self._lower(equations.potential)
+        self.guidance = ca.SX(len(s.q), 1)
         self._rates = self._rates_of(equations)
+        for symbol, angle in _turns(equations):
+            self._lower.define(symbol, self._rates[angle])
         for body in equations.masses:
             self._add_mass(body)
         self.forces: list[ca.SX] = []
@@ -145,6 +151,8 @@ class Lowered:
         for term in equations.terms:
             if isinstance(term, Vectorial):
                 self._add_vector(term)
+            elif isinstance(term, Couple):
+                self._add_couple(term)
             else:
                 self._add_term(term, (networks or {}).get(term.element))
                 if term.law.inner is not None:
@@ -163,8 +171,10 @@ class Lowered:
         moving: list[sp.Expr] = []
         for body in equations.masses:
             moving += [*body.centre, body.angle]
+        moving += [angle for _, angle in _turns(equations)]
         for term in equations.terms:
-            moving += term.position if isinstance(term, Vectorial) else [term.path]
+            if not isinstance(term, Couple):
+                moving += term.position if isinstance(term, Vectorial) else [term.path]
         moving = list(dict.fromkeys(moving))
         if not moving:
             return {}
@@ -190,6 +200,26 @@ class Lowered:
         self.potential -= mass * ca.dot(self._column_of(self._equations.gravity), centre)
         if body.inertia != 0:
             self.kinetic += self._lower(body.inertia) * self._rate([body.angle]) ** 2 / 2
+        if body.tensor:
+            omega = self._column_of(body.omega)
+            self.kinetic += ca.dot(omega, self._column_of(spun(body.tensor, body.omega))) / 2
+        if body.quaternion is not None:
+            self._guide(body, *body.quaternion)
+
+    def _guide(self, body: Mass, parts: Vector, rates: Vector) -> None:
+        """The length of a quaternion, e^n: nothing else depends on it, so it gets an inertia I like
+        that of the body, and the force that lets it return to 1 while the body turns by |ω|:
+
+            T += I n'²/2,    n'' + 2 g n' + g² n = 0,    g² = GUIDED²·|ω|² + GUIDED_LEAST²
+        """
+        q, v = self._column_of(parts), self._column_of(rates)
+        size = ca.sumsqr(q)
+        n, rate = ca.log(size) / 2, ca.dot(q, v) / size
+        inertia = 4 * sum((self._lower(part) for part in body.tensor[:3]), ca.SX(0)) / 3
+        self.kinetic += inertia * rate**2 / 2
+        quick = GUIDED**2 * 4 * (ca.sumsqr(v) / size - rate**2) + GUIDED_LEAST**2
+        pull = -inertia * (2 * ca.sqrt(quick) * rate + quick * n)
+        self.guidance += pull * ca.gradient(n, self.q)
 
     def _add_term(self, term: Term, fill: Fill | None) -> None:
         stretch = self._lower(term.path)
@@ -220,6 +250,14 @@ class Lowered:
         mass = ca.SX(0) if term.law is None else self._lower(term.law.mass)
         self._carry(mass * ca.sumsqr(velocity) / 2)
 
+    def _add_couple(self, term: Couple) -> None:
+        """A torque does the work torque·ω."""
+        omega, torque = self._column_of(term.omega), self._column_of(term.torque)
+        self.forces.append(ca.jtimes(omega, self.v, torque, True))
+        self.stored.append(ca.SX(0))
+        self.pathways.append(None)
+        self._carry(ca.SX(0))
+
     def _carry(self, energy: ca.SX) -> None:
         """Kinetic energy of the mass that an element adds."""
         self.carried.append(energy)
@@ -241,9 +279,11 @@ class Lowered:
             case "orientation" | "gyroscope":
                 angle = self._lower(places.frames[names[0]].angle)
                 return angle if reading.what == "orientation" else self.rate(angle)
-            case "position_x" | "position_y":
-                return self._lower(places.points[names[0]]["xy".index(reading.what[-1])])
-            case "accelerometer_x" | "accelerometer_y":
+            case "gyroscope_x" | "gyroscope_y" | "gyroscope_z":
+                return self._lower(places.attitude(names[0]).omega["xyz".index(reading.what[-1])])
+            case "position_x" | "position_y" | "position_z":
+                return self._lower(places.points[names[0]]["xyz".index(reading.what[-1])])
+            case "accelerometer_x" | "accelerometer_y" | "accelerometer_z":
                 return self._specific_force(names[0], names[1], reading.what[-1])
         first, second = (ca.vertcat(*map(self._lower, places.points[name])) for name in names)
         if reading.what == "distance":
@@ -255,9 +295,19 @@ class Lowered:
         velocity = self.rate(ca.vertcat(*map(self._lower, places.points[point])))
         pull = self.rate(velocity) + ca.jtimes(velocity, self.v, self.a)
         felt = pull - ca.vertcat(*map(self._lower, self._equations.gravity))
+        if places.frames[body].attitude is not None:
+            column = tuple(row["xyz".index(axis)] for row in places.attitude(body).axes)
+            return ca.dot(self._column_of(column), felt)
         angle = self._lower(places.frames[body].angle)
         c, s = ca.cos(angle), ca.sin(angle)
         return c * felt[0] + s * felt[1] if axis == "x" else c * felt[1] - s * felt[0]
+
+
+def _turns(equations: Equations) -> tuple[tuple[sp.Symbol, sp.Expr], ...]:
+    """The symbols that stand for rates of angles in space, and these angles, each once."""
+    frames = equations.places.frames
+    found = (pair for name in frames for pair in equations.places.attitude(name).rates)
+    return tuple(dict.fromkeys(found))
 
 
 def _column(parts: list[ca.SX]) -> ca.SX:

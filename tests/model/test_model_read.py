@@ -211,7 +211,7 @@ ONE_FAULT = {
     "section unknown": ("[sensors]", "[sensor]", "did you mean 'sensors'"),
     "section misspelt": ("[parameters]", "[paramters]", "file:6: paramters: 'paramters'"),
     "section later": ("[points]", "[constraints]\n[points]", "is not available yet"),
-    "key later": ('angle = "phi"\n', 'angle = "phi"\nrotation = []\n', "is not available yet"),
+    "key near": ('angle = "phi"\n', 'angle = "phi"\nrotation = []\n', "did you mean 'rotations'?"),
     "imposed text": ('phi = { unit = "rad"', 'phi = { imposed = "x", unit = "rad"',
                      "must be true or false, not the text 'x'"),
     "section no table": ('title = "base"', "energy = 3", "must be a table, not the number 3"),

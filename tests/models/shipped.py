@@ -36,6 +36,8 @@ SPREAD: dict[str, tuple[tuple[float, ...], float, tuple[float, ...]]] = {
     "loudspeaker": ((3e-3, 1e-3), 3e-3, (4.0,)),
 }
 NAMES = sorted(SPREAD)
+IN_SPACE = {"gyroscope", "furuta_pendulum", "quadrotor", "six_joint_arm"}
+"""Verified in test_models_in_space.py, against MuJoCo and Newton's and Euler's equations."""
 PERIODS = 10  # the length of a run, in the times of SPREAD
 INNER = 3e-3  # m: how far the state of the damper on the rig moves
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from shipped import (
+    IN_SPACE,
     NAMES,
     PERIODS,
     SPREAD,
@@ -35,7 +36,9 @@ def by_hand(name: str) -> Textbook:
 
 
 def test_every_shipped_model_is_verified() -> None:
-    assert {path.stem for path in MODELS.glob("*.toml")} == set(NAMES) == set(WRITTEN)
+    found = {path.stem for path in MODELS.glob("*.toml")}
+    assert found - IN_SPACE == set(NAMES) == set(WRITTEN)
+    assert found >= IN_SPACE
 
 
 @pytest.mark.parametrize("name", NAMES)
