@@ -121,7 +121,7 @@ def steady_slopes(machine: Machine, q: Array, u: Array, times: Array) -> bool:
 
 def start_of(model: Model) -> Array:
     """Where a model file says that simulations start, (n,) SI."""
-    return np.array([c.start * c.unit.factor for c in model.coordinates])
+    return np.array(model.start()[0])
 
 
 def _mode(value: complex, vector: Array, names: Sequence[str], scale: float) -> Mode:

@@ -18,11 +18,13 @@ from scipy.sparse.linalg import splu
 
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.splines import bands, design, ridge, spline_basis
+from symhyb.discrepancy.tracking import tracked
 from symhyb.errors import InputError, Problem
 from symhyb.model.expression import parse_expression, readings
 from symhyb.model.types import Energy, Model, Sensor
 from symhyb.numeric.buffers import Array, call, later
 from symhyb.numeric.machine import Machine, build
+from symhyb.numeric.manifold import closed, gaps_of
 from symhyb.numeric.vector import along
 
 SPACINGS = (1.3, 1.6, 2, 3, 4, 6, 8, 11, 16, 23, 32, 45, 64, 91, 128)  # samples between two knots
@@ -30,6 +32,7 @@ GUIDE_FIRST = 0.01  # of what acts: the force that a model may lack at first, wh
 GUIDE_LEAST, GUIDE_MOST = 0.02, 0.5  # of what acts, afterwards
 GUIDE_ROUNDS = 3
 GUIDE_KNOTS = 4  # samples
+NOISE_SHARE, SHARE_LEAST = 1e-2, 1e-6  # of a sensor's range, where its noise is not known; least
 WORSE_MOST = 3  # spacings in a row that are worse than the best: stop
 SWING_MOST = np.pi / 2  # RMS speed over that from sample to sample: a sine of two samples a period
 
@@ -142,8 +145,9 @@ def given_motion(recording: Recording, machine: Machine) -> Array:
     model = machine.model
     imposed = tuple(c for c in model.coordinates if c.imposed)
     alone = replace(
-        model, coordinates=imposed, points=(), bodies=(), elements=(), sensors=(), energy=Energy()
-    )
+        model, coordinates=imposed, points=(), bodies=(), elements=(), sensors=(), energy=Energy(),
+        constraints=(), assembly=None,
+    )  # fmt: skip
     watching, shown = _watching(alone, recording)
     motion = _smoothed(shown, build(watching, keep=False))
     return np.concatenate([motion.q, motion.v, motion.a], axis=1)
@@ -174,15 +178,21 @@ def _smoothed(
     blind = _unplaced(recording, machine, y, u)
     sd = np.array([noise_level(column) for column in y.T])
     weights, watched = _weights(y, sd), len(sd)
+    first: Array | None = None
+    if machine.constraints:
+        first = tracked(machine, y, u, t, weights)
+        held = _held(machine, first, t, y, sd)
+        y = np.concatenate([y, np.zeros((t.size, held.size))], axis=1)
+        weights = np.concatenate([weights, held])
     if blind:
-        guide = _guide(machine, t, u, y, weights, step)
+        guide = _guide(machine, t, u, y, weights, step, first)
         y = np.concatenate([y, np.zeros((t.size, guide.size))], axis=1)
         weights = np.concatenate([weights, guide])
     fits: list[_Fit] = []
     for spacing in SPACINGS if spacings_s is None else [s / step for s in spacings_s]:
         if t.size < 4 * spacing or not np.isfinite(sd).any():
             break
-        fits.append(_fit(machine, t, u, y, weights, spacing * step))
+        fits.append(_fit(machine, t, u, y, weights, spacing * step, first))
         best = _best(fits)
         if np.isfinite(fits[best].criterion) and len(fits) - best > WORSE_MOST:
             break
@@ -196,24 +206,60 @@ def _smoothed(
     lost = machine.n * fit.basis[0].shape[1] / max(int(np.isfinite(fit.residual).sum()), 1)
     shown = fit.residual[:, :watched].T
     spread = np.array([_rms(column) for column in shown]) / np.sqrt(1 - lost)
+    if machine.constraints:
+        on = closed(machine, (q, v, a), t, machine.values, machine.imposed, q_sd**2)
+        q, v, a = on.q, on.v, on.a
     return Motion(t, q, v, a, q_sd, v_sd, a_sd, spread, fit.spacing, blind)
+
+
+def _held(machine: Machine, q: Array, t: Array, y: Array, sd: Array) -> Array:
+    """How much constraints count in the fit of splines, 1/sd (c,), SI: a spline cannot follow them
+    to the last digit, so they are met to the share of what moves that noise is of the sensors'
+    range; what is left is closed afterwards."""
+    reach = np.array([np.ptp(c[np.isfinite(c)]) if np.isfinite(c).any() else 0.0 for c in y.T])
+    known = np.isfinite(sd) & (reach > 0)
+    share = float(np.median(sd[known] / reach[known])) if known.any() else NOISE_SHARE
+    still = np.zeros_like(q)
+    slope = gaps_of(machine, q, still, still, t, machine.values).slope
+    size = np.max(np.sqrt(np.mean(slope**2, axis=0)) * np.ptp(q, axis=0), axis=1)
+    level = np.clip(share, SHARE_LEAST, NOISE_SHARE) * np.where(size > 0, size, 1.0)
+    return np.asarray(1 / level)
 
 
 def _unplaced(recording: Recording, machine: Machine, y: Array, u: Array) -> tuple[str, ...]:
     """The coordinates whose place no sensor of the recording shows."""
     coordinates = machine.model.coordinates
-    start = np.array([c.start * c.unit.factor for c in coordinates])
+    start = np.array(machine.model.start()[0])
     rows = start + 1e-3 * np.arange(1, recording.t.size + 1)[:, None]  # away from special places
-    _, slopes = _sense(machine, rows, rows, rows, u, recording.t)
+    _, slopes = _sense(machine, rows, rows, rows, u, recording.t, closing=False)
     recorded = np.isfinite(y).any(axis=0)
     if not recorded.any():
         text = "none of the model's sensors of motion has samples here"
         raise InputError(Problem(text, "sensors", recording.name))
     power = np.atleast_1d(np.abs(slopes[0][:, recorded]).sum(axis=(0, 1)))
+    if machine.constraints:
+        power = _placed_with(machine, rows, recording.t, slopes[0][:, recorded])
     return tuple(c.name for c, seen in zip(coordinates, power, strict=True) if not seen > 0)
 
 
-def _guide(machine: Machine, t: Array, u: Array, y: Array, weights: Array, step: float) -> Array:
+def _placed_with(machine: Machine, q: Array, t: Array, shown: Array) -> Array:
+    """How far sensors of slopes (N, m, n) and constraints together place each coordinate (n,), at a
+    few samples: 1 what they tell, 0 what they leave open."""
+    rows = np.unique(np.linspace(0, min(t.size - 1, 50), 5).astype(int))
+    still = np.zeros_like(q[rows])
+    slope = gaps_of(machine, q[rows], still, still, t[rows], machine.values).slope
+    placed = np.zeros(machine.n)
+    for both in np.concatenate([shown[rows], slope], axis=1):
+        scaled = both / np.maximum(np.linalg.norm(both, axis=1, keepdims=True), 1e-300)
+        told = np.linalg.pinv(scaled, rcond=1e-6) @ scaled
+        placed = np.maximum(placed, np.diag(told) > 1 - 1e-6)
+    return placed
+
+
+def _guide(
+    machine: Machine, t: Array, u: Array, y: Array, weights: Array, step: float,
+    first: Array | None = None,
+) -> Array:  # fmt: skip
     """How much the model counts where sensors do not show a place: 1/sd (f,) of the force that it
     may lack on each free coordinate, SI.
 
@@ -221,19 +267,20 @@ def _guide(machine: Machine, t: Array, u: Array, y: Array, weights: Array, step:
     of what the seen accelerations take.
     """
     free = list(machine.free)
-    start = np.array([c.start * c.unit.factor for c in machine.model.coordinates])
+    start = np.array(machine.model.start()[0])
     still = np.tile(start, (t.size, 1))
     rest = np.zeros_like(still)
     guided = np.concatenate([y, np.zeros((t.size, len(free)))], axis=1)
     acts = _forces(machine, still, rest, u, t)[:, free]
     (mass,) = call(machine.M, (start, float(t[0]), machine.values))
-    plain = _fit(machine, t, u, y, weights, GUIDE_KNOTS * step)
+    plain = _fit(machine, t, u, y, weights, GUIDE_KNOTS * step, first)
     pulls = np.array([np.std(plain.basis[2] @ c) for c in plain.coefficients]) * np.diag(mass)
     moved = np.maximum(pulls[free], 1e-3 * np.diag(mass)[free])
     size = np.maximum(np.sqrt(np.mean(acts**2, axis=0)), moved)
     lacks = GUIDE_FIRST * size
     for _ in range(GUIDE_ROUNDS):
-        fit = _fit(machine, t, u, guided, np.concatenate([weights, 1 / lacks]), GUIDE_KNOTS * step)
+        weighed = np.concatenate([weights, 1 / lacks])
+        fit = _fit(machine, t, u, guided, weighed, GUIDE_KNOTS * step, first)
         q, v = (np.column_stack([b @ c for c in fit.coefficients]) for b in fit.basis[:2])
         acts = _forces(machine, q, v, u, t)[:, free]
         size = np.maximum(np.sqrt(np.mean(acts**2, axis=0)), pulls[free])
@@ -276,12 +323,20 @@ def _spread(order: int, fit: _Fit, narrower: _Fit) -> Array:
     return np.asarray(np.sqrt(noise + bias))
 
 
-def _fit(machine: Machine, t: Array, u: Array, y: Array, weights: Array, spacing: float) -> _Fit:
+def _fit(
+    machine: Machine, t: Array, u: Array, y: Array, weights: Array, spacing: float,
+    first: Array | None = None,
+) -> _Fit:  # fmt: skip
+    """Splines fitted to measurements, from the declared start or from places ``first`` (N, n)."""
     basis = spline_basis(t, spacing)
     n, size = machine.n, basis[0].shape[1]
-    starts = [c.start * c.unit.factor for c in machine.model.coordinates]
-    coefficients = np.repeat(np.array(starts)[:, None], size, axis=1)
-    used, guided = np.isfinite(y), y.shape[1] > len(machine.model.sensors)
+    starts = np.array(machine.model.start()[0])
+    coefficients = np.repeat(starts[:, None], size, axis=1)
+    if first is not None:
+        normal = sparse.csc_array(basis[0].T @ basis[0])
+        coefficients = splu(normal + ridge(normal)).solve(basis[0].T @ first).T
+    shown = len(machine.model.sensors) + machine.constraints
+    used, guided = np.isfinite(y), y.shape[1] > shown
     residual = np.full(y.shape, np.nan)
     normal = sparse.csc_array((n * size, n * size))
     for _ in range(12):
@@ -325,16 +380,22 @@ def _weights(y: Array, sd: Array) -> Array:
 
 
 def _sense(
-    machine: Machine, q: Array, v: Array, a: Array, u: Array, t: Array, guided: bool = False
-) -> tuple[Array, tuple[Array, ...]]:
-    """Sensors (N, m) and their slopes by q, v and a (N, m, n); ``guided``, also the force that the
-    model lacks on the free coordinates."""
+    machine: Machine, q: Array, v: Array, a: Array, u: Array, t: Array, guided: bool = False,
+    closing: bool = True,
+) -> tuple[Array, tuple[Array, ...]]:  # fmt: skip
+    """Sensors (N, m) and their slopes by q, v and a (N, m, n); ``closing``, also what constraints
+    leave open; ``guided``, also the force that the model lacks on the free coordinates."""
     total, m, n = t.size, len(machine.model.sensors), machine.n
     z = np.zeros((total, machine.inner_states))
     arguments = (q, v, a, z, u, t, machine.values)
     (y,) = along(machine.outputs, arguments, (6,), total)
     slopes = along(machine.output_slopes, arguments, (6,), total)
     shaped = tuple(s.reshape(total, n, m).transpose(0, 2, 1) for s in slopes)
+    if machine.constraints and closing:
+        gaps = gaps_of(machine, q, v, a, t, machine.values)
+        y, m = np.concatenate([y.reshape(total, m), gaps.gap], axis=1), m + machine.constraints
+        held = gaps.slope, 0 * gaps.slope, 0 * gaps.slope
+        shaped = tuple(np.concatenate(pair, axis=1) for pair in zip(shaped, held, strict=True))
     if not guided:
         return y.reshape(total, m), shaped
     free = list(machine.free)

@@ -17,6 +17,7 @@ from symhyb.model.types import Model, On
 from symhyb.model.vocabulary import force_unit
 from symhyb.numeric.buffers import Array
 from symhyb.numeric.machine import Machine
+from symhyb.numeric.manifold import free_part
 from symhyb.numeric.vector import along
 
 NOISE_RATIO = 2.0  # measured noise this far from the stated sd is told
@@ -83,10 +84,10 @@ def discrepancy(machine: Machine, course: Course, p: Array) -> Array:
 
 
 def applied_force(machine: Machine, course: Course) -> Array:
-    """k_e (N, n) along a course, SI."""
+    """k_e (N, n) along a course, SI; with constraints without the reactions that it calls up."""
     c = course
     (force,) = along(machine.k_e, (c.q, c.v, c.z, c.u, c.t, machine.values), (5,), c.t.size)
-    return force
+    return free_part(machine, c.q, c.t, machine.values, force)
 
 
 def force_band(machine: Machine, motion: Motion, course: Course) -> Array:

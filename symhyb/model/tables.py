@@ -18,7 +18,7 @@ from symhyb.units import Unit, UnitError, parse_unit
 Fault = tuple[Path, str]
 """Where something is wrong, as the parts of a dotted name, and what."""
 
-LATER_KEYS = ("constraints", "rotation")
+LATER_KEYS = ("rotation",)
 """Entries of format 1 that this version cannot compute yet."""
 
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")

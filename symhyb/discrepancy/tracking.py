@@ -1,0 +1,82 @@
+"""Places of a machine with constraints, followed along a recording: a first guess of its motion.
+
+Splines that begin anywhere would close a loop the wrong way round (the other assembly of a
+four-bar, a turn more of a crank). So the places are followed from the declared start, sample by
+sample: least squares on the sensors of places, on the constraints, and on where the motion before
+points to.
+Sizes: N samples, n coordinates, m sensors, c rows of constraints.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symhyb.numeric.buffers import Array, call
+from symhyb.numeric.machine import Machine
+
+ROWS_MOST = 3000
+APPROACH = 40  # steps from the declared start to where the recording begins
+ROUNDS = 4
+HOLD = 1e-3  # of a sensor's weight: how much the motion before counts
+FIRM = 1e3  # how much more a constraint counts than a sensor
+
+
+def tracked(machine: Machine, y: Array, u: Array, t: Array, weights: Array) -> Array:
+    """Places (N, n) along measurements (N, m) with ``weights`` (m,), one over their noise, under
+    inputs (N, k) at t (N,), SI; between the rows that are followed they run linearly."""
+    start = np.array(machine.model.start()[0])
+    rows = np.unique(np.linspace(0, t.size - 1, min(t.size, ROWS_MOST)).astype(int))
+    y = y[rows].copy()
+    y[:, np.logical_not(_of_places(machine, start, u[0], float(t[0])))] = np.nan
+    first = _seen_at(machine, start, u[0], float(t[0]))
+    begin = np.array([column[np.isfinite(column)][0] if np.isfinite(column).any() else np.nan
+                      for column in y.T])  # fmt: skip
+    q = start
+    for share in np.linspace(0, 1, APPROACH):
+        goal = first + share * (begin - first)
+        q = _placed(machine, q, goal, u[0], float(t[0]), weights)
+    found = np.empty((rows.size, start.size))
+    before = q
+    for i, row in enumerate(rows):
+        ahead = q + (q - before)
+        before, q = q, _placed(machine, ahead, y[i], u[row], float(t[row]), weights)
+        found[i] = q
+    return np.column_stack([np.interp(t, t[rows], column) for column in found.T])
+
+
+def _seen_at(machine: Machine, q: Array, u: Array, t: float) -> Array:
+    still, z = np.zeros_like(q), np.zeros(machine.inner_states)
+    return np.asarray(call(machine.outputs, (q, still, still, z, u, t, machine.values))[0][0])
+
+
+def _of_places(machine: Machine, q: Array, u: Array, t: float) -> NDArray[np.bool_]:
+    """Which sensors (m,) show places alone."""
+    still, z = np.ones_like(q), np.zeros(machine.inner_states)
+    _, by_v, by_a = call(machine.output_slopes, (q, still, still, z, u, t, machine.values))
+    return np.asarray(np.abs(by_v).sum(axis=0) + np.abs(by_a).sum(axis=0) == 0)
+
+
+def _placed(machine: Machine, q: Array, y: Array, u: Array, t: float, weights: Array) -> Array:
+    """Places (n,) near q that meet the constraints and the sensors (m,) that are there."""
+    assert machine.closure is not None
+    seen = np.isfinite(y)
+    scale, still = weights[seen], np.zeros_like(q)
+    level = float(scale.min(initial=np.inf)) if seen.any() else 1.0
+    firm = FIRM * float(scale.max(initial=level))
+    z, before, p = np.zeros(machine.inner_states), q, machine.values
+    for _ in range(ROUNDS):
+        shown = _seen_at(machine, q, u, t)
+        by_q = call(machine.output_slopes, (q, still, still, z, u, t, p))[0].T
+        gap, _, _, slope, _ = call(machine.closure, (q, still, still, t, p))
+        rows = np.concatenate(
+            [by_q[seen] * scale[:, None], firm * slope.T, HOLD * level * np.eye(q.size)]
+        )
+        left = np.concatenate(
+            [(y - shown)[seen] * scale, -firm * gap[0], HOLD * level * (before - q)]
+        )
+        if not (np.isfinite(rows).all() and np.isfinite(left).all()):
+            return before
+        step = np.linalg.lstsq(rows, left, rcond=None)[0]
+        q = q + step
+        if np.abs(step).max() <= 1e-9 * (1 + np.abs(q).max()):
+            break
+    return q if np.isfinite(q).all() else before
