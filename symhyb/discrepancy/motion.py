@@ -17,6 +17,7 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from symhyb.data.recording import Recording
+from symhyb.discrepancy.independent import Independent, independent
 from symhyb.discrepancy.splines import bands, design, ridge, spline_basis
 from symhyb.discrepancy.tracking import tracked
 from symhyb.errors import InputError, Problem
@@ -32,7 +33,7 @@ GUIDE_FIRST = 0.01  # of what acts: the force that a model may lack at first, wh
 GUIDE_LEAST, GUIDE_MOST = 0.02, 0.5  # of what acts, afterwards
 GUIDE_ROUNDS = 3
 GUIDE_KNOTS = 4  # samples
-NOISE_SHARE, SHARE_LEAST = 1e-2, 1e-6  # of a sensor's range, where its noise is not known; least
+SHARE_LEAST = 1e-3  # of what a coordinate moves from sample to sample: its noise at least
 WORSE_MOST = 3  # spacings in a row that are worse than the best: stop
 SWING_MOST = np.pi / 2  # RMS speed over that from sample to sample: a sine of two samples a period
 
@@ -179,9 +180,12 @@ def _smoothed(
     sd = np.array([noise_level(column) for column in y.T])
     weights, watched = _weights(y, sd), len(sd)
     first: Array | None = None
+    few: Independent | None = None
     if machine.constraints:
         first = tracked(machine, y, u, t, weights)
-        held = _held(machine, first, t, y, sd)
+        few = None if blind else independent(machine, first, t)
+    if machine.constraints and first is not None and few is None:
+        held = _held(machine, first, t)
         y = np.concatenate([y, np.zeros((t.size, held.size))], axis=1)
         weights = np.concatenate([weights, held])
     if blind:
@@ -192,7 +196,7 @@ def _smoothed(
     for spacing in SPACINGS if spacings_s is None else [s / step for s in spacings_s]:
         if t.size < 4 * spacing or not np.isfinite(sd).any():
             break
-        fits.append(_fit(machine, t, u, y, weights, spacing * step, first))
+        fits.append(_fit(machine, t, u, y, weights, spacing * step, few or first))
         best = _best(fits)
         if np.isfinite(fits[best].criterion) and len(fits) - best > WORSE_MOST:
             break
@@ -203,27 +207,29 @@ def _smoothed(
     fit, narrower = fits[chosen], fits[max(chosen - 1, 0)]
     q, v, a = (np.column_stack([b @ c for c in fit.coefficients]) for b in fit.basis)
     q_sd, v_sd, a_sd = (_spread(order, fit, narrower) for order in range(3))
-    lost = machine.n * fit.basis[0].shape[1] / max(int(np.isfinite(fit.residual).sum()), 1)
+    lost = len(fit.coefficients) * fit.basis[0].shape[1] / max(int(np.isfinite(fit.residual).sum()), 1)
     shown = fit.residual[:, :watched].T
     spread = np.array([_rms(column) for column in shown]) / np.sqrt(1 - lost)
-    if machine.constraints:
+    if few is not None:
+        q, v, a = few.complete((q, v, a))
+        q_sd, v_sd, a_sd = (few.spread((q, v, a), sd) for sd in (q_sd, v_sd, a_sd))
+    elif machine.constraints:
         on = closed(machine, (q, v, a), t, machine.values, machine.imposed, q_sd**2)
         q, v, a = on.q, on.v, on.a
     return Motion(t, q, v, a, q_sd, v_sd, a_sd, spread, fit.spacing, blind)
 
 
-def _held(machine: Machine, q: Array, t: Array, y: Array, sd: Array) -> Array:
-    """How much constraints count in the fit of splines, 1/sd (c,), SI: a spline cannot follow them
-    to the last digit, so they are met to the share of what moves that noise is of the sensors'
-    range; what is left is closed afterwards."""
-    reach = np.array([np.ptp(c[np.isfinite(c)]) if np.isfinite(c).any() else 0.0 for c in y.T])
-    known = np.isfinite(sd) & (reach > 0)
-    share = float(np.median(sd[known] / reach[known])) if known.any() else NOISE_SHARE
+def _held(machine: Machine, q: Array, t: Array) -> Array:
+    """How much constraints count in the fit of splines, 1/sd (c,), SI, along places (N, n) that
+    were followed sample by sample: a spline cannot meet them to the last digit, so they are met
+    as closely as the noise of these places would move them. What is left is closed afterwards."""
     still = np.zeros_like(q)
     slope = gaps_of(machine, q, still, still, t, machine.values).slope
-    size = np.max(np.sqrt(np.mean(slope**2, axis=0)) * np.ptp(q, axis=0), axis=1)
-    level = np.clip(share, SHARE_LEAST, NOISE_SHARE) * np.where(size > 0, size, 1.0)
-    return np.asarray(1 / level)
+    size = np.sqrt(np.mean(slope**2, axis=0))
+    noise = np.nan_to_num([noise_level(column) for column in q.T])
+    least = SHARE_LEAST * np.std(np.diff(q, axis=0), axis=0)
+    level = np.max(size * np.maximum(noise, least), axis=1)
+    return np.asarray(1 / np.where(level > 0, level, 1.0))
 
 
 def _unplaced(recording: Recording, machine: Machine, y: Array, u: Array) -> tuple[str, ...]:
@@ -325,23 +331,26 @@ def _spread(order: int, fit: _Fit, narrower: _Fit) -> Array:
 
 def _fit(
     machine: Machine, t: Array, u: Array, y: Array, weights: Array, spacing: float,
-    first: Array | None = None,
+    first: Array | Independent | None = None,
 ) -> _Fit:  # fmt: skip
-    """Splines fitted to measurements, from the declared start or from places ``first`` (N, n)."""
+    """Splines fitted to measurements, from the declared start or from places ``first`` (N, n); of
+    the independent coordinates alone where these are told."""
     basis = spline_basis(t, spacing)
-    n, size = machine.n, basis[0].shape[1]
+    few = first if isinstance(first, Independent) else None
+    n, size = machine.n if few is None else len(few.chosen), basis[0].shape[1]
     starts = np.array(machine.model.start()[0])
     coefficients = np.repeat(starts[:, None], size, axis=1)
     if first is not None:
+        places = first if few is None else few.q[:, list(few.chosen)]
         normal = sparse.csc_array(basis[0].T @ basis[0])
-        coefficients = splu(normal + ridge(normal)).solve(basis[0].T @ first).T
-    shown = len(machine.model.sensors) + machine.constraints
+        coefficients = splu(normal + ridge(normal)).solve(basis[0].T @ places).T
+    shown = len(machine.model.sensors) + (machine.constraints if few is None else 0)
     used, guided = np.isfinite(y), y.shape[1] > shown
     residual = np.full(y.shape, np.nan)
     normal = sparse.csc_array((n * size, n * size))
     for _ in range(12):
         q, v, a = (np.column_stack([b @ c for c in coefficients]) for b in basis)
-        predicted, slopes = _sense(machine, q, v, a, u, t, guided)
+        predicted, slopes = _seen(machine, (q, v, a), u, t, guided, few)
         residual = np.where(used, y - predicted, np.nan)
         rows = design(basis, slopes, used, weights)
         target = (residual * weights).T[used.T]
@@ -353,7 +362,7 @@ def _fit(
         if moved < 1e-9:
             break
     q, v, a = (np.column_stack([b @ c for c in coefficients]) for b in basis)
-    residual = np.where(used, y - _sense(machine, q, v, a, u, t, guided)[0], np.nan)
+    residual = np.where(used, y - _seen(machine, (q, v, a), u, t, guided, few)[0], np.nan)
     count = int(used.sum())
     cost = float(np.nansum((residual * weights) ** 2))
     free = max(count - n * size, 1)
@@ -362,6 +371,18 @@ def _fit(
         criterion = np.inf
     spreads = bands(basis, normal, n)
     return _Fit(list(coefficients), basis, residual, cost / free, spreads, criterion, spacing)
+
+
+def _seen(
+    machine: Machine, motion: tuple[Array, Array, Array], u: Array, t: Array, guided: bool,
+    few: Independent | None,
+) -> tuple[Array, tuple[Array, ...]]:  # fmt: skip
+    """What :func:`_sense` says of the coordinates that have splines."""
+    if few is None:
+        return _sense(machine, *motion, u, t, guided)
+    full = few.complete(motion)
+    y, slopes = _sense(machine, *full, u, t, closing=False)
+    return y, few.lifted(full, slopes)
 
 
 def _swings(t: Array, q: Array, v: Array) -> bool:

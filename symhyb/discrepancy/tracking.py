@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from symhyb.numeric.buffers import Array, call
 from symhyb.numeric.machine import Machine
+from symhyb.numeric.manifold import shown_at
 
 ROWS_MOST = 3000
 APPROACH = 40  # steps from the declared start to where the recording begins
@@ -27,7 +28,7 @@ def tracked(machine: Machine, y: Array, u: Array, t: Array, weights: Array) -> A
     rows = np.unique(np.linspace(0, t.size - 1, min(t.size, ROWS_MOST)).astype(int))
     y = y[rows].copy()
     y[:, np.logical_not(_of_places(machine, start, u[0], float(t[0])))] = np.nan
-    first = _seen_at(machine, start, u[0], float(t[0]))
+    first = call(shown_at(machine), (start, u[0], float(t[0]), machine.values))[0][0]
     begin = np.array([column[np.isfinite(column)][0] if np.isfinite(column).any() else np.nan
                       for column in y.T])  # fmt: skip
     q = start
@@ -43,11 +44,6 @@ def tracked(machine: Machine, y: Array, u: Array, t: Array, weights: Array) -> A
     return np.column_stack([np.interp(t, t[rows], column) for column in found.T])
 
 
-def _seen_at(machine: Machine, q: Array, u: Array, t: float) -> Array:
-    still, z = np.zeros_like(q), np.zeros(machine.inner_states)
-    return np.asarray(call(machine.outputs, (q, still, still, z, u, t, machine.values))[0][0])
-
-
 def _of_places(machine: Machine, q: Array, u: Array, t: float) -> NDArray[np.bool_]:
     """Which sensors (m,) show places alone."""
     still, z = np.ones_like(q), np.zeros(machine.inner_states)
@@ -57,26 +53,22 @@ def _of_places(machine: Machine, q: Array, u: Array, t: float) -> NDArray[np.boo
 
 def _placed(machine: Machine, q: Array, y: Array, u: Array, t: float, weights: Array) -> Array:
     """Places (n,) near q that meet the constraints and the sensors (m,) that are there."""
-    assert machine.closure is not None
+    function, p = shown_at(machine), machine.values
     seen = np.isfinite(y)
-    scale, still = weights[seen], np.zeros_like(q)
-    level = float(scale.min(initial=np.inf)) if seen.any() else 1.0
-    firm = FIRM * float(scale.max(initial=level))
-    z, before, p = np.zeros(machine.inner_states), q, machine.values
+    scale = weights[seen]
+    level = float(scale.min()) if seen.any() else 1.0
+    firm = FIRM * float(scale.max()) if seen.any() else FIRM
+    before, prior = q, HOLD * level * np.eye(q.size)
     for _ in range(ROUNDS):
-        shown = _seen_at(machine, q, u, t)
-        by_q = call(machine.output_slopes, (q, still, still, z, u, t, p))[0].T
-        gap, _, _, slope, _ = call(machine.closure, (q, still, still, t, p))
-        rows = np.concatenate(
-            [by_q[seen] * scale[:, None], firm * slope.T, HOLD * level * np.eye(q.size)]
-        )
+        shown, by_q, gap, slope = call(function, (q, u, t, p))
+        rows = np.concatenate([by_q.T[seen] * scale[:, None], firm * slope.T, prior])
         left = np.concatenate(
-            [(y - shown)[seen] * scale, -firm * gap[0], HOLD * level * (before - q)]
+            [(y - shown[0])[seen] * scale, -firm * gap[0], HOLD * level * (before - q)]
         )
         if not (np.isfinite(rows).all() and np.isfinite(left).all()):
             return before
         step = np.linalg.lstsq(rows, left, rcond=None)[0]
         q = q + step
-        if np.abs(step).max() <= 1e-9 * (1 + np.abs(q).max()):
+        if np.abs(step).max() <= 1e-6 * (1 + np.abs(q).max()):
             break
     return q if np.isfinite(q).all() else before

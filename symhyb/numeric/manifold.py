@@ -10,10 +10,12 @@ coordinates, f of them free, m rows of constraints, P parameters.
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import casadi as ca
 import numpy as np
 
 from symhyb.numeric.buffers import Array
-from symhyb.numeric.machine import Machine
+from symhyb.numeric.machine import Machine, structure_of
+from symhyb.numeric.memory import kept
 from symhyb.numeric.vector import along
 
 STEPS = 12
@@ -52,6 +54,23 @@ class Closed:
     left: Array
 
 
+def shown_at(machine: Machine) -> ca.Function:
+    """(q, u, t, p) -> what sensors of places show (m,), its slopes (m, n), what constraints leave
+    open (c,), its slopes J (c, n)."""
+    return kept(("shown", structure_of(machine.model)), lambda: _shown_at(machine))
+
+
+def _shown_at(machine: Machine) -> ca.Function:
+    assert machine.closure is not None
+    q, t = ca.SX.sym("q", machine.n), ca.SX.sym("t")
+    u, p = ca.SX.sym("u", len(machine.model.inputs)), ca.SX.sym("p", machine.values.size)
+    still, z = ca.SX.zeros(machine.n), ca.SX.zeros(machine.inner_states)
+    y = machine.outputs(q, still, still, z, u, t, p)
+    gap, _, _, slope, _ = machine.closure(q, still, still, t, p)
+    parts = [ca.densify(part) for part in (y, ca.jacobian(y, q), gap, slope)]
+    return ca.Function("shown", [q, u, t, p], parts, {"cse": True})
+
+
 def closed(
     machine: Machine, motion: tuple[Array, Array, Array], t: Array, p: Array,
     given: Sequence[int] = (), ease: Array | None = None,
@@ -86,7 +105,21 @@ def _inverse(slope: Array, weight: Array) -> Array:
     root = np.sqrt(weight)
     sound = np.isfinite(slope).all(axis=(1, 2), keepdims=True)
     safe = np.where(sound, slope * root, 0.0)
-    return np.asarray(root[:, None] * np.linalg.pinv(safe, rcond=SINGULAR))
+    return np.asarray(root[:, None] * inverse_of(safe))
+
+
+def inverse_of(slope: Array) -> Array:
+    """Jᵀ (J Jᵀ)⁻¹ (N, f, m) of slopes (N, m, f); where J has lost rank, a pseudo-inverse of its
+    rows at unit length, which costs ten times as much."""
+    size = np.linalg.norm(slope, axis=2, keepdims=True)
+    unit = slope / np.where(size > 0, size, 1.0)
+    gram = unit @ unit.swapaxes(1, 2)
+    lost = np.abs(np.linalg.det(gram)) < SINGULAR
+    gram[lost] = np.eye(gram.shape[1])
+    inverse = np.linalg.solve(gram, unit).swapaxes(1, 2)
+    if lost.any():
+        inverse[lost] = np.linalg.pinv(unit[lost], rcond=SINGULAR)
+    return np.asarray(inverse / np.where(size > 0, size, np.inf).swapaxes(1, 2))
 
 
 def free_part(machine: Machine, q: Array, t: Array, p: Array, forces: Array) -> Array:
@@ -125,7 +158,7 @@ def tangent(
     now = gaps_of(machine, q, v, 0 * v, t, p)
     slope, turn = now.slope[:, :, free], now.turn[:, :, free]
     slope = np.where(np.isfinite(slope), slope, 0.0)
-    inverse = np.linalg.pinv(slope, rcond=SINGULAR)
+    inverse = inverse_of(slope)
     null = np.linalg.svd(slope)[2][:, min(m, f) :].swapaxes(1, 2)
     r = null.shape[2]
     basis = np.zeros((total, 2 * f, 2 * r))
