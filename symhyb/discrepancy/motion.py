@@ -207,7 +207,9 @@ def _smoothed(
     fit, narrower = fits[chosen], fits[max(chosen - 1, 0)]
     q, v, a = (np.column_stack([b @ c for c in fit.coefficients]) for b in fit.basis)
     q_sd, v_sd, a_sd = (_spread(order, fit, narrower) for order in range(3))
-    lost = len(fit.coefficients) * fit.basis[0].shape[1] / max(int(np.isfinite(fit.residual).sum()), 1)
+    lost = (
+        len(fit.coefficients) * fit.basis[0].shape[1] / max(int(np.isfinite(fit.residual).sum()), 1)
+    )
     shown = fit.residual[:, :watched].T
     spread = np.array([_rms(column) for column in shown]) / np.sqrt(1 - lost)
     if few is not None:

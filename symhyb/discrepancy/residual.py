@@ -67,9 +67,15 @@ def compare(machine: Machine, recording: Recording) -> Discrepancy:
         for sensor, sd in zip(sensors, motion.sd, strict=True)
         if np.isfinite(sd)
     }
+    notes = (
+        *machine.notes,
+        *recording.notes,
+        *blind_notes(motion),
+        *noise_notes(machine.model, noise),
+    )
     return Discrepancy(
         machine.model, recording.name, motion, force, force_band(machine, motion, course), applied,
-        noise, (*recording.notes, *blind_notes(motion), *noise_notes(machine.model, noise)),
+        noise, notes,
     )  # fmt: skip
 
 

@@ -29,6 +29,11 @@ def constraint_faults(
         elif name not in scope.coordinates:
             cure = did_you_mean(name, sorted(scope.coordinates))
             faults.append(((*path, key), f"'{shorten(name)}' is not a known coordinate{cure}"))
+    if constraint.kind == "rolling" and not faults:
+        unit = scope.units.get(constraint.names[0])
+        if unit is not None and not unit.same_dimension(parse_unit("m")):
+            text = f"'{constraint.names[0]}' is in {unit}; what rolls goes a length"
+            faults.append(((*path, "on"), f"{text}: name the length first, then the angle"))
     yield from faults
     for key, value in constraint.values:
         needed = None if faults else _needed(constraint, key, scope)
@@ -37,11 +42,6 @@ def constraint_faults(
     zero = constraint.value("zero")
     if zero is not None and not {name.name for name in names(zero)} & scope.coordinates:
         yield (*path, "zero"), f"'{shorten(zero.text)}' contains no coordinate; it holds nothing"
-    if constraint.kind == "rolling" and not faults:
-        unit = scope.units.get(constraint.names[0])
-        if unit is not None and not unit.same_dimension(parse_unit("m")):
-            text = f"'{constraint.names[0]}' is in {unit}; what rolls goes a length"
-            yield (*path, "on"), f"{text}: name the length first, then the angle"
 
 
 def _needed(constraint: Constraint, key: str, scope: Scope) -> Unit | None:
