@@ -22,10 +22,11 @@ from symhyb.numeric.memory import kept
 CLOSED = 1e-12  # of the size of the motion: what rounding leaves open
 STEPS_MOST = 60
 SHARES = (1.0, 0.5, 0.25, 0.1, 0.02)  # of a Newton step
-DEPENDENT = 1e-7  # of the length of a row of J: what is left of it beside the rows before
+DEPENDENT = 1e-5  # of the length of a row of J: what is left of it beside the rows before. Where
+# a loop locks, Newton's method finds the place, a double root, to the square root of CLOSED only
 BESIDE = 0.02  # how far beside the start dependence is tried again, of the size of a coordinate
 TRIES = 3
-TOLD = 1e-9  # of a stated start: a smaller move is not told
+TOLD = 1e-3  # of a stated start: a smaller move is what rounding in the file leaves
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,12 +171,12 @@ def _repeated(gaps: _Gaps, q: Array) -> tuple[tuple[str, ...], tuple[str, ...]]:
         InputError: rows that depend on others at the start and nowhere beside it.
     """
     free = np.array([not c.imposed for c in gaps.model.coordinates])
-    here = _dependent(gaps.at(q, 0 * q)[2][:, free])
+    here = _dependent(gaps.at(q, 0 * q)[2], free)
     if not here:
         return (), ()
     always = set(here)
     for beside in _beside(gaps, q):
-        always &= set(_dependent(gaps.at(beside, 0 * q)[2][:, free]))
+        always &= set(_dependent(gaps.at(beside, 0 * q)[2], free))
     lost = [row for row in here if row not in always]
     if lost:
         raise InputError(_locked(gaps, q, np.eye(len(gaps.labels))[lost[0]]))
@@ -196,16 +197,18 @@ def _of_a_line(gaps: _Gaps, label: str, others: Sequence[str]) -> bool:
     return kind == "slider" and all(other.split(".")[0] == name for other in others)
 
 
-def _dependent(slope: Array) -> dict[int, list[int]]:
-    """Rows of J (m, ·) that depend on rows before them, each with those."""
+def _dependent(whole: Array, free: NDArray[np.bool_]) -> dict[int, list[int]]:
+    """Rows of J (m, n) that, in the free coordinates, depend on rows before them or on nothing,
+    each with those."""
     kept_rows: list[int] = []
     found: dict[int, list[int]] = {}
+    slope = whole[:, free]
     for i, row in enumerate(slope):
-        size = float(np.linalg.norm(row))
+        size = float(np.linalg.norm(whole[i]))
         before = slope[kept_rows]
         weights = np.linalg.lstsq(before.T, row, rcond=DEPENDENT)[0] if kept_rows else np.zeros(0)
-        left = float(np.linalg.norm(row - weights @ before)) if kept_rows else size
-        if left > DEPENDENT * max(size, 1e-300) and size > 0:
+        left = float(np.linalg.norm(row - weights @ before if kept_rows else row))
+        if left > DEPENDENT * size:
             kept_rows.append(i)
             continue
         shares = np.abs(weights) * np.linalg.norm(before, axis=1) if kept_rows else weights
@@ -281,7 +284,7 @@ def _contradicted(gaps: _Gaps, q: Array) -> dict[int, list[int]]:
     draws = np.random.default_rng(0).standard_normal((TRIES, q.size))
     found: dict[int, list[int]] | None = None
     for draw in draws:
-        at = _dependent(gaps.at(q + BESIDE * (1 + np.abs(q)) * draw, 0 * q)[2][:, free])
+        at = _dependent(gaps.at(q + BESIDE * (1 + np.abs(q)) * draw, 0 * q)[2], free)
         found = at if found is None else {row: at[row] for row in found if row in at}
     related = dict(found or {})
     for row, others in (found or {}).items():
@@ -315,7 +318,8 @@ def _moves(model: Model, q: Array, v: Array) -> tuple[str, ...]:
         pairs = (("start", c.start, place, unit), ("start_rate", c.start_rate, speed, rate))
         for key, was, value, text in pairs:
             now = value / c.unit.factor
-            if abs(now - was) <= TOLD * max(abs(now), abs(was), 1e-6):
+            least = TOLD if key in c.stated else 1e-9
+            if abs(now - was) <= least * max(abs(now), abs(was), 1e-6):
                 continue
             said = f"{key} of {c.name} is {now:.6g}{text}"
             if key in c.stated:

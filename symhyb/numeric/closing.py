@@ -51,9 +51,13 @@ def closed_rows(
         return rows, ""
     end = int(torn[0]) if torn.size else int(whole.sum())
     last, t = max(end - 1, 0), scenario.t
-    slack = _slack(form, rows[last], d[last], float(t[last]), p)
+    before, slack = (
+        _slack(form, rows[row], d[row], float(t[row]), p) for row in (max(last - 1, 0), last)
+    )
     rows[end:] = np.nan
-    if not torn.size and slack > NEAR_LOCK:
+    # towards a lock the square of the slack falls linearly: here it would be 0 within two rows
+    locks = slack < NEAR_LOCK or before**2 - slack**2 > 0.5 * slack**2
+    if not torn.size and not locks:
         return rows, reason
     said = _worst(form, x[last], d[last], float(t[last]), p)
     return rows, f"the loop locks after {t[last]:.6g} s: {said}"
@@ -74,10 +78,12 @@ def _moved(form: StateForm, x: Array, d: Array, t: Array, p: Array) -> tuple[Arr
 
 
 def _slope(form: StateForm, x: Array, d: Array, t: float, p: Array) -> tuple[Array, Array]:
-    """J (m, f) of the free coordinates, its columns scaled to the same length, and the places."""
+    """J (m, f) of the free coordinates, each row over its length with all of them, and the places:
+    a row that only imposed coordinates can meet has lost its hold."""
     q, v = form.motion(x[None], d[None])
-    slope = gaps_of(form.machine, q, v, 0 * v, np.array([t]), p).slope[0][:, list(form.free)]
-    return slope / np.maximum(np.linalg.norm(slope, axis=1, keepdims=True), 1e-300), q[0]
+    slope = gaps_of(form.machine, q, v, 0 * v, np.array([t]), p).slope[0]
+    size = np.maximum(np.linalg.norm(slope, axis=1, keepdims=True), 1e-300)
+    return slope[:, list(form.free)] / size, q[0]
 
 
 def _slack(form: StateForm, x: Array, d: Array, t: float, p: Array) -> float:
