@@ -32,10 +32,12 @@ AXES = "xyz"
 @dataclass(frozen=True, slots=True)
 class Closure:
     """One row: its ``label`` (the name of the constraint, with the axis of a vector), and ``gap``,
-    what is zero where the loop closes."""
+    what is zero where the loop closes. λ acts towards a larger gap; ``pulls`` says that its
+    reaction is shown with the other sign, as the tension of a rod."""
 
     label: str
     gap: sp.Expr
+    pulls: bool = False
 
 
 def closures(model: Model, places: Geometry, symbols: Symbols) -> tuple[Closure, ...]:
@@ -55,7 +57,7 @@ def _rows(
             return _components(item.name, gaps)
         case "distance":
             a, b = (places.points[name] for name in item.names)
-            return (Closure(item.name, distance(a, b) - values["length"]),)
+            return (Closure(item.name, distance(a, b) - values["length"], pulls=True),)
         case "slider":
             point, a, b = (places.points[name] for name in item.names)
             return _components(item.name, _beside(point, a, b))

@@ -6,10 +6,11 @@ from symhyb.errors import did_you_mean
 from symhyb.model.constraints import CONSTRAINTS, Constraint
 from symhyb.model.expression import Name, Number, names
 from symhyb.model.frames import point_faults
-from symhyb.model.scope import Scope, Use, expression_faults
+from symhyb.model.scope import Scope, Use, expression_faults, unit_in
 from symhyb.model.source import Path
 from symhyb.model.tables import Fault, shorten
-from symhyb.model.types import Model
+from symhyb.model.types import Model, On
+from symhyb.model.vocabulary import force_unit
 from symhyb.units import Unit, parse_unit
 
 CONDITION = Use("a constraint", 0, False, True, rough=False)
@@ -42,6 +43,23 @@ def constraint_faults(
     zero = constraint.value("zero")
     if zero is not None and not {name.name for name in names(zero)} & scope.coordinates:
         yield (*path, "zero"), f"'{shorten(zero.text)}' contains no coordinate; it holds nothing"
+
+
+def held_unit(constraint: Constraint, model: Model, scope: Scope) -> Unit:
+    """The unit of the force by which one constraint holds; that of energy must be known.
+
+    Raises:
+        LookupError: a name without a readable unit.
+    """
+    if constraint.kind in ("gear", "rolling"):
+        return force_unit(model, On(constraint.names[0]))
+    if CONSTRAINTS[constraint.kind].section == "points":
+        return parse_unit("N")
+    zero = constraint.value("zero")
+    unit = None if zero is None else unit_in(zero, scope)
+    if unit is None:
+        raise LookupError(constraint.name)
+    return model.energy_unit / unit
 
 
 def _needed(constraint: Constraint, key: str, scope: Scope) -> Unit | None:

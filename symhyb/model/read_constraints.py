@@ -7,7 +7,8 @@ from symhyb.model.tables import Table, describe, shorten
 
 def read_constraint(table: Table) -> Constraint | None:
     """Read one constraint, None if its kind or what it holds together cannot be told."""
-    name = table.text("kind", required=True)
+    plain = "zero" in table.entries and table.lacks("kind")
+    name = "equation" if plain else table.text("kind", required=True)
     if name is not None and name not in CONSTRAINTS:
         cure = did_you_mean(name, list(CONSTRAINTS))
         table.fault(f"'{shorten(name)}' is not a known kind of constraint{cure}", "kind")

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from symhyb.errors import InputError, Problem
 from symhyb.model.constraints import Assembly
+from symhyb.model.expression import readings
 from symhyb.model.types import Energy, Model
 from symhyb.numeric import cache
 from symhyb.numeric.buffers import Array, call
@@ -73,10 +74,29 @@ def assembled(model: Model) -> Model:
     if before is not None and np.array_equal(q, q_closed) and np.array_equal(v, v_closed):
         return model
     left_out, notes = _repeated(gaps, q_closed)
+    _require_told(model, left_out)
     notes = (*_moves(model, q_closed, v_closed), *notes)
     rows = tuple(label for label in gaps.labels if label not in left_out)
     found = Assembly(tuple(q_closed.tolist()), tuple(v_closed.tolist()), rows, left_out, notes)
     return replace(model, assembly=found)
+
+
+def _require_told(model: Model, left_out: Sequence[str]) -> None:
+    """No sensor may show the reaction of a constraint that repeats others: any share of the load
+    may go through it."""
+    problems = [
+        Problem(
+            f"constraints.{name} repeats others, so that its reaction cannot be told from theirs",
+            f"sensors.{sensor.name}.measures",
+            model.file,
+        )
+        for sensor in model.sensors
+        for reading in readings(sensor.measures)
+        for name in reading.names
+        if reading.what == "reaction" and name in left_out
+    ]
+    if problems:
+        raise InputError(problems)
 
 
 def _gaps_of(model: Model) -> _Gaps:

@@ -27,12 +27,14 @@ PULL = 20.0  # α, 1/s: what a step leaves of c is gone within a tenth of a seco
 @dataclass(frozen=True, slots=True)
 class Loops:
     """The rows of constraints as SX: ``gap`` c, ``rate`` ċ and ``turn`` γ (m each), ``slope`` J
-    (m, n)."""
+    (m, n), with their ``labels`` and the ``signs`` of their reactions as sensors show them."""
 
     gap: ca.SX
     rate: ca.SX
     slope: ca.SX
     turn: ca.SX
+    labels: tuple[str, ...]
+    signs: ca.DM
 
     def wanted(self, pulled: bool) -> ca.SX:
         """What J a has to be (m,)."""
@@ -49,7 +51,9 @@ def loops_of(
         return None
     gap = low.column([row.gap for row in kept])
     rate = low.rate(gap)
-    return Loops(gap, rate, ca.jacobian(gap, low.q), low.rate(rate))
+    signs = ca.DM([-1.0 if row.pulls else 1.0 for row in kept])
+    labels = tuple(row.label for row in kept)
+    return Loops(gap, rate, ca.jacobian(gap, low.q), low.rate(rate), labels, signs)
 
 
 def lowered_closure(low: "Lowered", loops: Loops) -> dict[str, ca.Function]:

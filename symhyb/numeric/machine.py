@@ -183,7 +183,12 @@ def _lowered(model: Model) -> dict[str, ca.Function]:
         carried = solve(mass, k_e + w - k_c, imposed, a[imposed], loops, pulled=False).load
         lacking -= ca.mtimes(loops.slope.T, carried)
     lacking = ca.densify(lacking)
-    sensed = low.outputs(lacking, [c.name for c in model.coordinates])
+    names = [c.name for c in model.coordinates]
+    if loops is None:
+        sensed = low.outputs(lacking, names)
+    else:
+        held = loops.signs * carried
+        sensed = low.outputs(ca.vertcat(lacking, held), [*names, *loops.labels])
     rest, outputs = (ca.substitute(part, w, ca.SX.zeros(n)) for part in (lacking, sensed))
     slope = ca.jacobian(k_e, u)
     linear = not ca.depends_on(slope, u) and not ca.depends_on(slope, z)

@@ -130,3 +130,30 @@ def test_a_difference_is_told() -> None:
 
 def read() -> Model:
     return parse_model(RIG)
+
+
+@pytest.mark.parametrize(
+    ("measures", "unit", "sentence"),
+    [
+        ("reaction(rod)", "N", ""),
+        ("reaction(teeth)", "N*m", ""),
+        ("reaction(wheel)", "N", ""),
+        ("reaction(law)", "J/m^2", ""),
+        ("reaction(rod)", "m", "'reaction(rod)' is N, needs m"),
+        ("reaction(hinge)", "N", "the reaction of the pin 'hinge' is a vector"),
+        ("reaction(rdo)", "N", "did you mean 'rod'"),
+    ],
+)
+def test_a_sensor_may_show_what_a_constraint_bears(measures: str, unit: str, sentence: str) -> None:
+    text = f'{RIG}[sensors]\ncell = {{ measures = "{measures}", unit = "{unit}" }}\n'
+    if not sentence:
+        assert parse_model(text).sensors
+        return
+    with pytest.raises(InputError) as caught:
+        parse_model(text)
+    assert sentence in str(caught.value)
+
+
+def test_an_expression_that_is_zero_needs_no_kind() -> None:
+    text = RIG.replace('kind = "equation"\n', "")
+    assert parse_model(text).constraints[-1].kind == "equation"

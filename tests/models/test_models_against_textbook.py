@@ -5,6 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from mechanisms import MECHANISMS
 from scipy.integrate import solve_ivp
 from shipped import (
     NAMES,
@@ -35,7 +36,8 @@ def by_hand(name: str) -> Textbook:
 
 
 def test_every_shipped_model_is_verified() -> None:
-    assert {path.stem for path in MODELS.glob("*.toml")} == set(NAMES) == set(WRITTEN)
+    loops = set(MECHANISMS)  # tests/numeric/test_constraints.py
+    assert {path.stem for path in MODELS.glob("*.toml")} - loops == set(NAMES) == set(WRITTEN)
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -319,3 +319,37 @@ def test_motion_beside_the_constraints_is_moved_onto_them() -> None:
     kept = closed(machine, (q, v, 0 * q), angles, machine.values, given=(0,))
     assert np.array_equal(kept.q[:, 0], q[:, 0])
     assert np.abs(kept.left).max() < 1e-9
+
+
+PENDULUM = f"""{HEAD}
+g = {{ value = 9.81, unit = "m/s^2" }}
+[coordinates]
+x = {{ unit = "m", start = 0.24 }}
+y = {{ unit = "m", start = -0.32 }}
+[points]
+pivot = ["0", "0"]
+bob = ["x", "y"]
+[bodies.bob]
+mass = "m"
+at = "bob"
+[constraints.string]
+kind = "distance"
+between = ["pivot", "bob"]
+length = "l"
+[sensors]
+tension = {{ measures = "reaction(string)", unit = "N" }}
+"""
+
+
+def test_the_reaction_of_a_rod_is_its_tension() -> None:
+    text = PENDULUM.replace("symhyb = 1", 'symhyb = 1\ngravity = ["0", "-g"]')
+    found = run(build(parse_model(text)), 5.0, 501)
+    speed = found.v[:, 0] ** 2 + found.v[:, 1] ** 2
+    wanted = speed / 0.4 - 9.81 * found.q[:, 1] / 0.4  # m = 1: v²/l and the weight along the rod
+    assert np.abs(found.y[:, 0] - wanted).max() < 1e-8 * wanted.max()
+
+
+def test_a_reaction_that_cannot_be_told_is_refused() -> None:
+    gauge = '[sensors]\ngauge = { measures = "reaction(right)", unit = "N" }\n'
+    with pytest.raises(InputError, match=r"sensors.gauge.measures: constraints.right repeats"):
+        build(parse_model(PARALLELOGRAM + gauge))
