@@ -11,9 +11,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import lsq_linear
 
 from symhyb.discrepancy.anchors import anchored, off_anchor
+from symhyb.discrepancy.normal import bounded_step, inverse_of
 from symhyb.discrepancy.windows import Laid, correlation_time
 from symhyb.numeric.buffers import Array
 from symhyb.numeric.windows import WindowModel
@@ -28,7 +28,6 @@ SHARES_ALONE = (1.0, 0.3, 0.0)  # where no parameter moves with it
 HELD_ROUNDS = 2  # of steps for the initial states alone, when the parameters stand
 ROUNDS = 3  # of both
 SETTLED = 0.01  # of the cost: if settling takes more, the parameters move again
-UNSEEN = 1e-13  # of the largest eigenvalue of a scaled normal matrix
 
 
 @dataclass(frozen=True, slots=True)
@@ -330,7 +329,7 @@ def _step(
         used = _project(part)[3][part.used]
         gram = gram + np.einsum("wai,waj->ij", used[..., :count], used[..., :count])
         right = right + np.einsum("wai,wa->i", used[..., :count], used[..., count])
-    change = _bounded(gram, right, damping, task.lower - values, task.upper - values)
+    change = bounded_step(gram, right, damping, task.lower - values, task.upper - values)
     predicted = float(2 * right @ change - change @ gram @ change)
     steps = [_start_step(part, change, damping) for part in parts]
     predicted += sum(gain for _, gain in steps)
@@ -348,25 +347,6 @@ def _start_step(part: _Part, change: Array, damping: float) -> tuple[Array, floa
     solved = np.linalg.solve(triangle, (share * along - reply)[..., None])[..., 0]
     gain = (1 - (1 - share) ** 2) * float(np.sum(along[part.used] ** 2))
     return part.lifted(solved / scale[:, 0]), gain
-
-
-def _bounded(gram: Array, right: Array, damping: float, lower: Array, upper: Array) -> Array:
-    """Minimise ½ xᵀ G x − rᵀ x within bounds, columns scaled to unit length."""
-    if right.size == 0:
-        return np.zeros(0)
-    scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
-    unit = gram / np.outer(scale, scale) + (damping + 1e-12) * np.eye(right.size)
-    triangle = np.linalg.cholesky(unit + 1e-12 * np.eye(right.size)).T
-    target = np.linalg.solve(triangle.T, right / scale)
-    x = np.linalg.solve(triangle, target)
-    low, high = lower * scale, upper * scale
-    if np.any(x < low) or np.any(x > high):
-        room = np.maximum(high - low, 1e-300)
-        low, high = low - 1e-12 * room, high + 1e-12 * room
-        x = np.clip(
-            lsq_linear(triangle, target, bounds=(low, high)).x, lower * scale, upper * scale
-        )
-    return np.asarray(x / scale)
 
 
 def _finish(
@@ -390,23 +370,11 @@ def _finish(
     degrees = max(float((seen - states)[~held].sum()) - count, 1.0)
     floor = max(item.floor for item in task.laid)
     scale = max(float(chi2[~held].sum()) / degrees, floor)
-    covariance = _inverse(gram) * scale * correlation
+    covariance = inverse_of(gram) * scale * correlation
     return Fit(
         values, covariance, chi2, seen - states, held, correlation, tuple(starts), floor=floor,
         prior=float(np.sum(((values - task.mean) / task.spread) ** 2)),
     )  # fmt: skip
-
-
-def _inverse(gram: Array) -> Array:
-    if gram.size == 0:
-        return gram
-    scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
-    balance = np.outer(scale, scale)
-    power, axes = np.linalg.eigh(gram / balance)
-    # a direction that the data do not see is as uncertain as numbers go, not certain
-    weight = 1 / np.maximum(power, max(UNSEEN * power[-1], UNSEEN**2))
-    with np.errstate(over="ignore"):  # a number that does nothing is as uncertain as can be
-        return np.asarray((axes * weight) @ axes.T / balance)
 
 
 def _failed(task: Task, starts: list[Array], values: Array, reason: str) -> Fit:

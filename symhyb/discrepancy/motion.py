@@ -17,9 +17,9 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from symhyb.data.recording import Recording
-from symhyb.discrepancy.independent import Independent, independent
-from symhyb.discrepancy.splines import bands, design, ridge, spline_basis
-from symhyb.discrepancy.tracking import tracked
+from symhyb.discrepancy.independent import Independent, independent, placed_with
+from symhyb.discrepancy.splines import bands, design, ridge, spline_basis, swings
+from symhyb.discrepancy.tracking import firmness, tracked
 from symhyb.errors import InputError, Problem
 from symhyb.model.expression import parse_expression, readings
 from symhyb.model.types import Energy, Model, Sensor
@@ -33,9 +33,7 @@ GUIDE_FIRST = 0.01  # of what acts: the force that a model may lack at first, wh
 GUIDE_LEAST, GUIDE_MOST = 0.02, 0.5  # of what acts, afterwards
 GUIDE_ROUNDS = 3
 GUIDE_KNOTS = 4  # samples
-SHARE_LEAST = 1e-3  # of what a coordinate moves from sample to sample: its noise at least
 WORSE_MOST = 3  # spacings in a row that are worse than the best: stop
-SWING_MOST = np.pi / 2  # RMS speed over that from sample to sample: a sine of two samples a period
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -185,7 +183,8 @@ def _smoothed(
         first = tracked(machine, y, u, t, weights)
         few = None if blind else independent(machine, first, t)
     if machine.constraints and first is not None and few is None:
-        held = _held(machine, first, t)
+        noise = np.nan_to_num([noise_level(column) for column in first.T])
+        held = firmness(machine, first, t, noise)
         y = np.concatenate([y, np.zeros((t.size, held.size))], axis=1)
         weights = np.concatenate([weights, held])
     if blind:
@@ -221,19 +220,6 @@ def _smoothed(
     return Motion(t, q, v, a, q_sd, v_sd, a_sd, spread, fit.spacing, blind)
 
 
-def _held(machine: Machine, q: Array, t: Array) -> Array:
-    """How much constraints count in the fit of splines, 1/sd (c,), SI, along places (N, n) that
-    were followed sample by sample: a spline cannot meet them to the last digit, so they are met
-    as closely as the noise of these places would move them. What is left is closed afterwards."""
-    still = np.zeros_like(q)
-    slope = gaps_of(machine, q, still, still, t, machine.values).slope
-    size = np.sqrt(np.mean(slope**2, axis=0))
-    noise = np.nan_to_num([noise_level(column) for column in q.T])
-    least = SHARE_LEAST * np.std(np.diff(q, axis=0), axis=0)
-    level = np.max(size * np.maximum(noise, least), axis=1)
-    return np.asarray(1 / np.where(level > 0, level, 1.0))
-
-
 def _unplaced(recording: Recording, machine: Machine, y: Array, u: Array) -> tuple[str, ...]:
     """The coordinates whose place no sensor of the recording shows."""
     coordinates = machine.model.coordinates
@@ -246,22 +232,8 @@ def _unplaced(recording: Recording, machine: Machine, y: Array, u: Array) -> tup
         raise InputError(Problem(text, "sensors", recording.name))
     power = np.atleast_1d(np.abs(slopes[0][:, recorded]).sum(axis=(0, 1)))
     if machine.constraints:
-        power = _placed_with(machine, rows, recording.t, slopes[0][:, recorded])
+        power = placed_with(machine, rows, recording.t, slopes[0][:, recorded])
     return tuple(c.name for c, seen in zip(coordinates, power, strict=True) if not seen > 0)
-
-
-def _placed_with(machine: Machine, q: Array, t: Array, shown: Array) -> Array:
-    """How far sensors of slopes (N, m, n) and constraints together place each coordinate (n,), at a
-    few samples: 1 what they tell, 0 what they leave open."""
-    rows = np.unique(np.linspace(0, min(t.size - 1, 50), 5).astype(int))
-    still = np.zeros_like(q[rows])
-    slope = gaps_of(machine, q[rows], still, still, t[rows], machine.values).slope
-    placed = np.zeros(machine.n)
-    for both in np.concatenate([shown[rows], slope], axis=1):
-        scaled = both / np.maximum(np.linalg.norm(both, axis=1, keepdims=True), 1e-300)
-        told = np.linalg.pinv(scaled, rcond=1e-6) @ scaled
-        placed = np.maximum(placed, np.diag(told) > 1 - 1e-6)
-    return placed
 
 
 def _guide(
@@ -369,7 +341,7 @@ def _fit(
     cost = float(np.nansum((residual * weights) ** 2))
     free = max(count - n * size, 1)
     criterion = count * np.log(max(cost, 1e-300) / count) + n * size * np.log(count)
-    if free < 0.15 * count or _swings(t, q, v):
+    if free < 0.15 * count or swings(t, q, v):
         criterion = np.inf
     spreads = bands(basis, normal, n)
     return _Fit(list(coefficients), basis, residual, cost / free, spreads, criterion, spacing)
@@ -385,13 +357,6 @@ def _seen(
     full = few.complete(motion)
     y, slopes = _sense(machine, *full, u, t, closing=False)
     return y, few.lifted(full, slopes)
-
-
-def _swings(t: Array, q: Array, v: Array) -> bool:
-    """Whether a spline through few samples swings between them: its speeds (N, n) are then larger
-    than places (N, n) at the times (N,) can tell."""
-    seen = np.sqrt(np.mean(np.square(np.diff(q, axis=0) / np.diff(t)[:, None]), axis=0))
-    return bool(np.any(np.sqrt(np.mean(v**2, axis=0)) > SWING_MOST * seen))
 
 
 def _weights(y: Array, sd: Array) -> Array:

@@ -12,12 +12,13 @@ from numpy.typing import NDArray
 
 from symhyb.numeric.buffers import Array, call
 from symhyb.numeric.machine import Machine
-from symhyb.numeric.manifold import shown_at
+from symhyb.numeric.manifold import gaps_of, shown_at
 
 ROWS_MOST = 3000
 APPROACH = 40  # steps from the declared start to where the recording begins
 ROUNDS = 4
 HOLD = 1e-3  # of a sensor's weight: how much the motion before counts
+SHARE_LEAST = 1e-3  # of what a coordinate moves from sample to sample: its noise at least
 FIRM = 1e3  # how much more a constraint counts than a sensor
 
 
@@ -72,3 +73,16 @@ def _placed(machine: Machine, q: Array, y: Array, u: Array, t: float, weights: A
         if np.abs(step).max() <= 1e-6 * (1 + np.abs(q).max()):
             break
     return q if np.isfinite(q).all() else before
+
+
+def firmness(machine: Machine, q: Array, t: Array, noise: Array) -> Array:
+    """How much constraints count in the fit of splines, 1/sd (c,), SI, along places (N, n) that
+    were followed sample by sample: a spline cannot meet them to the last digit, so they are met
+    as closely as the ``noise`` (n,) of these places would move them. What is left is closed
+    afterwards."""
+    still = np.zeros_like(q)
+    slope = gaps_of(machine, q, still, still, t, machine.values).slope
+    size = np.sqrt(np.mean(slope**2, axis=0))
+    least = SHARE_LEAST * np.std(np.diff(q, axis=0), axis=0)
+    level = np.max(size * np.maximum(noise, least), axis=1)
+    return np.asarray(1 / np.where(level > 0, level, 1.0))
