@@ -68,7 +68,7 @@ def compare(machine: Machine, recording: Recording) -> Discrepancy:
         if np.isfinite(sd)
     }
     notes = (
-        *machine.notes,
+        *held_notes(machine),
         *recording.notes,
         *blind_notes(motion),
         *noise_notes(machine.model, noise),
@@ -107,6 +107,12 @@ def force_band(machine: Machine, motion: Motion, course: Course) -> Array:
             change = discrepancy(machine, replace(course, **{name: moved}), machine.values) - base
             total += change**2
     return np.sqrt(total)
+
+
+def held_notes(machine: Machine) -> tuple[str, ...]:
+    """Say which constraints are left out because they repeat others."""
+    found = machine.model.assembly
+    return () if found is None else found.notes
 
 
 def blind_notes(motion: Motion) -> tuple[str, ...]:

@@ -54,10 +54,12 @@ class Constraint:
 class Assembly:
     """Where a model with constraints closes: places ``q`` and speeds ``v`` (n each, SI) near the
     start that the file states, the ``rows`` of constraints that are held, those that repeat others
-    and are ``left_out`` (by label, ``rod`` or ``pin.x``), and ``notes`` on both."""
+    and are ``left_out`` (by label, ``rod`` or ``pin.x``), sentences on the ``moves`` of the start,
+    and ``notes`` on what is left out."""
 
     q: tuple[float, ...]
     v: tuple[float, ...]
     rows: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()
+    moves: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()

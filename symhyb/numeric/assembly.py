@@ -75,9 +75,11 @@ def assembled(model: Model) -> Model:
         return model
     left_out, notes = _repeated(gaps, q_closed)
     _require_told(model, left_out)
-    notes = (*_moves(model, q_closed, v_closed), *notes)
+    moves = _moves(model, q_closed, v_closed)
     rows = tuple(label for label in gaps.labels if label not in left_out)
-    found = Assembly(tuple(q_closed.tolist()), tuple(v_closed.tolist()), rows, left_out, notes)
+    found = Assembly(
+        tuple(q_closed.tolist()), tuple(v_closed.tolist()), rows, left_out, moves, notes
+    )
     return replace(model, assembly=found)
 
 

@@ -107,7 +107,8 @@ class Machine:
     @property
     def notes(self) -> tuple[str, ...]:
         """What was moved or left out so that constraints close."""
-        return () if self.model.assembly is None else self.model.assembly.notes
+        found = self.model.assembly
+        return () if found is None else (*found.moves, *found.notes)
 
     @property
     def free(self) -> tuple[int, ...]:
