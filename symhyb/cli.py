@@ -142,6 +142,7 @@ def simulate(
     with progress() as say:
         say("simulating")
         machine, scenario, run = run_model(declared, driven, end, step)
+    warn(machine.notes)
     with staged(output.parent) as part:
         (part / output.name).write_text(run_table(machine, scenario, run), encoding="utf-8")
     print(f"{output}: {run.t.size} rows from {run.t[0]:g} to {run.t[-1]:g} s")

@@ -25,6 +25,7 @@ from symhyb.discrepancy.wording import (
 )
 from symhyb.errors import InputError, Problem
 from symhyb.expected import Check
+from symhyb.model.constraints import Constraint
 from symhyb.model.types import Model, On, Parameter, place_text
 from symhyb.model.vocabulary import force_unit
 from symhyb.report.contract import finite
@@ -91,6 +92,7 @@ def print_model(model: Model) -> None:
         "parameters": [_parameter(parameter) for parameter in model.all_parameters()],
         "inputs": [f"{item.name} [{item.unit}]" for item in model.inputs],
         "bodies": [body.name for body in model.bodies],
+        "constraints": [_constraint(item) for item in model.constraints],
         "elements": [f"{e.name} ({e.kind} {place_text(e.place)})" for e in model.elements],
         "sensors": [f"{s.name} [{s.unit}] measures {s.measures}" for s in model.sensors],
     }
@@ -100,6 +102,11 @@ def print_model(model: Model) -> None:
     for section, parts in said.items():
         if parts:
             print(f"  {section}: {', '.join(parts)}")
+
+
+def _constraint(item: Constraint) -> str:
+    of = f" of {' and '.join(item.names)}" if item.names else ""
+    return f"{item.name} ({item.kind}{of})"
 
 
 def model_facts(model: Model) -> dict[str, Any]:
@@ -114,6 +121,9 @@ def model_facts(model: Model) -> dict[str, Any]:
         },
         "inputs": {item.name: {"unit": item.unit.text} for item in model.inputs},
         "bodies": [body.name for body in model.bodies],
+        "constraints": {
+            item.name: {"kind": item.kind, "of": list(item.names)} for item in model.constraints
+        },
         "elements": {
             e.name: {"kind": e.kind, "place": place_text(e.place)} for e in model.elements
         },

@@ -60,9 +60,8 @@ def run_model(
     else:
         t_u, u = driven.t, acting(driven, machine)
         given = given_motion(driven, machine) if machine.imposed else None
-    start = [coordinate.start * coordinate.unit.factor for coordinate in model.coordinates]
-    rate = [coordinate.start_rate * coordinate.unit.factor for coordinate in model.coordinates]
-    scenario = Scenario(t, np.array(start), np.array(rate), t_u, u, given=given)
+    q, v = (np.array(part) for part in machine.model.start())
+    scenario = Scenario(t, q, v, t_u, u, given=given)
     run = simulate(machine, scenario)
     if not run.complete:
         raise NumericsError(run.reason)

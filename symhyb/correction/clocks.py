@@ -152,7 +152,7 @@ def _windows(
         item = item.suited(model.machine)
         linear = model.along(item.block, item.states, model.machine.values)
         residual = item.block.y - linear.output - linear.from_defect()
-        starts = linear.from_start()[..., : 2 * len(model.form.free)]
+        starts = linear.from_start()[..., : model.form.moving]
         columns = linear.from_free()[..., list(delays)]
         parts.append(reduce(residual, starts, columns, setting.sd, item.held))
         times.append(item.block.t.mean(axis=1) - item.source[0].t[0])

@@ -29,7 +29,13 @@ from symhyb.discrepancy.formula import LAW, WARNING, law_text
 from symhyb.discrepancy.hypotheses import Hypothesis
 from symhyb.discrepancy.locate import activity
 from symhyb.discrepancy.occurrence import MISMATCH
-from symhyb.discrepancy.residual import blind_notes, discrepancy, force_band, noise_notes
+from symhyb.discrepancy.residual import (
+    blind_notes,
+    discrepancy,
+    force_band,
+    held_notes,
+    noise_notes,
+)
 from symhyb.discrepancy.results import (
     Activity,
     Cloud,
@@ -95,6 +101,7 @@ def concluded(
 def _run_notes(prepared: Prepared) -> tuple[str, ...]:
     """What was handled in the recordings, each said once."""
     said = [(*run.recording.notes, *blind_notes(run.motion)) for run in prepared.runs]
+    said.append(held_notes(prepared.machine))
     return tuple(dict.fromkeys(note for notes in said for note in notes))
 
 

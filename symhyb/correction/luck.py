@@ -64,7 +64,7 @@ def _basis(model: WindowModel, item: Laid, trial: Refined, which: int, sd: Array
     with np.errstate(over="ignore", invalid="ignore"):
         reply = model.differentiate(suited.block, start, p).from_start()
     weight = np.where(np.isfinite(suited.block.y), 1 / sd, 0.0)[..., None]
-    flat = (reply[..., : 2 * len(model.form.free)] * weight)[~suited.held]
+    flat = (reply[..., : model.form.moving] * weight)[~suited.held]
     flat = flat.reshape(flat.shape[0], -1, flat.shape[3])
     scale = np.maximum(np.linalg.norm(flat, axis=1, keepdims=True), 1e-300)
     return np.linalg.qr(np.nan_to_num(flat / scale))[0]

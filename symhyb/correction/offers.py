@@ -15,6 +15,8 @@ from symhyb.correction.signals import SMOOTH
 from symhyb.discrepancy.results import Manoeuvre, SignalName
 from symhyb.model.types import Coordinate, Input
 from symhyb.numeric.buffers import Array, call
+from symhyb.numeric.dynamics import state_form
+from symhyb.numeric.linear import free_slope
 from symhyb.numeric.machine import Machine
 
 FACTORS = (0.3, 1.0, 2.0, 3.0)  # of the amplitude that was recorded
@@ -126,6 +128,8 @@ def natural_frequencies(prepared: Prepared, machine: Machine) -> tuple[float, ..
     free, p = list(machine.free), machine.values
     if not free:
         return ()
+    if machine.constraints:  # the median of a loop need not close, and its reactions hold it too
+        return _swings_closed(prepared, machine)
     z = call(machine.inner_rest, (q, 0.0, p))[0].reshape(-1)
     u = np.array([resting(prepared, item.name) for item in machine.model.inputs])
 
@@ -141,6 +145,20 @@ def natural_frequencies(prepared: Prepared, machine: Machine) -> tuple[float, ..
     (mass,) = call(machine.M, (q, 0.0, p))
     roots = np.linalg.eigvals(np.linalg.solve(mass[np.ix_(free, free)], stiffness)).real
     return tuple(sorted(float(np.sqrt(root)) / (2 * np.pi) for root in roots if root > 0))
+
+
+def _swings_closed(prepared: Prepared, machine: Machine) -> tuple[float, ...]:
+    """The same from the linearised machine, in the directions that constraints leave, at the
+    sample nearest to the median."""
+    places, form = np.concatenate([run.motion.q for run in prepared.runs]), state_form(machine)
+    apart = np.abs(places - np.median(places, axis=0)) / np.maximum(np.ptp(places, axis=0), 1e-12)
+    q, p = places[int(np.argmin(apart.sum(axis=1)))], machine.values
+    z = call(machine.inner_rest, (q, 0.0, p))[0].reshape(-1)
+    u = np.array([resting(prepared, item.name) for item in machine.model.inputs])
+    still = np.zeros_like(q)
+    slope = free_slope(form, form.state(q, still, z), form.driven(u, q, still, still), 0.0, p)
+    roots = np.linalg.eigvals(slope)
+    return tuple(sorted(float(abs(root)) / (2 * np.pi) for root in roots if root.imag > 0))
 
 
 def _channels(prepared: Prepared, machine: Machine) -> Iterator[tuple[str, str, float, float]]:

@@ -249,7 +249,7 @@ def _calm(prepared: Prepared, item: Laid) -> NDArray[np.bool_]:
     if half == 0:  # all motion is given
         return np.ones(len(item.start), bool)
     linear = model.along(item.block, item.states, prepared.machine.values)
-    reply = linear.from_start()[..., : 2 * half] / prepared.sd[:, None]
+    reply = linear.from_states()[..., : 2 * half] / prepared.sd[:, None]
     reply = reply * _errors(reply[:, 0, :, :half], item.states)
     coasting = np.repeat(reply[:, :1], reply.shape[1], axis=1)
     past = (item.block.t - item.block.t[:, :1])[..., None, None]

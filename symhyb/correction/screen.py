@@ -61,7 +61,7 @@ def screen(
         parts.append(
             reduce(
                 residual,
-                linear.from_start()[..., : 2 * len(model.form.free)],
+                linear.from_start()[..., : model.form.moving],
                 apart(np.concatenate(columns, axis=3), mine, i, len(laid)),
                 sd,
                 item.held,

@@ -38,8 +38,10 @@ def propose(
 
     ``laid`` are windows with smoothed motion, ``band_hz`` the highest modulation. Rows of every
     coordinate are scaled to equal weight, columns to unit length. The rows are never stored
-    together: they are reduced to a factor, block by block.
+    together: they are reduced to a factor, block by block. No proposals with constraints.
     """
+    if machine.constraints:  # the weak form holds their reactions, which nothing here knows
+        return ()
     from pysindy.optimizers import STLSQ
 
     names = [f"{h} {term}" for h in library.hypotheses for term in h.terms]

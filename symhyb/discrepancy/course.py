@@ -52,7 +52,7 @@ def _reaction(recording: Recording, machine: Machine) -> Array:
     names = [coordinate.name for coordinate in machine.model.coordinates]
     for sensor, column in zip(machine.model.sensors, measured(recording, machine).T, strict=True):
         match sensor.measures.tree:
-            case Reading("reaction", (name,)):
+            case Reading("reaction", (name,)) if name in names:
                 gain = 1.0 if sensor.gain is None else sensor.gain.si
                 offset = 0.0 if sensor.offset is None else sensor.offset.si
                 force[:, names.index(name)] = (column - offset) / gain

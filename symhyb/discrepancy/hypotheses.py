@@ -17,7 +17,8 @@ import numpy as np
 
 from symhyb.discrepancy.course import Course
 from symhyb.discrepancy.formula import LAW, law_element
-from symhyb.model.expression import parse_expression
+from symhyb.model.constraints import Constraint
+from symhyb.model.expression import names, parse_expression
 from symhyb.model.space import quaternion_parts
 from symhyb.model.types import (
     Between,
@@ -33,6 +34,7 @@ from symhyb.model.types import (
 from symhyb.model.vocabulary import key_unit
 from symhyb.numeric.buffers import Array, call
 from symhyb.numeric.machine import Machine, build
+from symhyb.numeric.manifold import free_part
 from symhyb.numeric.vector import along
 from symhyb.units import ONE, parse_unit
 
@@ -209,14 +211,27 @@ def _stated(channel: Channel) -> Channel:
 
 def places_of(model: Model) -> tuple[Place, ...]:
     """Places worth a hypothesis: every coordinate (but the parts of a quaternion, of which no force
-    has one alone) and, where a machine has several, every pair of points that an element joins."""
+    has one alone) and, where a machine has several, every pair of points that an element joins.
+    What a gear or a wheel turns moves as its partner does."""
     parts = quaternion_parts(model)
-    places: list[Place] = [On(c.name) for c in model.coordinates if c.name not in parts]
+    turned = {
+        item.names[1]
+        for item in model.constraints
+        if item.kind in ("gear", "rolling") and not _moving(item, model)
+    }
+    left = [c.name for c in model.coordinates if c.name not in parts and c.name not in turned]
+    places: list[Place] = [On(name) for name in left]
     if len(model.coordinates) > 1:
         for element in model.elements:
             if isinstance(element.place, Between) and element.place not in places:
                 places.append(element.place)
     return tuple(places)
+
+
+def _moving(item: Constraint, model: Model) -> bool:
+    """Whether the ratio of a gear or the radius of a wheel changes as it moves."""
+    used = {name.name for _, value in item.values for name in names(value)}
+    return bool(used & {"t", *(c.name for c in model.coordinates)})
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -260,6 +275,7 @@ def _forces_along(library: Library, course: Course) -> Array:
     (carried,) = along(machine.carried, (c.q, c.v, c.a, c.t, machine.values), (4,), c.t.size)
     flat = flat + carried
     forces = np.ascontiguousarray(flat.reshape(c.t.size, -1, machine.n).swapaxes(1, 2))
+    forces = free_part(machine, c.q, c.t, machine.values, forces)
     forces[:, :, ~np.isfinite(forces).all(axis=(0, 1))] = 0.0
     return forces
 
@@ -284,7 +300,7 @@ def natural_length(model: Model, place: Between) -> float:
     """The length of the spring between two points, else their distance at the start, m."""
     gauge = Element("gauge", "spring", place, ())
     machine = build(replace(model, elements=(*model.elements, gauge)), keep=False)
-    start = np.array([c.start * c.unit.factor for c in model.coordinates])
+    start = np.array(machine.model.start()[0])
     stretch, *_ = call(machine.pathways, (start, np.zeros_like(start), 0.0, machine.values))
     distance = float(stretch[0, -1])
     for i, element in enumerate(model.elements):

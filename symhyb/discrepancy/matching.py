@@ -11,9 +11,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import lsq_linear
 
 from symhyb.discrepancy.anchors import anchored, off_anchor
+from symhyb.discrepancy.normal import bounded_step, inverse_of
 from symhyb.discrepancy.windows import Laid, correlation_time
 from symhyb.numeric.buffers import Array
 from symhyb.numeric.windows import WindowModel
@@ -28,7 +28,6 @@ SHARES_ALONE = (1.0, 0.3, 0.0)  # where no parameter moves with it
 HELD_ROUNDS = 2  # of steps for the initial states alone, when the parameters stand
 ROUNDS = 3  # of both
 SETTLED = 0.01  # of the cost: if settling takes more, the parameters move again
-UNSEEN = 1e-13  # of the largest eigenvalue of a scaled normal matrix
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,12 +104,18 @@ class Task:
 @dataclass(frozen=True, slots=True)
 class _Part:
     """One recording, whitened: residual (W, L·m), by starts (W, L·m, X), by parameters
-    (W, L·m, F); ``used`` (W,), True where a window determines the parameters."""
+    (W, L·m, F); ``used`` (W,), True where a window determines the parameters. With constraints
+    starts move along R directions only, those of ``lift`` (W, X, R)."""
 
     residual: Array
     by_start: Array
     by_free: Array
     used: NDArray[np.bool_]
+    lift: Array | None = None
+
+    def lifted(self, step: Array) -> Array:
+        """A step of the initial states (W, X) from one along their free directions."""
+        return step if self.lift is None else (self.lift @ step[..., None])[..., 0]
 
 
 def starts_only(laid: Laid, sd: Array) -> Task:
@@ -129,6 +134,7 @@ def fit(model: WindowModel, task: Task, p: Array, starts: Sequence[Array] | None
     first = p[list(model.free)] if task.first is None else task.first
     values = np.clip(first, task.lower, task.upper)
     now = [item.start for item in task.laid] if starts is None else list(starts)
+    now = _on_constraints(model, task, p, values, now)
     cost = _cost(model, task, p, values, now)
     if not np.isfinite(cost):
         return _failed(task, now, values, "the simulation grew without bound")
@@ -141,6 +147,16 @@ def fit(model: WindowModel, task: Task, p: Array, starts: Sequence[Array] | None
         cost = settled
     inner = model.machine.inner_states
     return _finish(task, _linearise(model, task, p, values, now), values, now, inner)
+
+
+def _on_constraints(
+    model: WindowModel, task: Task, p: Array, values: Array, starts: Sequence[Array]
+) -> list[Array]:
+    """Initial states moved onto the constraints of the machine, if it has any."""
+    return [
+        model.closed(item.block, start, task.filled(i, p, model.free, values))
+        for i, (item, start) in enumerate(zip(task.laid, starts, strict=True))
+    ]
 
 
 def _descended(
@@ -186,7 +202,8 @@ def _tried(
     for i, (item, start, move) in enumerate(zip(task.laid, starts, moved, strict=True)):
         full = task.filled(i, p, model.free, values)
         used = np.ones(len(start), bool) if task.everything else ~item.held
-        begins = [start + share * move for share in (SHARES if values.size else SHARES_ALONE)]
+        shares = SHARES if values.size else SHARES_ALONE
+        begins = [model.closed(item.block, start + share * move, full) for share in shares]
         costs = np.stack([_squares(model, item, full, begin, task.sd) for begin in begins])
         costs = np.where(np.isfinite(costs), costs, np.inf)
         best = np.argmin(costs, axis=0)
@@ -207,6 +224,7 @@ def _settled(
         for i, (item, part) in enumerate(zip(task.laid, parts, strict=True)):
             full = task.filled(i, p, model.free, values)
             ahead = now[i] + _start_step(part, still, 0.0)[0]
+            ahead = model.closed(item.block, ahead, full)
             after = _squares(model, item, full, ahead, task.sd)
             with np.errstate(over="ignore"):
                 better = after < np.sum(part.residual**2, axis=1)
@@ -254,6 +272,7 @@ def _linearise(
             by_start.reshape(windows, length * m, -1) * weight,
             by_free.reshape(windows, length * m, -1) * weight,
             used,
+            linear.begin,
         )
         part = _held_back(part, model, item, full, start)
         parts.append(_spread_out(part, task.own[i], values.size) if task.own else part)
@@ -273,14 +292,16 @@ def _held_back(part: _Part, model: WindowModel, item: Laid, p: Array, start: Arr
     windows, states = start.shape
     if states == first:
         return part
-    anchor = anchored(model, item, p, slopes=True)
-    by_start = np.zeros((windows, states - first, states))
-    by_start[:, :, first:] = np.diag(1 / anchor.spread)
+    anchor, inner = anchored(model, item, p, slopes=True), states - first
+    columns = part.by_start.shape[2]
+    by_start = np.zeros((windows, inner, columns))
+    by_start[:, :, columns - inner :] = np.diag(1 / anchor.spread)
     return _Part(
         np.concatenate([part.residual, (anchor.z - start[:, first:]) / anchor.spread], axis=1),
         np.concatenate([part.by_start, by_start], axis=1),
         np.concatenate([part.by_free, -anchor.by_free / anchor.spread[:, None]], axis=1),
         part.used,
+        part.lift,
     )
 
 
@@ -308,7 +329,7 @@ def _step(
         used = _project(part)[3][part.used]
         gram = gram + np.einsum("wai,waj->ij", used[..., :count], used[..., :count])
         right = right + np.einsum("wai,wa->i", used[..., :count], used[..., count])
-    change = _bounded(gram, right, damping, task.lower - values, task.upper - values)
+    change = bounded_step(gram, right, damping, task.lower - values, task.upper - values)
     predicted = float(2 * right @ change - change @ gram @ change)
     steps = [_start_step(part, change, damping) for part in parts]
     predicted += sum(gain for _, gain in steps)
@@ -325,26 +346,7 @@ def _start_step(part: _Part, change: Array, damping: float) -> tuple[Array, floa
     reply = (across @ (part.by_free @ change)[..., None])[..., 0]
     solved = np.linalg.solve(triangle, (share * along - reply)[..., None])[..., 0]
     gain = (1 - (1 - share) ** 2) * float(np.sum(along[part.used] ** 2))
-    return solved / scale[:, 0], gain
-
-
-def _bounded(gram: Array, right: Array, damping: float, lower: Array, upper: Array) -> Array:
-    """Minimise ½ xᵀ G x − rᵀ x within bounds, columns scaled to unit length."""
-    if right.size == 0:
-        return np.zeros(0)
-    scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
-    unit = gram / np.outer(scale, scale) + (damping + 1e-12) * np.eye(right.size)
-    triangle = np.linalg.cholesky(unit + 1e-12 * np.eye(right.size)).T
-    target = np.linalg.solve(triangle.T, right / scale)
-    x = np.linalg.solve(triangle, target)
-    low, high = lower * scale, upper * scale
-    if np.any(x < low) or np.any(x > high):
-        room = np.maximum(high - low, 1e-300)
-        low, high = low - 1e-12 * room, high + 1e-12 * room
-        x = np.clip(
-            lsq_linear(triangle, target, bounds=(low, high)).x, lower * scale, upper * scale
-        )
-    return np.asarray(x / scale)
+    return part.lifted(solved / scale[:, 0]), gain
 
 
 def _finish(
@@ -358,7 +360,7 @@ def _finish(
     chi2 = np.where(np.isfinite(chi2), chi2, np.inf)
     seen = np.concatenate([np.isfinite(i.block.y).sum(axis=(1, 2)) for i in task.laid])
     held = np.concatenate([~part.used for part in parts])
-    states = task.laid[0].start.shape[1] - inner
+    states = parts[0].by_start.shape[2] - inner
     used = [j[part.used] for j, part in zip(joined, parts, strict=True)]
     shown = [j[:, : j.shape[1] - inner, count] for j in used]
     correlation = correlation_time(shown, task.laid[0].block.y.shape[2])
@@ -368,23 +370,11 @@ def _finish(
     degrees = max(float((seen - states)[~held].sum()) - count, 1.0)
     floor = max(item.floor for item in task.laid)
     scale = max(float(chi2[~held].sum()) / degrees, floor)
-    covariance = _inverse(gram) * scale * correlation
+    covariance = inverse_of(gram) * scale * correlation
     return Fit(
         values, covariance, chi2, seen - states, held, correlation, tuple(starts), floor=floor,
         prior=float(np.sum(((values - task.mean) / task.spread) ** 2)),
     )  # fmt: skip
-
-
-def _inverse(gram: Array) -> Array:
-    if gram.size == 0:
-        return gram
-    scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
-    balance = np.outer(scale, scale)
-    power, axes = np.linalg.eigh(gram / balance)
-    # a direction that the data do not see is as uncertain as numbers go, not certain
-    weight = 1 / np.maximum(power, max(UNSEEN * power[-1], UNSEEN**2))
-    with np.errstate(over="ignore"):  # a number that does nothing is as uncertain as can be
-        return np.asarray((axes * weight) @ axes.T / balance)
 
 
 def _failed(task: Task, starts: list[Array], values: Array, reason: str) -> Fit:

@@ -19,6 +19,7 @@ from symhyb.discrepancy.residual import discrepancy, force_band
 from symhyb.discrepancy.runs import Run
 from symhyb.numeric.buffers import Array
 from symhyb.numeric.machine import Machine
+from symhyb.numeric.manifold import free_part
 from symhyb.numeric.vector import along
 
 TRIMMED = 0.04  # of a recording at either end, where splines are wild
@@ -97,11 +98,14 @@ def _forces(machine: Machine, run: Run) -> _Forces:
     (k_e,) = along(machine.k_e, given, (5,), count)
     (flat,) = along(machine.elements, given, (5,), count)
     elements = flat.reshape(count, -1, machine.n).swapaxes(1, 2)
+    k_e, elements = (free_part(machine, c.q, c.t, machine.values, f) for f in (k_e, elements))
     lacking = discrepancy(machine, c, machine.values)
     rest, inertia = k_e - elements.sum(axis=2), lacking + k_e
     acting = np.concatenate([elements, inertia[..., None], rest[..., None]], axis=2)[rows][:, free]
     noise = force_band(machine, run.motion, c)[rows][:, free]
     ordinary = list(_laws(c, free, rows, acting[..., -2]))
+    if machine.constraints:
+        ordinary = [(_held(machine, c, rows, f), low, high) for f, low, high in ordinary]
     ordinary += [(acting[..., e], -GAIN_REACH, GAIN_REACH) for e in range(acting.shape[2])]
     return _Forces(
         lacking[rows][:, free],
@@ -111,6 +115,14 @@ def _forces(machine: Machine, run: Run) -> _Forces:
         np.array([low for _, low, _ in ordinary]),
         np.array([high for _, _, high in ordinary]),
     )
+
+
+def _held(machine: Machine, c: Course, rows: slice, force: Array) -> Array:
+    """What constraints leave of a force (N, f) on the free coordinates at some rows of a course."""
+    free = list(machine.free)
+    whole = np.zeros((force.shape[0], machine.n))
+    whole[:, free] = force
+    return free_part(machine, c.q[rows], c.t[rows], machine.values, whole)[:, free]
 
 
 def _laws(c: Course, free: Sequence[int], rows: slice, inertia: Array) -> Iterator[Limited]:

@@ -14,8 +14,9 @@ from symhyb.model.types import Model
 from symhyb.numeric.buffers import Array, call
 from symhyb.numeric.dynamics import StateForm, state_form
 from symhyb.numeric.lengths import length_directions
-from symhyb.numeric.linear import Linearised, linearised
+from symhyb.numeric.linear import Linearised, free_basis, linearised
 from symhyb.numeric.machine import Machine, build
+from symhyb.numeric.manifold import free_part, gaps_of
 
 DRY = ("friction", "friction_dynamic")
 BALANCED = 1e-8  # of the forces at work: what may be left at a place of rest
@@ -70,7 +71,7 @@ def rest_position(machine: Machine, q: Array, u: Array, t: float = 0.0) -> Array
     def forces(places: Array) -> Array:
         at = q.copy()
         at[free] = places
-        return still_force(machine, at, u, t)[free]
+        return still_force(machine, at, u, t)[free] + scale * _held_open(machine, at, t)[free]
 
     scale = _at_work(machine, q, u, t)
     begin = forces(q[free])
@@ -97,7 +98,13 @@ def modes_at(machine: Machine, q: Array, u: Array, t: float = 0.0) -> tuple[Mode
     slopes = slopes_at(machine, q, u, t)
     if not np.isfinite(slopes.A).all():
         return ()
-    roots, vectors = np.linalg.eig(slopes.A)
+    form = state_form(machine)
+    basis = free_basis(form, *_resting(form, q, u, t), t, machine.values)
+    if basis is None:
+        roots, vectors = np.linalg.eig(slopes.A)
+    else:  # constraints leave these directions; in the others nothing swings
+        roots, few = np.linalg.eig(np.linalg.pinv(basis) @ slopes.A @ basis)
+        vectors = basis @ few
     scale = max(float(np.abs(roots).max(initial=0.0)), 1e-300)
     free = list(machine.free)
     names = [machine.model.coordinates[i].name for i in free]
@@ -128,7 +135,7 @@ def steady_slopes(machine: Machine, q: Array, u: Array, times: Array) -> bool:
 
 def start_of(model: Model) -> Array:
     """Where a model file says that simulations start, (n,) SI."""
-    return np.array([c.start * c.unit.factor for c in model.coordinates])
+    return np.array(model.start()[0])
 
 
 def _mode(value: complex, vector: Array, names: Sequence[str], scale: float) -> Mode:
@@ -170,12 +177,22 @@ def _resting(form: StateForm, q: Array, u: Array, t: float) -> tuple[Array, Arra
 
 def still_force(machine: Machine, q: Array, u: Array, t: float) -> Array:
     """k_e − k_c (n,) of a machine that stands still at q (n,) under inputs u (k,), SI: what would
-    set it in motion."""
+    set it in motion, the reactions of constraints taken off."""
     p, v = machine.values, np.zeros_like(q)
     (z,) = call(machine.inner_rest, (q, t, p))
     (pulls,) = call(machine.k_e, (q, v, z, u, t, p))
     (turns,) = call(machine.k_c, (q, v, t, p))
-    return np.asarray((pulls - turns).reshape(-1))
+    return free_part(machine, q[None], np.array([t]), p, pulls - turns).reshape(-1)
+
+
+def _held_open(machine: Machine, q: Array, t: float) -> Array:
+    """Jᵀc (n,) at q (n,), SI: zero only where the constraints hold, and never opposite to a force
+    in a free direction, so that the sum of both is zero where both are."""
+    if not machine.constraints:
+        return np.zeros_like(q)
+    still = np.zeros((1, q.size))
+    now = gaps_of(machine, q[None], still, still, np.array([t]), machine.values)
+    return np.asarray(now.slope[0].T @ now.gap[0])
 
 
 def _at_work(machine: Machine, q: Array, u: Array, t: float) -> float:

@@ -17,12 +17,15 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from symhyb.data.recording import Recording
-from symhyb.discrepancy.splines import bands, design, ridge, spline_basis
+from symhyb.discrepancy.independent import Independent, independent, placed_with
+from symhyb.discrepancy.splines import bands, design, ridge, spline_basis, swings
+from symhyb.discrepancy.tracking import firmness, tracked
 from symhyb.errors import InputError, Problem
 from symhyb.model.expression import parse_expression, readings
 from symhyb.model.types import Energy, Model, Quaternion, Sensor
 from symhyb.numeric.buffers import Array, call, later
 from symhyb.numeric.machine import Machine, build
+from symhyb.numeric.manifold import closed, gaps_of
 from symhyb.numeric.vector import along
 from symhyb.units import ONE
 
@@ -32,7 +35,6 @@ GUIDE_LEAST, GUIDE_MOST = 0.02, 0.5  # of what acts, afterwards
 GUIDE_ROUNDS = 3
 GUIDE_KNOTS = 4  # samples
 WORSE_MOST = 3  # spacings in a row that are worse than the best: stop
-SWING_MOST = np.pi / 2  # RMS speed over that from sample to sample: a sine of two samples a period
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -143,8 +145,9 @@ def given_motion(recording: Recording, machine: Machine) -> Array:
     model = machine.model
     imposed = tuple(c for c in model.coordinates if c.imposed)
     alone = replace(
-        model, coordinates=imposed, points=(), bodies=(), elements=(), sensors=(), energy=Energy()
-    )
+        model, coordinates=imposed, points=(), bodies=(), elements=(), sensors=(), energy=Energy(),
+        constraints=(), assembly=None,
+    )  # fmt: skip
     watching, shown = _watching(alone, recording)
     motion = _smoothed(shown, build(watching, keep=False))
     return np.concatenate([motion.q, motion.v, motion.a], axis=1)
@@ -188,15 +191,25 @@ def _smoothed(
     blind = _unplaced(recording, machine, y, u)
     sd = np.array([noise_level(column) for column in y.T])
     weights, watched = _weights(y, sd), len(sd)
+    first: Array | None = None
+    few: Independent | None = None
+    if machine.constraints:
+        first = tracked(machine, y, u, t, weights)
+        few = None if blind else independent(machine, first, t)
+    if machine.constraints and first is not None and few is None:
+        noise = np.nan_to_num([noise_level(column) for column in first.T])
+        held = firmness(machine, first, t, noise)
+        y = np.concatenate([y, np.zeros((t.size, held.size))], axis=1)
+        weights = np.concatenate([weights, held])
     if blind:
-        guide = _guide(machine, t, u, y, weights, step)
+        guide = _guide(machine, t, u, y, weights, step, first)
         y = np.concatenate([y, np.zeros((t.size, guide.size))], axis=1)
         weights = np.concatenate([weights, guide])
     fits: list[_Fit] = []
     for spacing in SPACINGS if spacings_s is None else [s / step for s in spacings_s]:
         if t.size < 4 * spacing or not np.isfinite(sd).any():
             break
-        fits.append(_fit(machine, t, u, y, weights, spacing * step))
+        fits.append(_fit(machine, t, u, y, weights, spacing * step, few or first))
         best = _best(fits)
         if np.isfinite(fits[best].criterion) and len(fits) - best > WORSE_MOST:
             break
@@ -207,27 +220,40 @@ def _smoothed(
     fit, narrower = fits[chosen], fits[max(chosen - 1, 0)]
     q, v, a = (np.column_stack([b @ c for c in fit.coefficients]) for b in fit.basis)
     q_sd, v_sd, a_sd = (_spread(order, fit, narrower) for order in range(3))
-    lost = machine.n * fit.basis[0].shape[1] / max(int(np.isfinite(fit.residual).sum()), 1)
+    lost = (
+        len(fit.coefficients) * fit.basis[0].shape[1] / max(int(np.isfinite(fit.residual).sum()), 1)
+    )
     shown = fit.residual[:, :watched].T
     spread = np.array([_rms(column) for column in shown]) / np.sqrt(1 - lost)
+    if few is not None:
+        q, v, a = few.complete((q, v, a))
+        q_sd, v_sd, a_sd = (few.spread((q, v, a), sd) for sd in (q_sd, v_sd, a_sd))
+    elif machine.constraints:
+        on = closed(machine, (q, v, a), t, machine.values, machine.imposed, q_sd**2)
+        q, v, a = on.q, on.v, on.a
     return Motion(t, q, v, a, q_sd, v_sd, a_sd, spread, fit.spacing, blind)
 
 
 def _unplaced(recording: Recording, machine: Machine, y: Array, u: Array) -> tuple[str, ...]:
     """The coordinates whose place no sensor of the recording shows."""
     coordinates = machine.model.coordinates
-    start = np.array([c.start * c.unit.factor for c in coordinates])
+    start = np.array(machine.model.start()[0])
     rows = start + 1e-3 * np.arange(1, recording.t.size + 1)[:, None]  # away from special places
-    _, slopes = _sense(machine, rows, rows, rows, u, recording.t)
+    _, slopes = _sense(machine, rows, rows, rows, u, recording.t, closing=False)
     recorded = np.isfinite(y).any(axis=0)
     if not recorded.any():
         text = "none of the model's sensors of motion has samples here"
         raise InputError(Problem(text, "sensors", recording.name))
     power = np.atleast_1d(np.abs(slopes[0][:, recorded]).sum(axis=(0, 1)))
+    if machine.constraints:
+        power = placed_with(machine, rows, recording.t, slopes[0][:, recorded])
     return tuple(c.name for c, seen in zip(coordinates, power, strict=True) if not seen > 0)
 
 
-def _guide(machine: Machine, t: Array, u: Array, y: Array, weights: Array, step: float) -> Array:
+def _guide(
+    machine: Machine, t: Array, u: Array, y: Array, weights: Array, step: float,
+    first: Array | None = None,
+) -> Array:  # fmt: skip
     """How much the model counts where sensors do not show a place: 1/sd (f,) of the force that it
     may lack on each free coordinate, SI.
 
@@ -235,19 +261,20 @@ def _guide(machine: Machine, t: Array, u: Array, y: Array, weights: Array, step:
     of what the seen accelerations take.
     """
     free = list(machine.free)
-    start = np.array([c.start * c.unit.factor for c in machine.model.coordinates])
+    start = np.array(machine.model.start()[0])
     still = np.tile(start, (t.size, 1))
     rest = np.zeros_like(still)
     guided = np.concatenate([y, np.zeros((t.size, len(free)))], axis=1)
     acts = _forces(machine, still, rest, u, t)[:, free]
     (mass,) = call(machine.M, (start, float(t[0]), machine.values))
-    plain = _fit(machine, t, u, y, weights, GUIDE_KNOTS * step)
+    plain = _fit(machine, t, u, y, weights, GUIDE_KNOTS * step, first)
     pulls = np.array([np.std(plain.basis[2] @ c) for c in plain.coefficients]) * np.diag(mass)
     moved = np.maximum(pulls[free], 1e-3 * np.diag(mass)[free])
     size = np.maximum(np.sqrt(np.mean(acts**2, axis=0)), moved)
     lacks = GUIDE_FIRST * size
     for _ in range(GUIDE_ROUNDS):
-        fit = _fit(machine, t, u, guided, np.concatenate([weights, 1 / lacks]), GUIDE_KNOTS * step)
+        weighed = np.concatenate([weights, 1 / lacks])
+        fit = _fit(machine, t, u, guided, weighed, GUIDE_KNOTS * step, first)
         q, v = (np.column_stack([b @ c for c in fit.coefficients]) for b in fit.basis[:2])
         acts = _forces(machine, q, v, u, t)[:, free]
         size = np.maximum(np.sqrt(np.mean(acts**2, axis=0)), pulls[free])
@@ -290,17 +317,28 @@ def _spread(order: int, fit: _Fit, narrower: _Fit) -> Array:
     return np.asarray(np.sqrt(noise + bias))
 
 
-def _fit(machine: Machine, t: Array, u: Array, y: Array, weights: Array, spacing: float) -> _Fit:
+def _fit(
+    machine: Machine, t: Array, u: Array, y: Array, weights: Array, spacing: float,
+    first: Array | Independent | None = None,
+) -> _Fit:  # fmt: skip
+    """Splines fitted to measurements, from the declared start or from places ``first`` (N, n); of
+    the independent coordinates alone where these are told."""
     basis = spline_basis(t, spacing)
-    n, size = machine.n, basis[0].shape[1]
-    starts = [c.start * c.unit.factor for c in machine.model.coordinates]
-    coefficients = np.repeat(np.array(starts)[:, None], size, axis=1)
-    used, guided = np.isfinite(y), y.shape[1] > len(machine.model.sensors)
+    few = first if isinstance(first, Independent) else None
+    n, size = machine.n if few is None else len(few.chosen), basis[0].shape[1]
+    starts = np.array(machine.model.start()[0])
+    coefficients = np.repeat(starts[:, None], size, axis=1)
+    if first is not None:
+        places = first if few is None else few.q[:, list(few.chosen)]
+        normal = sparse.csc_array(basis[0].T @ basis[0])
+        coefficients = splu(normal + ridge(normal)).solve(basis[0].T @ places).T
+    shown = len(machine.model.sensors) + (machine.constraints if few is None else 0)
+    used, guided = np.isfinite(y), y.shape[1] > shown
     residual = np.full(y.shape, np.nan)
     normal = sparse.csc_array((n * size, n * size))
     for _ in range(12):
         q, v, a = (np.column_stack([b @ c for c in coefficients]) for b in basis)
-        predicted, slopes = _sense(machine, q, v, a, u, t, guided)
+        predicted, slopes = _seen(machine, (q, v, a), u, t, guided, few)
         residual = np.where(used, y - predicted, np.nan)
         rows = design(basis, slopes, used, weights)
         target = (residual * weights).T[used.T]
@@ -312,22 +350,27 @@ def _fit(machine: Machine, t: Array, u: Array, y: Array, weights: Array, spacing
         if moved < 1e-9:
             break
     q, v, a = (np.column_stack([b @ c for c in coefficients]) for b in basis)
-    residual = np.where(used, y - _sense(machine, q, v, a, u, t, guided)[0], np.nan)
+    residual = np.where(used, y - _seen(machine, (q, v, a), u, t, guided, few)[0], np.nan)
     count = int(used.sum())
     cost = float(np.nansum((residual * weights) ** 2))
     free = max(count - n * size, 1)
     criterion = count * np.log(max(cost, 1e-300) / count) + n * size * np.log(count)
-    if free < 0.15 * count or _swings(t, q, v):
+    if free < 0.15 * count or swings(t, q, v):
         criterion = np.inf
     spreads = bands(basis, normal, n)
     return _Fit(list(coefficients), basis, residual, cost / free, spreads, criterion, spacing)
 
 
-def _swings(t: Array, q: Array, v: Array) -> bool:
-    """Whether a spline through few samples swings between them: its speeds (N, n) are then larger
-    than places (N, n) at the times (N,) can tell."""
-    seen = np.sqrt(np.mean(np.square(np.diff(q, axis=0) / np.diff(t)[:, None]), axis=0))
-    return bool(np.any(np.sqrt(np.mean(v**2, axis=0)) > SWING_MOST * seen))
+def _seen(
+    machine: Machine, motion: tuple[Array, Array, Array], u: Array, t: Array, guided: bool,
+    few: Independent | None,
+) -> tuple[Array, tuple[Array, ...]]:  # fmt: skip
+    """What :func:`_sense` says of the coordinates that have splines."""
+    if few is None:
+        return _sense(machine, *motion, u, t, guided)
+    full = few.complete(motion)
+    y, slopes = _sense(machine, *full, u, t, closing=False)
+    return y, few.lifted(full, slopes)
 
 
 def _weights(y: Array, sd: Array) -> Array:
@@ -339,16 +382,22 @@ def _weights(y: Array, sd: Array) -> Array:
 
 
 def _sense(
-    machine: Machine, q: Array, v: Array, a: Array, u: Array, t: Array, guided: bool = False
-) -> tuple[Array, tuple[Array, ...]]:
-    """Sensors (N, m) and their slopes by q, v and a (N, m, n); ``guided``, also the force that the
-    model lacks on the free coordinates."""
+    machine: Machine, q: Array, v: Array, a: Array, u: Array, t: Array, guided: bool = False,
+    closing: bool = True,
+) -> tuple[Array, tuple[Array, ...]]:  # fmt: skip
+    """Sensors (N, m) and their slopes by q, v and a (N, m, n); ``closing``, also what constraints
+    leave open; ``guided``, also the force that the model lacks on the free coordinates."""
     total, m, n = t.size, len(machine.model.sensors), machine.n
     z = np.zeros((total, machine.inner_states))
     arguments = (q, v, a, z, u, t, machine.values)
     (y,) = along(machine.outputs, arguments, (6,), total)
     slopes = along(machine.output_slopes, arguments, (6,), total)
     shaped = tuple(s.reshape(total, n, m).transpose(0, 2, 1) for s in slopes)
+    if machine.constraints and closing:
+        gaps = gaps_of(machine, q, v, a, t, machine.values)
+        y, m = np.concatenate([y.reshape(total, m), gaps.gap], axis=1), m + machine.constraints
+        held = gaps.slope, 0 * gaps.slope, 0 * gaps.slope
+        shaped = tuple(np.concatenate(pair, axis=1) for pair in zip(shaped, held, strict=True))
     if not guided:
         return y.reshape(total, m), shaped
     free = list(machine.free)

@@ -16,6 +16,7 @@ from symhyb.model.types import At, Element, Model, Parameter
 from symhyb.model.vocabulary import key_unit
 from symhyb.numeric.buffers import Array
 from symhyb.numeric.machine import Machine, build
+from symhyb.numeric.manifold import closed, tangent
 from symhyb.numeric.vector import along
 
 PROBES = 7  # configurations about the start at which points are compared
@@ -59,9 +60,12 @@ def moving_points(model: Model) -> tuple[At, ...]:
         return ()
     places = tuple(At(point.name) for point in model.points)
     random = np.random.default_rng(0)
-    start = np.array([c.start * c.unit.factor for c in model.coordinates])
+    probed, times = _probed(model, places), np.linspace(0, 1, PROBES)
+    start = np.array(probed.model.start()[0])
     q = start + AROUND * random.standard_normal((PROBES, start.size))
-    inertias = _inertias(_probed(model, places), q, np.linspace(0, 1, PROBES))
+    if probed.constraints:
+        return tuple(places[i] for i in _moving_closed(probed, q, times))
+    inertias = _inertias(probed, q, times)
     chosen: list[int] = []
     for i, inertia in enumerate(inertias):
         size = float(np.abs(inertia).max())
@@ -70,6 +74,33 @@ def moving_points(model: Model) -> tuple[At, ...]:
         if all(np.abs(inertia - inertias[j]).max() > ALIKE * size for j in chosen):
             chosen.append(i)
     return tuple(places[i] for i in chosen)
+
+
+def _moving_closed(machine: Machine, q: Array, t: Array) -> tuple[int, ...]:
+    """The same for a closed loop, near places q (N, n): along its free directions a point must
+    move neither as a coordinate does, but for a constant, nor as a point before it."""
+    still, p = np.zeros_like(q), machine.values
+    q = closed(machine, (q, still, still), t, p, machine.imposed).q
+    held = tangent(machine, q, still, t, p, machine.imposed)
+    half, free = held.basis.shape[2] // 2, list(machine.free)
+    along_free = held.basis[:, : len(free), :half]
+    seen = [part[:, None] * part[:, :, None] for part in along_free.swapaxes(0, 1)]
+    chosen: list[int] = []
+    for i, inertia in enumerate(_inertias(machine, q, t)):
+        pulled = along_free.swapaxes(1, 2) @ inertia[:, free][:, :, free] @ along_free
+        size = float(np.linalg.norm(pulled))
+        if not size > 0 or any(_proportional(pulled, other) for other in seen):
+            continue
+        seen.append(pulled)
+        chosen.append(i)
+    return tuple(chosen)
+
+
+def _proportional(one: Array, other: Array) -> bool:
+    """Whether two arrays are the same but for one positive factor."""
+    length = float(np.linalg.norm(other))
+    factor = float(np.sum(one * other)) / length**2 if length > 0 else 0.0
+    return factor > 0 and float(np.abs(one - factor * other).max()) < ALIKE * np.abs(one).max()
 
 
 def _of_one(inertia: Array, size: float) -> bool:

@@ -17,6 +17,7 @@ from symhyb.model.types import Model, On
 from symhyb.model.vocabulary import force_unit
 from symhyb.numeric.buffers import Array
 from symhyb.numeric.machine import Machine
+from symhyb.numeric.manifold import free_part
 from symhyb.numeric.vector import along
 
 NOISE_RATIO = 2.0  # measured noise this far from the stated sd is told
@@ -66,9 +67,15 @@ def compare(machine: Machine, recording: Recording) -> Discrepancy:
         for sensor, sd in zip(sensors, motion.sd, strict=True)
         if np.isfinite(sd)
     }
+    notes = (
+        *held_notes(machine),
+        *recording.notes,
+        *blind_notes(motion),
+        *noise_notes(machine.model, noise),
+    )
     return Discrepancy(
         machine.model, recording.name, motion, force, force_band(machine, motion, course), applied,
-        noise, (*recording.notes, *blind_notes(motion), *noise_notes(machine.model, noise)),
+        noise, notes,
     )  # fmt: skip
 
 
@@ -83,10 +90,10 @@ def discrepancy(machine: Machine, course: Course, p: Array) -> Array:
 
 
 def applied_force(machine: Machine, course: Course) -> Array:
-    """k_e (N, n) along a course, SI."""
+    """k_e (N, n) along a course, SI; with constraints without the reactions that it calls up."""
     c = course
     (force,) = along(machine.k_e, (c.q, c.v, c.z, c.u, c.t, machine.values), (5,), c.t.size)
-    return force
+    return free_part(machine, c.q, c.t, machine.values, force)
 
 
 def force_band(machine: Machine, motion: Motion, course: Course) -> Array:
@@ -100,6 +107,12 @@ def force_band(machine: Machine, motion: Motion, course: Course) -> Array:
             change = discrepancy(machine, replace(course, **{name: moved}), machine.values) - base
             total += change**2
     return np.sqrt(total)
+
+
+def held_notes(machine: Machine) -> tuple[str, ...]:
+    """Say which constraints are left out because they repeat others."""
+    found = machine.model.assembly
+    return () if found is None else found.notes
 
 
 def blind_notes(motion: Motion) -> tuple[str, ...]:

@@ -128,10 +128,8 @@ def _fitted_start(model: WindowModel, run: Run) -> Array:
 
 def _stated(form: StateForm, first: Array) -> Array:
     """The initial state (X,) that the model file states, SI, with inner states of ``first``."""
-    coordinates, f = form.machine.model.coordinates, len(form.free)
-    q = np.array([c.start * c.unit.factor for c in coordinates])
-    v = np.array([c.start_rate * c.unit.factor for c in coordinates])
-    return form.state(q, v, first[2 * f :])
+    q, v = (np.array(part) for part in form.machine.model.start())
+    return form.state(q, v, first[2 * len(form.free) :])
 
 
 def _run_cost(model: WindowModel, laid: Laid, start: Array, sd: Array) -> float:

@@ -14,6 +14,7 @@ from scipy.sparse.linalg import splu
 from symhyb.numeric.buffers import Array
 
 DEGREE = 5
+SWING_MOST = np.pi / 2  # RMS speed over that from sample to sample: a sine of two samples a period
 
 
 def spline_basis(t: Array, spacing: float) -> tuple[sparse.csr_array, ...]:
@@ -83,3 +84,10 @@ def bands(
             spread[i] = np.sqrt(np.median(variance))
         bands.append(spread)
     return bands[0], bands[1], bands[2]
+
+
+def swings(t: Array, q: Array, v: Array) -> bool:
+    """Whether a spline through few samples swings between them: its speeds (N, n) are then larger
+    than places (N, n) at the times (N,) can tell."""
+    seen = np.sqrt(np.mean(np.square(np.diff(q, axis=0) / np.diff(t)[:, None]), axis=0))
+    return bool(np.any(np.sqrt(np.mean(v**2, axis=0)) > SWING_MOST * seen))

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 import sympy as sp
 
+from symhyb.mechanics.constraints import Closure, closures
 from symhyb.mechanics.equations import Equations, derive
 from symhyb.mechanics.inertia import (
     Tidy,
@@ -42,7 +43,8 @@ LONGEST = 2_500  # operations of a whole model without names for what recurs
 @dataclass(frozen=True, slots=True)
 class Readable:
     """The equations of a model as they are printed, coherent SI. ``inner`` holds the rate z' of
-    each inner state by element; ``names`` come after those they use."""
+    each inner state by element; ``names`` come after those they use; ``gaps`` are what constraints
+    hold at zero, by forces Jᵀλ beside k_e."""
 
     symbols: Symbols
     rows: tuple[Row, ...]
@@ -50,6 +52,7 @@ class Readable:
     outputs: tuple[sp.Expr, ...]
     readings: tuple[Reading, ...]
     names: tuple[Named, ...]
+    gaps: tuple[Closure, ...] = ()
 
     def of(self, side: Side, *index: int) -> tuple[Row, ...]:
         """The rows of one side of one coordinate, or of one entry of M."""
@@ -92,8 +95,11 @@ def readable(model: Model, matrices: bool = False) -> Readable:
     inner = tuple(inner_rates(model, equations, slopes, pathways))
     values = [*(row.value for row in shown), *(rate for _, rate in inner)]
     names = _needed((*motion, *turns, *pathways), values)
+    gaps = exact(closures(model, equations.places, equations.symbols))
     return _shortened(
-        Readable(equations.symbols, shown, inner, equations.outputs, equations.readings, names)
+        Readable(
+            equations.symbols, shown, inner, equations.outputs, equations.readings, names, gaps
+        )
     )
 
 

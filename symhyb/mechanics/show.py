@@ -58,6 +58,7 @@ def _as_text(model: Model, derived: Readable, matrices: bool) -> str:
     result = [model.title, "", f"M(q,t) q'' + k_c(q,q',t) = k_e({states})        in SI units"]
     result += _matrices(model, derived) if matrices else _coordinates(model, derived)
     for title, block in (
+        ("constraints, held by forces J^T lambda beside k_e, J the slopes by q", _held(derived)),
         ("rates of the inner states", _inner(derived)),
         ("with", _names(derived)),
         ("parameters", _parameters(model)),
@@ -100,6 +101,12 @@ def _matrices(model: Model, derived: Readable) -> Iterator[str]:
         if coordinate.imposed:
             name = coordinate.name
             yield f"  imposed: the motion of {name} is given, and k_e lacks reaction({name})"
+
+
+def _held(derived: Readable) -> Iterator[str]:
+    text = _Text({"full_prec": False}).doprint
+    for row in derived.gaps:
+        yield from _wrapped(f"  {row.label}: 0 = ", text(row.gap))
 
 
 def _inner(derived: Readable) -> Iterator[str]:

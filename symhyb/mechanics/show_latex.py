@@ -39,8 +39,13 @@ def as_latex(model: Model, derived: Readable) -> str:
         rf"\dot{{{names[derived.symbols.z[name]]}}} &= {printer.doprint(rate)}"
         for name, rate in derived.inner
     ]
+    held = [
+        rf"0 &= {printer.doprint(row.gap)} && \text{{{_escaped(row.label)}}}"
+        for row in derived.gaps
+    ]
     used = [f"{names[item.symbol]} &= {printer.doprint(item.value)}" for item in derived.names]
     for title, rows in (
+        ("constraints, held by forces J^T lambda beside k_e, J the slopes by q", held),
         ("rates of the inner states", inner),
         ("with", used),
         ("parameters", list(_parameters(model, derived, printer))),

@@ -27,7 +27,8 @@ def reading_in_words(reading: Reading) -> str:
         case "force":
             return f"the force in elements.{first}, in the sign of its law"
         case "reaction":
-            return f"the force that gives {first} its imposed motion, M q'' + k_c - k_e"
+            imposed = f"the force that gives {first} its imposed motion, M q'' + k_c - k_e"
+            return f"{imposed}; of a constraint, the force by which it holds"
     return str(reading)
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+from symhyb.model.check_constraints import constraint_faults
 from symhyb.model.check_elements import element_faults
 from symhyb.model.expression import RESERVED, Expression, Name, Number
 from symhyb.model.frames import frame_faults, place_unit
@@ -70,6 +71,8 @@ def faults_of(model: Model, energy: Unit | None, unreadable: frozenset[str]) -> 
     for body in model.bodies:
         yield from _body_faults(body, model, scope, energy)
     yield from space_faults(model, scope, _mass_unit(energy, ONE))
+    for constraint in model.constraints:
+        yield from constraint_faults(constraint, model, scope, unreadable)
     for element in model.elements:
         yield from element_faults(element, model, scope, energy, unreadable)
     for sensor in model.sensors:

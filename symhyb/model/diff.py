@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterator, Mapping
 from difflib import unified_diff
 
+from symhyb.model.constraints import Constraint
 from symhyb.model.expression import Name
 from symhyb.model.types import (
     Body,
@@ -22,7 +23,7 @@ from symhyb.model.types import (
 )
 from symhyb.model.write import text_of
 
-Part = Coordinate | Parameter | Input | Point | Body | Element | Sensor
+Part = Coordinate | Parameter | Input | Point | Body | Constraint | Element | Sensor
 Facets = Mapping[str, str]
 
 
@@ -105,6 +106,7 @@ def _parts(model: Model) -> dict[str, Facets]:
         ("input", model.inputs),
         ("point", model.points),
         ("body", model.bodies),
+        ("constraint", model.constraints),
         ("element", model.elements),
         ("sensor", model.sensors),
     )
@@ -131,6 +133,9 @@ def _facets(part: Part) -> Facets:
             if part.joint is not None:
                 facets |= {"parent": part.parent or "the ground", "joint": _pair(part.joint)}
             return facets
+        case Constraint():
+            held = {key: value.text for key, value in part.values}
+            return {"": " ".join((part.kind, ", ".join(part.names))).strip(), **held}
         case Element():
             return _element_facets(part)
         case Input() | Sensor():

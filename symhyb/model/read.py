@@ -13,6 +13,7 @@ from typing import TypeVar
 from symhyb.errors import InputError, Problem, did_you_mean
 from symhyb.model.check import energy_unit, faults_of
 from symhyb.model.read_bodies import read_body, read_point
+from symhyb.model.read_constraints import read_constraint
 from symhyb.model.read_elements import read_element, read_parameter
 from symhyb.model.read_space import dimension_of
 from symhyb.model.render import FORMAT
@@ -26,7 +27,7 @@ LARGEST = 1_000_000
 
 SECTIONS = (
     "symhyb", "title", "about", "gravity", "coordinates", "parameters", "inputs", "points",
-    "bodies", "energy", "elements", "sensors",
+    "bodies", "energy", "constraints", "elements", "sensors",
 )  # fmt: skip
 _CHANNEL_KEYS = ("unit", "about", "gain", "offset", "delay")
 BETWEEN = ("line", "smooth")  # how an input runs between its samples
@@ -139,6 +140,7 @@ def _draft(root: Table, text: str, file: str) -> tuple[Model, frozenset[str]]:
         elements=_present(read_element(table, root, size) for table in root.tables("elements")),
         sensors=_present(map(_sensor, root.tables("sensors"))),
         energy=_energy(energy) if energy else Energy(),
+        constraints=_present(map(read_constraint, root.tables("constraints"))),
         gravity=root.vector("gravity") if "gravity" in root.entries else None,
         text=text,
         file=file,
@@ -172,7 +174,8 @@ def _coordinate(table: Table) -> Coordinate | None:
     start, rate, about = table.number("start"), table.number("start_rate"), table.about()
     if unit is None:
         return None
-    return Coordinate(table.path[-1], unit, start or 0.0, rate or 0.0, about, imposed)
+    stated = tuple(key for key in ("start", "start_rate") if key in table.entries)
+    return Coordinate(table.path[-1], unit, start or 0.0, rate or 0.0, about, imposed, stated)
 
 
 def _input(table: Table) -> Input | None:

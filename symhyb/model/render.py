@@ -3,6 +3,7 @@
 import json
 from collections.abc import Iterable, Iterator, Mapping
 
+from symhyb.model.constraints import CONSTRAINTS, Constraint
 from symhyb.model.expression import Expression
 from symhyb.model.types import (
     At,
@@ -145,6 +146,9 @@ def _lines(model: Model) -> Iterator[str]:
             yield from ("", f"[{section}]", *lines)
     for body in model.bodies:
         yield from ("", f"[bodies.{body.name}]", *_aligned(_body_entries(body)))
+    for constraint in model.constraints:
+        lines = list(_aligned(_constraint_entries(constraint)))
+        yield from ("", f"[constraints.{constraint.name}]", *lines)
     for element in model.elements:
         yield from ("", *element_lines(element))
 
@@ -164,12 +168,17 @@ def _coordinate(coordinate: Coordinate) -> str:
     return _inline(
         (
             ("unit", coordinate.unit.text),
-            ("start", coordinate.start),
-            ("start_rate", coordinate.start_rate),
+            ("start", _stated(coordinate, "start", coordinate.start)),
+            ("start_rate", _stated(coordinate, "start_rate", coordinate.start_rate)),
             ("imposed", True if coordinate.imposed else None),
             ("about", coordinate.about),
         )
     )
+
+
+def _stated(coordinate: Coordinate, key: str, value: float) -> float | None:
+    """A start that the file does not give may move where a loop has to close."""
+    return value if value or key in coordinate.stated else None
 
 
 def _point(point: Point) -> str:
@@ -192,6 +201,16 @@ def _body_entries(body: Body) -> Iterator[tuple[str, str]]:
         ("about", body.about),
     )
     yield from ((key, _toml(value)) for key, value in entries if value is not None)
+
+
+def _constraint_entries(constraint: Constraint) -> Iterator[tuple[str, str]]:
+    names = iter(constraint.names)
+    yield "kind", _toml(constraint.kind)
+    for key, count in CONSTRAINTS[constraint.kind].places:
+        own = [next(names) for _ in range(count)]
+        yield key, _toml(own if count > 1 else own[0])
+    yield from ((key, _toml(value)) for key, value in constraint.values)
+    yield "about", _toml(constraint.about)
 
 
 def _channel(channel: Input | Sensor) -> str:

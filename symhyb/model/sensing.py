@@ -4,9 +4,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from symhyb.errors import did_you_mean
+from symhyb.model.check_constraints import held_unit
 from symhyb.model.expression import READINGS, Name, Reading, names, readings
 from symhyb.model.frames import point_faults
-from symhyb.model.scope import MEASURED, Scope, expression_faults
+from symhyb.model.scope import MEASURED, Scope, expression_faults, scope_of
 from symhyb.model.source import Path
 from symhyb.model.space import dimension
 from symhyb.model.tables import Fault, shorten
@@ -36,7 +37,7 @@ _IN_SPACE: Mapping[str, str] = {
 
 def reading_unit(model: Model, reading: Reading) -> Unit:
     """Return the unit of what an instrument shows; the force of an element has the unit of force
-    at its place, a reaction that of its coordinate.
+    at its place, a reaction that of its coordinate or constraint.
 
     Raises:
         LookupError: an element or a coordinate that the model does not have.
@@ -45,6 +46,9 @@ def reading_unit(model: Model, reading: Reading) -> Unit:
         return parse_unit(_UNITS[reading.what])
     (name,) = reading.names
     if reading.what == "reaction":
+        held = next((item for item in model.constraints if item.name == name), None)
+        if held is not None and name not in _coordinates(model):
+            return held_unit(held, model, scope_of(model))
         if name not in [coordinate.name for coordinate in model.coordinates]:
             raise LookupError(name)
         return force_unit(model, On(name))
@@ -112,9 +116,10 @@ def _name_faults(
     declared = {
         "body": [body.name for body in model.bodies],
         "element": [element.name for element in model.elements],
-        "coordinate": [coordinate.name for coordinate in model.coordinates],
+        "coordinate": [*_coordinates(model), *(item.name for item in model.constraints)],
     }[section]
-    if name not in declared and f"{plural}.{name}" not in unreadable:
+    read = f"{plural}.{name}" not in unreadable and f"constraints.{name}" not in unreadable
+    if name not in declared and read:
         yield path, f"'{shorten(name)}' is not a known {section}{did_you_mean(name, declared)}"
 
 
@@ -142,3 +147,12 @@ def _fit_faults(path: Path, reading: Reading, model: Model) -> Iterator[Fault]:
             if any(item.name == name and not item.imposed for item in model.coordinates):
                 text = f"the coordinate '{name}' is free; only an imposed motion has a reaction"
                 yield path, f"{text}: write imposed = true in coordinates.{name}"
+            elif name not in _coordinates(model):
+                kind = next((c.kind for c in model.constraints if c.name == name), "")
+                if kind == "pin":
+                    text = f"the reaction of the pin '{name}' is a vector"
+                    yield path, f"{text}; put a sensor of one force there, as a distance has it"
+
+
+def _coordinates(model: Model) -> list[str]:
+    return [coordinate.name for coordinate in model.coordinates]

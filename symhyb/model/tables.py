@@ -18,9 +18,6 @@ from symhyb.units import Unit, UnitError, parse_unit
 Fault = tuple[Path, str]
 """Where something is wrong, as the parts of a dotted name, and what."""
 
-LATER_KEYS = ("constraints",)
-"""Entries of format 1 that this version cannot compute yet."""
-
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
 
@@ -43,9 +40,6 @@ class Table:
         excused: dict[str, str] = {}
         for name in self.entries:
             if name in keys:
-                continue
-            if name in LATER_KEYS:
-                self.fault(f"'{name}' is not available yet", name)
                 continue
             missing = [key for key in keys if key not in self.entries]
             near = get_close_matches(name, missing, n=1, cutoff=0.6)

@@ -6,9 +6,10 @@ m sensors, P parameters.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
+from symhyb.model.constraints import Assembly, Constraint
 from symhyb.model.expression import Expression
 from symhyb.units import ONE, Unit
 
@@ -49,8 +50,9 @@ class Parameter:
 class Coordinate:
     """A generalized coordinate; ``start`` and ``start_rate`` (unit per s) serve simulations.
 
-    The motion of an ``imposed`` coordinate is given (by a recording: a column with its name, or a
-    sensor that measures it and nothing else) instead of following from the forces.
+    ``stated`` says which of the two the file gives. The motion of an ``imposed`` coordinate is
+    given (by a recording: a column with its name, or a sensor that measures it and nothing else)
+    instead of following from the forces.
     """
 
     name: str
@@ -59,6 +61,7 @@ class Coordinate:
     start_rate: float = 0.0
     about: str = ""
     imposed: bool = False
+    stated: tuple[str, ...] = field(default=(), compare=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -232,7 +235,8 @@ class Energy:
 @dataclass(frozen=True, slots=True)
 class Model:
     """A checked model file. ``energy_unit`` is the unit of T and V (J for mechanics; volts give
-    others), ``text`` the file as written, which a correction extends by appending."""
+    others), ``text`` the file as written, which a correction extends by appending. ``assembly`` is
+    where constraints close, once a machine was built; it is not part of what the model says."""
 
     title: str
     coordinates: tuple[Coordinate, ...]
@@ -248,6 +252,18 @@ class Model:
     text: str = ""
     file: str = ""
     about: str = ""
+    constraints: tuple[Constraint, ...] = ()
+    assembly: Assembly | None = field(default=None, compare=False)
+
+    def start(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Places and speeds (n each, SI) at which simulations start: as stated, moved so that
+        constraints hold."""
+        if self.assembly is not None:
+            return self.assembly.q, self.assembly.v
+        factors = [c.unit.factor for c in self.coordinates]
+        q = [c.start * f for c, f in zip(self.coordinates, factors, strict=True)]
+        v = [c.start_rate * f for c, f in zip(self.coordinates, factors, strict=True)]
+        return tuple(q), tuple(v)
 
     def all_parameters(self) -> tuple[Parameter, ...]:
         """Every parameter in the order of the machine's vector p: the model's own, the elements',

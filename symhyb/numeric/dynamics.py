@@ -43,6 +43,12 @@ class StateForm:
         return 2 * len(self.free) + self.machine.inner_states
 
     @property
+    def moving(self) -> int:
+        """How many directions places and speeds have: twice the free coordinates, less what
+        constraints hold."""
+        return 2 * max(len(self.free) - self.machine.constraints, 0)
+
+    @property
     def inputs(self) -> int:
         """k, the number of recorded inputs."""
         return len(self.machine.model.inputs)

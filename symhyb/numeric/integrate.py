@@ -19,9 +19,10 @@ from symhyb.model.space import gimbal_lock
 from symhyb.model.types import Model
 from symhyb.numeric.between import finer, smooth_columns
 from symhyb.numeric.buffers import Array, call
+from symhyb.numeric.closing import closed_rows, closed_start
 from symhyb.numeric.dynamics import StateForm, state_form
 from symhyb.numeric.lengths import at_unit_length
-from symhyb.numeric.linear import state_slope
+from symhyb.numeric.linear import free_slope
 from symhyb.numeric.machine import Machine
 from symhyb.numeric.vector import along
 
@@ -102,8 +103,12 @@ def simulate(machine: Machine, scenario: Scenario, p: Array | None = None) -> Tr
     _require_cover(scenario)
     scenario = _bent(scenario, machine)
     form = state_form(machine)
-    start = form.state(scenario.q, scenario.v, _inner_start(machine, scenario, values))
     drive = _drive(form, scenario)
+    start = form.state(scenario.q, scenario.v, _inner_start(machine, scenario, values))
+    start, reason = closed_start(form, start, drive, scenario, values)
+    if reason:
+        x = np.full((scenario.t.size, form.size), np.nan)
+        return _observe(form, scenario, drive, x, values, reason, "none")
     if form.size == 0:
         x = np.zeros((scenario.t.size, 0))
         return _observe(form, scenario, drive, x, values, "", "none")
@@ -115,6 +120,7 @@ def simulate(machine: Machine, scenario: Scenario, p: Array | None = None) -> Tr
         x, reason = _integrate(
             form, scenario, drive, start, values, scales, method, RELATIVE_TOLERANCE
         )
+        x, reason = closed_rows(form, scenario, drive, x, values, reason)
         if not reason:
             break
     return _observe(form, scenario, drive, x, values, reason, method)
@@ -155,7 +161,7 @@ def _stiff(form: StateForm, scenario: Scenario, drive: Array, start: Array, p: A
     if any(element.kind in STEEP for element in model.elements) or _culprits(model):
         return True
     first = drive[0] if len(drive) else np.zeros(form.drive)
-    matrix = state_slope(form, start, first, float(scenario.t[0]), p)
+    matrix = free_slope(form, start, first, float(scenario.t[0]), p)
     if not np.isfinite(matrix).all():
         return True
     roots = np.linalg.eigvals(matrix)

@@ -12,6 +12,7 @@ import numpy as np
 from symhyb.numeric.buffers import Array, call
 from symhyb.numeric.dynamics import StateForm
 from symhyb.numeric.machine import Machine
+from symhyb.numeric.manifold import tangent
 from symhyb.numeric.memory import kept
 
 
@@ -43,6 +44,28 @@ def state_slope(form: StateForm, x: Array, d: Array, t: float, p: Array) -> Arra
     function = kept(("state_slope", form.key), lambda: _slope(form))
     (matrix,) = call(function, (x, d, t, p, np.zeros(form.machine.n)))
     return matrix.T
+
+
+def free_slope(form: StateForm, x: Array, d: Array, t: float, p: Array) -> Array:
+    """∂x'/∂x in the directions that constraints leave free, SI; (X, X) without constraints."""
+    matrix = state_slope(form, x, d, t, p)
+    basis = free_basis(form, x, d, t, p)
+    return matrix if basis is None else np.asarray(np.linalg.pinv(basis) @ matrix @ basis)
+
+
+def free_basis(form: StateForm, x: Array, d: Array, t: float, p: Array) -> Array | None:
+    """The directions (X, R) in which a state may move; None where it may in all."""
+    if not form.machine.constraints:
+        return None
+    q, v = form.motion(x[None], d[None])
+    held = tangent(form.machine, q, v, np.array([t]), p, form.given).basis[0]
+    inner = x.size - len(held)
+    return np.block(
+        [
+            [held, np.zeros((len(held), inner))],
+            [np.zeros((inner, held.shape[1])), np.eye(inner)],
+        ]
+    )
 
 
 def energy_depends_on_time(machine: Machine) -> bool:

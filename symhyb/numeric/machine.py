@@ -14,7 +14,9 @@ import numpy as np
 
 from symhyb.model.types import Model
 from symhyb.numeric import cache
+from symhyb.numeric.assembly import assembled, constraints_key
 from symhyb.numeric.buffers import Array
+from symhyb.numeric.constrained import loops_of, lowered_closure, solve
 from symhyb.numeric.memory import kept
 from symhyb.numeric.network import fill_of
 from symhyb.numeric.sound import require_sound
@@ -37,14 +39,16 @@ class Machine:
         input_matrix: (q, v, t, p) -> (n, k) with k_e = k_e(u=0) + input_matrix·u; None where an
             input acts nonlinearly.
         acceleration: (q, v, z, u, t, p, w, b) -> (n,) q'' under an extra generalized force w; b
-            are the accelerations of the imposed coordinates, which stay as they are.
+            are the accelerations of the imposed coordinates, which stay as they are. Constraints
+            hold, and what they leave open is pulled closed (:mod:`symhyb.numeric.constrained`).
         inner: (q, v, z, u, t, p) -> (z,) rates of the inner states.
         inner_rest: (q, t, p) -> (z,) inner states of a machine that stood still at q.
         outputs: (q, v, a, z, u, t, p) -> (m,) what the sensors record, without noise and delay.
         sensed: (q, v, a, z, u, t, p, w) -> the same under an extra generalized force w.
         output_slopes: the arguments of outputs -> (m, n) ∂y/∂q, ∂y/∂v and ∂y/∂a.
         discrepancy: the arguments of outputs -> (n,) M a + k_c − k_e, what has to act
-            besides k_e: ΔF of a measured motion, the reaction of an imposed coordinate.
+            besides k_e: ΔF of a measured motion, the reaction of an imposed coordinate. With
+            constraints their reactions are taken off: M (a − a of the model) where free.
         discrepancy_slopes: the arguments of outputs -> (n, n) ∂/∂q, ∂/∂v and ∂/∂a of the same.
         weak: (q, v, z, u, t, p) -> (n,) momentum p and (n,) ∂T/∂q + k_e, so that ΔF = p' − the
             latter.
@@ -53,6 +57,12 @@ class Machine:
         carried: (q, v, a, t, p) -> (n, E) force of the mass that an element adds, which is part
             of M and k_c and not of ``elements``.
         pathways: (q, v, t, p) -> (E,) stretch, (E,) rate, (n, E) direction ∂s/∂q; NaN at points.
+        closure: (q, v, a, t, p) -> (m,) what constraints leave open, its first and second
+            derivative by time, (m, n) its slopes J by q and those of its rate; None without
+            constraints, as the next.
+        closure_slopes: (q, v, t, p) -> (m, P) slopes of what is open and of its rate by p.
+        shared: (q, t, p) -> (n, n) what constraints leave of a generalized force, as in
+            ``discrepancy``.
         values: (P,) parameter values in the order of ``model.all_parameters()``.
     """
 
@@ -75,6 +85,9 @@ class Machine:
     carried: ca.Function
     pathways: ca.Function
     values: Array
+    closure: ca.Function | None = None
+    closure_slopes: ca.Function | None = None
+    shared: ca.Function | None = None
 
     @property
     def n(self) -> int:
@@ -85,6 +98,17 @@ class Machine:
     def inner_states(self) -> int:
         """Number of inner states of elements."""
         return int(self.inner.size1_out(0))
+
+    @property
+    def constraints(self) -> int:
+        """Number of rows of constraints, without those that repeat others."""
+        return 0 if self.closure is None else int(self.closure.size1_out(0))
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What was moved or left out so that constraints close."""
+        found = self.model.assembly
+        return () if found is None else (*found.moves, *found.notes)
 
     @property
     def free(self) -> tuple[int, ...]:
@@ -110,8 +134,10 @@ def build(model: Model, keep: bool = True) -> Machine:
 
     Raises:
         InputError: the mass matrix is singular at the start (names the coordinates without mass),
-            a law that is infinite there, or a network whose weights cannot be read.
+            a law that is infinite there, a network whose weights cannot be read, or constraints
+            that do not close.
     """
+    model = assembled(model)
     functions = kept(("machine", structure_of(model)), lambda: _from_cache(model, keep))
     values = np.array([item.si for item in model.all_parameters()])
     require_sound(model, functions, values)
@@ -131,6 +157,7 @@ def _from_cache(model: Model, keep: bool) -> dict[str, ca.Function]:
 
 
 def _lowered(model: Model) -> dict[str, ca.Function]:
+    from symhyb.mechanics.constraints import closures
     from symhyb.mechanics.equations import derive  # SymPy takes half a second to import
     from symhyb.numeric.translate import Lowered
 
@@ -139,7 +166,8 @@ def _lowered(model: Model) -> dict[str, ca.Function]:
         for element in model.elements
         if element.network is not None
     }
-    low = Lowered(derive(model), fills)
+    equations = derive(model)
+    low = Lowered(equations, fills)
     q, v, a, z, u, t, p = low.q, low.v, low.a, low.z, low.u, low.t, low.p
     n, imposed = q.numel(), [i for i, c in enumerate(model.coordinates) if c.imposed]
     momentum = ca.gradient(low.kinetic, v)
@@ -148,9 +176,21 @@ def _lowered(model: Model) -> dict[str, ca.Function]:
     forces = ca.horzcat(*low.forces) if low.forces else ca.SX(n, 0)
     k_e = -ca.gradient(low.potential, q) + ca.sum2(forces) + low.guidance
     w, b = ca.SX.sym("w", n), ca.SX.sym("b", len(imposed))
-    rest = ca.densify(ca.mtimes(mass, a) + k_c - k_e)
-    sensed = low.outputs(rest - w, [c.name for c in model.coordinates])
-    outputs = ca.substitute(sensed, w, ca.SX.zeros(n))
+    left_out = model.assembly.left_out if model.assembly else ()
+    loops = loops_of(low, closures(model, equations.places, equations.symbols), left_out)
+    acceleration = solve(mass, k_e + w - k_c, imposed, b, loops).a
+    lacking = ca.mtimes(mass, a) + k_c - k_e - w
+    if loops is not None:
+        carried = solve(mass, k_e + w - k_c, imposed, a[imposed], loops, pulled=False).load
+        lacking -= ca.mtimes(loops.slope.T, carried)
+    lacking = ca.densify(lacking)
+    names = [c.name for c in model.coordinates]
+    if loops is None:
+        sensed = low.outputs(lacking, names)
+    else:
+        held = loops.signs * carried
+        sensed = low.outputs(ca.vertcat(lacking, held), [*names, *loops.labels])
+    rest, outputs = (ca.substitute(part, w, ca.SX.zeros(n)) for part in (lacking, sensed))
     slope = ca.jacobian(k_e, u)
     linear = not ca.depends_on(slope, u) and not ca.depends_on(slope, z)
 
@@ -164,13 +204,15 @@ def _lowered(model: Model) -> dict[str, ca.Function]:
 
     here, moving = [q, v, z, u, t, p], [q, v, a, z, u, t, p]
     told = {"input_matrix": function("input_matrix", [q, v, t, p], [slope])} if linear else {}
+    if loops is not None:
+        told |= lowered_closure(low, loops)
+        told["shared"] = function("shared", [q, t, p], [-ca.jacobian(lacking, w)])
     return told | {
         "M": function("M", [q, t, p], [mass], "q t p"),
         "k_c": function("k_c", [q, v, t, p], [k_c], "q v t p"),
         "k_e": function("k_e", here, [k_e], "q v z u t p"),
         "acceleration": function(
-            "acceleration", [*here, w, b], [_solved(mass, k_e + w - k_c, imposed, b)],
-            "q v z u t p w b",
+            "acceleration", [*here, w, b], [acceleration], "q v z u t p w b",
         ),
         "inner": function("inner", here, [ca.densify(low.inner)], "q v z u t p"),
         "inner_rest": function("inner_rest", [q, t, p], [ca.densify(low.rest)], "q t p"),
@@ -194,43 +236,6 @@ def _lowered(model: Model) -> dict[str, ca.Function]:
         "carried": function("carried", [q, v, a, t, p], [_carried(low, n)]),
         "pathways": function("pathways", [q, v, t, p], _pathways(low, n)),
     }  # fmt: skip
-
-
-def _solved(mass: ca.SX, force: ca.SX, imposed: list[int], given: ca.SX) -> ca.SX:
-    """M a = f for the free coordinates; those imposed have the accelerations ``given``."""
-    n = mass.shape[0]
-    free = [i for i in range(n) if i not in imposed]
-    a = ca.SX(n, 1)
-    for i, value in zip(imposed, ca.vertsplit(given), strict=True) if imposed else ():
-        a[i] = value
-    if free:
-        pulled = force[free] - ca.mtimes(mass[free, imposed], given) if imposed else force[free]
-        a[free] = solve_symmetric(mass[free, free], pulled)
-    return ca.densify(a)
-
-
-def solve_symmetric(matrix: ca.SX, right: ca.SX) -> ca.SX:
-    """Solve a symmetric positive definite system by LDLᵀ without pivoting (symbolically; about
-    half of the instructions of CasADi's QR for eight coordinates)."""
-    n = matrix.shape[0]
-    lower = ca.SX.eye(n)
-    pivots: list[ca.SX] = []
-    for j in range(n):
-        pivot = matrix[j, j] - sum((lower[j, k] ** 2 * pivots[k] for k in range(j)), ca.SX(0))
-        pivots.append(pivot)
-        for i in range(j + 1, n):
-            cross = sum((lower[i, k] * lower[j, k] * pivots[k] for k in range(j)), ca.SX(0))
-            lower[i, j] = (matrix[i, j] - cross) / pivot
-    x = ca.SX(right)
-    for i in range(n):
-        for k in range(i):
-            x[i, :] -= lower[i, k] * x[k, :]
-    for i in range(n):
-        x[i, :] = x[i, :] / pivots[i]
-    for i in reversed(range(n)):
-        for k in range(i + 1, n):
-            x[i, :] -= lower[k, i] * x[k, :]
-    return x
 
 
 def _carried(low: "Lowered", n: int) -> ca.SX:
@@ -265,7 +270,7 @@ def structure_of(model: Model) -> str:
             (e.name, e.kind, e.place, [(k, x.tree) for k, x in e.values], e.options, e.network)
             for e in model.elements
         ],
-        model.energy, model.gravity,
+        model.energy, model.gravity, constraints_key(model),
         model.file if any(e.network for e in model.elements) else "",
     )  # fmt: skip
     return repr(parts)

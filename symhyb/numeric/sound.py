@@ -20,10 +20,12 @@ def require_sound(model: Model, functions: Mapping[str, ca.Function], p: Array) 
         InputError: a mass matrix that is singular, not positive definite or not finite, or a law
             that is not finite; names the coordinates or the elements.
     """
-    q = np.array([c.start * c.unit.factor for c in model.coordinates])
-    v = np.array([c.start_rate * c.unit.factor for c in model.coordinates])
+    q, v = (np.array(part) for part in model.start())
     _require_finite(model, functions, q, v, p)
-    _require_mass(model, functions["M"], q, p)
+    if "closure" in functions:
+        _require_mass_beside(model, functions, q, p)
+    else:
+        _require_mass(model, functions["M"], q, p)
 
 
 def _require_mass(model: Model, function: ca.Function, q: Array, p: Array) -> None:
@@ -60,6 +62,32 @@ def _require_mass(model: Model, function: ca.Function, q: Array, p: Array) -> No
             f"(smallest scaled eigenvalue {values[0]:.3g}); two coordinates may move one mass"
         )
         raise InputError(Problem(text, "bodies", model.file))
+
+
+def _require_mass_beside(
+    model: Model, functions: Mapping[str, ca.Function], q: Array, p: Array
+) -> None:
+    """With constraints M may be singular, but not in a direction that they leave free; a coordinate
+    that moves mass only together with others is no direction that :mod:`constrained` can solve."""
+    free = [i for i, c in enumerate(model.coordinates) if not c.imposed]
+    (mass,), still = call(functions["M"], (q, 0.0, p)), 0 * q
+    slope = call(functions["closure"], (q, still, still, 0.0, p))[3].T[:, free]
+    mass = mass[np.ix_(free, free)]
+    if not np.all(np.isfinite(mass)) or np.all(np.diag(mass) > 0):
+        _require_mass(model, functions["M"], q, p)
+        return
+    mass = mass + slope.T @ slope
+    scale = np.sqrt(np.diag(mass))
+    if np.all(scale > 0) and np.linalg.eigvalsh(mass / np.outer(scale, scale))[0] >= SMALLEST:
+        return
+    _, vectors = np.linalg.eigh(mass)
+    names = [model.coordinates[i].name for i in free]
+    named = [name for name, part in zip(names, vectors[:, 0], strict=True) if abs(part) > 0.3]
+    text = (
+        f"nothing that moves with {', '.join(named)} has mass, and no constraint ties it to what "
+        "has; give a body there a mass or an inertia, or add a constraint"
+    )
+    raise InputError(Problem(text, "bodies", model.file))
 
 
 def _require_finite(

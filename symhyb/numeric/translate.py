@@ -184,6 +184,10 @@ class Lowered:
     def _rate(self, positions: Iterable[sp.Expr]) -> ca.SX:
         return ca.vertcat(*(self._rates[position] for position in positions))
 
+    def column(self, expressions: Iterable[sp.Expr]) -> ca.SX:
+        """Expressions in the symbols of the model as a column."""
+        return self._column_of(expressions)
+
     def _column_of(self, expressions: Iterable[sp.Expr]) -> ca.SX:
         return ca.vertcat(*(self._lower(expression) for expression in expressions))
 

@@ -17,6 +17,7 @@ from symhyb.numeric.buffers import Array
 from symhyb.numeric.chains import Chains
 from symhyb.numeric.dynamics import StateForm, state_form
 from symhyb.numeric.machine import Machine
+from symhyb.numeric.manifold import closed, tangent
 from symhyb.numeric.memory import kept
 from symhyb.numeric.steps import rosenbrock_step
 from symhyb.numeric.vector import along
@@ -62,17 +63,29 @@ class Linear:
     by_state: Array  # (W, L, m, X)
     by_force: Array  # (W, L, m, n)
     direct: Array  # (W, L, m, F)
+    begin: Array | None = None  # (W, X, R): directions in which initial states may move; else all
+    begin_free: Array | None = None  # (W, X, F): how they must move with θ; else they need not
 
     def from_start(self) -> Array:
-        """∂y/∂(initial state), (W, L, m, X)."""
+        """∂y/∂(initial state), (W, L, m, X); with constraints along the R directions they leave."""
         windows, _, states = self.x.shape
-        begin = np.broadcast_to(np.eye(states), (windows, states, states))
-        nothing = np.zeros((*self.transition.shape[:2], states, states))
+        begin = self.begin
+        if begin is None:
+            begin = np.broadcast_to(np.eye(states), (windows, states, states))
+        nothing = np.zeros((*self.transition.shape[:2], states, begin.shape[2]))
         return self.by_state @ self._propagate(begin, nothing)
+
+    def from_states(self) -> Array:
+        """The same for an error of each state (W, L, m, X); with constraints, of the part of it
+        that they allow."""
+        if self.begin is None:
+            return self.from_start()
+        return np.asarray(self.from_start() @ np.linalg.pinv(self.begin)[:, None])
 
     def from_free(self) -> Array:
         """∂y/∂θ, (W, L, m, F)."""
-        return self.by_state @ self._propagate(self._rest(self.by_free), self.by_free) + self.direct
+        begin = self._rest(self.by_free) if self.begin_free is None else self.begin_free
+        return self.by_state @ self._propagate(begin, self.by_free) + self.direct
 
     def from_start_and_free(self) -> tuple[Array, Array]:
         """The two above from one pass, which costs little more than either: ∂y/∂(initial state)
@@ -155,8 +168,35 @@ class WindowModel:
         transition, left, right, by_free = slopes
         output, by_state, direct, by_force = self._outputs(block, x, p)
         return Linear(
-            x, output, defect, transition, left, right, by_free, by_state, by_force, direct
-        )
+            x, output, defect, transition, left, right, by_free, by_state, by_force, direct,
+            *self._directions(block, x[:, 0], p),
+        )  # fmt: skip
+
+    def closed(self, block: Block, start: Array, p: Array) -> Array:
+        """Initial states (W, X) moved onto the constraints under ``p`` (P,), SI."""
+        if not self.machine.constraints:
+            return start
+        form, drive = self.form, block.d[:, 0]
+        q, v = form.motion(start, drive)
+        still, t = np.zeros_like(q), block.t[:, 0]
+        on = closed(self.machine, (q, v, still), t, p, form.given)
+        return form.state(on.q, on.v, start[:, 2 * len(form.free) :])
+
+    def _directions(self, block: Block, start: Array, p: Array) -> tuple[Array | None, ...]:
+        """Where initial states (W, X) may move within the constraints, and must with parameters."""
+        if not self.machine.constraints:
+            return None, None
+        form = self.form
+        windows, states = start.shape
+        q, v = form.motion(start, block.d[:, 0])
+        held = tangent(self.machine, q, v, block.t[:, 0], p, form.given, self.free)
+        f, r = 2 * len(form.free), held.basis.shape[2]
+        begin = np.zeros((windows, states, r + states - f))
+        begin[:, :f, :r] = held.basis
+        begin[:, f:, r:] = np.eye(states - f)
+        by_free = np.zeros((windows, states, len(self.free)))
+        by_free[:, :f] = held.by_p
+        return begin, by_free
 
     def _run(self, block: Block, starts: Array, p: Array, what: str) -> list[Array]:
         """Integrate from one start a window (W, 1, X) or one a sample (W, L − 1, X).

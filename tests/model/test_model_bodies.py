@@ -168,7 +168,6 @@ ONE_FAULT = {
                            'write parent = "lower" and joint = "hand" instead'),
     "on its own point": ('hand = { body = "lower"', 'hand = { body = "load"',
                          "its place follows from this body, not the reverse"),
-    "constraints": ("[points]", "[constraints]\n[points]", "'constraints' is not available yet"),
 }  # fmt: skip
 
 

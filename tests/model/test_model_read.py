@@ -210,7 +210,6 @@ ONE_FAULT = {
     "format text": ("symhyb = 1", 'symhyb = "1"', "must be the number 1, not the text '1'"),
     "section unknown": ("[sensors]", "[sensor]", "did you mean 'sensors'"),
     "section misspelt": ("[parameters]", "[paramters]", "file:6: paramters: 'paramters'"),
-    "section later": ("[points]", "[constraints]\n[points]", "is not available yet"),
     "key near": ('angle = "phi"\n', 'angle = "phi"\nrotation = []\n', "did you mean 'rotations'?"),
     "imposed text": ('phi = { unit = "rad"', 'phi = { imposed = "x", unit = "rad"',
                      "must be true or false, not the text 'x'"),

@@ -21,7 +21,8 @@ from symhyb.errors import InputError
 from symhyb.model.read import parse_model
 from symhyb.model.types import Model
 from symhyb.numeric.buffers import call
-from symhyb.numeric.machine import Machine, build, solve_symmetric
+from symhyb.numeric.constrained import solve_symmetric
+from symhyb.numeric.machine import Machine, build
 
 FAR = 2.0  # the wall stands at −FAR
 

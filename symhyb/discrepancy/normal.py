@@ -1,0 +1,43 @@
+"""Normal equations of a few numbers in units of their own: a step within bounds, and the inverse.
+
+Sizes: F numbers.
+"""
+
+import numpy as np
+from scipy.optimize import lsq_linear
+
+from symhyb.numeric.buffers import Array
+
+UNSEEN = 1e-13  # of the largest eigenvalue of a scaled normal matrix
+
+
+def bounded_step(gram: Array, right: Array, damping: float, lower: Array, upper: Array) -> Array:
+    """Minimise ½ xᵀ G x − rᵀ x within bounds, columns scaled to unit length."""
+    if right.size == 0:
+        return np.zeros(0)
+    scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
+    unit = gram / np.outer(scale, scale) + (damping + 1e-12) * np.eye(right.size)
+    triangle = np.linalg.cholesky(unit + 1e-12 * np.eye(right.size)).T
+    target = np.linalg.solve(triangle.T, right / scale)
+    x = np.linalg.solve(triangle, target)
+    low, high = lower * scale, upper * scale
+    if np.any(x < low) or np.any(x > high):
+        room = np.maximum(high - low, 1e-300)
+        low, high = low - 1e-12 * room, high + 1e-12 * room
+        x = np.clip(
+            lsq_linear(triangle, target, bounds=(low, high)).x, lower * scale, upper * scale
+        )
+    return np.asarray(x / scale)
+
+
+def inverse_of(gram: Array) -> Array:
+    """The inverse (F, F) of a normal matrix whose numbers have units of their own."""
+    if gram.size == 0:
+        return gram
+    scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
+    balance = np.outer(scale, scale)
+    power, axes = np.linalg.eigh(gram / balance)
+    # a direction that the data do not see is as uncertain as numbers go, not certain
+    weight = 1 / np.maximum(power, max(UNSEEN * power[-1], UNSEEN**2))
+    with np.errstate(over="ignore"):  # a number that does nothing is as uncertain as can be
+        return np.asarray((axes * weight) @ axes.T / balance)
