@@ -5,16 +5,17 @@ Exit status: 0 nothing missing, 1 any other verdict, 2 misuse or unreadable inpu
 failed, 130 interrupted.
 """
 
-import json
 import sys
 import traceback
 from dataclasses import asdict
 from io import TextIOWrapper
 from pathlib import Path
-from typing import Annotated, Any, NoReturn
+from typing import Annotated, NoReturn
 
 import typer
 
+from symhyb.cli_data import data
+from symhyb.cli_options import End, Folder, Json, Map, ModelFile, Recordings, Start, print_json
 from symhyb.errors import InputError, NumericsError, Problem
 
 app = typer.Typer(
@@ -26,34 +27,7 @@ app = typer.Typer(
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
-data = typer.Typer(
-    help="Public recordings that symhyb knows by name.", no_args_is_help=True, rich_markup_mode=None
-)
 app.add_typer(data, name="data")
-
-ModelFile = Annotated[Path, typer.Argument(metavar="MODEL", help="Model file.")]
-Recordings = Annotated[
-    list[Path], typer.Argument(metavar="RECORDING", help="Recordings of the machine.")
-]
-Map = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--map",
-        metavar="CHANNEL=COLUMN",
-        help="Where a channel of the model stands in the recordings: a column, with its unit if"
-        " need be ('laser=qm [mm]'), or an expression in columns ('f=gtau*vir'). Repeat it.",
-    ),
-]
-Start = Annotated[
-    float | None, typer.Option(metavar="S", help="Drop what the recordings hold before, in s.")
-]
-End = Annotated[
-    float | None, typer.Option(metavar="S", help="Drop what the recordings hold after, in s.")
-]
-Json = Annotated[bool, typer.Option("--json", help="Print JSON for scripts instead of sentences.")]
-Folder = Annotated[
-    Path, typer.Option("-o", "--output", metavar="DIR", help="Folder for the files; made if new.")
-]
 
 
 @app.command()
@@ -75,10 +49,10 @@ def check(model: ModelFile, as_json: Json = False) -> None:
         build(declared)
     except InputError as error:
         if as_json:
-            _print_json({"ok": False, "problems": [asdict(one) for one in error.problems]})
+            print_json({"ok": False, "problems": [asdict(one) for one in error.problems]})
         raise
     if as_json:
-        _print_json({"ok": True, "problems": [], **model_facts(declared)})
+        print_json({"ok": True, "problems": [], **model_facts(declared)})
     else:
         print_model(declared)
 
@@ -193,7 +167,7 @@ def compare(
     pairs = list(zip(gaps, checked, strict=True))
     if as_json:
         facts = [{**discrepancy_facts(gap), "first_checks": check_facts(one)} for gap, one in pairs]
-        _print_json({"recordings": facts, "repeats": [asdict(one) for one in repeats]})
+        print_json({"recordings": facts, "repeats": [asdict(one) for one in repeats]})
         return
     for gap, one in pairs:
         print(gap.summary())
@@ -269,7 +243,7 @@ def diagnose(
         say("writing the report")
         leave_files(result, output)
     if as_json:
-        _print_json(to_json(result.diagnosis, result.verdict))
+        print_json(to_json(result.diagnosis, result.verdict))
     else:
         print_result(result, output)
     raise typer.Exit(result.exit_status)
@@ -323,59 +297,6 @@ def run(
     raise typer.Exit(result.exit_status)
 
 
-@data.command("list")
-def data_list(as_json: Json = False) -> None:
-    """List the known recordings, and which are already here.
-
-    \b
-    Example:
-      symhyb data list
-    """
-    from symhyb.data.catalogue import DATASETS
-    from symhyb.data.datasets import listing
-
-    if as_json:
-        _print_json([asdict(known) for known in DATASETS])
-    else:
-        print(listing())
-
-
-@data.command("show")
-def data_show(
-    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of a public recording.")],
-) -> None:
-    """Say what a recording holds and where it comes from.
-
-    \b
-    Example:
-      symhyb data show emps
-    """
-    from symhyb.console import dataset_of, print_dataset
-
-    print_dataset(dataset_of(name))
-
-
-@data.command("fetch")
-def data_fetch(
-    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of a recording, or NAME/FILE.")],
-) -> None:
-    """Get the files of a recording and print where they are.
-
-    Nothing is fetched that is already here; every file must have the known SHA-256.
-
-    \b
-    Example:
-      symhyb data fetch emps/DATA_EMPS.mat
-    """
-    from symhyb.console import dataset_of
-    from symhyb.data.datasets import fetch
-
-    dataset, _, file = name.partition("/")
-    known = dataset_of(dataset)
-    for wanted in [file] if file else [one.name for one in known.files]:
-        print(fetch(known, wanted, progress=sys.stderr.isatty()))
-
-
 def main() -> NoReturn:
     """Run the command line and end the process with its exit status."""
     for stream in (sys.stdout, sys.stderr):
@@ -399,10 +320,6 @@ def main() -> NoReturn:
         traceback.print_exc()
         _complain("this is a fault of symhyb itself; please report it with the lines above")
     sys.exit(status)
-
-
-def _print_json(content: Any) -> None:
-    print(json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False))
 
 
 def _complain(*sentences: str) -> None:
