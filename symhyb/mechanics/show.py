@@ -160,8 +160,9 @@ def _sensors(model: Model, derived: Readable) -> Iterator[str]:
         for sensor, output in zip(model.sensors, derived.outputs, strict=True)
     ]
     yield from _table(table)
+    held = [item.name for item in model.constraints]
     for reading in derived.readings:
-        yield from _wrapped(f"  {reading}: ", reading_in_words(reading))
+        yield from _wrapped(f"  {reading}: ", reading_in_words(reading, held))
 
 
 def _table(table: Sequence[tuple[str, ...]]) -> Iterator[str]:

@@ -102,8 +102,9 @@ def _sensors(model: Model, derived: Readable, printer: _Latex) -> Iterator[str]:
         (note,) = sensor_notes(sensor)
         beside = rf" && \text{{{_escaped(note)}}}" if note else ""
         yield rf"\text{{{_escaped(sensor.name)}}} &= {printer.doprint(output)}{beside}"
+    held = [item.name for item in model.constraints]
     for reading in derived.readings:
-        words = _escaped(reading_in_words(reading))
+        words = _escaped(reading_in_words(reading, held))
         yield rf"{printer.doprint(reading_symbol(reading))} &: \text{{{words}}}"
 
 

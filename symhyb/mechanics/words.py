@@ -1,11 +1,13 @@
 """Sensors in words: what an instrument shows, and how a channel differs from the truth."""
 
+from collections.abc import Collection
+
 from symhyb.model.expression import Reading
 from symhyb.model.types import Sensor
 
 
-def reading_in_words(reading: Reading) -> str:
-    """Say what an instrument of a model file shows."""
+def reading_in_words(reading: Reading, constraints: Collection[str] = ()) -> str:
+    """Say what an instrument of a model file with these constraints shows."""
     first, second = (*reading.names, "")[:2]
     match reading.what:
         case "position_x" | "position_y" | "position_z":
@@ -27,8 +29,9 @@ def reading_in_words(reading: Reading) -> str:
         case "force":
             return f"the force in elements.{first}, in the sign of its law"
         case "reaction":
-            imposed = f"the force that gives {first} its imposed motion, M q'' + k_c - k_e"
-            return f"{imposed}; of a constraint, the force by which it holds"
+            if first in constraints:
+                return f"the force by which the constraint {first} holds"
+            return f"the force that gives {first} its imposed motion, M q'' + k_c - k_e"
     return str(reading)
 
 

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.interpolate import make_interp_spline
 from textbook import MODELS, SI, Array, entries
 
 from symhyb.model.read import read_model
@@ -89,6 +90,15 @@ def knots(name: str, end: float, total: int = 21) -> tuple[Array, Array]:
     inputs = np.array(SPREAD[name][2])
     rng = np.random.default_rng(7)
     return np.linspace(0, end, total), rng.normal(size=(total, inputs.size)) * inputs
+
+
+def acting(name: str, t_u: Array, u: Array) -> tuple[Array, Array]:
+    """Times and inputs between which they run straight: the knots, or of a smooth input eight lines
+    a sample along the quintic spline through them (docs/model-file.md)."""
+    if not any(item.get("between") == "smooth" for item in entries(name, "inputs").values()):
+        return t_u, u
+    fine = np.linspace(t_u[0], t_u[-1], 8 * (t_u.size - 1) + 1)
+    return fine, make_interp_spline(t_u, u, k=5)(fine)
 
 
 def imposed_motion(name: str, t_u: Array) -> Array | None:

@@ -12,6 +12,7 @@ from shipped import (
     NAMES,
     PERIODS,
     SPREAD,
+    acting,
     close,
     imposed_motion,
     inertial_size,
@@ -114,12 +115,13 @@ def _size(name: str) -> float:
 def test_runs_agree_with_an_independent_integration(name: str) -> None:
     end = PERIODS * SPREAD[name][1]
     t_u, u = knots(name, end)
-    t = np.linspace(0, end, BETWEEN * (t_u.size - 1) + 1)
+    lines = acting(name, t_u, u)
+    t = np.linspace(0, end, BETWEEN * (lines[0].size - 1) + 1)
     given, machine = imposed_motion(name, t_u), machine_of(name)
     start = start_of(name)
     run = simulate(machine, Scenario(t, start, np.zeros(start.size), t_u, u, given=given))
     assert run.complete, run.reason
-    q, v, z = hand_run(name, t, t_u, u if given is None else np.column_stack([u, given]))
+    q, v, z = hand_run(name, t, *(lines if given is None else (t_u, np.column_stack([u, given]))))
     allowed = TOLERANCE.get(name, 1e-6)
     for found, wanted in ((run.q, q), (run.v, v)):
         moved = np.abs(wanted - wanted[0]).max(axis=0)

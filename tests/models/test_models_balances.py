@@ -14,6 +14,7 @@ from shipped import (
     NAMES,
     PERIODS,
     SPREAD,
+    acting,
     close,
     imposed_motion,
     inertial_size,
@@ -84,16 +85,17 @@ def test_energy_changes_by_the_power_of_what_is_not_conservative(name: str) -> N
 def test_the_energy_of_a_run_is_the_work_that_was_done(name: str) -> None:
     end, machine, start = PERIODS * SPREAD[name][1], machine_of(name), start_of(name)
     t_u, u = knots(name, end)
-    edges = np.linspace(0, end, FINE.get(name, PANELS) * (t_u.size - 1) + 1)
+    edge, along = acting(name, t_u, u)
+    edges = np.linspace(0, end, FINE.get(name, PANELS) * (edge.size - 1) + 1)
     half = edges[1] / 2
     inside = (edges[:-1, None] + half * (1 + NODES)).ravel()
     t = np.sort(np.concatenate([edges, inside]))
     given = imposed_motion(name, t_u)
     run = simulate(machine, Scenario(t, start, np.zeros(start.size), t_u, u, given=given))
     assert run.complete, run.reason
-    acting = np.array([np.interp(t, t_u, column) for column in u.T]).reshape(-1, t.size).T
+    inputs = np.array([np.interp(t, edge, column) for column in along.T]).reshape(-1, t.size).T
     balance = mapped(balance_of(machine), t.size, repeated=(6,))
-    energy, power, _ = call(balance, (run.q, run.v, run.a, run.z, acting, t, machine.values))
+    energy, power, _ = call(balance, (run.q, run.v, run.a, run.z, inputs, t, machine.values))
     at_edges, at_nodes = np.isin(t, edges), np.isin(t, inside)
     work = half * power[at_nodes, 0].reshape(-1, NODES.size) @ WEIGHTS
     gained = np.diff(energy[at_edges, 0])
