@@ -58,7 +58,7 @@ def _bases(setting: Setting, trial: Refined) -> list[Array]:
 
 def _basis(model: WindowModel, item: Laid, trial: Refined, which: int, sd: Array) -> Array:
     suited = item.suited(trial.machine)
-    if not model.form.free:  # all motion is given: no initial state to fit
+    if not model.form.moving:  # all motion is given: no initial state to fit
         return np.zeros((int((~item.held).sum()), 1, 0))
     start, p = trial.fit.starts[which], trial.of(item.source[0])
     with np.errstate(over="ignore", invalid="ignore"):

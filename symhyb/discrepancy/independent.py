@@ -62,8 +62,8 @@ class Independent:
 
 
 def independent(machine: Machine, q: Array, t: Array) -> Independent | None:
-    """The coordinates that determine all others along places ``q`` (N, n); None where no choice
-    does so everywhere."""
+    """The coordinates that determine all others along places ``q`` (N, n) at ``t`` (N,), SI; None
+    where no choice does so everywhere."""
     free, c = list(machine.free), machine.constraints
     if c > len(free):
         return None
@@ -99,7 +99,7 @@ def _ratios(slope: Array, turn: Array, chosen: tuple[int, ...]) -> tuple[Array, 
 
 def placed_with(machine: Machine, q: Array, t: Array, shown: Array) -> Array:
     """How far sensors of slopes (N, m, n) and constraints together place each coordinate (n,), at a
-    few samples: 1 what they tell, 0 what they leave open."""
+    few samples of ``q`` (N, n), SI: 1 what they tell, 0 what they leave open."""
     rows = np.unique(np.linspace(0, min(t.size - 1, 50), 5).astype(int))
     still = np.zeros_like(q[rows])
     slope = gaps_of(machine, q[rows], still, still, t[rows], machine.values).slope

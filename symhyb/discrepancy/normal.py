@@ -12,7 +12,7 @@ UNSEEN = 1e-13  # of the largest eigenvalue of a scaled normal matrix
 
 
 def bounded_step(gram: Array, right: Array, damping: float, lower: Array, upper: Array) -> Array:
-    """Minimise ½ xᵀ G x − rᵀ x within bounds, columns scaled to unit length."""
+    """Minimise ½ xᵀ G x − rᵀ x (F,) within bounds, columns scaled to unit length; SI."""
     if right.size == 0:
         return np.zeros(0)
     scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
@@ -31,7 +31,7 @@ def bounded_step(gram: Array, right: Array, damping: float, lower: Array, upper:
 
 
 def inverse_of(gram: Array) -> Array:
-    """The inverse (F, F) of a normal matrix whose numbers have units of their own."""
+    """The inverse (F, F) of a normal matrix whose numbers have units of their own, SI."""
     if gram.size == 0:
         return gram
     scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))

@@ -23,7 +23,7 @@ NEAR_LOCK = 1e-2  # smallest over largest singular value of J, scaled: a loop ab
 def closed_start(
     form: StateForm, start: Array, drive: Array, scenario: "Scenario", p: Array
 ) -> tuple[Array, str]:
-    """The state (X,) at the start of a scenario on the constraints, and why there is none."""
+    """The state (X,), SI, at the start of a scenario on the constraints, and why there is none."""
     if not form.machine.constraints:
         return start, ""
     begin = scenario.t[:1]
@@ -37,8 +37,8 @@ def closed_start(
 def closed_rows(
     form: StateForm, scenario: "Scenario", drive: Array, x: Array, p: Array, reason: str
 ) -> tuple[Array, str]:
-    """States (N, X) of a run on the constraints, and why it ended: what CVODES says, else where the
-    loop no longer closes, from where on rows are NaN."""
+    """States (N, X) of a run on the constraints, SI, and why it ended: what CVODES says, else where
+    the loop no longer closes, from where on rows are NaN."""
     if not form.machine.constraints:
         return x, reason
     d = _drive_at(scenario, drive, scenario.t)

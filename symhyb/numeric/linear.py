@@ -54,7 +54,7 @@ def free_slope(form: StateForm, x: Array, d: Array, t: float, p: Array) -> Array
 
 
 def free_basis(form: StateForm, x: Array, d: Array, t: float, p: Array) -> Array | None:
-    """The directions (X, R) in which a state may move; None where it may in all."""
+    """The directions (X, R), SI, in which a state may move; None where it may in all."""
     if not form.machine.constraints:
         return None
     q, v = form.motion(x[None], d[None])

@@ -46,7 +46,7 @@ def gaps_of(machine: Machine, q: Array, v: Array, a: Array, t: Array, p: Array) 
 
 @dataclass(frozen=True, slots=True)
 class Closed:
-    """A motion on the constraints: q, v, a (N, n), and what is ``left`` open of each (N, m)."""
+    """A motion on the constraints: q, v, a (N, n), and what is ``left`` open of each (N, m). SI."""
 
     q: Array
     v: Array
