@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 import symhyb as sh
-from symhyb.model.types import On
+from symhyb.model.read import parse_model
+from symhyb.model.types import At, On
 
 MODEL = Path(__file__).parents[1] / "models" / "furuta_pendulum.toml"
 END, STEP = 10.0, 0.01
@@ -79,3 +80,69 @@ def test_a_furuta_pendulum_that_lacks_nothing_is_left_alone() -> None:
     diagnosis = sh.diagnose(sh.read_model(MODEL), recording(2, 0.0))
     assert diagnosis.found == ()
     assert diagnosis.verdict == "nothing missing"
+
+
+HUNG = """symhyb = 1
+title = "a rod hung in a ball joint"
+gravity = ["0", "0", "-g"]
+[coordinates]
+qw = { unit = "1", start = 1.0 }
+qx = { unit = "1" }
+qy = { unit = "1" }
+qz = { unit = "1" }
+[parameters]
+g = { value = 9.81, unit = "m/s^2" }
+m = { value = 1.0, unit = "kg" }
+l = { value = 0.3, unit = "m" }
+J = { value = 0.02, unit = "kg*m^2" }
+[points]
+tip = { body = "rod", at = ["0", "0", "-l"] }
+[bodies.rod]
+joint = ["0", "0", "0"]
+mass = "m"
+at = ["0", "0", "-l/2"]
+inertia = ["J", "0.9*J", "0.4*J"]
+quaternion = ["qw", "qx", "qy", "qz"]
+[sensors]
+turn_x = { measures = "gyroscope_x(rod)", unit = "rad/s" }
+turn_y = { measures = "gyroscope_y(rod)", unit = "rad/s" }
+turn_z = { measures = "gyroscope_z(rod)", unit = "rad/s" }
+east = { measures = "position_x(tip)", unit = "m" }
+north = { measures = "position_y(tip)", unit = "m" }
+"""
+
+
+def swung(damping: float) -> sh.Recording:
+    """J ω' + ω × J ω = c × m g − damping·tip × (ω × tip) about the joint, in the axes of the rod,
+    which are the columns of a rotation matrix R' = R [ω]×."""
+    inertia = 0.02 * np.array([1, 0.9, 0.4]) + np.array([1, 1, 0]) * 0.15**2
+    centre, tip = np.array([0, 0, -0.15]), np.array([0, 0, -0.3])
+
+    def rate(_: float, state: NDArray[np.float64]) -> NDArray[np.float64]:
+        turned, w = state[:9].reshape(3, 3), state[9:]
+        cross = np.array([[0, -w[2], w[1]], [w[2], 0, -w[0]], [-w[1], w[0], 0]])
+        torque = np.cross(centre, turned.T @ [0, 0, -9.81])
+        torque = torque - damping * np.cross(tip, np.cross(w, tip))
+        return np.concatenate([
+            (turned @ cross).ravel(), (torque - np.cross(w, inertia * w)) / inertia
+        ])  # fmt: skip
+
+    t = np.arange(0, 6, 0.02)
+    start = np.concatenate([np.eye(3).ravel(), [2.4, 1.2, 1.8]])
+    run = solve_ivp(rate, (0, 6), start, t_eval=t, rtol=1e-10, atol=1e-12)
+    random = np.random.default_rng(4)
+    seen = [*run.y[9:], *(run.y[[2, 5]] * -0.3)]
+    noise = (0.01, 0.01, 0.01, 1e-3, 1e-3)
+    seen = [x + s * random.standard_normal(t.size) for x, s in zip(seen, noise, strict=True)]
+    names = ("turn_x", "turn_y", "turn_z", "east", "north")
+    return sh.Recording("swung.csv", t, {}, dict(zip(names, seen, strict=True)), (), "")
+
+
+@pytest.mark.slow
+def test_what_slows_a_body_that_a_quaternion_turns_is_named_at_its_point() -> None:
+    diagnosis = sh.diagnose(parse_model(HUNG, "hung.toml"), swung(0.05))
+    (found,) = diagnosis.found
+    assert (found.element.kind, found.element.place) == ("damper", At("tip"))
+    (estimate,) = found.estimates
+    assert estimate.value == pytest.approx(0.05, rel=0.1)
+    assert abs(estimate.value - 0.05) < 4 * estimate.sd
