@@ -11,7 +11,6 @@ Source: Hairer, Nørsett & Wanner, Solving ODEs I, DOP853 (see :mod:`~.dormand_p
 """
 
 import ctypes
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -34,7 +33,13 @@ STEPS_PART = 100  # a run has at least so many steps: what happens briefly is no
 COMPILING, COMPILING_EACH = 50_000_000, 100_000  # what compiling costs, in instructions run
 INSTRUCTIONS_MOST = 20_000  # above, compiling takes minutes
 COLLINEAR = 1e-12  # of the range of a drive: a bend that is rounding
-REASONS = ("", "more steps than allowed", "a step of no length", "growth without bound")
+REASONS = (
+    "",
+    "more steps than allowed",
+    "a step of no length",
+    "growth without bound",
+    "a full tape",
+)
 
 _POINTER = ctypes.c_void_p
 
@@ -79,10 +84,21 @@ class _Task(ctypes.Structure):
             (name, _POINTER)
             for name in (
                 "node_t", "node_d", "t", "absolute", "bound", "start", "x", "work", "drive",
-                "reach", "count",
+                "reach", "count", "tape_x", "tape_t", "tape_i",
             )
         ),
+        ("tape_most", ctypes.c_longlong),
     )  # fmt: skip
+
+
+class Tape:
+    """Room for the steps of a run: the states of their stages, where they began, how long they
+    were, and at which outputs they ended. One run at a time."""
+
+    def __init__(self, steps: int, states: int):
+        self.steps = steps
+        self.stages = np.empty((steps, 12, states))
+        self.times, self.places = np.empty((steps, 2)), np.empty((steps, 2), np.int64)
 
 
 class Field:
@@ -96,51 +112,64 @@ class Field:
         self._arrays = _lists(code, self._same)
 
     def integrate(
-        self, t: Array, start: Array, p: Array, nodes: tuple[Array, Array], limits: Tolerances
-    ) -> Steps:
+        self, t: Array, start: Array, p: Array, nodes: tuple[Array, Array], limits: Tolerances,
+        tape: "Tape | None" = None,
+    ) -> Steps:  # fmt: skip
         """States at ``t`` (N,) from ``start`` (X,) at ``t[0]``, with parameters ``p`` (P,) and a
-        drive that runs straight between ``nodes``, times (K,) and values (K, drive); SI."""
+        drive that runs straight between ``nodes``, times (K,) and values (K, drive); SI. With a
+        ``tape`` every output ends a step, and the steps are written down there."""
         if self._done > COMPILING + COMPILING_EACH * len(self.code.steps):
             self.compile()
-        states, rows = start.size, np.full((t.size, start.size), np.nan)
-        given = [np.ascontiguousarray(a, float) for a in (
-            *nodes, t, limits.absolute, limits.bound, start, rows
-        )]  # fmt: skip
-        given[-1], work = rows, np.zeros(WORK * states)
-        drive, count = np.zeros(nodes[1].shape[1] + 1), np.zeros(4, np.int64)
-        reach = np.zeros(states)
-        longest = float(t[-1] - t[0]) / STEPS_PART or 1.0
-        task = _Task(
-            states, nodes[1].shape[1], nodes[0].size, t.size, limits.steps, limits.relative,
-            longest, *(a.ctypes.data for a in (*given, work, drive, reach, count)),
-        )  # fmt: skip
-        rate, memory, alive = self._ready(np.ascontiguousarray(p, float))
+        rows = np.full((t.size, start.size), np.nan)
+        task, count, reach, alive = _task(t, start, nodes, limits, rows, tape)
+        rate, memory, more = self._ready(np.ascontiguousarray(p, float))
         if self._own is None:
             status = self._library.integrate(rate, memory, ctypes.byref(task))
         else:
             status = self._own.integrate(memory, ctypes.byref(task))
-        del alive
+        del alive, more
         done, accepted, rejected, evaluations = (int(number) for number in count)
         rows[done:] = np.nan
         self._done += evaluations * len(self.code.steps)
         return Steps(rows, REASONS[status], reach, accepted, rejected, evaluations)
 
-    def rate(self, x: Array, d: Array, t: float, p: Array) -> Array:
-        """x' (X,) at one state ``x`` (X,) and drive ``d``, SI."""
-        return self.prepared(p)(x, d, t)
+    def pull_back(
+        self, tape: "Tape", steps: int, seed: Array, p: Array, t: Array, nodes: tuple[Array, Array]
+    ) -> tuple[Array, Array, Array]:
+        """The slopes of Σ seed·x, ``seed`` (N, X), along ``steps`` of a ``tape``, by start (X,),
+        parameters (P,) and drive (K, drive), SI.
 
-    def prepared(self, p: Array) -> Callable[[Array, Array, float], Array]:
-        """The rates (x, d, t) -> x' (X,) for parameters ``p`` (P,), SI; for one thread."""
+        These rates are not those that were integrated but, for x next to a weight of x', (2X,),
+        their slopes by x, drive and parameters, weighed."""
+        if self._done > COMPILING + COMPILING_EACH * len(self.code.steps):
+            self.compile()
+        states, drives = seed.shape[1], nodes[1].shape[1]
+        one = np.ones(states)
+        task, count, _, alive = _task(t, one, nodes, Tolerances(1, one, one, 1), seed, tape)
+        count[1] = steps
+        back, by_p, by_d = np.zeros(states), np.zeros(p.size), np.zeros(nodes[1].shape)
+        work = np.zeros(15 * states + drives + p.size)
+        pull, memory, more = self._ready(np.ascontiguousarray(p, float))
+        self._library.reverse(
+            pull, memory, ctypes.byref(task), ctypes.c_longlong(p.size),
+            *(_address(a) for a in (np.ascontiguousarray(seed), back, by_p, by_d, work)),
+        )  # fmt: skip
+        del alive, more
+        self._done += 12 * steps * len(self.code.steps)
+        return back, by_p, by_d
+
+    def along(self, t: Array, x: Array, d: Array, p: Array) -> Array:
+        """The function itself at N points: times ``t`` (N,), ``x`` (N, X), ``d`` (N, drive), and
+        parameters ``p`` (P,) that are the same for all; SI, (N, results)."""
+        made = np.zeros((t.size, self.code.results[0]))
+        width = np.array([x.shape[1], d.shape[1], made.shape[1]], np.int64)
         rate, memory, alive = self._ready(np.ascontiguousarray(p, float))
-        call = ctypes.CFUNCTYPE(None, _POINTER, ctypes.c_double, *[_POINTER] * 3)(rate.value or 0)
-        slope = np.zeros(self.code.results[0])
-        to = slope.ctypes.data
-
-        def rates(x: Array, d: Array, t: float, alive: object = alive) -> Array:
-            call(memory, t, x.ctypes.data, d.ctypes.data, to)
-            return slope.copy()
-
-        return rates
+        given = [np.ascontiguousarray(a, float) for a in (t, x, d)]
+        self._library.rows(
+            rate, memory, ctypes.c_longlong(t.size), *(_address(a) for a in (width, *given, made))
+        )
+        del alive
+        return made
 
     @property
     def compiled(self) -> bool:
@@ -178,11 +207,9 @@ class Field:
 def field(form: StateForm) -> Field | None:
     """The rates of a machine for the explicit method; None without a compiler that works, or for
     rates that are not made of scalar operations."""
-    library = _library(integrator_code())
-    if library is None:
+    if _library(integrator_code()) is None or not form.rates().is_a("SXFunction"):
         return None
-    code = kept(("field", form.key), lambda: _field(form, library))
-    return code
+    return kept(("field", form.key), lambda: field_of(rates_of(form)))
 
 
 def compiler_fails() -> str:
@@ -207,16 +234,40 @@ def bends(t: Array, drive: Array) -> tuple[Array, Array]:
     return t[chosen], drive[chosen]
 
 
-def _field(form: StateForm, library: ctypes.CDLL) -> Field | None:
+def field_of(function: ca.Function) -> Field | None:
+    """Any function (x, d, t, p) -> x' made of scalar operations, as :func:`field`."""
+    library, code = _library(integrator_code()), program(function)
+    return None if library is None or code is None else Field(code, library)
+
+
+def rates_of(form: StateForm) -> ca.Function:
+    """(x, d, t, p) -> x' (X,), the rates of all states."""
     x, d, t, p, w = form.symbols()
     f = len(form.free)
-    rates = form.rates()
-    if not rates.is_a("SXFunction"):
-        return None
-    slopes = ca.vertcat(x[f : 2 * f, 0], rates(x, d, t, p, ca.SX.zeros(w.numel())))
-    function = ca.Function("field", [x, d, t, p], [ca.densify(slopes)], {"cse": True})
-    code = program(function)
-    return None if code is None else Field(code, library)
+    slopes = ca.vertcat(x[f : 2 * f, 0], form.rates()(x, d, t, p, ca.SX.zeros(w.numel())))
+    return ca.Function("field", [x, d, t, p], [ca.densify(slopes)], {"cse": True})
+
+
+def _task(
+    t: Array, start: Array, nodes: tuple[Array, Array], limits: Tolerances, rows: Array,
+    tape: Tape | None,
+) -> tuple[_Task, NDArray[np.int64], Array, list[NDArray[Any]]]:  # fmt: skip
+    """What to integrate; where it counts steps and says how far the states went; and the arrays
+    that must stay alive with it."""
+    given: list[NDArray[Any]] = [
+        np.ascontiguousarray(a, float)
+        for a in (*nodes, t, limits.absolute, limits.bound, start)
+    ]  # fmt: skip
+    count, reach = np.zeros(4, np.int64), np.zeros(start.size)
+    drive, work = np.zeros(nodes[1].shape[1] + 1), np.zeros(WORK * start.size)
+    given += [rows, work, drive, reach, count]
+    taped = [] if tape is None else [tape.stages, tape.times, tape.places]
+    addresses = [a.ctypes.data for a in (*given, *taped)] + [None] * (3 - len(taped))
+    task = _Task(
+        start.size, nodes[1].shape[1], nodes[0].size, t.size, limits.steps, limits.relative,
+        float(t[-1] - t[0]) / STEPS_PART or 1.0, *addresses, 0 if tape is None else tape.steps,
+    )  # fmt: skip
+    return task, count, reach, given
 
 
 def _lists(code: Program, same: tuple[bool, ...]) -> tuple[NDArray[Any], ...]:
@@ -259,4 +310,5 @@ def _library(code: str) -> ctypes.CDLL | None:
     else:
         library.execute.restype = None
         library.integrate.argtypes = (_POINTER,) * 3
+        library.reverse.restype = library.rows.restype = None
     return library

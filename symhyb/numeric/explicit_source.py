@@ -57,6 +57,51 @@ void interpret(void *memory, double t, const double *x, const double *d, double 
 }}
 """
 
+# The steps of a tape backwards: what a change of the states at the outputs, weighed by seed, is in
+# terms of the start (back), the parameters and the nodes of the drive. pull: (x, weights of x'), d,
+# t -> the same weighed by the slopes of the rates by x, d and p. rows: such a function at N points.
+_REVERSE = """
+void rows(rate_type rate, void *memory, long long count, const long long *width, const double *t,
+          const double *x, const double *d, double *out) {{
+  for (long long i = 0; i < count; i++)
+    rate(memory, t[i], x + i * width[0], d + i * width[1], out + i * width[2]);
+}}
+void reverse(rate_type pull, void *memory, const struct task *r, long long parameters,
+             const double *seed, double *back, double *by_p, double *by_d, double *work) {{
+  const long long n = r->states, m = r->drives;
+  static const double c[12] = {{{nodes}}}, b[12] = {{{weights}}};
+  static const double a[12][12] = {{{rows}}};
+  double *z = work, *out = z + 2 * n, *y[12];
+  for (int s = 0; s < 12; s++) y[s] = out + n + m + parameters + s * n;
+  memcpy(back, seed + (r->outputs - 1) * n, n * sizeof(double));
+  for (long long step = r->count[1] - 1; step >= 0; step--) {{
+    const double t = r->tape_t[2 * step], h = r->tape_t[2 * step + 1];
+    const long long at = r->tape_i[2 * step];
+    const double first = m ? r->node_t[at] : 0, length = m ? r->node_t[at + 1] - first : 1;
+    for (int s = 11; s >= 0; s--) {{
+      memcpy(z, r->tape_x + (12 * step + s) * n, n * sizeof(double));
+      for (long long i = 0; i < n; i++) {{
+        double sum = b[s] * back[i];
+        for (int j = s + 1; j < 12; j++) sum += a[j][s] * y[j][i];
+        z[n + i] = h * sum;
+      }}
+      hold(r, at, t + c[s] * h, r->drive);
+      pull(memory, t + c[s] * h, z, r->drive, out);
+      memcpy(y[s], out, n * sizeof(double));
+      const double share = (t + c[s] * h - first) / length;
+      for (long long j = 0; j < m; j++) {{
+        by_d[at * m + j] += (1 - share) * out[n + j];
+        by_d[(at + 1) * m + j] += share * out[n + j];
+      }}
+      for (long long j = 0; j < parameters; j++) by_p[j] += out[n + m + j];
+    }}
+    for (int s = 0; s < 12; s++) for (long long i = 0; i < n; i++) back[i] += y[s][i];
+    const long long before = step ? r->tape_i[2 * step - 1] : 0; /* where this step began */
+    if (before >= 0) for (long long i = 0; i < n; i++) back[i] += seed[before * n + i];
+  }}
+}}
+"""
+
 # what the integrator calls: a function that it is handed, or the one that stands before it
 _ANY_MACHINE = """
 typedef void (*rate_type)(void *, double, const double *, const double *, double *);
@@ -77,8 +122,8 @@ _ONE_MACHINE = """
 _INTEGRATOR = """
 struct task {{ long long states, drives, nodes, outputs, steps_most; double relative, longest;
   const double *node_t, *node_d, *t, *absolute, *bound, *start; double *x, *work, *drive,
-  *reach; long long *count; }};
-enum {{ DONE, WORK_MOST, STEP_LEAST, GROWN }};
+  *reach; long long *count; double *tape_x, *tape_t; long long *tape_i, tape_most; }};
+enum {{ DONE, WORK_MOST, STEP_LEAST, GROWN, TAPE_FULL }};
 static void hold(const struct task *r, long long k, double t, double *d) {{
   const long long m = DRIVES;
   if (!m) return;
@@ -130,7 +175,10 @@ int integrate(RATE void *memory, const struct task *r) {{
   int rejected = 0;
   while (t < end) {{
     if (count[1] + count[2] >= r->steps_most) return WORK_MOST;
-    const double wall = at + 2 < r->nodes ? fmin(r->node_t[at + 1], end) : end;
+    if (r->tape_x && count[1] >= r->tape_most) return TAPE_FULL;
+    double wall = at + 2 < r->nodes ? fmin(r->node_t[at + 1], end) : end;
+    if (r->tape_x) wall = fmin(wall, r->t[row]); /* what is differentiated has no dense output */
+    double *const stage = r->tape_x ? r->tape_x + 12 * n * count[1] : 0;
     double h = fmin(wish, r->longest);
     const int last = t + 1.01 * h >= wall;
     if (last) h = wall - t;
@@ -156,8 +204,15 @@ int integrate(RATE void *memory, const struct task *r) {{
       if (t + 0.1 * wish == t) return STEP_LEAST;
       continue;
     }}
-    count[1]++;
     const double next = last ? wall : t + h;
+    if (stage) {{
+      memcpy(stage, y, n * sizeof(double));
+      r->tape_t[2 * count[1]] = t;
+      r->tape_t[2 * count[1] + 1] = h;
+      r->tape_i[2 * count[1]] = at;
+      r->tape_i[2 * count[1] + 1] = r->t[row] == next ? row : -1;
+    }}
+    count[1]++;
     int ready = 0;
     for (; row < r->outputs && r->t[row] <= next; row++, count[0]++) {{
       double *to = r->x + row * n;
@@ -221,7 +276,16 @@ def integrator_code() -> str:
         for operation, form in sorted(forms.items())
     )
     interpreter = _INTERPRETER.format(tangent=HYPERBOLIC_TANGENT, cases=cases)
-    return interpreter + _ANY_MACHINE + _integrator()
+    return interpreter + _ANY_MACHINE + _integrator() + _reverse()
+
+
+def _reverse() -> str:
+    rows = [dict(row) for row in STAGES[:13]]
+    full = [", ".join(repr(row.get(j, 0.0)) for j in range(12)) for row in rows]
+    return _REVERSE.format(
+        nodes=", ".join(map(repr, NODES[:12])), weights=full[12],
+        rows=", ".join(f"{{{row}}}" for row in full[:12]),
+    )  # fmt: skip
 
 
 def _called(name: str) -> str:
@@ -238,10 +302,12 @@ def _sum(row: Sequence[tuple[int, float]]) -> str:
 
 def _stage(s: int, into: str) -> str:
     """Slope number ``s``; the last of a step lies at its end."""
+    place = f"stage ? stage + {s} * n : {into}" if s < 12 else into
     return (
-        f"    for (long long i = 0; i < n; i++) {into}[i] = y[i] + h * ({_sum(STAGES[s])});\n"
+        f"    {{ double *const z = {place};\n"
+        f"    for (long long i = 0; i < n; i++) z[i] = y[i] + h * ({_sum(STAGES[s])});\n"
         f"    hold(r, at, t + {NODES[s]!r} * h, d);\n"
-        f"    rate(memory, t + {NODES[s]!r} * h, {into}, d, k[{s}]);"
+        f"    rate(memory, t + {NODES[s]!r} * h, z, d, k[{s}]); }}"
     )
 
 

@@ -220,6 +220,7 @@ def number(x: float) -> str:
 
 
 def formula(operation: int, left: int, right: int) -> str:
+    """The C expression of one step of a program, of the values v<left> and v<right>."""
     if operation in CALLED:
         second = f", v{right}" if CALLED[operation] in TWO_ARGUMENTS else ""
         return f"{CALLED[operation]}(v{left}{second})"

@@ -1,4 +1,4 @@
-"""The explicit method: its coefficients, accuracy and fallbacks, with CVODES as the other engine."""
+"""The explicit method: coefficients, accuracy and fallbacks, with CVODES as the other engine."""
 
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -110,10 +110,10 @@ def test_interpreted_and_compiled_rates_give_the_same_numbers_to_the_last_bit(
     assert first.reason == second.reason == ""
     assert np.array_equal(first.x, second.x)
     assert (first.accepted, first.evaluations) == (second.accepted, second.evaluations)
-    drive = nodes[1][7]
-    here = [fresh.rate(start, drive, 0.2, machine.values)]
-    again = Field(code.code, code._library).rate(start, drive, 0.2, machine.values)
-    assert np.array_equal(here[0], again)
+    here = fresh.along(t, first.x, nodes[1], machine.values)
+    again = Field(code.code, code._library).along(t, first.x, nodes[1], machine.values)
+    assert np.array_equal(here, again)
+    assert here[:, : machine.n] == pytest.approx(first.x[:, machine.n :])
 
 
 @needs_compiler
