@@ -30,9 +30,9 @@ _HOME = {name: module for module, names in _HOMES.items() for name in names}
 __version__ = "0.1.0"
 __all__ = (
     "Diagnosis", "Discrepancy", "Found", "InputError", "Machine", "Model", "NumericsError",
-    "Objective", "Problem", "Recording", "Rollout", "Scenario", "Trajectory", "Verdict", "apply", "build", "compare",
-    "diagnose", "diff", "judge", "read_model", "read_recording", "run_study", "simulate",
-    "write_diagnosis", "write_model", "write_report", "write_simulation",
+    "Objective", "Problem", "Recording", "Rollout", "Scenario", "Trajectory", "Verdict", "apply",
+    "build", "compare", "diagnose", "diff", "judge", "read_model", "read_recording", "run_study",
+    "simulate", "write_diagnosis", "write_model", "write_report", "write_simulation",
 )  # fmt: skip
 
 

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from symhyb.numeric.buffers import Array
 from symhyb.numeric.compiled import find_compiler, shared_library
 from symhyb.numeric.dynamics import StateForm
-from symhyb.numeric.explicit_source import WORK, integrator_code, machine_code
+from symhyb.numeric.explicit_source import SLOPES, WORK, integrator_code, machine_code
 from symhyb.numeric.instructions import NOTHING, Program, program
 from symhyb.numeric.memory import kept
 from symhyb.numeric.vector_c import processor
@@ -92,13 +92,13 @@ class _Task(ctypes.Structure):
 
 
 class Tape:
-    """Room for the steps of a run: the states of their stages, where they began, how long they
-    were, and at which outputs they ended. One run at a time."""
+    """Room for the steps of a run: the states of their stages, where they began and ended, how
+    long they were, and which outputs lie in them. One run at a time."""
 
     def __init__(self, steps: int, states: int):
         self.steps = steps
-        self.stages = np.empty((steps, 12, states))
-        self.times, self.places = np.empty((steps, 2)), np.empty((steps, 2), np.int64)
+        self.stages = np.empty((steps, SLOPES, states))
+        self.times, self.places = np.empty((steps, 3)), np.empty((steps, 3), np.int64)
 
 
 class Field:
@@ -116,8 +116,8 @@ class Field:
         tape: "Tape | None" = None,
     ) -> Steps:  # fmt: skip
         """States at ``t`` (N,) from ``start`` (X,) at ``t[0]``, with parameters ``p`` (P,) and a
-        drive that runs straight between ``nodes``, times (K,) and values (K, drive); SI. With a
-        ``tape`` every output ends a step, and the steps are written down there."""
+        drive that runs straight between ``nodes``, times (K,) and values (K, drive); SI. The
+        steps are written down on the ``tape``, if there is one."""
         if self._done > COMPILING + COMPILING_EACH * len(self.code.steps):
             self.compile()
         rows = np.full((t.size, start.size), np.nan)
@@ -148,7 +148,7 @@ class Field:
         task, count, _, alive = _task(t, one, nodes, Tolerances(1, one, one, 1), seed, tape)
         count[1] = steps
         back, by_p, by_d = np.zeros(states), np.zeros(p.size), np.zeros(nodes[1].shape)
-        work = np.zeros(15 * states + drives + p.size)
+        work = np.zeros((2 * SLOPES + 4) * states + drives + p.size)
         pull, memory, more = self._ready(np.ascontiguousarray(p, float))
         self._library.reverse(
             pull, memory, ctypes.byref(task), ctypes.c_longlong(p.size),

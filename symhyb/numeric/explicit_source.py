@@ -69,25 +69,50 @@ void rows(rate_type rate, void *memory, long long count, const long long *width,
 void reverse(rate_type pull, void *memory, const struct task *r, long long parameters,
              const double *seed, double *back, double *by_p, double *by_d, double *work) {{
   const long long n = r->states, m = r->drives;
-  static const double c[12] = {{{nodes}}}, b[12] = {{{weights}}};
-  static const double a[12][12] = {{{rows}}};
-  double *z = work, *out = z + 2 * n, *y[12];
-  for (int s = 0; s < 12; s++) y[s] = out + n + m + parameters + s * n;
-  memcpy(back, seed + (r->outputs - 1) * n, n * sizeof(double));
+  static const double c[{slopes}] = {{{nodes}}};
+  static const double a[{slopes}][{slopes}] = {{{rows}}}, dense[{dense}][{slopes}] = {{{upper}}};
+  double *z = work, *out = z + 2 * n, *plain = out + n + m + parameters, *y[{slopes}], *k[{slopes}];
+  for (int s = 0; s < {slopes}; s++) y[s] = plain + (1 + s) * n;
+  for (int s = 0; s < {slopes}; s++) k[s] = y[{slopes} - 1] + (1 + s) * n;
+  for (long long i = 0; i < n; i++) back[i] = 0;
   for (long long step = r->count[1] - 1; step >= 0; step--) {{
-    const double t = r->tape_t[2 * step], h = r->tape_t[2 * step + 1];
-    const long long at = r->tape_i[2 * step];
+    const double t = r->tape_t[3 * step], h = r->tape_t[3 * step + 1];
+    const double end = r->tape_t[3 * step + 2];
+    const long long *place = r->tape_i + 3 * step, at = place[0];
     const double first = m ? r->node_t[at] : 0, length = m ? r->node_t[at + 1] - first : 1;
-    for (int s = 11; s >= 0; s--) {{
-      memcpy(z, r->tape_x + (12 * step + s) * n, n * sizeof(double));
+    int stages = 12;
+    memset(plain, 0, n * sizeof(double));
+    memset(k[0], 0, {slopes} * n * sizeof(double));
+    for (long long row = place[1]; row < place[2]; row++) {{
+      const double *here = seed + row * n;
+      if (r->t[row] == end) {{
+        for (long long i = 0; i < n; i++) back[i] += here[i];
+        continue;
+      }}
+      stages = {slopes};
+      const double s = (r->t[row] - t) / h, q = 1 - s, p1 = s * q, p2 = p1 * s, p3 = p2 * q;
+      const double p4 = p3 * s, p5 = p4 * q, p6 = p5 * s;
+      for (int j = 0; j < {slopes}; j++) {{
+        double w = a[12][j] * (s - p1 + 2 * p2) + dense[0][j] * p3 + dense[1][j] * p4
+                   + dense[2][j] * p5 + dense[3][j] * p6;
+        w += j == 0 ? p1 - p2 : j == 12 ? -p2 : 0;
+        for (long long i = 0; i < n; i++) k[j][i] += w * here[i];
+      }}
+      for (long long i = 0; i < n; i++) plain[i] += here[i];
+    }}
+    for (int s = 12; s < {slopes}; s++) memset(y[s], 0, n * sizeof(double));
+    if (stages == 12) memcpy(y[12], back, n * sizeof(double));
+    for (int s = stages - 1; s >= 0; s--) {{
+      memcpy(z, r->tape_x + ({slopes} * step + s) * n, n * sizeof(double));
       for (long long i = 0; i < n; i++) {{
-        double sum = b[s] * back[i];
-        for (int j = s + 1; j < 12; j++) sum += a[j][s] * y[j][i];
+        double sum = k[s][i];
+        for (int j = s + 1; j < {slopes}; j++) if (a[j][s] != 0) sum += a[j][s] * y[j][i];
         z[n + i] = h * sum;
       }}
       hold(r, at, t + c[s] * h, r->drive);
       pull(memory, t + c[s] * h, z, r->drive, out);
       memcpy(y[s], out, n * sizeof(double));
+      if (s == 12) for (long long i = 0; i < n; i++) y[s][i] += back[i];
       const double share = (t + c[s] * h - first) / length;
       for (long long j = 0; j < m; j++) {{
         by_d[at * m + j] += (1 - share) * out[n + j];
@@ -95,10 +120,10 @@ void reverse(rate_type pull, void *memory, const struct task *r, long long param
       }}
       for (long long j = 0; j < parameters; j++) by_p[j] += out[n + m + j];
     }}
-    for (int s = 0; s < 12; s++) for (long long i = 0; i < n; i++) back[i] += y[s][i];
-    const long long before = step ? r->tape_i[2 * step - 1] : 0; /* where this step began */
-    if (before >= 0) for (long long i = 0; i < n; i++) back[i] += seed[before * n + i];
+    memcpy(back, plain, n * sizeof(double));
+    for (int s = 0; s < {slopes}; s++) for (long long i = 0; i < n; i++) back[i] += y[s][i];
   }}
+  for (long long i = 0; i < n; i++) back[i] += seed[i];
 }}
 """
 
@@ -176,9 +201,8 @@ int integrate(RATE void *memory, const struct task *r) {{
   while (t < end) {{
     if (count[1] + count[2] >= r->steps_most) return WORK_MOST;
     if (r->tape_x && count[1] >= r->tape_most) return TAPE_FULL;
-    double wall = at + 2 < r->nodes ? fmin(r->node_t[at + 1], end) : end;
-    if (r->tape_x) wall = fmin(wall, r->t[row]); /* what is differentiated has no dense output */
-    double *const stage = r->tape_x ? r->tape_x + 12 * n * count[1] : 0;
+    const double wall = at + 2 < r->nodes ? fmin(r->node_t[at + 1], end) : end;
+    double *const stage = r->tape_x ? r->tape_x + {slopes} * n * count[1] : 0;
     double h = fmin(wish, r->longest);
     const int last = t + 1.01 * h >= wall;
     if (last) h = wall - t;
@@ -205,14 +229,7 @@ int integrate(RATE void *memory, const struct task *r) {{
       continue;
     }}
     const double next = last ? wall : t + h;
-    if (stage) {{
-      memcpy(stage, y, n * sizeof(double));
-      r->tape_t[2 * count[1]] = t;
-      r->tape_t[2 * count[1] + 1] = h;
-      r->tape_i[2 * count[1]] = at;
-      r->tape_i[2 * count[1] + 1] = r->t[row] == next ? row : -1;
-    }}
-    count[1]++;
+    const long long first_row = row;
     int ready = 0;
     for (; row < r->outputs && r->t[row] <= next; row++, count[0]++) {{
       double *to = r->x + row * n;
@@ -236,6 +253,15 @@ int integrate(RATE void *memory, const struct task *r) {{
         to[i] = y[i] + s * (p0[i] + z * (p1[i] + s * (e3[i] + z * (c[0][i] + s * (c[1][i]
               + z * (c[2][i] + s * c[3][i]))))));
     }}
+    if (stage) {{
+      memcpy(stage, y, n * sizeof(double));
+      memcpy(stage + 12 * n, y1, n * sizeof(double));
+      const double times[3] = {{t, h, next}};
+      const long long places[3] = {{at, first_row, row}};
+      memcpy(r->tape_t + 3 * count[1], times, sizeof times);
+      memcpy(r->tape_i + 3 * count[1], places, sizeof places);
+    }}
+    count[1]++;
     const double most = rejected ? 1.0 : 6.0;
     const double grow = error > 0 ? fmin(most, fmax(1.0 / 3, 0.9 / eighth(error))) : most;
     wish = last && !rejected ? fmax(wish, h * grow) : h * grow; /* a wall makes no step short */
@@ -280,11 +306,14 @@ def integrator_code() -> str:
 
 
 def _reverse() -> str:
-    rows = [dict(row) for row in STAGES[:13]]
-    full = [", ".join(repr(row.get(j, 0.0)) for j in range(12)) for row in rows]
+    def full(row: Sequence[tuple[int, float]]) -> str:
+        known = dict(row)
+        return ", ".join(repr(known.get(j, 0.0)) for j in range(SLOPES))
+
     return _REVERSE.format(
-        nodes=", ".join(map(repr, NODES[:12])), weights=full[12],
-        rows=", ".join(f"{{{row}}}" for row in full[:12]),
+        slopes=SLOPES, dense=len(DENSE), nodes=", ".join(map(repr, NODES)),
+        rows=", ".join(f"{{{full(row)}}}" for row in STAGES),
+        upper=", ".join(f"{{{full(row)}}}" for row in DENSE),
     )  # fmt: skip
 
 
@@ -302,7 +331,7 @@ def _sum(row: Sequence[tuple[int, float]]) -> str:
 
 def _stage(s: int, into: str) -> str:
     """Slope number ``s``; the last of a step lies at its end."""
-    place = f"stage ? stage + {s} * n : {into}" if s < 12 else into
+    place = f"stage ? stage + {s} * n : {into}" if s != 12 else into
     return (
         f"    {{ double *const z = {place};\n"
         f"    for (long long i = 0; i < n; i++) z[i] = y[i] + h * ({_sum(STAGES[s])});\n"
