@@ -137,21 +137,22 @@ class Field:
         self, tape: "Tape", steps: int, seed: Array, p: Array, t: Array, nodes: tuple[Array, Array]
     ) -> tuple[Array, Array, Array]:
         """The slopes of Σ seed·x, ``seed`` (N, X), along ``steps`` of a ``tape``, by start (X,),
-        parameters (P,) and drive (K, drive), SI.
+        free parameters (F,) and drive (K, drive), SI.
 
         These rates are not those that were integrated but, for x next to a weight of x', (2X,),
-        their slopes by x, drive and parameters, weighed."""
+        their slopes by x, drive and free parameters, weighed."""
         if self._done > COMPILING + COMPILING_EACH * len(self.code.steps):
             self.compile()
         states, drives = seed.shape[1], nodes[1].shape[1]
         one = np.ones(states)
         task, count, _, alive = _task(t, one, nodes, Tolerances(1, one, one, 1), seed, tape)
         count[1] = steps
-        back, by_p, by_d = np.zeros(states), np.zeros(p.size), np.zeros(nodes[1].shape)
-        work = np.zeros((2 * SLOPES + 4) * states + drives + p.size)
+        free = self.code.results[0] - states - drives
+        back, by_p, by_d = np.zeros(states), np.zeros(free), np.zeros(nodes[1].shape)
+        work = np.zeros((2 * SLOPES + 4) * states + drives + free)
         pull, memory, more = self._ready(np.ascontiguousarray(p, float))
         self._library.reverse(
-            pull, memory, ctypes.byref(task), ctypes.c_longlong(p.size),
+            pull, memory, ctypes.byref(task), ctypes.c_longlong(free),
             *(_address(a) for a in (np.ascontiguousarray(seed), back, by_p, by_d, work)),
         )  # fmt: skip
         del alive, more

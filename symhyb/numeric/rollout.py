@@ -83,7 +83,8 @@ class Rollout:
         first = simulate(machine, scenario)
         if not first.complete:
             raise NumericsError(first.reason)
-        self._parts = kept(("rollout", self.form.key), lambda: _parts(self.form))
+        key = ("rollout", self.form.key, tuple(self._free))
+        self._parts = kept(key, lambda: _parts(self.form, self._free))
         x = self.form.state(first.q, first.v, first.z)
         self.theta, self.start = machine.values[self._free], x[0]
         self.inputs, self._given = scenario.u, scenario.given
@@ -228,7 +229,7 @@ class Reversal:
         )
         np.add.at(drive, of._place, (1 - of._share)[:, None] * by_d)
         np.add.at(drive, of._place + 1, of._share[:, None] * by_d)
-        return Slopes((values + by_p.sum(axis=0))[f], start, drive[:, :k])
+        return Slopes(values + by_p.sum(axis=0), start, drive[:, :k])
 
 
 def _column(machine: Machine, path: str) -> int:
@@ -238,13 +239,14 @@ def _column(machine: Machine, path: str) -> int:
     return paths.index(path)
 
 
-def _parts(form: StateForm) -> _Parts:
+def _parts(form: StateForm, free: list[int]) -> _Parts:
     rates = rates_of(form)
     x, d, t, p, w = form.symbols()
     sensed = form.outputs()(x, d, t, p, 0 * w)[0]
     outputs = ca.Function("sensed", [x, d, t, p], [ca.densify(sensed)], {"cse": True})
     functions = (
-        rates, outputs, _pulled(rates), _pulled(outputs), _pushed(rates), _pushed(outputs)
+        rates, outputs, _pulled(rates, free), _pulled(outputs, free),
+        _pushed(rates), _pushed(outputs),
     )  # fmt: skip
     fields = [field_of(function) for function in functions]
     ready = [field for field in fields if field is not None]
@@ -256,14 +258,16 @@ def _parts(form: StateForm) -> _Parts:
     return _Parts(*ready)
 
 
-def _pulled(function: ca.Function) -> ca.Function:
-    """((x, weights of the result), d, t, p) -> these by x, d and p, one below the other."""
+def _pulled(function: ca.Function, free: list[int]) -> ca.Function:
+    """((x, weights of the result), d, t, p) -> these by x, d and what is free of p, one below the
+    other."""
     x, d, t, p = (ca.SX.sym(name, function.size1_in(i)) for i, name in enumerate("xdtp"))
     weights = ca.SX.sym("weights", function.size1_out(0))
     result = function(x, d, t, p)
-    parts = [ca.densify(ca.jtimes(result, by, weights, True)) for by in (x, d, p)]
+    slopes = ca.densify(ca.jtimes(result, ca.vertcat(x, d, p), weights, True))
+    kept_rows = [*range(x.numel() + d.numel()), *(x.numel() + d.numel() + i for i in free)]
     both = ca.vertcat(x, weights)
-    return ca.Function("pulled", [both, d, t, p], [ca.vertcat(*parts)], {"cse": True})
+    return ca.Function("pulled", [both, d, t, p], [slopes[kept_rows]], {"cse": True})
 
 
 def _pushed(function: ca.Function) -> ca.Function:
