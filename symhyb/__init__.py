@@ -14,6 +14,8 @@ _HOMES = {
     "symhyb.data.recording": ("Recording", "read_recording"),
     "symhyb.numeric.machine": ("Machine", "build"),
     "symhyb.numeric.integrate": ("Scenario", "Trajectory", "simulate"),
+    "symhyb.numeric.rollout": ("Rollout",),
+    "symhyb.numeric.objective": ("Objective",),
     "symhyb.discrepancy.residual": ("Discrepancy", "compare"),
     "symhyb.discrepancy.results": ("Diagnosis", "Found", "Verdict"),
     "symhyb.discrepancy.judge": ("judge",),
@@ -30,9 +32,10 @@ _HOME = {name: module for module, names in _HOMES.items() for name in names}
 __version__ = "0.1.0"
 __all__ = (
     "Diagnosis", "Discrepancy", "Found", "InputError", "Machine", "Model", "NumericsError",
-    "Problem", "Recording", "Scenario", "Trajectory", "Verdict", "apply", "build", "compare",
-    "diagnose", "diff", "finished", "judge", "read_model", "read_recording", "remainder",
-    "run_study", "simulate", "write_diagnosis", "write_model", "write_report", "write_simulation",
+    "Objective", "Problem", "Recording", "Rollout", "Scenario", "Trajectory", "Verdict", "apply",
+    "build", "compare", "diagnose", "diff", "finished", "judge", "read_model", "read_recording",
+    "remainder", "run_study", "simulate", "write_diagnosis", "write_model", "write_report",
+    "write_simulation",
 )  # fmt: skip
 
 

@@ -104,7 +104,7 @@ def simulate(
     """
     from symhyb.console import progress, read_map, warn
     from symhyb.model.read import read_model
-    from symhyb.simulation import read_inputs, run_model, run_table
+    from symhyb.simulation import read_inputs, run_model, run_table, told
     from symhyb.study import require_folder, staged
 
     if output.is_dir():
@@ -119,7 +119,8 @@ def simulate(
     warn(machine.notes)
     with staged(output.parent) as part:
         (part / output.name).write_text(run_table(machine, scenario, run), encoding="utf-8")
-    print(f"{output}: {run.t.size} rows from {run.t[0]:g} to {run.t[-1]:g} s")
+    print(f"{output}: {run.t.size} rows from {run.t[0]:g} to {run.t[-1]:g} s, by {told(run)}")
+    warn((run.note,) if run.note else ())
 
 
 @app.command()

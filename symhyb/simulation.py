@@ -78,6 +78,19 @@ def _require_free(model: Model) -> None:
         raise InputError(Problem(text, file=model.file))
 
 
+METHODS = {
+    "explicit": "an explicit Runge-Kutta method of order 8",
+    "adams": "CVODES (Adams)",
+    "bdf": "CVODES (BDF)",
+    "none": "the inputs alone: no coordinate is free",
+}
+
+
+def told(run: Trajectory) -> str:
+    """By which method a run was integrated, in words."""
+    return METHODS.get(run.method, run.method)
+
+
 def run_table(machine: Machine, scenario: Scenario, run: Trajectory) -> str:
     """Write a run as CSV: t, inputs, sensors without noise, coordinates and their rates, each in
     the unit of the model file, which stands in the header."""

@@ -13,9 +13,12 @@ import pytest
 from sympy import Matrix, lambdify
 from sympy.physics.mechanics import dynamicsymbols
 
+from symhyb.numeric.compiled import find_compiler
+
 FOLDER = Path(__file__).parents[1] / "studies" / "benchmarks"
 NAMES = (
-    "bench", "forces", "links", "oscillators", "regression", "starting", "timing", "trajectories",
+    "bench", "compiled", "forces", "links", "oscillators", "regression", "starting", "timing",
+    "trajectories",
 )  # fmt: skip
 
 
@@ -134,6 +137,25 @@ def test_rows_of_matching_name_their_bars(study: dict[str, ModuleType]) -> None:
     rows = study["trajectories"].rows((2000, 3000), 1)
     assert [r.bar for r in rows] == [3, 1.5]
     assert all(np.isfinite(r.value) and r.value > 0 for r in rows)
+
+
+@pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+def test_contenders_of_the_compiled_path_give_the_same_numbers(
+    study: dict[str, ModuleType],
+) -> None:
+    compiled, oscillators = study["compiled"], study["oscillators"]
+    machine, scenario = oscillators.machine_of(), oscillators.scenario_of(0.5, 101)
+    truth = oscillators.reference(oscillators.right_side(), scenario.t)
+    theirs = compiled.cvodes(machine, scenario.t, np.abs(truth).max(axis=0))()
+    assert theirs == pytest.approx(truth[1:], abs=1e-6)
+    rows = compiled.run_rows(0.5, 51, 1) + compiled.gradient_rows(20, 41, 1)
+    assert [r.bar for r in rows] == [15, 5]
+    assert all(np.isfinite(r.value) and r.value > 0 for r in rows)
+    assert "(explicit)" in rows[0].note
+    pytest.importorskip("pinocchio")
+    times, apart = compiled.right_sides(3, 50, 1)
+    assert apart < 1e-12
+    assert set(times) == {"ours", "aba"}
 
 
 def test_rows_of_simulation_name_their_bars(study: dict[str, ModuleType]) -> None:

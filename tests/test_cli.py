@@ -281,6 +281,8 @@ def test_simulate_without_inputs_is_the_free_oscillation(
     assert columns["x' [mm/s]"] == pytest.approx(-100 * np.sin(5 * t), abs=1e-3)
     assert columns["f [N]"] == pytest.approx(0)
     assert [path.name for path in run.parent.iterdir()] == ["run.csv"]
+    assert "41 rows from 0 to 4 s, by " in done.out
+    assert "Runge-Kutta" in done.out or "CVODES (Adams)" in done.out
 
 
 def test_simulate_with_recorded_inputs_covers_the_recording(

@@ -23,11 +23,12 @@ from timing import Row, machine
 HERE = Path(__file__).parent
 PAGE = HERE.parents[1] / "docs" / "performance.md"
 BEGIN, END = "<!-- measured -->", "<!-- /measured -->"
-PARTS = ("links", "runs", "forces", "sweep", "starting", "regression", "matching")
+PARTS = ("links", "runs", "forces", "sweep", "starting", "regression", "matching", "compiled")
 
 
 def measure(part: str) -> list[Row]:
     """The rows of one part; imported here, so that a part needs only its own libraries."""
+    import compiled
     import forces
     import links
     import oscillators
@@ -43,6 +44,7 @@ def measure(part: str) -> list[Row]:
         "starting": starting.rows,
         "regression": regression.rows,
         "matching": trajectories.rows,
+        "compiled": compiled.rows,
     }
     return work[part]()
 

@@ -155,14 +155,14 @@ def _kernel(program: Program, repeated: frozenset[int], packed: frozenset[int]) 
     fixed = [load for load in program.loads if load[1] in repeated]
     same = program.invariant(repeated)
     before = [f"const double v{load[0]} = p[{i}];" for i, load in enumerate(fixed)]
-    before += [f"const double v{value} = {_number(x)};" for value, x in program.constants]
+    before += [f"const double v{value} = {number(x)};" for value, x in program.constants]
     sources = _places("x", [load[1:] for load in varying], program.arguments, packed)
     targets = _places(
         "y", [store[:2] for store in program.stores], program.results, _direct(program)
     )
     inside = [f"const double v{v[0]} = {at};" for v, at in zip(varying, sources, strict=True)]
     for value, operation, left, right in program.steps:
-        line = f"const double v{value} = {_formula(operation, left, right)};"
+        line = f"const double v{value} = {formula(operation, left, right)};"
         (before if same[value] else inside).append(line)
     inside += [f"{at} = v{s[2]};" for s, at in zip(program.stores, targets, strict=True)]
     return [
@@ -210,7 +210,7 @@ def _places(
     return texts
 
 
-def _number(x: float) -> str:
+def number(x: float) -> str:
     """A C constant for exactly this number."""
     if np.isnan(x):
         return '__builtin_nan("")'
@@ -219,7 +219,8 @@ def _number(x: float) -> str:
     return float(x).hex()
 
 
-def _formula(operation: int, left: int, right: int) -> str:
+def formula(operation: int, left: int, right: int) -> str:
+    """The C expression of one step of a program, of the values v<left> and v<right>."""
     if operation in CALLED:
         second = f", v{right}" if CALLED[operation] in TWO_ARGUMENTS else ""
         return f"{CALLED[operation]}(v{left}{second})"

@@ -28,6 +28,13 @@ METHODS = {
 }
 
 
+@pytest.fixture
+def interpreted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No compiler."""
+    monkeypatch.setattr("symhyb.numeric.integrate.field", lambda form: None)
+
+
+@pytest.mark.usefixtures("interpreted")
 @pytest.mark.parametrize(("model", "method"), METHODS.values(), ids=METHODS)
 def test_the_run_says_by_which_method_it_was_integrated(model: Model, method: str) -> None:
     """BDF where a law is steep, remembers or switches, or where a decay is fast; else Adams."""
@@ -36,6 +43,7 @@ def test_the_run_says_by_which_method_it_was_integrated(model: Model, method: st
     assert (result.method, result.reason) == (method, "")
 
 
+@pytest.mark.usefixtures("interpreted")
 def test_both_methods_give_the_same_motion(monkeypatch: pytest.MonkeyPatch) -> None:
     t = np.linspace(0, 3, 61)
     by_adams = run(pendulum(), t, 1.0)

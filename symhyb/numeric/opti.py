@@ -1,0 +1,160 @@
+"""Runs inside CasADi's optimisers: a whole run as a function with both derivatives, and one step.
+
+    run = whole_run(rollout)                    # (θ, x0, u) -> y, x; CVODES-like accuracy
+    step = step_function(machine)               # (x, u0, u1, t, h, p) -> x; any derivative
+
+A whole run has first derivatives only: ask IPOPT for ``hessian_approximation = limited-memory``.
+Multiple shooting and collocation take the step, which is made of scalar operations, has all
+derivatives and needs no compiler. Sizes: F free parameters, X states, k inputs, K their times,
+N outputs, m sensors; CasADi's matrices have time along their columns.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from symhyb.numeric.buffers import Array
+from symhyb.numeric.dynamics import state_form
+from symhyb.numeric.machine import Machine
+from symhyb.numeric.rollout import Rollout, Slopes
+from symhyb.numeric.steps import rosenbrock_step
+
+
+class WholeRun(ca.Callback):
+    """(θ (F), x0 (X), u (k, K)) -> y (m, N), x (X, N), SI, as a CasADi function.
+
+    CasADi holds no reference to it: keep it as long as what is built with it."""
+
+    def __init__(self, rollout: Rollout):
+        ca.Callback.__init__(self)
+        self.rollout = rollout
+        self._kept: list[ca.Callback] = []
+        self._shapes = (
+            (rollout.theta.size, 1), (rollout.start.size, 1), rollout.inputs.shape[::-1],
+            rollout.shape[::-1], (rollout.start.size, rollout.t.size),
+        )  # fmt: skip
+        self.construct("whole_run", {})
+
+    def get_n_in(self) -> int:
+        """Parameters, start, inputs."""
+        return 3
+
+    def get_n_out(self) -> int:
+        """Sensors, states."""
+        return 2
+
+    def get_sparsity_in(self, i: int) -> ca.Sparsity:
+        """Dense."""
+        return ca.Sparsity.dense(*self._shapes[i])
+
+    def get_sparsity_out(self, i: int) -> ca.Sparsity:
+        """Dense."""
+        return ca.Sparsity.dense(*self._shapes[3 + i])
+
+    def eval(self, arguments: Sequence[ca.DM]) -> list[ca.DM]:
+        """Run."""
+        given = _arrays(arguments[:3])
+        return [ca.DM(self.rollout(*given).T), ca.DM(self.rollout.states(*given).T)]
+
+    def has_reverse(self, count: int) -> bool:
+        """One direction at a time."""
+        return count == 1
+
+    def has_forward(self, count: int) -> bool:
+        """One direction at a time."""
+        return count == 1
+
+    def get_reverse(
+        self, count: int, name: str, inputs: Sequence[str], outputs: Sequence[str],
+        options: Mapping[str, Any],
+    ) -> ca.Function:  # fmt: skip
+        """(arguments, results, weights of results) -> slopes by the arguments."""
+        places = (*self._shapes, *self._shapes[3:]), self._shapes[:3]
+        return self._keep(_Slope(self.rollout, name, *places, backwards=True))
+
+    def get_forward(
+        self, count: int, name: str, inputs: Sequence[str], outputs: Sequence[str],
+        options: Mapping[str, Any],
+    ) -> ca.Function:  # fmt: skip
+        """(arguments, results, changes of arguments) -> changes of the results."""
+        places = (*self._shapes, *self._shapes[:3]), self._shapes[3:]
+        return self._keep(_Slope(self.rollout, name, *places, backwards=False))
+
+    def _keep(self, made: ca.Callback) -> ca.Function:
+        self._kept.append(made)
+        return made
+
+
+class _Slope(ca.Callback):
+    """One direction of the derivatives of a whole run."""
+
+    def __init__(
+        self, rollout: Rollout, name: str, takes: tuple[tuple[int, int], ...],
+        gives: tuple[tuple[int, int], ...], backwards: bool,
+    ):  # fmt: skip
+        ca.Callback.__init__(self)
+        self._rollout, self._takes, self._gives = rollout, takes, gives
+        self._backwards = backwards
+        self.construct(name, {})
+
+    def get_n_in(self) -> int:
+        return len(self._takes)
+
+    def get_n_out(self) -> int:
+        return len(self._gives)
+
+    def get_sparsity_in(self, i: int) -> ca.Sparsity:
+        return ca.Sparsity.dense(*self._takes[i])
+
+    def get_sparsity_out(self, i: int) -> ca.Sparsity:
+        return ca.Sparsity.dense(*self._gives[i])
+
+    def eval(self, arguments: Sequence[ca.DM]) -> list[ca.DM]:
+        theta, start, inputs = _arrays(arguments[:3])
+        seeds = _arrays(arguments[5:])
+        if self._backwards:
+            slopes = self._rollout.pull_back(seeds[0], theta, start, inputs, seeds[1])
+            return [ca.DM(slopes.free), ca.DM(slopes.start), ca.DM(slopes.inputs.T)]
+        by = Slopes(seeds[0].ravel(), seeds[1].ravel(), seeds[2])
+        y, x = self._rollout.pushed(by, theta, start, inputs)
+        return [ca.DM(y.T), ca.DM(x.T)]
+
+
+def _arrays(matrices: Sequence[ca.DM]) -> list[Array]:
+    """Time along rows."""
+    return [np.asarray(matrix.full()).T for matrix in matrices]
+
+
+def whole_run(rollout: Rollout) -> WholeRun:
+    """A rollout as a function for ``casadi.Opti`` and ``casadi.nlpsol``: (θ (F), x0 (X), u (k, K))
+    -> y (m, N), x (X, N), SI."""
+    return WholeRun(rollout)
+
+
+def step_function(machine: Machine, stiff: bool = False) -> ca.Function:
+    """One step as a CasADi function: (x, u0, u1, t, h, p) -> x after h seconds, SI.
+
+    x is (q_free, v_free, z), the drive runs straight from u0 to u1; the classical Runge–Kutta
+    method of order 4, or, if ``stiff``, the Rosenbrock method RODAS4, which friction asks for.
+    """
+    form = state_form(machine)
+    x, d0, t, p, w = form.symbols()
+    d1, h = ca.SX.sym("d1", form.drive), ca.SX.sym("h")
+    arguments, names = [x, d0, d1, t, h, p], ["x", "u0", "u1", "t", "h", "p"]
+    if stiff:
+        after = rosenbrock_step(form)(*arguments, 0 * w)
+        return ca.Function("step", arguments, [after], names, ["after"], {"cse": True})
+    f = len(form.free)
+
+    def slope(state: ca.SX, s: float) -> ca.SX:
+        rates = form.rates()(state, d0 + s * (d1 - d0), t + s * h, p, 0 * w)
+        return ca.vertcat(state[f : 2 * f, 0], rates)
+
+    first = slope(x, 0.0)
+    second = slope(x + h / 2 * first, 0.5)
+    third = slope(x + h / 2 * second, 0.5)
+    fourth = slope(x + h * third, 1.0)
+    after = x + h / 6 * (first + 2 * second + 2 * third + fourth)
+    return ca.Function("step", arguments, [after], names, ["after"], {"cse": True})
