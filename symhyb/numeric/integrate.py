@@ -13,12 +13,14 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from symhyb.model.expression import Node, Operation
+from symhyb.model.switching import switches
 from symhyb.model.types import Model
 from symhyb.numeric.buffers import Array, call
 from symhyb.numeric.dynamics import StateForm, state_form
 from symhyb.numeric.linear import state_slope
 from symhyb.numeric.machine import Machine
+from symhyb.numeric.settling import Event
+from symhyb.numeric.switched import switched
 from symhyb.numeric.vector import along
 
 Options = dict[str, bool | int | float | str]
@@ -64,7 +66,7 @@ class Trajectory:
     (N, z) inner states.
 
     ``reason`` is empty, or says why the integration stopped; rows from there on are NaN. ``method``
-    is what CVODES used: BDF or Adams.
+    is what CVODES used: BDF or Adams; or DOP853 or Radau between the located ``events`` of an exact run.
     """
 
     t: Array
@@ -75,6 +77,7 @@ class Trajectory:
     z: Array
     reason: str = ""
     method: str = "bdf"
+    events: tuple[Event, ...] = ()
 
     @property
     def complete(self) -> bool:
@@ -82,13 +85,18 @@ class Trajectory:
         return not self.reason
 
 
-def simulate(machine: Machine, scenario: Scenario, p: Array | None = None) -> Trajectory:
+def simulate(
+    machine: Machine, scenario: Scenario, p: Array | None = None, exact: bool = False
+) -> Trajectory:
     """Integrate M q'' = k_e − k_c over ``scenario.t`` with parameters ``p`` (P,) in SI, default
     the model's. Inputs must cover the output times.
 
     BDF with Newton's method where a law is steep or remembers, or where the machine linearised at
     the start has a decay that is fast against its swing; else Adams with functional iteration, and
     BDF if that fails.
+
+    ``exact``: dry friction holds instead of creeping, and stops touch; every transition is located
+    and listed in ``events`` (:mod:`symhyb.numeric.events`).
 
     Raises:
         ValueError: an input that stops before the simulation does, or times that do not increase.
@@ -101,6 +109,8 @@ def simulate(machine: Machine, scenario: Scenario, p: Array | None = None) -> Tr
     if form.size == 0:
         x = np.zeros((scenario.t.size, 0))
         return _observe(form, scenario, drive, x, values, "", "none")
+    if exact:
+        return _exact(form, scenario, drive, start, values)
     methods = ("bdf",) if _stiff(form, scenario, drive, start, values) else ("adams", "bdf")
     for method in methods:
         scales = scenario.scales
@@ -112,6 +122,30 @@ def simulate(machine: Machine, scenario: Scenario, p: Array | None = None) -> Tr
         if not reason:
             break
     return _observe(form, scenario, drive, x, values, reason, method)
+
+
+def _exact(
+    form: StateForm, scenario: Scenario, drive: Array, start: Array, p: Array
+) -> Trajectory:
+    """The run with located events."""
+    from symhyb.numeric.events import Drive, is_stiff, locate_events
+
+    machine, model = switched(form), form.machine.model
+    longest = float(_options(scenario, drive, 0, "bdf", 1.0)["max_step_size"]) or np.inf
+    jumps = _jumps(scenario.t_u, drive, scenario.t)
+    held = Drive(scenario.t_u, drive)
+    stiff = is_stiff(machine, scenario.t, start, held, p)
+    run = locate_events(machine, scenario.t, start, held, p, jumps, stiff, longest)
+    f = len(form.free)
+    d = np.column_stack(
+        [np.interp(scenario.t, scenario.t_u, c) for c in drive.T]
+        or [np.empty((scenario.t.size, 0))]
+    )
+    q, v = form.motion(run.x, d)
+    reason = run.reason + (_culprits(model) if run.reason else "")
+    method = "radau" if stiff else "dop853"
+    z = run.x[:, 2 * f :]
+    return Trajectory(scenario.t, q, v, run.a, run.y, z, reason, method, run.events)
 
 
 def _inner_start(machine: Machine, scenario: Scenario, p: Array) -> Array:
@@ -327,7 +361,7 @@ def _culprits(model: Model) -> str:
     switching = [
         f"elements.{element.name}"
         for element in model.elements
-        if any(_switches(expression.tree) for _, expression in element.values)
+        if any(switches(expression.tree) for _, expression in element.values)
     ]
     if not switching:
         return ""
@@ -335,12 +369,6 @@ def _culprits(model: Model) -> str:
         f"; {', '.join(switching)} switches with sign(...), which chatters where the motion "
         "reverses: write it as kind 'friction', or with tanh(speed/transition)"
     )
-
-
-def _switches(node: Node) -> bool:
-    if not isinstance(node, Operation):
-        return False
-    return node.operator == "sign" or any(_switches(part) for part in node.arguments)
 
 
 def _observe(
