@@ -49,7 +49,9 @@ def left_smooth(model: Model) -> tuple[str, ...]:
         if element.kind == "friction" and isinstance(element.place, At):
             told.append(f"{name} acts at a point, in two directions: it stays smoothed")
         elif element.kind == "friction" and not _holds(model, element):
-            told.append(f"{name} acts on an imposed motion, which it cannot hold: it stays smoothed")
+            told.append(
+                f"{name} acts on an imposed motion, which it cannot hold: it stays smoothed"
+            )
         elif element.kind in ("friction_dynamic", "hysteresis"):
             told.append(f"{name} has an inner state and is smooth by itself: it stays as it is")
         elif any(switches(expression.tree) for _, expression in element.values):

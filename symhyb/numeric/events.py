@@ -12,17 +12,24 @@ II.6 (through ``scipy.integrate``).
 
 from bisect import bisect_right
 from collections import deque
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from scipy.integrate import DOP853, Radau
-from scipy.optimize import brentq
 
 from symhyb.numeric.buffers import Array, call
-from symhyb.numeric.settling import Event, Instant, Modes, after, first_modes, transitions
+from symhyb.numeric.crossings import ROUNDING, first_crossing
+from symhyb.numeric.settling import (
+    Event,
+    Instant,
+    Modes,
+    after,
+    first_modes,
+    returned,
+    transitions,
+)
 from symhyb.numeric.switched import Held, Switched
 from symhyb.numeric.vector import along
 
@@ -31,14 +38,11 @@ ABSOLUTE_TOLERANCE = 1e-12  # of the largest size of each state so far
 SMALLER = 1e-4  # of the largest place (or speed) of all: what moves less is resolved as if it did
 SIZE_LEAST = 1e-9  # SI
 LOOSER = 1e6  # for the integrals of forces that hold: they only see that no load is missed
-INSIDE = np.array([0.0, 0.25, 0.5, 0.75, 1.0])  # of a step: where it is looked for events
-DIPS = 0.1  # a minimum between looks that may lie below this share of what was seen is looked at
 AT_ONCE, APART = 64, 1e-12  # events in a row that lie closer (of the run) never end
 STEPS_MOST = 400_000
 EVENTS_MOST = 100_000
 GROWN = 1e100  # SI
 DAMPED = 10.0  # a decay this many times faster than it swings is stiff
-ROUNDING = 8 * np.finfo(float).eps
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,10 +68,10 @@ class Drive:
     def at(self, t: float) -> Array:
         """The drive (D,) at one time in s, SI."""
         if self.d.shape[1] == 0:
-            return self.d[0]
+            return np.asarray(self.d[0], dtype=np.float64)
         i = min(max(bisect_right(self.t, t) - 1, 0), self.t.size - 2)
         share = (t - self.t[i]) / (self.t[i + 1] - self.t[i])
-        return np.asarray(self.d[i] + share * (self.d[i + 1] - self.d[i]))
+        return np.asarray(self.d[i] + share * (self.d[i + 1] - self.d[i]), dtype=np.float64)
 
 
 class Ready:
@@ -99,7 +103,8 @@ class Ready:
         if self._moves:
             self._given[1][:] = self._drive.at(t)
         self._trigger()
-        return self._result[0].copy() if len(self._result) == 1 else self._result.copy()
+        result: Array = self._result[0] if len(self._result) == 1 else self._result
+        return result.copy()
 
 
 @dataclass(slots=True)
@@ -113,14 +118,51 @@ class _Run:
     stiff: bool
     longest: float
     x: Array
+    states: int  # X
+    free: int  # coordinates that move by forces
     row: int = 1  # the next output
     modes: list[Modes] = field(default_factory=list)  # one for each stretch without an event
     which: Array = field(default_factory=lambda: np.empty(0, dtype=int))
     events: list[Event] = field(default_factory=list)
+    cluster: tuple[int, Modes] = (0, Modes((), (), (), ()))  # events of one instant, modes before
     size: Array = field(default_factory=lambda: np.empty(0))
     step: float | None = None
     steps: int = 0
+    stretch: Array = field(default_factory=lambda: np.empty(0))  # (F,) where frictions hold
     functions: dict[tuple[str, Held], Ready] = field(default_factory=dict)
+
+    def instant(self, t: float, y: Array) -> Instant:
+        return Instant(self.machine, y[: self.states], self.drive.at(t), t, self.p)
+
+    def enter(self, here: Instant, modes: Modes) -> None:
+        """A new stretch under ``modes``; what goes on holding does so where it held before."""
+        before = self.modes[-1].held if self.modes else ()
+        s = here.contact(modes)[0]
+        for i in before:
+            if i in modes.held:
+                s[i] = self.stretch[i]
+        self.stretch = s
+        self.modes.append(modes)
+
+    def tell(self, t: float, modes: Modes, apart: float) -> tuple[str, ...]:
+        """Note what changes at t, and name it. What changes several times at one instant (what
+        breaks away lets others break away) is one event: the last of these changes."""
+        names, before = self.machine.names(), self.modes[-1]
+        changed = tuple(event.element for event in transitions(names, t, before, modes))
+        if not self.events or t - self.events[-1].time > apart:
+            self.cluster = len(self.events), before
+        first, before = self.cluster
+        self.events[first:] = transitions(names, t, before, modes)
+        return changed
+
+    def returned(self, t: float, y: Array) -> Array:
+        """y with the places that hold where they held first."""
+        x = returned(self.instant(t, y), self.modes[-1], self.stretch)
+        return np.concatenate([x, y[self.states :]])
+
+    @property
+    def curved(self) -> bool:
+        return self.machine.curved(self.modes[-1].held)
 
     def ready(self, name: str) -> Ready:
         modes = self.modes[-1]
@@ -160,12 +202,14 @@ def locate_events(
 ) -> Located:  # fmt: skip
     """Integrate from ``start`` (X,) over output times ``t`` (N,) s, restarting at ``jumps`` (J,) s,
     with no step longer than ``longest`` s and at most ``most`` steps; all SI."""
-    run = _Run(machine, drive, p, t, stiff, longest, np.full((t.size, start.size), np.nan))
+    run = _Run(machine, drive, p, t, stiff, longest, np.full((t.size, start.size), np.nan),
+               start.size, len(machine.form.free))  # fmt: skip
     run.which = np.zeros(t.size, dtype=int)
     reason, y = "", start
     try:
-        x, modes = first_modes(Instant(machine, start, drive.at(t[0]), float(t[0]), p))
-        run.modes.append(modes)
+        here = run.instant(float(t[0]), start)
+        x, modes = first_modes(here)
+        run.enter(replace(here, x=x), modes)
         run.x[0] = x
         y = np.concatenate([x, np.zeros(len(machine.frictions))])
         for now, end in pairwise(np.unique([t[0], *jumps, t[-1]]).tolist()):
@@ -180,7 +224,7 @@ def locate_events(
 
 def _between_jumps(run: _Run, now: float, end: float, y: Array, most: int) -> tuple[Array, str]:
     """The state at ``end``, and why it was not reached."""
-    recent: deque[float] = deque(maxlen=AT_ONCE)
+    recent: deque[tuple[float, tuple[str, ...]]] = deque(maxlen=AT_ONCE)
     span = float(run.t[-1] - run.t[0])
     while end - now > ROUNDING * max(abs(end), span):
         now, y, fired, reason = _until_event(run, now, end, y, most)
@@ -188,30 +232,28 @@ def _between_jumps(run: _Run, now: float, end: float, y: Array, most: int) -> tu
             return y, reason
         if not fired:
             continue
-        size = run.machine.form.size
-        here = Instant(run.machine, y[:size], run.drive.at(now), now, run.p)
+        here = run.instant(now, y)
         x, modes = after(here, run.modes[-1], fired)
-        new = transitions(run.machine.names(), now, run.modes[-1], modes)
-        run.events += new
-        run.modes.append(modes)
-        y = np.concatenate([x, y[size:]])
-        recent.append(now)
-        closely = len(recent) == AT_ONCE and now - recent[0] <= APART * (span + abs(now))
+        known = run.tell(now, modes, APART * (span + abs(now)))
+        run.enter(replace(here, x=x), modes)
+        y = np.concatenate([x, y[run.states :]])
+        recent.append((now, known))
+        closely = len(recent) == AT_ONCE and now - recent[0][0] <= APART * (span + abs(now))
         if closely or len(run.events) > EVENTS_MOST:
-            return y, _chatters(run, recent, now)
+            return y, _chatters(recent)
     while run.row < run.t.size and run.t[run.row] <= end:  # an event at the very end
-        run.x[run.row], run.which[run.row] = y[: run.machine.form.size], len(run.modes) - 1
+        run.x[run.row], run.which[run.row] = y[: run.states], len(run.modes) - 1
         run.row += 1
     return y, ""
 
 
-def _chatters(run: _Run, recent: deque[float], now: float) -> str:
-    names = dict.fromkeys(event.element for event in run.events[-AT_ONCE:])
+def _chatters(recent: deque[tuple[float, tuple[str, ...]]]) -> str:
+    names = dict.fromkeys(name for _, changed in recent for name in changed)
     elements = ", ".join(f"elements.{name}" for name in names)
     return (
         f"{elements} changed between sliding, holding or touching {len(recent)} times between "
-        f"{recent[0]:.9g} and {now:.9g} s and would do so without end (Zeno): simulate without "
-        "exact events, or give it a damper or a stiffness that ends the chatter"
+        f"{recent[0][0]:.9g} and {recent[-1][0]:.9g} s and would do so without end (Zeno): "
+        "simulate it smoothed, or with a damper or a stiffness that ends the chatter"
     )
 
 
@@ -231,11 +273,16 @@ def _until_event(
         if run.steps > most:
             return solver.t, solver.y, [], _tired(solver.t, most)
         dense = solver.dense_output()
-        stop, fired, before = _look(watch, dense, solver, before)
+        stop, fired, before = first_crossing(watch, dense, solver, before)
         _fill(run, dense, stop)
         if fired:
             run.step = max(solver.t - solver.t_old, ROUNDING * abs(solver.t))
-            return stop, np.asarray(dense(stop)), fired, ""
+            y = np.asarray(dense(stop))
+            return stop, run.returned(stop, y) if run.curved else y, fired, ""
+        if run.curved:
+            solver.y = run.returned(solver.t, solver.y)
+            solver.f = run.ready("rates")(solver.t, solver.y)
+            before = watch(solver.t, solver.y)
         if solver.status == "finished":
             run.step = None if solver.step_size is None else solver.step_size
             return end, solver.y, [], ""
@@ -254,111 +301,43 @@ def _solver(run: _Run, now: float, end: float, y: Array) -> Any:
     slopes, total = run.ready("slopes"), len(run.machine.frictions)
 
     def jacobian(t: float, y: Array) -> Array:
-        return np.hstack([slopes(t, y).reshape(y.size - total, y.size).T, np.zeros((y.size, total))])
+        return np.hstack(
+            [slopes(t, y).reshape(y.size - total, y.size).T, np.zeros((y.size, total))]
+        )
 
     return Radau(right, now, y, end, jac=jacobian, **options)
 
 
 def _resize(run: _Run, solver: Any) -> None:
     """The absolute tolerance follows the size of what has moved so far."""
-    run.size = _sizes(run, solver.y)
-    solver.atol = _tolerances(run)
+    if np.any(np.abs(solver.y) > run.size):
+        run.size = _sizes(run, solver.y)
+        solver.atol = _tolerances(run)
 
 
 def _sizes(run: _Run, y: Array) -> Array:
-    form = run.machine.form
     size = np.abs(y) if run.size.size == 0 else np.maximum(run.size, np.abs(y))
-    free = len(form.free)
-    for part in (slice(0, free), slice(free, 2 * free)):
-        if free:
+    free = run.free
+    if free > 1:
+        for part in (slice(0, free), slice(free, 2 * free)):
             size[part] = np.maximum(size[part], SMALLER * size[part].max())
     return np.maximum(size, SIZE_LEAST)
 
 
 def _tolerances(run: _Run) -> Array:
     atol = ABSOLUTE_TOLERANCE * run.size
-    atol[run.machine.form.size :] *= LOOSER
+    atol[run.states :] *= LOOSER
     return atol
-
-
-def _look(
-    watch: Ready, dense: Any, solver: Any, before: Array
-) -> tuple[float, list[int], Array]:
-    """Where in the last step something first crosses zero (else its end), what crosses there, and
-    what is watched at its end."""
-    times = solver.t_old + INSIDE * (solver.t - solver.t_old)
-    states = dense(times[1:])
-    seen = [watch(t, y) for t, y in zip(times[1:].tolist(), states.T, strict=True)]
-    values = np.array([before, *seen])
-    lowest = values[1:].min(axis=0) if values.size else values[0]
-    if not np.all(lowest > 0) or _dips(values):
-        times, values = _with_dips(watch, dense, times, values)
-        crossings = [(*_crossing(watch, dense, times, values[:, k], k), k) for k in range(before.size)]
-        found = [(t, k) for t, crosses, k in crossings if crosses]
-        if found:
-            first = min(t for t, _ in found)
-            near = first + ROUNDING * max(abs(first), solver.t - solver.t_old)
-            return first, [k for t, k in found if t <= near], seen[-1]
-    return float(solver.t), [], seen[-1]
-
-
-def _lowest(values: Array) -> Array:
-    """The least values of parabolas through three looks each, where they are lowest in the middle;
-    else what was seen. (looks − 2, watches), in the units of the watches, SI."""
-    left, middle, right = values[:-2], values[1:-1], values[2:]
-    bend, slope = left - 2 * middle + right, (right - left) / 2
-    dips = (middle <= left) & (middle <= right) & (bend > 0)
-    return np.where(dips, middle - slope**2 / (2 * np.where(dips, bend, 1.0)), middle)
-
-
-def _dips(values: Array) -> bool:
-    lowest = _lowest(values)
-    return bool(np.any(lowest < DIPS * values[1:-1]))
-
-
-def _with_dips(watch: Ready, dense: Any, times: Array, values: Array) -> tuple[Array, Array]:
-    """The looks, and one more at each minimum between them that may be below zero."""
-    lowest = _lowest(values)
-    rows, columns = np.nonzero((lowest < DIPS * values[1:-1]) & (values[1:-1] > 0))
-    more = []
-    for i, k in zip(rows.tolist(), columns.tolist(), strict=True):
-        left, middle, right = values[i : i + 3, k]
-        share = (left - right) / (2 * (left - 2 * middle + right))
-        more.append(times[i + 1] + share * (times[1] - times[0]))
-    if not more:
-        return times, values
-    added = [watch(t, dense(t)) for t in more]
-    order = np.argsort([*times, *more], kind="stable")
-    return np.array([*times, *more])[order], np.array([*values, *added])[order]
-
-
-def _crossing(
-    watch: Ready, dense: Any, times: Array, values: Array, k: int
-) -> tuple[float, bool]:
-    """When watch ``k`` falls through zero, and whether it does. What begins at zero (a friction
-    that has just begun to slide) falls only if it is below zero from there on."""
-    above = np.flatnonzero(values > 0)
-    if above.size == 0:
-        return float(times[0]), bool(values.min() < 0)
-    below = np.flatnonzero(values[above[0] :] <= 0)
-    if below.size == 0:
-        return 0.0, False
-    later = int(above[0] + below[0])
-    if values[later] == 0.0:
-        return float(times[later]), True
-    found = brentq(
-        lambda t: watch(t, dense(t))[k], times[later - 1], times[later],
-        xtol=1e-300, rtol=4 * np.finfo(float).eps,
-    )  # fmt: skip
-    return float(found), True
 
 
 def _fill(run: _Run, dense: Any, stop: float) -> None:
     """The outputs up to ``stop``."""
     last = int(np.searchsorted(run.t, stop, side="right"))
     if last > run.row:
-        rows, size = slice(run.row, last), run.machine.form.size
-        run.x[rows] = dense(run.t[rows])[:size].T
+        rows = slice(run.row, last)
+        run.x[rows] = dense(run.t[rows])[: run.states].T
+        for i in range(run.row, last) if run.curved else ():
+            run.x[i] = run.returned(float(run.t[i]), run.x[i])
         run.which[rows] = len(run.modes) - 1
         run.row = last
 

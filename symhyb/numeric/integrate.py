@@ -66,7 +66,8 @@ class Trajectory:
     (N, z) inner states.
 
     ``reason`` is empty, or says why the integration stopped; rows from there on are NaN. ``method``
-    is what CVODES used: BDF or Adams; or DOP853 or Radau between the located ``events`` of an exact run.
+    is what CVODES used: BDF or Adams; of an exact run it is DOP853 or Radau, between the located
+    ``events``.
     """
 
     t: Array
@@ -124,9 +125,7 @@ def simulate(
     return _observe(form, scenario, drive, x, values, reason, method)
 
 
-def _exact(
-    form: StateForm, scenario: Scenario, drive: Array, start: Array, p: Array
-) -> Trajectory:
+def _exact(form: StateForm, scenario: Scenario, drive: Array, start: Array, p: Array) -> Trajectory:
     """The run with located events."""
     from symhyb.numeric.events import Drive, is_stiff, locate_events
 

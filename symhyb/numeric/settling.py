@@ -7,8 +7,8 @@ Places at rest hold where that takes no more than their levels. With G and b of
 
 whose slope is −s'': a place moves only where its force is at a level, and then against it (Gauss's
 principle of least constraint; as a linear complementarity problem: Pfeiffer and Glocker, Multibody
-Dynamics with Unilateral Contacts, 1996, ch. 5). G is positive semidefinite, so that an answer exists
-for any number of frictions, several on one place included.
+Dynamics with Unilateral Contacts, 1996, ch. 5). G is positive semidefinite, so that an answer
+exists for any number of frictions, several on one place included.
 """
 
 from dataclasses import dataclass, replace
@@ -22,6 +22,7 @@ from symhyb.numeric.switched import Switched
 FREE, PRESSING, ENTERED = 0, 1, 2  # of a stop; entered: inside, but its damper pulls back
 AT_REST = 1e-12  # SI: a start this slow is a start at rest
 MOVES = 1e-9  # of the accelerations that forces would give: what is less is rounding
+RETURNED, RETURNS_MOST = 1e-15, 4  # drift that is left of a place that holds, and corrections
 DEPENDENT = 1e-10  # of a place's own G: what is left of it when others hold
 
 Integers = NDArray[np.int64]
@@ -161,8 +162,22 @@ def _rested(at: Instant, modes: Modes, resting: list[int]) -> Array:
     return x
 
 
+def returned(at: Instant, modes: Modes, stretch: Array) -> Array:
+    """The state (X,) with the places of the frictions that hold where they held first, ``stretch``
+    (F,) in m or rad, and their rates at zero: integrated along a curve they drift, SI."""
+    held, x, form = list(modes.held), at.x.copy(), at.machine.form
+    free, n = list(form.free), len(form.free)
+    for _ in range(RETURNS_MOST):
+        s, _, _, G, A, _, _ = replace(at, x=x).contact(modes)
+        away = (s - stretch)[held]
+        if np.all(np.abs(away) <= RETURNED * (1 + np.abs(s[held]))):
+            break
+        x[:n] += (A[held].T @ np.linalg.solve(G[np.ix_(held, held)], away))[free]
+    return _rested(replace(at, x=x), modes, held)
+
+
 def _least(G: Array, b: Array, levels: Array) -> tuple[Array, Integers]:
-    """Forces (R,) of places at rest, N, and which way (R,) each begins to move: 0 where it holds."""
+    """Forces (R,) of places at rest, N, and which way (R,) each begins to move, 0: it holds."""
     low, high = -levels[:, 1], levels[:, 0]
     if b.size == 1:
         force = np.clip(b / G[0], low, high)

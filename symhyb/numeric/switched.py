@@ -31,6 +31,7 @@ class Switched:
     form: StateForm
     frictions: tuple[int, ...]
     stops: tuple[Stop, ...]
+    structure: str
 
     def names(self) -> tuple[str, ...]:
         """What switches, for people: frictions, then stops with their sides."""
@@ -42,6 +43,12 @@ class Switched:
             elements[s.element].name + (f".{s.side}" if sides[s.element] > 1 else "")
             for s in self.stops
         )
+
+    def curved(self, held: Held) -> bool:
+        """Whether any friction of ``held`` acts between points, where holding is no straight line
+        of the coordinates."""
+        elements = self.form.machine.model.elements
+        return any(not isinstance(elements[self.frictions[i]].place, On) for i in held)
 
     def on_columns(self, which: Held) -> tuple[int, ...]:
         """Where in the free coordinates the frictions ``which`` act directly on one of them."""
@@ -66,8 +73,7 @@ class Switched:
             slopes = ca.densify(ca.jacobian(rates(*given), given[0]))
             return ca.Function("slopes", given, [slopes], {"cse": True})
 
-        structure = structure_of(self.form.machine.model)
-        return kept(("switched slopes", structure, held), make)
+        return kept(("switched slopes", self.structure, held), make)
 
     def watch(self, held: Held) -> ca.Function:
         """(x, d, t, p, mode) -> (2F + 2S,), positive until something switches: reversal or
@@ -84,8 +90,7 @@ class Switched:
         return self._kept("contact", ())
 
     def _kept(self, name: str, held: Held) -> ca.Function:
-        structure = structure_of(self.form.machine.model)
-        return kept(("switched", structure, held), lambda: self._make(held))[name]
+        return kept(("switched", self.structure, held), lambda: self._make(held))[name]
 
     def _make(self, held: Held) -> dict[str, ca.Function]:
         x, d, t, p, _ = self.form.symbols()
@@ -209,5 +214,4 @@ def _only(force: ca.SX, held: Held) -> ca.SX:
 def switched(form: StateForm) -> Switched:
     """The machine of a form with its frictions and stops as automata."""
     model = form.machine.model
-    return Switched(form, frictions(model), stops(model))
-
+    return Switched(form, frictions(model), stops(model), structure_of(model))
