@@ -36,16 +36,14 @@ def opened(model: Model, equations: Equations) -> Equations:
         lean = values.get("asymmetry", ZERO)
         slides = way * friction_level(term.r, values) * (1 + way * lean)
         terms[i] = replace(term, law=Law(force + slides))
-        rest = _breakaway(values)
+        rest = friction_level(ZERO, values)
         watches += [rest * (1 + lean), rest * (1 - lean)]
     for i in dict.fromkeys(stop.element for stop in touching):
         sides = [(stop, mark) for stop, mark in zip(touching, on, strict=True) if stop.element == i]
         term, values = _term(equations, i), _values(model, equations, i)
         parts = [(stop, mark, *_press(term, values, stop)) for stop, mark in sides]
         force = sum((stop.sign * mark * press for stop, mark, _, press in parts), ZERO)
-        k = values.get("stiffness", ZERO)
-        stored = sum((mark * k * depth**2 / 2 for _, mark, depth, _ in parts), ZERO)
-        terms[i] = replace(term, law=Law(force, stored))
+        terms[i] = replace(term, law=Law(force, term.law.stored))
         watches += [value for _, _, depth, press in parts for value in (depth, press)]
     symbols = replace(equations.symbols, u=(*equations.symbols.u, *sigma, *hold, *on))
     return replace(
@@ -66,14 +64,6 @@ def _values(model: Model, equations: Equations, i: int) -> Values:
     element = model.elements[i]
     scope = equations.symbols.within(element.name)
     return {key: to_sympy(expression, scope) for key, expression in element.values}
-
-
-def _breakaway(values: Values) -> sp.Expr:
-    """The level at rest. Without a Stribeck speed friction falls from ``static`` to ``coulomb`` at
-    once; a ``static`` below would break away and be stopped again without end."""
-    if "stribeck" in values or "static" not in values:
-        return friction_level(ZERO, values)
-    return sp.Max(values["static"], values.get("coulomb", ZERO))
 
 
 def _press(term: Term, values: Values, stop: Stop) -> tuple[sp.Expr, sp.Expr]:

@@ -36,13 +36,14 @@ from symhyb.numeric.vector import along
 RELATIVE_TOLERANCE = 1e-9
 ABSOLUTE_TOLERANCE = 1e-12  # of the largest size of each state so far
 SMALLER = 1e-4  # of the largest place (or speed) of all: what moves less is resolved as if it did
-SIZE_LEAST = 1e-9  # SI
+SIZE_LEAST = 1e-4  # SI: at 1 µm accuracy is still 1e-10 of it; below it lies rounding
 LOOSER = 1e6  # for the integrals of forces that hold: they only see that no load is missed
 AT_ONCE, APART = 64, 1e-12  # events in a row that lie closer (of the run) never end
 STEPS_MOST = 400_000
 EVENTS_MOST = 100_000
 GROWN = 1e100  # SI
-DAMPED = 10.0  # a decay this many times faster than it swings is stiff
+DAMPED = 10.0  # a decay this many times faster than it swings is stiff,
+DECAYS = 2e4  # if a run lasts so many of its times: stability then asks for 3000 explicit steps
 
 
 @dataclass(frozen=True, slots=True)
@@ -191,7 +192,8 @@ def is_stiff(machine: Switched, t: Array, start: Array, drive: Drive, p: Array) 
             return True
         roots = np.linalg.eigvals(slopes.T)
         swing = float(np.abs(roots.imag).max(initial=least))
-        if -roots.real.min(initial=0.0) > DAMPED * max(swing, least):
+        decay = -float(roots.real.min(initial=0.0))
+        if decay > max(DAMPED * swing, DECAYS * least):
             return True
     return False
 

@@ -98,8 +98,11 @@ def first_modes(at: Instant) -> tuple[Array, Modes]:
 def after(at: Instant, modes: Modes, fired: list[int]) -> tuple[Array, Modes]:
     """The state and the modes after the watches ``fired`` (rows of ``watch``) crossed zero."""
     total = len(modes.sigma)
+    if any(s == 0 and i not in modes.held for i, s in enumerate(modes.sigma)):
+        x, shared = _settled_again(at, modes)  # others may carry what one of them cannot
+        if _has_reserve(replace(at, x=x), shared, fired):
+            return x, shared
     sigma, touching = list(modes.sigma), list(modes.stops)
-    stopped = []
     for row in fired:
         which, second = divmod(row, 2)
         if which >= total:
@@ -108,11 +111,25 @@ def after(at: Instant, modes: Modes, fired: list[int]) -> tuple[Array, Modes]:
         elif which in modes.held:
             sigma[which] = -1 if second else 1
         else:
-            stopped.append(which)
             sigma[which] = 0
     resting = [i for i in range(total) if sigma[i] == 0]
     changed = replace(modes, sigma=tuple(sigma), held=(), stops=tuple(touching))
     return settled(at, changed, resting)
+
+
+def _settled_again(at: Instant, modes: Modes) -> tuple[Array, Modes]:
+    return settled(at, modes, [i for i, s in enumerate(modes.sigma) if s == 0])
+
+
+def _has_reserve(at: Instant, modes: Modes, fired: list[int]) -> bool:
+    """Whether all that fired holds, and nothing that holds is at its level."""
+    if not all(row // 2 < len(modes.sigma) and modes.sigma[row // 2] == 0 for row in fired):
+        return False
+    watch = at.machine.watch(modes.held)
+    (seen,) = call(watch, (at.x, at.d, at.t, at.p, modes.vector()))
+    levels = at.contact(modes)[5]
+    pairs = seen[0][: levels.size].reshape(-1, 2)
+    return all(pairs[i].min() > MOVES * levels[i].max() for i in modes.held)
 
 
 def _next(stop: int, second: int, damped: bool) -> int:

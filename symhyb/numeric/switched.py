@@ -157,6 +157,8 @@ class _Place:
         """s, s', J = ∂s/∂q and c = s'' − J q'' of the frictions."""
         stretch, rate, direction = self.functions["pathways"](self.q, self.v, self._t, self._p)
         n = self._owner.form.machine.n
+        if not self._elements:
+            return ca.SX(0, 1), ca.SX(0, 1), ca.SX(0, n), ca.SX(0, 1)
         q, v, t = ca.SX.sym("q", n), ca.SX.sym("v", n), ca.SX.sym("t")
         lapse = self.functions["pathways"](q, v, t, self._p)[1][self._elements]
         turned = ca.jtimes(lapse, q, v) + ca.jacobian(lapse, t)
