@@ -91,11 +91,22 @@ def simulate(
     columns: Map = None,
     end: Annotated[float | None, typer.Option(metavar="S", help="Time to stop at, in s.")] = None,
     step: Annotated[float | None, typer.Option(metavar="S", help="Between two rows, in s.")] = None,
+    exact: Annotated[
+        bool,
+        typer.Option(
+            "--exact", help="Dry friction holds and stops touch exactly: every event is located."
+        ),
+    ] = False,
+    events: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="CSV for the events; this too makes the run exact."),
+    ] = None,
 ) -> None:
     """Simulate a model and write what its sensors record.
 
     The run begins as the model declares. Without --input all inputs are zero and --end is needed;
-    with it the run covers the recording.
+    with it the run covers the recording. Dry friction is smoothed, and creeps where the machine
+    sticks, unless the run is --exact.
 
     \b
     Example:
@@ -104,22 +115,43 @@ def simulate(
     """
     from symhyb.console import progress, read_map, warn
     from symhyb.model.read import read_model
-    from symhyb.simulation import read_inputs, run_model, run_table, told
+    from symhyb.model.switching import left_smooth
+    from symhyb.simulation import (
+        events_sentence,
+        events_table,
+        read_inputs,
+        run_model,
+        run_table,
+        told,
+    )
     from symhyb.study import require_folder, staged
 
-    if output.is_dir():
-        raise InputError(Problem("is a folder; name a file in it", file=str(output)))
+    exact = exact or events is not None
+    wanted = [output] if events is None else [output, events]
+    for file in wanted:
+        if file.is_dir():
+            raise InputError(Problem("is a folder; name a file in it", file=str(file)))
+    if events is not None and events.resolve() == output.resolve():
+        text = "is the file of the run already; name another for the events"
+        raise InputError(Problem(text, file=str(events)))
     declared, mapped = read_model(model), read_map(columns)
-    require_folder(output.parent)
+    for file in wanted:
+        require_folder(file.parent)
     driven = read_inputs(inputs, declared, mapped) if inputs else None
     warn(driven.notes if driven else ())
+    warn(left_smooth(declared) if exact else ())
     with progress() as say:
         say("simulating")
-        machine, scenario, run = run_model(declared, driven, end, step)
+        machine, scenario, run = run_model(declared, driven, end, step, exact)
     warn(machine.notes)
     with staged(output.parent) as part:
         (part / output.name).write_text(run_table(machine, scenario, run), encoding="utf-8")
+    if events is not None:
+        with staged(events.parent) as part:
+            (part / events.name).write_text(events_table(run), encoding="utf-8")
     print(f"{output}: {run.t.size} rows from {run.t[0]:g} to {run.t[-1]:g} s, by {told(run)}")
+    if exact:
+        print(events_sentence(run))
     warn((run.note,) if run.note else ())
 
 

@@ -42,8 +42,10 @@ def run_model(
     driven: Recording | None = None,
     end: float | None = None,
     step: float | None = None,
+    exact: bool = False,
 ) -> tuple[Machine, Scenario, Trajectory]:
-    """Simulate a model from its declared start to ``end`` with rows every ``step``, both in s.
+    """Simulate a model from its declared start to ``end`` with rows every ``step``, both in s;
+    ``exact``: with located events of dry friction and stops.
 
     Without ``driven`` all inputs are zero and the run begins at 0; with it the run begins, and by
     default ends and steps, as the recording does.
@@ -62,7 +64,7 @@ def run_model(
         given = given_motion(driven, machine) if machine.imposed else None
     q, v = (np.array(part) for part in machine.model.start())
     scenario = Scenario(t, q, v, t_u, u, given=given)
-    run = simulate(machine, scenario)
+    run = simulate(machine, scenario, exact=exact)
     if not run.complete:
         raise NumericsError(run.reason)
     return machine, scenario, run
@@ -82,6 +84,8 @@ METHODS = {
     "explicit": "an explicit Runge-Kutta method of order 8",
     "adams": "CVODES (Adams)",
     "bdf": "CVODES (BDF)",
+    "dop853": "DOP853 between located events",
+    "radau": "Radau between located events",
     "none": "the inputs alone: no coordinate is free",
 }
 
@@ -111,6 +115,27 @@ def run_table(machine: Machine, scenario: Scenario, run: Trajectory) -> str:
     rows = zip(*(values.tolist() for _, values in columns), strict=True)
     head = ",".join(header for header, _ in columns)
     return "\n".join([head, *(",".join(f"{x:.10g}" for x in row) for row in rows)]) + "\n"
+
+
+def events_table(run: Trajectory) -> str:
+    """Write the events of an exact run as CSV: time, element and transition."""
+    lines = [f"{event.time:.15g},{event.element},{event.transition}" for event in run.events]
+    return "\n".join(["t [s],element,transition", *lines]) + "\n"
+
+
+def events_sentence(run: Trajectory) -> str:
+    """How many transitions an exact run has, element by element."""
+    counts: dict[str, dict[str, int]] = {}
+    for event in run.events:
+        own = counts.setdefault(event.element, {})
+        own[event.transition] = own.get(event.transition, 0) + 1
+    parts = [
+        f"{name} {', '.join(f'{word} {times}×' for word, times in own.items())}"
+        for name, own in counts.items()
+    ]
+    total = len(run.events)
+    head = f"{total} transition{'' if total == 1 else 's'} located"
+    return "; ".join([head, *parts]) if parts else f"{head}: nothing sticks, slips or touches anew"
 
 
 def _times(model: Model, driven: Recording | None, end: float | None, step: float | None) -> Array:

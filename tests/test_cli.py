@@ -339,6 +339,58 @@ def test_simulate_does_not_overwrite_a_folder(symhyb: Call, tmp_path: Path) -> N
     assert (done.status, done.err) == (2, f"{tmp_path}: is a folder; name a file in it\n")
 
 
+RUBBED = (
+    FREE
+    + """
+[elements.rail]
+kind = "friction"
+on = "x"
+coulomb = "R"
+[elements.rail.parameters]
+R = { value = 0.3, unit = "N" }
+"""
+)
+
+
+def test_simulate_exactly_tells_its_events(symhyb: Call, write: Write, tmp_path: Path) -> None:
+    """2 kg on 50 N/m from 20 mm under 0.3 N: two half swings of amplitude 14 and 2 mm, then rest
+    at 4 mm to the last digit."""
+    run, events = tmp_path / "out" / "run.csv", tmp_path / "told" / "events.csv"
+    model = write("rubbed.toml", RUBBED)
+    done = symhyb("simulate", model, "--end", "4", "--step", "0.1", "-o", run, "--events", events)
+    assert (done.status, done.err) == (0, "")
+    header, *rows = events.read_text().splitlines()
+    assert header == "t [s],element,transition"
+    found = [row.split(",") for row in rows]
+    half = np.pi / 5
+    assert [row[2] for row in found] == ["slides +", "sticks"]
+    assert [float(row[0]) for row in found] == pytest.approx([half, 2 * half], abs=1e-9)
+    assert "2 transitions located; rail slides + 1×, sticks 1×" in done.out
+    place = table(run)["x [mm]"]
+    assert set(place[table(run)["t [s]"] > 2 * half]) == {place[-1]}
+    assert place[-1] == pytest.approx(-4.0, abs=1e-6)
+
+
+def test_simulate_exactly_says_what_stays_smooth(
+    symhyb: Call, write: Write, tmp_path: Path
+) -> None:
+    text = RUBBED.replace('kind = "friction"', 'kind = "law"').replace(
+        'coulomb = "R"', 'force = "-R*sign(x\')"'
+    )
+    model, run = write("hand.toml", text), tmp_path / "run.csv"
+    done = symhyb("simulate", model, "--end", "0.3", "--step", "0.1", "-o", run, "--exact")
+    assert done.status == 0, done.err
+    assert "elements.rail is written with sign(...)" in done.err
+    assert "0 transitions located" in done.out
+
+
+def test_simulate_needs_two_files_for_two_tables(symhyb: Call, tmp_path: Path) -> None:
+    run = tmp_path / "run.csv"
+    done = symhyb("simulate", OSCILLATOR, "--end", "1", "-o", run, "--events", run)
+    assert done.status == 2
+    assert "name another for the events" in done.err
+
+
 # --- compare, and recordings that cannot be used ------------------------------------------------
 
 

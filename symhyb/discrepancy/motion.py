@@ -20,14 +20,13 @@ from symhyb.data.recording import Recording
 from symhyb.discrepancy.independent import Independent, independent, placed_with
 from symhyb.discrepancy.splines import bands, design, ridge, spline_basis, swings
 from symhyb.discrepancy.tracking import firmness, tracked
+from symhyb.discrepancy.watching import watching_model
 from symhyb.errors import InputError, Problem
-from symhyb.model.expression import parse_expression, readings
-from symhyb.model.types import Energy, Model, Quaternion, Sensor
+from symhyb.model.types import Energy
 from symhyb.numeric.buffers import Array, call, later
 from symhyb.numeric.machine import Machine, build
 from symhyb.numeric.manifold import closed, gaps_of
 from symhyb.numeric.vector import along
-from symhyb.units import ONE
 
 SPACINGS = (1.3, 1.6, 2, 3, 4, 6, 8, 11, 16, 23, 32, 45, 64, 91, 128)  # samples between two knots
 GUIDE_FIRST = 0.01  # of what acts: the force that a model may lack at first, where it must guide
@@ -127,7 +126,7 @@ def motion_of(
     Raises:
         InputError: too few samples, or none of any sensor of motion.
     """
-    watching, shown = _watching(machine.model, recording)
+    watching, shown = watching_model(machine.model, recording)
     if watching is machine.model:
         return _smoothed(recording, machine, spacings_s)
     motion = _smoothed(shown, build(watching, keep=False), spacings_s)
@@ -148,39 +147,9 @@ def given_motion(recording: Recording, machine: Machine) -> Array:
         model, coordinates=imposed, points=(), bodies=(), elements=(), sensors=(), energy=Energy(),
         constraints=(), assembly=None,
     )  # fmt: skip
-    watching, shown = _watching(alone, recording)
+    watching, shown = watching_model(alone, recording)
     motion = _smoothed(shown, build(watching, keep=False))
     return np.concatenate([motion.q, motion.v, motion.a], axis=1)
-
-
-def _watching(model: Model, recording: Recording) -> tuple[Model, Recording]:
-    """The model with the sensors that show its motion (those of forces left out), and one more for
-    each imposed coordinate and each quaternion; and the recording with these channels."""
-    kept = tuple(s for s in model.sensors if not _shows_force(s))
-    imposed = [c for c in model.coordinates if c.imposed]
-    lengths = length_gauges(model)
-    if len(kept) == len(model.sensors) and not imposed and not lengths:
-        return model, recording
-    gauges = tuple(Sensor(f"imposed {c.name}", parse_expression(c.name), c.unit) for c in imposed)
-    more = {f"imposed {c.name}": recording.inputs[c.name] for c in imposed}
-    more |= {gauge.name: np.ones(recording.t.size) for gauge in lengths}
-    channels = {**recording.sensors, **more}
-    watching = replace(model, sensors=(*kept, *gauges, *lengths))
-    return watching, replace(recording, sensors=channels)
-
-
-def length_gauges(model: Model) -> tuple[Sensor, ...]:
-    """A sensor that shows 1 for each quaternion: no other one tells its length."""
-    found = []
-    for body in model.bodies:
-        if isinstance(body.turned, Quaternion):
-            squares = " + ".join(f"{name}**2" for name in body.turned.parts)
-            found.append(Sensor(f"length of {body.name}", parse_expression(squares), ONE))
-    return tuple(found)
-
-
-def _shows_force(sensor: Sensor) -> bool:
-    return any(r.what in ("force", "reaction") for r in readings(sensor.measures))
 
 
 def _smoothed(

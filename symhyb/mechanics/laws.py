@@ -82,11 +82,11 @@ def _drag(_: Element, at: Motion, values: Values) -> Law:
 
 def _friction(_: Element, at: Motion, values: Values) -> Law:
     transition = values.get("transition", sp.Float(DEFAULT_TRANSITION * SPEED_SCALE))
-    return Law(_level(at.r, values) * sp.tanh(at.r / transition) * _sided(at, values))
+    return Law(friction_level(at.r, values) * sp.tanh(at.r / transition) * _sided(at, values))
 
 
-def _level(rate: sp.Expr, values: Values) -> sp.Expr:
-    """g = coulomb + (static − coulomb)·exp(−(s'/stribeck)²)."""
+def friction_level(rate: sp.Expr, values: Values) -> sp.Expr:
+    """g = coulomb + (static − coulomb)·exp(−(s'/stribeck)²), N."""
     coulomb = values.get("coulomb", ZERO)
     if "static" not in values or "stribeck" not in values:
         return coulomb
@@ -135,7 +135,7 @@ def _hysteresis(_: Element, at: Motion, values: Values) -> Law:
 
 def _friction_dynamic(_: Element, at: Motion, values: Values) -> Law:
     k, d = values.get("stiffness", ZERO), values.get("micro_damping", ZERO)
-    inner = at.r - k * sp.Abs(at.r) * at.z / _level(at.r, values)
+    inner = at.r - k * sp.Abs(at.r) * at.z / friction_level(at.r, values)
     return Law(k * at.z + d * inner, k * at.z**2 / 2, inner)
 
 

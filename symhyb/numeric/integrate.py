@@ -15,32 +15,35 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from symhyb.model.expression import Node, Operation
+from symhyb.errors import InputError, Problem
 from symhyb.model.space import gimbal_lock
-from symhyb.model.types import Model
 from symhyb.numeric.between import finer, smooth_columns
 from symhyb.numeric.buffers import Array, call
 from symhyb.numeric.closing import closed_rows, closed_start
+from symhyb.numeric.cvodes import (
+    ABSOLUTE_TOLERANCE,
+    GROWN,
+    RELATIVE_TOLERANCE,
+    advanced,
+    culprits,
+    cvodes_options,
+    held_drive,
+    jumps_of,
+)
 from symhyb.numeric.dynamics import StateForm, state_form
 from symhyb.numeric.explicit import compiler_fails, field
 from symhyb.numeric.explicit_run import Course, explicit_states
 from symhyb.numeric.lengths import at_unit_length
 from symhyb.numeric.linear import free_slope
 from symhyb.numeric.machine import Machine
+from symhyb.numeric.settling import Event
+from symhyb.numeric.switched import switched
 from symhyb.numeric.vector import along
 
-Options = dict[str, bool | int | float | str]
-
-RELATIVE_TOLERANCE = 1e-8
-ABSOLUTE_TOLERANCE = 1e-10  # of states divided by their scales
 ROUGH = 1e-4  # relative tolerance of the run that finds the scales
 ROUGH_OUTPUTS = 200
 EARLY = 0.1  # of a run that nothing recorded drives: shows how large the motion is
 SCALE_LEAST = 1e-12  # SI: a state that moves less is not seen
-JUMP_SHARE = 0.2  # of an input's range within one sample: taken for a jump
-JUMPS_MOST = 400
-LONGEST_STEP = 2  # samples of an input: no pulse is stepped over
-GROWN = 1e6  # a state this many scales large has grown without bound
 STEPS_LEAST, STEPS_TOGETHER = 500, 2_000_000  # for one output, and shared by all of them
 STEEP = ("friction", "friction_dynamic", "gap", "hysteresis", "relaxation")
 NEAR_LOCK = 0.1  # |cos| of the second of three rotations where a run ended
@@ -74,7 +77,8 @@ class Trajectory:
 
     ``reason`` is empty, or says why the integration stopped; rows from there on are NaN. ``method``
     integrated: *explicit* (Runge–Kutta of order 8), or CVODES by *bdf* or *adams*; ``note`` says
-    what stood in the way of another, if anything did.
+    what stood in the way of another, if anything did. Of an exact run it is DOP853 or Radau,
+    between the located ``events``.
     """
 
     t: Array
@@ -86,6 +90,7 @@ class Trajectory:
     reason: str = ""
     method: str = "bdf"
     note: str = ""
+    events: tuple[Event, ...] = ()
 
     @property
     def complete(self) -> bool:
@@ -93,7 +98,9 @@ class Trajectory:
         return not self.reason
 
 
-def simulate(machine: Machine, scenario: Scenario, p: Array | None = None) -> Trajectory:
+def simulate(
+    machine: Machine, scenario: Scenario, p: Array | None = None, exact: bool = False
+) -> Trajectory:
     """Integrate M q'' = k_e − k_c over ``scenario.t`` with parameters ``p`` (P,) in SI, default
     the model's. Inputs must cover the output times.
 
@@ -101,6 +108,9 @@ def simulate(machine: Machine, scenario: Scenario, p: Array | None = None) -> Tr
     suffice, CVODES: BDF with Newton's method where a law is steep or remembers, or where the
     machine linearised at the start has a decay that is fast against its swing; else Adams with
     functional iteration, and BDF if that fails. A law that switches is left to BDF at once.
+
+    ``exact``: dry friction holds instead of creeping, and stops touch; every transition is located
+    and listed in ``events`` (:mod:`symhyb.numeric.events`).
 
     Raises:
         ValueError: an input that stops before the simulation does, or times that do not increase.
@@ -118,6 +128,8 @@ def simulate(machine: Machine, scenario: Scenario, p: Array | None = None) -> Tr
     if form.size == 0:
         x = np.zeros((scenario.t.size, 0))
         return _observe(form, scenario, drive, x, values, "", "none")
+    if exact:
+        return _exact(form, scenario, drive, start, values)
     stiff = _stiff(form, scenario, drive, start, values)
     explicit = _explicit(form, scenario, drive, start, values, stiff)
     if explicit is not None:
@@ -142,7 +154,7 @@ def _explicit(
     form: StateForm, scenario: Scenario, drive: Array, start: Array, p: Array, stiff: bool
 ) -> Array | None:
     """States (N, X) by the explicit method; None where CVODES is to do it."""
-    rates = None if _culprits(form.machine.model) else field(form)
+    rates = None if culprits(form.machine.model) else field(form)
     if rates is None:
         return None
     course = Course(scenario.t, start, p, scenario.t_u, drive)
@@ -160,6 +172,31 @@ def _bent(scenario: Scenario, machine: Machine) -> Scenario:
         return replace(scenario, t_u=t, u=u)
     given = [np.interp(t, scenario.t_u, column) for column in scenario.given.T]
     return replace(scenario, t_u=t, u=u, given=np.column_stack(given))
+
+
+def _exact(form: StateForm, scenario: Scenario, drive: Array, start: Array, p: Array) -> Trajectory:
+    """The run with located events."""
+    from symhyb.numeric.events import Drive, is_stiff, locate_events
+
+    if form.machine.constraints:
+        text = "an exact run knows no constraints; leave out 'exact'"
+        raise InputError(Problem(text, "constraints", form.machine.model.file))
+    machine, model = switched(form), form.machine.model
+    longest = float(cvodes_options(scenario.t_u, drive, 0, "bdf", 1.0)["max_step_size"]) or np.inf
+    jumps = jumps_of(scenario.t_u, drive, scenario.t)
+    held = Drive(scenario.t_u, drive)
+    stiff = is_stiff(machine, scenario.t, start, held, p)
+    run = locate_events(machine, scenario.t, start, held, p, jumps, stiff, longest)
+    f = len(form.free)
+    d = np.column_stack(
+        [np.interp(scenario.t, scenario.t_u, c) for c in drive.T]
+        or [np.empty((scenario.t.size, 0))]
+    )
+    q, v = form.motion(run.x, d)
+    reason = run.reason + (culprits(model) if run.reason else "")
+    method = "radau" if stiff else "dop853"
+    z = run.x[:, 2 * f :]
+    return Trajectory(scenario.t, q, v, run.a, run.y, z, reason, method, events=run.events)
 
 
 def _inner_start(machine: Machine, scenario: Scenario, p: Array) -> Array:
@@ -182,7 +219,7 @@ def _drive(form: StateForm, scenario: Scenario) -> Array:
 def _stiff(form: StateForm, scenario: Scenario, drive: Array, start: Array, p: Array) -> bool:
     """Whether the machine asks for BDF; see :func:`simulate`."""
     model = form.machine.model
-    if any(element.kind in STEEP for element in model.elements) or _culprits(model):
+    if any(element.kind in STEEP for element in model.elements) or culprits(model):
         return True
     first = drive[0] if len(drive) else np.zeros(form.drive)
     matrix = free_slope(form, start, first, float(scenario.t[0]), p)
@@ -222,23 +259,23 @@ def _integrate(
 ) -> tuple[Array, str]:  # fmt: skip
     """States (N, X) and the reason why they end early; one integration between jumps of inputs."""
     t = scenario.t
-    jumps = _jumps(scenario.t_u, drive, t)
+    jumps = jumps_of(scenario.t_u, drive, t)
     grid = np.union1d(t, jumps)  # an input may jump between two outputs
     marks = [0, *np.searchsorted(grid, jumps).tolist(), grid.size - 1]
     rate = _rate(form, scenario, drive, scales)
     # finding a scale is no reason to work long, and a law that chatters never ends
-    hopeless = tolerance >= ROUGH or _culprits(form.machine.model)
+    hopeless = tolerance >= ROUGH or culprits(form.machine.model)
     most = STEPS_LEAST + STEPS_TOGETHER // (10 if hopeless else 1) // grid.size
-    options = _options(scenario, drive, most, method, tolerance)
+    options = cvodes_options(scenario.t_u, drive, most, method, tolerance)
     x = np.full((grid.size, form.size), np.nan)
     x[0] = start
     reason = ""
     for first, last in pairwise(sorted(set(marks))):
         span = grid[first : last + 1]
-        states, reason = _advance(rate, span, x[first] / scales, p, options)
+        states, reason = advanced(rate, span, x[first] / scales, p, options)
         x[first + 1 : first + 1 + len(states)] = states * scales
         if reason:
-            reason += _culprits(form.machine.model)
+            reason += culprits(form.machine.model)
             break
     return x[np.searchsorted(grid, t)], reason
 
@@ -254,39 +291,15 @@ def solve_system(
     kind: Any = ca.MX if form.drive else ca.SX
     y, t = kind.sym("y", start.size), kind.sym("t")
     symbols = kind.sym("p", p.size)
-    d = _held(scenario.t_u, drive)(t) if form.drive else kind(0, 1)
+    d = held_drive(scenario.t_u, drive)(t) if form.drive else kind(0, 1)
     rate = {"x": y, "t": t, "p": symbols, "ode": right(y, d, t, symbols)}
     most = STEPS_LEAST + STEPS_TOGETHER // scenario.t.size
-    options = _options(scenario, drive, most, "bdf", RELATIVE_TOLERANCE)
+    options = cvodes_options(scenario.t_u, drive, most, "bdf", RELATIVE_TOLERANCE)
     rows = np.full((scenario.t.size, start.size), np.nan)
     rows[0] = start
-    states, reason = _advance(rate, scenario.t, start, p, options)
+    states, reason = advanced(rate, scenario.t, start, p, options)
     rows[1 : 1 + len(states)] = states
     return rows, reason
-
-
-def _advance(
-    rate: dict[str, Any], grid: Array, start: Array, p: Array, options: Options
-) -> tuple[Array, str]:
-    """States (N − 1, 2n) at the times ``grid[1:]`` in one integration. If it fails, halves are
-    tried, so that the rows before the failure stand and the reason says when it was."""
-    reason = ""
-    try:
-        run = ca.integrator("run", "cvodes", rate, grid[0], grid[1:].tolist(), options)
-        states = call(run, (start, np.empty(0), p))[0]  # x, no algebraic states, p
-        if np.all(np.isfinite(states)):
-            return states, ""
-        reason = _grown(grid)
-    except RuntimeError as error:
-        reason = _explain(error, start, grid, float(options["max_num_steps"]))
-    if grid.size <= 2:
-        return np.empty((0, start.size)), reason
-    middle = grid.size // 2
-    before, failed = _advance(rate, grid[: middle + 1], start, p, options)
-    if failed:
-        return before, failed
-    after, failed = _advance(rate, grid[middle:], before[-1], p, options)
-    return np.concatenate([before, after]), failed
 
 
 def _require_cover(scenario: Scenario) -> None:
@@ -308,87 +321,10 @@ def _rate(form: StateForm, scenario: Scenario, drive: Array, scales: Array) -> d
     kind: Any = ca.MX if form.drive else ca.SX
     x, t = kind.sym("x", form.size), kind.sym("t")
     p = kind.sym("p", form.machine.values.size)
-    d = _held(scenario.t_u, drive)(t) if form.drive else kind(0, 1)
+    d = held_drive(scenario.t_u, drive)(t) if form.drive else kind(0, 1)
     full = x * scales
     slopes = form.rates()(full, d, t, p, kind.zeros(n))
     return {"x": x, "t": t, "p": p, "ode": ca.vertcat(full[f : 2 * f, 0], slopes) / scales}
-
-
-def _held(t: Array, drive: Array) -> ca.Function:
-    """First-order hold of the drive as a function of time."""
-    options = {"lookup_mode": ["binary"]}  # rounded times are not evenly spaced to the last bit
-    return ca.interpolant("d", "linear", [t], drive.ravel(), options)
-
-
-def _options(scenario: Scenario, drive: Array, most: int, method: str, tolerance: float) -> Options:
-    longest = np.inf
-    if drive.shape[1]:
-        longest = LONGEST_STEP * float(np.median(np.diff(scenario.t_u)))
-    return {
-        "reltol": tolerance,
-        "abstol": ABSOLUTE_TOLERANCE * tolerance / RELATIVE_TOLERANCE,
-        "max_num_steps": most,
-        "max_step_size": 0.0 if np.isinf(longest) else longest,
-        "linear_multistep_method": method,
-        "nonlinear_solver_iteration": "newton" if method == "bdf" else "functional",
-        "show_eval_warnings": False,
-        "disable_internal_warnings": True,
-    }
-
-
-def _jumps(t: Array, drive: Array, outputs: Array) -> Array:
-    """Times inside the simulation at which an input begins or ends a jump."""
-    if drive.shape[1] == 0:
-        return np.empty(0)
-    reach = np.ptp(drive, axis=0)
-    jumps = np.abs(np.diff(drive, axis=0)) > JUMP_SHARE * np.where(reach > 0, reach, np.inf)
-    where = np.flatnonzero(jumps.any(axis=1))
-    times = np.unique(t[np.concatenate([where, where + 1])])
-    times = times[(times > outputs[0]) & (times < outputs[-1])]
-    # a switching input: every sample a jump, none worth a restart
-    return times if times.size <= JUMPS_MOST else np.empty(0)
-
-
-def _grown(grid: Array) -> str:
-    return f"the motion grew without bound between {grid[0]:.6g} and {grid[-1]:.6g} s"
-
-
-def _explain(error: RuntimeError, start: Array, grid: Array, most: float) -> str:
-    text = str(error)
-    if np.abs(start).max() > GROWN:
-        return _grown(grid)
-    span = f"between {grid[0]:.6g} and {grid[-1]:.6g} s"
-    if "TOO_MUCH_WORK" in text:
-        return (
-            f"CVODES needed more than {most:.0f} steps for one output {span}: the equations are "
-            "stiff or chatter (a wider friction transition helps) or the motion grows without bound"
-        )
-    if "CONV_FAILURE" in text or "ERR_FAILURE" in text:
-        return (
-            f"CVODES could not meet its tolerance {span}: the motion grows without bound or jumps"
-        )
-    return f"CVODES stopped {span}: {text.strip().splitlines()[-1]}"
-
-
-def _culprits(model: Model) -> str:
-    """The laws that switch at a point and so may chatter, as the end of a sentence."""
-    switching = [
-        f"elements.{element.name}"
-        for element in model.elements
-        if any(_switches(expression.tree) for _, expression in element.values)
-    ]
-    if not switching:
-        return ""
-    return (
-        f"; {', '.join(switching)} switches with sign(...), which chatters where the motion "
-        "reverses: write it as kind 'friction', or with tanh(speed/transition)"
-    )
-
-
-def _switches(node: Node) -> bool:
-    if not isinstance(node, Operation):
-        return False
-    return node.operator == "sign" or any(_switches(part) for part in node.arguments)
 
 
 def _observe(

@@ -25,7 +25,8 @@ def at_unit_length(model: Model, q: Array, v: Array) -> tuple[Array, Array]:
 
 
 def length_directions(model: Model, q: Array) -> Array:
-    """Unit vectors (Q, n) along which the lengths of the Q quaternions change at a place q (n,)."""
+    """Unit vectors (Q, n), of order 1, along which the lengths of the Q quaternions change at a
+    place q (n,), SI."""
     found = _columns(model)
     directions = np.zeros((len(found), q.size))
     for direction, columns in zip(directions, found, strict=True):

@@ -138,27 +138,35 @@ def build(model: Model, keep: bool = True) -> Machine:
             that do not close.
     """
     model = assembled(model)
-    functions = kept(("machine", structure_of(model)), lambda: _from_cache(model, keep))
+    functions = functions_of(model, keep)
     values = np.array([item.si for item in model.all_parameters()])
     require_sound(model, functions, values)
     return Machine(model=model, values=values, **{"input_matrix": None, **functions})  # type: ignore[arg-type]
 
 
-def _from_cache(model: Model, keep: bool) -> dict[str, ca.Function]:
+def functions_of(model: Model, keep: bool = True, switched: bool = False) -> dict[str, ca.Function]:
+    """The functions of a :class:`Machine` by name, SI; with what switches as inputs and outputs of
+    its own if ``switched`` (:mod:`symhyb.mechanics.opened`)."""
+    structure = structure_of(model)
+    return kept(("machine", structure, switched), lambda: _from_cache(model, keep, switched))
+
+
+def _from_cache(model: Model, keep: bool, switched: bool) -> dict[str, ca.Function]:
     """The functions of a model: those on disk, else lowered, and kept there if that is wanted."""
     if not keep:
-        return _lowered(model)
-    key = cache.key(structure_of(model))
+        return _lowered(model, switched)
+    key = cache.key(structure_of(model), *(["switched"] if switched else []))
     found = cache.load(key)
     if found is None:
-        found = _lowered(model)
+        found = _lowered(model, switched)
         cache.store(key, found)
     return found
 
 
-def _lowered(model: Model) -> dict[str, ca.Function]:
+def _lowered(model: Model, switched: bool = False) -> dict[str, ca.Function]:
     from symhyb.mechanics.constraints import closures
     from symhyb.mechanics.equations import derive  # SymPy takes half a second to import
+    from symhyb.mechanics.opened import opened
     from symhyb.numeric.translate import Lowered
 
     fills = {
@@ -167,7 +175,7 @@ def _lowered(model: Model) -> dict[str, ca.Function]:
         if element.network is not None
     }
     equations = derive(model)
-    low = Lowered(equations, fills)
+    low = Lowered(opened(model, equations) if switched else equations, fills)
     q, v, a, z, u, t, p = low.q, low.v, low.a, low.z, low.u, low.t, low.p
     n, imposed = q.numel(), [i for i, c in enumerate(model.coordinates) if c.imposed]
     momentum = ca.gradient(low.kinetic, v)

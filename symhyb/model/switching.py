@@ -1,0 +1,78 @@
+"""What switches in a model: dry friction that can hold, stops that touch, and laws left as written.
+
+Exact simulation (:mod:`symhyb.numeric.events`) turns friction on a coordinate or between points,
+and every side of a gap, into an automaton. Other laws with a corner stay what they are.
+"""
+
+from dataclasses import dataclass
+
+from symhyb.model.expression import Node, Operation
+from symhyb.model.types import At, Element, Model, On
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """One side of a gap: the index of its ``element``, ``sign`` +1 (upper) or −1 (lower), and
+    whether a damper acts in contact (``damped``)."""
+
+    element: int
+    sign: int
+    damped: bool
+
+    @property
+    def side(self) -> str:
+        """upper or lower."""
+        return "upper" if self.sign > 0 else "lower"
+
+
+def frictions(model: Model) -> tuple[int, ...]:
+    """Indices of the elements that slide or stick exactly."""
+    return tuple(i for i, element in enumerate(model.elements) if _holds(model, element))
+
+
+def stops(model: Model) -> tuple[Stop, ...]:
+    """The sides of all gaps, upper before lower."""
+    return tuple(
+        Stop(i, sign, element.value("damping") is not None)
+        for i, element in enumerate(model.elements)
+        if element.kind == "gap"
+        for name, sign in (("upper", 1), ("lower", -1))
+        if element.option("side", "both") in (name, "both")
+    )
+
+
+def left_smooth(model: Model) -> tuple[str, ...]:
+    """One sentence for each law with a corner that an exact simulation leaves as it is written."""
+    told = []
+    for element in model.elements:
+        name = f"elements.{element.name}"
+        if element.kind == "friction" and isinstance(element.place, At):
+            told.append(f"{name} acts at a point, in two directions: it stays smoothed")
+        elif element.kind == "friction" and not _holds(model, element):
+            told.append(
+                f"{name} acts on an imposed motion, which it cannot hold: it stays smoothed"
+            )
+        elif element.kind in ("friction_dynamic", "hysteresis"):
+            told.append(f"{name} has an inner state and is smooth by itself: it stays as it is")
+        elif any(switches(expression.tree) for _, expression in element.values):
+            told.append(
+                f"{name} is written with sign(...), whose jumps are not located: write it as kind "
+                "'friction' to have it stick exactly"
+            )
+    return tuple(told)
+
+
+def switches(node: Node) -> bool:
+    """Whether an expression jumps, with sign(...)."""
+    if not isinstance(node, Operation):
+        return False
+    return node.operator == "sign" or any(switches(part) for part in node.arguments)
+
+
+def _holds(model: Model, element: Element) -> bool:
+    if element.kind != "friction" or isinstance(element.place, At):
+        return False
+    if not isinstance(element.place, On):
+        return True
+    imposed = {c.name for c in model.coordinates if c.imposed}
+    return element.place.coordinate not in imposed
