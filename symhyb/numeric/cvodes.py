@@ -47,7 +47,8 @@ def advanced(
 
 
 def held_drive(t: Array, drive: Array) -> ca.Function:
-    """First-order hold of the drive as a function of time."""
+    """First-order hold of the drive (K, D), SI, recorded at times ``t`` (K,) in s, as a function of
+    time."""
     options = {"lookup_mode": ["binary"]}  # rounded times are not evenly spaced to the last bit
     return ca.interpolant("d", "linear", [t], drive.ravel(), options)
 
@@ -73,7 +74,8 @@ def cvodes_options(
 
 
 def jumps_of(t: Array, drive: Array, outputs: Array) -> Array:
-    """Times inside the simulation at which an input begins or ends a jump."""
+    """Times (J,) in s inside the ``outputs`` (N,) at which the drive (K, D), SI, recorded at times
+    ``t`` (K,), begins or ends a jump."""
     if drive.shape[1] == 0:
         return np.empty(0)
     reach = np.ptp(drive, axis=0)
