@@ -13,7 +13,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from symhyb.data.catalogue import DATASETS, Dataset
+from symhyb.data.catalogue import DATASETS, Dataset, named, unknown
 from symhyb.data.datasets import listing
 from symhyb.discrepancy.effects import amount_text
 from symhyb.discrepancy.results import Diagnosis, Found
@@ -23,7 +23,7 @@ from symhyb.discrepancy.wording import (
     percent_text,
     quantity_text,
 )
-from symhyb.errors import InputError, Problem, did_you_mean
+from symhyb.errors import InputError, Problem
 from symhyb.expected import Check
 from symhyb.model.constraints import Constraint
 from symhyb.model.types import Model, On, Parameter, place_text
@@ -247,18 +247,18 @@ def dataset_of(name: str) -> Dataset:
     Raises:
         InputError: no recording is known by that name.
     """
-    names = [known.name for known in DATASETS]
-    if name not in names:
-        text = f"no recording is known by the name '{name}'{did_you_mean(name, names)}"
-        raise InputError(Problem(text))
-    return DATASETS[names.index(name)]
+    known = named(name)
+    if known is None:
+        raise InputError(Problem(unknown(name)))
+    return known
 
 
 def print_dataset(dataset: Dataset) -> None:
     """Print what is known of a public recording, with its addresses."""
     print(listing().split("\n\n")[DATASETS.index(dataset)])
     for file in dataset.files:
-        print(f"  {file.name}: {file.address}", f"    SHA-256 {file.sha256}", sep="\n")
+        print(f"  {file.name}: {file.address}")
+        print(f"    {file.size} bytes, SHA-256 {file.sha256}")
 
 
 def warn(sentences: Sequence[str]) -> None:

@@ -71,15 +71,15 @@ def diagnose(
     if nothing.fit.reason and not winner.causes:
         raise NumericsError(f"the model cannot be simulated: {nothing.fit.reason}")
     tell("estimating values")
-    known = estimate(prepared, choice)
+    known = estimate(prepared, choice, tell)
     final, setting = known.final, choice.setting
     tell("removing each cause once, for its share")
     shown = prove(prepared, setting, final, known.stage, known.items)
-    left = leftover(setting, winner) if known.tells else ()
+    left = leftover(setting, known.seen or winner) if known.tells else ()
     answer = concluded(model, prepared, choice, known, shown, left)
     answer = _of_several(answer, final, choice.misfits, repeats_said(prepared))
     answer = in_part(_noted(answer, known.drifts), choice.change)
-    answer = if_bounded(answer, final, nothing, (*prepared.runs, *prepared.holdout))
+    answer = if_bounded(answer, final, nothing, prepared.runs, prepared.holdout)
     answer = if_long_enough(answer, prepared.runs)
     answer = with_lies(answer, model, prepared.lies, final.fit.scale)
     tell("looking for what to record next")
@@ -93,14 +93,14 @@ def _prepared(
     own: Sequence[str],
 ) -> tuple[Prepared, Setting]:
     """Motion, noise, windows and hypotheses, with a clock that drifts put right."""
-    prepared = prepare(model, recordings, holdout)
+    prepared = prepare(model, recordings, holdout, own=own)
     setting = settle(prepared, own)
     clock = drifting(
-        setting, lambda clocks: settle(prepare(model, recordings, holdout, clocks), own)
+        setting, lambda clocks: settle(prepare(model, recordings, holdout, clocks, own), own)
     )
     if clock is None:
         return prepared, setting
-    prepared = prepare(model, recordings, holdout, (clock,))
+    prepared = prepare(model, recordings, holdout, (clock,), own)
     return prepared, settle(prepared, own)
 
 

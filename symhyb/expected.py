@@ -5,38 +5,54 @@
       "verdict": "missing physics",
       "found": {"x.coulomb": {"value": 20.3935, "within": 0.05}},
       "nothing_else": true,
-      "scores": {"holdout.after.window_rmse.encoder": {"at_most": 6.0e-5}}
+      "scores": {"holdout.after.window_rmse.encoder": {"at_most": 6.0e-5}},
+      "published": {"source": "who", "found": {"x.coulomb": {"value": 20.3935, "unit": "N"}}}
     }
 
 ``found`` names place.term (two points as ``anchor-tip``), the value in the unit of the diagnosis
 and how far off it may be, as a part of it. ``scores`` are paths into ``scores`` of
-``diagnosis.json``. Only that content is judged, so the expectation cannot leak into a diagnosis.
+``diagnosis.json``. ``alternatives`` are causes that must stand among the rivals: a list of names
+(``x.drag``: place.kind), or numbers by place.term as under ``found``. ``any_of`` are
+several whole expectations of which one must be met. ``published`` is never judged: it is shown
+beside what was found. Only the finished content is judged, so nothing can leak into a diagnosis.
 """
 
 import json
 import os
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
-from symhyb.errors import InputError, Problem
+from symhyb.discrepancy.results import VerdictName
+from symhyb.errors import InputError, Problem, did_you_mean
 from symhyb.model.tables import Fault, Table, describe
+from symhyb.published import Published, read_published
 
 SHAPES = ("length", "stribeck", "transition")
 """Terms that shape a law and are no effect of their own."""
 
 
+VERDICTS: tuple[str, ...] = get_args(VerdictName)
+KEYS = ("verdict", "found", "nothing_else", "scores", "alternatives")
+"""What can be expected, at the top and in each case of ``any_of``."""
+
+
 @dataclass(frozen=True, slots=True)
 class Expected:
     """What ought to come out. ``found`` by place.term: (value, part of it that it may be off);
-    ``at_most`` by path of a score; a verdict of None is not judged."""
+    ``at_most`` by path of a score; a verdict of None is not judged. ``alternatives`` are
+    place.kind, channel.kind or parameter.name with None, or place.term with (value, part of it);
+    of ``any_of``, if there are any, one must be met."""
 
     source: str = ""
     verdict: str | None = None
     found: Mapping[str, tuple[float, float]] | None = None
     nothing_else: bool = False
     at_most: Mapping[str, float] | None = None
+    alternatives: Mapping[str, tuple[float, float] | None] | None = None
+    any_of: "tuple[Expected, ...]" = ()
+    published: Published | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,13 +79,12 @@ def read_expected(path: str | os.PathLike[str]) -> Expected:
     if not isinstance(content, dict):
         raise InputError(Problem("must be a mapping in braces", file=str(path)))
     root = Table((), content, faults)
-    root = root.checked(("source", "verdict", "found", "nothing_else", "scores"))
-    expected = Expected(
+    root = root.checked(("source", *KEYS, "any_of", "published"))
+    expected = replace(
+        _case(root),
         source=root.text("source") or "",
-        verdict=root.text("verdict"),
-        found=dict(_found(root)),
-        nothing_else=_flag(root, "nothing_else"),
-        at_most=dict(_limits(root)),
+        any_of=tuple(_cases(root)),
+        published=read_published(root),
     )
     if faults:
         raise InputError(Problem(text, ".".join(place), str(path)) for place, text in faults)
@@ -77,21 +92,82 @@ def read_expected(path: str | os.PathLike[str]) -> Expected:
 
 
 def check(expected: Expected, content: Mapping[str, Any]) -> tuple[Check, ...]:
-    """Compare what is expected with the content of a ``diagnosis.json``."""
-    return tuple(_checks(expected, content))
+    """Compare what is expected with the content of a ``diagnosis.json``.
+
+    Of the cases of ``any_of`` the first that is met is told, else the one that comes nearest.
+    """
+    always = tuple(_checks(expected, content))
+    if not expected.any_of:
+        return always
+    tried = [tuple(_checks(case, content)) for case in expected.any_of]
+    missed = [sum(not one.passed for one in checks) / max(len(checks), 1) for checks in tried]
+    nearest = missed.index(min(missed))
+    name = f"case {nearest + 1} of {len(tried)}: "
+    return (*always, *(replace(one, subject=name + one.subject) for one in tried[nearest]))
 
 
 def found_terms(content: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
-    """Give every fitted number of the found elements of a ``diagnosis.json`` by place.term."""
-    return {
-        f"{_place_name(effect['place'])}.{number['term']}": number
-        for effect in content["found"]
-        for number in effect["parameters"].values()
-    }
+    """Give every fitted number of a ``diagnosis.json`` by name: ``x.coulomb`` of a found element,
+    ``parameter.k``, ``force.offset`` of a channel; a recording's own number as ``x.drag@a.csv``."""
+    terms: dict[str, Mapping[str, Any]] = {}
+    for effect in content["found"]:
+        place = _place_name(effect["place"])
+        for recording, numbers in (("", effect["parameters"]), *effect.get("own", {}).items()):
+            behind = f"@{recording}" if recording else ""
+            terms |= {f"{place}.{one['term']}{behind}": one for one in numbers.values()}
+    for changed in content["parameters"]:
+        name = f"parameter.{changed['name']}"
+        terms[name] = changed
+        terms |= {
+            f"{name}@{recording}": {**one, "unit": changed["unit"]}
+            for recording, one in changed.get("own", {}).items()
+        }
+    return terms | {f"{one['channel']}.{one['kind']}": one for one in content["measurement"]}
 
 
-def _found(root: Table) -> Iterator[tuple[str, tuple[float, float]]]:
-    for name, table in _inner(root, "found", ("value", "within")):
+def _case(table: Table) -> Expected:
+    """Read what is expected, without source and other cases."""
+    verdict = table.text("verdict")
+    if verdict is not None and verdict not in VERDICTS:
+        table.fault(f"'{verdict}' is no verdict{did_you_mean(verdict, VERDICTS)}", "verdict")
+    return Expected(
+        verdict=verdict,
+        found=dict(_values(table, "found")),
+        nothing_else=_flag(table, "nothing_else"),
+        at_most=dict(_limits(table)),
+        alternatives=_alternatives(table),
+    )
+
+
+def _cases(root: Table) -> Iterator[Expected]:
+    """Read the list of cases under ``any_of``."""
+    listed = root.entries.get("any_of", [])
+    if not isinstance(listed, list) or not all(isinstance(case, dict) for case in listed):
+        root.fault(f"must be a list of mappings in braces, not {describe(listed)}", "any_of")
+        return
+    if len(listed) == 1 or ("any_of" in root.entries and not listed):
+        root.fault("must hold at least two cases", "any_of")
+    for number, entries in enumerate(listed, 1):
+        table = Table((f"any_of[{number}]",), entries, root.faults).checked(KEYS)
+        if not entries:
+            table.fault("an empty case is always met")
+        yield _case(table)
+
+
+def _alternatives(table: Table) -> dict[str, tuple[float, float] | None]:
+    """Read causes by name alone, or numbers by place.term."""
+    listed = table.entries.get("alternatives", [])
+    if isinstance(listed, dict):
+        return dict(_values(table, "alternatives"))
+    if isinstance(listed, list) and all(isinstance(name, str) for name in listed):
+        return dict.fromkeys(listed)
+    said = f'must be a list of names, like ["x.drag"], or a mapping, not {describe(listed)}'
+    table.fault(said, "alternatives")
+    return {}
+
+
+def _values(root: Table, key: str) -> Iterator[tuple[str, tuple[float, float]]]:
+    for name, table in _inner(root, key, ("value", "within")):
         value, within = table.number("value", True), table.number("within", True)
         if value is not None and within is not None:
             yield name, (value, within)
@@ -129,10 +205,42 @@ def _checks(expected: Expected, content: Mapping[str, Any]) -> Iterator[Check]:
     if expected.nothing_else:
         others = list(_others(expected, content, terms))
         yield Check("anything else", "nothing", ", ".join(others) or "nothing", not others)
+    yield from _rival_checks(expected, content, terms)
     for path, limit in (expected.at_most or {}).items():
-        got = _score(content["scores"], path)
+        got = score_at(content["scores"], path)
         passed = got is not None and got <= limit
         yield Check(path, f"at most {limit:.4g}", "none" if got is None else f"{got:.4g}", passed)
+
+
+def _rival_checks(
+    expected: Expected, content: Mapping[str, Any], terms: Mapping[str, Mapping[str, Any]]
+) -> Iterator[Check]:
+    """What must stand among the alternatives, and not be found."""
+    names = _rivals(content)
+    numbers = {
+        f"{_place_name(rival['place'])}.{number['term']}": number
+        for rival in reversed(content["alternatives"])  # the best of each comes last and stays
+        if "place" in rival
+        for number in rival["parameters"].values()
+    }
+    for name, value in (expected.alternatives or {}).items():
+        subject = f"alternative {name}"
+        if value is not None:
+            one = _value_check(name, *value, numbers.get(name))
+            yield replace(one, subject=subject, passed=one.passed and name not in terms)
+            continue
+        got = "among the alternatives" if name in names else ", ".join(names) or "none"
+        yield Check(subject, "among the alternatives", got, name in names)
+
+
+def _rivals(content: Mapping[str, Any]) -> list[str]:
+    """Name every alternative: ``x.drag``, ``force.offset``, ``parameter.k``."""
+    names = []
+    for rival in content["alternatives"]:
+        where = _place_name(rival["place"]) if "place" in rival else rival.get("channel")
+        name = f"{where}.{rival['kind']}" if where else f"parameter.{rival['parameter']}"
+        names.append(name)
+    return list(dict.fromkeys(names))
 
 
 def _value_check(name: str, value: float, within: float, number: Mapping[str, Any] | None) -> Check:
@@ -148,14 +256,19 @@ def _others(
     expected: Expected, content: Mapping[str, Any], terms: Mapping[str, Mapping[str, Any]]
 ) -> Iterator[str]:
     """Name what was found beyond the expectation."""
+    wanted = {name.partition("@")[0] for name in expected.found or {}}
+    words = {
+        f"parameter.{one['name']}": f"parameter {one['name']}" for one in content["parameters"]
+    }
+    for one in content["measurement"]:
+        words[f"{one['channel']}.{one['kind']}"] = f"{one['kind']} of {one['channel']}"
     for name in terms:
-        if name not in (expected.found or {}) and name.rpartition(".")[2] not in SHAPES:
-            yield name
-    yield from (f"parameter {changed['name']}" for changed in content["parameters"])
-    yield from (f"{fault['kind']} of {fault['channel']}" for fault in content["measurement"])
+        if name not in wanted and "@" not in name and name.rpartition(".")[2] not in SHAPES:
+            yield words.get(name, name)
 
 
-def _score(scores: Any, path: str) -> float | None:
+def score_at(scores: Any, path: str) -> float | None:
+    """Give the number under a path like ``holdout.after.window_rmse.encoder``, None without."""
     for key in path.split("."):
         scores = scores.get(key) if isinstance(scores, Mapping) else None
     return float(scores) if isinstance(scores, int | float) else None

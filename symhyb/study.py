@@ -19,8 +19,13 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from symhyb import __version__
 from symhyb.correction.apply import apply
+from symhyb.correction.finish import finished
+from symhyb.correction.remainder import NO_REMAINDER, remainder
 from symhyb.data.cleaning import still, without_faults
 from symhyb.data.datasets import fetch
 from symhyb.data.recording import Recording, read_recording
@@ -106,8 +111,10 @@ def carry_out(study: Study, say: Say | None = None) -> StudyResult:
     train, holdout = _recordings(study, model)
     diagnosis = diagnose(model, train, holdout, own=study.own, say=say)
     corrected = apply(model, diagnosis.found, diagnosis.parameters, diagnosis.measurement)
-    say("judging the correction")
     seen = repaired([without_faults(one, model) for one in train], diagnosis.lies)
+    corrected, told = _finish(study, corrected, corrected != model, seen, say)
+    diagnosis = replace(diagnosis, remainder_notes=(*diagnosis.remainder_notes, *told))
+    say("judging the correction")
     verdict = judge(  # on what the diagnosis put right: exchanged columns, times, wrong samples
         model,
         corrected,
@@ -122,6 +129,25 @@ def carry_out(study: Study, say: Say | None = None) -> StudyResult:
     return StudyResult(
         study, model, corrected, train, holdout, diagnosis, verdict, (), seconds, first
     )
+
+
+def _finish(
+    study: Study, corrected: Model, changed: bool, seen: Sequence[Recording], say: Say
+) -> tuple[Model, tuple[str, ...]]:
+    """The corrected model with last values (if it was ``changed`` at all) and a smooth remainder,
+    where the study asks for them, with what is to be said of it. Nothing is named by it."""
+    told: list[str] = []
+    if study.last_values and changed:
+        say("fitting the last values")
+        last = finished(corrected, seen)
+        corrected = last.model
+        told.append(last.sentence)
+    if study.remainder:
+        say("fitting a smooth remainder")
+        smooth = remainder(corrected, seen, study.remainder)
+        corrected = smooth.model if smooth else corrected
+        told.append(smooth.sentence if smooth else NO_REMAINDER)
+    return corrected, tuple(told)
 
 
 def _first_checks(
@@ -187,11 +213,18 @@ def manifest(result: StudyResult) -> dict[str, Any]:
             if file is not None
         },
         "recordings": [
-            {"role": role, "file": recording.name, "sha256": recording.sha256, "span": span}
-            for role, recording, span in _runs(result)
+            {
+                "role": role,
+                "file": recording.name,
+                "sha256": recording.sha256,
+                "span": list(source.span),
+                **({"map": dict(source.columns)} if source.columns else {}),
+            }
+            for role, recording, source in _runs(result)
         ],
         "map": dict(study.columns or {}),
         **({"own": list(study.own)} if study.own else {}),
+        "finish": {"values": study.last_values, "remainder": study.remainder},
         "versions": _versions(),
         "seeds": {"figures": 0},  # which points of a dense cloud are drawn; the rest has no chance
         "seconds": round(result.seconds, 1),
@@ -256,7 +289,7 @@ def _recordings(study: Study, model: Model) -> tuple[tuple[Recording, ...], tupl
     for source in (*study.train, *study.holdout):
         try:
             path = source.file or fetch(*source.data.split("/", 1))
-            read[source] = read_recording(path, model, study.columns, span=source.span)
+            read[source] = read_recording(path, model, study.columns_of(source), span=source.span)
         except InputError as error:
             problems.extend(error.problems)
     if problems:
@@ -264,20 +297,39 @@ def _recordings(study: Study, model: Model) -> tuple[tuple[Recording, ...], tupl
     train = tuple(read[source] for source in study.train)
     holdout = tuple(read[source] for source in study.holdout)
     for seen, unseen in product(train, holdout):
-        if seen.shares(unseen):
-            text = "is a training recording too; what is learned from cannot prove anything"
-            raise InputError(Problem(text, "holdout", unseen.name))
+        common = seen.common(unseen)
+        if common.size:
+            raise InputError(Problem(_seen_before(common, unseen), "holdout", unseen.name))
     return train, holdout
 
 
-def _runs(result: StudyResult) -> Iterator[tuple[str, Recording, list[float | None]]]:
-    """Role, recording and span of everything that was read."""
+def _seen_before(common: NDArray[np.float64], unseen: Recording) -> str:
+    """Say that ``common`` times (K,) of an unseen recording are in a training recording, and the
+    cure: a span includes the samples at both its ends."""
+    why = "what is learned from cannot prove anything"
+    if common.size == unseen.t.size:
+        return f"is a training recording too; {why}"
+    if common.size > 1:
+        stretch = f"{common[0]:g} … {common[-1]:g} s"
+        return f"{stretch} of it are in a training recording too; {why}; let the spans not overlap"
+    behind = unseen.t[unseen.t > common[0]]
+    cure = "let one span end before it"
+    if behind.size and common[0] == unseen.t[0]:
+        cure = f"begin this span behind it, as in [{(common[0] + behind[0]) / 2:.9g}, …]"
+    return (
+        f"its sample at {common[0]:.9g} s is in a training recording too, for a span includes the"
+        f" samples at both its ends; {cure}"
+    )
+
+
+def _runs(result: StudyResult) -> Iterator[tuple[str, Recording, Source]]:
+    """Role, recording and where it came from, of everything that was read."""
     for role, recordings, sources in (
         ("train", result.train, result.study.train),
         ("holdout", result.holdout, result.study.holdout),
     ):
         for recording, source in zip(recordings, sources, strict=True):
-            yield role, recording, list(source.span)
+            yield role, recording, source
 
 
 def _provenance(result: StudyResult) -> dict[str, str]:

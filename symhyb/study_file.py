@@ -8,7 +8,7 @@ model  = "../../models/emps.toml"        # paths are relative to the study file
 own    = ["m", "drag"]                   # of which every recording has its own value: parameters
                                          # of the model, keys of laws; all else is shared
 [map]                                    # what --map says on the command line
-force = "gtau*vir"
+force = "gtau*vir"                       # for all recordings; each may have its own entries
 
 [[train]]                                # once or more: recordings to learn from
 data = "emps/DATA_EMPS.mat"              # a file of a known public recording
@@ -16,6 +16,7 @@ span = [0.0, 20.0]                       # s; the rest is dropped
 
 [[holdout]]                              # unseen recordings, for the proof alone
 file = "pulses.csv"                      # a file beside the study
+map  = { force = "F [kN]" }              # instead of, and besides, the entries above
 
 [score]
 window_s      = 0.25                     # without it, chosen from the recordings
@@ -27,10 +28,10 @@ import re
 import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from itertools import islice
+from itertools import islice, takewhile
 from pathlib import Path
 
-from symhyb.data.catalogue import DATASETS
+from symhyb.data.catalogue import named, unknown
 from symhyb.data.formats import split_part
 from symhyb.data.rows import Span
 from symhyb.errors import InputError, Problem, did_you_mean
@@ -40,23 +41,30 @@ from symhyb.model.tables import Fault, Table, describe
 FORMAT = 1
 """The version of the study file that is read."""
 
-SECTIONS = ("symhyb", "title", "about", "model", "map", "own", "train", "holdout", "score")
+SECTIONS = (
+    "symhyb", "title", "about", "model", "map", "own", "train", "holdout", "score", "finish"
+)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
 class Source:
     """Where a recording comes from: the path ``file``, or ``data`` = ``"emps/DATA_EMPS.mat"``, a
-    file of a known public recording. ``span`` (start, end) in s drops the rest."""
+    file of a known public recording. ``span`` (start, end) in s drops the rest. ``columns`` are the
+    entries of the map that this recording has for itself."""
 
     file: Path | None = None
     data: str = ""
     span: Span = (None, None)
+    columns: tuple[tuple[str, str], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class Study:
     """What is to be diagnosed: paths as the working directory sees them, ``columns`` as in
-    :func:`symhyb.data.read_recording`; ``file`` is None for a study that no file states."""
+    :func:`symhyb.data.read_recording`, for all recordings; ``file`` is None for a study that no
+    file states. ``last_values``: whether every uncertain number of the corrected model is fitted
+    once more to all training recordings; ``remainder`` the coordinate that then gets a smooth
+    remainder, None for none."""
 
     model: Path
     train: tuple[Source, ...]
@@ -68,6 +76,12 @@ class Study:
     force_band_hz: float | None = None
     file: Path | None = None
     own: tuple[str, ...] = ()
+    last_values: bool = False
+    remainder: str | None = None
+
+    def columns_of(self, source: Source) -> Mapping[str, str]:
+        """The map of one recording: its own entries before those of all recordings."""
+        return {**(self.columns or {}), **dict(source.columns)}
 
 
 def read_study(path: str | os.PathLike[str]) -> Study:
@@ -115,23 +129,39 @@ def _check_format(root: Table) -> None:
 def _study(root: Table, file: Path) -> Study:
     score = root.table("score") or Table((), {}, root.faults)
     score = score.checked(("window_s", "force_band_hz"))
+    finish = root.table("finish") or Table((), {}, root.faults)
+    finish = finish.checked(("values", "remainder"))
     name = root.text("model", required=True)
-    channels = root.table("map")
-    columns = {key: channels.text(key) or "" for key in channels.entries} if channels else None
     if not root.entries.get("train") and root.lacks("train"):
         root.fault("[[train]] is missing: name at least one recording to learn from")
     return Study(
         model=_file(root, "model", name, file) or Path(),
         train=tuple(_sources(root, "train", file)),
         holdout=tuple(_sources(root, "holdout", file)),
-        columns=columns,
+        columns=_map(root),
         title=root.text("title") or "",
         about=root.about(),
         window_s=_positive(score, "window_s"),
         force_band_hz=_positive(score, "force_band_hz"),
         file=file,
         own=_own(root),
+        last_values=_flag(finish, "values"),
+        remainder=finish.text("remainder"),
     )
+
+
+def _map(table: Table) -> dict[str, str] | None:
+    """The entries of a table ``map``: channel = column; None without one."""
+    channels = table.table("map")
+    return {key: channels.text(key) or "" for key in channels.entries} if channels else None
+
+
+def _flag(table: Table, key: str) -> bool:
+    """A key that is true or false; false where it is left out."""
+    value = table.entries.get(key, False)
+    if not isinstance(value, bool):
+        table.fault(f"must be true or false, not {describe(value)}", key)
+    return value is True
 
 
 def _own(root: Table) -> tuple[str, ...]:
@@ -153,13 +183,14 @@ def _sources(root: Table, key: str, study: Path) -> Iterator[Source]:
         root.fault("name at least one recording to learn from", key)
     for number, entries in enumerate(listed, 1):
         table = Table((f"{key}[{number}]",), entries, root.faults)
-        table = table.checked(("file", "data", "span"))
+        table = table.checked(("file", "data", "span", "map"))
         if sum(not table.lacks(name) for name in ("file", "data")) != 1:
             table.fault("state exactly one of file and data")
         file, data = table.text("file"), table.text("data") or ""
         if data:
             _check_data(table, data)
-        yield Source(_file(table, "file", file, study), data, _span(table))
+        own = tuple((_map(table) or {}).items())
+        yield Source(_file(table, "file", file, study), data, _span(table), own)
 
 
 def _file(table: Table, key: str, name: str | None, study: Path) -> Path | None:
@@ -177,10 +208,9 @@ def _file(table: Table, key: str, name: str | None, study: Path) -> Path | None:
 def _check_data(table: Table, data: str) -> None:
     """See whether a name like ``emps/DATA_EMPS.mat`` is known."""
     name, _, file = data.partition("/")
-    dataset = next((known for known in DATASETS if known.name == name), None)
+    dataset = named(name)
     if dataset is None:
-        near = did_you_mean(name, [known.name for known in DATASETS])
-        table.fault(f"no recording is known by the name '{name}'{near}", "data")
+        table.fault(unknown(name), "data")
         return
     files = [known.name for known in dataset.files]
     file = split_part(file)[0].name if file else file
@@ -213,17 +243,22 @@ def _problems(faults: list[Fault], text: str, file: Path) -> Iterator[Problem]:
     for path, sentence in faults:
         repeated = re.fullmatch(r"(\w+)\[(\d+)\]", path[0]) if path else None
         if repeated:
-            line = _line(text, repeated[1], int(repeated[2]), path[1] if path[1:] else "")
+            line = _line(text, repeated[1], int(repeated[2]), path[1:])
         else:
             line = source.line(*path)
         yield Problem(sentence, ".".join(path), str(file), line)
 
 
-def _line(text: str, table: str, number: int, key: str) -> int:
-    """Say where the ``number``-th table ``[[table]]`` stands, or a key of it; 0 if it is not found
-    (an array in braces)."""
+def _line(text: str, table: str, number: int, keys: tuple[str, ...]) -> int:
+    """Say where the ``number``-th table ``[[table]]`` stands, or a key of it, or a key of a table
+    in it; 0 if it is not found (an array in braces)."""
     lines = list(enumerate(text.split("\n"), 1))
     heads = (line for line, words in lines if re.match(rf"\s*\[\[\s*{table}\s*\]\]", words))
-    head = next(islice(heads, number - 1, None), 0)
-    inside = (line for line, words in lines[head:] if re.match(rf"\s*{re.escape(key)}\s*=", words))
-    return next(inside, head) if head and key else head
+    place = next(islice(heads, number - 1, None), 0)
+    own = takewhile(lambda at: not re.match(rf"\s*\[(?!\s*{table}\.)", at[1]), lines[place:])
+    inside = list(own) if place else []
+    for key in keys:
+        name = re.escape(key)
+        wanted = rf"\s*{name}\s*=|\s*\[\s*{table}\.{name}\s*\]"
+        place = next((line for line, words in inside if re.match(wanted, words)), place)
+    return place

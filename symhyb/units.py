@@ -27,7 +27,7 @@ _KNOWN = {
     "day": "d", "turn": "turn", "revolution": "revolution", "revolutions_per_minute": "rpm",
     "inch": "in", "foot": "ft", "yard": "yd", "mile": "mi", "nautical_mile": "nmi",
     "pound": "lb", "ounce": "oz", "slug": "slug", "force_pound": "lbf", "kip": "kip",
-    "kilogram_force": "kgf", "pound_force_per_square_inch": "psi", "bar": "bar",
+    "force_kilogram": "kgf", "pound_force_per_square_inch": "psi", "bar": "bar",
     "standard_atmosphere": "atm", "liter": "l", "metric_ton": "t", "knot": "knot",
     "mile_per_hour": "mph", "kilometer_per_hour": "kph", "metric_horsepower": "metric_horsepower",
     "arcminute": "arcmin", "arcsecond": "arcsec",
@@ -155,7 +155,7 @@ def _unknown(name: str) -> str:
 @lru_cache(maxsize=4096)
 def _atoms(text: str) -> Atoms:
     """Split ``N*s^2/m^2`` into (N, 1), (s, 2), (m, -2), in the order met."""
-    tokens = re.findall(r"[A-Za-zµμΩ]+|\d+\.\d+|\d+|\*\*|[^\s]", text)
+    tokens = re.findall(r"[A-Za-zµμΩ][A-Za-zµμΩ_]*|\d+\.\d+|\d+|\*\*|[^\s]", text)
     atoms, rest = _product(tokens, text)
     if rest:
         raise UnitError(_unreadable(text, rest[0]))

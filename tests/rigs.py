@@ -1,6 +1,6 @@
 """Recordings of small machines with concealed effects, made by SciPy alone."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -78,3 +78,33 @@ def spring_recording(
     x = run.y[0]
     measured = gain * x + noise * x.std() * random.standard_normal(t.size)
     return Recording(name, t, {"f": np.array([force(s) for s in t])}, {"laser": measured}, (), "")
+
+
+def made(
+    seed: int,
+    spring: Callable[[float, float], float],
+    *,
+    size: float,
+    duration: float,
+    control: tuple[float, float] = (0.0, 0.0),
+    noise: float = 0.005,
+) -> Recording:
+    """The same mass on any ``spring`` (x, v) in N, under a multisine of ``size`` N; ``control`` are
+    the stiffness and the damping of a controller that drives the mass besides."""
+    random = np.random.default_rng(seed)
+    t = np.arange(0, duration, 0.005)
+    lines, phases = np.linspace(0.3, 4, 10), random.uniform(0, 2 * np.pi, 10)
+
+    def force(time: float, x: float, v: float) -> float:
+        driven = size * np.sqrt(2 / 10) * np.sin(2 * np.pi * lines * time + phases).sum()
+        return float(driven - control[0] * x - control[1] * v)
+
+    def rate(time: float, state: NDArray[np.float64]) -> list[float]:
+        x, v = state
+        return [v, (force(time, x, v) - spring(x, v) - DAMPING * v) / MASS]
+
+    run = solve_ivp(rate, (0, duration), [0, 0], t_eval=t, rtol=1e-9, atol=1e-12, max_step=0.005)
+    x, v = run.y
+    driven = np.array([force(*one) for one in zip(t, x, v, strict=True)])
+    measured = x + noise * x.std() * random.standard_normal(t.size)
+    return Recording(f"run{seed}-{size:g}.csv", t, {"f": driven}, {"laser": measured}, (), "")

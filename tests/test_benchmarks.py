@@ -3,6 +3,7 @@
 import json
 import sys
 from collections.abc import Iterator
+from dataclasses import asdict
 from pathlib import Path
 from types import ModuleType
 
@@ -13,7 +14,9 @@ from sympy import Matrix, lambdify
 from sympy.physics.mechanics import dynamicsymbols
 
 FOLDER = Path(__file__).parents[1] / "studies" / "benchmarks"
-NAMES = ("bench", "forces", "links", "oscillators", "starting", "timing")
+NAMES = (
+    "bench", "forces", "links", "oscillators", "regression", "starting", "timing", "trajectories",
+)  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -94,6 +97,45 @@ def test_a_force_is_measured_in_a_process_of_its_own(study: dict[str, ModuleType
     assert all(seconds > 0 for seconds in times.values())
 
 
+def test_rows_of_regression_name_their_bars(study: dict[str, ModuleType]) -> None:
+    rows = study["regression"].rows(2000, 200, 3, 1)
+    assert [r.bar for r in rows] == [20, None, 0.05, 200]
+    assert all(np.isfinite(r.value) and r.value > 0 for r in rows)
+
+
+def test_contenders_of_the_regression_find_the_same_true_terms(
+    study: dict[str, ModuleType],
+) -> None:
+    regression = study["regression"]
+    candidates = regression.candidates_of(5000)
+    matrix, right = regression.stored(candidates)
+    assert matrix.shape == (5000, 100)
+    ours = regression.regress(candidates, regression.optimizer())
+    theirs = regression.plain(matrix, right)
+    assert np.abs(ours - theirs).max() < 1e-10 * np.abs(theirs).max()
+    found = {candidates.names[i]: ours[0, i] for i in np.flatnonzero(ours[0])}
+    assert found == pytest.approx(regression.TRUE, rel=0.1)
+
+
+def test_contenders_of_the_matching_find_the_planted_parameters(
+    study: dict[str, ModuleType],
+) -> None:
+    """To within four deviations as ours states them; IPOPT's are no larger."""
+    trajectories = study["trajectories"]
+    given = trajectories.record(2001)
+    ours = trajectories.matched(given)()
+    reach = 4 * np.sqrt(np.diag(ours.covariance))
+    assert np.all(np.abs(ours.values - trajectories.TRUE) < reach)
+    assert np.all(np.abs(trajectories.shooting(given)() - trajectories.TRUE) < reach)
+    assert np.all(reach < 0.5 * trajectories.TRUE)
+
+
+def test_rows_of_matching_name_their_bars(study: dict[str, ModuleType]) -> None:
+    rows = study["trajectories"].rows((2000, 3000), 1)
+    assert [r.bar for r in rows] == [3, 1.5]
+    assert all(np.isfinite(r.value) and r.value > 0 for r in rows)
+
+
 def test_rows_of_simulation_name_their_bars(study: dict[str, ModuleType]) -> None:
     oscillators = study["oscillators"]
     rows = oscillators.run_rows(0.5, 51, 1) + oscillators.sweep_rows(3, 0.1, 11, 1)
@@ -152,6 +194,24 @@ def test_the_page_shows_the_results_that_are_kept(study: dict[str, ModuleType]) 
         rows.append(study["timing"].Row(**entry))
         assert rows[-1].met == met
     assert bench.page_table(rows, kept["machine"]) in bench.PAGE.read_text(encoding="utf-8")
+
+
+def test_one_part_is_kept_beside_the_others_of_the_same_machine(
+    study: dict[str, ModuleType],
+) -> None:
+    bench, old = study["bench"], [row(study, 1.0, None, False), row(study, 2.0, 2.5, True)]
+    kept = {
+        "machine": {"processor": "of glass", "date": "2001-01-01"},
+        "rows": [
+            {**asdict(old[0]), "part": "other", "met": None},
+            {**asdict(old[1]), "met": False},
+        ],
+    }
+    new = row(study, 3.0, 2.5, True)
+    rows = bench.beside([new], kept, {"processor": "of glass"})
+    assert [(r.part, r.value) for r in rows] == [("other", 1.0), ("part", 3.0)]
+    with pytest.raises(ValueError, match=r"were measured on .*of glass.* these on .*of stone"):
+        bench.beside([new], kept, {"processor": "of stone"})
 
 
 @pytest.mark.parametrize("name", ["read_model", "build", "simulate"])

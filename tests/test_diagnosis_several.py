@@ -219,3 +219,53 @@ def test_json_holds_what_several_recordings_say() -> None:
     content = to_json(diagnosis, verdict())
     assert content["repeats"][0]["recordings"] == ["1.csv", "2.csv"]
     assert content["misfits"] == []
+
+
+BALL = """
+symhyb = 1
+gravity = ["0", "-g"]
+[coordinates]
+y = { unit = "m", start = 40.0 }
+[parameters]
+g = { value = 9.81, unit = "m/s^2" }
+m = { value = 1.0, unit = "kg" }
+[bodies.ball]
+mass = "m"
+at = ["0", "y"]
+[sensors]
+height = { measures = "y", unit = "m", sd = 0.02 }
+"""
+
+
+def dropped(coefficient: float, seed: int) -> Recording:
+    """A ball of 1 kg that falls from 40 m for 2.6 s, with drag in N·s²/m², filmed to 2 cm."""
+    t = np.arange(0, 2.6, 1 / 30)
+    if coefficient:
+        pace = np.sqrt(9.81 * coefficient)
+        y = 40 - np.log(np.cosh(pace * t)) / coefficient
+    else:
+        y = 40 - 9.81 * t**2 / 2
+    y = y + 0.02 * np.random.default_rng(seed).standard_normal(t.size)
+    return Recording(f"ball_{seed}.csv", t, {}, {"height": y}, (), "")
+
+
+@pytest.mark.slow
+def test_a_fleet_of_falls_names_the_drag_and_who_shows_none() -> None:
+    truth = [0.0, 0.01, 0.02, 0.03, 0.05, 0.0]
+    runs = [dropped(b, seed) for seed, b in enumerate(truth)]
+    diagnosis = sh.diagnose(parse_model(BALL, "ball.toml"), runs, own=["drag", "damping"])
+    (found,) = diagnosis.found
+    assert found.element.kind == "drag"
+    for (_, (number,)), b in zip(found.own, truth, strict=True):
+        assert abs(number.value - b) < 4 * number.sd + 1e-4
+    assert "Of ball_0.csv and ball_5.csv it does not stand out" in found.sentence
+
+
+@pytest.mark.slow
+def test_one_fall_is_refused_for_its_one_speed_and_not_advised_to_last_longer() -> None:
+    diagnosis = sh.diagnose(parse_model(BALL, "ball.toml"), dropped(0.03, 1))
+    assert diagnosis.verdict == "undecided"
+    assert diagnosis.found == ()
+    assert diagnosis.record_next is not None
+    assert "at other speeds" in diagnosis.record_next
+    assert "period" not in diagnosis.sentence

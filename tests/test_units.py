@@ -5,7 +5,7 @@ from fractions import Fraction
 
 import pytest
 
-from symhyb.units import ONE, Unit, UnitError, parse_unit
+from symhyb.units import _KNOWN, ONE, Unit, UnitError, parse_unit
 
 N, M, S, V, RAD = (parse_unit(text) for text in ("N", "m", "s", "V", "rad"))
 
@@ -46,6 +46,8 @@ def test_products_stay_readable_and_read_back(product: Unit, text: str) -> None:
         ("min", 60.0),
         ("in", 0.0254),
         ("lbf", 4.4482216152605),
+        ("kgf", 9.80665),
+        ("metric_horsepower", 735.49875),
         ("km^2/h", 1e6 / 3600),
         ("mm^(1/2)", math.sqrt(1e-3)),
         ("N/(m*s)", 1.0),
@@ -101,6 +103,11 @@ def test_what_is_no_unit_is_refused_with_a_sentence(text: str, sentence: str) ->
     with pytest.raises(UnitError) as caught:
         parse_unit(text)
     assert sentence in str(caught.value)
+
+
+def test_every_unit_that_is_known_can_be_written() -> None:
+    names = [*_KNOWN, *_KNOWN.values()]
+    assert {name: parse_unit(name).factor > 0 for name in names} == dict.fromkeys(names, True)
 
 
 def test_units_are_values() -> None:

@@ -2,6 +2,7 @@
 
 python studies/benchmarks/bench.py                 all of it, some minutes
 python studies/benchmarks/bench.py --only forces   one part, printed only
+... --only forces --keep   one part, and the kept rows of the others as they stand
 """
 
 import argparse
@@ -10,9 +11,10 @@ import json
 import os
 import re
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 from rich.console import Console
 from rich.table import Table
@@ -21,7 +23,7 @@ from timing import Row, machine
 HERE = Path(__file__).parent
 PAGE = HERE.parents[1] / "docs" / "performance.md"
 BEGIN, END = "<!-- measured -->", "<!-- /measured -->"
-PARTS = ("links", "runs", "forces", "sweep", "starting")
+PARTS = ("links", "runs", "forces", "sweep", "starting", "regression", "matching")
 
 
 def measure(part: str) -> list[Row]:
@@ -29,7 +31,9 @@ def measure(part: str) -> list[Row]:
     import forces
     import links
     import oscillators
+    import regression
     import starting
+    import trajectories
 
     work: dict[str, Callable[[], list[Row]]] = {
         "links": links.rows,
@@ -37,6 +41,8 @@ def measure(part: str) -> list[Row]:
         "forces": forces.rows,
         "sweep": oscillators.sweep_rows,
         "starting": starting.rows,
+        "regression": regression.rows,
+        "matching": trajectories.rows,
     }
     return work[part]()
 
@@ -87,16 +93,35 @@ def keep(rows: Sequence[Row], on: dict[str, str]) -> None:
     PAGE.write_text(replaced(page, page_table(rows, on)), encoding="utf-8")
 
 
+def beside(rows: Sequence[Row], kept: Mapping[str, Any], on: Mapping[str, str]) -> list[Row]:
+    """The kept rows with those of the measured parts replaced, or behind them if they are new.
+
+    Raises:
+        ValueError: the others were measured on another machine, or with other versions.
+    """
+    same = {name: value for name, value in kept["machine"].items() if name in on}
+    if dict(on) != same:
+        raise ValueError(f"the kept rows were measured on {same}, these on {dict(on)}")
+    fields = ({k: v for k, v in row.items() if k != "met"} for row in kept["rows"])
+    measured = {row.part for row in rows}
+    old = [row for row in (Row(**each) for each in fields) if row.part not in measured]
+    return [*old, *rows]
+
+
 def main() -> None:
     """Parse arguments, measure, print, keep."""
     parser = argparse.ArgumentParser(description="Benchmarks of symhyb, as ratios of one run.")
     parser.add_argument("--only", choices=PARTS, action="append", help="a part; may be repeated")
-    chosen = parser.parse_args().only
+    parser.add_argument("--keep", action="store_true", help="keep what --only measures")
+    given = parser.parse_args()
+    chosen = given.only
     with tempfile.TemporaryDirectory() as folder:
         os.environ["XDG_CACHE_HOME"] = folder  # nothing that an earlier run has kept helps
         rows = [row for part in chosen or PARTS for row in measure(part)]
     show(rows)
-    if not chosen:
+    if chosen and given.keep:
+        rows = beside(rows, json.loads((HERE / "results.json").read_text("utf-8")), machine())
+    if given.keep or not chosen:
         keep(rows, machine())
 
 

@@ -13,8 +13,9 @@ from symhyb.correction.manoeuvre import Rivals, Told, design
 from symhyb.correction.newsensor import telling_sensor
 from symhyb.correction.preparing import Prepared
 from symhyb.correction.setting import Setting
+from symhyb.discrepancy.passages import one_way
 from symhyb.discrepancy.results import Manoeuvre
-from symhyb.discrepancy.runs import PERIODS_LEAST, SAMPLES_TELL, SIGNAL_LEAST
+from symhyb.discrepancy.runs import PERIODS_LEAST, SAMPLES_TELL, SIGNAL_LEAST, Run
 from symhyb.discrepancy.wording import joined, number_text, quantity_text
 from symhyb.model.types import Model
 
@@ -119,7 +120,10 @@ def better_recording(prepared: Prepared) -> str:
     lasts = sum(run.recording.duration for run in prepared.runs)
     samples = sum(run.recording.t.size for run in prepared.runs)
     wishes = []
-    if lasts < PERIODS_LEAST * slowest or samples < SAMPLES_TELL:
+    if all(one_way(run.motion) for run in prepared.runs):
+        if samples < SAMPLES_TELL:
+            wishes.append(_more_passages(prepared.runs))
+    elif lasts < PERIODS_LEAST * slowest or samples < SAMPLES_TELL:
         length = quantity_text(PERIODS_WANTED * slowest, "s", digits=2)
         wishes.append(
             f"a run of at least {length}, ten periods of the slowest motion, with at least "
@@ -138,6 +142,23 @@ def better_recording(prepared: Prepared) -> str:
             )
     first = joined(wishes[:3])
     return f"{first[:1].upper()}{first[1:]}." if first else ""
+
+
+def _more_passages(runs: Sequence[Run]) -> str:
+    """What to record where nothing comes back, so that no run can be made longer."""
+    lasts = quantity_text(sum(run.recording.duration for run in runs), "s", digits=2)
+    samples = sum(run.recording.t.size for run in runs)
+    return (
+        "more runs that pass the same places at other speeds (this motion goes one way and has no "
+        f"period), with at least {SAMPLES_TELL} samples together (these last {lasts} and have "
+        f"{samples})"
+    )
+
+
+def other_speeds(runs: Sequence[Run]) -> str:
+    """The advice for recordings that pass every place at one speed."""
+    said = _more_passages(runs)
+    return f"{said[:1].upper()}{said[1:]}."
 
 
 def _signal(prepared: Prepared, j: int) -> tuple[float, float]:

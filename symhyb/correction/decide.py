@@ -31,6 +31,7 @@ from symhyb.correction.setting import Setting, along_motion, around
 from symhyb.correction.trajectory import Refined, grouped
 from symhyb.correction.trials import Say, Trials
 from symhyb.discrepancy.hypotheses import Hypothesis
+from symhyb.model.types import Place
 
 TRIALS = 3  # refined structures of each size
 PROMISE = 0.3  # of what can be taken, which the linear problem must promise before a trial
@@ -38,6 +39,7 @@ HOPE = 0.5  # of the significance that it needs: the linear problem may promise 
 VOID = 0.1  # of what the linear problem promised: less means that its promises are void
 ROUNDS = 6
 PLAINER = 2  # plain laws, and pairs of them, that are tried in place of one of several numbers
+NEXT_TO_NONE = 1e-3  # of the mean of the others: where a recording without a cause begins
 STATIC_FIRST = 1.3  # of the Coulomb friction: the breakaway friction that is tried first
 
 
@@ -81,7 +83,7 @@ def decide(setting: Setting, proposals: Sequence[Subset], say: Say) -> Decision:
     # where the linear problem explains most, its promises are worth most
     problem = min(problems, key=lambda pair: pair[0])[1]
     subsets = [subset for causes in sorted(pool) if (subset := solve(problem, causes)) is not None]
-    trials = Trials(setting, {second for _, second in twins} | variants, say)
+    trials = Trials(setting, variants, say, twins)
     nothing = trials.refined(())
     winner = _climb(trials, nothing, problem, subsets, log)
     for _ in range(ROUNDS):
@@ -182,7 +184,10 @@ def _begin(problem: Problem, cause: Hypothesis, values: Sequence[float]) -> dict
     """The first guess of a cause: shared keys at their mean over the recordings that have numbers
     of their own."""
     size = len(cause.terms)
-    each = [cause.values(values[i : i + size]) for i in range(0, len(values), size)]
+    numbers = np.reshape(values, (-1, size))
+    # where one recording shows nothing of a cause the law still stands: it may divide by its key
+    numbers = np.where(numbers == 0, NEXT_TO_NONE * np.mean(numbers, axis=0), numbers)
+    each = [cause.values(list(row)) for row in numbers]
     row = {key: float(np.mean([one[key] for one in each])) for key in each[0]}
     if len(each) > 1:
         for name, one in zip(problem.recordings, each, strict=True):
@@ -331,11 +336,7 @@ def _plainer(trials: Trials, winner: Refined, problem: Problem) -> Iterator[Refi
         if mine.place is None or mine.numbers < 2 or mine.variant:
             continue
         rest = [c for c in causes if c != cause]
-        plain = [
-            c
-            for c, other in enumerate(problem.hypotheses)
-            if other.place == mine.place and other.numbers == 1 and c not in causes
-        ]
+        plain = [c for c in _plain_at(trials, mine.place) if c not in causes]
         for many in (1, 2):
             options = [
                 subset
@@ -346,6 +347,16 @@ def _plainer(trials: Trials, winner: Refined, problem: Problem) -> Iterator[Refi
                 trial = trials.refined(subset.causes, _first(problem, subset))
                 if not trial.fit.reason:
                     yield trial
+
+
+def _plain_at(trials: Trials, place: Place) -> list[int]:
+    """The laws with one number at a place; where a parameter of the model is the twin of one (a
+    stiffness that may be estimated, of a spring), convention names the parameter, so it stands for
+    that law."""
+    hypotheses = trials.setting.hypotheses
+    named = {second: first for first, second in trials.twins}
+    plain = [c for c, h in enumerate(hypotheses) if h.place == place and h.numbers == 1]
+    return list(dict.fromkeys(named.get(c, c) for c in plain))
 
 
 def _simplifications(trials: Trials, winner: Refined) -> Iterator[Refined]:

@@ -4,9 +4,10 @@ from collections.abc import Mapping, Sequence
 from math import inf
 
 import numpy as np
+from scipy.stats import norm
 
 from symhyb.correction.conventions import exchange
-from symhyb.correction.trajectory import Refined, grouped
+from symhyb.correction.trajectory import Refined, grouped, own_key
 from symhyb.discrepancy.hypotheses import PLAIN, Hypothesis
 from symhyb.numeric.buffers import Array
 
@@ -24,9 +25,9 @@ def earns(larger: Refined, smaller: Refined, tried: int = 1) -> tuple[bool, str]
     Bayesian information criterion: Chen & Chen, Biometrika 95, 2008).
     """
     unit, size = unit_of(larger), _fitted(larger)
-    extra = larger.numbers - smaller.numbers
     more = max(len(larger.causes) - len(smaller.causes), 0)
-    fitted = (smaller.fit.train - larger.fit.train) / unit - price(larger, extra, more, tried)
+    fitted = (smaller.fit.train - larger.fit.train) / unit - price(larger, 0, more, tried)
+    fitted -= cost(larger) - cost(smaller)
     fitted += smaller.fit.prior - larger.fit.prior
     held = (smaller.fit.validation - larger.fit.validation) / unit
     validation = bool(larger.fit.held.any())
@@ -62,6 +63,18 @@ def price(trial: Refined, numbers: int, causes: int, tried: int) -> float:
     return float(numbers * np.log(_fitted(trial)) + 2 * causes * np.log(max(tried, 1)))
 
 
+def cost(trial: Refined) -> float:
+    """k ln N of a structure; a number that every recording has of its own is known from the samples
+    of that recording alone, and costs their logarithm (Schwarz, Annals of Statistics 6, 1978: N
+    counts what a number is known from)."""
+    size, recordings = _fitted(trial), len(trial.owned)
+    if not recordings:
+        return float(trial.numbers * np.log(size))
+    shared = len(set.intersection(*map(set, trial.owned)))
+    own = trial.numbers - shared
+    return float(shared * np.log(size) + own * np.log(max(size / recordings, 2.0)))
+
+
 def _fitted(trial: Refined) -> float:
     """Samples of the fitted windows."""
     return max(float(trial.fit.count[~trial.fit.held].sum()), 2.0)
@@ -92,14 +105,28 @@ def weak(trial: Refined) -> tuple[int, ...]:
     first, found = 0, []
     spread = np.sqrt(np.diag(trial.fit.covariance))
     for i, (cause, values) in enumerate(zip(trial.causes, grouped(trial), strict=True)):
-        strength = next(iter(values.values()))
-        if "static" in cause.terms:
-            strength = values["static"] - values["coulomb"]
-        stands = abs(strength) > OUTSTANDING * spread[first]
+        stands = _strong(trial, i, first, spread)
         if not (stands and _added_stands(cause, values, spread[first : first + cause.numbers])):
             found.append(i)
         first += cause.numbers
     return tuple(found)
+
+
+def _strong(trial: Refined, which: int, first: int, spread: Array) -> bool:
+    """Whether the strength of a cause, whose numbers begin at ``first``, stands out of its own
+    deviation (``spread`` of all numbers, SI); where every recording has its own, that of any one,
+    as far out as the largest of so many may be by chance: not every machine need show the cause."""
+    cause, values = trial.causes[which], grouped(trial)[which]
+    key, strength = next(iter(values.items()))
+    if key in cause.own and trial.owned:
+        least = norm.isf(norm.sf(OUTSTANDING) / len(trial.owned))
+        return any(
+            abs(values[own_key(key, recording)]) > least * spread[columns[first]]
+            for (recording, _), columns in zip(trial.each, trial.owned, strict=True)
+        )
+    if "static" in cause.terms:
+        strength = values["static"] - values["coulomb"]
+    return bool(abs(strength) > OUTSTANDING * spread[first])
 
 
 def _added_stands(cause: Hypothesis, values: Mapping[str, float], spread: Array) -> bool:
@@ -145,8 +172,7 @@ def unit_of(trial: Refined) -> float:
 def criterion(trial: Refined, reference: Refined) -> float:
     """χ²/c + k ln N of a structure, in the unit of a reference, and χ² of its values against what
     was known of them before; smaller is better."""
-    priced = trial.numbers * float(np.log(_fitted(trial))) + trial.fit.prior
-    return trial.fit.train / unit_of(reference) + priced
+    return trial.fit.train / unit_of(reference) + cost(trial) + trial.fit.prior
 
 
 def excess(chi2: float, trial: Refined) -> float:

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from symhyb.correction.evidence import OUTSTANDING
 from symhyb.correction.findings import Named, symbol_of
 from symhyb.correction.fleet import Stranger
 from symhyb.correction.preparing import Prepared
@@ -105,10 +106,21 @@ def with_own(model: Model, final: Refined, item: Named, found: Found) -> Found:
     said = "; ".join(
         f"{name} {joined([_amount(number) for number in numbers if number.term in told])}"
         for name, numbers in rows
+        if _stands(numbers)
     )
+    silent = joined([name for name, numbers in rows if not _stands(numbers)])
     words = joined([WORDS.get((item.kind, key), key) for key in told])
-    sentence = f"{found.sentence} Each recording has its own {words}: {said}." if told else ""
-    return replace(found, own=tuple(rows), sentence=sentence or found.sentence)
+    sentence = found.sentence
+    if told and said:
+        sentence += f" Each recording has its own {words}: {said}."
+    if told and silent:
+        sentence += f" Of {silent} it does not stand out of its own deviation and may be none."
+    return replace(found, own=tuple(rows), sentence=sentence)
+
+
+def _stands(numbers: Sequence[Estimate]) -> bool:
+    """Whether a recording's first own value, the strength of a law, stands out."""
+    return abs(numbers[0].value) > OUTSTANDING * numbers[0].sd or numbers[0].term == "phase"
 
 
 def parameters_with_own(

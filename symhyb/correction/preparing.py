@@ -30,7 +30,7 @@ from symhyb.discrepancy.points import point_hypotheses
 from symhyb.discrepancy.repeats import Repeated, floor_of, repeated
 from symhyb.discrepancy.residual import discrepancy
 from symhyb.discrepancy.results import Lie
-from symhyb.discrepancy.runs import Run, laid_on, noise_sd, with_noise
+from symhyb.discrepancy.runs import Run, laid_within, noise_sd, with_noise
 from symhyb.discrepancy.suspicion import repaired, suspect
 from symhyb.discrepancy.windows import Laid
 from symhyb.errors import InputError, Problem
@@ -75,6 +75,7 @@ def prepare(
     recordings: Recording | Sequence[Recording],
     holdout: Recording | Sequence[Recording] = (),
     clocks: tuple[Lie, ...] = (),
+    own: Sequence[str] = (),
 ) -> Prepared:
     """Lower the model, thin the recordings and estimate motion and noise.
 
@@ -102,7 +103,9 @@ def prepare(
     runs = [_thin(run, machine, shortest) for run in first]
     proofs = [_thin(Run(r, motion_of(r, machine), np.empty(0)), machine, shortest) for r in holdout]
     sd = noise_sd(runs, machine)
-    repeats = repeated(runs, [sensor.name for sensor in machine.model.sensors])
+    # recordings that have numbers of their own are of different machines: no repeats of one run
+    names = [sensor.name for sensor in machine.model.sensors]
+    repeats = () if own else repeated(runs, names)
     between = floor_of(repeats, sd.size)
     sd = np.maximum(sd, between)
     floor = float(np.mean(np.square(between / sd)[_recorded(runs)])) if repeats else 0.0
@@ -157,10 +160,11 @@ def _relative_noise(prepared: Prepared) -> float:
 
 def _sag(prepared: Prepared) -> float:
     """What first-order hold may take from an input, relative to it: the sag |Δ²u|/8 of the true
-    signal's chord between two samples."""
+    signal's chord between two samples; nothing where the input is known to be smooth there."""
     worst = 0.0
+    lines = [item.name for item in prepared.model.inputs if item.between == "line"]
     for run in prepared.runs:
-        for values in run.recording.inputs.values():
+        for values in map(run.recording.inputs.__getitem__, lines):
             size = float(np.std(values))
             if size > 0:
                 worst = max(worst, float(np.sqrt(np.mean(np.diff(values, n=2) ** 2))) / 8 / size)
@@ -193,7 +197,7 @@ def _stages(prepared: Prepared) -> tuple[Stage, ...]:
     longest = _foreseen(prepared, shortest, total / WINDOWS_LEAST)
     stages: list[Stage] = []
     for length in _lengths(shortest, longest):
-        laid = [_spread(laid_on(run, prepared.machine, length), share) for run in prepared.runs]
+        laid = [_spread(laid_within(run, prepared.machine, length), share) for run in prepared.runs]
         calm = [None if item is None else _foreseeable(prepared, item) for item in laid]
         kept = tuple(item for item in calm if item is not None)
         enough = sum(len(item.start) for item in kept) >= WINDOWS_LEAST
@@ -207,10 +211,21 @@ def _stages(prepared: Prepared) -> tuple[Stage, ...]:
     return tuple(stages)
 
 
+def last_windows(prepared: Prepared, *, spread: bool) -> tuple[Laid, ...]:
+    """The windows of the last stage: those that decide, or where not ``spread`` all of their
+    length, for values."""
+    last = _stages(prepared)[-1]
+    if spread:
+        return last.laid
+    laid = [laid_within(run, prepared.machine, last.length_s) for run in prepared.runs]
+    calm = [None if item is None else _foreseeable(prepared, item) for item in laid]
+    return tuple(item for item in calm if item is not None)
+
+
 def _foreseen(prepared: Prepared, shortest: float, longest: float) -> float:
     """The longest windows in s of which most can be foreseen."""
     while longest > shortest:
-        laid = [laid_on(run, prepared.machine, longest) for run in prepared.runs]
+        laid = [laid_within(run, prepared.machine, longest) for run in prepared.runs]
         calm = [_calm(prepared, item) for item in laid if item is not None]
         if calm and np.mean(np.concatenate(calm)) >= CALM_LEAST:
             break

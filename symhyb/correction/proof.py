@@ -16,7 +16,7 @@ from symhyb.discrepancy.matching import (
     fit,
     starts_only,
 )
-from symhyb.discrepancy.runs import laid_on
+from symhyb.discrepancy.runs import laid_within
 from symhyb.discrepancy.windows import Laid
 from symhyb.numeric.buffers import Array
 from symhyb.numeric.windows import WindowModel
@@ -71,7 +71,9 @@ def _refitted(
     causes = [final.causes[i] for i in chosen]
     rows = grouped(final)
     first = [rows[j] for j in chosen]
-    starts = None if final.machine.inner_states else final.fit.starts
+    laid = zip(final.fit.starts, stage.laid, strict=True)
+    here = all(len(start) == len(item.start) for start, item in laid)  # fitted in these windows
+    starts = None if final.machine.inner_states or not here else final.fit.starts
     everything = bool(prepared.holdout)
     return refine(prepared.model, causes, first, stage.laid, setting.sd, starts, everything)
 
@@ -80,7 +82,7 @@ def _unseen(prepared: Prepared, stage: Stage, trial: Refined) -> _Unseen:
     """Errors of a fitted structure on the unseen recordings, or on the held windows."""
     laid = stage.laid
     if prepared.holdout:
-        found = [laid_on(run, trial.machine, stage.length_s) for run in prepared.holdout]
+        found = [laid_within(run, trial.machine, stage.length_s) for run in prepared.holdout]
         laid = tuple(item for item in found if item is not None)
     laid = tuple(item.suited(trial.machine) for item in laid)
     if not laid:

@@ -9,7 +9,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from symhyb.correction.advice import other_speeds
 from symhyb.correction.trajectory import Refined
+from symhyb.discrepancy.passages import one_way, passed_at_one_speed
 from symhyb.discrepancy.results import Alternative, Diagnosis, Found, Lie, Measurement
 from symhyb.discrepancy.runs import Run, laid_on
 from symhyb.discrepancy.suspicion import gain_of
@@ -109,16 +111,23 @@ def _as_alternative(item: Found) -> Alternative:
 
 
 def if_bounded(
-    diagnosis: Diagnosis, final: Refined, nothing: Refined, runs: Sequence[Run]
+    diagnosis: Diagnosis,
+    final: Refined,
+    nothing: Refined,
+    runs: Sequence[Run],
+    unseen: Sequence[Run] = (),
 ) -> Diagnosis:
     """The diagnosis, undecided where the corrected model runs away in a simulation of one of the
-    ``runs`` and of the same inputs once more, and the model as given does not."""
+    ``runs`` and of the same inputs once more, and the model as given does not.
+
+    Along an ``unseen`` recording that is only said: what is unseen proves and never chooses.
+    """
     if not final.causes:
         return diagnosis
-    machine = replace(final.machine, values=final.p)
+    before, after = (replace(one.machine, values=one.p) for one in (nothing, final))
     for run in runs:
-        when = runs_away(machine, run)
-        if when is None or runs_away(replace(nothing.machine, values=nothing.p), run) is not None:
+        when = _runs_away_alone(after, before, run)
+        if when is None:
             continue
         reason = (
             f"The best correction is refused, for it makes the model unstable: simulated along "
@@ -126,7 +135,24 @@ def if_bounded(
             f"{when:.3g} s, which the machine does not"
         )
         return withdrawn(diagnosis, reason)
+    for run in unseen if diagnosis.found else ():
+        when = _runs_away_alone(after, before, run)
+        if when is not None:
+            said = (
+                f"Simulated along {run.recording.name}, which it has not seen, the corrected model "
+                f"leaves the measured range {RUNAWAY:g}-fold after {when:.3g} s: what was found "
+                "holds within the motion that it was learned from."
+            )
+            sentence = f"{diagnosis.sentence} {said}"
+            return replace(diagnosis, sentence=sentence, notes=(said, *diagnosis.notes))
     return diagnosis
+
+
+def _runs_away_alone(after: Machine, before: Machine, run: Run) -> float | None:
+    """The time in s after which the corrected machine runs away; None if it or the one before does
+    not."""
+    when = runs_away(after, run)
+    return None if when is None or runs_away(before, run) is not None else when
 
 
 def runs_away(machine: Machine, run: Run) -> float | None:
@@ -153,16 +179,26 @@ def runs_away(machine: Machine, run: Run) -> float | None:
 
 
 def if_long_enough(diagnosis: Diagnosis, runs: Sequence[Run]) -> Diagnosis:
-    """The diagnosis, undecided where no recording lasts one period of any motion in it."""
+    """The diagnosis, undecided where no recording lasts one period of any motion in it; where
+    nothing comes back there is no period, and passages at several speeds tell as well."""
     claims = diagnosis.found or diagnosis.parameters or diagnosis.measurement
     if not claims or any(_whole_period(run) for run in runs):
         return diagnosis
-    longest = max(run.recording.duration for run in runs)
-    return withdrawn(
+    if not all(one_way(run.motion) for run in runs):
+        longest = max(run.recording.duration for run in runs)
+        return withdrawn(
+            diagnosis,
+            f"These recordings cannot tell: the longest lasts {longest:.3g} s, less than one "
+            "period of its motion, and over so short a time one cause looks like another",
+        )
+    if not passed_at_one_speed(runs):
+        return diagnosis
+    told = withdrawn(
         diagnosis,
-        f"These recordings cannot tell: the longest lasts {longest:.3g} s, less than one period of "
-        "its motion, and over so short a time one cause looks like another",
+        "These recordings cannot tell: nothing comes back in them, and every place is passed at "
+        "one speed alone, so that forces of place, of speed and of time look alike",
     )
+    return replace(told, record_next=other_speeds(runs))
 
 
 def _whole_period(run: Run) -> bool:

@@ -5,7 +5,7 @@ thousands of subsets cost milliseconds. A beam of the best subsets grows by one 
 forbidden signs drop out. Sizes: F columns, the residual is column F.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -72,29 +72,63 @@ def solve(problem: Problem, causes: Sequence[int]) -> Subset | None:
     """Least squares for one set of causes; None if a coefficient is out of its bounds or the data
     cannot tell it."""
     columns = [c for cause in causes for c in problem.columns[cause]]
-    joined = [*columns, *problem.always]
+    own = [c for cause in causes if _apart(problem, cause) for c in problem.columns[cause]]
+    none: set[int] = set()
+    while True:  # own values that physics forbids are none, and the others fitted anew
+        joined = [c for c in (*columns, *problem.always) if c not in none]
+        fitted = _fitted(problem, joined)
+        if fitted is None:
+            return None
+        forbidden = {c for c, x in zip(joined, fitted, strict=True) if x < problem.lower[c] == 0}
+        if not forbidden <= {*own}:
+            return None
+        if not forbidden:
+            break
+        none |= forbidden
+    told = dict(zip(joined, fitted, strict=True))
+    if not all(_sized(problem, told, cause) for cause in causes):
+        return None
     last = problem.gram.shape[0] - 1
-    values = np.zeros(0)
-    if joined:
-        block = problem.gram[np.ix_(joined, joined)] + np.diag(problem.prior[joined])
-        scale = np.sqrt(np.diag(block))
-        if np.any(scale <= 0):
-            return None
-        unit = block / np.outer(scale, scale)
-        eigen = np.linalg.eigvalsh(unit)
-        if eigen[0] < eigen[-1] / CONDITION:
-            return None
-        values = np.linalg.solve(unit, problem.gram[joined, last] / scale) / scale
-        if np.any(values < problem.lower[joined]) or np.any(values > problem.upper[joined]):
-            return None
-        if np.any(np.abs(values[: len(columns)]) < problem.least[columns]):
-            return None
     mix = np.zeros(last + 1)
-    mix[joined], mix[last] = -values, 1
+    mix[joined], mix[last] = -fitted, 1
     chi2, held = float(mix @ problem.gram @ mix), float(mix @ problem.held @ mix)
-    penalty = float(np.sum(problem.prior[joined] * values**2)) if joined else 0.0
+    penalty = float(np.sum(problem.prior[joined] * fitted**2)) if joined else 0.0
     numbers = sum(problem.hypotheses[cause].numbers for cause in causes)
-    return Subset(tuple(causes), values[: len(columns)], chi2 + penalty, held, numbers)
+    values = np.array([told.get(c, 0.0) for c in columns])
+    return Subset(tuple(causes), values, chi2 + penalty, held, numbers)
+
+
+def _fitted(problem: Problem, joined: Sequence[int]) -> Array | None:
+    """Least squares (C,) of some columns; None if the data cannot tell them, or one that no sign
+    forbids is out of its bounds."""
+    if not joined:
+        return np.zeros(0)
+    block = problem.gram[np.ix_(joined, joined)] + np.diag(problem.prior[joined])
+    scale = np.sqrt(np.diag(block))
+    if np.any(scale <= 0):
+        return None
+    unit = block / np.outer(scale, scale)
+    eigen = np.linalg.eigvalsh(unit)
+    if eigen[0] < eigen[-1] / CONDITION:
+        return None
+    values = np.linalg.solve(unit, problem.gram[joined, -1] / scale) / scale
+    lower = problem.lower[joined]
+    out = ((values < lower) & (lower != 0)) | (values > problem.upper[joined])
+    return None if out.any() else np.asarray(values)
+
+
+def _apart(problem: Problem, cause: int) -> bool:
+    """Whether every recording has its own number of a cause. Of a fleet in which one machine lacks
+    the cause, noise alone gives that one the wrong sign in half of all cases."""
+    return len(problem.columns[cause]) > len(problem.hypotheses[cause].terms)
+
+
+def _sized(problem: Problem, values: Mapping[int, float], cause: int) -> bool:
+    """Whether the numbers of a cause, by column, are worth a name: all of them, or those of one
+    recording at least where each has its own."""
+    told = problem.columns[cause]
+    large = [c in values and abs(values[c]) >= problem.least[c] for c in told]
+    return any(large) if _apart(problem, cause) else all(large)
 
 
 def _repeats(problem: Problem, causes: Sequence[int]) -> bool:

@@ -11,14 +11,17 @@ Sizes: R rows, C columns, n coordinates.
 """
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from symhyb.correction.regression import BLOCK, fitted
 from symhyb.correction.selection import Subset
 from symhyb.discrepancy.hypotheses import Library
 from symhyb.discrepancy.windows import Laid
+from symhyb.errors import InputError
 from symhyb.numeric.buffers import Array
+from symhyb.numeric.factor import Factor, factor_of
 from symhyb.numeric.machine import Machine
 from symhyb.numeric.vector import along
 
@@ -34,55 +37,66 @@ def propose(
     """Subsets of the force hypotheses with their coefficients (SI), from STLSQ over thresholds.
 
     ``laid`` are windows with smoothed motion, ``band_hz`` the highest modulation. Rows of every
-    coordinate are scaled to equal weight, columns to unit length. No proposals with constraints.
+    coordinate are scaled to equal weight, columns to unit length. The rows are never stored
+    together: they are reduced to a factor, block by block. No proposals with constraints.
     """
     if machine.constraints:  # the weak form holds their reactions, which nothing here knows
         return ()
     from pysindy.optimizers import STLSQ
 
-    blocks = [weak_rows(machine, library, item, band_hz) for item in laid]
-    rows, right = np.concatenate([b[0] for b in blocks]), np.concatenate([b[1] for b in blocks])
-    length, size = np.linalg.norm(rows, axis=0), float(np.linalg.norm(right))
-    if size == 0:
+    names = [f"{h} {term}" for h in library.hypotheses for term in h.terms]
+
+    def rows() -> Iterator[Array]:
+        for item in laid:
+            yield from weak_rows(machine, library, item, band_hz)
+
+    try:
+        factor = factor_of(rows, (*names, "what the model lacks"))
+    except InputError:  # a row that is not finite: no proposal, no answer lost
         return ()
+    length, size = np.linalg.norm(factor.columns, axis=0), np.linalg.norm(factor.right, axis=0)
     seen = length > 1e-9 * length.max(initial=0.0)
-    # the triangular factor holds all that least squares asks of the rows
-    joined = np.column_stack([rows[:, seen] / length[seen], right / size])
-    factor = np.asarray(np.linalg.qr(joined, mode="r"))
+    if size[0] == 0 or not seen.any():
+        return ()
+    unit = factor.chosen(seen).scaled(length[seen], size)
     found: dict[tuple[int, ...], Subset] = {}
     for threshold in THRESHOLDS:
         optimizer = STLSQ(threshold=threshold, alpha=1e-8, max_iter=30)
         with warnings.catch_warnings():  # a threshold that leaves no term is an answer
             warnings.simplefilter("ignore", UserWarning)
             try:
-                optimizer.fit(factor[:, :-1], factor[:, -1:])
+                shares = fitted(unit, optimizer)[0]
             except np.linalg.LinAlgError:  # columns too much alike: no proposal, no answer lost
                 continue
         values = np.zeros(length.size)
-        values[seen] = np.asarray(optimizer.coef_)[0] * size / length[seen]
-        subset = _subset(library, values, rows, right)
+        values[seen] = shares * size / length[seen]
+        subset = _subset(library, values, factor)
         if subset is not None:
             found.setdefault(subset.causes, subset)
     return tuple(found.values())
 
 
-def weak_rows(
-    machine: Machine, library: Library, item: Laid, band_hz: float
-) -> tuple[Array, Array]:
-    """The weak form over windows: rows (R, C), per SI unit of each coefficient, and right-hand side
-    (R,), dimensionless: both over its RMS by coordinate."""
+def weak_rows(machine: Machine, library: Library, item: Laid, band_hz: float) -> Iterator[Array]:
+    """The weak form over windows, some windows at a time: rows (R, C + 1), the candidates per SI
+    unit of each coefficient and, last, the right-hand side, dimensionless: all over the RMS of the
+    right-hand side by coordinate."""
     c, where, free = item.course(machine), item.rows, list(machine.free)
     given = c.q, c.v, c.z, c.u, c.t, machine.values
     momentum, rest = along(machine.weak, given, (5,), c.t.size)
-    forces = library.forces(item.course(library.machine))[where]
+    forces = library.forces(item.course(library.machine))
     test, slope = _modulated(item.block.t, band_hz)
-    right = -np.einsum("wkl,wln->wkn", slope, momentum[where])
-    right -= np.einsum("wkl,wln->wkn", test, rest[where])
-    rows = np.einsum("wkl,wlnc->wknc", test, forces)
-    right, rows = right[..., free], rows[:, :, free]
+    right = -(slope @ momentum[where] + test @ rest[where])[..., free]
     scale = np.sqrt(np.mean(right**2, axis=(0, 1)))
-    scale = np.where(scale > 0, scale, 1.0)
-    return (rows / scale[:, None]).reshape(-1, rows.shape[3]), (right / scale).reshape(-1)
+    scale = np.where(scale > 0, scale, 1.0)[:, None]
+    windows, harmonics, columns = len(where), test.shape[1], forces.shape[2]
+    most = max(BLOCK // (harmonics * max(len(free) * columns, 1)), 1)
+    for first in range(0, windows, most):
+        some = slice(first, first + most)
+        acting = forces[where[some]][:, :, free]
+        rows = test[some] @ acting.reshape(*acting.shape[:2], -1)
+        rows = rows.reshape(*rows.shape[:2], len(free), columns)
+        joined = np.concatenate([rows, right[some][..., None]], axis=3) / scale
+        yield joined.reshape(-1, columns + 1)
 
 
 def _modulated(t: Array, band_hz: float) -> tuple[Array, Array]:
@@ -104,7 +118,7 @@ def _modulated(t: Array, band_hz: float) -> tuple[Array, Array]:
     return np.stack(tests, axis=1), np.stack(slopes, axis=1)
 
 
-def _subset(library: Library, values: Array, rows: Array, right: Array) -> Subset | None:
+def _subset(library: Library, values: Array, factor: Factor) -> Subset | None:
     causes = []
     for i, (hypothesis, columns) in enumerate(
         zip(library.hypotheses, library.columns, strict=True)
@@ -123,6 +137,6 @@ def _subset(library: Library, values: Array, rows: Array, right: Array) -> Subse
     if not causes or len(causes) > TERMS_MOST or len(set(terms)) < len(terms):
         return None
     chosen = [c for i in causes for c in library.columns[i]]
-    left = float(np.sum((right - rows @ values) ** 2))
+    left = float(np.sum((factor.right[:, 0] - factor.columns @ values) ** 2))
     numbers = sum(library.hypotheses[i].numbers for i in causes)
     return Subset(tuple(causes), values[chosen], left, left, numbers)

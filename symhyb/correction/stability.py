@@ -15,7 +15,7 @@ import numpy as np
 
 from symhyb.correction.conventions import exchange
 from symhyb.correction.decide import Decision
-from symhyb.correction.evidence import believable, unit_of
+from symhyb.correction.evidence import believable, cost, unit_of
 from symhyb.correction.trajectory import Refined
 from symhyb.discrepancy.hypotheses import Hypothesis
 from symhyb.numeric.buffers import Array
@@ -73,9 +73,7 @@ def _margin(winner: Refined, trial: Refined, weights: Array) -> Array:
     """By how much the criterion of a trial is worse than the winner's, by draw (DRAWS,)."""
     fitted = ~winner.fit.held
     gain = (trial.fit.chi2 - winner.fit.chi2)[fitted] / unit_of(winner)
-    size = max(float(winner.fit.count[fitted].sum()), 2.0)
-    paid = (winner.numbers - trial.numbers) * float(np.log(size))
-    paid += winner.fit.prior - trial.fit.prior
+    paid = cost(winner) - cost(trial) + winner.fit.prior - trial.fit.prior
     with np.errstate(invalid="ignore"):
         margin = weights @ np.where(np.isfinite(gain), gain, np.inf)
     return np.asarray(margin - paid)

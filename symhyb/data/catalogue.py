@@ -6,6 +6,8 @@ Addresses name a commit, so that they point to the same bytes for good.
 from dataclasses import dataclass
 from urllib.parse import quote
 
+from symhyb.errors import did_you_mean
+
 
 @dataclass(frozen=True, slots=True)
 class DataFile:
@@ -210,3 +212,19 @@ DATASETS: tuple[Dataset, ...] = (
         ),
     ),
 )  # fmt: skip
+
+
+def named(name: str) -> Dataset | None:
+    """Return the recording of that name, or in the folder of that name; None if there is none."""
+    for known in DATASETS:
+        if name in (known.name, known.folder):
+            return known
+    return None
+
+
+def unknown(name: str) -> str:
+    """Say that no recording is known by a name, with the nearest that is."""
+    names = [known.name for known in DATASETS]
+    near = did_you_mean(name, [*names, *(known.folder for known in DATASETS)])
+    hint = near if "did you mean" in near else did_you_mean(name, names)
+    return f"no recording is known by the name '{name}'{hint}"

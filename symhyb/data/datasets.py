@@ -11,7 +11,7 @@ import sys
 from functools import partial
 from pathlib import Path
 
-from symhyb.data.catalogue import DATASETS, DataFile, Dataset
+from symhyb.data.catalogue import DATASETS, DataFile, Dataset, named, unknown
 from symhyb.data.table import PART
 from symhyb.errors import InputError, Problem, did_you_mean
 
@@ -36,10 +36,10 @@ def fetch(dataset: str | Dataset, file: str | None = None, *, progress: bool = F
     wanted = _file(known, file)
     here = _provided(known, wanted)
     if here is not None:
-        found = hashlib.sha256(here.read_bytes()).hexdigest()
-        if found != wanted.sha256:
-            text = f"is not the known file: its SHA-256 is {found}, not {wanted.sha256}"
-            raise InputError(Problem(text, file=str(here)))
+        wrong = _difference(here, wanted)
+        if wrong:
+            cure = f"remove it, and it is fetched from {wanted.address}"
+            raise InputError(Problem(f"is not the known file: {wrong}; {cure}", file=str(here)))
         return here
     return _retrieve(known, wanted, progress)
 
@@ -52,11 +52,10 @@ def listing() -> str:
 def _dataset(dataset: str | Dataset) -> Dataset:
     if isinstance(dataset, Dataset):
         return dataset
-    for known in DATASETS:
-        if known.name == dataset:
-            return known
-    hint = did_you_mean(dataset, [known.name for known in DATASETS])
-    raise InputError(Problem(f"no recording is known by the name '{dataset}'{hint}"))
+    known = named(dataset)
+    if known is None:
+        raise InputError(Problem(unknown(dataset)))
+    return known
 
 
 def _file(dataset: Dataset, name: str | None) -> DataFile:
@@ -76,6 +75,24 @@ def _provided(dataset: Dataset, file: DataFile) -> Path | None:
     root = os.environ.get(FOLDER)
     path = Path(root or ".") / dataset.folder / file.name
     return path if root and path.is_file() else None
+
+
+def _difference(path: Path, file: DataFile) -> str:
+    """Say how a file differs from the known one; empty if it is the same.
+
+    Raises:
+        InputError: it cannot be read.
+    """
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise InputError(Problem(f"cannot be read: {error.strerror}", file=str(path))) from error
+    found = hashlib.sha256(content).hexdigest()
+    if found == file.sha256:
+        return ""
+    if len(content) < file.size:
+        return f"it holds {len(content)} of {file.size} bytes, so it seems to be cut off"
+    return f"its SHA-256 is {found}, not {file.sha256}"
 
 
 def _cache(dataset: Dataset) -> Path:
@@ -102,13 +119,23 @@ def _retrieve(dataset: Dataset, file: DataFile, progress: bool) -> Path:
         text = f"what {file.address} holds is not the known file (SHA-256 {file.sha256}): refused"
         raise InputError(Problem(text)) from error
     except OSError as error:
+        there = (cache / file.name).is_file()  # and with another hash, or it would have been taken
+        missing = f"in {cache} is damaged" if there else "is not on this computer"
         text = (
-            f"{dataset.folder}/{file.name} is not on this computer and cannot be fetched"
-            f" ({type(error).__name__}); get it from {file.address} and put it into {cache}, or"
-            f" into {dataset.folder} of a folder that {FOLDER} names"
+            f"{dataset.folder}/{file.name} {missing} and cannot be fetched"
+            f" ({type(error).__name__}); get it from {file.address} and put it into"
+            f" {_places(dataset)}"
         )
         raise InputError(Problem(text)) from error
     return Path(path)
+
+
+def _places(dataset: Dataset) -> str:
+    """Say where a file of a recording is looked for."""
+    root = os.environ.get(FOLDER)
+    if root:
+        return f"{Path(root) / dataset.folder} ({FOLDER} is {root}) or {_cache(dataset)}"
+    return f"{_cache(dataset)}, or into {dataset.folder} of a folder that {FOLDER} names"
 
 
 def _download(address: str, target: str, _pooch: object, *, progress: bool) -> None:
@@ -135,15 +162,17 @@ def _download(address: str, target: str, _pooch: object, *, progress: bool) -> N
 def _paragraph(dataset: Dataset) -> str:
     lines = [f"{dataset.name}: {dataset.title}", f"  {dataset.about}"]
     lines += [f"  {_line(dataset, file)}" for file in dataset.files]
-    lines += [f"  licence: {dataset.licence}", f"  {dataset.citation}"]
+    lines += [f"  licence: {dataset.licence}", f"  cite: {dataset.citation}"]
     return "\n".join(lines)
 
 
 def _line(dataset: Dataset, file: DataFile) -> str:
-    state = "not here yet"
-    if _provided(dataset, file):
-        state = f"in {FOLDER}"
-    elif (_cache(dataset) / file.name).is_file():
-        state = "in the cache"
+    state, kept = "not here yet", _cache(dataset) / file.name
+    here = _provided(dataset, file)
+    if here or kept.is_file():
+        state = f"in {FOLDER}" if here else "in the cache"
+        held = (here or kept).stat().st_size
+        if held != file.size:  # reading all files for their hashes would make a list slow
+            state += f", but not the known file: {held} bytes instead of {file.size}"
     size = f"{file.size / 1e6:.1f} MB" if file.size > 1e5 else f"{file.size / 1e3:.1f} kB"
     return f"{file.name} ({size}, {state})"

@@ -62,8 +62,13 @@ def _choose(table: Table, part: str) -> Table:
         return chosen
     if part.isdecimal() and int(part) and not table.run:
         return replace(table, run=int(part))
+    if table.run:
+        raise refusal(
+            table.file, f"'{PART}{part}' follows '{PART}{table.run}', but a run has no parts"
+        )
     known = list(dict.fromkeys(column.part for column in table.columns if column.part))
-    raise refusal(table.file, f"has no part '{part}'{did_you_mean(part, known)}")
+    hint = did_you_mean(part, known) if known else "; it has no parts at all"
+    raise refusal(table.file, f"has no part '{part}'{hint}")
 
 
 def _read(path: Path) -> Table:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from symhyb.data.channels import Channels, take
 from symhyb.data.rows import check_time, empty_rows, finite_or_missing, repeated_rows
-from symhyb.data.table import Table, refusal
+from symhyb.data.table import PART, Table, refusal
 
 SAME = 1e-3  # of the shortest step: times that differ by less are one
 
@@ -61,7 +61,11 @@ def one_run(channels: Channels, table: Table) -> Channels:
     edges = [0, *back, channels.t.size]
     if table.run >= len(edges):
         count = len(edges) - 1
-        text = f"holds {count} run{'s' * (count > 1)}, and no part or run '{table.run}'"
+        text = f"has no part '{table.run}', and no run of that number: "
+        if count > 1:
+            text += f"it holds {count} runs"
+        else:
+            text += f"time never starts anew; leave '{PART}{table.run}' out"
         raise refusal(table.file, text)
     keep = np.zeros(channels.t.size, dtype=bool)
     keep[edges[table.run - 1] : edges[table.run]] = True

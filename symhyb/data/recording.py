@@ -72,17 +72,23 @@ class Recording:
         return self._part(keep, f"part of {self.name}, {first:g} … {last:g} s")
 
     def shares(self, other: "Recording") -> bool:
-        """Whether samples of ``other`` are among these: the same file, times and values.
+        """Whether samples of ``other`` are among these: the same file, times and values."""
+        return self.common(other).size > 0
+
+    def common(self, other: "Recording") -> NDArray[np.float64]:
+        """Return the times (K,) in s of the samples of ``other`` that are among these.
 
         Two parts of a file may have the same times and still be different runs.
         """
+        none = np.empty(0)
         if self.sha256 != other.sha256:
-            return False
+            return none
         both, mine, others = np.intersect1d(self.t, other.t, True, True)
-        return both.size > 0 and all(
+        same = all(
             np.array_equal(self.sensors[name][mine], other.sensors[name][others], equal_nan=True)
             for name in self.sensors.keys() & other.sensors.keys()
         )
+        return both if same else none
 
     def _part(self, keep: NDArray[np.bool_], note: str) -> "Recording":
         count = np.count_nonzero(keep)

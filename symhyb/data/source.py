@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from symhyb.data.table import Column, Table, split_unit
+from symhyb.data.table import PART, Column, Table, split_unit
 from symhyb.errors import InputError, Problem, did_you_mean
 from symhyb.model.expression import (
     Expression,
@@ -115,14 +115,30 @@ def has_rows(source: Source) -> bool:
 def _column(name: str, channel: Wanted, table: Table, part: str) -> Column | None:
     found = table.find(name, part)
     if len(found) > 1:
-        listed = ", ".join(column.part for column in found[:12]) + " …" * (len(found) > 12)
-        first = found[0]
-        text = (
-            f"the column '{name}' is in {len(found)} parts of the file ({listed}); say which, as in"
-            f" {channel.name}={first.name}, or read one part, as in '{table.file}#{first.part}'"
-        )
-        raise InputError(Problem(text, str(channel), table.file))
+        raise InputError(Problem(_in_parts(name, found, channel, table), str(channel), table.file))
     return found[0] if found else None
+
+
+def _in_parts(name: str, found: tuple[Column, ...], channel: Wanted, table: Table) -> str:
+    """Say that several parts of a file have a column, and how one of them is read."""
+    first = found[0]
+    parts = [column.part for column in found]
+    listed = ", ".join(parts[:12]) + " …" * (len(found) > 12)
+    text = f"the column '{name}' is in {len(found)} parts of the file ({listed})"
+    if not table.run:
+        cure = f"say which, as in {channel.name}={first.name}"
+        return f"{text}; {cure}, or read one part, as in '{table.file}{PART}{first.part}'"
+    last = f"{PART}{table.run}"
+    file = table.file.removesuffix(last)
+    if all(part.isdecimal() for part in parts):  # cells are asked for by their numbers
+        return (
+            f"{text}, and none of them is '{table.run}'; read one, as in '{file}{PART}{parts[-1]}'"
+        )
+    return (
+        f"{text}; '{last}' counts runs and not parts: name the part first, as in"
+        f" '{file}{PART}{first.part}', and the run behind it if there are several, as in"
+        f" '{file}{PART}{first.part}{PART}1'"
+    )
 
 
 def _plain(column: Column, unit: Unit | None, channel: Wanted, table: Table) -> Source:

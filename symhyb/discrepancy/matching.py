@@ -261,7 +261,7 @@ def _linearise(
         full = task.filled(i, p, model.free, values)
         with np.errstate(over="ignore", invalid="ignore"):  # a window that runs away
             linear = model.differentiate(item.block, start, full)
-            by_start, by_free = linear.from_start(), linear.from_free()
+            by_start, by_free = linear.from_start_and_free()
         windows, length, m = item.block.y.shape
         seen = np.isfinite(item.block.y)
         weight = np.where(seen, 1 / task.sd, 0.0).reshape(windows, length * m, 1)

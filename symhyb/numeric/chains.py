@@ -98,11 +98,13 @@ class _Engine:
         if threads == 1:
             self._advance(parts[0], given, made, registers, steps)
         else:
-            with ThreadPoolExecutor(threads) as pool:
+            with ThreadPoolExecutor(threads - 1) as pool:
                 jobs = [
                     pool.submit(self._advance, part, given, made, registers.copy(), steps)
-                    for part in parts
+                    for part in parts[1:]
                 ]
+                # the caller works too: a thread less to start, and none that only waits
+                self._advance(parts[0], given, made, registers, steps)
                 for job in jobs:
                     job.result()
         return [

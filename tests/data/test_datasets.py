@@ -10,7 +10,7 @@ from dataclasses import replace
 import pooch
 import pytest
 
-from symhyb.data.catalogue import DATASETS, DataFile, Dataset
+from symhyb.data.catalogue import DATASETS, DataFile, Dataset, named
 from symhyb.data.datasets import fetch, listing
 from symhyb.errors import InputError
 
@@ -92,8 +92,27 @@ def test_another_file_in_that_folder_is_refused(tmp_path, monkeypatch):
     path.parent.mkdir(parents=True)
     path.write_bytes(CONTENT + b"1,2\n")
     monkeypatch.setenv("SYMHYB_DATA", str(tmp_path / "data"))
-    with pytest.raises(InputError, match=rf"is not the known file: .*, not {SHA256}"):
+    with pytest.raises(InputError, match=rf"is not the known file: .*, not {SHA256}; remove it"):
         fetch(dataset())
+
+
+def test_half_a_file_in_that_folder_is_refused_and_listed_as_such(tmp_path, monkeypatch):
+    known = next(known for known in DATASETS if known.name == "balldrops")
+    path = tmp_path / known.folder / "balls.txt"
+    path.parent.mkdir(parents=True)
+    path.write_bytes(b"half")
+    monkeypatch.setenv("SYMHYB_DATA", str(tmp_path))
+    with pytest.raises(InputError) as caught:
+        fetch("balldrops", "balls.txt")
+    assert "it holds 4 of 443 bytes, so it seems to be cut off; remove it" in str(caught.value)
+    assert known.files[1].address in str(caught.value)
+    assert "in SYMHYB_DATA, but not the known file: 4 bytes instead of 443)" in listing()
+
+
+@pytest.mark.parametrize("known", DATASETS, ids=lambda known: known.name)
+def test_a_recording_is_known_by_its_name_and_by_its_folder(known):
+    assert named(known.name) is known
+    assert named(known.folder) is known
 
 
 def test_a_file_is_fetched_once_and_kept(server, own_cache, tmp_path, monkeypatch, caplog, capsys):
@@ -119,6 +138,21 @@ def test_a_damaged_file_in_the_cache_is_fetched_again(server, own_cache):
     path = fetch(dataset(server[0]))
     path.write_bytes(b"damaged")
     assert fetch(dataset(server[0])).read_bytes() == CONTENT
+
+
+def test_a_damaged_file_in_the_cache_without_a_network_is_called_damaged(own_cache):
+    path = own_cache / "bench_folder" / "run.csv"
+    path.parent.mkdir(parents=True)
+    path.write_bytes(b"damaged")
+    with pytest.raises(InputError, match=r"run\.csv in .*bench_folder is damaged and cannot be f"):
+        fetch(dataset())
+
+
+def test_where_to_put_a_file_is_the_folder_of_the_environment(tmp_path, monkeypatch):
+    monkeypatch.setenv("SYMHYB_DATA", str(tmp_path / "data"))
+    with pytest.raises(InputError) as caught:
+        fetch(dataset())
+    assert f"put it into {tmp_path / 'data' / 'bench_folder'} (SYMHYB_DATA is" in str(caught.value)
 
 
 def test_something_else_at_the_address_is_refused_and_not_kept(server, own_cache):
@@ -158,6 +192,6 @@ def test_the_listing_names_everything_and_where_it_is(tmp_path, monkeypatch):
     assert text.count("not here yet") == sum(len(known.files) for known in DATASETS)
     path = tmp_path / "data" / "emps" / "DATA_EMPS.mat"
     path.parent.mkdir(parents=True)
-    path.write_bytes(b"")
+    path.write_bytes(bytes(626039))
     monkeypatch.setenv("SYMHYB_DATA", str(tmp_path / "data"))
     assert "DATA_EMPS.mat (0.6 MB, in SYMHYB_DATA)" in listing()

@@ -55,6 +55,12 @@ def test_the_pendulum_by_its_cells(public_file, cell):
     assert np.median(np.diff(named.t)) == pytest.approx(1e-3)
 
 
+def test_a_cell_that_is_not_there(public_file):
+    path = public_file("pendulum", "SinglePendulumDataForParameterEstimation.mat")
+    with pytest.raises(InputError, match=r"in 4 parts .*, and none of them is '6'; .*mat#4'"):
+        read_recording(f"{path}#6", one("angle", "rad"), {"t": "Time_id", "angle": "Y_id.1"})
+
+
 def test_the_double_pendulum_steps_by_dt(public_file):
     path = public_file("pendulum", "DoublePendulumDataForParameterEstimation.mat")
     recording = read_recording(f"{path}#26", one("angle", "rad"), {"angle": "Y_id.2"})
@@ -77,6 +83,9 @@ def test_the_balls_have_to_be_told_apart(public_file):
     mapping = {"t": "Time (s)", "height": "Height (m)"}
     with pytest.raises(InputError, match=r"in 11 parts of the file \(Baseball, Blue Basketball"):
         read_recording(path, one("height", "m"), mapping)
+    numbered = r"'#6' counts runs and not parts: name the part first, as in .*#Baseball'"
+    with pytest.raises(InputError, match=numbered):
+        read_recording(f"{path}#6", one("height", "m"), mapping)
 
 
 @pytest.mark.parametrize(

@@ -80,6 +80,14 @@ def test_a_sheet_is_chosen_behind_the_name_of_the_file(model, write, signals):
         read_recording(path, model)
     with pytest.raises(InputError, match=r"has no part 'secnd run'; did you mean 'second run'"):
         read_recording(f"{path}#secnd run", model)
+    with pytest.raises(
+        InputError, match=r"'#2' counts runs and not parts: .* as in '.*#first run'"
+    ):
+        read_recording(f"{path}#2", model)
+    with pytest.raises(InputError, match=r"'#3' follows '#1', but a run has no parts"):
+        read_recording(f"{path}#second run#1#3", model)
+    with pytest.raises(InputError, match=r"no run of that number: time never .*; leave '#2' out"):
+        read_recording(f"{path}#second run#2", model)
 
 
 def test_sheets_of_different_rates_are_merged(model, write, signals):
@@ -99,7 +107,9 @@ def test_runs_below_one_another_are_numbered(model, write, signals):
     recording = read_recording(f"{path}#2", model)
     np.testing.assert_array_equal(recording.t, signals["t"][:60])
     assert recording.notes == ("run 2 of 2 in the file",)
-    with pytest.raises(InputError, match=r"holds 2 runs, and no part or run '3'"):
+    with pytest.raises(
+        InputError, match=r"no part '3', and no run of that number: it holds 2 runs"
+    ):
         read_recording(f"{path}#3", model)
 
 

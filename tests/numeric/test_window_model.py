@@ -154,6 +154,16 @@ def test_derivatives_by_initial_states(swinging: tuple[Machine, WindowModel, Blo
         assert exact[..., i] == pytest.approx(found, rel=1e-5, abs=1e-5 * np.abs(found).max())
 
 
+def test_derivatives_by_both_are_the_same_in_one_pass(
+    swinging: tuple[Machine, WindowModel, Block, Array],
+) -> None:
+    machine, model, windows, start = swinging
+    linear = model.differentiate(windows, start, machine.values)
+    by_start, by_free = linear.from_start_and_free()
+    assert by_start == pytest.approx(linear.from_start(), rel=1e-12, abs=1e-14)
+    assert by_free == pytest.approx(linear.from_free(), rel=1e-12, abs=1e-14)
+
+
 def test_derivatives_by_parameters(swinging: tuple[Machine, WindowModel, Block, Array]) -> None:
     machine, model, windows, start = swinging
     exact = model.differentiate(windows, start, machine.values).from_free()

@@ -1,15 +1,17 @@
 """diagnosis.json: valid under the schema for every verdict, finite numbers only."""
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from importlib import resources
+from typing import Any
 
 import jsonschema
 import pytest
 
-from symhyb.discrepancy.results import Diagnosis, Verdict
+from symhyb.discrepancy.results import Alternative, Diagnosis, Lie, Memory, Verdict
 from symhyb.errors import NumericsError
+from symhyb.model.types import On
 from symhyb.report import exit_status, to_json
 from symhyb.report.contract import UNBOUNDED
 
@@ -21,6 +23,64 @@ def test_every_verdict_is_valid_and_strict_json(case: tuple[Diagnosis, Verdict])
     content = to_json(*case)
     jsonschema.validate(content, SCHEMA, jsonschema.Draft202012Validator)
     assert json.loads(json.dumps(content, allow_nan=False)) == content
+
+
+def unsaid(content: Any, schema: dict[str, Any], path: str = "") -> Iterator[str]:
+    """The keys of ``content`` of which the schema says nothing."""
+    for form in schema.get("oneOf", []):
+        schema = schema | form
+    if isinstance(content, list):
+        for entry in content:
+            yield from unsaid(entry, schema.get("items", {}), f"{path}[]")
+    if isinstance(content, dict):
+        said = schema.get("properties", {})
+        free = schema.get("additionalProperties")
+        for key, value in content.items():
+            if key in said:
+                yield from unsaid(value, said[key], f"{path}.{key}")
+            elif not isinstance(free, dict):
+                yield f"{path}.{key}"
+
+
+def rich(cases: Cases) -> tuple[Diagnosis, Verdict]:
+    """A diagnosis with everything that may stand in it."""
+    diagnosis, verdict = cases["missing"]()
+    twin = Lie("sign", ("motor",))
+    return replace(
+        diagnosis,
+        lies=(Lie("unit", ("encoder",), 1000.0, "mm", True, "encoder is in mm.", (twin,)),),
+        memory=Memory(0.85, float("nan"), "The missing force remembers."),
+        alternatives=(
+            *diagnosis.alternatives,
+            Alternative(None, "gap", (), 2.0, place=On("q"), options=(("side", "upper"),)),
+        ),
+    ), verdict
+
+
+def test_the_schema_says_every_key_that_is_written(cases: Cases) -> None:
+    content = to_json(*rich(cases))
+    assert list(unsaid(content, SCHEMA)) == []
+    assert list(unsaid(content | {"new": 1, "memory": {"more": 1}}, SCHEMA)) == [
+        ".memory.more", ".new",
+    ]  # fmt: skip
+    jsonschema.validate(content, SCHEMA, jsonschema.Draft202012Validator)
+    assert content["channels"][0]["rivals"] == [{"kind": "sign", "channels": ["motor"]}]
+    assert content["memory"]["past"] is None
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("channels", [{"kind": "offset"}]),
+        ("channels", {}),
+        ("memory", {"state": 0.5}),
+        ("format", 2),
+        ("log", "a story"),
+    ],
+)
+def test_the_schema_refuses_what_is_not_agreed(cases: Cases, key: str, value: object) -> None:
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate(to_json(*rich(cases)) | {key: value}, SCHEMA)
 
 
 def test_found_effects_say_place_terms_and_numbers(cases: Cases) -> None:

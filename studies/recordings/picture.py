@@ -1,0 +1,103 @@
+"""One small picture of a study: the missing force over the motion, and the unseen recording.
+
+Left ΔF of one coordinate (what the model lacks) with the law that was found; right the first
+sensor of the first unseen recording, measured and in free runs before and after.
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+
+from symhyb.discrepancy.results import Cloud, Trace
+from symhyb.model.types import Model, On
+from symhyb.study import StudyResult
+from symhyb.units import parse_unit
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+from matplotlib.axes import Axes
+
+MEASURED, BEFORE, AFTER, LAW = "#1f2933", "#d9812e", "#1f6fb2", "#b3261e"
+POINTS = 1500  # of a cloud; more make a blot and a large file
+SMALL = 0.1  # of the measured range: below it the errors of a run are drawn, not the run
+ROOM = 0.6  # of the measured range, that a free run may leave it in the picture
+
+
+def draw(result: StudyResult, path: Path) -> None:
+    """Draw a result as PNG."""
+    diagnosis, verdict = result.diagnosis, result.verdict
+    traces = [one for one in verdict.traces if one.role == "holdout"] or list(verdict.traces)
+    style = {"font.size": 7.5, "axes.spines.top": False, "axes.spines.right": False}
+    with plt.rc_context(style):
+        figure, (left, right) = plt.subplots(1, 2, figsize=(7.0, 2.5), layout="constrained")
+        clouds = _clouds(diagnosis.clouds)
+        if clouds:
+            _force(left, clouds, result.model)
+        else:
+            left.set_axis_off()
+        if traces:
+            _run(right, traces[0], result.model, bool(diagnosis.found))
+        figure.savefig(path, dpi=90, pil_kwargs={"optimize": True}, metadata={"Software": None})
+        plt.close(figure)
+
+
+def _clouds(clouds: Sequence[Cloud]) -> list[Cloud]:
+    """The clouds of the coordinate on which the found laws act most, one a recording."""
+    if not clouds:
+        return []
+    place = max(clouds, key=lambda one: float(np.nanstd(one.law))).place
+    return [one for one in clouds if one.place == place]
+
+
+def _force(axes: Axes, clouds: Sequence[Cloud], model: Model) -> None:
+    """ΔF over the speed, in SI."""
+    name = clouds[0].place.coordinate if isinstance(clouds[0].place, On) else "q"
+    each = max(POINTS // len(clouds), 50)
+    for number, cloud in enumerate(clouds):
+        step = max(cloud.t.size // each, 1)
+        size = 1.8 if cloud.t.size > 300 else 4.0
+        rate, force, law = (x[::step] for x in (cloud.rate, cloud.force, cloud.law))
+        say = {"label": "ΔF"} if number == 0 else {}
+        axes.plot(rate, force, ".", ms=size, color=MEASURED, alpha=0.5, mew=0, **say)
+        if np.any(law != 0):
+            say = {"label": "found"} if number == 0 else {}
+            axes.plot(rate, law, ".", ms=size + 0.4, color=LAW, mew=0, **say)
+    both = np.concatenate([one.force for one in clouds])
+    low, high = np.nanpercentile(both, [0.5, 99.5])  # the rest is noise of the acceleration
+    axes.set_ylim(low - 0.2 * (high - low), high + 0.2 * (high - low))
+    speed, strength = _units(model, name)
+    axes.set(xlabel=f"{name}'  [{speed}]", ylabel=f"ΔF  [{strength}]", title="what the model lacks")
+    axes.legend(frameon=False, markerscale=4)
+
+
+def _units(model: Model, name: str) -> tuple[str, str]:
+    """SI units of the speed of a coordinate and of the force on it."""
+    unit = next(one.unit for one in model.coordinates if one.name == name)
+    if unit.same_dimension(parse_unit("m")):
+        return "m/s", "N"
+    return ("rad/s", "N·m") if unit.is_angle else ("SI", "SI")
+
+
+def _run(axes: Axes, trace: Trace, model: Model, found: bool) -> None:
+    """One sensor along one recording, or the errors of the runs where these are small."""
+    sensor = next(one for one in model.sensors if np.isfinite(trace.measured[one.name]).any())
+    measured, before, after = (
+        signals[sensor.name] / sensor.unit.factor
+        for signals in (trace.measured, trace.before, trace.after)
+    )
+    low, high = float(np.nanmin(measured)), float(np.nanmax(measured))
+    far = np.abs(before - measured)
+    title = "unseen recording, free run" if trace.role == "holdout" else "free run"
+    if np.all(np.isfinite(far) | np.isnan(measured)) and np.nanmax(far) < SMALL * (high - low):
+        measured, before, after = measured - measured, before - measured, after - measured
+        title += ": error"
+    else:
+        axes.set_ylim(low - ROOM * (high - low), high + ROOM * (high - low))
+    axes.plot(trace.t, measured, color=MEASURED, lw=1.6, alpha=0.6, label="measured")
+    axes.plot(trace.t, before, color=BEFORE, lw=0.7, label="as given")
+    if found:
+        axes.plot(trace.t, after, color=AFTER, lw=0.7, label="corrected")
+    axes.set(xlabel="t  [s]", ylabel=f"{sensor.name}  [{sensor.unit}]", title=title)
+    axes.legend(frameon=False, ncols=3, fontsize=6.5)
