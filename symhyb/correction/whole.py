@@ -124,7 +124,7 @@ def forgets(trial: Refined, stage: Stage) -> bool:
         spread = suited.states.reshape(-1, suited.states.shape[2]).std(axis=0)[: 2 * half]
         p = trial.of(item.source[0])
         with np.errstate(over="ignore", invalid="ignore"):
-            reply = model.differentiate(suited.block, start, p).from_start()
+            reply = model.differentiate(suited.block, start, p).from_states()
             size = np.sum((reply[0, :, :, : 2 * half] * spread) ** 2, axis=2)  # (L, m)
         first, *_, last = np.array_split(size, TENTH)
         seen = first.mean(axis=0) > 0
