@@ -18,6 +18,8 @@ _HOMES = {
     "symhyb.discrepancy.results": ("Diagnosis", "Found", "Verdict"),
     "symhyb.discrepancy.judge": ("judge",),
     "symhyb.correction.apply": ("apply",),
+    "symhyb.correction.finish": ("finished",),
+    "symhyb.correction.remainder": ("remainder",),
     "symhyb.diagnosis": ("diagnose",),
     "symhyb.study": ("run_study",),
     "symhyb.report.files": ("write_diagnosis", "write_report", "write_simulation"),
@@ -29,8 +31,8 @@ __version__ = "0.1.0"
 __all__ = (
     "Diagnosis", "Discrepancy", "Found", "InputError", "Machine", "Model", "NumericsError",
     "Problem", "Recording", "Scenario", "Trajectory", "Verdict", "apply", "build", "compare",
-    "diagnose", "diff", "judge", "read_model", "read_recording", "run_study", "simulate",
-    "write_diagnosis", "write_model", "write_report", "write_simulation",
+    "diagnose", "diff", "finished", "judge", "read_model", "read_recording", "remainder",
+    "run_study", "simulate", "write_diagnosis", "write_model", "write_report", "write_simulation",
 )  # fmt: skip
 
 

@@ -220,6 +220,19 @@ def diagnose(
             " the model ('m') or a key of a law ('drag'). Repeat it.",
         ),
     ] = None,
+    finish: Annotated[
+        bool,
+        typer.Option(
+            "--finish",
+            help="Fit every uncertain number of the corrected model once more, on all recordings.",
+        ),
+    ] = False,
+    remainder: Annotated[
+        str | None,
+        typer.Option(
+            metavar="COORDINATE", help="Add a smooth force for what the named laws leave there."
+        ),
+    ] = None,
     as_json: Json = False,
 ) -> None:
     """Find the physics that a model leaves out.
@@ -246,6 +259,8 @@ def diagnose(
         tuple(Source(path) for path in holdout or ()),
         read_map(columns),
         own=tuple(own or ()),
+        last_values=finish,
+        remainder=remainder,
     )
     require_folder(output)
     with progress() as say:

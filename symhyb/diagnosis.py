@@ -71,11 +71,11 @@ def diagnose(
     if nothing.fit.reason and not winner.causes:
         raise NumericsError(f"the model cannot be simulated: {nothing.fit.reason}")
     tell("estimating values")
-    known = estimate(prepared, choice)
+    known = estimate(prepared, choice, tell)
     final, setting = known.final, choice.setting
     tell("removing each cause once, for its share")
     shown = prove(prepared, setting, final, known.stage, known.items)
-    left = leftover(setting, winner) if known.tells else ()
+    left = leftover(setting, known.seen or winner) if known.tells else ()
     answer = concluded(model, prepared, choice, known, shown, left)
     answer = _of_several(answer, final, choice.misfits, repeats_said(prepared))
     answer = in_part(_noted(answer, known.drifts), choice.change)

@@ -24,6 +24,8 @@ from numpy.typing import NDArray
 
 from symhyb import __version__
 from symhyb.correction.apply import apply
+from symhyb.correction.finish import finished
+from symhyb.correction.remainder import NO_REMAINDER, remainder
 from symhyb.data.cleaning import still, without_faults
 from symhyb.data.datasets import fetch
 from symhyb.data.recording import Recording, read_recording
@@ -109,8 +111,10 @@ def carry_out(study: Study, say: Say | None = None) -> StudyResult:
     train, holdout = _recordings(study, model)
     diagnosis = diagnose(model, train, holdout, own=study.own, say=say)
     corrected = apply(model, diagnosis.found, diagnosis.parameters, diagnosis.measurement)
-    say("judging the correction")
     seen = repaired([without_faults(one, model) for one in train], diagnosis.lies)
+    corrected, told = _finish(study, corrected, corrected != model, seen, say)
+    diagnosis = replace(diagnosis, remainder_notes=(*diagnosis.remainder_notes, *told))
+    say("judging the correction")
     verdict = judge(  # on what the diagnosis put right: exchanged columns, times, wrong samples
         model,
         corrected,
@@ -125,6 +129,25 @@ def carry_out(study: Study, say: Say | None = None) -> StudyResult:
     return StudyResult(
         study, model, corrected, train, holdout, diagnosis, verdict, (), seconds, first
     )
+
+
+def _finish(
+    study: Study, corrected: Model, changed: bool, seen: Sequence[Recording], say: Say
+) -> tuple[Model, tuple[str, ...]]:
+    """The corrected model with last values (if it was ``changed`` at all) and a smooth remainder,
+    where the study asks for them, with what is to be said of it. Nothing is named by it."""
+    told: list[str] = []
+    if study.last_values and changed:
+        say("fitting the last values")
+        last = finished(corrected, seen)
+        corrected = last.model
+        told.append(last.sentence)
+    if study.remainder:
+        say("fitting a smooth remainder")
+        smooth = remainder(corrected, seen, study.remainder)
+        corrected = smooth.model if smooth else corrected
+        told.append(smooth.sentence if smooth else NO_REMAINDER)
+    return corrected, tuple(told)
 
 
 def _first_checks(
@@ -201,6 +224,7 @@ def manifest(result: StudyResult) -> dict[str, Any]:
         ],
         "map": dict(study.columns or {}),
         **({"own": list(study.own)} if study.own else {}),
+        "finish": {"values": study.last_values, "remainder": study.remainder},
         "versions": _versions(),
         "seeds": {"figures": 0},  # which points of a dense cloud are drawn; the rest has no chance
         "seconds": round(result.seconds, 1),

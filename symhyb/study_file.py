@@ -41,7 +41,9 @@ from symhyb.model.tables import Fault, Table, describe
 FORMAT = 1
 """The version of the study file that is read."""
 
-SECTIONS = ("symhyb", "title", "about", "model", "map", "own", "train", "holdout", "score")
+SECTIONS = (
+    "symhyb", "title", "about", "model", "map", "own", "train", "holdout", "score", "finish"
+)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +62,9 @@ class Source:
 class Study:
     """What is to be diagnosed: paths as the working directory sees them, ``columns`` as in
     :func:`symhyb.data.read_recording`, for all recordings; ``file`` is None for a study that no
-    file states."""
+    file states. ``last_values``: whether every uncertain number of the corrected model is fitted
+    once more to all training recordings; ``remainder`` the coordinate that then gets a smooth
+    remainder, None for none."""
 
     model: Path
     train: tuple[Source, ...]
@@ -72,6 +76,8 @@ class Study:
     force_band_hz: float | None = None
     file: Path | None = None
     own: tuple[str, ...] = ()
+    last_values: bool = False
+    remainder: str | None = None
 
     def columns_of(self, source: Source) -> Mapping[str, str]:
         """The map of one recording: its own entries before those of all recordings."""
@@ -123,6 +129,8 @@ def _check_format(root: Table) -> None:
 def _study(root: Table, file: Path) -> Study:
     score = root.table("score") or Table((), {}, root.faults)
     score = score.checked(("window_s", "force_band_hz"))
+    finish = root.table("finish") or Table((), {}, root.faults)
+    finish = finish.checked(("values", "remainder"))
     name = root.text("model", required=True)
     if not root.entries.get("train") and root.lacks("train"):
         root.fault("[[train]] is missing: name at least one recording to learn from")
@@ -137,6 +145,8 @@ def _study(root: Table, file: Path) -> Study:
         force_band_hz=_positive(score, "force_band_hz"),
         file=file,
         own=_own(root),
+        last_values=_flag(finish, "values"),
+        remainder=finish.text("remainder"),
     )
 
 
@@ -144,6 +154,14 @@ def _map(table: Table) -> dict[str, str] | None:
     """The entries of a table ``map``: channel = column; None without one."""
     channels = table.table("map")
     return {key: channels.text(key) or "" for key in channels.entries} if channels else None
+
+
+def _flag(table: Table, key: str) -> bool:
+    """A key that is true or false; false where it is left out."""
+    value = table.entries.get(key, False)
+    if not isinstance(value, bool):
+        table.fault(f"must be true or false, not {describe(value)}", key)
+    return value is True
 
 
 def _own(root: Table) -> tuple[str, ...]:

@@ -99,7 +99,49 @@ def test_the_least_that_a_study_says(write: Write) -> None:
     assert (study.columns, study.holdout, study.window_s, study.title) == (None, (), None, "")
 
 
-SHIPPED = ["emps", "oscillator", "null", "friction_damper", "bowling_ball", "ball_drops"]
+def test_a_study_may_ask_for_last_values_and_a_remainder(write: Write) -> None:
+    assert (read_study(write(STUDY)).last_values, read_study(write(STUDY)).remainder) == (
+        False,
+        None,
+    )
+    asked = read_study(write(STUDY + '[finish]\nvalues = true\nremainder = "x"\n'))
+    assert (asked.last_values, asked.remainder) == (True, "x")
+    said = problems(write(STUDY + '[finish]\nvalues = "yes"\nrest = "x"\n'))
+    assert len(said) == 2
+    assert any("finish.values: must be true or false, not the text 'yes'" in one for one in said)
+    assert any("'rest' is not a key here" in one for one in said)
+
+
+@pytest.mark.slow
+def test_last_values_and_a_remainder_name_nothing(tmp_path: Path) -> None:
+    study = read_study(STUDIES / "oscillator" / "study.toml")
+    plain = module.carry_out(study)
+    finished = module.carry_out(replace(study, last_values=True, remainder="q"))
+    assert finished.diagnosis.found == plain.diagnosis.found
+    assert finished.diagnosis.sentence == plain.diagnosis.sentence
+    last, *rest = finished.diagnosis.remainder_notes[len(plain.diagnosis.remainder_notes) :]
+    assert last.startswith("The corrected model holds last values")
+    assert len(rest) == 1  # a remainder, or why there is none
+    before, after = (
+        {item.path: item for item in one.corrected.all_parameters()} for one in (plain, finished)
+    )
+    assert before.keys() <= after.keys()
+    for path, item in before.items():
+        spread = item.sd or 0.0
+        assert after[path].value == pytest.approx(item.value, abs=3 * spread)
+    unseen = [one.verdict.holdout.after.window_rmse for one in (plain, finished)]  # type: ignore[union-attr]
+    assert all(unseen[1][name] < 1.02 * unseen[0][name] for name in unseen[0])
+
+
+SHIPPED = [
+    "emps",
+    "oscillator",
+    "null",
+    "friction_damper",
+    "bowling_ball",
+    "ball_drops",
+    "silverbox",
+]
 
 
 @pytest.mark.parametrize("name", SHIPPED)
@@ -497,6 +539,16 @@ def test_the_real_friction_damper_slips_behind_a_play(
     assert [one for one in result.checks if not one.passed] == []
     assert [effect.element.kind for effect in result.diagnosis.found] == ["hysteresis"]
     assert (result.diagnosis.parameters, result.diagnosis.measurement) == ((), ())
+
+
+@pytest.mark.slow
+def test_the_real_circuit_hardens(tmp_path: Path, public_file: Callable[..., Path]) -> None:
+    public_file("silverbox", "SNLS80mV.csv")
+    result = run_study(STUDIES / "silverbox" / "study.toml", tmp_path)
+    assert len(result.checks) == 4
+    assert [one for one in result.checks if not one.passed] == []
+    assert result.diagnosis.found[0].element.kind == "spring"
+    assert {effect.element.kind for effect in result.diagnosis.found} == {"spring", "constant"}
 
 
 @pytest.mark.slow

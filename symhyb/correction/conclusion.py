@@ -23,6 +23,7 @@ from symhyb.correction.proof import Proof
 from symhyb.correction.stability import stabilities, weakest
 from symhyb.correction.strength import element_forces
 from symhyb.correction.trajectory import Refined
+from symhyb.correction.whole_words import added_alternatives
 from symhyb.discrepancy.course import course_of
 from symhyb.discrepancy.formula import LAW, WARNING, law_text
 from symhyb.discrepancy.hypotheses import Hypothesis
@@ -63,7 +64,9 @@ def concluded(
     parameters = reestimated(model, final, known.doubt)
     faults = channel_faults(final, known.doubt)
     titles = {cause: _title(cause, found) for cause in decision.winner.causes}
-    alternatives = alternatives_of(model, decision, titles)
+    alternatives = (
+        *added_alternatives(model, known.completed), *alternatives_of(model, decision, titles)
+    )  # fmt: skip
     verdict = _verdict(decision, found, bool(faults), bool(parameters))
     coloured = verdict == "undecided" and _only_coloured(prepared, decision, choice.places)
     if coloured:
@@ -84,7 +87,7 @@ def concluded(
         noise=noise,
         places=choice.places,
         clouds=tuple(cloud for run in prepared.runs for cloud in _clouds(prepared, final, run)),
-        log=decision.log,
+        log=(*decision.log, *(known.completed.log if known.completed else ())),
         notes=(*_run_notes(prepared), *noise_notes(model, noise), *_warnings(found)),
     )  # fmt: skip
 

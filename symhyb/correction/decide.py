@@ -31,6 +31,7 @@ from symhyb.correction.setting import Setting, along_motion, around
 from symhyb.correction.trajectory import Refined, grouped
 from symhyb.correction.trials import Say, Trials
 from symhyb.discrepancy.hypotheses import Hypothesis
+from symhyb.model.types import Place
 
 TRIALS = 3  # refined structures of each size
 PROMISE = 0.3  # of what can be taken, which the linear problem must promise before a trial
@@ -82,7 +83,7 @@ def decide(setting: Setting, proposals: Sequence[Subset], say: Say) -> Decision:
     # where the linear problem explains most, its promises are worth most
     problem = min(problems, key=lambda pair: pair[0])[1]
     subsets = [subset for causes in sorted(pool) if (subset := solve(problem, causes)) is not None]
-    trials = Trials(setting, {second for _, second in twins} | variants, say)
+    trials = Trials(setting, variants, say, twins)
     nothing = trials.refined(())
     winner = _climb(trials, nothing, problem, subsets, log)
     for _ in range(ROUNDS):
@@ -335,11 +336,7 @@ def _plainer(trials: Trials, winner: Refined, problem: Problem) -> Iterator[Refi
         if mine.place is None or mine.numbers < 2 or mine.variant:
             continue
         rest = [c for c in causes if c != cause]
-        plain = [
-            c
-            for c, other in enumerate(problem.hypotheses)
-            if other.place == mine.place and other.numbers == 1 and c not in causes
-        ]
+        plain = [c for c in _plain_at(trials, mine.place) if c not in causes]
         for many in (1, 2):
             options = [
                 subset
@@ -350,6 +347,16 @@ def _plainer(trials: Trials, winner: Refined, problem: Problem) -> Iterator[Refi
                 trial = trials.refined(subset.causes, _first(problem, subset))
                 if not trial.fit.reason:
                     yield trial
+
+
+def _plain_at(trials: Trials, place: Place) -> list[int]:
+    """The laws with one number at a place; where a parameter of the model is the twin of one (a
+    stiffness that may be estimated, of a spring), convention names the parameter, so it stands for
+    that law."""
+    hypotheses = trials.setting.hypotheses
+    named = {second: first for first, second in trials.twins}
+    plain = [c for c, h in enumerate(hypotheses) if h.place == place and h.numbers == 1]
+    return list(dict.fromkeys(named.get(c, c) for c in plain))
 
 
 def _simplifications(trials: Trials, winner: Refined) -> Iterator[Refined]:

@@ -14,18 +14,23 @@ from symhyb.correction.held import with_what_is_held
 from symhyb.correction.preparing import Prepared
 from symhyb.correction.setting import Setting, Stage
 from symhyb.correction.trajectory import Refined, grouped, refine
+from symhyb.correction.whole import Completed, Say, completed_over_all
+from symhyb.correction.whole_words import added_sentence
 from symhyb.discrepancy.hypotheses import Hypothesis
 
 
 @dataclass(frozen=True, slots=True)
 class Estimated:
-    """The structure with its final values at one ``stage``, its causes in ``doubt``, which are not
-    told, and sentences on numbers that change on the way."""
+    """The structure with its final values, the ``stage`` of windows that proves it, its causes in
+    ``doubt``, which are not told, sentences on numbers that change on the way, and what whole
+    recordings added (``completed``), with the structure as it is ``seen`` in the windows then."""
 
     final: Refined
     stage: Stage
     doubt: frozenset[Hypothesis]
     drifts: tuple[str, ...]
+    completed: Completed | None = None
+    seen: Refined | None = None
 
     @property
     def items(self) -> Sequence[Named]:
@@ -41,9 +46,12 @@ class Estimated:
         return self.doubt < {*self.final.causes}
 
 
-def estimate(prepared: Prepared, choice: Choice) -> Estimated:
+def estimate(prepared: Prepared, choice: Choice, say: Say) -> Estimated:
     """Fit the chosen structure to all windows; causes in doubt stay in, or they would bend the
     others."""
+    completed = completed_over_all(prepared, choice, say)
+    if completed is not None:
+        return estimate_completed(prepared, choice, completed)
     final, stage = valued(choice.setting, choice.decision.winner, prepared)
     doubt = frozenset({*doubtful(choice.decision), *(final.causes[i] for i in weak(final))})
     drift = drifting(prepared.model, final, stage, choice.setting.sd)
@@ -51,6 +59,27 @@ def estimate(prepared: Prepared, choice: Choice) -> Estimated:
     if drift is None:
         return Estimated(final, stage, doubt, ())
     return Estimated(widened(final, drift), stage, doubt, (drift_sentence(final, drift),))
+
+
+def estimate_completed(prepared: Prepared, choice: Choice, completed: Completed) -> Estimated:
+    """Values of the structure with what whole recordings added to it, from whole recordings: in
+    windows it hides, and bends the others. The addition is in doubt where it has a rival, and
+    stays in all the same."""
+    stage, final = choice.setting.stages[-1], completed.final
+    final = replace(final, accuracy=choice.setting.accuracy)
+    doubt = {*doubtful(choice.decision), *(final.causes[i] for i in weak(final))}
+    if completed.rivals:
+        doubt.add(completed.added)
+    said = [added_sentence(prepared.model, completed)]
+    drift = drifting(prepared.model, final, stage, choice.setting.sd)
+    if drift is not None:
+        said.append(drift_sentence(final, drift))
+        final = widened(final, drift)
+    seen = refine(
+        prepared.model, final.causes, grouped(final), stage.laid, choice.setting.sd,
+        choice.decision.winner.fit.starts,
+    )  # fmt: skip
+    return Estimated(final, stage, frozenset(doubt), tuple(said), completed, seen)
 
 
 def valued(setting: Setting, winner: Refined, prepared: Prepared) -> tuple[Refined, Stage]:

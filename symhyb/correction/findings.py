@@ -8,6 +8,7 @@ import numpy as np
 from symhyb.correction.conventions import CERTAIN, RIVAL, Exchange, exchange
 from symhyb.correction.decide import Decision
 from symhyb.correction.formulas import law_text
+from symhyb.correction.smoothing import with_smoothing
 from symhyb.correction.stability import unstable
 from symhyb.correction.textbook import critical_share
 from symhyb.correction.trajectory import Refined
@@ -88,7 +89,7 @@ def _values(final: Refined, rows: Sequence[int]) -> dict[str, tuple[float, float
     if final.causes[rows[0]].kind == LAW:
         return values
     order = [key.name for key in KINDS[final.causes[rows[0]].kind].keys]
-    return {key: values[key] for key in order if key in values}
+    return with_smoothing({key: values[key] for key in order if key in values})
 
 
 def found_of(
@@ -266,6 +267,11 @@ def alternatives_of(
             rows.append(_alternative(model, cause, values, instead_of, max(evidence, 0.0)))
     rows += _sided(model, winner, names)
     return tuple(sorted(rows, key=lambda row: row.evidence))
+
+
+def alternative_of(model: Model, trial: Refined, cause: Hypothesis, evidence: float) -> Alternative:
+    """One cause of a fitted structure, with its values there, as an alternative by itself."""
+    return _alternative(model, cause, _told_values(trial, cause), None, evidence)
 
 
 def _sided(model: Model, winner: Refined, names: Mapping[Hypothesis, str]) -> Iterator[Alternative]:

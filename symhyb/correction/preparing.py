@@ -160,10 +160,11 @@ def _relative_noise(prepared: Prepared) -> float:
 
 def _sag(prepared: Prepared) -> float:
     """What first-order hold may take from an input, relative to it: the sag |Δ²u|/8 of the true
-    signal's chord between two samples."""
+    signal's chord between two samples; nothing where the input is known to be smooth there."""
     worst = 0.0
+    lines = [item.name for item in prepared.model.inputs if item.between == "line"]
     for run in prepared.runs:
-        for values in run.recording.inputs.values():
+        for values in map(run.recording.inputs.__getitem__, lines):
             size = float(np.std(values))
             if size > 0:
                 worst = max(worst, float(np.sqrt(np.mean(np.diff(values, n=2) ** 2))) / 8 / size)
@@ -208,6 +209,17 @@ def _stages(prepared: Prepared) -> tuple[Stage, ...]:
         text = f"{names}: too short or too full of gaps for a window of {shortest:.3g} s"
         raise InputError(Problem(text))
     return tuple(stages)
+
+
+def last_windows(prepared: Prepared, *, spread: bool) -> tuple[Laid, ...]:
+    """The windows of the last stage: those that decide, or where not ``spread`` all of their
+    length, for values."""
+    last = _stages(prepared)[-1]
+    if spread:
+        return last.laid
+    laid = [laid_within(run, prepared.machine, last.length_s) for run in prepared.runs]
+    calm = [None if item is None else _foreseeable(prepared, item) for item in laid]
+    return tuple(item for item in calm if item is not None)
 
 
 def _foreseen(prepared: Prepared, shortest: float, longest: float) -> float:

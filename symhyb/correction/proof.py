@@ -71,7 +71,9 @@ def _refitted(
     causes = [final.causes[i] for i in chosen]
     rows = grouped(final)
     first = [rows[j] for j in chosen]
-    starts = None if final.machine.inner_states else final.fit.starts
+    laid = zip(final.fit.starts, stage.laid, strict=True)
+    here = all(len(start) == len(item.start) for start, item in laid)  # fitted in these windows
+    starts = None if final.machine.inner_states or not here else final.fit.starts
     everything = bool(prepared.holdout)
     return refine(prepared.model, causes, first, stage.laid, setting.sd, starts, everything)
 

@@ -15,10 +15,18 @@ Say = Callable[[str], None]
 
 
 class Trials:
-    """Structures refined at the longest windows, each once; ``dropped`` twins are not tried."""
+    """Structures refined at the longest windows, each once; the second of ``twins``, and causes
+    that are ``dropped``, are not tried."""
 
-    def __init__(self, setting: Setting, dropped: set[int], say: Say):
-        self.setting, self.dropped, self.say = setting, dropped, say
+    def __init__(
+        self,
+        setting: Setting,
+        dropped: set[int],
+        say: Say,
+        twins: Sequence[tuple[int, int]] = (),
+    ):
+        self.setting, self.say, self.twins = setting, say, tuple(twins)
+        self.dropped = dropped | {second for _, second in twins}
         self.done: dict[tuple[int, ...], Refined] = {}
         self.known = list(setting.hypotheses)
 

@@ -7,6 +7,15 @@ from numpy.typing import NDArray
 
 from symhyb.data.recording import Recording
 
+PERIOD_LEAST = 20  # samples that averaging in blocks leaves in the shortest period of a motion
+
+
+def coarsest(recording: Recording, most: int, period: float) -> int:
+    """How many samples at most a block may average, so that about ``most`` samples are left but no
+    motion of a ``period`` in s is averaged away."""
+    step = float(np.median(np.diff(recording.t)))
+    return max(min(recording.t.size // most, int(period / PERIOD_LEAST / step)), 1)
+
 
 def thinned(recording: Recording, factor: int) -> Recording:
     """Average blocks of ``factor`` samples (time in s, channels in SI; missing samples skipped).

@@ -10,8 +10,9 @@ from typing import TypeVar
 
 import numpy as np
 
+from symhyb.data.cleaning import still
 from symhyb.data.recording import Recording
-from symhyb.data.thin import thinned
+from symhyb.data.thin import coarsest, thinned
 from symhyb.discrepancy.balance import Balance, balance_of
 from symhyb.discrepancy.course import Course, course_of
 from symhyb.discrepancy.modes import (
@@ -37,7 +38,7 @@ from symhyb.numeric.integrate import Scenario, simulate
 from symhyb.numeric.linear import depends_on_time
 from symhyb.numeric.machine import Machine
 
-SAMPLES_MOST = 10_000  # of a recording: longer ones are averaged in blocks
+SAMPLES_MOST = 10_000  # of a recording: longer ones are averaged in blocks, or cut
 Value = TypeVar("Value")
 
 
@@ -110,7 +111,7 @@ def first_checks(
     Raises:
         InputError: the recording does not show any motion.
     """
-    thin = thinned(recording, recording.t.size // SAMPLES_MOST)
+    thin = _shortened(recording, machine)
     if motion is None or thin is not recording:
         motion = motion_of(thin, machine)
     course, skipped = course_of(thin, machine, motion), dict[str, str]()
@@ -133,6 +134,20 @@ def first_checks(
     return FirstChecks(
         recording.name, timing, standing, swings or (), responses or (), balance, skipped
     )
+
+
+def _shortened(recording: Recording, machine: Machine) -> Recording:
+    """A long recording averaged in blocks; where its motion allows too few samples to a block, the
+    first part of it."""
+    if recording.t.size < 2 * SAMPLES_MOST:
+        return recording
+    head = recording.crop(end=float(recording.t[SAMPLES_MOST]))
+    if still([head]):
+        return thinned(recording, recording.t.size // SAMPLES_MOST)
+    factor = coarsest(recording, SAMPLES_MOST, float(motion_of(head, machine).periods().min()))
+    if factor < recording.t.size // SAMPLES_MOST:
+        recording = recording.crop(end=float(recording.t[SAMPLES_MOST * factor]))
+    return thinned(recording, factor)
 
 
 def repeats_of(

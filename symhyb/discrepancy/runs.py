@@ -18,6 +18,8 @@ from symhyb.numeric.windows import WindowModel
 
 FINE_LEAST, FINE_MOST = 8, 64  # steps near a reversal, for one elsewhere
 STEPS_MOST = 16
+BEND_SHARE = 2e-3  # of the size of a smooth input, that lines within steps may cut: the accuracy of
+# the fitted values
 SIGNAL_LEAST = 3.0  # spread of a channel over its noise, for a recording that shows something
 SAMPLES_TELL = 100  # that recordings have together
 PERIODS_LEAST = 2.0  # of the slowest motion, that recordings last together
@@ -46,7 +48,7 @@ def laid_on(run: Run, machine: Machine, length_s: float) -> Laid | None:
     """Windows of one run, ``length_s`` in s, with finer steps near reversals of a coordinate."""
     parts = run.steps * np.where(reversals(run.motion.v), run.fine, 1)
     laid = lay(run.recording, machine, run.motion, length_s, parts)
-    return laid if laid is None else replace(laid, floor=run.floor)
+    return laid if laid is None else replace(laid, floor=run.floor, steps=run.steps)
 
 
 def laid_within(run: Run, machine: Machine, length_s: float) -> Laid | None:
@@ -110,12 +112,26 @@ def _steps_needed(model: WindowModel, run: Run) -> int:
         parts = steps * np.ones(samples, np.int64)
         return lay(run.recording, model.machine, run.motion, length, parts)
 
-    return _enough(model, run, laid, 1, STEPS_MOST)
+    return _enough(model, run, laid, _for_bends(model, run), STEPS_MOST)
+
+
+def _for_bends(model: WindowModel, run: Run) -> int:
+    """Steps between samples that follow the bends of smooth inputs: noise does not excuse a line
+    there, which biases every sample alike. The sag of a chord, |Δ²u|/8, falls with their square."""
+    steps = 1
+    for item in model.machine.model.inputs:
+        values = run.recording.inputs[item.name]
+        if item.between == "smooth" and (size := float(np.std(values))) > 0:
+            sag = float(np.sqrt(np.mean(np.diff(values, n=2) ** 2))) / 8 / size
+            while sag / steps**2 > BEND_SHARE and steps < STEPS_MOST:
+                steps *= 2
+    return steps
 
 
 def _fine_needed(machine: Machine, run: Run) -> int:
     """The same near reversals, for a model with as much dry friction as the force that the model
-    lacks could hold."""
+    lacks could hold; where every interval has many steps already, fewer times as many are tried."""
+    first = max(FINE_LEAST // run.steps, 1)
     missing = discrepancy(machine, course_of(run.recording, machine, run.motion), machine.values)
     size = np.sqrt(np.mean(missing**2, axis=0))
     speed = np.abs(run.motion.v).max(axis=0)
@@ -128,7 +144,7 @@ def _fine_needed(machine: Machine, run: Run) -> int:
             entries = (("coulomb", level), ("transition", width))
             frictions.append(Element(name, "friction", place, entries))
     if not frictions:
-        return FINE_LEAST
+        return first
     model = machine.model
     steep = build(replace(model, elements=(*model.elements, *frictions)), keep=False)
     length = float(run.motion.periods().min())
@@ -136,7 +152,7 @@ def _fine_needed(machine: Machine, run: Run) -> int:
     def laid(fine: int) -> Laid | None:
         return laid_on(replace(run, fine=fine), steep, length)
 
-    return _enough(WindowModel(steep), run, laid, FINE_LEAST, FINE_MOST)
+    return _enough(WindowModel(steep), run, laid, first, FINE_MOST)
 
 
 def _enough(

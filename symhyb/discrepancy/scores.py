@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symhyb.data.thin import thinned
+from symhyb.data.thin import coarsest, thinned
 from symhyb.discrepancy.course import course_of
 from symhyb.discrepancy.matching import fit, starts_only
 from symhyb.discrepancy.motion import measured
@@ -107,7 +107,7 @@ def _fitted_start(model: WindowModel, run: Run) -> Array:
     whole run an uneven function of its start; the best of these, the smoothed start and the one
     that the model file states is taken.
     """
-    factor = max(run.recording.t.size // RUN_SAMPLES, 1)
+    factor = coarsest(run.recording, RUN_SAMPLES, float(run.motion.periods().min()))
     short = replace(run, recording=thinned(run.recording, factor), motion=run.motion.every(factor))
     first = course_of(run.recording, model.machine, run.motion).states[0]
     starts: list[Array] = [first, _stated(model.form, first)]

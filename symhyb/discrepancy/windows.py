@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.course import Course, course_of
 from symhyb.discrepancy.motion import Motion, measured
+from symhyb.numeric.between import finer, smooth_columns
 from symhyb.numeric.buffers import Array
 from symhyb.numeric.dynamics import state_form
 from symhyb.numeric.machine import Machine
@@ -24,6 +25,8 @@ FINITE_SHARE = 0.7  # of the samples of a window that must be there
 STEEP = ("friction", "friction_dynamic", "gap", "hysteresis")  # finer steps at reversals
 SLOW_SHARE = 0.02
 SAMPLES_LEAST = 12  # samples a window has at least
+END_KNOTS = 3  # of the smoothed motion, that are not trusted where it swings at its end:
+SWUNG = 1.5  # times as fast as anywhere else
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +34,8 @@ class Laid:
     """Windows laid on one recording: the block, start states (W, X) and the ``states`` (W, L, X)
     from smoothing, SI, and ``held`` (W,), True where a window only validates. ``rows`` (W, L) are
     the samples of the recording, ``source`` where they come from. ``floor`` is the mean square by
-    which repeated runs differ beyond their noise, in units of the noise: less proves nothing."""
+    which repeated runs differ beyond their noise, in units of the noise: less proves nothing.
+    ``steps`` are the integration steps between two samples that laws without jumps need."""
 
     block: Block
     start: Array
@@ -40,6 +44,7 @@ class Laid:
     rows: NDArray[np.int64]
     source: tuple[Recording, Motion]
     floor: float = 0.0
+    steps: int = 1
 
     def course(self, machine: Machine) -> Course:
         """The whole course that the windows are cut from."""
@@ -55,19 +60,20 @@ class Laid:
         )  # fmt: skip
         return Laid(
             block, self.start[rows], self.states[rows], np.arange(rows.size) % 3 == 2,
-            self.rows[rows], self.source, self.floor,
+            self.rows[rows], self.source, self.floor, self.steps,
         )  # fmt: skip
 
     def suited(self, machine: Machine) -> "Laid":
         """The windows for another machine with the same coordinates: with its inner states, and
-        with the fewest steps everywhere unless it has a steep law."""
+        with the fewest steps everywhere unless it has a steep law. With few samples a period every
+        sample is near a reversal, so the fewest are not those that happen to occur."""
         item = self
         if machine.inner_states or state_form(machine).size != self.start.shape[1]:
             states = self.course(machine).states[self.rows]
             item = replace(self, start=states[:, 0], states=states)
         if any(element.kind in STEEP for element in machine.model.elements):
             return item
-        parts = np.full_like(item.block.substeps, item.block.substeps.min())
+        parts = np.full_like(item.block.substeps, item.steps)
         return replace(item, block=replace(item.block, substeps=parts))
 
     def first(self) -> "Laid":
@@ -92,7 +98,8 @@ def lay(
     samples = max(round(length_s / step) + 1, SAMPLES_LEAST)
     if samples > recording.t.size:
         return None
-    firsts = np.arange(0, recording.t.size - samples + 1, samples - 1)
+    begin = _settled(motion, step) if recording.t.size > 2 * samples else 0
+    firsts = np.arange(begin, recording.t.size - samples + 1, samples - 1)
     rows = firsts[:, None] + np.arange(samples)
     y, course = measured(recording, machine), course_of(recording, machine, motion)
     whole = (recording.t[rows[:, -1]] - recording.t[rows[:, 0]]) < 1.5 * (samples - 1) * step
@@ -106,8 +113,20 @@ def lay(
     parts = np.ones(recording.t.size - 1, int) if substeps is None else substeps
     inputs = [recording.inputs[item.name] for item in machine.model.inputs]
     recorded = recording.t, np.column_stack(inputs) if inputs else np.empty((recording.t.size, 0))
+    recorded = finer(*recorded, smooth_columns(machine.model.inputs))
     block = Block(recording.t[rows], course.drive[rows], y[rows], parts[rows[:, :-1]], recorded)
-    return Laid(block, states[:, 0], states, held, rows, (recording, motion))
+    least = int(parts.min())
+    return Laid(block, states[:, 0], states, held, rows, (recording, motion), steps=least)
+
+
+def _settled(motion: Motion, step: float) -> int:
+    """The sample from which the smoothed motion tells a start: with few samples a period a spline
+    may swing at its end, to speeds that the motion never has again."""
+    end = int(np.ceil(END_KNOTS * motion.spacing_s / step))
+    size = np.abs(motion.v)
+    if size.shape[0] < 20 * end or size.shape[1] == 0:
+        return 0
+    return end if bool((size[:end] > SWUNG * size[end:-end].max(axis=0)).any()) else 0
 
 
 def reversals(rates: Array) -> NDArray[np.bool_]:

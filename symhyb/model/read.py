@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import TypeVar
 
-from symhyb.errors import InputError, Problem
+from symhyb.errors import InputError, Problem, did_you_mean
 from symhyb.model.check import energy_unit, faults_of
 from symhyb.model.read_bodies import read_body, read_point
 from symhyb.model.read_elements import read_element, read_parameter
@@ -29,6 +29,7 @@ SECTIONS = (
     "bodies", "energy", "elements", "sensors",
 )  # fmt: skip
 _CHANNEL_KEYS = ("unit", "about", "gain", "offset", "delay")
+BETWEEN = ("line", "smooth")  # how an input runs between its samples
 
 Value = TypeVar("Value")
 
@@ -175,10 +176,15 @@ def _coordinate(table: Table) -> Coordinate | None:
 
 
 def _input(table: Table) -> Input | None:
-    table = table.checked(_CHANNEL_KEYS)
-    unit, about = table.unit(), table.about()
+    table = table.checked((*_CHANNEL_KEYS, "between"))
+    unit, about, between = table.unit(), table.about(), table.text("between") or "line"
     gain, offset, delay = (_channel(table, key, unit) for key in ("gain", "offset", "delay"))
-    return None if unit is None else Input(table.path[-1], unit, about, gain, offset, delay)
+    if between not in BETWEEN:
+        near = did_you_mean(between, BETWEEN)
+        table.fault(f"must be one of {', '.join(BETWEEN)}, not '{between}'{near}", "between")
+    if unit is None:
+        return None
+    return Input(table.path[-1], unit, about, gain, offset, delay, between)
 
 
 def _sensor(table: Table) -> Sensor | None:

@@ -202,6 +202,8 @@ def _channel(channel: Input | Sensor) -> str:
     entries += [("unit", channel.unit.text)]
     if isinstance(channel, Sensor):
         entries.append(("sd", channel.sd))
+    elif channel.between != "line":
+        entries.append(("between", channel.between))
     text = _inline([*entries, ("about", channel.about)])
     for value in (channel.gain, channel.offset, channel.delay):
         if value is not None:

@@ -63,7 +63,10 @@ class Coordinate:
 
 @dataclass(frozen=True, slots=True)
 class Input:
-    """A recorded signal that acts: acting(t) = gain·recorded(t − delay) + offset."""
+    """A recorded signal that acts: acting(t) = gain·recorded(t − delay) + offset.
+
+    ``between`` says how it runs between its samples: along a ``line``, or ``smooth``.
+    """
 
     name: str
     unit: Unit
@@ -71,6 +74,7 @@ class Input:
     gain: Parameter | None = None
     offset: Parameter | None = None
     delay: Parameter | None = None
+    between: str = "line"
 
 
 @dataclass(frozen=True, slots=True)

@@ -70,6 +70,14 @@ class StateForm:
         still = np.broadcast_to(np.array(cleared), (*drive.shape[:-1], len(cleared)))
         return np.concatenate([drive, rise, still], axis=-1)
 
+    def cleared(self, i: int, p: Array) -> float:
+        """The delay in s that the i-th input is cleared of: that of ``p`` (P,), SI, where
+        it is differentiated, else the one that the model states."""
+        item = self.machine.model.inputs[i]
+        if item.name in self.late:
+            return float(p[self.machine.column(f"{item.name}.delay")])
+        return item.delay.si if item.delay else 0.0
+
     def unpack(self, x: ca.SX, d: ca.SX, p: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX, ca.SX]:
         """q, v (n), z, acting u and the given accelerations, from x, d and p."""
         f, g, k = len(self.free), len(self.given), self.inputs

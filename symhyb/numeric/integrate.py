@@ -1,7 +1,8 @@
 """Simulation of a machine by CVODES, once over the whole output grid.
 
-Recorded inputs act by first-order hold. Where an input jumps, the integration ends and starts
-anew, so that no step reaches across. Failure is an outcome with its reason, never an exception.
+Recorded inputs act by first-order hold, or along a spline where the model calls them smooth. Where
+an input jumps, the integration ends and starts anew, so that no step reaches across. Failure is an
+outcome with its reason, never an exception.
 
 Source: Hindmarsh et al., SUNDIALS, ACM TOMS 31, 2005 (through ``casadi.integrator``).
 """
@@ -16,6 +17,7 @@ import numpy as np
 from symhyb.model.expression import Node, Operation
 from symhyb.model.space import gimbal_lock
 from symhyb.model.types import Model
+from symhyb.numeric.between import finer, smooth_columns
 from symhyb.numeric.buffers import Array, call
 from symhyb.numeric.dynamics import StateForm, state_form
 from symhyb.numeric.lengths import at_unit_length
@@ -98,6 +100,7 @@ def simulate(machine: Machine, scenario: Scenario, p: Array | None = None) -> Tr
     """
     values = machine.values if p is None else np.asarray(p, dtype=float)
     _require_cover(scenario)
+    scenario = _bent(scenario, machine)
     form = state_form(machine)
     start = form.state(scenario.q, scenario.v, _inner_start(machine, scenario, values))
     drive = _drive(form, scenario)
@@ -115,6 +118,18 @@ def simulate(machine: Machine, scenario: Scenario, p: Array | None = None) -> Tr
         if not reason:
             break
     return _observe(form, scenario, drive, x, values, reason, method)
+
+
+def _bent(scenario: Scenario, machine: Machine) -> Scenario:
+    """The scenario with inputs that are smooth between samples on a finer grid."""
+    smooth = smooth_columns(machine.model.inputs)
+    if not smooth:
+        return scenario
+    t, u = finer(scenario.t_u, scenario.u, smooth)
+    if scenario.given is None:
+        return replace(scenario, t_u=t, u=u)
+    given = [np.interp(t, scenario.t_u, column) for column in scenario.given.T]
+    return replace(scenario, t_u=t, u=u, given=np.column_stack(given))
 
 
 def _inner_start(machine: Machine, scenario: Scenario, p: Array) -> Array:

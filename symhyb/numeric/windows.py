@@ -12,6 +12,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from symhyb.numeric.between import smooth_columns
 from symhyb.numeric.buffers import Array
 from symhyb.numeric.chains import Chains
 from symhyb.numeric.dynamics import StateForm, state_form
@@ -28,7 +29,8 @@ class Block:
     ``t`` (W, L) s; ``d`` (W, L, drive) inputs, and motion that is given; ``y`` (W, L, m)
     measurements, NaN where missing;
     ``substeps`` (W, L − 1) integration steps between two samples; ``record`` times (K,) and inputs
-    (K, k) of the whole recording, from which inputs under another delay are taken.
+    (K, k) of the whole recording, from which inputs under another delay are taken, and those that
+    are smooth between samples (then on a finer grid).
     """
 
     t: Array
@@ -120,6 +122,7 @@ class WindowModel:
         paths = [item.path for item in machine.model.all_parameters()]
         moved = [paths[i].removesuffix(".delay") for i in free if paths[i].endswith(".delay")]
         self.form = state_form(machine, tuple(dict.fromkeys((*moved, *late))))
+        self._smooth = smooth_columns(machine.model.inputs)
         self._steps = kept(("steps", self.form.key, free), lambda: _Steps(self.form, list(free)))
 
     def simulate(self, block: Block, start: Array, p: Array) -> tuple[Array, Array]:
@@ -174,6 +177,8 @@ class WindowModel:
         d0 = drive[:, :-1].reshape(parts.size, inputs)[owner] + part[:, None] * rise
         d1 = d0 + rise / parts[owner][:, None]
         t = block.t[:, :-1].reshape(-1)[owner] + part * h * parts[owner]
+        self._bend(d0, t, block, p)
+        self._bend(d1, t + h, block, p)
         begins = first.reshape(windows, length - 1)[:, : starts.shape[1]].reshape(-1)
         chain, place = _chained(begins, owner.size)
         real = np.arange(place.shape[1]) < chain[:, None]
@@ -189,6 +194,14 @@ class WindowModel:
             slopes.append(np.zeros((owner.size, self.machine.n * states)))
         steps = [slope.reshape(owner.size, -1, states).swapaxes(1, 2) for slope in slopes]
         return [ends, *(j.reshape(*shape, -1) for j in _joined(steps, first, parts))]
+
+    def _bend(self, drive: Array, t: Array, block: Block, p: Array) -> None:
+        """Put the inputs that are smooth between samples into drives (S, …) at times (S,)."""
+        times, values = block.record
+        if times.size:
+            for i in self._smooth:
+                lag = self.form.cleared(i, p)
+                drive[:, i] = np.interp(t - lag, times, values[:, i])
 
     def _nothing(self, windows: int, steps: int, what: str) -> list[Array]:
         columns = {"plain": [], "fit": [len(self.free)], "screen": [len(self.free)]}[what]

@@ -1,0 +1,90 @@
+"""Last values of a corrected model: every number that is not certain, on every sample.
+
+A decision works on as many windows as it needs and claims a parameter only where that is worth a
+name. What was named then stands beside parameters that are known to their ``sd`` alone. Here the
+numbers of found elements and all these parameters are fitted together, by simulation error over all
+windows of the training recordings. Nothing is chosen and nothing is claimed.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from symhyb.correction.preparing import last_windows, prepare
+from symhyb.data.recording import Recording
+from symhyb.discrepancy.matching import Task, fit
+from symhyb.errors import NumericsError
+from symhyb.model.types import Model, Parameter
+from symhyb.model.write import replace_parameters
+from symhyb.numeric.windows import WindowModel
+
+SIGNED = ("damping", "drag", "coulomb", "mass")  # numbers of laws that only dissipate, or are mass
+
+
+@dataclass(frozen=True, slots=True)
+class Finished:
+    """The ``model`` with its last values, one deviation of each in the file; ``scale`` is χ² per
+    sample that is left."""
+
+    model: Model
+    scale: float
+
+    @property
+    def sentence(self) -> str:
+        """What was done, in words."""
+        return (
+            "The corrected model holds last values: the numbers of what was found and all "
+            "parameters with a stated deviation, fitted together on all training recordings"
+            + (f" (χ² per sample {self.scale:.4g})." if np.isfinite(self.scale) else ".")
+        )
+
+
+def finished(model: Model, recordings: Recording | Sequence[Recording]) -> Finished:
+    """Fit the numbers of found elements, and the parameters of the model, that state an sd (a width
+    that only smooths a law states none), on all windows.
+
+    Raises:
+        InputError: unusable recordings.
+        NumericsError: the model cannot be simulated along them.
+    """
+    prepared = prepare(model, recordings)
+    found = {element.name for element in model.elements if element.found}
+    free = [
+        item for item in model.all_parameters()
+        if item.sd is not None and (item.owner in found or not item.owner)
+    ]  # fmt: skip
+    if not free:
+        return Finished(model, float("nan"))
+    machine = prepared.machine
+    columns = tuple(machine.column(item.path) for item in free)
+    laid = tuple(item.suited(machine) for item in last_windows(prepared, spread=False))
+    mean, spread = machine.values[list(columns)], np.array([_known(item, found) for item in free])
+    lower = np.array([0.0 if _signed(model, item) else -np.inf for item in free])
+    upper = np.full(len(free), np.inf)
+    task = Task(laid, prepared.sd, lower, upper, mean, spread, everything=True)
+    fitted = fit(WindowModel(machine, columns), task, machine.values)
+    if fitted.reason:
+        raise NumericsError(f"the corrected model cannot be simulated: {fitted.reason}")
+    sds = np.sqrt(np.diag(fitted.covariance))
+    changed = {
+        item.path: (float(value) / item.unit.factor, float(sd) / item.unit.factor)
+        for item, value, sd in zip(free, fitted.values, sds, strict=True)
+    }
+    return Finished(replace_parameters(model, changed), fitted.scale)
+
+
+def _known(item: Parameter, found: set[str]) -> float:
+    """What was known of a number before these recordings, as one deviation in SI: nothing of what
+    they told themselves."""
+    told = item.owner in found or item.was is not None
+    return np.inf if told else float(item.si_sd or np.inf)
+
+
+def _signed(model: Model, item: Parameter) -> bool:
+    """Whether physics forbids a negative value."""
+    for element in model.elements:
+        if element.name == item.owner:
+            names = [key for key, value in element.values if value.text == item.name]
+            return any(key in SIGNED for key in names)
+    return False

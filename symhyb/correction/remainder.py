@@ -1,0 +1,266 @@
+"""A smooth remainder on top of the named laws: measured and written down, but no physics.
+
+    F = Σ r_ij sⁱ s'ʲ,   i + j ≤ degree,   s and s' held at the ends of 99 % of what was recorded
+
+The named values stay. What the polynomial may take is orthogonal, along the recorded motion, to the
+force that any change of a named value would make; else it would steal the share of the laws. It is
+fitted by simulation error over windows, initial states projected out. The degree is chosen on held
+windows of the training recordings; the values then come from all of their windows.
+Sizes: N samples, n coordinates, W windows, T terms, K named values.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from symhyb.correction.evidence import SIGNIFICANT
+from symhyb.correction.preparing import Prepared, last_windows, prepare
+from symhyb.data.recording import Recording
+from symhyb.discrepancy.course import Course
+from symhyb.discrepancy.matching import fit, starts_only
+from symhyb.discrepancy.residual import discrepancy
+from symhyb.discrepancy.windows import Laid, correlation_time, merge, reduce
+from symhyb.errors import InputError, Problem
+from symhyb.model.expression import parse_expression
+from symhyb.model.types import Element, Model, On, Parameter
+from symhyb.model.vocabulary import force_unit, stretch_unit
+from symhyb.model.write import append_elements
+from symhyb.numeric.buffers import Array
+from symhyb.numeric.machine import Machine, build
+from symhyb.numeric.windows import WindowModel
+from symhyb.units import parse_unit
+
+DEGREE_MOST = 5  # of the polynomial
+RARE = 0.005  # of the samples at either end: so few do not determine a polynomial there
+NUDGE = 1e-4  # of a named value: the step of a one-sided difference of ΔF, which is linear in most
+ALIKE = 1e-9  # of the largest singular value: directions that the motion does not tell apart
+STEPS = 2  # Gauss–Newton steps: the remainder is small, so that the problem is almost linear
+NAME = "remainder"
+NO_REMAINDER = "No smooth remainder: no polynomial is better on held windows than none."
+ABOUT = "part of the smooth remainder: measured, but no physics known by name"
+
+Powers = tuple[int, int]
+
+
+@dataclass(frozen=True, slots=True)
+class Remainder:
+    """A smooth remainder: the ``model`` with it, its ``element`` and ``degree``; ``before`` and
+    ``after`` are χ² per sample of the held windows, by degree from 0 (nothing) on in ``held``."""
+
+    model: Model
+    element: Element
+    degree: int
+    held: tuple[float, ...]
+
+    @property
+    def sentence(self) -> str:
+        """What was measured, in words."""
+        return (
+            f"A polynomial of degree {self.degree} in stretch and rate takes the χ² per sample of "
+            f"held windows from {self.held[0]:.4g} to {self.held[self.degree]:.4g}. It is what "
+            "the named laws leave, not a law."
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class _Place:
+    """Where the remainder acts: its coordinate and the ranges of stretch and rate, SI."""
+
+    on: On
+    index: int
+    stretch: tuple[float, float]
+    rate: tuple[float, float]
+
+    def forces(self, course: Course, powers: Sequence[Powers]) -> Array:
+        """Every term (N, T) along a course, for a coefficient of 1 in SI."""
+        s = np.clip(course.q[:, self.index], *self.stretch)
+        r = np.clip(course.v[:, self.index], *self.rate)
+        return np.column_stack([s**i * r**j for i, j in powers])
+
+
+def remainder(
+    model: Model, recordings: Recording | Sequence[Recording], on: str | None = None
+) -> Remainder | None:
+    """Fit a smooth remainder to what a corrected ``model`` leaves of its training recordings.
+
+    ``on`` names the coordinate where it acts (default: the only one that is free). Returns None
+    where no degree is better on held windows than nothing at all.
+
+    Raises:
+        InputError: no such coordinate, a remainder is there already, or unusable recordings.
+    """
+    prepared = prepare(model, recordings)
+    place = _place(prepared, on)
+    powers = _powers(DEGREE_MOST)
+    whole = append_elements(prepared.model, [_element(prepared.model, place, powers)])
+    machine = build(whole, keep=False)
+    free = tuple(machine.column(f"{NAME}.{_name(term)}") for term in powers)
+    window_model = WindowModel(machine, free)
+    chosen = last_windows(prepared, spread=True)
+    laid = [item.suited(machine) for item in chosen]
+    step = _linear(window_model, laid, machine.values, prepared.sd)
+    held = [_on_held(step, None)]
+    for degree in range(1, DEGREE_MOST + 1):
+        basis = _orthogonal(prepared, place, powers, degree)
+        held.append(_on_held(step, basis))
+    degree = _chosen(held, step.unit)
+    if degree == 0:
+        return None
+    laid = [item.suited(machine) for item in last_windows(prepared, spread=False)]
+    basis = _orthogonal(prepared, place, powers, degree)
+    values = _fitted(window_model, laid, prepared.sd, basis)
+    few = _powers(degree)  # the first ones of all powers
+    element = _element(model, place, few, values[: len(few)].tolist())
+    scaled = tuple(chi2 / step.samples for chi2 in held)
+    return Remainder(append_elements(model, [element]), element, degree, scaled)
+
+
+def _place(prepared: Prepared, on: str | None) -> _Place:
+    """The coordinate and what it moves through in the training recordings."""
+    model = prepared.model
+    free = [model.coordinates[i].name for i in prepared.machine.free]
+    if NAME in [element.name for element in model.elements]:
+        raise InputError(Problem("the model has a remainder already", f"elements.{NAME}"))
+    if on is None and len(free) != 1:
+        raise InputError(Problem(f"name the coordinate of the remainder: {', '.join(free)}"))
+    name = on or free[0]
+    if name not in free:
+        raise InputError(Problem(f"'{name}' is no free coordinate; there are: {', '.join(free)}"))
+    i = [c.name for c in model.coordinates].index(name)
+    q = np.concatenate([run.motion.q[:, i] for run in prepared.runs])
+    v = np.concatenate([run.motion.v[:, i] for run in prepared.runs])
+    stretch, rate = (np.quantile(motion, [RARE, 1 - RARE]).tolist() for motion in (q, v))
+    return _Place(On(name), i, (stretch[0], stretch[1]), (rate[0], rate[1]))
+
+
+def _powers(degree: int) -> tuple[Powers, ...]:
+    """The exponents of stretch and rate of all terms up to a degree, low degrees first."""
+    return tuple((n - j, j) for n in range(degree + 1) for j in range(n + 1))
+
+
+def _name(term: Powers) -> str:
+    return f"r_{term[0]}_{term[1]}"
+
+
+def _element(
+    model: Model, place: _Place, powers: Sequence[Powers], values: Sequence[float] = ()
+) -> Element:
+    """The element of some terms, coefficients in SI (default 0), with its box."""
+    stretch, force = stretch_unit(model, place.on), force_unit(model, place.on)
+    rate, x = stretch / parse_unit("s"), place.on.coordinate
+    ends = {"s_low": place.stretch[0], "s_high": place.stretch[1]}
+    speeds = {"r_low": place.rate[0], "r_high": place.rate[1]}
+    own = [
+        Parameter(key, value / unit.factor, unit, about="end of the training", owner=NAME)
+        for box, unit in ((ends, stretch), (speeds, rate))
+        for key, value in box.items()
+    ]
+    texts = []
+    for term, value in zip(powers, values or [0.0] * len(powers), strict=True):
+        unit = force / (stretch ** term[0] * rate ** term[1])
+        own.append(Parameter(_name(term), value / unit.factor, unit, about=ABOUT, owner=NAME))
+        parts = [_name(term)]
+        parts += [f"max(s_low, min({x}, s_high))**{term[0]}"] * (term[0] > 0)
+        parts += [f"max(r_low, min({x}', r_high))**{term[1]}"] * (term[1] > 0)
+        texts.append("*".join(parts))
+    key = "torque" if force.text == "N*m" else "force"
+    return Element(NAME, "law", place.on, ((key, parse_expression(" + ".join(texts))),), tuple(own))
+
+
+@dataclass(frozen=True, slots=True)
+class _Linear:
+    """Normal equations of all terms: ``gram`` (T + 1, T + 1) of fitted and of ``held`` windows, the
+    last row the residual; ``unit`` is χ² of one independent sample, ``samples`` of held windows."""
+
+    gram: Array
+    held: Array
+    unit: float
+    samples: float
+
+
+def _linear(model: WindowModel, laid: Sequence[Laid], p: Array, sd: Array) -> _Linear:
+    """The reply of the windows to all terms around the simulation with ``p`` (P,), SI."""
+    parts, residuals = [], []
+    for item in laid:
+        starts = fit(WindowModel(model.machine), starts_only(item, sd), p).starts[0]
+        linear = model.differentiate(item.block, starts, p)
+        residual = item.block.y - linear.output
+        columns = (residual, linear.from_start(), linear.from_free(), sd, item.held)
+        parts.append(reduce(*columns))
+        residuals.append(np.nan_to_num(residual / sd).reshape(len(residual), -1))
+    grams, count, held = merge(parts)
+    train = ~held if held.any() else np.ones_like(held)
+    scale = float(grams[train, -1, -1].sum() / count[train].sum())
+    unit = scale * correlation_time(residuals, len(sd))
+    tried = held if held.any() else ~held
+    samples = float(count[tried].sum())
+    return _Linear(grams[train].sum(axis=0), grams[tried].sum(axis=0), unit, samples)
+
+
+def _solved(gram: Array, basis: Array) -> Array:
+    """Coefficients (T,), SI, that lower the cost most within ``basis`` (T, D)."""
+    inner, right = basis.T @ gram[:-1, :-1] @ basis, basis.T @ gram[:-1, -1]
+    scale = np.sqrt(np.maximum(np.diag(inner), 1e-300))
+    solved = np.linalg.lstsq(inner / np.outer(scale, scale), right / scale, rcond=ALIKE)[0]
+    return np.asarray(basis @ (solved / scale))
+
+
+def _on_held(step: _Linear, basis: Array | None) -> float:
+    """χ² of the held windows with the terms of ``basis`` (T, D) fitted to the others."""
+    values = np.zeros(len(step.gram) - 1) if basis is None else _solved(step.gram, basis)
+    full = np.append(-values, 1.0)
+    return float(full @ step.held @ full)
+
+
+def _chosen(held: Sequence[float], unit: float) -> int:
+    """The degree whose held windows are best; a higher one must be significantly better."""
+    best = 0
+    for degree, chi2 in enumerate(held):
+        if (held[best] - chi2) / unit > SIGNIFICANT:
+            best = degree
+    return best
+
+
+def _orthogonal(prepared: Prepared, place: _Place, powers: Sequence[Powers], degree: int) -> Array:
+    """The directions (T, D) of the coefficients up to a degree whose force is orthogonal, along the
+    recorded motion, to what changes of the named values make."""
+    few = [term for term in powers if sum(term) <= degree]
+    terms, named = [], []
+    for item in last_windows(prepared, spread=True):
+        course = item.course(prepared.machine)
+        terms.append(place.forces(course, few))
+        named.append(_named_forces(prepared.machine, course)[:, place.index])
+    forces, laws = np.concatenate(terms), np.concatenate(named)
+    size = np.sqrt(np.mean(forces**2, axis=0))
+    scaled = forces / size
+    strength = np.linalg.norm(laws, axis=0)
+    laws = laws[:, strength > 0] / strength[strength > 0]
+    _, singular, rows = np.linalg.svd(laws.T @ scaled)
+    rank = int(np.sum(singular > ALIKE * singular.max(initial=0.0))) if singular.size else 0
+    basis = np.zeros((len(powers), len(few) - rank))
+    basis[: len(few)] = rows[rank:].T / size[:, None]
+    return basis
+
+
+def _named_forces(machine: Machine, course: Course) -> Array:
+    """The change of ΔF (N, n, K) by every value of a found law and every parameter that may be
+    estimated, to first order, SI."""
+    found = {element.name for element in machine.model.elements if element.found}
+    base, columns = discrepancy(machine, course, machine.values), []
+    for item in machine.model.all_parameters():
+        if item.owner in found or (not item.owner and item.sd is not None):
+            p = machine.values.copy()
+            column = machine.column(item.path)
+            p[column] += NUDGE * (abs(p[column]) or 1.0)
+            columns.append(discrepancy(machine, course, p) - base)
+    return np.stack(columns, axis=2) if columns else np.zeros((*base.shape, 0))
+
+
+def _fitted(model: WindowModel, laid: Sequence[Laid], sd: Array, basis: Array) -> Array:
+    """The coefficients (T,), SI, within ``basis`` (T, D), from all windows."""
+    p = model.machine.values.copy()
+    laid = [replace(item, held=np.zeros_like(item.held)) for item in laid]
+    for _ in range(STEPS):
+        p[list(model.free)] += _solved(_linear(model, laid, p, sd).gram, basis)
+    return np.asarray(p[list(model.free)])
