@@ -47,7 +47,7 @@ _POINTER = ctypes.c_void_p
 @dataclass(frozen=True, slots=True)
 class Tolerances:
     """Relative, and absolute for each state (X,), SI; the ``bound`` (X,) of a sound state, SI;
-    and how many steps may be tried."""
+    and how many steps may be tried: a tenth of them at first, all of them by the end."""
 
     relative: float
     absolute: Array

@@ -199,7 +199,9 @@ int integrate(RATE void *memory, const struct task *r) {{
   double wish = first_step(GIVEN memory, r, at, t, y, k[0], y1, k[1]);
   int rejected = 0;
   while (t < end) {{
-    if (count[1] + count[2] >= r->steps_most) return WORK_MOST;
+    /* a tenth of the steps at first, all at the end: a run that crawls is given up soon */
+    const double share = 0.1 + 0.9 * (t - r->t[0]) / (end - r->t[0]);
+    if ((double)(count[1] + count[2]) >= share * (double)r->steps_most) return WORK_MOST;
     if (r->tape_x && count[1] >= r->tape_most) return TAPE_FULL;
     const double wall = at + 2 < r->nodes ? fmin(r->node_t[at + 1], end) : end;
     double *const stage = r->tape_x ? r->tape_x + {slopes} * n * count[1] : 0;
