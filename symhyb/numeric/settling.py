@@ -96,7 +96,7 @@ def first_modes(at: Instant) -> tuple[Array, Modes]:
 
 
 def after(at: Instant, modes: Modes, fired: list[int]) -> tuple[Array, Modes]:
-    """The state (X,), SI, and the modes after the watches ``fired`` (rows of ``watch``) crossed zero."""
+    """The state (X,), SI, and the modes after ``fired`` (rows of ``watch``) fell through zero."""
     total = len(modes.sigma)
     if any(s == 0 and i not in modes.held for i, s in enumerate(modes.sigma)):
         x, shared = _settled_again(at, modes)  # others may carry what one of them cannot
