@@ -16,7 +16,7 @@ import typer
 
 from symhyb.cli_data import data
 from symhyb.cli_options import End, Folder, Json, Map, ModelFile, Recordings, Start, print_json
-from symhyb.errors import InputError, NumericsError, Problem
+from symhyb.errors import InputError, NumericsError
 
 app = typer.Typer(
     name="symhyb",
@@ -92,10 +92,7 @@ def simulate(
     end: Annotated[float | None, typer.Option(metavar="S", help="Time to stop at, in s.")] = None,
     step: Annotated[float | None, typer.Option(metavar="S", help="Between two rows, in s.")] = None,
     exact: Annotated[
-        bool,
-        typer.Option(
-            "--exact", help="Dry friction holds and stops touch exactly: every event is located."
-        ),
+        bool, typer.Option("--exact", help="Friction sticks and stops touch, as located events.")
     ] = False,
     events: Annotated[
         Path | None,
@@ -113,46 +110,21 @@ def simulate(
       symhyb simulate models/oscillator.toml -o run.csv \\
           --input studies/oscillator/train.csv
     """
-    from symhyb.console import progress, read_map, warn
+    from symhyb.console import leave_run, progress, read_map, require_files, warn
     from symhyb.model.read import read_model
     from symhyb.model.switching import left_smooth
-    from symhyb.simulation import (
-        events_sentence,
-        events_table,
-        read_inputs,
-        run_model,
-        run_table,
-        told,
-    )
-    from symhyb.study import require_folder, staged
+    from symhyb.simulation import read_inputs, run_model
 
     exact = exact or events is not None
-    wanted = [output] if events is None else [output, events]
-    for file in wanted:
-        if file.is_dir():
-            raise InputError(Problem("is a folder; name a file in it", file=str(file)))
-    if events is not None and events.resolve() == output.resolve():
-        text = "is the file of the run already; name another for the events"
-        raise InputError(Problem(text, file=str(events)))
     declared, mapped = read_model(model), read_map(columns)
-    for file in wanted:
-        require_folder(file.parent)
+    require_files(output, events)
     driven = read_inputs(inputs, declared, mapped) if inputs else None
     warn(driven.notes if driven else ())
     warn(left_smooth(declared) if exact else ())
     with progress() as say:
         say("simulating")
-        machine, scenario, run = run_model(declared, driven, end, step, exact)
-    warn(machine.notes)
-    with staged(output.parent) as part:
-        (part / output.name).write_text(run_table(machine, scenario, run), encoding="utf-8")
-    if events is not None:
-        with staged(events.parent) as part:
-            (part / events.name).write_text(events_table(run), encoding="utf-8")
-    print(f"{output}: {run.t.size} rows from {run.t[0]:g} to {run.t[-1]:g} s, by {told(run)}")
-    if exact:
-        print(events_sentence(run))
-    warn((run.note,) if run.note else ())
+        done = run_model(declared, driven, end, step, exact)
+    leave_run(*done, output, events, exact)
 
 
 @app.command()

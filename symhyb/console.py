@@ -36,6 +36,8 @@ if TYPE_CHECKING:  # a verb that only reads a file need not load the numerics
     from symhyb.discrepancy.modes import Mode
     from symhyb.discrepancy.residual import Discrepancy
     from symhyb.discrepancy.response import Response
+    from symhyb.numeric.integrate import Scenario, Trajectory
+    from symhyb.numeric.machine import Machine
     from symhyb.study import StudyResult
 
 WIDE = 160  # columns of a table that does not go to a terminal
@@ -259,6 +261,43 @@ def print_dataset(dataset: Dataset) -> None:
     for file in dataset.files:
         print(f"  {file.name}: {file.address}")
         print(f"    {file.size} bytes, SHA-256 {file.sha256}")
+
+
+def require_files(output: Path, events: Path | None) -> None:
+    """Refuse files that ``simulate`` cannot leave its tables in.
+
+    Raises:
+        InputError: a folder, a folder that cannot be, or one file for both tables.
+    """
+    from symhyb.study import require_folder
+
+    for file in (output,) if events is None else (output, events):
+        if file.is_dir():
+            raise InputError(Problem("is a folder; name a file in it", file=str(file)))
+        require_folder(file.parent)
+    if events is not None and events.resolve() == output.resolve():
+        text = "is the file of the run already; name another for the events"
+        raise InputError(Problem(text, file=str(events)))
+
+
+def leave_run(
+    machine: "Machine", scenario: "Scenario", run: "Trajectory", output: Path,
+    events: Path | None, exact: bool,
+) -> None:  # fmt: skip
+    """Write a simulated run, and its events if a file is named, and say so."""
+    from symhyb.simulation import events_sentence, events_table, run_table, told
+    from symhyb.study import staged
+
+    warn(machine.notes)
+    with staged(output.parent) as part:
+        (part / output.name).write_text(run_table(machine, scenario, run), encoding="utf-8")
+    if events is not None:
+        with staged(events.parent) as part:
+            (part / events.name).write_text(events_table(run), encoding="utf-8")
+    print(f"{output}: {run.t.size} rows from {run.t[0]:g} to {run.t[-1]:g} s, by {told(run)}")
+    if exact:
+        print(events_sentence(run))
+    warn((run.note,) if run.note else ())
 
 
 def warn(sentences: Sequence[str]) -> None:

@@ -165,6 +165,12 @@ def test_rows_of_simulation_name_their_bars(study: dict[str, ModuleType]) -> Non
     assert all(np.isfinite(r.value) and r.value > 0 for r in rows)
 
 
+def test_rows_of_exact_friction_name_their_bars(study: dict[str, ModuleType]) -> None:
+    rows = study["sticking"].rows(2.0, 201, 1)
+    assert [r.bar for r in rows] == [5.0, 1e-6, 1.0] * 2
+    assert all(r.met for r in rows if r.unit != "×")
+
+
 def test_rows_of_derivation_name_their_bars(study: dict[str, ModuleType]) -> None:
     rows = study["links"].rows(2, 3, 1)
     bars = sorted(r.bar for r in rows if r.bar)

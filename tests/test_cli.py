@@ -354,7 +354,7 @@ R = { value = 0.3, unit = "N" }
 
 def test_simulate_exactly_tells_its_events(symhyb: Call, write: Write, tmp_path: Path) -> None:
     """2 kg on 50 N/m from 20 mm under 0.3 N: two half swings of amplitude 14 and 2 mm, then rest
-    at 4 mm to the last digit."""
+    at −4 mm to the last digit."""
     run, events = tmp_path / "out" / "run.csv", tmp_path / "told" / "events.csv"
     model = write("rubbed.toml", RUBBED)
     done = symhyb("simulate", model, "--end", "4", "--step", "0.1", "-o", run, "--events", events)

@@ -23,7 +23,9 @@ from timing import Row, machine
 HERE = Path(__file__).parent
 PAGE = HERE.parents[1] / "docs" / "performance.md"
 BEGIN, END = "<!-- measured -->", "<!-- /measured -->"
-PARTS = ("links", "runs", "forces", "sweep", "starting", "regression", "matching", "compiled")
+PARTS = (
+    "links", "runs", "events", "forces", "sweep", "starting", "regression", "matching", "compiled"
+)  # fmt: skip
 
 
 def measure(part: str) -> list[Row]:
@@ -34,11 +36,13 @@ def measure(part: str) -> list[Row]:
     import oscillators
     import regression
     import starting
+    import sticking
     import trajectories
 
     work: dict[str, Callable[[], list[Row]]] = {
         "links": links.rows,
         "runs": oscillators.run_rows,
+        "events": sticking.rows,
         "forces": forces.rows,
         "sweep": oscillators.sweep_rows,
         "starting": starting.rows,

@@ -75,7 +75,7 @@ class Instant:
 
 
 def first_modes(at: Instant) -> tuple[Array, Modes]:
-    """The state and the modes that a run begins with.
+    """The state (X,), SI, and the modes that a run begins with.
 
     Raises:
         ValueError: a friction at a place that no coordinate moves.
@@ -96,7 +96,7 @@ def first_modes(at: Instant) -> tuple[Array, Modes]:
 
 
 def after(at: Instant, modes: Modes, fired: list[int]) -> tuple[Array, Modes]:
-    """The state and the modes after the watches ``fired`` (rows of ``watch``) crossed zero."""
+    """The state (X,), SI, and the modes after ``fired`` (rows of ``watch``) fell through zero."""
     total = len(modes.sigma)
     if any(s == 0 and i not in modes.held for i, s in enumerate(modes.sigma)):
         x, shared = _settled_again(at, modes)  # others may carry what one of them cannot
@@ -141,7 +141,7 @@ def _next(stop: int, second: int, damped: bool) -> int:
 
 
 def settled(at: Instant, modes: Modes, resting: list[int]) -> tuple[Array, Modes]:
-    """Let those of ``resting`` hold that can; their places come to rest exactly.
+    """Let those of ``resting`` hold that can; in the state (X,), SI, their places rest exactly.
 
     What breaks away loses its breakaway level, which may let more break away."""
     total = len(modes.sigma)
