@@ -225,10 +225,12 @@ static void backward(const Memory *m, const double *weights, double *pulled) {
   run(model_adjoint, v, v + V_X, v + V_U, v + V_P, weights, pulled, 0);
 }
 
-/* Whether a value of this reference may be set in this phase. */
+/* Whether a value of this reference may be set in this phase. Parameters may be set between steps of
+   a solver too, which the standard leaves to events: optimisers that read an FMU need it. */
 static int may_set(const Memory *m, unsigned reference) {
   int early = ((int)m->phase & (FRESH | INITIAL)) != 0;
   if (reference >= V_U && reference < V_Y) return 1;
-  if (reference >= V_X && reference < V_D - N_Z) return early;
-  return reference >= V_P && reference < N_V && m->phase != CONTINUOUS;
+  if (reference >= V_X && reference < V_D) /* an importer's solver may set any state */
+    return early ? reference < V_D - N_Z : ((int)m->phase & (EVENT | CONTINUOUS)) != 0;
+  return reference >= V_P && reference < N_V;
 }

@@ -174,6 +174,7 @@ def _exported(
     states: Names, inputs: Names, outputs: Names, x0: Array, u0: Array,
 ) -> Exported:  # fmt: skip
     """The functions, with only those parameters that matter; jumps of sgn are smoothed."""
+    rates, y, rest = (ca.reshape(part, part.numel(), 1) for part in (rates, y, rest))
     paths = [item.path for item in machine.model.all_parameters()]
     used = _columns(ca.vertcat(rates, y, rest), p)
     kept, names = p[used], [("p", paths[i]) for i in used]
