@@ -20,7 +20,7 @@ def part(name: str) -> str:
 
 
 def model_code(spec: Spec) -> str:
-    """The functions of the model and the numbers that the core needs, C99."""
+    """The functions of the model and their sizes, C99."""
     exported = spec.exported
     made = functions(exported)
     sizes = {
@@ -36,8 +36,6 @@ def model_code(spec: Spec) -> str:
         "#define CASADI_SYMBOL_EXPORT static inline /* no warnings about what is not called */",
         c_source(exported, spec.identifier),
         *(f"#define {name} {size}" for name, size in sizes.items()),
-        _array("START", (v.start for v in spec.variables)),
-        _array("NOMINAL", [1e-3 if v in spec.inner else 1.0 for v in spec.of_role("state")]),
     ]
     return "\n".join(lines) + "\n"
 
@@ -51,12 +49,15 @@ def token_of(text: str) -> str:
 def fmu_code(spec: Spec, fmi: int, token: str) -> str:
     """One C file that is the whole FMU; the headers of the standard are not part of it."""
     stamp = int(hashlib.sha256(token.encode()).hexdigest()[:13], 16)
+    nominal = [1e-3 if v in spec.inner else 1.0 for v in spec.of_role("state")]
     return "\n".join(
         (
             f"#define FMI{fmi}_FUNCTION_PREFIX_WANTED {spec.identifier}_",
             model_code(spec),
             f'#define TOKEN "{token}"',
             f"#define STAMP {stamp}.0",
+            _array("START", (v.start for v in spec.variables)),
+            _array("NOMINAL", nominal),
             part("core.c"),
             part(f"fmi{fmi}.c"),
         )
