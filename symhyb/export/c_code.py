@@ -129,7 +129,7 @@ def _plain(spec: Spec) -> str:
 
 
 def samples(spec: Spec, count: int, seed: int = 1) -> tuple[Array, Array, Array]:
-    """Random t, x, u about their starts, (count,), (count, X), (count, U), SI."""
+    """Random t (N,), x (N, X) and u (N, U) about their starts, N = ``count``, SI."""
     rng, e = np.random.default_rng(seed), spec.exported
     t = rng.uniform(0, 10, count)
     x = e.x + rng.normal(0, 1, (count, e.x.size)) * np.maximum(np.abs(e.x), 0.1)

@@ -219,12 +219,6 @@ static void forward(const Memory *m, double *seed, double *along) {
   for (int i = 0; i < N_X; ++i) along[V_X + i] = seed[S_X + i];
 }
 
-/* Weights of rates and outputs (N_X + N_Y) pulled back to what is known (N_S). */
-static void backward(const Memory *m, const double *weights, double *pulled) {
-  const double *v = m->v;
-  run(model_adjoint, v, v + V_X, v + V_U, v + V_P, weights, pulled, 0);
-}
-
 /* Whether a value of this reference may be set in this phase. Parameters may be set between steps of
    a solver too, which the standard leaves to events: optimisers that read an FMU need it. */
 static int may_set(const Memory *m, unsigned reference) {

@@ -284,6 +284,12 @@ fmi3Status fmi3GetDirectionalDerivative(
   return fmi3OK;
 }
 
+/* Weights of rates and outputs (N_X + N_Y) pulled back to what is known (N_S). */
+static void backward(const Memory *m, const double *weights, double *pulled) {
+  const double *v = m->v;
+  run(model_adjoint, v, v + V_X, v + V_U, v + V_P, weights, pulled, 0);
+}
+
 fmi3Status fmi3GetAdjointDerivative(
     fmi3Instance instance, const fmi3ValueReference unknown[], size_t n_unknown,
     const fmi3ValueReference known[], size_t n_known, const fmi3Float64 seed[], size_t n_seed,
