@@ -7,19 +7,21 @@ of the machine:  u = recorded inputs and imposed motion, x = (q, q', z), y = wha
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 from symhyb.errors import InputError, Problem
+from symhyb.model.expression import readings
 from symhyb.model.types import Model
 from symhyb.numeric.buffers import Array, call
 from symhyb.numeric.dynamics import state_form
+from symhyb.numeric.holes import Hole, filled, parts_of
 from symhyb.numeric.instructions import NOTHING, UNARY, program
 from symhyb.numeric.machine import Machine, build
-from symhyb.numeric.network import FADE
 
 SMOOTHING = 1e-3  # SI: width over which a jump of sgn is passed
 Names = tuple[tuple[str, str], ...]
@@ -90,24 +92,23 @@ def export_elements(model: Model, names: Sequence[str]) -> Exported:
     """
     _require_force_elements(model, names)
     machine = build(model)
-    q, v, t, u, p = _symbols(machine)
-    z = ca.SX.sym("z", machine.inner_states)
+    parts = parts_of(machine)
     chosen = [i for i, element in enumerate(model.elements) if element.name in names]
-    forces = ca.sum2(machine.elements(q, v, z, u, t, p)[:, chosen])
-    memory = [i for i, name in enumerate(_owners(model)) if name in names]
+    owners = _owners(model)
+    memory = [i for i, name in enumerate(owners) if name in names]
+    holes = [hole for hole in parts.holes if hole.name in names]
+    forces = ca.sum2(parts.forces[:, chosen])
     rows = [i for i in range(machine.n) if not forces[i].is_zero()]
-    trusts = _trusts(model, names, (q, v, u, t, p))
-    rates = machine.inner(q, v, z, u, t, p)[memory]
-    rest = machine.inner_rest(q, t, p)[memory]
-    drawn = ca.vertcat(forces[rows], *trusts.values(), rates, rest)
-    labels = _names(model)
-    where = [("q", q, labels[0]), ("v", v, labels[0]), ("u", u, labels[1])]
+    rates, rest = parts.inner[memory], parts.rest[memory]
+    y = ca.vertcat(forces[rows], *(hole.trust() for hole in holes))
+    drawn = ca.vertcat(y, rates, rest, *(hole.inputs for hole in holes))
+    coordinates, recorded = _names(model)
+    where = [("q", parts.q, coordinates), ("v", parts.v, coordinates), ("u", parts.u, recorded)]
     inputs, pieces, starts = _used(where, drawn, _starts(machine))
-    outputs = [("dF", labels[0][i]) for i in rows] + [("trust", name) for name in trusts]
+    outputs = [("dF", coordinates[i]) for i in rows] + [("trust", hole.name) for hole in holes]
     return _exported(
-        machine, p, t, z[memory], ca.vertcat(*pieces), rates,
-        ca.vertcat(forces[rows], *trusts.values()), rest,
-        tuple(("z", _owners(model)[i]) for i in memory), inputs, tuple(outputs),
+        machine, parts.p, parts.t, parts.z[memory], ca.vertcat(*pieces), rates, y, rest, holes,
+        tuple(("z", owners[i]) for i in memory), inputs, tuple(outputs),
         np.zeros(len(memory)), np.array(starts),
     )  # fmt: skip
 
@@ -123,29 +124,52 @@ def export_machine(model: Model) -> Exported:
         text = "has a delay, which the exported model does not hold; let the host delay the signal"
         raise InputError([Problem(text, f"inputs.{name}", model.file) for name in late])
     machine = build(model)
-    form = state_form(machine)
-    x, d, t, p, _ = form.symbols()
-    none = ca.SX.zeros(machine.n)
-    free, given = [[labels[i] for i in which] for labels in [_names(model)[0]]
-                   for which in (form.free, form.given)]  # fmt: skip
-    rates = ca.vertcat(x[len(free) : 2 * len(free)], form.rates()(x, d, t, p, none))
-    y, _a = form.outputs()(x, d, t, p, none)
-    q = form.unpack(x, d, p)[0]
-    trusts = _trusts(model, [e.name for e in model.elements], (q, form.unpack(x, d, p)[1],
-                     form.unpack(x, d, p)[3], t, p))  # fmt: skip
-    starts = _starts(machine)
-    states = [("q", n) for n in free] + [("v", n) for n in free]
-    inputs = [("u", item.name) for item in model.inputs]
-    inputs += [(kind, name) for kind in "qva" for name in given]
-    begin = [starts["q"][i] for i in form.free] + [starts["v"][i] for i in form.free]
-    driven = [0.0] * len(model.inputs) + [starts["q"][i] for i in form.given]
-    driven += [starts["v"][i] for i in form.given] + [0.0] * len(given)
+    bare, among = _without_networks(machine)
+    form = state_form(bare)
+    x, d, t = form.symbols()[:3]
+    p = ca.SX.sym("p", machine.values.size)
+    q, v, _z, u, _b = form.unpack(x, d, p)
+    pushed, holes = ca.SX.zeros(machine.n), tuple[Hole, ...]()
+    if bare is not machine:
+        parts = parts_of(machine).at(q, v, u, t, p)
+        holes = parts.holes
+        learnt = [i for i, element in enumerate(model.elements) if element.network is not None]
+        pushed = ca.sum2(parts.forces[:, learnt])
+    names, (free, given) = _names(model), (form.free, form.given)
+    rates = ca.vertcat(x[len(free) : 2 * len(free)], form.rates()(x, d, t, p[among], pushed))
+    y, _a = form.outputs()(x, d, t, p[among], pushed)
+    starts, still = _starts(machine), np.zeros(len(given))
+    at = [(kind, names[0][i]) for kind in "qv" for i in free]
+    inputs = [("u", name) for name in names[1]] + [(k, names[0][i]) for k in "qva" for i in given]
+    outputs = [("y", s.name) for s in model.sensors] + [("trust", hole.name) for hole in holes]
+    begin = [starts["q"][list(free)], starts["v"][list(free)], np.zeros(machine.inner_states)]
+    driven = [starts["u"], starts["q"][list(given)], starts["v"][list(given)], still]
     return _exported(
-        machine, p, t, x, d, rates, ca.vertcat(y, *trusts.values()), machine.inner_rest(q, t, p),
-        (*states, *(("z", name) for name in _owners(model))), tuple(inputs),
-        (*(("y", s.name) for s in model.sensors), *(("trust", name) for name in trusts)),
-        np.array([*begin, *np.zeros(machine.inner_states)]), np.array(driven),
+        machine, p, t, x, d, rates, ca.vertcat(y, *(hole.trust() for hole in holes)),
+        bare.inner_rest(q, t, p[among]), holes,
+        (*at, *(("z", name) for name in _owners(model))), tuple(inputs), tuple(outputs),
+        np.concatenate(begin), np.concatenate(driven),
     )  # fmt: skip
+
+
+def _without_networks(machine: Machine) -> tuple[Machine, list[int]]:
+    """The machine without its networks, and where its parameters are among those of all.
+
+    Raises:
+        InputError: a sensor that measures the force of a network.
+    """
+    model = machine.model
+    learnt = {element.name for element in model.elements if element.network is not None}
+    if not learnt:
+        return machine, list(range(machine.values.size))
+    for sensor in model.sensors:
+        if any(learnt & set(reading.names) for reading in readings(sensor.measures)):
+            text = "measures the force of a network, which an exported model does not offer"
+            raise InputError(Problem(text, f"sensors.{sensor.name}", model.file))
+    kept = tuple(element for element in model.elements if element.name not in learnt)
+    bare = build(replace(model, elements=kept), keep=False)
+    paths = [item.path for item in model.all_parameters()]
+    return bare, [paths.index(item.path) for item in bare.model.all_parameters()]
 
 
 def c_source(exported: Exported, identifier: str) -> str:
@@ -171,44 +195,68 @@ def serialised(exported: Exported) -> str:
 
 def _exported(
     machine: Machine, p: ca.SX, t: ca.SX, x: ca.SX, u: ca.SX, rates: ca.SX, y: ca.SX, rest: ca.SX,
-    states: Names, inputs: Names, outputs: Names, x0: Array, u0: Array,
+    holes: Sequence[Hole], states: Names, inputs: Names, outputs: Names, x0: Array, u0: Array,
 ) -> Exported:  # fmt: skip
     """The functions, with only those parameters that matter; jumps of sgn are smoothed."""
-    rates, y, rest = (ca.reshape(part, part.numel(), 1) for part in (rates, y, rest))
+    x, u, rates, y, rest = (ca.reshape(part, part.numel(), 1) for part in (x, u, rates, y, rest))
+    seen = [hole.inputs for hole in holes]
     paths = [item.path for item in machine.model.all_parameters()]
-    used = _columns(ca.vertcat(rates, y, rest), p)
-    kept, names = p[used], [("p", paths[i]) for i in used]
+    used = _columns(ca.vertcat(rates, y, rest, *seen), p)
+    kept, names = ca.reshape(p[used], len(used), 1), [("p", paths[i]) for i in used]
     fixed = [i for i in range(len(paths)) if i not in used]
-    rates, y, rest = ca.substitute([rates, y, rest], [p[fixed]], [ca.DM(machine.values[fixed])])
-    plain = ca.Function("f", [t, x, u, kept], [ca.densify(rates), ca.densify(y)], {"cse": True})
-    values = list(machine.values[used])
-    width = ca.SX.sym("width")
-    smooth = _smoothed(plain, [t, x, u, kept], width)
+    if fixed:
+        held = ca.DM(machine.values[fixed])
+        rates, y, rest = ca.substitute([rates, y, rest], [p[fixed]], [held])
+    values, width = list(machine.values[used]), ca.SX.sym("width")
+    forces = ca.vertcat(*(hole.force for hole in holes)) if holes else ca.SX(0, 1)
+    before = [t, x, u, kept, forces]
+    smooth = _smoothed(ca.Function("f", before, [rates, y], {"cse": True}), before, width)
     if smooth is not None:
         (rates, y), kept = smooth, ca.vertcat(kept, width)
         names.append(("p", "smoothing"))
         values.append(SMOOTHING)
-    before = ca.vertcat(t, x, u, kept)
-    seed, weights = ca.SX.sym("s", before.numel()), ca.SX.sym("w", rates.numel() + y.numel())
-    along = ca.jtimes(ca.vertcat(rates, y), before, seed)
-    pulled = ca.jtimes(ca.vertcat(rates, y), before, weights, True)
     here = [t, x, u, kept]
-    inner = rest.numel()
-
-    def function(name: str, arguments: list[ca.SX], results: list[ca.SX]) -> ca.Function:
-        return ca.Function(f"model_{name}", arguments, [ca.densify(r) for r in results],
-                           {"cse": True})  # fmt: skip
-
-    made = [along[: rates.numel()], along[rates.numel() :]]
+    around = ca.Function("around", [*here, forces], [ca.vertcat(rates, y)], {"cse": True})
+    if holes:
+        whole = filled(around, holes, here, machine.model)
+    else:
+        whole = ca.Function("whole", [ca.vertcat(*here)], [ca.vertcat(rates, y)], {"cse": True})
+    made = _derived(whole, rates.numel(), [part.numel() for part in here])
+    rested = ca.Function("rest", [ca.vertcat(*here)], [rest])
+    resting = _derived(rested, rest.numel(), [part.numel() for part in here])
     return Exported(
-        machine.model, states, inputs, outputs, tuple(names), inner,
-        function("value", here, [rates, y]),
-        function("forward", [*here, seed], made),
-        function("adjoint", [*here, weights], [pulled]),
-        function("rest", here, [rest]),
-        function("rest_forward", [*here, seed], [ca.jtimes(rest, before, seed)]),
-        x0, u0, np.array(values),
+        machine.model, states, inputs, outputs, tuple(names), rest.numel(),
+        made["value"], made["forward"], made["adjoint"], _first(resting["value"], "rest"),
+        _first(resting["forward"], "rest_forward"), x0, u0, np.array(values),
     )  # fmt: skip
+
+
+def _derived(whole: ca.Function, first: int, sizes: Sequence[int]) -> dict[str, ca.Function]:
+    """Value, forward and adjoint derivative of b -> (x', y) as functions of the parts of b; the
+    ``first`` of the results are x'. In scalars where ``whole`` is, else in matrices."""
+    kind: Any = ca.SX if whole.is_a("SXFunction") else ca.MX  # the same code for both
+    b, rows = kind.sym("b", whole.size1_in(0)), whole.size1_out(0)
+    seed, weights = kind.sym("s", b.numel()), kind.sym("w", rows)
+    value = whole(b)
+    results = {
+        "value": ([], value),
+        "forward": ([seed], ca.jtimes(value, b, seed)),
+        "adjoint": ([weights], ca.jtimes(value, b, weights, True)),
+    }
+    made = {}
+    for name, (more, result) in results.items():
+        inside = ca.Function("inside", [b, *more], [ca.densify(result)])
+        here = [kind.sym(part, size) for part, size in zip("txup", sizes, strict=True)]
+        done = inside(ca.vertcat(*here), *more)
+        out = [done] if name == "adjoint" else [done[:first], done[first:]]
+        made[name] = ca.Function(f"model_{name}", [*here, *more], out, {"cse": kind is ca.SX})
+    return made
+
+
+def _first(function: ca.Function, name: str) -> ca.Function:
+    """The function with its first result alone."""
+    arguments = function.sx_in()
+    return ca.Function(f"model_{name}", arguments, [function(*arguments)[0]], {"cse": True})
 
 
 def _smoothed(function: ca.Function, arguments: list[ca.SX], width: ca.SX) -> list[ca.SX] | None:
@@ -262,44 +310,6 @@ def _owners(model: Model) -> list[str]:
     from symhyb.mechanics.symbols import symbols_of  # SymPy takes half a second to import
 
     return list(symbols_of(model).z)
-
-
-def _trusts(
-    model: Model, names: Sequence[str], at: tuple[ca.SX, ca.SX, ca.SX, ca.SX, ca.SX]
-) -> dict[str, ca.SX]:
-    """For each network 1 inside its trust box, falling to 0 outside as its force does."""
-    wanted = {e.name: e.network for e in model.elements if e.network and e.name in names}
-    if not wanted:
-        return {}
-    from symhyb.mechanics.equations import derive
-    from symhyb.numeric.translate import Lowered
-
-    seen: dict[str, ca.SX] = {}
-
-    def catching(name: str) -> object:
-        def fill(inputs: ca.SX) -> ca.SX:
-            seen[name] = inputs
-            return ca.SX(0)
-
-        return fill
-
-    low = Lowered(derive(model), {e.name: catching(e.name) for e in model.elements})  # type: ignore[misc]
-    symbols = [low.q, low.v, low.u, low.t, low.p]
-    result = {}
-    for name, network in wanted.items():
-        inputs, inside = ca.substitute([seen[name]], symbols, list(at))[0], ca.SX(1)
-        for i, (low_edge, high_edge) in enumerate(network.trust):
-            beyond = ca.fmax(ca.fmax(low_edge - inputs[i], inputs[i] - high_edge), 0)
-            share = 1 - ca.fmin(beyond / (FADE * (high_edge - low_edge)), 1)
-            inside = inside * share**2 * (3 - 2 * share)
-        result[name] = inside
-    return result
-
-
-def _symbols(machine: Machine) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX, ca.SX]:
-    n, k = machine.n, len(machine.model.inputs)
-    q, v, u = (ca.SX.sym(name, size) for name, size in (("q", n), ("v", n), ("u", k)))
-    return q, v, ca.SX.sym("t"), u, ca.SX.sym("p", machine.values.size)
 
 
 def _names(model: Model) -> tuple[list[str], list[str]]:

@@ -2,16 +2,19 @@
 FMU through FMPy."""
 
 import ctypes
+import hashlib
+import json
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from builders import oscillator, push
+from builders import model_of, oscillator, push
 
 from symhyb.export.fmu import fmu
 from symhyb.export.spec import Spec, spec_of
@@ -50,6 +53,29 @@ def element() -> Spec:
 def whole() -> Spec:
     """The machine with all that acts on it."""
     return spec_of(machine(), "machine", whole=True)
+
+
+def network(folder: Path) -> Spec:
+    """A network of place and speed with two layers of 64 units, trained to ±3 in both."""
+    rng, layers = np.random.default_rng(0), []
+    for wide, narrow, activation in ((2, 64, "tanh"), (64, 64, "tanh"), (64, 1, "identity")):
+        weights = rng.normal(size=(narrow, wide)) / np.sqrt(wide)
+        layer = {"weights": weights.tolist(), "bias": rng.normal(size=narrow).tolist()}
+        layers.append({**layer, "activation": activation})
+    text = json.dumps({"symhyb-network": 1, "mean": [0, 0], "scale": [1, 1], "gain": 2.0,
+                       "offset": 0.1, "layers": layers})  # fmt: skip
+    (folder / "net.json").write_text(text, encoding="utf-8")
+    learnt = {
+        "kind": "network", "on": "x", "weights": "net.json", "inputs": ["x/w0", "x'/w1"],
+        "sha256": hashlib.sha256(text.encode()).hexdigest(), "trust": [[-3, 3], [-3, 3]],
+    }  # fmt: skip
+    model = model_of(
+        coordinates={"x": {"unit": "m"}},
+        parameters={"m": (1.2, "kg"), "w0": (1.0, "m"), "w1": (1.0, "m/s")},
+        bodies={"block": {"mass": "m", "at": ["x", "0"]}},
+        elements={"rest": learnt},
+    )
+    return spec_of(replace(model, file=str(folder / "model.toml")), "net", ("rest",))
 
 
 def written(folder: Path, spec: Spec, fmi: int, data: bytes | None = None) -> Path:

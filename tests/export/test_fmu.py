@@ -17,6 +17,7 @@ from fmus import (
     jacobian,
     loaded,
     machine,
+    network,
     places,
     put,
     started,
@@ -69,6 +70,23 @@ def test_every_point_is_that_of_symhyb_bit_by_bit(fmus, fmi: int) -> None:
             told = np.concatenate(spec.exported.evaluate(t[i], x[i], u[i], spec.exported.p))
             worst = max(worst, float(np.abs(made - told).max()))
     assert worst == 0.0
+
+
+def test_a_large_network_is_small_code_and_the_same_bit_by_bit(tmp_path: Path) -> None:
+    """2 inputs and twice 64 units: less than 200 kB, and in C what CasADi computes."""
+    spec = network(tmp_path)
+    path = written(tmp_path, spec, 2)
+    assert path.stat().st_size < 200_000
+    at, (_, _, u) = places(spec), samples(spec, 300, seed=17)
+    e = spec.exported
+    with loaded(path, 2) as instance:
+        started(instance, 2)
+        for i in range(300):
+            put(instance, 2, at.input, list(u[i]))
+            assert get(instance, 2, at.output) == list(e.evaluate(0.0, e.x, u[i], e.p)[1])
+        made = instance.getDirectionalDerivative(at.output[:1], at.input[1:], [1.0])
+    slope = [e.evaluate(0.0, e.x, u[-1] + [0, step], e.p)[1][0] for step in (1e-6, -1e-6)]
+    assert made[0] == pytest.approx((slope[0] - slope[1]) / 2e-6, rel=1e-4, abs=1e-4)
 
 
 @pytest.mark.parametrize("fmi", [2, 3])

@@ -14,7 +14,9 @@ from symhyb.errors import InputError
 from symhyb.export.spec import si_unit, spec_of
 from symhyb.model.read import parse_model
 from symhyb.model.types import Model
+from symhyb.numeric.buffers import call
 from symhyb.numeric.exported import SMOOTHING
+from symhyb.numeric.machine import build
 from symhyb.numeric.network import FADE
 from symhyb.units import parse_unit
 
@@ -135,6 +137,23 @@ def test_a_network_says_whether_it_was_trained_there(tmp_path: Path) -> None:
     assert edge["trust.rest"] == pytest.approx(0.5, rel=1e-12)
     assert edge["dF.x"] == pytest.approx(1.5 * math.tanh(2 * (1 + FADE)), rel=1e-12)
     assert told(spec, u=[2.0]) == {"dF.x": 0.0, "trust.rest": 0.0}
+
+
+def test_a_network_in_the_whole_machine_is_that_of_the_machine(tmp_path: Path) -> None:
+    """In matrices here, in scalars there; the forces fade on the way out."""
+    model = learnt(tmp_path)
+    spec, machine = spec_of(model, "net", whole=True), build(model)
+    assert spec.exported.outputs == (("trust", "rest"),)
+    for x in (-0.7, 0.3, 1.1, 1.5):
+        rates, y = spec.exported.evaluate(0.0, np.array([x, 0.5]), np.zeros(0), spec.exported.p)
+        (told,) = call(machine.acceleration, ([x], [0.5], [], [], 0.0, machine.values, [0.0], []))
+        assert rates == pytest.approx([0.5, told.item()], rel=1e-13, abs=1e-13)
+        assert y[0] == told_trust(x)
+
+
+def told_trust(x: float) -> float:
+    inside = 1 - min(max(abs(x) - 1, 0) / (2 * FADE), 1)
+    return pytest.approx(inside**2 * (3 - 2 * inside), abs=1e-12)
 
 
 def test_weights_that_were_changed_are_not_exported(tmp_path: Path) -> None:
