@@ -136,7 +136,7 @@ def export_machine(model: Model) -> Exported:
         learnt = [i for i, element in enumerate(model.elements) if element.network is not None]
         pushed = ca.sum2(parts.forces[:, learnt])
     names, (free, given) = _names(model), (form.free, form.given)
-    rates = ca.vertcat(x[len(free) : 2 * len(free)], form.rates()(x, d, t, p[among], pushed))
+    rates = ca.vertcat(x[len(free) : 2 * len(free), 0], form.rates()(x, d, t, p[among], pushed))
     y, _a = form.outputs()(x, d, t, p[among], pushed)
     starts, still = _starts(machine), np.zeros(len(given))
     at = [(kind, names[0][i]) for kind in "qv" for i in free]
@@ -248,7 +248,7 @@ def _derived(whole: ca.Function, first: int, sizes: Sequence[int]) -> dict[str, 
         inside = ca.Function("inside", [b, *more], [ca.densify(result)])
         here = [kind.sym(part, size) for part, size in zip("txup", sizes, strict=True)]
         done = inside(ca.vertcat(*here), *more)
-        out = [done] if name == "adjoint" else [done[:first], done[first:]]
+        out = [done] if name == "adjoint" else [done[:first, 0], done[first:, 0]]
         made[name] = ca.Function(f"model_{name}", [*here, *more], out, {"cse": kind is ca.SX})
     return made
 
