@@ -17,6 +17,7 @@ import typer
 from symhyb.cli_data import data
 from symhyb.cli_options import End, Folder, Json, Map, ModelFile, Recordings, Start, print_json
 from symhyb.errors import InputError, NumericsError
+from symhyb.export.verb import export
 
 app = typer.Typer(
     name="symhyb",
@@ -300,6 +301,9 @@ def run(
         total = len(result.checks)
         print(f"{failed} of {total} expectations failed" if failed else "as expected")
     raise typer.Exit(result.exit_status)
+
+
+app.command()(export)
 
 
 def main() -> NoReturn:

@@ -1,0 +1,92 @@
+"""An export as files: which ones, where, and what to say about them."""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from symhyb.errors import InputError, Problem
+from symhyb.export.adams import adams_files
+from symhyb.export.c_code import c_files
+from symhyb.export.fmu import fmu
+from symhyb.export.latex import latex
+from symhyb.export.pack import require_writable, write_file, write_folder
+from symhyb.export.spec import C_WORDS, Role, Spec, spec_of
+from symhyb.model.types import Model
+from symhyb.numeric.exported import serialised
+
+TARGETS = ("fmu", "c", "casadi", "adams", "latex")
+FOLDERS = ("c", "adams")  # what consists of several files
+
+
+@dataclass(frozen=True, slots=True)
+class Order:
+    """What a person asks for: ``elements`` alone (none: those found) or the ``whole`` model."""
+
+    to: str
+    elements: tuple[str, ...] = ()
+    whole: bool = False
+    name: str = ""
+    fmi: int = 2
+    kinds: tuple[str, ...] = ("cs", "me")
+    platforms: tuple[str, ...] = ()
+
+
+def deliver(model: Model, order: Order, output: Path) -> tuple[str, ...]:
+    """Write what is ordered to ``output`` (a folder for C and Adams, else a file) and say what it
+    is. Nothing is written if anything goes wrong.
+
+    Raises:
+        InputError: an order that cannot be met, with the reason, or no permission to write.
+    """
+    if order.to not in TARGETS:
+        raise InputError(Problem(f"'{order.to}' cannot be written; known: {', '.join(TARGETS)}"))
+    require_writable(output / "x" if order.to in FOLDERS else output)
+    if order.to not in FOLDERS and output.is_dir():
+        raise InputError(Problem("is a folder; name a file in it", file=str(output)))
+    if order.to == "latex":
+        write_file(output, latex(model))
+        return (f"{output}: the equations of the whole model",)
+    spec = spec_of(model, order.name or _identifier(order, output), order.elements, order.whole)
+    match order.to:
+        case "fmu":
+            packed = fmu(spec, order.fmi, order.kinds, order.platforms)
+            write_file(output, packed)
+            said = f"{output}: FMI {order.fmi}.0, {' and '.join(order.kinds)}, {len(packed)} bytes"
+        case "c":
+            write_folder(output, c_files(spec))
+            said = f"{output}: {', '.join(c_files(spec))}"
+        case "adams":
+            write_folder(output, adams_files(spec))
+            said = f"{output}: experimental, never run in Adams by us; the FMU is the surer way"
+        case _:
+            write_file(output, serialised(spec.exported))
+            said = (
+                f"{output}: (t, x, u, p) -> (x', y) in CasADi's own form; such a file can make the "
+                "program that loads it run other code, so load only those you wrote yourself"
+            )
+    return (said, *_interface(spec))
+
+
+def _interface(spec: Spec) -> tuple[str, ...]:
+    """What goes in and what comes out, in SI."""
+    lines = []
+    roles: tuple[Role, ...] = ("input", "output")
+    for role in roles:
+        listed = [f"{v.name} [{v.unit.text}]" for v in spec.of_role(role)]
+        lines.append(f"  {role}s: {', '.join(listed) or 'none'}")
+    if not spec.whole:
+        lines.append("  the host adds +dF to its applied forces")
+    return tuple(lines)
+
+
+def _identifier(order: Order, output: Path) -> str:
+    """The name of the C code: that of the file or folder, if it will do."""
+    name = output.name.removesuffix(".fmu").removesuffix(".casadi")
+    if re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,63}", name) and name not in C_WORDS:
+        return name
+    better = re.sub(r"\W|^(?=[^A-Za-z])", "_", name, flags=re.ASCII).strip("_") or "model_1"
+    text = (
+        f"'{name}' would name files and functions in C and is no name there; choose another with "
+        f"--name, such as --name {better}"
+    )
+    raise InputError(Problem(text, file=str(output)))

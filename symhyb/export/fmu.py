@@ -1,0 +1,56 @@
+"""An FMU: description, sources and libraries in one archive.
+
+Source: FMI 2.0.4 and 3.0.1, https://fmi-standard.org.
+"""
+
+from collections.abc import Sequence
+
+from symhyb.errors import InputError, Problem
+from symhyb.export.build import PLATFORMS, headers, require_platforms, shared_library
+from symhyb.export.c_code import fmu_code, token_of
+from symhyb.export.description import KINDS, build_description, model_description
+from symhyb.export.pack import archive
+from symhyb.export.spec import Spec
+
+VERSIONS = (2, 3)
+
+
+def fmu(
+    spec: Spec, fmi: int = 2, kinds: Sequence[str] = ("cs", "me"), platforms: Sequence[str] = ()
+) -> bytes:
+    """The archive of an FMU for co-simulation (``cs``) and model exchange (``me``), with libraries
+    for the ``platforms`` (default: all that can be compiled for here) and the sources.
+
+    The same export gives the same bytes, with the same compilers.
+
+    Raises:
+        InputError: a version, kind or platform that is not known, or no compiler.
+    """
+    _require(fmi, kinds)
+    chosen = require_platforms(platforms)
+    headers()
+    token = token_of(fmu_code(spec, fmi, "") + model_description(spec, fmi, "", kinds))
+    code, name = fmu_code(spec, fmi, token), spec.identifier
+    files: dict[str, str | bytes] = {
+        "modelDescription.xml": model_description(spec, fmi, token, kinds),
+        f"sources/{name}.c": code,
+    }
+    if fmi == 3:
+        files["sources/buildDescription.xml"] = build_description(spec)
+    for target in chosen:
+        at = PLATFORMS[target]
+        folder = at.fmi2 if fmi == 2 else at.fmi3
+        files[f"binaries/{folder}/{name}{at.suffix}"] = shared_library(code, name, target)
+    return archive(files)
+
+
+def _require(fmi: int, kinds: Sequence[str]) -> None:
+    problems = []
+    if fmi not in VERSIONS:
+        problems.append(Problem(f"FMI {fmi} is not known; known: 2, 3"))
+    unknown = [kind for kind in kinds if kind not in KINDS]
+    problems += [Problem(f"'{kind}' is no kind of FMU; known: cs, me") for kind in unknown]
+    if not kinds:
+        problems.append(Problem("an FMU needs a kind: cs, me or both"))
+    if problems:
+        raise InputError(problems)

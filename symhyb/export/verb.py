@@ -1,0 +1,50 @@
+"""The verb `symhyb export`: arguments parsed, an order carried out, what it is printed.
+
+Heavy modules are imported inside, so that help answers at once.
+"""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def export(
+    model: Annotated[Path, typer.Argument(metavar="MODEL", help="Model file.")],
+    to: Annotated[
+        str, typer.Option("--to", metavar="FORM", help="One of fmu, c, casadi, adams, latex.")
+    ],
+    output: Annotated[
+        Path,
+        typer.Option("-o", "--output", metavar="OUT", help="File; for c and adams a folder."),
+    ],
+    elements: Annotated[
+        list[str] | None,
+        typer.Option("--element", metavar="NAME", help="Element to export alone. Repeat it."),
+    ] = None,
+    whole: Annotated[bool, typer.Option("--whole", help="Export the whole model.")] = False,
+    name: Annotated[str, typer.Option(metavar="NAME", help="Name of the C code, else OUT's.")] = "",
+    fmi: Annotated[int, typer.Option(metavar="2|3", help="Version of FMI.")] = 2,
+    kinds: Annotated[
+        str, typer.Option(metavar="KINDS", help="Co-simulation, model exchange, or both.")
+    ] = "cs,me",
+    platforms: Annotated[
+        str, typer.Option(metavar="NAMES", help="linux64,win64; default: all that can be compiled.")
+    ] = "",
+) -> None:
+    """Write a correction, or a whole model, for another program.
+
+    By default the elements that a diagnosis found, as a force element: coordinates and speeds in,
+    +dF out, which the host adds to its applied forces. With --whole the inputs of the model in, its
+    sensors and coordinates out. Everything is in SI.
+
+    \b
+    Example:
+      symhyb export out/corrected.toml --to fmu -o correction.fmu
+    """
+    from symhyb.export.deliver import Order, deliver
+    from symhyb.model.read import read_model
+
+    chosen, targets = ([one for one in text.split(",") if one] for text in (kinds, platforms))
+    order = Order(to, tuple(elements or ()), whole, name, fmi, tuple(chosen), tuple(targets))
+    print(*deliver(read_model(model), order, output), sep="\n")

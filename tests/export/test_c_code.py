@@ -1,0 +1,111 @@
+"""Plain C and Adams source compile without warnings and give what symhyb gives."""
+
+import subprocess
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fmus import element, machine, whole
+
+from symhyb.errors import InputError
+from symhyb.export.adams import adams_files
+from symhyb.export.c_code import SAMPLES, c_files, samples
+from symhyb.export.spec import Spec, spec_of
+
+WARNINGS = ("-Wall", "-Wextra", "-Werror", "-Wno-unused-parameter", "-pedantic", "-std=c99")
+
+# What a user's own Adams would bring, so far as the source asks for it: a mass 3 mm off, 50 mm/s.
+ADAMS = """
+#include <stdio.h>
+#include <stdlib.h>
+struct sAdamsSforce { int ID; int NPAR; const double *PAR; };
+typedef void adams_c_Sfosub(const struct sAdamsSforce *, double, int, int, double *);
+static void c_sysfnc(const char *what, const int *markers, int n, double *value, int *failed) {
+  *failed = n != 3 || markers[0] != 11 || markers[1] != 12;
+  *value = what[0] == 'D' ? 3.0 : 50.0;
+}
+static void c_errmes(int failed, const char *text, int id, const char *stop) {
+  if (failed) { puts(text); exit(1); }
+}
+"""
+DRIVER = """
+#include "law_adams.c"
+int main(void) {
+  double par[3] = {11, 12, 1}, value;
+  struct sAdamsSforce force = {1, 3, par};
+  Sfosub(&force, 0.0, 0, 0, &value);
+  printf("%.17g\\n", value);
+  return 0;
+}
+"""
+
+
+def compiled(folder: Path, *sources: str) -> str:
+    """Compile and run; what the program prints."""
+    done = subprocess.run(
+        ["cc", *WARNINGS, "-ffp-contract=off", *sources, "-o", "program", "-lm"],
+        cwd=folder, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    run = subprocess.run(["./program"], cwd=folder, capture_output=True, text=True, check=False)
+    return f"{run.returncode} {run.stdout}"
+
+
+def put(folder: Path, files: dict[str, str]) -> None:
+    for name, text in files.items():
+        (folder / name).write_text(text, encoding="utf-8")
+
+
+@pytest.mark.parametrize("made", [element, whole])
+def test_the_program_that_comes_with_it_finds_no_difference(made, tmp_path: Path) -> None:
+    spec: Spec = made()
+    put(tmp_path, c_files(spec))
+    told = compiled(tmp_path, f"{spec.identifier}.c", f"{spec.identifier}_check.c")
+    assert told == f"0 {spec.identifier}: {SAMPLES} samples, largest relative difference 0\n"
+
+
+def test_a_number_that_was_changed_is_found(tmp_path: Path) -> None:
+    files = c_files(element())
+    code = files["correction.c"]
+    first = "const double correction_p[5] = {\n  "
+    changed = code.replace(f"{first}0.5,", f"{first}0.6,")
+    assert changed != code
+    put(tmp_path, {**files, "correction.c": changed})
+    assert compiled(tmp_path, "correction.c", "correction_check.c").startswith("1 ")
+
+
+def test_the_header_says_names_units_and_sign() -> None:
+    text = c_files(element())["correction.h"]
+    for said in ("q.x [m]", "v.x [m/s]", "dF.x [N]", "p.b [N*s^2/m^2]", "a host adds +dF"):
+        assert said in text
+    assert "host adds" not in c_files(whole())["machine.h"]
+
+
+def test_text_of_a_model_cannot_leave_its_comment() -> None:
+    """A title from a stranger is not code."""
+    odd = replace(element(), title="a */ int evil; /* b \\")
+    for text in c_files(odd).values():
+        assert "*/ int evil" not in text
+        assert "b \\" not in text
+
+
+def test_adams_source_scales_and_keeps_the_sign(tmp_path: Path) -> None:
+    spec = spec_of(machine(), "law", ("drag", "rub"))
+    put(tmp_path, adams_files(spec) | {"slv_c_utils.h": ADAMS, "driver.c": DRIVER})
+    told = compiled(tmp_path, "law.c", "driver.c")
+    e = spec.exported
+    u = np.array([0.05])  # 50 mm/s
+    assert float(told.split()[1]) == e.evaluate(0.0, e.x, u, e.p)[1][0]
+    assert e.evaluate(0.0, e.x, u, e.p)[1][0] < 0  # what resists acts against the motion
+
+
+@pytest.mark.parametrize(("made", "text"), [(element, "inner state"), (whole, "whole model")])
+def test_adams_source_refuses_what_it_cannot_hold(made, text: str) -> None:
+    with pytest.raises(InputError, match=text):
+        adams_files(made())
+
+
+def test_samples_are_the_same_every_time() -> None:
+    first, second = (samples(element(), 5) for _ in range(2))
+    assert all(np.array_equal(a, b) for a, b in zip(first, second, strict=True))
