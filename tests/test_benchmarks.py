@@ -15,7 +15,8 @@ from sympy.physics.mechanics import dynamicsymbols
 
 FOLDER = Path(__file__).parents[1] / "studies" / "benchmarks"
 NAMES = (
-    "bench", "forces", "links", "oscillators", "regression", "starting", "timing", "trajectories",
+    "bench", "forces", "links", "oscillators", "regression", "starting", "sticking", "timing",
+    "trajectories",
 )  # fmt: skip
 
 
