@@ -17,7 +17,8 @@ from symhyb.numeric.compiled import find_compiler
 
 FOLDER = Path(__file__).parents[1] / "studies" / "benchmarks"
 NAMES = (
-    "bench", "compiled", "forces", "links", "oscillators", "regression", "starting", "timing",
+    "bench", "compiled", "forces", "links", "oscillators", "regression", "starting", "sticking",
+    "timing",
     "trajectories",
 )  # fmt: skip
 
