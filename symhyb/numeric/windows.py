@@ -91,13 +91,16 @@ class Linear:
         """The two above from one pass, which costs little more than either: ∂y/∂(initial state)
         (W, L, m, X) and ∂y/∂θ (W, L, m, F)."""
         windows, _, states = self.x.shape
-        both = states + self.by_free.shape[3]
+        first = states if self.begin is None else self.begin.shape[2]
+        both = first + self.by_free.shape[3]
         begin = np.zeros((windows, states, both))
-        begin[:, :, :states] = np.eye(states)
+        begin[:, :, :first] = np.eye(states) if self.begin is None else self.begin
+        if self.begin_free is not None:
+            begin[:, :, first:] = self.begin_free
         added = np.zeros((*self.by_free.shape[:3], both))
-        added[..., states:] = self.by_free
+        added[..., first:] = self.by_free
         made = self.by_state @ self._propagate(begin, added)
-        return made[..., :states], made[..., states:] + self.direct
+        return made[..., :first], made[..., first:] + self.direct
 
     def from_forces(self, forces: Array) -> Array:
         """Response of y to small test forces (W, L, n, C) at the samples: (W, L, m, C)."""

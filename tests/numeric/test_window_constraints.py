@@ -66,6 +66,14 @@ def test_slopes_by_a_length_move_the_start_with_the_loop() -> None:
         assert np.abs(difference - slopes[..., i]).max() < 1e-6 * np.abs(slopes[..., i]).max()
 
 
+def test_one_pass_gives_both_slopes() -> None:
+    model = WindowModel(MACHINE, (MACHINE.column("l"), MACHINE.column("k")))
+    linear = model.differentiate(block(), start(0.8, 4.0), MACHINE.values)
+    by_start, by_free = linear.from_start_and_free()
+    assert np.allclose(by_start, linear.from_start(), rtol=1e-12, atol=0)
+    assert np.allclose(by_free, linear.from_free(), rtol=1e-12, atol=1e-15)
+
+
 def test_errors_of_single_states_are_those_that_the_loop_allows() -> None:
     model, begin = WindowModel(MACHINE), start(0.8, 4.0)
     linear = model.differentiate(block(), begin, MACHINE.values)
