@@ -233,6 +233,14 @@ def diagnose(
             metavar="COORDINATE", help="Add a smooth force for what the named laws leave there."
         ),
     ] = None,
+    network: Annotated[
+        str | None,
+        typer.Option(
+            metavar="COORDINATE",
+            help="Train a network for what the named laws leave there; its weights are left beside"
+            " corrected.toml.",
+        ),
+    ] = None,
     as_json: Json = False,
 ) -> None:
     """Find the physics that a model leaves out.
@@ -261,6 +269,7 @@ def diagnose(
         own=tuple(own or ()),
         last_values=finish,
         remainder=remainder,
+        network=network,
     )
     require_folder(output)
     with progress() as say:
