@@ -90,7 +90,8 @@ def solved(gram: Array, basis: Array, ridge: float = 0.0) -> Array:
 
 
 def on_held(step: Linear, basis: Array | None, ridge: float = 0.0) -> float:
-    """χ² of the held windows with the terms of ``basis`` (T, D) fitted to the others."""
+    """χ² of the held windows with the terms of ``basis`` (T, D) fitted to the others, with a
+    dimensionless ``ridge``."""
     values = np.zeros(len(step.gram) - 1) if basis is None else solved(step.gram, basis, ridge)
     full = np.append(-values, 1.0)
     return float(full @ step.held @ full)
