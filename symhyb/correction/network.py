@@ -140,8 +140,8 @@ def train_network(
 
 
 def lowered(mlp: "MLPRegressor", mean: Array, scale: Array, gain: float, offset: float) -> Weights:
-    """A fitted regressor of (F − offset)/gain on (x − mean)/scale, ``mean`` and ``scale`` (I,), as a
-    network of F, SI."""
+    """A fitted regressor of (F − offset)/gain on (x − mean)/scale as a network of F, SI; ``mean``
+    and ``scale`` are (I,)."""
     count = len(mlp.coefs_)
     curves = [mlp.activation] * (count - 1) + ["identity"]
     layers = tuple(
