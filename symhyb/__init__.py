@@ -22,6 +22,7 @@ _HOMES = {
     "symhyb.correction.apply": ("apply",),
     "symhyb.correction.finish": ("finished",),
     "symhyb.correction.remainder": ("remainder",),
+    "symhyb.correction.network": ("train_network",),
     "symhyb.diagnosis": ("diagnose",),
     "symhyb.study": ("run_study",),
     "symhyb.report.files": ("write_diagnosis", "write_report", "write_simulation"),
@@ -34,7 +35,8 @@ __all__ = (
     "Diagnosis", "Discrepancy", "Found", "InputError", "Machine", "Model", "NumericsError",
     "Objective", "Problem", "Recording", "Rollout", "Scenario", "Trajectory", "Verdict", "apply",
     "build", "compare", "diagnose", "diff", "finished", "judge", "read_model", "read_recording",
-    "remainder", "run_study", "simulate", "write_diagnosis", "write_model", "write_report",
+    "remainder", "run_study", "simulate", "train_network", "write_diagnosis", "write_model",
+    "write_report",
     "write_simulation",
 )  # fmt: skip
 

@@ -214,6 +214,14 @@ def diagnose(
             metavar="COORDINATE", help="Add a smooth force for what the named laws leave there."
         ),
     ] = None,
+    network: Annotated[
+        str | None,
+        typer.Option(
+            metavar="COORDINATE",
+            help="Train a network for what the named laws leave there; its weights are left beside"
+            " corrected.toml.",
+        ),
+    ] = None,
     as_json: Json = False,
 ) -> None:
     """Find the physics that a model leaves out.
@@ -242,6 +250,7 @@ def diagnose(
         own=tuple(own or ()),
         last_values=finish,
         remainder=remainder,
+        network=network,
     )
     require_folder(output)
     with progress() as say:

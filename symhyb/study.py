@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from symhyb import __version__
 from symhyb.correction.apply import apply
 from symhyb.correction.finish import finished
+from symhyb.correction.network import NO_NETWORK, train_network
 from symhyb.correction.remainder import NO_REMAINDER, remainder
 from symhyb.data.cleaning import still, without_faults
 from symhyb.data.datasets import fetch
@@ -134,8 +135,8 @@ def carry_out(study: Study, say: Say | None = None) -> StudyResult:
 def _finish(
     study: Study, corrected: Model, changed: bool, seen: Sequence[Recording], say: Say
 ) -> tuple[Model, tuple[str, ...]]:
-    """The corrected model with last values (if it was ``changed`` at all) and a smooth remainder,
-    where the study asks for them, with what is to be said of it. Nothing is named by it."""
+    """The corrected model with last values (if it was ``changed`` at all), a smooth remainder and a
+    network, where the study asks for them, and what is to be said of it. Nothing is named by it."""
     told: list[str] = []
     if study.last_values and changed:
         say("fitting the last values")
@@ -147,6 +148,11 @@ def _finish(
         smooth = remainder(corrected, seen, study.remainder)
         corrected = smooth.model if smooth else corrected
         told.append(smooth.sentence if smooth else NO_REMAINDER)
+    if study.network:
+        say("training a network")
+        trained = train_network(corrected, seen, study.network)
+        corrected = trained.model if trained else corrected
+        told.append(trained.sentence if trained else NO_NETWORK)
     return corrected, tuple(told)
 
 
@@ -173,8 +179,9 @@ def _first_checks(
 
 
 def leave_files(result: StudyResult, directory: str | os.PathLike[str]) -> None:
-    """Write ``corrected.toml``, ``diagnosis.json``, ``simulation.csv``, ``report.html`` and, for
-    a study that a file states, ``manifest.json``: all of them or none.
+    """Write ``corrected.toml`` with the weights of its networks, ``diagnosis.json``,
+    ``simulation.csv``, ``report.html`` and, for a study that a file states, ``manifest.json``: all
+    of them or none.
 
     Raises:
         InputError: the files cannot be written.
@@ -224,9 +231,14 @@ def manifest(result: StudyResult) -> dict[str, Any]:
         ],
         "map": dict(study.columns or {}),
         **({"own": list(study.own)} if study.own else {}),
-        "finish": {"values": study.last_values, "remainder": study.remainder},
+        "finish": {
+            "values": study.last_values,
+            "remainder": study.remainder,
+            "network": study.network,
+        },
         "versions": _versions(),
-        "seeds": {"figures": 0},  # which points of a dense cloud are drawn; the rest has no chance
+        "seeds": {"figures": 0, "network": 0},  # which points of a dense cloud are drawn; the
+        # first weights of a network; the rest has no chance
         "seconds": round(result.seconds, 1),
         "checks": [
             {"subject": one.subject, "wanted": one.wanted, "got": one.got, "passed": one.passed}
@@ -270,8 +282,10 @@ def staged(directory: str | os.PathLike[str]) -> Iterator[Path]:
         yield part
         try:
             target.mkdir(exist_ok=True)
-            for file in sorted(part.iterdir()):
-                os.replace(file, target / file.name)
+            for file in sorted(file for file in part.rglob("*") if file.is_file()):
+                place = target / file.relative_to(part)
+                place.parent.mkdir(parents=True, exist_ok=True)
+                os.replace(file, place)
         except OSError as error:
             raise _unwritable(target, error) from error
     finally:

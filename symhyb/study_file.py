@@ -64,7 +64,7 @@ class Study:
     :func:`symhyb.data.read_recording`, for all recordings; ``file`` is None for a study that no
     file states. ``last_values``: whether every uncertain number of the corrected model is fitted
     once more to all training recordings; ``remainder`` the coordinate that then gets a smooth
-    remainder, None for none."""
+    remainder, ``network`` the one that gets a trained network, None for none."""
 
     model: Path
     train: tuple[Source, ...]
@@ -78,6 +78,7 @@ class Study:
     own: tuple[str, ...] = ()
     last_values: bool = False
     remainder: str | None = None
+    network: str | None = None
 
     def columns_of(self, source: Source) -> Mapping[str, str]:
         """The map of one recording: its own entries before those of all recordings."""
@@ -130,7 +131,7 @@ def _study(root: Table, file: Path) -> Study:
     score = root.table("score") or Table((), {}, root.faults)
     score = score.checked(("window_s", "force_band_hz"))
     finish = root.table("finish") or Table((), {}, root.faults)
-    finish = finish.checked(("values", "remainder"))
+    finish = finish.checked(("values", "remainder", "network"))
     name = root.text("model", required=True)
     if not root.entries.get("train") and root.lacks("train"):
         root.fault("[[train]] is missing: name at least one recording to learn from")
@@ -147,6 +148,7 @@ def _study(root: Table, file: Path) -> Study:
         own=_own(root),
         last_values=_flag(finish, "values"),
         remainder=finish.text("remainder"),
+        network=finish.text("network"),
     )
 
 

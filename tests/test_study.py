@@ -11,11 +11,15 @@ import pytest
 from fakes import NOTHING, Fake, fake_diagnosis, friction, verdict
 
 from symhyb import study as module
+from symhyb.data.recording import read_recording
 from symhyb.diagnosis import diagnose
+from symhyb.discrepancy.judge import judge
 from symhyb.discrepancy.results import Alternative, Diagnosis, Estimate, Measurement, Reestimated
 from symhyb.errors import InputError
 from symhyb.expected import Expected, check, found_terms, read_expected
+from symhyb.model.read import read_model
 from symhyb.model.types import Between, On
+from symhyb.model.write import write_model
 from symhyb.published import Reference
 from symhyb.report.contract import to_json
 from symhyb.study import manifest, run_study, staged
@@ -110,6 +114,38 @@ def test_a_study_may_ask_for_last_values_and_a_remainder(write: Write) -> None:
     assert len(said) == 2
     assert any("finish.values: must be true or false, not the text 'yes'" in one for one in said)
     assert any("'rest' is not a key here" in one for one in said)
+
+
+def test_a_study_may_ask_for_a_network(write: Write) -> None:
+    assert read_study(write(STUDY)).network is None
+    assert read_study(write(STUDY + '[finish]\nnetwork = "x"\n')).network == "x"
+
+
+@pytest.mark.slow
+def test_a_network_is_left_beside_the_corrected_model(tmp_path: Path) -> None:
+    """On a model without the drag and the friction that it lacks: what was found is not applied."""
+    study = read_study(STUDIES / "oscillator" / "study.toml")
+    model = read_model(study.model)
+    recording = read_recording(STUDIES / "oscillator" / "train.csv", model)
+    study = replace(study, network="q")
+    corrected, told = module._finish(study, model, False, [recording], lambda line: None)
+    assert len(told) == 1
+    assert told[0].startswith("A network of 30 hidden units that sees q, q'")
+    for folder in (tmp_path / "a", tmp_path / "b"):
+        with staged(folder) as part:
+            write_model(corrected, part / "corrected.toml")
+    again = read_model(tmp_path / "a" / "corrected.toml")
+    (weights,) = (tmp_path / "a").glob("network-*.json")
+    assert (tmp_path / "b" / weights.name).read_bytes() == weights.read_bytes()
+    unseen = read_recording(STUDIES / "oscillator" / "holdout.csv", model)
+    scores = judge(model, again, unseen).holdout
+    assert scores is not None
+    assert all(
+        after < 0.5 * before  # type: ignore[operator]
+        for before, after in zip(
+            scores.before.window_rmse.values(), scores.after.window_rmse.values(), strict=True
+        )
+    )
 
 
 @pytest.mark.slow

@@ -15,26 +15,23 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symhyb.correction.evidence import SIGNIFICANT
+from symhyb.correction.orthogonal import beside, linear, named_forces, on_held, solved
 from symhyb.correction.preparing import Prepared, last_windows, prepare
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.course import Course
-from symhyb.discrepancy.matching import fit, starts_only
-from symhyb.discrepancy.residual import discrepancy
-from symhyb.discrepancy.windows import Laid, correlation_time, merge, reduce
+from symhyb.discrepancy.windows import Laid
 from symhyb.errors import InputError, Problem
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import Element, Model, On, Parameter
 from symhyb.model.vocabulary import force_unit, stretch_unit
 from symhyb.model.write import append_elements
 from symhyb.numeric.buffers import Array
-from symhyb.numeric.machine import Machine, build
+from symhyb.numeric.machine import build
 from symhyb.numeric.windows import WindowModel
 from symhyb.units import parse_unit
 
 DEGREE_MOST = 5  # of the polynomial
 RARE = 0.005  # of the samples at either end: so few do not determine a polynomial there
-NUDGE = 1e-4  # of a named value: the step of a one-sided difference of ΔF, which is linear in most
-ALIKE = 1e-9  # of the largest singular value: directions that the motion does not tell apart
 STEPS = 2  # Gauss–Newton steps: the remainder is small, so that the problem is almost linear
 NAME = "remainder"
 NO_REMAINDER = "No smooth remainder: no polynomial is better on held windows than none."
@@ -99,11 +96,11 @@ def remainder(
     window_model = WindowModel(machine, free)
     chosen = last_windows(prepared, spread=True)
     laid = [item.suited(machine) for item in chosen]
-    step = _linear(window_model, laid, machine.values, prepared.sd)
-    held = [_on_held(step, None)]
+    step = linear(window_model, laid, machine.values, prepared.sd)
+    held = [on_held(step, None)]
     for degree in range(1, DEGREE_MOST + 1):
         basis = _orthogonal(prepared, place, powers, degree)
-        held.append(_on_held(step, basis))
+        held.append(on_held(step, basis))
     degree = _chosen(held, step.unit)
     if degree == 0:
         return None
@@ -168,51 +165,6 @@ def _element(
     return Element(NAME, "law", place.on, ((key, parse_expression(" + ".join(texts))),), tuple(own))
 
 
-@dataclass(frozen=True, slots=True)
-class _Linear:
-    """Normal equations of all terms: ``gram`` (T + 1, T + 1) of fitted and of ``held`` windows, the
-    last row the residual; ``unit`` is χ² of one independent sample, ``samples`` of held windows."""
-
-    gram: Array
-    held: Array
-    unit: float
-    samples: float
-
-
-def _linear(model: WindowModel, laid: Sequence[Laid], p: Array, sd: Array) -> _Linear:
-    """The reply of the windows to all terms around the simulation with ``p`` (P,), SI."""
-    parts, residuals = [], []
-    for item in laid:
-        starts = fit(WindowModel(model.machine), starts_only(item, sd), p).starts[0]
-        linear = model.differentiate(item.block, starts, p)
-        residual = item.block.y - linear.output
-        columns = (residual, linear.from_start(), linear.from_free(), sd, item.held)
-        parts.append(reduce(*columns))
-        residuals.append(np.nan_to_num(residual / sd).reshape(len(residual), -1))
-    grams, count, held = merge(parts)
-    train = ~held if held.any() else np.ones_like(held)
-    scale = float(grams[train, -1, -1].sum() / count[train].sum())
-    unit = scale * correlation_time(residuals, len(sd))
-    tried = held if held.any() else ~held
-    samples = float(count[tried].sum())
-    return _Linear(grams[train].sum(axis=0), grams[tried].sum(axis=0), unit, samples)
-
-
-def _solved(gram: Array, basis: Array) -> Array:
-    """Coefficients (T,), SI, that lower the cost most within ``basis`` (T, D)."""
-    inner, right = basis.T @ gram[:-1, :-1] @ basis, basis.T @ gram[:-1, -1]
-    scale = np.sqrt(np.maximum(np.diag(inner), 1e-300))
-    solved = np.linalg.lstsq(inner / np.outer(scale, scale), right / scale, rcond=ALIKE)[0]
-    return np.asarray(basis @ (solved / scale))
-
-
-def _on_held(step: _Linear, basis: Array | None) -> float:
-    """χ² of the held windows with the terms of ``basis`` (T, D) fitted to the others."""
-    values = np.zeros(len(step.gram) - 1) if basis is None else _solved(step.gram, basis)
-    full = np.append(-values, 1.0)
-    return float(full @ step.held @ full)
-
-
 def _chosen(held: Sequence[float], unit: float) -> int:
     """The degree whose held windows are best; a higher one must be significantly better."""
     best = 0
@@ -230,31 +182,11 @@ def _orthogonal(prepared: Prepared, place: _Place, powers: Sequence[Powers], deg
     for item in last_windows(prepared, spread=True):
         course = item.course(prepared.machine)
         terms.append(place.forces(course, few))
-        named.append(_named_forces(prepared.machine, course)[:, place.index])
-    forces, laws = np.concatenate(terms), np.concatenate(named)
-    size = np.sqrt(np.mean(forces**2, axis=0))
-    scaled = forces / size
-    strength = np.linalg.norm(laws, axis=0)
-    laws = laws[:, strength > 0] / strength[strength > 0]
-    _, singular, rows = np.linalg.svd(laws.T @ scaled)
-    rank = int(np.sum(singular > ALIKE * singular.max(initial=0.0))) if singular.size else 0
-    basis = np.zeros((len(powers), len(few) - rank))
-    basis[: len(few)] = rows[rank:].T / size[:, None]
+        named.append(named_forces(prepared.machine, course)[:, place.index])
+    directions = beside(np.concatenate(terms), np.concatenate(named))
+    basis = np.zeros((len(powers), directions.shape[1]))
+    basis[: len(few)] = directions
     return basis
-
-
-def _named_forces(machine: Machine, course: Course) -> Array:
-    """The change of ΔF (N, n, K) by every value of a found law and every parameter that may be
-    estimated, to first order, SI."""
-    found = {element.name for element in machine.model.elements if element.found}
-    base, columns = discrepancy(machine, course, machine.values), []
-    for item in machine.model.all_parameters():
-        if item.owner in found or (not item.owner and item.sd is not None):
-            p = machine.values.copy()
-            column = machine.column(item.path)
-            p[column] += NUDGE * (abs(p[column]) or 1.0)
-            columns.append(discrepancy(machine, course, p) - base)
-    return np.stack(columns, axis=2) if columns else np.zeros((*base.shape, 0))
 
 
 def _fitted(model: WindowModel, laid: Sequence[Laid], sd: Array, basis: Array) -> Array:
@@ -262,5 +194,5 @@ def _fitted(model: WindowModel, laid: Sequence[Laid], sd: Array, basis: Array) -
     p = model.machine.values.copy()
     laid = [replace(item, held=np.zeros_like(item.held)) for item in laid]
     for _ in range(STEPS):
-        p[list(model.free)] += _solved(_linear(model, laid, p, sd).gram, basis)
+        p[list(model.free)] += solved(linear(model, laid, p, sd).gram, basis)
     return np.asarray(p[list(model.free)])

@@ -12,6 +12,7 @@ from symhyb.model.read import parse_model
 from symhyb.model.render import element_lines, newline_of, render, rounded
 from symhyb.model.source import Entry, Path, Source, scan
 from symhyb.model.types import Element, Input, Model, Sensor
+from symhyb.model.weights import write_weights
 
 Edit = tuple[int, int, str]
 """Replace the characters from one offset to another by a text."""
@@ -56,12 +57,14 @@ def replace_parameters(model: Model, values: Mapping[str, tuple[float, float | N
 
 
 def write_model(model: Model, path: str | FilePath) -> None:
-    """Write a model file whole or not at all: a temporary file beside it takes its place.
+    """Write a model file whole or not at all: a temporary file beside it takes its place. The
+    weights of its networks go where the file says that they are.
 
     Raises:
-        InputError: the file cannot be written.
+        InputError: a file cannot be written, or other weights have the name of these.
     """
     target = FilePath(path)
+    write_weights(model, target)
     part = target.with_name(target.name + ".part")
     try:
         part.write_bytes(text_of(model).encode("utf-8"))

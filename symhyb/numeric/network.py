@@ -22,6 +22,7 @@ import numpy as np
 
 from symhyb.errors import InputError, Problem
 from symhyb.model.types import Network
+from symhyb.model.weights import kept
 from symhyb.numeric.buffers import Array
 
 FORMAT = 1
@@ -32,6 +33,12 @@ ACTIVATIONS: Mapping[str, Callable[[ca.SX], ca.SX]] = {
     "tanh": ca.tanh,
     "relu": lambda x: ca.fmax(x, 0),
     "logistic": lambda x: 1 / (1 + ca.exp(-x)),
+}
+CURVES: Mapping[str, Callable[[Array], Array]] = {
+    "identity": lambda x: x,
+    "tanh": np.tanh,
+    "relu": lambda x: np.maximum(x, 0.0),
+    "logistic": lambda x: 1 / (1 + np.exp(-x)),
 }
 
 
@@ -58,13 +65,15 @@ class Weights:
 
 
 def fill_of(network: Network, model_file: str) -> Callable[[ca.SX], ca.SX]:
-    """What fills the hole of a network element: the force (SI) from its inputs (I, 1).
+    """What fills the hole of a network element: the force (SI) from its inputs (I, 1). Weights that
+    no file beside the model file holds may be those of a network that was just trained.
 
     Raises:
         InputError: weights that are missing, damaged, of another hash or of another size.
     """
     path = Path(model_file).parent / network.weights
-    weights = read_weights(path, network.sha256)
+    trained = None if path.exists() else kept(network.sha256)
+    weights = read_weights(path, network.sha256) if trained is None else parsed(trained, str(path))
     if weights.mean.size != len(network.inputs):
         text = (
             f"the network has {weights.mean.size} inputs, the element gives it "
@@ -106,11 +115,48 @@ def read_weights(path: Path, sha256: str) -> Weights:
     if found != sha256:
         text = f"the file has SHA-256 {found}, the model asks for {sha256}; it was changed"
         raise InputError(Problem(text, file=str(path)))
+    return parsed(data, str(path))
+
+
+def parsed(data: bytes, file: str) -> Weights:
+    """The network that the content of a file of weights states.
+
+    Raises:
+        InputError: it is no network.
+    """
     try:
         return _weights(json.loads(data))
     except (KeyError, TypeError, ValueError, RecursionError) as error:
         text = f"is no network of format {FORMAT}: {type(error).__name__} {error}"
-        raise InputError(Problem(text, file=str(path))) from None
+        raise InputError(Problem(text, file=file)) from None
+
+
+def stored(weights: Weights) -> bytes:
+    """The content of a file of weights, every number with all its digits."""
+    document = {
+        "symhyb-network": FORMAT,
+        "mean": weights.mean.tolist(),
+        "scale": weights.scale.tolist(),
+        "gain": weights.gain,
+        "offset": weights.offset,
+        "layers": [
+            {
+                "weights": layer.weights.tolist(),
+                "bias": layer.bias.tolist(),
+                "activation": layer.activation,
+            }
+            for layer in weights.layers
+        ],
+    }
+    return (json.dumps(document, allow_nan=False) + "\n").encode()
+
+
+def evaluated(weights: Weights, inputs: Array) -> Array:
+    """The force (N,), SI, of a network for its inputs (N, I), inside of its trust box."""
+    h = (inputs - weights.mean) / weights.scale
+    for layer in weights.layers:
+        h = CURVES[layer.activation](h @ layer.weights.T + layer.bias)
+    return np.asarray(weights.gain * h[:, 0] + weights.offset)
 
 
 def _weights(document: object) -> Weights:

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from symhyb.correction.orthogonal import named_forces
 from symhyb.correction.preparing import prepare
-from symhyb.correction.remainder import Remainder, _named_forces, remainder
+from symhyb.correction.remainder import Remainder, remainder
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.course import course_of
 from symhyb.discrepancy.judge import judge
@@ -110,7 +111,7 @@ def test_it_does_nothing_that_a_change_of_a_named_value_would_do(
     course, other = (course_of(run.recording, m, run.motion) for m in machines)
     force = discrepancy(machines[0], course, machines[0].values)
     force = force - discrepancy(machines[1], other, machines[1].values)
-    laws = _named_forces(machines[0], course)[:, 0]
+    laws = named_forces(machines[0], course)[:, 0]
     cosine = force[:, 0] @ laws / np.linalg.norm(force) / np.linalg.norm(laws, axis=0)
     assert laws.shape[1] == 2  # k, which states an sd, and the found cubic
     assert np.abs(cosine).max() < 1e-6
