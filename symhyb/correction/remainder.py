@@ -166,10 +166,11 @@ def _element(
 
 
 def _chosen(held: Sequence[float], unit: float) -> int:
-    """The degree whose held windows are best; a higher one must be significantly better."""
+    """The degree whose held windows are best; a higher one must be significantly better, against
+    what it leaves. ``unit`` is χ² per sample, times its correlation, where nothing is taken."""
     best = 0
     for degree, chi2 in enumerate(held):
-        if (held[best] - chi2) / unit > SIGNIFICANT:
+        if (held[best] - chi2) * held[0] > SIGNIFICANT * unit * chi2:
             best = degree
     return best
 
