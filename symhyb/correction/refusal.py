@@ -15,6 +15,7 @@ from symhyb.discrepancy.passages import one_way, passed_at_one_speed
 from symhyb.discrepancy.results import Alternative, Diagnosis, Found, Lie, Measurement
 from symhyb.discrepancy.runs import Run, laid_on
 from symhyb.discrepancy.suspicion import gain_of
+from symhyb.discrepancy.windows import END_KNOTS
 from symhyb.discrepancy.wording import effect_phrase, joined
 from symhyb.model.types import Model, place_text
 from symhyb.numeric.machine import Machine
@@ -158,7 +159,11 @@ def _runs_away_alone(after: Machine, before: Machine, run: Run) -> float | None:
 def runs_away(machine: Machine, run: Run) -> float | None:
     """The time in s after which a simulation of a recording, and of its inputs once more from where
     it ended, leaves the measured range a hundredfold; None if it stays."""
-    laid = laid_on(run, machine, run.recording.duration * (1 - 1e-9))
+    ends = (
+        2 * END_KNOTS * run.motion.spacing_s
+    )  # where smoothing may swing: room to begin behind it
+    duration = run.recording.duration
+    laid = laid_on(run, machine, max(duration * (1 - 1e-9) - ends, duration / 2))
     if laid is None:
         return None
     laid = laid.suited(machine).first()

@@ -98,7 +98,9 @@ def lay(
     samples = max(round(length_s / step) + 1, SAMPLES_LEAST)
     if samples > recording.t.size:
         return None
-    begin = _settled(motion, step) if recording.t.size > 2 * samples else 0
+    begin = _settled(motion, step)
+    if begin + samples > recording.t.size:  # no room: all of the recording is wanted
+        begin = 0
     firsts = np.arange(begin, recording.t.size - samples + 1, samples - 1)
     rows = firsts[:, None] + np.arange(samples)
     y, course = measured(recording, machine), course_of(recording, machine, motion)
