@@ -13,7 +13,7 @@ _HOMES = {
     "symhyb.model.types": ("Model",),
     "symhyb.data.recording": ("Recording", "read_recording"),
     "symhyb.numeric.machine": ("Machine", "build"),
-    "symhyb.numeric.integrate": ("Scenario", "Trajectory", "simulate"),
+    "symhyb.numeric.integrate": ("Scenario", "simulate"),
     "symhyb.numeric.rollout": ("Rollout",),
     "symhyb.numeric.objective": ("Objective",),
     "symhyb.discrepancy.residual": ("Discrepancy", "compare"),
@@ -33,7 +33,7 @@ _HOME = {name: module for module, names in _HOMES.items() for name in names}
 __version__ = "0.1.0"
 __all__ = (
     "Diagnosis", "Discrepancy", "Found", "InputError", "Machine", "Model", "NumericsError",
-    "Objective", "Problem", "Recording", "Rollout", "Scenario", "Trajectory", "Verdict", "apply",
+    "Objective", "Problem", "Recording", "Rollout", "Scenario", "Verdict", "apply",
     "build", "compare", "diagnose", "diff", "finished", "judge", "read_model", "read_recording",
     "remainder", "run_study", "simulate", "train_network", "write_diagnosis", "write_model",
     "write_report",
