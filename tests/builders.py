@@ -22,6 +22,36 @@ Array = NDArray[np.float64]
 Entries = Mapping[str, object]
 
 
+DRIVEN_MASS = """symhyb = 1
+[coordinates]
+x = { unit = "m" }
+[parameters]
+m = { value = 1.0, unit = "kg" }
+k = { value = 25.0, unit = "N/m", sd = 0.5 }
+d = { value = 0.6, unit = "N*s/m" }
+[inputs]
+f = { unit = "N" }
+[bodies.mass]
+mass = "m"
+at = ["x", "0"]
+[elements.spring]
+kind = "spring"
+on = "x"
+stiffness = "k"
+[elements.damper]
+kind = "damper"
+on = "x"
+damping = "d"
+[elements.push]
+kind = "force"
+on = "x"
+force = "f"
+[sensors]
+laser = { measures = "x", unit = "m" }
+"""
+"""The text of a mass on a spring and a damper, pushed by an input; more may be appended."""
+
+
 def model_of(gravity: list[str] | None = None, **sections: Entries) -> Model:
     """Read the model that these sections say."""
     lines = ["symhyb = 1", 'title = "test"']

@@ -7,7 +7,7 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 import pytest
-from builders import value
+from builders import DRIVEN_MASS, value
 from sklearn.neural_network import MLPRegressor
 
 from symhyb.correction.energy import energy_of
@@ -27,33 +27,7 @@ from symhyb.numeric.machine import build
 from symhyb.numeric.network import Layer, Weights, evaluated, force_of, parsed, stored
 
 NOISE = 1e-3  # m, of an amplitude of some 0.3 m
-TEXT = """symhyb = 1
-[coordinates]
-x = { unit = "m" }
-[parameters]
-m = { value = 1.0, unit = "kg" }
-k = { value = 25.0, unit = "N/m", sd = 0.5 }
-d = { value = 0.6, unit = "N*s/m" }
-[inputs]
-f = { unit = "N" }
-[bodies.mass]
-mass = "m"
-at = ["x", "0"]
-[elements.spring]
-kind = "spring"
-on = "x"
-stiffness = "k"
-[elements.damper]
-kind = "damper"
-on = "x"
-damping = "d"
-[elements.push]
-kind = "force"
-on = "x"
-force = "f"
-[sensors]
-laser = { measures = "x", unit = "m" }
-"""
+TEXT = DRIVEN_MASS
 # a bump that no polynomial of low degree follows; a part of it is a change of k
 MORE = """[elements.more]
 kind = "law"

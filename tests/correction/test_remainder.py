@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from builders import DRIVEN_MASS
 
 from symhyb.correction.orthogonal import named_forces
 from symhyb.correction.preparing import prepare
@@ -19,39 +20,13 @@ from symhyb.numeric.integrate import Scenario, simulate
 from symhyb.numeric.machine import build
 
 NOISE = 2e-4  # m, of an amplitude of some 0.3 m
-TEXT = """symhyb = 1
-[coordinates]
-x = { unit = "m" }
-[parameters]
-m = { value = 1.0, unit = "kg" }
-k = { value = 25.0, unit = "N/m", sd = 0.5 }
-d = { value = 0.6, unit = "N*s/m" }
-[inputs]
-f = { unit = "N" }
-[bodies.mass]
-mass = "m"
-at = ["x", "0"]
-[elements.spring]
-kind = "spring"
-on = "x"
-stiffness = "k"
-[elements.damper]
-kind = "damper"
-on = "x"
-damping = "d"
-[elements.push]
-kind = "force"
-on = "x"
-force = "f"
-[sensors]
-laser = { measures = "x", unit = "m" }
-[elements.found_spring]
+TEXT = f"""{DRIVEN_MASS}[elements.found_spring]
 kind = "spring"
 on = "x"
 cubic = "c"
-found = { by = "sparse", from = "bench.csv", nrmse = [0.2, 0.01] }
+found = {{ by = "sparse", from = "bench.csv", nrmse = [0.2, 0.01] }}
 [elements.found_spring.parameters]
-c = { value = 30.0, unit = "N/m^3", sd = 1.0 }
+c = {{ value = 30.0, unit = "N/m^3", sd = 1.0 }}
 """
 MORE = """[elements.more]
 kind = "law"

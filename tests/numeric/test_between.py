@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from builders import DRIVEN_MASS
 
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.motion import motion_of
@@ -18,40 +19,14 @@ from symhyb.numeric.integrate import Scenario, simulate
 from symhyb.numeric.machine import build
 from symhyb.numeric.windows import WindowModel
 
-TEXT = """symhyb = 1
-[coordinates]
-x = {{ unit = "m" }}
-[parameters]
-m = {{ value = 1.0, unit = "kg" }}
-k = {{ value = 100.0, unit = "N/m" }}
-d = {{ value = 2.0, unit = "N*s/m" }}
-[inputs]
-f = {{ unit = "N"{0} }}
-[bodies.mass]
-mass = "m"
-at = ["x", "0"]
-[elements.spring]
-kind = "spring"
-on = "x"
-stiffness = "k"
-[elements.damper]
-kind = "damper"
-on = "x"
-damping = "d"
-[elements.push]
-kind = "force"
-on = "x"
-force = "f"
-[sensors]
-laser = {{ measures = "x", unit = "m" }}
-"""
+TEXT = DRIVEN_MASS.replace("25.0", "100.0").replace(", sd = 0.5", "").replace("0.6", "2.0")
 SMOOTH = ', between = "smooth"'
 RATE = 10.0  # rad/s, of excitation and resonance
 STEP = 2 * np.pi / RATE / 9  # nine samples a period
 
 
 def model(more: str = "") -> Model:
-    return parse_model(TEXT.format(more))
+    return parse_model(TEXT.replace('f = { unit = "N"', f'f = {{ unit = "N"{more}'))
 
 
 def steady(t: Array) -> tuple[Array, Array]:
