@@ -62,6 +62,13 @@ def resampled(t: Array, values: Array, at: Array) -> Array:
     return np.asarray(curve(np.clip(at, t[0], t[-1])))
 
 
+def on_lines(t: Array, columns: Array, at: Array) -> Array:
+    """Signals (K, D) recorded at times ``t`` (K,), s, at the times ``at`` (N,) by first-order hold:
+    (N, D) in their units."""
+    held = [np.interp(at, t, column) for column in columns.T]
+    return np.column_stack(held) if held else np.empty((at.size, 0))
+
+
 def mapped(function: ca.Function, total: int, repeated: Sequence[int] = ()) -> ca.Function:
     """``function`` over ``total`` samples; the arguments ``repeated`` are the same for all."""
     arguments = [

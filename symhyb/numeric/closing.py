@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from symhyb.numeric.buffers import Array
+from symhyb.numeric.buffers import Array, on_lines
 from symhyb.numeric.dynamics import StateForm
 from symhyb.numeric.manifold import closed, gaps_of
 
@@ -27,10 +27,11 @@ def closed_start(
     if not form.machine.constraints:
         return start, ""
     begin = scenario.t[:1]
-    rows, left = _moved(form, start[None], _drive_at(scenario, drive, begin), begin, p)
+    first = on_lines(scenario.t_u, drive, begin)
+    rows, left = _moved(form, start[None], first, begin, p)
     if left[0] <= OPEN_MOST:
         return rows[0], ""
-    said = _worst(form, rows[0], _drive_at(scenario, drive, begin)[0], float(begin[0]), p)
+    said = _worst(form, rows[0], first[0], float(begin[0]), p)
     return start, f"the constraints cannot be met at the start: {said}"
 
 
@@ -41,7 +42,7 @@ def closed_rows(
     the loop no longer closes, from where on rows are NaN."""
     if not form.machine.constraints:
         return x, reason
-    d = _drive_at(scenario, drive, scenario.t)
+    d = on_lines(scenario.t_u, drive, scenario.t)
     whole = np.isfinite(x).all(axis=1)
     rows, left = x.copy(), np.full(len(x), np.inf)
     if whole.any():
@@ -61,11 +62,6 @@ def closed_rows(
         return rows, reason
     said = _worst(form, x[last], d[last], float(t[last]), p)
     return rows, f"the loop locks after {t[last]:.6g} s: {said}"
-
-
-def _drive_at(scenario: "Scenario", drive: Array, t: Array) -> Array:
-    columns = [np.interp(t, scenario.t_u, column) for column in drive.T]
-    return np.column_stack(columns) if columns else np.empty((t.size, 0))
 
 
 def _moved(form: StateForm, x: Array, d: Array, t: Array, p: Array) -> tuple[Array, Array]:

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from scipy.integrate import DOP853, Radau
 
-from symhyb.numeric.buffers import Array, call
+from symhyb.numeric.buffers import Array, call, on_lines
 from symhyb.numeric.crossings import ROUNDING, first_crossing
 from symhyb.numeric.settling import (
     Event,
@@ -363,9 +363,7 @@ def _seen(run: _Run) -> tuple[Array, Array]:
     """Accelerations (N, n) and sensors (N, m) along the outputs, under the modes of each row."""
     machine, total = run.machine.form.machine, run.t.size
     a, y = np.full((total, machine.n), np.nan), np.full((total, len(machine.model.sensors)), np.nan)
-    d = np.column_stack(
-        [np.interp(run.t, run.drive.t, c) for c in run.drive.d.T] or [np.empty((total, 0))]
-    )
+    d = on_lines(run.drive.t, run.drive.d, run.t)
     rows = np.arange(run.row if run.modes else 0)
     held = [modes.held for modes in run.modes]
     kinds = list(dict.fromkeys(held))

@@ -18,7 +18,7 @@ import numpy as np
 from symhyb.errors import InputError, Problem
 from symhyb.model.space import gimbal_lock
 from symhyb.numeric.between import finer, smooth_columns
-from symhyb.numeric.buffers import Array, call
+from symhyb.numeric.buffers import Array, call, on_lines
 from symhyb.numeric.closing import closed_rows, closed_start
 from symhyb.numeric.cvodes import (
     ABSOLUTE_TOLERANCE,
@@ -170,8 +170,7 @@ def _bent(scenario: Scenario, machine: Machine) -> Scenario:
     t, u = finer(scenario.t_u, scenario.u, smooth)
     if scenario.given is None:
         return replace(scenario, t_u=t, u=u)
-    given = [np.interp(t, scenario.t_u, column) for column in scenario.given.T]
-    return replace(scenario, t_u=t, u=u, given=np.column_stack(given))
+    return replace(scenario, t_u=t, u=u, given=on_lines(scenario.t_u, scenario.given, t))
 
 
 def _exact(form: StateForm, scenario: Scenario, drive: Array, start: Array, p: Array) -> Trajectory:
@@ -188,11 +187,8 @@ def _exact(form: StateForm, scenario: Scenario, drive: Array, start: Array, p: A
     stiff = is_stiff(machine, scenario.t, start, held, p)
     run = locate_events(machine, scenario.t, start, held, p, jumps, stiff, longest)
     f = len(form.free)
-    d = np.column_stack(
-        [np.interp(scenario.t, scenario.t_u, c) for c in drive.T]
-        or [np.empty((scenario.t.size, 0))]
-    )
-    q, v = form.motion(run.x, d)
+    motion = form.motion(run.x, on_lines(scenario.t_u, drive, scenario.t))
+    q, v = at_unit_length(model, *motion)
     reason = run.reason + (culprits(model) if run.reason else "")
     method = "radau" if stiff else "dop853"
     z = run.x[:, 2 * f :]
@@ -332,9 +328,7 @@ def _observe(
     method: str,
 ) -> Trajectory:  # fmt: skip
     t, total = scenario.t, scenario.t.size
-    d = np.column_stack(
-        [np.interp(t, scenario.t_u, column) for column in drive.T] or [np.empty((total, 0))]
-    )
+    d = on_lines(scenario.t_u, drive, t)
     q, v = at_unit_length(form.machine.model, *form.motion(x, d))
     x = form.state(q, v, x[:, 2 * len(form.free) :])
     still = np.zeros(form.machine.n)

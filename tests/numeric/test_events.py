@@ -1,17 +1,22 @@
 """Exact stick-slip and contact: against a hand-written automaton, closed forms, and smoothing."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from automaton import Oscillator, automaton
 from builders import Entries, model_of, push, spring
 from numpy.typing import NDArray
 
+from symhyb.errors import InputError
+from symhyb.model.read import read_model
 from symhyb.model.switching import left_smooth
 from symhyb.model.types import Model
 from symhyb.numeric.integrate import Scenario, Trajectory, simulate
 from symhyb.numeric.machine import build
 
 Array = NDArray[np.float64]
+MODELS = Path(__file__).parents[2] / "models"
 WAYS = {"sticks": 0, "slides +": 1, "slides -": -1}
 
 
@@ -317,6 +322,27 @@ def test_a_run_without_anything_that_switches() -> None:
     run = free(model, t := np.linspace(0, 4, 101), [0.3], [0.0])
     assert run.events == ()
     assert run.q[:, 0] == pytest.approx(0.3 * np.cos(5 * t), abs=1e-8)
+
+
+def test_quaternions_keep_their_length() -> None:
+    """A tumbling quadrotor: the same motion as the smooth run, whose method is another."""
+    model = read_model(MODELS / "quadrotor.toml")
+    names = [coordinate.name for coordinate in model.coordinates]
+    t, v = np.linspace(0, 2, 201), np.zeros(7)
+    v[[names.index(part) for part in ("qx", "qy", "qz")]] = 1.0, 2.0, 0.5
+    q = np.array([coordinate.start for coordinate in model.coordinates])
+    scenario = Scenario(t, q, v, t[[0, -1]], np.zeros((2, 4)))
+    exact, smooth = (simulate(build(model), scenario, exact=way) for way in (True, False))
+    turned = exact.q[:, [names.index(part) for part in ("qw", "qx", "qy", "qz")]]
+    assert np.linalg.norm(turned, axis=1) == pytest.approx(np.ones(t.size), abs=1e-15)
+    assert exact.q == pytest.approx(smooth.q, abs=1e-6)
+    assert exact.v == pytest.approx(smooth.v, abs=1e-6)
+
+
+def test_an_exact_run_of_a_loop_is_refused() -> None:
+    model = read_model(MODELS / "four_bar.toml")
+    with pytest.raises(InputError, match="an exact run knows no constraints; leave out 'exact'"):
+        free(model, np.linspace(0, 1, 11), [0.9, -0.4432, 1.2317], [4.0, 0.0, 0.0])
 
 
 def test_chatter_ends_with_a_reason(monkeypatch: pytest.MonkeyPatch) -> None:
