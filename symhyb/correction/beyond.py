@@ -6,11 +6,13 @@ Each is tried only where what was found leaves more than noise.
 from collections.abc import Iterator
 
 from symhyb.correction.evidence import NEAR_NOISE, believable, criterion, earns, weak
-from symhyb.correction.kin import variants_of
+from symhyb.correction.kin import STATIC_FIRST, variants_of
 from symhyb.correction.last_resort import beside, candidates, instead
 from symhyb.correction.overtones import overtones
+from symhyb.correction.selection import solve
+from symhyb.correction.setting import around
 from symhyb.correction.trajectory import Refined, grouped
-from symhyb.correction.trials import Trials
+from symhyb.correction.trials import Trials, first_guess
 from symhyb.discrepancy.hypotheses import Hypothesis
 from symhyb.model.types import Place
 
@@ -31,6 +33,59 @@ def deeper(trials: Trials, winner: Refined, place: Place | None = None) -> Itera
             trial = trials.refined(indices, rows, winner.fit.starts)
             tried += [trial, *lean(trials, trial, other)]
     yield from sorted(tried, key=lambda trial: trial.fit.train)
+
+
+def variants(trials: Trials, winner: Refined) -> Iterator[Refined]:
+    """The winner with one plain law replaced by a variant of it."""
+    for i, cause in enumerate(winner.causes):
+        for other in trials.setting.hypotheses:
+            same = (other.kind, other.place) == (cause.kind, cause.place)
+            if not (other.variant and same and set(cause.terms) < set(other.terms)):
+                continue
+            rows = grouped(winner)
+            plain = [rows[i].get(term, 0.0) for term in other.terms]
+            if "static" in other.terms:
+                plain[other.terms.index("static")] = STATIC_FIRST * rows[i]["coulomb"]
+            kept = {key: value for key, value in rows[i].items() if key in other.keys}
+            rows[i] = {**other.values(plain), **kept}
+            causes = [*winner.causes[:i], other, *winner.causes[i + 1 :]]
+            indices = [trials.index(c) for c in causes]
+            yield trials.refined(indices, rows, winner.fit.starts)
+
+
+def twin_variants(trials: Trials, winner: Refined) -> Iterator[Refined]:
+    """The winner with a parameter replaced by a variant of the law that it is the twin of (a
+    damping that may be estimated, by a damper that differs by direction); first without those that
+    stood in for what the variant has more. Tried where something is left."""
+    if winner.fit.scale < NEAR_NOISE:
+        return
+    hypotheses, twins = trials.setting.hypotheses, trials.twins
+    for i, cause in enumerate(trials.causes(winner)):
+        if winner.causes[i].place is not None:
+            continue
+        laws = [hypotheses[law] for named, law in twins if named == cause]
+        offered = [
+            c for c, other in enumerate(hypotheses)
+            if other.variant and any(
+                (law.kind, law.place) == (other.kind, other.place)
+                and set(law.terms) < set(other.terms)
+                for law in laws
+            )
+        ]  # fmt: skip
+        if not offered:
+            continue
+        causes = [c for c in trials.causes(winner) if c != cause]
+        rows = [row for j, row in enumerate(grouped(winner)) if j != i]
+        smaller = trials.refined(causes, rows, winner.fit.starts)
+        problem = around(trials.setting, smaller)
+        for c in offered:
+            subset = solve(problem, (c,))
+            if subset is None or smaller.fit.reason:
+                continue
+            values = [*rows, *first_guess(problem, subset)]
+            trial = trials.refined((*causes, c), values, smaller.fit.starts)
+            yield from lean(trials, trial, hypotheses[c])
+            yield trial
 
 
 def more_lines(trials: Trials, winner: Refined) -> Iterator[Refined]:

@@ -12,9 +12,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
-import numpy as np
-
-from symhyb.correction.beyond import deeper, last_resort, lean, more_lines
+from symhyb.correction.beyond import (
+    deeper,
+    last_resort,
+    lean,
+    more_lines,
+    twin_variants,
+    variants,
+)
 from symhyb.correction.conventions import CERTAIN, exact_twins, exchange, precedence
 from symhyb.correction.evidence import (
     NEAR_NOISE,
@@ -29,7 +34,7 @@ from symhyb.correction.evidence import (
 from symhyb.correction.selection import LARGEST, Problem, Subset, best_subsets, solve, without
 from symhyb.correction.setting import Setting, along_motion, around
 from symhyb.correction.trajectory import Refined, grouped
-from symhyb.correction.trials import Say, Trials
+from symhyb.correction.trials import Say, Trials, first_guess
 from symhyb.discrepancy.hypotheses import Hypothesis
 from symhyb.model.types import Place
 
@@ -39,8 +44,6 @@ HOPE = 0.5  # of the significance that it needs: the linear problem may promise 
 VOID = 0.1  # of what the linear problem promised: less means that its promises are void
 ROUNDS = 6
 PLAINER = 2  # plain laws, and pairs of them, that are tried in place of one of several numbers
-NEXT_TO_NONE = 1e-3  # of the mean of the others: where a recording without a cause begins
-STATIC_FIRST = 1.3  # of the Coulomb friction: the breakaway friction that is tried first
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,7 +133,7 @@ def _climb(
             if left - s.chi2 > max(PROMISE * (left - floor), HOPE * _price(trials, winner, s))
             and s.held <= held
         ]  # fmt: skip
-        tried = [trials.refined(s.causes, _first(problem, s)) for s in promising[:TRIALS]]
+        tried = [trials.refined(s.causes, first_guess(problem, s)) for s in promising[:TRIALS]]
         kept = [winner.fit.train - trial.fit.train for trial in tried]
         if tried and max(kept) < VOID * (left - promising[0].chi2):
             break  # along simulations the linear problem does not hold here
@@ -170,32 +173,6 @@ def _plainest(tried: Sequence[Refined]) -> Refined:
     return best
 
 
-def _first(problem: Problem, subset: Subset) -> list[dict[str, float]]:
-    """The first guess of each cause of a subset, by key, SI."""
-    rows, rest = [], list(subset.values)
-    for index in subset.causes:
-        count = len(problem.columns[index])
-        rows.append(_begin(problem, problem.hypotheses[index], rest[:count]))
-        rest = rest[count:]
-    return rows
-
-
-def _begin(problem: Problem, cause: Hypothesis, values: Sequence[float]) -> dict[str, float]:
-    """The first guess of a cause: shared keys at their mean over the recordings that have numbers
-    of their own."""
-    size = len(cause.terms)
-    numbers = np.reshape(values, (-1, size))
-    # where one recording shows nothing of a cause the law still stands: it may divide by its key
-    numbers = np.where(numbers == 0, NEXT_TO_NONE * np.mean(numbers, axis=0), numbers)
-    each = [cause.values(list(row)) for row in numbers]
-    row = {key: float(np.mean([one[key] for one in each])) for key in each[0]}
-    if len(each) > 1:
-        for name, one in zip(problem.recordings, each, strict=True):
-            row |= {f"{key}@{name}": one[key] for key in cause.own}
-        row |= {key: each[0][key] for key in cause.own}
-    return row
-
-
 def _distinct(problem: Problem, subsets: Sequence[Subset]) -> list[Subset]:
     """The first of every set of subsets that differ in the shapes of their laws alone."""
     first: dict[frozenset[object], Subset] = {}
@@ -207,8 +184,8 @@ def _distinct(problem: Problem, subsets: Sequence[Subset]) -> list[Subset]:
 
 def _improved(trials: Trials, winner: Refined, problem: Problem, log: list[str]) -> Refined:
     """The winner with one cause added, swapped or dropped, if that is better; else itself."""
-    variants = list(filter(trials.believed, deeper(trials, winner)))
-    for trial in variants:  # where one law with a number more says it all, no second law is tried
+    more = list(filter(trials.believed, deeper(trials, winner)))
+    for trial in more:  # where one law with a number more says it all, no second law is tried
         earned, sentence = earns(trial, winner)
         if earned and trial.fit.scale < NEAR_NOISE:
             log.append(sentence)
@@ -218,7 +195,8 @@ def _improved(trials: Trials, winner: Refined, problem: Problem, log: list[str])
         log.append(sentence)
         if earned:
             return trial
-    for trial in (*filter(trials.believed, _variants(trials, winner)), *variants):
+    plain = (*variants(trials, winner), *twin_variants(trials, winner))
+    for trial in (*filter(trials.believed, plain), *more):
         earned, sentence = earns(trial, winner)
         log.append(sentence)
         if earned:
@@ -271,29 +249,11 @@ def _additions(trials: Trials, winner: Refined) -> Iterator[Refined]:
         needed = SIGNIFICANT + price(winner, subset.numbers, 1, trials.count)
         part = (base.chi2 - subset.chi2) / excess(base.chi2, winner)
         if gain > HOPE * needed and part > PROMISE:
-            values = [*grouped(winner), *_first(problem, subset)]
+            values = [*grouped(winner), *first_guess(problem, subset)]
             causes = (*trials.causes(winner), *subset.causes)
             trial = trials.refined(causes, values, winner.fit.starts)
             yield from lean(trials, trial, trial.causes[-1])
             yield trial
-
-
-def _variants(trials: Trials, winner: Refined) -> Iterator[Refined]:
-    """The winner with one plain law replaced by a variant of it."""
-    for i, cause in enumerate(winner.causes):
-        for other in trials.setting.hypotheses:
-            same = (other.kind, other.place) == (cause.kind, cause.place)
-            if not (other.variant and same and set(cause.terms) < set(other.terms)):
-                continue
-            rows = grouped(winner)
-            plain = [rows[i].get(term, 0.0) for term in other.terms]
-            if "static" in other.terms:
-                plain[other.terms.index("static")] = STATIC_FIRST * rows[i]["coulomb"]
-            kept = {key: value for key, value in rows[i].items() if key in other.keys}
-            rows[i] = {**other.values(plain), **kept}
-            causes = [*winner.causes[:i], other, *winner.causes[i + 1 :]]
-            indices = [trials.index(c) for c in causes]
-            yield trials.refined(indices, rows, winner.fit.starts)
 
 
 def _told(cause: Hypothesis, winner: Refined) -> bool:
@@ -322,7 +282,7 @@ def _swaps(trials: Trials, winner: Refined, problem: Problem) -> Iterator[Refine
         ]
         if options:
             best = min(options, key=lambda s: s.chi2)
-            yield trials.refined(best.causes, _first(problem, best))
+            yield trials.refined(best.causes, first_guess(problem, best))
 
 
 def _plainer(trials: Trials, winner: Refined, problem: Problem) -> Iterator[Refined]:
@@ -344,7 +304,7 @@ def _plainer(trials: Trials, winner: Refined, problem: Problem) -> Iterator[Refi
                 if (subset := solve(problem, (*rest, *more))) is not None
             ]
             for subset in sorted(options, key=lambda s: s.chi2)[:PLAINER]:
-                trial = trials.refined(subset.causes, _first(problem, subset))
+                trial = trials.refined(subset.causes, first_guess(problem, subset))
                 if not trial.fit.reason:
                     yield trial
 

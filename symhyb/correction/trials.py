@@ -5,11 +5,14 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from symhyb.correction.evidence import NEAR_NOISE, believable, named
+from symhyb.correction.selection import Problem, Subset
 from symhyb.correction.setting import Setting
 from symhyb.correction.strength import SMALL, shares
 from symhyb.correction.trajectory import Refined, refine
 from symhyb.discrepancy.hypotheses import Hypothesis
 from symhyb.numeric.buffers import Array
+
+NEXT_TO_NONE = 1e-3  # of the mean of the others: where a recording without a cause begins
 
 Say = Callable[[str], None]
 
@@ -75,3 +78,29 @@ class Trials:
     def listed(self, trial: Refined) -> bool:
         """Whether the linear problems hold every cause of a structure."""
         return max(self.causes(trial), default=-1) < len(self.setting.hypotheses)
+
+
+def first_guess(problem: Problem, subset: Subset) -> list[dict[str, float]]:
+    """The first guess of each cause of a subset, by key, SI."""
+    rows, rest = [], list(subset.values)
+    for index in subset.causes:
+        count = len(problem.columns[index])
+        rows.append(_begin(problem, problem.hypotheses[index], rest[:count]))
+        rest = rest[count:]
+    return rows
+
+
+def _begin(problem: Problem, cause: Hypothesis, values: Sequence[float]) -> dict[str, float]:
+    """The first guess of a cause: shared keys at their mean over the recordings that have numbers
+    of their own."""
+    size = len(cause.terms)
+    numbers = np.reshape(values, (-1, size))
+    # where one recording shows nothing of a cause the law still stands: it may divide by its key
+    numbers = np.where(numbers == 0, NEXT_TO_NONE * np.mean(numbers, axis=0), numbers)
+    each = [cause.values(list(row)) for row in numbers]
+    row = {key: float(np.mean([one[key] for one in each])) for key in each[0]}
+    if len(each) > 1:
+        for name, one in zip(problem.recordings, each, strict=True):
+            row |= {f"{key}@{name}": one[key] for key in cause.own}
+        row |= {key: each[0][key] for key in cause.own}
+    return row

@@ -114,3 +114,34 @@ def test_variants_stack_and_no_key_is_added_twice() -> None:
     other = Hypothesis("hysteresis", On("y"), ("stiffness",), (True,))
     assert list(variants_of(setting, other, row)) == []
     assert np.all([h.variant for h, _ in variants_of(setting, plain, row)])
+
+
+KNOWN_DAMPER = """
+[parameters.d]
+value = 30.0
+unit = "N*s/m"
+sd = 5.0
+[elements.damper]
+kind = "damper"
+on = "x"
+damping = "d"
+"""
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_damper_by_direction_beside_a_damping_that_may_be_estimated(seed: int) -> None:
+    """The plain damper is the twin of the parameter; what differs by direction is told all the
+    same, and no constant force in its place."""
+    d, skew = 37.0, -0.09
+
+    def law(_: float, rate: float, *__: float) -> tuple[float, float]:
+        return d * rate * (1 + skew * np.sign(rate)), 0.0
+
+    model = parse_model(RIG + KNOWN_DAMPER, "rig.toml")
+    diagnosis = sh.diagnose(model, on_rig(law, seed, noise=0.02))
+    assert [(one.element.kind, one.element.place) for one in diagnosis.found] == [("damper", X)]
+    assert diagnosis.parameters == ()
+    told = {one.term: (one.value, one.sd) for one in diagnosis.found[0].estimates}
+    assert told["damping"][0] == pytest.approx(d - 30.0, abs=0.5)
+    product = told["damping"][0] * told["asymmetry"][0]
+    assert product == pytest.approx(d * skew, rel=0.1)
