@@ -61,6 +61,7 @@ def _basis(model: WindowModel, item: Laid, trial: Refined, which: int, sd: Array
     if not model.form.moving:  # all motion is given: no initial state to fit
         return np.zeros((int((~item.held).sum()), 1, 0))
     start, p = trial.fit.starts[which], trial.of(item.source[0])
+    suited = suited.in_time(model, p)
     with np.errstate(over="ignore", invalid="ignore"):
         reply = model.differentiate(suited.block, start, p).from_start()
     weight = np.where(np.isfinite(suited.block.y), 1 / sd, 0.0)[..., None]

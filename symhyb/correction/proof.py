@@ -93,6 +93,7 @@ def _unseen(prepared: Prepared, stage: Stage, trial: Refined) -> _Unseen:
     any_held = any(item.held.any() for item in laid)
     for item in laid:
         p = own_values(trial, item, prepared.sd) if prepared.holdout else trial.of(item.source[0])
+        item = item.in_time(model, p)
         fitted = fit(model, _still(item, prepared.sd), p)
         (start,) = fitted.starts
         chosen = np.ones(len(start), bool) if prepared.holdout or not any_held else item.held

@@ -50,7 +50,8 @@ def screen(
     mine += [forces + i for i, column in enumerate(model.free) if column in own and i >= len(dull)]
     extra = copies(mine, forces + free, len(laid))
     for i, fine in enumerate(laid):
-        item, now = fine.suited(model.machine), p if each is None else each[i]
+        now = p if each is None else each[i]
+        item = fine.suited(model.machine).in_time(model, now)
         if starts is None:
             linear = model.along(item.block, item.states, now)
         else:

@@ -27,6 +27,7 @@ SHARES = (1.0, 0.0)  # of the step of a window's initial state: the best is take
 SHARES_ALONE = (1.0, 0.3, 0.0)  # where no parameter moves with it
 HELD_ROUNDS = 2  # of steps for the initial states alone, when the parameters stand
 ROUNDS = 3  # of both
+LATE_ROUNDS = 3  # more, where the delay of a sensor moves by samples
 SETTLED = 0.01  # of the cost: if settling takes more, the parameters move again
 
 
@@ -135,18 +136,33 @@ def fit(model: WindowModel, task: Task, p: Array, starts: Sequence[Array] | None
     values = np.clip(first, task.lower, task.upper)
     now = [item.start for item in task.laid] if starts is None else list(starts)
     now = _on_constraints(model, task, p, values, now)
+    task = _in_time(model, task, p, values)
     cost = _cost(model, task, p, values, now)
     if not np.isfinite(cost):
         return _failed(task, now, values, "the simulation grew without bound")
-    for _ in range(ROUNDS):
+    for i in range(ROUNDS + LATE_ROUNDS):
         values, now, cost = _descended(model, task, p, values, now, cost)
         now = _settled(model, task, p, values, now)
         settled = _cost(model, task, p, values, now)
-        if not settled < (1 - SETTLED) * cost:
+        timed = _in_time(model, task, p, values)
+        if timed is not task:
+            task, cost = timed, _cost(model, timed, p, values, now)
+        elif settled < (1 - SETTLED) * cost and i < ROUNDS - 1:
+            cost = settled
+        else:
             break
-        cost = settled
     inner = model.machine.inner_states
     return _finish(task, _linearise(model, task, p, values, now), values, now, inner)
+
+
+def _in_time(model: WindowModel, task: Task, p: Array, values: Array) -> Task:
+    """The task with signals of late sensors in time with the model; itself where they are."""
+    laid = tuple(
+        item.in_time(model, task.filled(i, p, model.free, values))
+        for i, item in enumerate(task.laid)
+    )
+    same = all(new is old for new, old in zip(laid, task.laid, strict=True))
+    return task if same else replace(task, laid=laid)
 
 
 def _on_constraints(

@@ -19,12 +19,13 @@ from symhyb.numeric.between import finer, smooth_columns
 from symhyb.numeric.buffers import Array
 from symhyb.numeric.dynamics import state_form
 from symhyb.numeric.machine import Machine
-from symhyb.numeric.windows import Block
+from symhyb.numeric.windows import Block, WindowModel
 
 FINITE_SHARE = 0.7  # of the samples of a window that must be there
 STEEP = ("friction", "friction_dynamic", "gap", "hysteresis")  # finer steps at reversals
 SLOW_SHARE = 0.02
 SAMPLES_LEAST = 12  # samples a window has at least
+EVEN = 0.25  # samples: what was recorded a whole number of samples later lies this near
 END_KNOTS = 3  # of the smoothed motion, that are not trusted where it swings at its end:
 SWUNG = 1.5  # times as fast as anywhere else
 
@@ -75,6 +76,29 @@ class Laid:
             return item
         parts = np.full_like(item.block.substeps, item.steps)
         return replace(item, block=replace(item.block, substeps=parts))
+
+    def in_time(self, model: WindowModel, p: Array) -> "Laid":
+        """The windows with what late sensors recorded under ``p`` (P,), SI, taken whole samples
+        later: the model is asked for the rest of their delays alone, at most half a sample, over
+        which a state may be extrapolated. So the noise stays as recorded."""
+        recording, step = self.source[0], float(np.median(np.diff(self.block.t, axis=1)))
+        sensors = model.machine.model.sensors
+        shifts = np.zeros(len(sensors), dtype=int)
+        for j, sensor in enumerate(sensors):
+            if sensor.name in model.form.late:
+                stated = sensor.delay.si if sensor.delay else 0.0
+                delay = float(p[model.machine.column(f"{sensor.name}.delay")])
+                shifts[j] = round((delay - stated) / step)
+        late = tuple((shifts * step).tolist()) if shifts.any() else ()
+        if late == self.block.late:
+            return self
+        y, t = measured(recording, model.machine), recording.t
+        columns = []
+        for j, shift in enumerate(shifts):
+            then = np.clip(self.rows + shift, 0, t.size - 1)
+            apart = np.abs(t[then] - t[self.rows] - shift * step)
+            columns.append(np.where(apart < EVEN * step, y[then, j], np.nan))
+        return replace(self, block=replace(self.block, y=np.stack(columns, axis=2), late=late))
 
     def first(self) -> "Laid":
         """The first window alone."""

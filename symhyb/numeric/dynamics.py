@@ -9,9 +9,11 @@ differentiated, the drive goes on with u' (k), and the delays of inputs and sens
 the recorded signals were already cleared of:
 
     u(t − τ) = u − (τ − cleared) u',   cleared = τ: exact, with the slope by τ
-    q(t − τ) = q − δ q' + δ²/2 q'',   v(t − τ) = v − δ q'',   δ = τ − cleared
+    q(t − τ) = q − δ q' + δ²/2 q'',   v(t − τ) = v − δ q''(t − δ/2),   δ = τ − cleared, of a sensor
+    below half a sample
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import casadi as ca
@@ -59,10 +61,13 @@ class StateForm:
         more = 2 * self.inputs + len(self.machine.model.sensors) if self.late else 0
         return self.inputs + 3 * len(self.given) + more
 
-    def extended(self, drive: Array, t: Array, record: tuple[Array, Array], p: Array) -> Array:
+    def extended(
+        self, drive: Array, t: Array, record: tuple[Array, Array], p: Array, late: Sequence[float]
+    ) -> Array:
         """The drive (W, L, …) with what delays need: late inputs taken anew, under the delays of
         ``p``, from the ``record`` (times (K,) and inputs (K, k) as recorded), the slopes of all
-        inputs along ``t`` (W, L), and the delays that the signals are now cleared of. SI."""
+        inputs along ``t`` (W, L), and the delays that the signals are now cleared of: of a sensor
+        the one that the model states, and ``late`` (m,) beyond it, where given. SI."""
         if not self.late:
             return drive
         model, drive = self.machine.model, drive.copy()
@@ -72,6 +77,8 @@ class StateForm:
             if item.name in self.late:
                 cleared[i] = float(p[self.machine.column(f"{item.name}.delay")])
                 drive[..., i] = resampled(record[0], record[1][:, i], t - cleared[i])
+        for j, lag in enumerate(late):
+            cleared[self.inputs + j] += lag
         rise = np.gradient(drive[..., : self.inputs], axis=1) / np.gradient(t, axis=1)[..., None]
         still = np.broadcast_to(np.array(cleared), (*drive.shape[:-1], len(cleared)))
         return np.concatenate([drive, rise, still], axis=-1)
@@ -145,8 +152,10 @@ class StateForm:
             if sensor.name in self.late:
                 lag = self._lag(sensor.name, d, p, self.inputs + j)
                 slope = d[self.inputs + 3 * len(self.given) :][: self.inputs]
-                q_then, v_then = q - lag * v + lag**2 / 2 * a, v - lag * a
-                u_then = u - lag * slope if self.inputs else u
+                u_half, u_then = (u - h * slope if self.inputs else u for h in (lag / 2, lag))
+                q_half, v_half = q - lag / 2 * v + lag**2 / 8 * a, v - lag / 2 * a
+                a_half = self._accelerations(q_half, v_half, z, u_half, t - lag / 2, p, w, b)
+                q_then, v_then = q - lag * v + lag**2 / 2 * a, v - lag * a_half
                 a_then = self._accelerations(q_then, v_then, z, u_then, t - lag, p, w, b)
                 then = (q_then, v_then, a_then, z, u_then, t - lag, p, w)
                 y[j] = self.machine.sensed(*then)[j]

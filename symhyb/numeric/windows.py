@@ -31,7 +31,8 @@ class Block:
     measurements, NaN where missing;
     ``substeps`` (W, L − 1) integration steps between two samples; ``record`` times (K,) and inputs
     (K, k) of the whole recording, from which inputs under another delay are taken, and those that
-    are smooth between samples (then on a finer grid).
+    are smooth between samples (then on a finer grid). ``late`` (m,), if not empty: by how many
+    seconds each column of ``y`` was taken later, beyond the delay that the model states.
     """
 
     t: Array
@@ -39,6 +40,7 @@ class Block:
     y: Array
     substeps: NDArray[np.int64]
     record: tuple[Array, Array] = (np.empty(0), np.empty((0, 0)))
+    late: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -207,7 +209,7 @@ class WindowModel:
         Returns states at the ends (W, L − 1, X) and, unless ``what`` is plain, the slopes from
         sample to sample.
         """
-        drive = self.form.extended(block.d, block.t, block.record, p)
+        drive = self.form.extended(block.d, block.t, block.record, p, block.late)
         windows, length, inputs = drive.shape
         states, parts = starts.shape[2], block.substeps.reshape(-1)
         if states == 0:  # all motion is given, and nothing remembers
@@ -254,7 +256,8 @@ class WindowModel:
 
     def _outputs(self, block: Block, x: Array, p: Array) -> tuple[Array, ...]:
         windows, length, _ = x.shape
-        drive, total = self.form.extended(block.d, block.t, block.record, p), windows * length
+        drive = self.form.extended(block.d, block.t, block.record, p, block.late)
+        total = windows * length
         given = x.reshape(total, -1), drive.reshape(total, -1), block.t.reshape(-1), p
         y, *slopes = along(self._steps.sense, given, (3,), total)
         m = len(self.machine.model.sensors)

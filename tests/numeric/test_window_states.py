@@ -213,6 +213,16 @@ def test_a_sensor_that_records_late_shows_what_was() -> None:
     assert y[..., 1] == pytest.approx(x[..., 1])
 
 
+def test_a_rate_that_is_recorded_late_is_of_second_order_too() -> None:
+    machine, windows, start = late()
+    column, p = machine.column("speed.delay"), machine.values.copy()
+    p[column] = 0.01  # one sample
+    x, y = WindowModel(machine, (column,)).simulate(windows, start, p)
+    error = np.abs(y[:, 1:, 1] - x[:, :-1, 1])
+    assert np.median(error) < 1e-3
+    assert np.median(np.abs(y[:, 1:, 1] - x[:, 1:, 1])) > 0.03
+
+
 @pytest.mark.parametrize("name", ["f", "place", "speed"])
 def test_derivatives_by_delays(name: str) -> None:
     machine, windows, start = late()
