@@ -5,12 +5,21 @@ Each is tried only where what was found leaves more than noise.
 
 from collections.abc import Iterator
 
-from symhyb.correction.evidence import NEAR_NOISE, believable, criterion, earns, weak
+from symhyb.correction.evidence import (
+    HOPE,
+    NEAR_NOISE,
+    SIGNIFICANT,
+    believable,
+    criterion,
+    earns,
+    price,
+    unit_of,
+    weak,
+)
 from symhyb.correction.kin import STATIC_FIRST, variants_of
 from symhyb.correction.last_resort import beside, candidates, instead
 from symhyb.correction.overtones import overtones
-from symhyb.correction.selection import solve
-from symhyb.correction.setting import around
+from symhyb.correction.selection import reach, solve
 from symhyb.correction.trajectory import Refined, grouped
 from symhyb.correction.trials import Trials, first_guess
 from symhyb.discrepancy.hypotheses import Hypothesis
@@ -36,12 +45,17 @@ def deeper(trials: Trials, winner: Refined, place: Place | None = None) -> Itera
 
 
 def variants(trials: Trials, winner: Refined) -> Iterator[Refined]:
-    """The winner with one plain law replaced by a variant of it."""
+    """The winner with one plain law replaced by a variant of it; where hardly more than noise is
+    left, only if the linear problem along the winner's simulation lets it reach something."""
     for i, cause in enumerate(winner.causes):
-        for other in trials.setting.hypotheses:
+        for c, other in enumerate(trials.setting.hypotheses):
             same = (other.kind, other.place) == (cause.kind, cause.place)
             if not (other.variant and same and set(cause.terms) < set(other.terms)):
                 continue
+            if winner.fit.scale < NEAR_NOISE:
+                needed = SIGNIFICANT + price(winner, other.numbers - cause.numbers, 0, 1)
+                if not reach(trials.along(winner), c) / unit_of(winner) > HOPE * needed:
+                    continue
             rows = grouped(winner)
             plain = [rows[i].get(term, 0.0) for term in other.terms]
             if "static" in other.terms:
@@ -77,7 +91,7 @@ def twin_variants(trials: Trials, winner: Refined) -> Iterator[Refined]:
         causes = [c for c in trials.causes(winner) if c != cause]
         rows = [row for j, row in enumerate(grouped(winner)) if j != i]
         smaller = trials.refined(causes, rows, winner.fit.starts)
-        problem = around(trials.setting, smaller)
+        problem = trials.along(smaller)
         for c in offered:
             subset = solve(problem, (c,))
             if subset is None or smaller.fit.reason:

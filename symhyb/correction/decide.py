@@ -22,6 +22,7 @@ from symhyb.correction.beyond import (
 )
 from symhyb.correction.conventions import CERTAIN, exact_twins, exchange, precedence
 from symhyb.correction.evidence import (
+    HOPE,
     NEAR_NOISE,
     SIGNIFICANT,
     criterion,
@@ -32,7 +33,7 @@ from symhyb.correction.evidence import (
     unit_of,
 )  # fmt: skip
 from symhyb.correction.selection import LARGEST, Problem, Subset, best_subsets, solve, without
-from symhyb.correction.setting import Setting, along_motion, around
+from symhyb.correction.setting import Setting, along_motion
 from symhyb.correction.trajectory import Refined, grouped
 from symhyb.correction.trials import Say, Trials, first_guess
 from symhyb.discrepancy.hypotheses import Hypothesis
@@ -40,7 +41,6 @@ from symhyb.model.types import Place
 
 TRIALS = 3  # refined structures of each size
 PROMISE = 0.3  # of what can be taken, which the linear problem must promise before a trial
-HOPE = 0.5  # of the significance that it needs: the linear problem may promise too little
 VOID = 0.1  # of what the linear problem promised: less means that its promises are void
 ROUNDS = 6
 PLAINER = 2  # plain laws, and pairs of them, that are tried in place of one of several numbers
@@ -237,7 +237,7 @@ def _additions(trials: Trials, winner: Refined) -> Iterator[Refined]:
     without those that it makes redundant."""
     hypotheses = trials.setting.hypotheses
     skewed = {c for c, cause in enumerate(hypotheses) if "skew" in cause.terms}
-    problem = without(around(trials.setting, winner), trials.dropped - skewed)
+    problem = without(trials.along(winner), trials.dropped - skewed)
     taken = {c for c, cause in enumerate(problem.hypotheses) if _told(cause, winner)}
     base = solve(problem, ())
     if base is None:

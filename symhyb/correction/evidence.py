@@ -12,6 +12,7 @@ from symhyb.discrepancy.hypotheses import PLAIN, Hypothesis
 from symhyb.numeric.buffers import Array
 
 SIGNIFICANT = 10.0  # Δχ²/c − k ln N on fitted windows, Δχ²/c on held ones (10: odds of 150 to 1)
+HOPE = 0.5  # of the significance that it needs: the linear problem may promise too little
 OUTSTANDING = 3.0  # standard deviations, of the strength of a cause
 NEAR_NOISE = 1.1  # χ² per sample: nothing larger to climb to
 PART_LEFT = 1 / 2  # of the mismatch that is left, which a cause must take

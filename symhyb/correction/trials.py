@@ -6,7 +6,7 @@ import numpy as np
 
 from symhyb.correction.evidence import NEAR_NOISE, believable, named
 from symhyb.correction.selection import Problem, Subset
-from symhyb.correction.setting import Setting
+from symhyb.correction.setting import Setting, around
 from symhyb.correction.strength import SMALL, shares
 from symhyb.correction.trajectory import Refined, refine
 from symhyb.discrepancy.hypotheses import Hypothesis
@@ -32,6 +32,7 @@ class Trials:
         self.dropped = dropped | {second for _, second in twins}
         self.done: dict[tuple[int, ...], Refined] = {}
         self.known = list(setting.hypotheses)
+        self._along: dict[tuple[int, ...], Problem] = {}
 
     def refined(
         self,
@@ -48,6 +49,13 @@ class Trials:
             stage, model = self.setting.stages[-1], self.setting.windows.machine.model
             self.done[key] = refine(model, chosen, values, stage.laid, self.setting.sd, starts)
         return self.done[key]
+
+    def along(self, trial: Refined) -> Problem:
+        """The linear problem along the simulation of a structure, its own numbers always in."""
+        key = tuple(sorted(self.causes(trial)))
+        if key not in self._along:
+            self._along = {key: around(self.setting, trial)}  # the last one: it is large
+        return self._along[key]
 
     @property
     def count(self) -> int:

@@ -16,8 +16,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symhyb.correction.choice import Choice
-from symhyb.correction.decide import HOPE, PROMISE
+from symhyb.correction.decide import PROMISE
 from symhyb.correction.evidence import (
+    HOPE,
     NEAR_NOISE,
     PART_LEFT,
     SIGNIFICANT,
