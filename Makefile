@@ -12,7 +12,7 @@ export PIP_NO_INPUT := 1
 export OMP_NUM_THREADS := 1
 export OPENBLAS_NUM_THREADS := 1
 
-.PHONY: test demo slow lint types layers docs all install clean
+.PHONY: test demo slow windows lint types layers docs all install clean
 
 test: $(READY)
 	$(BIN)/python -m pytest -q -n 2
@@ -22,6 +22,10 @@ demo: $(READY)
 
 slow: $(READY)
 	$(BIN)/python -m pytest -q -n 2 -m slow
+
+# needs mingw and wine
+windows: $(READY)
+	$(BIN)/python -m pytest -q -m windows
 
 lint: $(READY)
 	$(BIN)/ruff check .
