@@ -42,8 +42,8 @@ Powers = tuple[int, int]
 
 @dataclass(frozen=True, slots=True)
 class Remainder:
-    """A smooth remainder: the ``model`` with it, its ``element`` and ``degree``; ``before`` and
-    ``after`` are χ² per sample of the held windows, by degree from 0 (nothing) on in ``held``."""
+    """A smooth remainder: the ``model`` with it, its ``element`` and ``degree``; ``held`` is χ² per
+    sample of the held windows by degree, from 0 (nothing) on."""
 
     model: Model
     element: Element
