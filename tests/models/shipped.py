@@ -35,6 +35,7 @@ SPREAD: dict[str, tuple[tuple[float, ...], float, tuple[float, ...]]] = {
     "dropped_ball": ((5.0,), 0.5, ()),
     "rig_alone": ((0.02,), 0.3, ()),
     "loudspeaker": ((3e-3, 1e-3), 3e-3, (4.0,)),
+    "maglev": ((2e-3, 1e-2), 1e-2, (1.0,)),
 }
 NAMES = sorted(SPREAD)
 IN_SPACE = {"gyroscope", "furuta_pendulum", "quadrotor", "six_joint_arm"}

@@ -126,6 +126,26 @@ def test_a_loudspeaker_is_a_linear_circuit_with_a_cone() -> None:
     assert done.q[-1, 0] > 0  # a positive voltage pushes the cone outwards
 
 
+def test_a_levitating_ball_leaves_its_balance_as_the_linearised_equations_say() -> None:
+    """Gap, its rate and current about the balance at 10 mm, from 0.1 µm below it."""
+    p, gap = numbers("maglev"), 0.01
+    far = gap + p["a"]
+    current = np.sqrt(2 * p["m"] * p["g"] / p["K"]) * far
+    whole, pull = p["L_c"] + p["K"] / far, p["K"] * current / far**2
+    matrix = np.array([
+        [0, 1, 0],
+        [2 * p["g"] / far, 0, -pull / p["m"]],
+        [0, pull / whole, -p["R_e"] / whole],
+    ])  # fmt: skip
+    away = np.array([1e-7, 0, 0])
+    done = run("maglev", 0.05, [gap + away[0], 0.0], [0.0, current], [p["R_e"] * current])
+    wanted = np.array([expm(matrix * t) @ away for t in done.t])
+    found = np.column_stack([done.q[:, 0] - gap, done.v[:, 0], done.v[:, 1] - current])
+    assert np.all(np.abs(found - wanted) < 1e-3 * np.abs(wanted).max(axis=0))
+    assert wanted[-1, 0] > 3 * wanted[0, 0]  # it falls
+    assert current == pytest.approx(1.00031, abs=1e-5)  # the start that the file states
+
+
 def test_a_motor_crosses_its_play_alone() -> None:
     p, torque = numbers("two_inertia_backlash"), 0.02
     done = run("two_inertia_backlash", 0.05, [0.0, 0.0], [0.0, 0.0], [torque])

@@ -28,7 +28,8 @@ SI = {
     "1": 1.0, "1/mm": 1e3, "C": 1.0, "N*m": 1.0, "N*m*s/rad": 1.0, "N*m/rad": 1.0, "N*s/m": 1.0,
     "N*s^2/m^2": 1.0, "N/A": 1.0, "N/m": 1.0, "N/m^3": 1.0, "N/mm": 1e3, "N": 1.0, "V": 1.0,
     "deg": DEGREE, "g": 1e-3, "kN*s/m": 1e3, "kN/m": 1e3, "kN/mm": 1e6, "kg": 1.0, "kg*m^2": 1.0,
-    "kg/m^3": 1.0, "m": 1.0, "m/s": 1.0, "m/s^2": 1.0, "mH": 1e-3, "mm": 1e-3, "ohm": 1.0,
+    "kg/m^3": 1.0, "m": 1.0, "m/s": 1.0, "m/s^2": 1.0, "mH": 1e-3, "mH*m": 1e-3,
+    "mm": 1e-3, "ohm": 1.0,
     "rad": 1.0, "rpm": RPM, "s": 1.0, "s^2": 1.0, "um": 1e-6,
 }  # fmt: skip
 
@@ -284,12 +285,19 @@ def loudspeaker(q: Symbols, p: Names, u: Symbols, _: sp.Symbol) -> Energies:
     return Energies(kinetic, p["k"] * x**2 / 2, forces)
 
 
+def maglev(q: Symbols, p: Names, u: Symbols, _: sp.Symbol) -> Energies:
+    gap, current = q[0], q[1].diff(T)
+    field = (p["L_c"] + p["K"] / (gap + p["a"])) * current**2 / 2
+    forces = (sp.Integer(0), u[0] - p["R_e"] * current)
+    return Energies(p["m"] * gap.diff(T) ** 2 / 2 + field, -p["m"] * p["g"] * gap, forces)
+
+
 WRITTEN: Mapping[str, Callable[[Symbols, Names, Symbols, sp.Symbol], Energies]] = {
     written.__name__: written
     for written in (
         oscillator, duffing, emps, silverbox, ship_roll, pendulum, double_pendulum,
         triple_pendulum, pendulum_on_cart, cartpole, two_link_arm, quarter_car, half_car,
         chain_of_masses, two_inertia_backlash, rotor_imbalance, falling_ball, damper_rig,
-        dropped_ball, rig_alone, loudspeaker,
+        dropped_ball, rig_alone, loudspeaker, maglev,
     )
 }  # fmt: skip
