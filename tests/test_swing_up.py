@@ -134,6 +134,16 @@ def test_the_kept_forces_do_in_the_engine_what_is_told(
     assert kept["corrected"]["force alone"]["held"]
 
 
+def test_what_was_learned_with_other_noise_swings_up_too(kept: dict) -> None:
+    rows = [row for name, row in kept.items() if name.startswith("noise ")]
+    assert rows
+    for row in rows:
+        assert "friction of 1.5" in row["sentence"]
+        assert "viscous damping of 0.0040" in row["sentence"]
+        assert abs(row["force alone"]["angle"]) < np.radians(5)
+        assert row["force alone"]["held"]
+
+
 @needs_compiler
 def test_each_model_promises_that_its_force_ends_upright(
     study: ModuleType, pushes: dict[str, np.ndarray]

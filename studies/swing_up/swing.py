@@ -2,7 +2,7 @@
 
     python studies/swing_up/swing.py learn      # diagnoses train.csv: corrected.toml
     python studies/swing_up/swing.py            # plans, plays: plans.csv, results.json, swing.png
-    python studies/swing_up/swing.py seeds 8 9  # learns and plays with other noise: results.json
+    python studies/swing_up/swing.py seeds 8    # learns and plays with other noise: results.json
 
 engine.py plays the real machine and knows nothing of symhyb.
 """
@@ -99,15 +99,6 @@ def _told(plan: Plan, states: Array, after: Array) -> Played:
     return Played(float(phi), float(x), travel, deviation, bool(held))
 
 
-def told(diagnosis: sh.Diagnosis) -> dict[str, object]:
-    """What was found, with its deviations."""
-    values = {
-        f"{item.element.kind}.{key}": [float(p.value), float(p.sd or 0)]
-        for item in diagnosis.found for key, p in item.parameters.items()
-    }  # fmt: skip
-    return {"verdict": diagnosis.verdict, "sentence": diagnosis.sentence, "found": values}
-
-
 def main(arguments: list[str]) -> None:
     """Learn, or plan and play, or both with other noise."""
     if arguments[:1] == ["learn"]:
@@ -115,8 +106,8 @@ def main(arguments: list[str]) -> None:
         sh.write_model(correct(diagnosis), HERE / "corrected.toml")
         print(diagnosis.sentence)
     elif arguments[:1] == ["seeds"]:
-        rows = [_with_noise(int(seed)) for seed in arguments[1:]]
-        _keep({"other noise": rows})
+        for seed in arguments[1:]:
+            _keep({f"noise {seed}": _with_noise(int(seed))})
     else:
         _compare()
 
@@ -127,7 +118,7 @@ def _with_noise(seed: int) -> dict[str, object]:
         diagnosis = learn(Path(name))
     played, _ = play(planned(correct(diagnosis)))
     print(diagnosis.sentence, played, sep="\n", flush=True)
-    return {"seed": seed, **told(diagnosis), **_plain(played)}
+    return {"sentence": diagnosis.sentence, **_plain(played)}
 
 
 def _plain(played: dict[str, Played]) -> dict[str, object]:
