@@ -15,11 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from symhyb.numeric.buffers import Array
-from symhyb.numeric.rollout import Rollout, Slopes
+from symhyb.numeric.rollout import NAMES, Rollout, Slopes, varying
 
 Cost = Callable[[Array], tuple[float, Array]]
 Watch = Callable[[int, float], bool | None]
-KINDS = ("free", "start", "inputs")
 
 
 class Stopped(Exception):  # noqa: N818  # not an error: it was asked for
@@ -57,11 +56,8 @@ class Objective:
         self, rollout: Rollout, cost: Cost, vary: Sequence[str] = ("free",),
         watch: Watch | None = None,
     ):  # fmt: skip
-        unknown = [name for name in vary if name not in KINDS]
-        if unknown:
-            raise ValueError(f"{unknown[0]!r} cannot vary; it is one of {', '.join(KINDS)}")
         self.rollout, self._cost, self._watch = rollout, cost, watch
-        self._vary = tuple(kind for kind in KINDS if kind in vary)
+        self._vary = varying(vary)
         nominal = Slopes(rollout.theta, rollout.start, rollout.inputs)
         flat = self._flat(nominal)
         self.scale = np.where(flat != 0, np.abs(flat), 1.0)
@@ -93,10 +89,9 @@ class Objective:
         rollout, parts = self.rollout, {}
         rest = np.asarray(at, float) * self.scale
         for kind in self._vary:
-            name = "theta" if kind == "free" else kind
-            shape = getattr(rollout, name).shape
+            shape = getattr(rollout, NAMES[kind]).shape
             size = int(np.prod(shape))
-            parts[name], rest = rest[:size].reshape(shape), rest[size:]
+            parts[NAMES[kind]], rest = rest[:size].reshape(shape), rest[size:]
         return parts
 
     def _flat(self, slopes: Slopes) -> Array:

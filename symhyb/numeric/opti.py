@@ -18,28 +18,30 @@ import numpy as np
 from symhyb.numeric.buffers import Array
 from symhyb.numeric.dynamics import state_form
 from symhyb.numeric.machine import Machine
-from symhyb.numeric.rollout import Rollout, Slopes
+from symhyb.numeric.rollout import KINDS, NAMES, Rollout, Slopes, varying
 from symhyb.numeric.steps import rosenbrock_step
 
 
 class WholeRun(ca.Callback):
-    """(θ (F), x0 (X), u (k, K)) -> y (m, N), x (X, N), SI, as a CasADi function.
+    """What varies of (θ (F), x0 (X), u (k, K)) -> y (m, N), x (X, N), SI, as a CasADi function.
 
     CasADi holds no reference to it: keep it as long as what is built with it."""
 
-    def __init__(self, rollout: Rollout):
+    def __init__(self, rollout: Rollout, vary: Sequence[str] = KINDS):
         ca.Callback.__init__(self)
-        self.rollout = rollout
+        self.rollout, self._vary = rollout, varying(vary)
         self._kept: list[ca.Callback] = []
-        self._shapes = (
-            (rollout.theta.size, 1), (rollout.start.size, 1), rollout.inputs.shape[::-1],
-            rollout.shape[::-1], (rollout.start.size, rollout.t.size),
-        )  # fmt: skip
+        sizes = {
+            "free": (rollout.theta.size, 1), "start": (rollout.start.size, 1),
+            "inputs": rollout.inputs.shape[::-1],
+        }  # fmt: skip
+        self._takes = tuple(sizes[kind] for kind in self._vary)
+        self._gives = rollout.shape[::-1], (rollout.start.size, rollout.t.size)
         self.construct("whole_run", {})
 
     def get_n_in(self) -> int:
-        """Parameters, start, inputs."""
-        return 3
+        """Parameters, start, inputs, those that vary."""
+        return len(self._takes)
 
     def get_n_out(self) -> int:
         """Sensors, states."""
@@ -47,16 +49,16 @@ class WholeRun(ca.Callback):
 
     def get_sparsity_in(self, i: int) -> ca.Sparsity:
         """Dense."""
-        return ca.Sparsity.dense(*self._shapes[i])
+        return ca.Sparsity.dense(*self._takes[i])
 
     def get_sparsity_out(self, i: int) -> ca.Sparsity:
         """Dense."""
-        return ca.Sparsity.dense(*self._shapes[3 + i])
+        return ca.Sparsity.dense(*self._gives[i])
 
     def eval(self, arguments: Sequence[ca.DM]) -> list[ca.DM]:
         """Run."""
-        given = _arrays(arguments[:3])
-        return [ca.DM(self.rollout(*given).T), ca.DM(self.rollout.states(*given).T)]
+        given = _named(self._vary, arguments)
+        return [ca.DM(self.rollout(**given).T), ca.DM(self.rollout.states(**given).T)]
 
     def has_reverse(self, count: int) -> bool:
         """One direction at a time."""
@@ -71,16 +73,16 @@ class WholeRun(ca.Callback):
         options: Mapping[str, Any],
     ) -> ca.Function:  # fmt: skip
         """(arguments, results, weights of results) -> slopes by the arguments."""
-        places = (*self._shapes, *self._shapes[3:]), self._shapes[:3]
-        return self._keep(_Slope(self.rollout, name, *places, backwards=True))
+        places = (*self._takes, *self._gives, *self._gives), self._takes
+        return self._keep(_Slope(self.rollout, self._vary, name, *places, backwards=True))
 
     def get_forward(
         self, count: int, name: str, inputs: Sequence[str], outputs: Sequence[str],
         options: Mapping[str, Any],
     ) -> ca.Function:  # fmt: skip
         """(arguments, results, changes of arguments) -> changes of the results."""
-        places = (*self._shapes, *self._shapes[:3]), self._shapes[3:]
-        return self._keep(_Slope(self.rollout, name, *places, backwards=False))
+        places = (*self._takes, *self._gives, *self._takes), self._gives
+        return self._keep(_Slope(self.rollout, self._vary, name, *places, backwards=False))
 
     def _keep(self, made: ca.Callback) -> ca.Function:
         self._kept.append(made)
@@ -91,11 +93,11 @@ class _Slope(ca.Callback):
     """One direction of the derivatives of a whole run."""
 
     def __init__(
-        self, rollout: Rollout, name: str, takes: tuple[tuple[int, int], ...],
-        gives: tuple[tuple[int, int], ...], backwards: bool,
+        self, rollout: Rollout, vary: tuple[str, ...], name: str,
+        takes: tuple[tuple[int, int], ...], gives: tuple[tuple[int, int], ...], backwards: bool,
     ):  # fmt: skip
         ca.Callback.__init__(self)
-        self._rollout, self._takes, self._gives = rollout, takes, gives
+        self._rollout, self._vary, self._takes, self._gives = rollout, vary, takes, gives
         self._backwards = backwards
         self.construct(name, {})
 
@@ -112,25 +114,36 @@ class _Slope(ca.Callback):
         return ca.Sparsity.dense(*self._gives[i])
 
     def eval(self, arguments: Sequence[ca.DM]) -> list[ca.DM]:
-        theta, start, inputs = _arrays(arguments[:3])
-        seeds = _arrays(arguments[5:])
+        run, given = self._rollout, _named(self._vary, arguments)
         if self._backwards:
-            slopes = self._rollout.pull_back(seeds[0], theta, start, inputs, seeds[1])
-            return [ca.DM(slopes.free), ca.DM(slopes.start), ca.DM(slopes.inputs.T)]
-        by = Slopes(seeds[0].ravel(), seeds[1].ravel(), seeds[2])
-        y, x = self._rollout.pushed(by, theta, start, inputs)
+            seed, states = (_array(matrix) for matrix in arguments[len(self._vary) + 2 :])
+            slopes = run.pull_back(seed, **given, states=states)
+            return [ca.DM(getattr(slopes, kind).T) for kind in self._vary]
+        changed = _named(self._vary, arguments[len(self._vary) + 2 :])
+        by = (changed.get(name, 0 * getattr(run, name)) for name in NAMES.values())
+        free, start, inputs = by
+        y, x = run.pushed(Slopes(free.ravel(), start.ravel(), inputs), **given)
         return [ca.DM(y.T), ca.DM(x.T)]
 
 
-def _arrays(matrices: Sequence[ca.DM]) -> list[Array]:
+def _named(vary: Sequence[str], matrices: Sequence[ca.DM]) -> dict[str, Array]:
+    """Arguments of a rollout by their names."""
+    return {NAMES[kind]: _array(matrix) for kind, matrix in zip(vary, matrices, strict=False)}
+
+
+def _array(matrix: ca.DM) -> Array:
     """Time along rows."""
-    return [np.asarray(matrix.full()).T for matrix in matrices]
+    return np.asarray(matrix.full()).T
 
 
-def whole_run(rollout: Rollout) -> WholeRun:
-    """A rollout as a function for ``casadi.Opti`` and ``casadi.nlpsol``: (θ (F), x0 (X), u (k, K))
-    -> y (m, N), x (X, N), SI."""
-    return WholeRun(rollout)
+def whole_run(rollout: Rollout, vary: Sequence[str] = KINDS) -> WholeRun:
+    """A rollout as a function for ``casadi.Opti`` and ``casadi.nlpsol``: what varies of (θ (F),
+    x0 (X), u (k, K)), in this order, -> y (m, N), x (X, N), SI; the rest is nominal.
+
+    ``vary`` names some of "free", "start", "inputs". Leave out what stays as it is: CasADi lays
+    out a place for the slope of every output by every argument, long recordings included.
+    """
+    return WholeRun(rollout, vary)
 
 
 def step_function(machine: Machine, stiff: bool = False) -> ca.Function:

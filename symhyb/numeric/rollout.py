@@ -30,6 +30,8 @@ from symhyb.numeric.memory import kept
 # that of states, by 100 to 1000 where friction is steep: at 1e-12 it stays below 1e-8.
 TOLERANCE = 1e-12
 STEPS_MOST = 1_000_000
+KINDS = ("free", "start", "inputs")  # what may vary, as an optimiser calls it
+NAMES = dict(zip(KINDS, ("theta", "start", "inputs"), strict=True))  # and as a rollout takes it
 ROOM = 2  # steps of a tape over those of the nominal run
 
 
@@ -167,6 +169,17 @@ class Rollout:
         y = self._parts.sensed_pushed.along(self.t, run.x, self._at(moved), both)
         return y, run.x[:, start.size :]
 
+    def jacobian(
+        self, theta: Array | None = None, start: Array | None = None, inputs: Array | None = None
+    ) -> Array:
+        """∂y/∂θ (N, m, F), SI, by one forward run for each free parameter: for bounds along the
+        whole run, and for least squares. Arguments as of a call."""
+        columns = []
+        for way in np.eye(self.theta.size):
+            by = Slopes(way, np.zeros_like(self.start), np.zeros_like(self.inputs))
+            columns.append(self.push(by, theta, start, inputs))
+        return np.stack(columns, axis=2) if columns else np.zeros((*self.shape, 0))
+
     def _filled(
         self, theta: Array | None, start: Array | None, inputs: Array | None
     ) -> tuple[Array, Array, Array]:
@@ -230,6 +243,18 @@ class Reversal:
         np.add.at(drive, of._place, (1 - of._share)[:, None] * by_d)
         np.add.at(drive, of._place + 1, of._share[:, None] * by_d)
         return Slopes(values + by_p.sum(axis=0), start, drive[:, :k])
+
+
+def varying(kinds: Sequence[str]) -> tuple[str, ...]:
+    """What varies, in the order of all arguments.
+
+    Raises:
+        ValueError: one that cannot vary.
+    """
+    unknown = [kind for kind in kinds if kind not in KINDS]
+    if unknown:
+        raise ValueError(f"{unknown[0]!r} cannot vary; it is one of {', '.join(KINDS)}")
+    return tuple(kind for kind in KINDS if kind in kinds)
 
 
 def _column(machine: Machine, path: str) -> int:

@@ -154,6 +154,46 @@ def test_a_whole_run_has_both_derivatives() -> None:
     assert pushed == pytest.approx(pulled, rel=1e-9)
 
 
+@needs_compiler
+@pytest.mark.parametrize("vary", [("free",), ("start", "free"), ("inputs",), ("inputs", "start")])
+def test_a_whole_run_of_some_arguments_holds_the_others(vary: tuple[str, ...]) -> None:
+    """Values and both derivatives are those of the run of all arguments, in its order."""
+    run, rng = shaken(), np.random.default_rng(8)
+    nominal = {"free": run.theta[:, None], "start": run.start[:, None], "inputs": run.inputs.T}
+    kinds = [kind for kind in nominal if kind in vary]
+    symbols = {kind: ca.MX.sym(kind, *nominal[kind].shape) for kind in kinds}
+    part, asked = whole_run(run, vary), [symbols[kind] for kind in kinds]
+    assert part.n_in() == len(kinds)
+    whole = whole_run(run)
+    results = whole(*(symbols.get(kind, value) for kind, value in nominal.items())), part(*asked)
+    weights = [rng.normal(size=shape) for shape in ((1, 101), (2, 101))]
+    ways = [rng.normal(size=nominal[kind].shape) for kind in kinds]
+    at = [nominal[kind] + 0.01 * rng.normal(size=nominal[kind].shape) for kind in kinds]
+    found = []
+    for y, x in results:
+        moved = sum(ca.jtimes(y, one, way) for one, way in zip(asked, ways, strict=True))
+        total = ca.dot(y, weights[0]) + ca.dot(x, weights[1])
+        slopes = [ca.gradient(total, one) for one in asked]
+        made = ca.Function("made", asked, [y, x, moved, *slopes])
+        found.append([value.full() for value in made.call(at)])
+    for all_given, some in zip(*found, strict=True):
+        assert np.array_equal(all_given, some)
+        assert np.abs(some).max() > 0
+
+
+@needs_compiler
+def test_a_long_recording_that_is_held_costs_no_slopes() -> None:
+    """The slopes of 20 001 outputs by two parameters: a matrix by all inputs would have 4·10⁸."""
+    short = shaken()
+    t = np.linspace(0, 2, 20_001)
+    scenario = Scenario(t, short.start[:1], short.start[1:], t, np.sin(5 * t)[:, None])
+    run = Rollout(short.machine, scenario, ["k", "d"])
+    whole, theta = whole_run(run, ["free"]), ca.MX.sym("theta", 2)
+    jacobian = ca.Function("jacobian", [theta], [ca.jacobian(ca.vec(whole(theta)[0]), theta)])
+    found = jacobian(run.theta).full()
+    assert found == pytest.approx(run.jacobian()[:, 0], rel=1e-12)
+
+
 @pytest.mark.parametrize(("stiff", "model"), [(False, pendulum()), (True, cart_pole())])
 def test_steps_follow_the_run_with_their_order(stiff: bool, model) -> None:
     """Halving the steps of order 4 leaves about a sixteenth of the error."""

@@ -109,6 +109,28 @@ def test_forward_and_adjoint_slopes_are_the_same_and_those_of_differences(make) 
     assert found == pytest.approx(steps / (12 * h), rel=2e-7)
 
 
+@pytest.mark.parametrize("make", MADE.values(), ids=MADE)
+def test_the_slopes_of_every_sample_are_those_of_differences_and_of_the_adjoint(make) -> None:
+    run, _ = make()
+    found, theta = run.jacobian(), run.theta
+    assert found.shape == (*run.shape, theta.size)
+    weights = np.random.default_rng(6).normal(size=run.shape)
+    forward = np.einsum("nmf,nm->f", found, weights) * theta
+    adjoint = run.pull_back(weights).free * theta
+    assert forward == pytest.approx(adjoint, abs=1e-8 * np.abs(adjoint).max())
+    for i, way in enumerate(np.diag(1e-4 * theta)):
+        steps = 8 * (run(theta + way) - run(theta - way)) - (
+            run(theta + 2 * way) - run(theta - 2 * way)
+        )
+        known = steps / (12 * way[i])
+        assert found[:, :, i] == pytest.approx(known, abs=1e-6 * np.abs(known).max())
+
+
+def test_without_free_parameters_there_are_no_slopes_by_them() -> None:
+    run, scenario = cart()
+    assert Rollout(run.machine, scenario).jacobian().shape == (*run.shape, 0)
+
+
 def test_weights_of_states_are_pulled_back_too() -> None:
     run, _ = cart()
     by, _ = drawn(run, 2)
