@@ -188,11 +188,7 @@ def _exact(form: StateForm, scenario: Scenario, drive: Array, start: Array, p: A
     stiff = is_stiff(machine, scenario.t, start, held, p)
     run = locate_events(machine, scenario.t, start, held, p, jumps, stiff, longest)
     f = len(form.free)
-    d = np.column_stack(
-        [np.interp(scenario.t, scenario.t_u, c) for c in drive.T]
-        or [np.empty((scenario.t.size, 0))]
-    )
-    q, v = form.motion(run.x, d)
+    q, v = form.motion(run.x, _at_outputs(scenario, drive))
     reason = run.reason + (culprits(model) if run.reason else "")
     method = "radau" if stiff else "dop853"
     z = run.x[:, 2 * f :]
@@ -332,15 +328,23 @@ def _observe(
     method: str,
 ) -> Trajectory:  # fmt: skip
     t, total = scenario.t, scenario.t.size
-    d = np.column_stack(
-        [np.interp(t, scenario.t_u, column) for column in drive.T] or [np.empty((total, 0))]
-    )
+    d = _at_outputs(scenario, drive)
     q, v = at_unit_length(form.machine.model, *form.motion(x, d))
     x = form.state(q, v, x[:, 2 * len(form.free) :])
     still = np.zeros(form.machine.n)
     y, a = along(form.outputs(), (x, d, t, values, still), repeated=(3, 4), samples=total)
     z = x[:, 2 * len(form.free) :]
     return Trajectory(t, q, v, a, y, z, _told(form.machine, q, reason), method)
+
+
+def drive_at(form: StateForm, scenario: Scenario) -> Array:
+    """The drive (N, D) of a scenario at its output times, SI."""
+    return _at_outputs(scenario, _drive(form, scenario))
+
+
+def _at_outputs(scenario: Scenario, drive: Array) -> Array:
+    columns = [np.interp(scenario.t, scenario.t_u, column) for column in drive.T]
+    return np.column_stack(columns or [np.empty((scenario.t.size, 0))])
 
 
 def _told(machine: Machine, q: Array, reason: str) -> str:
