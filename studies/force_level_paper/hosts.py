@@ -64,7 +64,7 @@ def law_of(spec: Spec, path: Path, coupling: str) -> Iterator[Law]:
         yield Law(_by_casadi(spec, seen, acts, len(names)), lambda t, h: None, False)
         return
     from fmpy import extract, read_model_description
-    from fmpy.fmi2 import FMU2Model, FMU2Slave
+    from fmpy.fmi2 import FMU2Model, FMU2Slave, fmi2Real, fmi2ValueReference
 
     description = read_model_description(str(path))
     with tempfile.TemporaryDirectory() as folder:
@@ -78,15 +78,22 @@ def law_of(spec: Spec, path: Path, coupling: str) -> Iterator[Law]:
         made.exitInitializationMode()
         if coupling == "me":
             made.enterContinuousTimeMode()
-        inputs = [v.reference for v in spec.of_role("input")]
-        outputs = [v.reference for v in spec.of_role("output")][: len(acts)]
+        given, asked = (spec.of_role(role) for role in ("input", "output"))
+        inputs, outputs = (
+            (fmi2ValueReference * len(part))(*(v.reference for v in part))
+            for part in (given, asked[: len(acts)])
+        )
+        into, out = (fmi2Real * len(given))(), (fmi2Real * len(acts))()
 
         def force(t: float, q: Any, v: Any) -> list[float]:
             if coupling == "me":
                 made.setTime(t)
-            made.setReal(inputs, [float((q, v)[kind][i]) for kind, i in seen])
+            for place, (kind, i) in enumerate(seen):
+                into[place] = (q, v)[kind][i]
+            made.fmi2SetReal(made.component, inputs, len(given), into)
+            made.fmi2GetReal(made.component, outputs, len(acts), out)
             result = [0.0] * len(names)
-            for (_, i), value in zip(acts, made.getReal(outputs), strict=True):
+            for (_, i), value in zip(acts, out, strict=True):
                 result[i] = value
             return result
 
@@ -123,7 +130,7 @@ def _by_casadi(
     return force
 
 
-class _Kept:
+class Kept:
     """The force that acts now: of this very state, or that of the beginning of the step."""
 
     def __init__(self, law: Law | None, n: int, h: float):
@@ -152,13 +159,13 @@ class ExudynOscillator:
         import exudyn as exu
         from exudyn import itemInterface as items  # noqa: N813
 
-        kept, c, drive = _Kept(law, 1, h), self.it.c, self.drive
+        kept, c, drive = Kept(law, 1, h), self.it.c, self.drive
         system = exu.SystemContainer()
         mbs = system.AddSystem()
         ground = mbs.AddNode(items.NodePointGround())
         node = mbs.AddNode(items.Node1D(referenceCoordinates=[0], initialCoordinates=[self.it.q0],
                                        initialVelocities=[0]))  # fmt: skip
-        mbs.AddObject(items.ObjectMass1D(physicsMass=self.it.m, nodeNumber=node))
+        mbs.AddObject(items.ObjectMass1D(mass=self.it.m, nodeNumber=node))
         wall, mass = (
             mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=n, coordinate=0))
             for n in (ground, node)
@@ -184,11 +191,11 @@ class ExudynOscillator:
             q, v = (np.atleast_1d(mbs.GetNodeOutput(node, kind)) for kind in kinds)
             return q, v
 
-        return _exudyn_run(exu, mbs, state, kept, t, h)
+        return exudyn_run(exu, mbs, state, kept, t, h)
 
 
-def _exudyn_run(
-    exu: Any, mbs: Any, state: Callable[[], tuple[Array, Array]], kept: _Kept, t: Array, h: float
+def exudyn_run(
+    exu: Any, mbs: Any, state: Callable[[], tuple[Array, Array]], kept: Kept, t: Array, h: float
 ) -> tuple[Array, Array]:
     """Solve with RK44 and collect every output."""
     every, count, rows = round(STEP / h), [0], []
@@ -206,8 +213,8 @@ def _exudyn_run(
     settings.timeIntegration.numberOfSteps = round(t[-1] / h)
     settings.timeIntegration.endTime = float(t[-1])
     settings.timeIntegration.verboseMode = 0
-    settings.solutionSettings.writeSolutionToFile = False
-    settings.solutionSettings.sensorsWritePeriod = float(t[-1])
+    settings.solution.file.write = False
+    settings.solution.sensors.writePeriod = float(t[-1])
     mbs.SolveDynamic(settings, solverType=exu.DynamicSolverType.RK44)
     rows.append(state())
     q, v = (np.array([row[i] for row in rows])[: t.size] for i in (0, 1))
@@ -229,7 +236,7 @@ class MujocoHost:
         model = mujoco.MjModel.from_xml_string(self.xml.format(h=h))
         data = mujoco.MjData(model)
         data.qpos[:] = self.start
-        kept, every, rows = _Kept(law, model.nv, h), round(STEP / h), []
+        kept, every, rows = Kept(law, model.nv, h), round(STEP / h), []
 
         def push(model: Any, data: Any) -> None:
             data.ctrl[0] = self.drive(data.time)

@@ -102,7 +102,7 @@ class Learned:
     ``REGRESSION`` is of forces), and a sentence on what was learned."""
 
     elements: tuple[Element, ...]
-    correction: Correction
+    correction: Correction | None
     said: str
 
     def on(self, model: sh.Model) -> sh.Model:
@@ -111,7 +111,8 @@ class Learned:
 
 
 def learn(it: Oscillator, data: Data, seed: int, only_place: bool = False) -> Mapping[str, Learned]:
-    """All corrections from the recording of an oscillator under its drive."""
+    """All corrections from the recording of an oscillator under its drive; where ``only_place`` is
+    measured, only the default network and the sparse ones."""
     model = model_of(it, it.drive, data, only_place)
     return learn_model(model, data, seed, only_place)
 
@@ -130,8 +131,9 @@ def learn_model(
     diagnosis = sh.diagnose(model, recording)
     found = tuple(item.element for item in diagnosis.found)
     corrected = append_elements(model, list(found)) if found else model
-    chosen, rest = sh.train_network(model, recording, seed=seed), None
-    if found:
+    chosen = None if only_place else sh.train_network(model, recording, seed=seed)
+    rest = None
+    if found and not only_place:
         rest = sh.train_network(corrected, recording, seed=seed)
     forces = {
         "default": (default_element(default_networks(machine, course, "force", seed)),),
@@ -139,6 +141,10 @@ def learn_model(
         "sparse": found,
         "combined": (*found, *(() if rest is None else (rest.element,))),
     }
+    if only_place:
+        terms = sparse_law(machine, course, lacking(machine, course, "rates"), LIBRARY, THRESHOLD)
+        sparse = Learned(found, Correction("rates", (terms,)), diagnosis.sentence)
+        return {"default": Learned(forces["default"], None, ""), "sparse": sparse}
     rates = _of_rates(machine, course, seed)
     regression = sparse_law(machine, course, lacking(machine, course, "force"), LIBRARY, THRESHOLD)
     said = {

@@ -113,7 +113,7 @@ def simulate(plant: Plant, t: Array, q: Array, v: Array, tolerance: float = TOLE
         last = int(np.searchsorted(t, run.t[-1], "right"))
         for i in range(first, last):
             y = run.sol(t[i])
-            if side == 0:
+            if plant.coulomb and side == 0:
                 y[n] = 0.0
             rows[i] = np.concatenate([y, _pull(plant, t[i], y, side)[0]])
         first, now, here = last, float(run.t[-1]), run.y[:, -1].copy()
@@ -249,7 +249,7 @@ def rmse(found: Array, wanted: Array) -> float:
 
 def lag(t: Array, found: Run, wanted: Run, window: tuple[float, float]) -> float:
     """By how many seconds the first coordinate comes late within a window of time, to first order:
-    q(t − τ) = q − τ v."""
+    q(t − τ) = q − τ v; NaN where it stands still."""
     rows = (t >= window[0]) & (t < window[1])
     v, apart = wanted[1][rows, 0], (found[0] - wanted[0])[rows, 0]
-    return float(-np.sum(apart * v) / np.sum(v**2))
+    return float(-np.sum(apart * v) / np.sum(v**2)) if v.any() else float("nan")

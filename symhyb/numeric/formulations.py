@@ -11,7 +11,7 @@ Sizes: N samples, n coordinates of which f are free, k inputs, R rows (force: f,
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import casadi as ca
 import numpy as np
@@ -21,7 +21,14 @@ from symhyb.model.expression import ExpressionError, names, parse_expression, re
 from symhyb.model.types import Model
 from symhyb.numeric.buffers import Array
 from symhyb.numeric.dynamics import StateForm, state_form
-from symhyb.numeric.integrate import Scenario, Trajectory, drive_at, simulate, solve_system
+from symhyb.numeric.integrate import (
+    Scenario,
+    Trajectory,
+    drive_at,
+    inner_start,
+    simulate,
+    solve_system,
+)
 from symhyb.numeric.lengths import at_unit_length
 from symhyb.numeric.machine import Machine
 from symhyb.numeric.network import Weights, force_of
@@ -113,11 +120,10 @@ def simulate_corrected(
     form = state_form(machine)
     _require_rows(machine, correction)
     p = machine.values
-    alone = simulate(machine, scenario)
-    scales = _scales(form, alone) if scenario.scales is None else scenario.scales
+    scales = _scales(form, scenario) if scenario.scales is None else scenario.scales
     formulation = "force" if correction is None else correction.formulation
     right = _right(form, [value_of(machine, law) for law in laws], formulation, scales)
-    start = form.state(scenario.q, scenario.v, alone.z[0])
+    start = form.state(scenario.q, scenario.v, inner_start(machine, scenario, p))
     rows, reason = solve_system(form, scenario, right, start / scales, p)
     d, t = drive_at(form, scenario), scenario.t
     q, v = at_unit_length(machine.model, *form.motion(rows * scales, d))
@@ -161,10 +167,10 @@ def _accelerations(
     return a
 
 
-def _scales(form: StateForm, alone: Trajectory) -> Array:
+def _scales(form: StateForm, scenario: Scenario) -> Array:
     """Sizes of the states of the machine alone (X,), SI: those of the corrected one are alike."""
-    x: Any = form.state(alone.q, alone.v, alone.z)
-    size = np.nanmax(np.abs(x), axis=0, initial=0.0)
+    alone = simulate(form.machine, scenario)
+    size = np.nanmax(np.abs(form.state(alone.q, alone.v, alone.z)), axis=0, initial=0.0)
     return np.asarray(np.where(size > 0, size, 1.0))
 
 
