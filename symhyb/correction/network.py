@@ -117,8 +117,7 @@ def train_network(
     prepared = prepare(model, recordings)
     chosen = last_windows(prepared, spread=True)
     seen = see(prepared, chosen, on, inputs)
-    with threadpool_limits(1):  # several threads wait for each other on such small matrices
-        trained = _trained(seen, width, members, seed)
+    trained = _trained(seen, width, members, seed)
     fitting = Fitting.of(prepared, seen, trained)
     laid = [item.suited(fitting.model.machine) for item in chosen]
     r, held, refined = fitting.chosen(laid)
@@ -159,17 +158,27 @@ def _trained(seen: Seen, width: int, members: int, seed: int) -> tuple[Weights, 
     size = np.linalg.norm(laws, axis=0)
     unit = laws[:, size > 0] / size[size > 0]
     force = force - unit @ np.linalg.lstsq(unit, force, rcond=None)[0]
-    mean, scale = seen.x[seen.fitted].mean(axis=0), seen.x[seen.fitted].std(axis=0)
-    offset, gain = float(force.mean()), float(force.std()) or 1.0
-    standard, target = (x - mean) / scale, (force - offset) / gain
-    blocks = np.arange(rows.size) * FOLDS * BLOCKS_A_FOLD // rows.size
-    return tuple(
-        lowered(
-            _fitted(standard, target, blocks % FOLDS == k % FOLDS, width, seed + k),
-            mean, scale, gain, offset,
-        )
-        for k in range(members)
-    )  # fmt: skip
+    return members_of(x, force, width, members, seed, of=seen.x[seen.fitted])
+
+
+def members_of(
+    x: Array, target: Array, width: int, members: int, seed: int, of: Array | None = None
+) -> tuple[Weights, ...]:
+    """Networks of ``target`` (N,) by inputs ``x`` (N, I), SI, in the order of time; each stops
+    early on other blocks of time. Inputs are standardised as ``of`` (default x) is spread."""
+    spread = x if of is None else of
+    mean, scale = spread.mean(axis=0), spread.std(axis=0)
+    offset, gain = float(target.mean()), float(target.std()) or 1.0
+    standard, scaled = (x - mean) / scale, (target - offset) / gain
+    blocks = np.arange(len(x)) * FOLDS * BLOCKS_A_FOLD // len(x)
+    with threadpool_limits(1):  # several threads wait for each other on such small matrices
+        return tuple(
+            lowered(
+                _fitted(standard, scaled, blocks % FOLDS == k % FOLDS, width, seed + k),
+                mean, scale, gain, offset,
+            )
+            for k in range(members)
+        )  # fmt: skip
 
 
 def _fitted(

@@ -15,7 +15,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from symhyb.correction.regression import BLOCK, fitted
+from symhyb.correction.regression import BLOCK, Optimizer, fitted
 from symhyb.correction.selection import Subset
 from symhyb.discrepancy.hypotheses import Library
 from symhyb.discrepancy.windows import Laid
@@ -42,8 +42,6 @@ def propose(
     """
     if machine.constraints:  # the weak form holds their reactions, which nothing here knows
         return ()
-    from pysindy.optimizers import STLSQ
-
     names = [f"{h} {term}" for h in library.hypotheses for term in h.terms]
 
     def rows() -> Iterator[Array]:
@@ -61,7 +59,7 @@ def propose(
     unit = factor.chosen(seen).scaled(length[seen], size)
     found: dict[tuple[int, ...], Subset] = {}
     for threshold in THRESHOLDS:
-        optimizer = STLSQ(threshold=threshold, alpha=1e-8, max_iter=30)
+        optimizer = thresholded(threshold)
         with warnings.catch_warnings():  # a threshold that leaves no term is an answer
             warnings.simplefilter("ignore", UserWarning)
             try:
@@ -74,6 +72,14 @@ def propose(
         if subset is not None:
             found.setdefault(subset.causes, subset)
     return tuple(found.values())
+
+
+def thresholded(threshold: float) -> Optimizer:
+    """PySINDy's STLSQ, least squares that drops coefficients below a dimensionless ``threshold``
+    again and again, for :func:`symhyb.correction.regression.regress`."""
+    from pysindy.optimizers import STLSQ
+
+    return STLSQ(threshold=threshold, alpha=1e-8, max_iter=30)  # type: ignore[no-any-return]
 
 
 def weak_rows(machine: Machine, library: Library, item: Laid, band_hz: float) -> Iterator[Array]:

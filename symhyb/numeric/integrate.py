@@ -120,7 +120,7 @@ def simulate(
     scenario = _bent(scenario, machine)
     form = state_form(machine)
     drive = _drive(form, scenario)
-    start = form.state(scenario.q, scenario.v, _inner_start(machine, scenario, values))
+    start = form.state(scenario.q, scenario.v, inner_start(machine, scenario, values))
     start, reason = closed_start(form, start, drive, scenario, values)
     if reason:
         x = np.full((scenario.t.size, form.size), np.nan)
@@ -195,7 +195,8 @@ def _exact(form: StateForm, scenario: Scenario, drive: Array, start: Array, p: A
     return Trajectory(scenario.t, q, v, run.a, run.y, z, reason, method, events=run.events)
 
 
-def _inner_start(machine: Machine, scenario: Scenario, p: Array) -> Array:
+def inner_start(machine: Machine, scenario: Scenario, p: Array) -> Array:
+    """The inner states (z,) with which a scenario begins, SI."""
     if scenario.z is not None:
         return scenario.z
     (z,) = call(machine.inner_rest, (scenario.q, float(scenario.t[0]), p))
@@ -335,6 +336,11 @@ def _observe(
     y, a = along(form.outputs(), (x, d, t, values, still), repeated=(3, 4), samples=total)
     z = x[:, 2 * len(form.free) :]
     return Trajectory(t, q, v, a, y, z, _told(form.machine, q, reason), method)
+
+
+def drive_at(form: StateForm, scenario: Scenario) -> Array:
+    """The drive (N, D) of a scenario at its output times, SI."""
+    return on_lines(scenario.t_u, _drive(form, scenario), scenario.t)
 
 
 def _told(machine: Machine, q: Array, reason: str) -> str:
