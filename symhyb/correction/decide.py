@@ -33,6 +33,7 @@ from symhyb.correction.evidence import (
     price,
     unit_of,
 )  # fmt: skip
+from symhyb.correction.losses import two_for_one
 from symhyb.correction.selection import LARGEST, Problem, Subset, best_subsets, solve, without
 from symhyb.correction.setting import Setting, along_motion
 from symhyb.correction.trajectory import Refined, grouped
@@ -219,6 +220,9 @@ def _improved(trials: Trials, winner: Refined, problem: Problem, log: list[str])
         log.append(sentence)
         if better or (single.numbers < winner.numbers and not earned):
             return single
+    for trial in two_for_one(trials, winner, problem):
+        log.append(f"{named(trial.causes)} instead of {named(winner.causes)}: fits better")
+        return trial
     for simpler in (*_simplifications(trials, winner), *_plainer(trials, winner, problem)):
         earned, sentence = earns(winner, simpler)
         log.append(sentence)

@@ -5,6 +5,7 @@ A new format is one more function from bytes to :class:`Table` in ``_READERS``.
 
 import hashlib
 import os
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -15,7 +16,7 @@ from symhyb.data.mat_file import read_mat
 from symhyb.data.mdf_file import read_mdf
 from symhyb.data.parquet_file import read_parquet
 from symhyb.data.sheet_file import read_excel
-from symhyb.data.table import PART, Table, choose, refusal
+from symhyb.data.table import PART, Table, choose, following, refusal
 from symhyb.errors import did_you_mean
 
 _READERS: Mapping[str, Callable[[bytes, str], Table]] = {
@@ -28,6 +29,7 @@ _READERS: Mapping[str, Callable[[bytes, str], Table]] = {
     ".mf4": read_mdf,
     ".mdf": read_mdf,
 }
+_FROM_TO = re.compile(r"([1-9]\d*)-([1-9]\d*)")
 
 
 def split_part(path: str | os.PathLike[str]) -> tuple[Path, tuple[str, ...]]:
@@ -42,8 +44,9 @@ def split_part(path: str | os.PathLike[str]) -> tuple[Path, tuple[str, ...]]:
 def read_table(path: str | os.PathLike[str]) -> Table:
     """Read the columns of a recording, whatever its format; ``FILE#PART`` reads one part of it.
 
-    A part is a sheet, a structure, the number of a cell, or a group of channels. A number that
-    names no part is that of a run, from 1, where time starts anew in the file.
+    A part is a sheet, a structure, the number of a cell, or a group of channels; ``1-4`` are the
+    cells 1 to 4, each following on the one before. A number that names no part is that of a run,
+    from 1, where time starts anew in the file.
 
     Raises:
         InputError: there is no such file or part, its format is not readable, or its content is
@@ -60,6 +63,8 @@ def _choose(table: Table, part: str) -> Table:
     chosen = choose(table, part)
     if chosen is not None:
         return chosen
+    if (ends := _FROM_TO.fullmatch(part)) is not None:
+        return _follow(table, int(ends[1]), int(ends[2]))
     if part.isdecimal() and int(part) and not table.run:
         return replace(table, run=int(part))
     if table.run:
@@ -69,6 +74,19 @@ def _choose(table: Table, part: str) -> Table:
     known = list(dict.fromkeys(column.part for column in table.columns if column.part))
     hint = did_you_mean(part, known) if known else "; it has no parts at all"
     raise refusal(table.file, f"has no part '{part}'{hint}")
+
+
+def _follow(table: Table, first: int, last: int) -> Table:
+    """Return the cells ``first`` to ``last`` of ``table`` as if they were one."""
+    if first >= last:
+        raise refusal(table.file, f"'{PART}{first}-{last}' must go up: the first cell comes first")
+    cells = []
+    for number in range(first, last + 1):
+        cell = choose(table, str(number))
+        if cell is None:
+            raise refusal(table.file, f"'{PART}{first}-{last}': it has no cell {number}")
+        cells.append(cell)
+    return following(cells)
 
 
 def _read(path: Path) -> Table:

@@ -1,6 +1,7 @@
 """Named columns of numbers, as a file of any format has them."""
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -121,6 +122,26 @@ def choose(table: Table, part: str) -> Table | None:
     shared = [column for column in table.columns if not column.part]
     own = {column.name for column in chosen}
     return replace(table, columns=(*(c for c in shared if c.name not in own), *chosen))
+
+
+def following(parts: Sequence[Table]) -> Table:
+    """Return one table of the vectors that all ``parts`` have, each after that of the part before.
+
+    What the parts share (columns of no part) and what is no vector stays as the first has it.
+    """
+    first, *others = parts
+    columns = []
+    for column in first.columns:
+        same = [[c for c in other.columns if c.header == column.header] for other in others]
+        if not all(same):
+            continue
+        run = [column, *(found[0] for found in same)]
+        if column.values.ndim and any(one is not column for one in run):
+            values = np.concatenate([np.atleast_1d(one.values) for one in run])
+            problem = next((one.problem for one in run if one.problem is not None), None)
+            column = replace(column, values=values, problem=problem)
+        columns.append(column)
+    return replace(first, columns=tuple(columns))
 
 
 def refusal(file: str, text: str, line: int = 0) -> InputError:

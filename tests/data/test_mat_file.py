@@ -101,6 +101,28 @@ def test_an_array_of_structures_is_a_part_each(model, write, signals):
         read_recording(f"{path}#run", model)
 
 
+def test_cells_one_after_the_other(write, model, signals):
+    pieces = [slice(0, 40), slice(40, 70), slice(70, None)]
+    cells = {name: np.empty(3, dtype=object) for name in signals}
+    for name, values in signals.items():
+        cells[name][:] = [values[piece] for piece in pieces]
+    other = np.empty(2, dtype=object)
+    other[:] = [np.ones(5), np.ones(5)]
+    buffer = io.BytesIO()
+    savemat(buffer, {**cells, "rate": 100.0, "other": other})
+    path = write("run.mat", buffer.getvalue())
+    whole = read_recording(f"{path}#1-3", model)
+    np.testing.assert_array_equal(whole.t, signals["t"])
+    names = read_table(f"{path}#1-3").names()
+    assert "other" not in names  # not in every cell
+    assert "rate" in names
+    assert read_table(f"{path}#1-2").find("other")[0].values.size == 10
+    with pytest.raises(InputError, match=r"'#2-4': it has no cell 4"):
+        read_recording(f"{path}#2-4", model)
+    with pytest.raises(InputError, match=r"'#3-1' must go up"):
+        read_recording(f"{path}#3-1", model)
+
+
 def test_vectors_of_different_length_cannot_be_used_together(model, write, content):
     path = write("run.mat", content(short=np.ones(50)))
     assert "column short is not used" in read_recording(path, model).notes

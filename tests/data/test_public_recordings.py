@@ -55,6 +55,18 @@ def test_the_pendulum_by_its_cells(public_file, cell):
     assert np.median(np.diff(named.t)) == pytest.approx(1e-3)
 
 
+def test_cells_that_follow_on_one_another_are_one_swing(public_file):
+    path = public_file("pendulum", "SinglePendulumDataForParameterEstimation.mat")
+    columns = {"t": "Time_id", "angle": "Y_id.1 - pi"}
+    whole = read_recording(f"{path}#1-4", one("angle", "rad"), columns)
+    third = read_recording(f"{path}#3", one("angle", "rad"), columns)
+    assert whole.t.size == 4 * 9167
+    np.testing.assert_array_equal(
+        whole.sensors["angle"][2 * 9167 : 3 * 9167], third.sensors["angle"]
+    )
+    assert np.abs(np.diff(whole.sensors["angle"])).max() < 0.02  # no jump from cell to cell
+
+
 def test_a_cell_that_is_not_there(public_file):
     path = public_file("pendulum", "SinglePendulumDataForParameterEstimation.mat")
     with pytest.raises(InputError, match=r"in 4 parts .*, and none of them is '6'; .*mat#4'"):

@@ -1,0 +1,86 @@
+"""Viscous damping that stands for dry friction and drag together, in the decay of a pendulum."""
+
+from collections.abc import Callable
+from functools import cache
+
+import numpy as np
+import pytest
+from builders import model_of, recording
+from scipy.integrate import solve_ivp
+
+from symhyb.correction.decide import _first
+from symhyb.correction.losses import two_for_one
+from symhyb.correction.preparing import prepare, settle
+from symhyb.correction.setting import along_motion
+from symhyb.correction.trajectory import Refined, grouped
+from symhyb.correction.trials import Trials
+from symhyb.data.recording import Recording
+from symhyb.model.types import Model
+
+WEIGHT, NOISE, STEP = 64.0, 2e-5, 0.01
+Loss = Callable[[float], float]
+
+
+@cache
+def pendulum() -> Model:
+    """A pendulum of 1 kg·m² in its angle alone."""
+    return model_of(
+        coordinates={"phi": {"unit": "rad"}},
+        parameters={"J": (1.0, "kg*m^2"), "W": (WEIGHT, "N*m")},
+        energy={"kinetic": "J*phi'**2/2", "potential": "-W*cos(phi)"},
+        sensors={"encoder": {"measures": "phi", "unit": "rad"}},
+    )
+
+
+def swing(loss: Loss) -> Recording:
+    """It swings out from 1.6 rad for 36 s under a loss N·m of its speed."""
+
+    def rate(_: float, state: np.ndarray) -> list[float]:
+        return [state[1], -WEIGHT * np.sin(state[0]) - loss(state[1])]
+
+    t = np.arange(0, 36, STEP)
+    phi = solve_ivp(rate, (0, 36), [1.6, 0], "DOP853", t, rtol=1e-8, atol=1e-10, max_step=0.02).y[0]
+    return recording(t, encoder=phi + NOISE * np.random.default_rng(1).standard_normal(t.size))
+
+
+def dry(v: float) -> float:
+    """Dry friction of 0.14 N·m that falls from 0.20 (which no plain law does)."""
+    return float((0.14 + 0.06 * np.exp(-((v / 1.5) ** 2))) * np.tanh(v / 1e-3))
+
+
+def instead_of(kinds: tuple[str, ...], one: Recording) -> list[Refined]:
+    """What takes the place of plain laws of these kinds, fitted to a recording."""
+    setting = settle(prepare(pendulum(), one))
+    variants = {i for i, cause in enumerate(setting.hypotheses) if cause.variant}
+    trials = Trials(setting, variants, lambda line: None)
+    known = setting.hypotheses
+    chosen = [next(i for i, c in enumerate(known) if c.kind == kind and c.numbers == 1) 
+              for kind in kinds]  # fmt: skip
+    problem = along_motion(setting, setting.stages[-1])
+    first = {"damper": "damping", "friction": "coulomb", "drag": "drag"}
+    rows = [{first[kind]: 0.02} for kind in kinds]
+    for cause, row in zip(chosen, rows, strict=True):
+        row |= {key: value for key, value in known[cause].values([0.02]).items() if key not in row}
+    return list(two_for_one(trials, trials.refined(chosen, rows), problem, _first))
+
+
+def test_dry_friction_and_drag_take_the_place_of_the_damping_that_imitates_them() -> None:
+    (found,) = instead_of(("damper",), swing(lambda v: dry(v) + 0.004 * abs(v) * v))
+    values = dict(zip((cause.kind for cause in found.causes), grouped(found), strict=True))
+    assert set(values) == {"friction", "drag"}
+    assert values["friction"]["coulomb"] == pytest.approx(0.15, rel=0.07)
+    assert values["drag"]["drag"] == pytest.approx(0.004, rel=0.07)
+
+
+def test_viscous_damping_stays_where_something_else_is_left() -> None:
+    def loss(v: float) -> float:
+        return 0.05 * v + 0.03 * np.tanh(v / 2)
+
+    assert instead_of(("damper",), swing(loss)) == []
+
+
+def test_damping_beside_another_loss_and_damping_that_says_it_all_stay() -> None:
+    both = swing(lambda v: dry(v) + 0.03 * v)
+    assert instead_of(("damper", "friction"), both) == []
+    assert instead_of(("drag",), both) == []
+    assert instead_of(("damper",), swing(lambda v: 0.05 * v)) == []
