@@ -8,7 +8,6 @@ import pytest
 from builders import model_of, recording
 from scipy.integrate import solve_ivp
 
-from symhyb.correction.decide import _first
 from symhyb.correction.losses import two_for_one
 from symhyb.correction.preparing import prepare, settle
 from symhyb.correction.setting import along_motion
@@ -61,7 +60,7 @@ def instead_of(kinds: tuple[str, ...], one: Recording) -> list[Refined]:
     rows = [{first[kind]: 0.02} for kind in kinds]
     for cause, row in zip(chosen, rows, strict=True):
         row |= {key: value for key, value in known[cause].values([0.02]).items() if key not in row}
-    return list(two_for_one(trials, trials.refined(chosen, rows), problem, _first))
+    return list(two_for_one(trials, trials.refined(chosen, rows), problem))
 
 
 def test_dry_friction_and_drag_take_the_place_of_the_damping_that_imitates_them() -> None:
