@@ -8,12 +8,10 @@ from collections.abc import Iterator
 from symhyb.correction.evidence import (
     HOPE,
     NEAR_NOISE,
-    PART_LEFT,
     SIGNIFICANT,
     believable,
     criterion,
     earns,
-    excess,
     price,
     unit_of,
     weak,
@@ -46,24 +44,17 @@ def deeper(trials: Trials, winner: Refined, place: Place | None = None) -> Itera
     yield from sorted(tried, key=lambda trial: trial.fit.train)
 
 
-def variants(trials: Trials, winner: Refined, whole: bool = False) -> Iterator[Refined]:
+def variants(trials: Trials, winner: Refined) -> Iterator[Refined]:
     """The winner with one plain law replaced by a variant of it; where hardly more than noise is
-    left, only if the linear problem along the winner's simulation lets it reach something. With
-    ``whole`` only where more is left, and only those that could take half of that."""
-    near = winner.fit.scale < NEAR_NOISE
-    if whole and near:
-        return
+    left, only if the linear problem along the winner's simulation lets it reach something."""
     for i, cause in enumerate(winner.causes):
         for c, other in enumerate(trials.setting.hypotheses):
             same = (other.kind, other.place) == (cause.kind, cause.place)
             if not (other.variant and same and set(cause.terms) < set(other.terms)):
                 continue
-            if near or whole:
-                dear = SIGNIFICANT + price(winner, other.numbers - cause.numbers, 0, 1)
-                needed = HOPE * dear * unit_of(winner)
-                if whole:
-                    needed = PART_LEFT * excess(winner.fit.train, winner)
-                if not reach(trials.along(winner), c) > needed:
+            if winner.fit.scale < NEAR_NOISE:
+                needed = SIGNIFICANT + price(winner, other.numbers - cause.numbers, 0, 1)
+                if not reach(trials.along(winner), c) / unit_of(winner) > HOPE * needed:
                     continue
             rows = grouped(winner)
             plain = [rows[i].get(term, 0.0) for term in other.terms]
@@ -72,9 +63,8 @@ def variants(trials: Trials, winner: Refined, whole: bool = False) -> Iterator[R
             kept = {key: value for key, value in rows[i].items() if key in other.keys}
             rows[i] = {**other.values(plain), **kept}
             causes = [*winner.causes[:i], other, *winner.causes[i + 1 :]]
-            trial = trials.refined([trials.index(c) for c in causes], rows, winner.fit.starts)
-            yield from lean(trials, trial, other)
-            yield trial
+            indices = [trials.index(c) for c in causes]
+            yield trials.refined(indices, rows, winner.fit.starts)
 
 
 def twin_variants(trials: Trials, winner: Refined) -> Iterator[Refined]:

@@ -24,7 +24,6 @@ from symhyb.correction.conventions import CERTAIN, exact_twins, exchange, preced
 from symhyb.correction.evidence import (
     HOPE,
     NEAR_NOISE,
-    PART_LEFT,
     SIGNIFICANT,
     criterion,
     earns,
@@ -187,8 +186,7 @@ def _distinct(problem: Problem, subsets: Sequence[Subset]) -> list[Subset]:
 def _improved(trials: Trials, winner: Refined, problem: Problem, log: list[str]) -> Refined:
     """The winner with one cause added, swapped or dropped, if that is better; else itself."""
     more = list(filter(trials.believed, deeper(trials, winner)))
-    bent = filter(trials.believed, variants(trials, winner, whole=True))
-    for trial in (*bent, *more):  # where one law with a number more says it all, no second is tried
+    for trial in more:  # where one law with a number more says it all, no second law is tried
         earned, sentence = earns(trial, winner)
         if earned and trial.fit.scale < NEAR_NOISE:
             log.append(sentence)
@@ -214,12 +212,6 @@ def _improved(trials: Trials, winner: Refined, problem: Problem, log: list[str])
         if better and (trial.numbers <= winner.numbers or earns(trial, winner)[0]):
             log.append(f"{named(trial.causes)} instead of {named(winner.causes)}: fits better")
             return trial
-    for single in filter(trials.believed, _merged(trials, winner)):
-        better = criterion(single, winner) < criterion(winner, winner) - SIGNIFICANT
-        earned, sentence = earns(winner, single)
-        log.append(sentence)
-        if better or (single.numbers < winner.numbers and not earned):
-            return single
     for trial in two_for_one(trials, winner, problem):
         log.append(f"{named(trial.causes)} instead of {named(winner.causes)}: fits better")
         return trial
@@ -295,38 +287,6 @@ def _swaps(trials: Trials, winner: Refined, problem: Problem) -> Iterator[Refine
         if options:
             best = min(options, key=lambda s: s.chi2)
             yield trials.refined(best.causes, first_guess(problem, best))
-
-
-def _merged(trials: Trials, winner: Refined) -> Iterator[Refined]:
-    """The winner with all its causes at one place replaced by one law there with no more numbers,
-    where the linear problem without them promises that: several plain laws stand in for friction
-    that falls with speed."""
-    hypotheses = trials.setting.hypotheses
-    places = {first: hypotheses[second].place for first, second in trials.twins}
-    causes = trials.causes(winner)
-    at = [cause.place or places.get(c) for c, cause in zip(causes, winner.causes, strict=True)]
-    for place in dict.fromkeys(at):
-        mine = [i for i, there in enumerate(at) if there == place]
-        if place is None or len(mine) < 2 or not trials.listed(winner):
-            continue
-        rest = [c for i, c in enumerate(causes) if i not in mine]
-        rows = [row for i, row in enumerate(grouped(winner)) if i not in mine]
-        smaller = trials.refined(rest, rows)
-        problem, taken = trials.along(smaller), smaller.fit.train - winner.fit.train
-        base = solve(problem, ())
-        if base is None or smaller.fit.reason:
-            continue
-        most = sum(winner.causes[i].numbers for i in mine)
-        options = [
-            subset
-            for c, cause in enumerate(hypotheses)
-            if cause.place == place and 1 < cause.numbers <= most and c not in causes
-            if (subset := solve(problem, (c,))) is not None
-            and base.chi2 - subset.chi2 > PART_LEFT * taken
-        ]
-        for subset in sorted(options, key=lambda s: s.chi2)[:PLAINER]:
-            values = [*rows, *first_guess(problem, subset)]
-            yield trials.refined((*rest, *subset.causes), values, smaller.fit.starts)
 
 
 def _plainer(trials: Trials, winner: Refined, problem: Problem) -> Iterator[Refined]:
