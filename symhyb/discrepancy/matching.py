@@ -8,6 +8,7 @@ Sizes: F free parameters, W windows, L samples a window, m sensors, X states.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from operator import is_
 
 import numpy as np
 from numpy.typing import NDArray
@@ -157,12 +158,9 @@ def fit(model: WindowModel, task: Task, p: Array, starts: Sequence[Array] | None
 
 def _in_time(model: WindowModel, task: Task, p: Array, values: Array) -> Task:
     """The task with signals of late sensors in time with the model; itself where they are."""
-    laid = tuple(
-        item.in_time(model, task.filled(i, p, model.free, values))
-        for i, item in enumerate(task.laid)
-    )
-    same = all(new is old for new, old in zip(laid, task.laid, strict=True))
-    return task if same else replace(task, laid=laid)
+    full = [task.filled(i, p, model.free, values) for i in range(len(task.laid))]
+    laid = tuple(item.in_time(model, one) for item, one in zip(task.laid, full, strict=True))
+    return task if all(map(is_, laid, task.laid)) else replace(task, laid=laid)
 
 
 def _on_constraints(
@@ -176,12 +174,7 @@ def _on_constraints(
 
 
 def _descended(
-    model: WindowModel,
-    task: Task,
-    p: Array,
-    values: Array,
-    now: list[Array],
-    cost: float,
+    model: WindowModel, task: Task, p: Array, values: Array, now: list[Array], cost: float
 ) -> tuple[Array, list[Array], float]:
     """Parameters, initial states and cost after damped Gauss–Newton steps, while they pay."""
     damping, gained = 0.0, 0.0
