@@ -49,8 +49,7 @@ def variants(trials: Trials, winner: Refined) -> Iterator[Refined]:
     left, only if the linear problem along the winner's simulation lets it reach something."""
     for i, cause in enumerate(winner.causes):
         for c, other in enumerate(trials.setting.hypotheses):
-            same = (other.kind, other.place) == (cause.kind, cause.place)
-            if not (other.variant and same and set(cause.terms) < set(other.terms)):
+            if not _bends(other, cause):
                 continue
             if winner.fit.scale < NEAR_NOISE:
                 needed = SIGNIFICANT + price(winner, other.numbers - cause.numbers, 0, 1)
@@ -79,13 +78,8 @@ def twin_variants(trials: Trials, winner: Refined) -> Iterator[Refined]:
             continue
         laws = [hypotheses[law] for named, law in twins if named == cause]
         offered = [
-            c for c, other in enumerate(hypotheses)
-            if other.variant and any(
-                (law.kind, law.place) == (other.kind, other.place)
-                and set(law.terms) < set(other.terms)
-                for law in laws
-            )
-        ]  # fmt: skip
+            c for c, other in enumerate(hypotheses) if any(_bends(other, law) for law in laws)
+        ]
         if not offered:
             continue
         causes = [c for c in trials.causes(winner) if c != cause]
@@ -100,6 +94,12 @@ def twin_variants(trials: Trials, winner: Refined) -> Iterator[Refined]:
             trial = trials.refined((*causes, c), values, smaller.fit.starts)
             yield from lean(trials, trial, hypotheses[c])
             yield trial
+
+
+def _bends(other: Hypothesis, plain: Hypothesis) -> bool:
+    """Whether a cause of the first list is a variant of a plain law."""
+    same = (other.kind, other.place) == (plain.kind, plain.place)
+    return other.variant and same and set(plain.terms) < set(other.terms)
 
 
 def more_lines(trials: Trials, winner: Refined) -> Iterator[Refined]:

@@ -81,8 +81,10 @@ class Laid:
         """The windows with what late sensors recorded under ``p`` (P,), SI, taken whole samples
         later: the model is asked for the rest of their delays alone, at most half a sample, over
         which a state may be extrapolated. So the noise stays as recorded."""
-        recording, step = self.source[0], float(np.median(np.diff(self.block.t, axis=1)))
         sensors = model.machine.model.sensors
+        if not self.block.late and not any(s.name in model.form.late for s in sensors):
+            return self
+        recording, step = self.source[0], float(np.median(np.diff(self.block.t, axis=1)))
         shifts = np.zeros(len(sensors), dtype=int)
         for j, sensor in enumerate(sensors):
             if sensor.name in model.form.late:
