@@ -19,7 +19,7 @@ from symhyb.correction.isolability import isolability
 from symhyb.correction.leftover import leftover
 from symhyb.correction.preparing import Prepared, prepare, settle
 from symhyb.correction.proof import prove
-from symhyb.correction.refusal import if_bounded, if_long_enough, with_lies
+from symhyb.correction.refusal import if_apart, if_bounded, if_long_enough, with_lies
 from symhyb.correction.setting import Setting
 from symhyb.correction.trajectory import Refined
 from symhyb.data.cleaning import still
@@ -81,6 +81,7 @@ def diagnose(
     answer = in_part(_noted(answer, known.drifts), choice.change)
     answer = if_bounded(answer, final, nothing, prepared.runs, prepared.holdout)
     answer = if_long_enough(answer, prepared.runs)
+    answer = if_apart(answer, prepared.model, prepared.runs)
     answer = with_lies(answer, model, prepared.lies, final.fit.scale)
     tell("looking for what to record next")
     return _advised(_remembered(answer, prepared, setting), prepared, choice)

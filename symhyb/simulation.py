@@ -8,6 +8,7 @@ import numpy as np
 
 from symhyb.data.recording import Recording, read_recording
 from symhyb.discrepancy.motion import acting, given_motion
+from symhyb.discrepancy.sampling import as_sampled
 from symhyb.errors import InputError, NumericsError, Problem
 from symhyb.model.expression import Name, parse_expression
 from symhyb.model.types import Model, Sensor
@@ -54,7 +55,7 @@ def run_model(
         InputError: times that make no run, or inputs that stop before ``end``.
         NumericsError: the integration failed; the message says why.
     """
-    machine = build(model)
+    machine = build(model if driven is None else as_sampled(model, [driven]))
     t = _times(model, driven, end, step)
     if driven is None:
         t_u, u, given = t[[0, -1]], np.zeros((2, len(model.inputs))), None

@@ -76,6 +76,64 @@ def test_dead_sensors_are_left_out_or_leave_nothing_to_say() -> None:
     assert "no sensor changes" in nothing.sentence
 
 
+ROW = """symhyb = 1
+[coordinates]
+x1 = { unit = "m" }
+x2 = { unit = "m" }
+[parameters]
+m = { value = 1.0, unit = "kg" }
+k = { value = 90.0, unit = "N/m" }
+d = { value = 0.8, unit = "N*s/m" }
+l = { value = 0.5, unit = "m" }
+[inputs]
+f = { unit = "N" }
+[points]
+p1 = ["x1", "0"]
+p2 = ["l + x2", "0"]
+[bodies.b1]
+mass = "m"
+at = "p1"
+[bodies.b2]
+mass = "m"
+at = "p2"
+[elements]
+wall = { kind = "spring", on = "x1", stiffness = "k" }
+link = { kind = "spring", between = ["p1", "p2"], stiffness = "k", length = "l" }
+first = { kind = "damper", on = "x1", damping = "d" }
+second = { kind = "damper", on = "x2", damping = "d" }
+motor = { kind = "force", on = "x1", force = "f" }
+[sensors]
+pos_x1 = { measures = "x1", unit = "m" }
+pos_x2 = { measures = "x2", unit = "m" }
+"""
+
+
+@pytest.mark.parametrize("size", [3.0, pytest.param(24.0, marks=pytest.mark.slow)])
+def test_masses_that_overtake_each_other_tell_no_physics(size: float) -> None:
+    """Equations without lengths let two masses pass through each other; points cannot."""
+
+    def push(t: Array | float) -> Array:
+        at = np.asarray(t)
+        return np.asarray(size * (np.sin(3 * at) + np.sin(5.2 * at) + np.sin(13.0 * at)))
+
+    def rates(t: float, y: Array) -> Array:
+        pull = 90 * (y[1] - y[0])
+        forces = push(t) - 90 * y[0] + pull - 0.8 * y[2], -pull - 0.8 * y[3]
+        return np.array([y[2], y[3], *forces])
+
+    t = np.arange(1401) / 200
+    run = solve_ivp(rates, (0, 7), np.zeros(4), t_eval=t, rtol=1e-9, atol=1e-12)
+    noise = np.random.default_rng(3).standard_normal((2, t.size))
+    x1, x2 = run.y[:2] + 0.005 * run.y[:2].std() * noise
+    passes = bool((run.y[1] - run.y[0]).min() < -0.5)
+    recording = Recording("row", t, {"f": push(t)}, {"pos_x1": x1, "pos_x2": x2}, (), "")
+    diagnosis = sh.diagnose(parse_model(ROW, "row.toml"), recording)
+    assert passes is (size > 10)
+    assert diagnosis.verdict == ("undecided" if passes else "nothing missing")
+    assert ("p1 and p2 pass through each other in row at" in diagnosis.sentence) is passes
+    assert diagnosis.found == diagnosis.parameters == diagnosis.measurement == ()
+
+
 def test_a_constant_input_at_rest_tells_nothing() -> None:
     run, random = spring_recording(1, {}, duration=8.0), np.random.default_rng(0)
     still = 5 / 200 + 3e-4 * random.standard_normal(run.t.size)

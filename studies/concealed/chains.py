@@ -46,7 +46,9 @@ def _chain_forces(n: int) -> Callable[[Values, Array, Array, Array], Array]:
 def _chain(name: str, n: int, drive: Drive) -> System:
     coordinates = tuple(f"x{i + 1}" for i in range(n))
     between = {f"p{i + 1}-p{i + 2}": _neighbours(i) for i in range(n - 1)}
-    return System(name, coordinates, _chain_mass(n), _chain_forces(n), drive, between=between)
+    return System(
+        name, coordinates, _chain_mass(n), _chain_forces(n), drive, between=between, apart="l"
+    )
 
 
 TWO_MASSES = _chain("two_masses", 2, Drive((0.4, 4.5), 6.0))

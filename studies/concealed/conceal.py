@@ -84,6 +84,8 @@ def _attempt(plan: Plan, random: np.random.Generator, discarded: int) -> Case | 
     share = tuple(_share(runs[0], i) for i in range(len(hidden.effects)))
     if any(size > LARGEST for size in share):
         return None
+    if any(system.met(run.plant.values, run.motion.q) for run in runs):
+        return None
     if not targets(hidden):
         colour = random.uniform(2, 15) if plan.kind == "null.coloured" else 0.0
         return Case(plan, hidden, (runs[0], runs[1]), np.empty(0), share, [], discarded, colour)

@@ -148,12 +148,13 @@ def _shown(run: Run, hidden: Hidden, states: Array) -> Array:
 
 def _later(y: Array, step: float, late: float) -> Array:
     """Samples (L, …), ``step`` s apart, as a channel that is ``late`` s shows them; 0 at the start,
-    where it shows what was before the window."""
+    where it shows what was before the window, unless that is less than half a sample."""
     if late == 0:
         return y
     t = step * np.arange(y.shape[0])
     shifted = np.asarray(CubicSpline(t, y)(t - late))
-    shifted[: max(round(late / step), 0) + 2] = 0.0
+    if late > 0.5 * step:
+        shifted[: round(late / step) + 2] = 0.0
     return shifted
 
 

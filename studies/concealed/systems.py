@@ -41,7 +41,8 @@ class System:
 
     ``mass(p, q)`` is M (n, n, …); ``forces(p, q, v, u)`` are the known generalized forces by origin
     (parts, n, …). ``places`` give stretch and direction J, with rate J·v. ``imposed``: the one
-    coordinate is moved by a rig, whose force is what the cell reads.
+    coordinate is moved by a rig, whose force is what the cell reads. ``apart``: the parameter that
+    is the distance of neighbours at stretch 0, where all points lie on one line.
     """
 
     name: str
@@ -55,6 +56,7 @@ class System:
     rate: float = 200.0  # samples in 1/s
     duration: float = 15.0  # s
     imposed: bool = False
+    apart: str = ""
 
     @property
     def n(self) -> int:
@@ -74,6 +76,14 @@ class System:
         direction = np.zeros_like(q)
         direction[i] = 1.0
         return q[i], direction
+
+    def met(self, p: Values, q: Array) -> bool:
+        """Whether two neighbours on one line come within a twentieth of their distance, or pass
+        through each other, along q (n, N): the equations know no such thing, points do."""
+        closest = min(
+            (float(path(p, q)[0].min()) for path in self.between.values()), default=np.inf
+        )
+        return bool(self.apart) and closest < -0.95 * p[self.apart]
 
     def text(self) -> str:
         """The model file."""

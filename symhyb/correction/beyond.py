@@ -45,8 +45,9 @@ def deeper(trials: Trials, winner: Refined, place: Place | None = None) -> Itera
 
 
 def variants(trials: Trials, winner: Refined) -> Iterator[Refined]:
-    """The winner with one plain law replaced by a variant of it; where hardly more than noise is
-    left, only if the linear problem along the winner's simulation lets it reach something."""
+    """The winner with one plain law replaced by a variant of it, first without those causes that
+    stood in for what the variant has more; where hardly more than noise is left, only if the linear
+    problem along the winner's simulation lets it reach something."""
     for i, cause in enumerate(winner.causes):
         for c, other in enumerate(trials.setting.hypotheses):
             if not _bends(other, cause):
@@ -62,8 +63,9 @@ def variants(trials: Trials, winner: Refined) -> Iterator[Refined]:
             kept = {key: value for key, value in rows[i].items() if key in other.keys}
             rows[i] = {**other.values(plain), **kept}
             causes = [*winner.causes[:i], other, *winner.causes[i + 1 :]]
-            indices = [trials.index(c) for c in causes]
-            yield trials.refined(indices, rows, winner.fit.starts)
+            trial = trials.refined([trials.index(c) for c in causes], rows, winner.fit.starts)
+            yield from lean(trials, trial, other)
+            yield trial
 
 
 def twin_variants(trials: Trials, winner: Refined) -> Iterator[Refined]:
@@ -97,9 +99,8 @@ def twin_variants(trials: Trials, winner: Refined) -> Iterator[Refined]:
 
 
 def _bends(other: Hypothesis, plain: Hypothesis) -> bool:
-    """Whether a cause of the first list is a variant of a plain law."""
-    same = (other.kind, other.place) == (plain.kind, plain.place)
-    return other.variant and same and set(plain.terms) < set(other.terms)
+    """Whether a cause is a variant of a plain law."""
+    return other.variant and not plain.variant and other.extends(plain)
 
 
 def more_lines(trials: Trials, winner: Refined) -> Iterator[Refined]:

@@ -33,6 +33,7 @@ from symhyb.correction.evidence import (
     unit_of,
 )  # fmt: skip
 from symhyb.correction.losses import two_for_one
+from symhyb.correction.merging import one_for_two, one_law
 from symhyb.correction.selection import LARGEST, Problem, Subset, best_subsets, solve, without
 from symhyb.correction.setting import Setting, along_motion
 from symhyb.correction.trajectory import Refined, grouped
@@ -44,6 +45,7 @@ TRIALS = 3  # refined structures of each size
 PROMISE = 0.3  # of what can be taken, which the linear problem must promise before a trial
 VOID = 0.1  # of what the linear problem promised: less means that its promises are void
 ROUNDS = 6
+BASES = 2  # structures with one cause more, from which a second step is tried
 PLAINER = 2  # plain laws, and pairs of them, that are tried in place of one of several numbers
 
 
@@ -92,6 +94,8 @@ def decide(setting: Setting, proposals: Sequence[Subset], say: Say) -> Decision:
     winner = _climb(trials, nothing, problem, subsets, log)
     for _ in range(ROUNDS):
         better = _improved(trials, winner, problem, log)
+        if better is winner:
+            better = _ahead(trials, winner, log)
         if better is winner:
             break
         winner = better
@@ -212,6 +216,12 @@ def _improved(trials: Trials, winner: Refined, problem: Problem, log: list[str])
         if better and (trial.numbers <= winner.numbers or earns(trial, winner)[0]):
             log.append(f"{named(trial.causes)} instead of {named(winner.causes)}: fits better")
             return trial
+    for trial in filter(trials.believed, (*one_for_two(trials, winner), *one_law(trials, winner))):
+        if not earns(winner, trial)[0]:
+            log.append(
+                f"{named(trial.causes)} instead of {named(winner.causes)}: says it with less"
+            )
+            return trial
     for trial in two_for_one(trials, winner, problem):
         log.append(f"{named(trial.causes)} instead of {named(winner.causes)}: fits better")
         return trial
@@ -258,6 +268,31 @@ def _additions(trials: Trials, winner: Refined) -> Iterator[Refined]:
             trial = trials.refined(causes, values, winner.fit.starts)
             yield from lean(trials, trial, trial.causes[-1])
             yield trial
+
+
+def _ahead(trials: Trials, winner: Refined, log: list[str]) -> Refined:
+    """Where more than noise is left and no single step pays: the winner with one cause more that
+    fits better but takes too little by itself, and from there a variant or one more; if that earns
+    its place against the winner. Else the winner."""
+    if winner.fit.scale < NEAR_NOISE:
+        return winner
+    better = criterion(winner, winner) - SIGNIFICANT
+    bases = [
+        trial
+        for trial in trials.done.values()
+        if len(trial.causes) == len(winner.causes) + 1
+        and {*winner.causes} < {*trial.causes}
+        and criterion(trial, winner) < better
+        and trials.believed(trial)
+    ]
+    for base in sorted(bases, key=lambda trial: criterion(trial, winner))[:BASES]:
+        for trial in (*variants(trials, base), *_additions(trials, base)):
+            if trials.believed(trial):
+                earned, sentence = earns(trial, winner, trials.count)
+                log.append(sentence)
+                if earned:
+                    return trial
+    return winner
 
 
 def _told(cause: Hypothesis, winner: Refined) -> bool:

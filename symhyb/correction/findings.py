@@ -7,6 +7,7 @@ import numpy as np
 
 from symhyb.correction.conventions import CERTAIN, RIVAL, Exchange, exchange
 from symhyb.correction.decide import Decision
+from symhyb.correction.evidence import believable
 from symhyb.correction.formulas import law_text
 from symhyb.correction.smoothing import with_smoothing
 from symhyb.correction.stability import unstable
@@ -235,12 +236,17 @@ def cause_phrase(cause: Hypothesis) -> str:
 
 
 def doubtful(decision: Decision) -> tuple[Hypothesis, ...]:
-    """Causes of the winner that these recordings cannot tell: a rival replaces them almost as well,
-    or they do not stay chosen when the windows are weighed anew."""
+    """Causes of the winner that these recordings cannot tell: a rival that could be believed
+    replaces them almost as well, or they do not stay chosen when the windows are weighed anew. A
+    law that the rival has with a key more or less is no loss."""
     doubt = list(unstable(decision))
-    for change, evidence, _ in rivals_of(decision):
-        if evidence < CERTAIN and not change.conventional:
-            doubt += change.lost
+    for change, evidence, trial in rivals_of(decision):
+        if evidence < CERTAIN and not change.conventional and believable(trial):
+            doubt += (
+                mine
+                for mine in change.lost
+                if not any(mine.extends(other) or other.extends(mine) for other in change.fresh)
+            )
     return tuple(cause for cause in decision.winner.causes if cause in doubt)
 
 

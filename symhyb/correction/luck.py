@@ -5,9 +5,13 @@ noise: of a damper and a delay the free motion decays differently. With the subs
 the initial states of a window span, nᵀ(P_A − P_B)n of white noise n has the variance 4 Σ sin²θ over
 the principal angles θ between A and B (Seber & Lee, Linear Regression Analysis, 2003, for the
 variance of a quadratic form).
+
+A structure in which a sensor is late is held against samples that were taken later, by whole ones.
+Where windows that are fitted end, others come in than without the delay: χ² of each has the
+variance 2.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -34,26 +38,50 @@ def with_luck(setting: Setting, decision: Decision) -> Decision:
     ]
     if not near:
         return decision
-    own = _bases(setting, decision.winner)
-    spreads = tuple((trial, _spread(own, _bases(setting, trial))) for trial in near)
+    own = _views(setting, decision.winner)
+    spreads = tuple((trial, _spread(own, _views(setting, trial))) for trial in near)
     return replace(decision, luck=spreads)
 
 
-def _spread(first: list[Array], second: list[Array]) -> float:
-    """One deviation of Δχ², from bases (W, Lm, k) of the fitted windows of each recording."""
-    total = 0.0
-    for a, b in zip(first, second, strict=True):
+@dataclass(frozen=True, slots=True, eq=False)
+class _View:
+    """What of one recording a structure is fitted to: orthonormal bases (W, Lm, k) of what the
+    initial states of every fitted window span, and the ``samples`` of every sensor."""
+
+    bases: Array
+    samples: tuple[Array, ...]
+
+
+def _spread(first: list[_View], second: list[_View]) -> float:
+    """One deviation of Δχ², from the views of each recording."""
+    variance = 0.0
+    for one, other in zip(first, second, strict=True):
+        a, b = one.bases, other.bases
         shared = np.sum((a.swapaxes(1, 2) @ b) ** 2, axis=(1, 2))
-        total += float(np.sum(np.maximum(min(a.shape[2], b.shape[2]) - shared, 0.0)))
-    return 2 * float(np.sqrt(total)) if np.isfinite(total) else 0.0
+        variance += 4 * float(np.sum(np.maximum(min(a.shape[2], b.shape[2]) - shared, 0.0)))
+        exchanged = zip(one.samples, other.samples, strict=True)
+        variance += 2 * sum(np.setxor1d(mine, theirs).size for mine, theirs in exchanged)
+    return float(np.sqrt(variance)) if np.isfinite(variance) else 0.0
 
 
-def _bases(setting: Setting, trial: Refined) -> list[Array]:
-    """Orthonormal bases of what the initial states of every fitted window span, by recording."""
+def _views(setting: Setting, trial: Refined) -> list[_View]:
     machine = trial.machine
     model = WindowModel(machine, tuple(machine.column(path) for path in trial.paths))
     laid = setting.stages[-1].laid
-    return [_basis(model, item, trial, i, setting.sd) for i, item in enumerate(laid)]
+    return [_view(model, item, trial, i, setting.sd) for i, item in enumerate(laid)]
+
+
+def _view(model: WindowModel, item: Laid, trial: Refined, which: int, sd: Array) -> _View:
+    suited = item.suited(trial.machine).in_time(model, trial.of(item.source[0]))
+    step = float(np.median(np.diff(suited.block.t, axis=1)))
+    rows = np.unique(item.rows[~item.held])
+    late = suited.block.late or (0.0,) * sd.size
+    seen = np.isfinite(suited.block.y).any(axis=(0, 1))
+    samples = tuple(
+        rows + round(seconds / step) if shown else rows[:0]
+        for seconds, shown in zip(late, seen, strict=True)
+    )
+    return _View(_basis(model, item, trial, which, sd), samples)
 
 
 def _basis(model: WindowModel, item: Laid, trial: Refined, which: int, sd: Array) -> Array:

@@ -31,6 +31,7 @@ from symhyb.discrepancy.repeats import Repeated, floor_of, repeated
 from symhyb.discrepancy.residual import discrepancy
 from symhyb.discrepancy.results import Lie
 from symhyb.discrepancy.runs import Run, laid_within, noise_sd, with_noise
+from symhyb.discrepancy.sampling import as_sampled
 from symhyb.discrepancy.suspicion import repaired, suspect
 from symhyb.discrepancy.windows import Laid
 from symhyb.errors import InputError, Problem
@@ -89,7 +90,7 @@ def prepare(
         raise InputError(Problem("no recording was given; a diagnosis needs at least one"))
     recordings = tuple(without_faults(r, model) for r in recordings)
     holdout = tuple(without_faults(r, model) for r in holdout)
-    extended = with_channels(model)
+    extended = with_channels(as_sampled(model, recordings))
     machine = build(extended)
     first = [Run(r, motion_of(r, machine), np.empty(0)) for r in recordings]
     repair = suspect(machine, first)
@@ -162,7 +163,7 @@ def _sag(prepared: Prepared) -> float:
     """What first-order hold may take from an input, relative to it: the sag |Δ²u|/8 of the true
     signal's chord between two samples; nothing where the input is known to be smooth there."""
     worst = 0.0
-    lines = [item.name for item in prepared.model.inputs if item.between == "line"]
+    lines = [item.name for item in prepared.model.inputs if item.between != "smooth"]
     for run in prepared.runs:
         for values in map(run.recording.inputs.__getitem__, lines):
             size = float(np.std(values))

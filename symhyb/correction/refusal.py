@@ -11,6 +11,7 @@ import numpy as np
 
 from symhyb.correction.advice import other_speeds
 from symhyb.correction.trajectory import Refined
+from symhyb.discrepancy.meeting import meeting
 from symhyb.discrepancy.passages import one_way, passed_at_one_speed
 from symhyb.discrepancy.results import Alternative, Diagnosis, Found, Lie, Measurement
 from symhyb.discrepancy.runs import Run, laid_on
@@ -204,6 +205,21 @@ def if_long_enough(diagnosis: Diagnosis, runs: Sequence[Run]) -> Diagnosis:
         "one speed alone, so that forces of place, of speed and of time look alike",
     )
     return replace(told, record_next=other_speeds(runs))
+
+
+def if_apart(diagnosis: Diagnosis, model: Model, runs: Sequence[Run]) -> Diagnosis:
+    """The diagnosis, undecided where two points that a force joins pass through each other."""
+    met = None if diagnosis.verdict == "nothing missing" else meeting(model, runs)
+    if met is None:
+        return diagnosis
+    first, second = met.place.first, met.place.second
+    return withdrawn(
+        diagnosis,
+        f"{first} and {second} pass through each other in {met.recording} at {met.t:.3g} s, where "
+        f"the force of {met.element} turns round: so the geometry of the model is not that of the "
+        "machine (a length too short, an offset of a sensor, or points on one line that move side "
+        "by side in truth), and until it is, no physics is named",
+    )
 
 
 def _whole_period(run: Run) -> bool:

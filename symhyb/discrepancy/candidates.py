@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from symhyb.discrepancy.hypotheses import Hypothesis, natural_length
-from symhyb.model.types import Between, Model, On, Place
+from symhyb.model.types import Between, Model, Place
 from symhyb.numeric.buffers import Array
 
 TRANSITION_SHARE = 1e-3  # of the largest rate; narrower, sticking makes the cost too rugged to fit
@@ -82,8 +82,7 @@ def _at_place(model: Model, place: Place, reach: Reach, narrow: float) -> Iterat
         yield Hypothesis(
             "friction", place, ("coulomb", "static"), (True, True), shape, ("stribeck",)
         )
-    if isinstance(place, On):
-        yield Hypothesis("damper", place, ("damping", "skew"), (True, False))
+    yield Hypothesis("damper", place, ("damping", "skew"), (True, False))
     yield Hypothesis("added_mass", place, ("mass",), (True,))
     yield from _stops(place, reach, length)
     yield from _remembering(place, reach)

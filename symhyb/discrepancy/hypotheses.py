@@ -44,6 +44,7 @@ SHAPE_REACH = 30.0  # a refined shape stays within this factor of where it was t
 NARROW = {"frequency": 1.2, "period": 1.2, "clearance": 3.0, "exponent": 4.0}
 WIDER = 10.0  # a Stribeck speed against the transition
 SKEW = 0.95  # of an asymmetry: beyond, a damper would drive
+SKEWED = {"damping": 1e-9, "asymmetry": 1e9}  # next to nothing but abs(s')
 WAVES = ("harmonic", "ripple")
 PLAIN = {"exponent": 1.0}  # value of an added key at which a variant is the plain law, else 0
 
@@ -96,6 +97,12 @@ class Hypothesis:
     def family(self) -> tuple[object, ...]:
         """What makes two hypotheses the same but for their shape."""
         return self.kind, self.place, self.terms, self.refined, self.path, self.options
+
+    def extends(self, other: "Hypothesis") -> bool:
+        """Whether this is the law ``other``, perhaps with a key more."""
+        mine = self.kind, self.place, self.path, self.options
+        same = mine == (other.kind, other.place, other.path, other.options)
+        return same and set(other.terms) <= set(self.terms)
 
     def __str__(self) -> str:
         if self.place is None:
@@ -158,12 +165,10 @@ class Hypothesis:
         result = []
         for i, term in enumerate(self.terms):
             called = f"{name}_{term}"
-            if term == "skew" and isinstance(self.place, On):  # damping·asymmetry·abs(s')
-                entry = ("force", parse_expression(f"-abs({self.place.coordinate}')"))
-                result.append(Element(called, "law", self.place, (entry,)))
-                continue
             unit = [float(i == j) for j in range(len(self.terms))]
-            values = {"damping": 1.0} if "skew" in self.terms else self.values(unit)
+            values = self.values(unit)
+            if "skew" in self.terms:  # damping·s' and damping·asymmetry·abs(s')
+                values = {"damping": 1.0} if term == "damping" else SKEWED
             result.append(self.element(model, called, values))
         return tuple(result)
 

@@ -14,6 +14,7 @@ from symhyb.data.recording import Recording
 from symhyb.discrepancy.matching import fit, starts_only
 from symhyb.discrepancy.motion import acting, measured, motion_of
 from symhyb.discrepancy.runs import Run, laid_on, noise_sd, with_noise
+from symhyb.discrepancy.sampling import as_sampled
 from symhyb.errors import InputError, Problem
 from symhyb.model.types import Model
 from symhyb.numeric.between import finer, smooth_columns
@@ -51,7 +52,7 @@ def initialised_run(model: Model, recording: Recording, samples: int = SAMPLES) 
     if not LEAST <= samples < recording.t.size:
         text = f"an initial state needs {LEAST} samples at least and some to score, not {samples}"
         raise InputError(Problem(text, file=recording.name))
-    machine = build(model)
+    machine = build(as_sampled(model, [recording]))
     if machine.imposed:
         raise InputError(Problem("imposed motion has no initial state to set", file=model.file))
     head = recording.crop(end=float(recording.t[samples - 1]))

@@ -9,6 +9,7 @@ from symhyb.data.recording import Recording, several
 from symhyb.discrepancy.motion import measured, motion_of
 from symhyb.discrepancy.results import Comparison, Score, Trace, Verdict
 from symhyb.discrepancy.runs import Run, noise_sd, with_noise
+from symhyb.discrepancy.sampling import as_sampled
 from symhyb.discrepancy.scores import Errors, errors, score, yardstick
 from symhyb.discrepancy.wording import percent_text
 from symhyb.model.types import Model
@@ -37,7 +38,8 @@ def judge(
     (default: 20 of those periods).
     """
     unseen, seen = several(on), several(train)
-    machines = build(model), build(corrected)
+    told = seen or unseen
+    machines = build(as_sampled(model, told)), build(as_sampled(corrected, told))
     runs = {"train": _runs(machines[0], seen), "holdout": _runs(machines[0], unseen)}
     period = min(
         (float(run.motion.periods().min()) for group in runs.values() for run in group), default=1.0

@@ -176,7 +176,7 @@ def _channel_facets(channel: Input | Sensor) -> Facets:
     facets["unit"] = channel.unit.text
     if isinstance(channel, Sensor) and channel.sd is not None:
         facets["sd"] = f"{channel.sd:.6g}"
-    if isinstance(channel, Input):
+    if isinstance(channel, Input) and channel.between:
         facets["between"] = channel.between
     for value in (channel.gain, channel.offset, channel.delay):
         if value is not None:

@@ -180,14 +180,14 @@ def _coordinate(table: Table) -> Coordinate | None:
 
 def _input(table: Table) -> Input | None:
     table = table.checked((*_CHANNEL_KEYS, "between"))
-    unit, about, between = table.unit(), table.about(), table.text("between") or "line"
+    unit, about, between = table.unit(), table.about(), table.text("between")
     gain, offset, delay = (_channel(table, key, unit) for key in ("gain", "offset", "delay"))
-    if between not in BETWEEN:
+    if between is not None and between not in BETWEEN:
         near = did_you_mean(between, BETWEEN)
         table.fault(f"must be one of {', '.join(BETWEEN)}, not '{between}'{near}", "between")
     if unit is None:
         return None
-    return Input(table.path[-1], unit, about, gain, offset, delay, between)
+    return Input(table.path[-1], unit, about, gain, offset, delay, between or "")
 
 
 def _sensor(table: Table) -> Sensor | None:

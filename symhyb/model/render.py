@@ -221,7 +221,7 @@ def _channel(channel: Input | Sensor) -> str:
     entries += [("unit", channel.unit.text)]
     if isinstance(channel, Sensor):
         entries.append(("sd", channel.sd))
-    elif channel.between != "line":
+    elif channel.between:
         entries.append(("between", channel.between))
     text = _inline([*entries, ("about", channel.about)])
     for value in (channel.gain, channel.offset, channel.delay):

@@ -68,7 +68,8 @@ class Coordinate:
 class Input:
     """A recorded signal that acts: acting(t) = gain·recorded(t − delay) + offset.
 
-    ``between`` says how it runs between its samples: along a ``line``, or ``smooth``.
+    ``between`` says how it runs between its samples: along a ``line``, or ``smooth``; unset, a
+    recording tells by how its samples lie, and without one it is a line.
     """
 
     name: str
@@ -77,7 +78,7 @@ class Input:
     gain: Parameter | None = None
     offset: Parameter | None = None
     delay: Parameter | None = None
-    between: str = "line"
+    between: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,11 +16,29 @@ from symhyb.numeric.buffers import Array
 
 FINER = 8  # points of a smooth input for one sample: lines between them cut 64 times less
 DEGREE = 5  # of the spline
+SMOOTHER = 0.5  # of what lines miss of samples that were left out: splines may miss no more
+FEWEST = 32  # samples that tell
 
 
 def smooth_columns(inputs: Sequence[Input]) -> tuple[int, ...]:
     """Which inputs of a model are smooth between samples."""
     return tuple(i for i, item in enumerate(inputs) if item.between == "smooth")
+
+
+def looks_smooth(t: Array, values: Array) -> bool:
+    """Whether a signal (K,), sampled at times (K,) s, is smooth between its samples: with every
+    second one left out, the spline through the others misses those less than half as far (RMS) as
+    lines do. What jumps, is held or is mostly noise is not."""
+    from scipy.interpolate import make_interp_spline
+
+    kept = t.size - (t.size + 1) % 2  # ends with one that is not left out
+    if kept < FEWEST:
+        return False
+    known, left_out = slice(0, kept, 2), slice(1, kept, 2)
+    curve = make_interp_spline(t[known], values[known], k=DEGREE)(t[left_out])
+    lines = np.interp(t[left_out], t[known], values[known])
+    missed = [float(np.sum((guess - values[left_out]) ** 2)) for guess in (curve, lines)]
+    return missed[0] < SMOOTHER**2 * missed[1]
 
 
 def finer(t: Array, values: Array, smooth: Sequence[int]) -> tuple[Array, Array]:

@@ -145,3 +145,22 @@ def test_a_damper_by_direction_beside_a_damping_that_may_be_estimated(seed: int)
     assert told["damping"][0] == pytest.approx(d - 30.0, abs=0.5)
     product = told["damping"][0] * told["asymmetry"][0]
     assert product == pytest.approx(d * skew, rel=0.1)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_friction_that_falls_with_speed_beside_a_damping_that_may_be_estimated(seed: int) -> None:
+    """Plain friction with less damping comes near it, and so does drag beside both."""
+    low, high, speed = 0.6, 1.0, 0.08
+
+    def law(_: float, rate: float, *__: float) -> tuple[float, float]:
+        level = low + (high - low) * np.exp(-((rate / speed) ** 2))
+        return 30.0 * rate + level * np.sign(rate), 0.0
+
+    model = parse_model(RIG + KNOWN_DAMPER, "rig.toml")
+    diagnosis = sh.diagnose(model, on_rig(law, seed, noise=0.02))
+    assert diagnosis.parameters == ()
+    found = numbers(diagnosis)
+    truth = {"friction.coulomb": low, "friction.static": high, "friction.stribeck": speed}
+    assert set(found) == set(truth)
+    for key, value in truth.items():
+        assert abs(found[key][0] - value) < 4 * found[key][1], key

@@ -20,7 +20,8 @@ from symhyb.numeric.integrate import Scenario, simulate
 from symhyb.numeric.machine import build
 
 NOISE = 2e-4  # m, of an amplitude of some 0.3 m
-TEXT = f"""{DRIVEN_MASS}[elements.found_spring]
+ON_LINES = DRIVEN_MASS.replace('f = { unit = "N"', 'f = { unit = "N", between = "line"')
+TEXT = f"""{ON_LINES}[elements.found_spring]
 kind = "spring"
 on = "x"
 cubic = "c"
