@@ -8,7 +8,7 @@ from symhyb.discrepancy.hypotheses import Hypothesis
 
 CERTAIN = 4.6  # of the criterion: a rival closer than this (odds 10 to 1) leaves a cause in doubt
 RIVAL = 10.0  # of the criterion: closer than this, a rival is told
-TWINS = 1e-6  # of 1 − ρ² between two effects: the same
+TWINS = 1e-5  # of 1 − ρ² between two effects: the same, as discrete windows show it
 
 
 @dataclass(frozen=True)

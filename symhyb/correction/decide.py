@@ -92,13 +92,15 @@ def decide(setting: Setting, proposals: Sequence[Subset], say: Say) -> Decision:
     trials = Trials(setting, variants, say, twins)
     nothing = trials.refined(())
     winner = _climb(trials, nothing, problem, subsets, log)
+    past = [winner]
     for _ in range(ROUNDS):
         better = _improved(trials, winner, problem, log)
         if better is winner:
             better = _ahead(trials, winner, log)
-        if better is winner:
+        if any(better is one for one in past):
             break
         winner = better
+        past.append(winner)
     winner = last_resort(trials, winner, nothing, log)
     winner = _conventional(trials, winner, problem)
     named = tuple((setting.hypotheses[a], setting.hypotheses[b]) for a, b in twins)
@@ -226,6 +228,9 @@ def _improved(trials: Trials, winner: Refined, problem: Problem, log: list[str])
         log.append(f"{named(trial.causes)} instead of {named(winner.causes)}: fits better")
         return trial
     for simpler in (*_simplifications(trials, winner), *_plainer(trials, winner, problem)):
+        worse = criterion(simpler, winner) > criterion(winner, winner) + SIGNIFICANT
+        if worse and simpler.numbers >= winner.numbers and winner.fit.scale < NEAR_NOISE:
+            continue  # two laws that say less with as many numbers
         earned, sentence = earns(winner, simpler)
         log.append(sentence)
         if not earned:

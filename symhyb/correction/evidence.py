@@ -152,8 +152,9 @@ def _another_law(larger: Refined, smaller: Refined) -> bool:
 
 def part_taken(larger: Refined, smaller: Refined, everywhere: bool = False) -> float:
     """The share of the mismatch left by ``smaller`` that ``larger`` takes, on held windows (on the
-    fitted ones where none is held, on all if ``everywhere``); the noise floor is taken off, and
-    known to 2 % only."""
+    fitted ones where none is held); the noise floor is taken off, and known to 2 % only. Of two
+    laws that stand for each other, all windows are counted ``everywhere``, and how well the floor
+    is known does not matter."""
     held = smaller.fit.held if smaller.fit.held.any() else ~smaller.fit.held
     if everywhere:
         held = np.ones_like(held)
@@ -161,7 +162,8 @@ def part_taken(larger: Refined, smaller: Refined, everywhere: bool = False) -> f
     before, after = float(smaller.fit.chi2[held].sum()), float(larger.fit.chi2[held].sum())
     if not np.isfinite(before):
         return 1.0
-    left = max(before - min(floor, after), NOISE_SHARE * floor, 1e-12)
+    least = 0.0 if everywhere else NOISE_SHARE * floor
+    left = max(before - min(floor, after), least, 1e-12)
     return (before - after) / left
 
 

@@ -14,6 +14,7 @@ variance 2.
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from symhyb.correction.conventions import RIVAL
 from symhyb.correction.decide import Decision
@@ -49,7 +50,7 @@ class _View:
     initial states of every fitted window span, and the ``samples`` of every sensor."""
 
     bases: Array
-    samples: tuple[Array, ...]
+    samples: tuple[NDArray[np.int64], ...]
 
 
 def _spread(first: list[_View], second: list[_View]) -> float:
@@ -76,10 +77,10 @@ def _view(model: WindowModel, item: Laid, trial: Refined, which: int, sd: Array)
     step = float(np.median(np.diff(suited.block.t, axis=1)))
     rows = np.unique(item.rows[~item.held])
     late = suited.block.late or (0.0,) * sd.size
-    seen = np.isfinite(suited.block.y).any(axis=(0, 1))
+    seen = np.isfinite(suited.block.y)
     samples = tuple(
-        rows + round(seconds / step) if shown else rows[:0]
-        for seconds, shown in zip(late, seen, strict=True)
+        rows + round(seconds / step) if seen[:, :, j].any() else rows[:0]
+        for j, seconds in enumerate(late)
     )
     return _View(_basis(model, item, trial, which, sd), samples)
 

@@ -8,7 +8,7 @@ from symhyb.correction.evidence import NEAR_NOISE, believable, named
 from symhyb.correction.selection import Problem, Subset
 from symhyb.correction.setting import Setting, around
 from symhyb.correction.strength import SMALL, shares
-from symhyb.correction.trajectory import Refined, refine
+from symhyb.correction.trajectory import Refined, grouped, refine
 from symhyb.discrepancy.hypotheses import Hypothesis
 from symhyb.numeric.buffers import Array
 
@@ -46,9 +46,32 @@ class Trials:
         if key not in self.done:
             chosen = [self.known[cause] for cause in causes]
             self.say("trying " + named(chosen))
-            stage, model = self.setting.stages[-1], self.setting.windows.machine.model
-            self.done[key] = refine(model, chosen, values, stage.laid, self.setting.sd, starts)
+            found = self._fitted(chosen, values, starts)
+            part = self._best_part(key)
+            if part is not None and not found.fit.train <= part.fit.train:
+                # what it holds fits better alone: it ended in a minimum of its own
+                again = self._fitted(chosen, _joining(part, chosen, values), part.fit.starts)
+                found = again if not found.fit.train <= again.fit.train else found
+            self.done[key] = found
         return self.done[key]
+
+    def _fitted(
+        self,
+        causes: Sequence[Hypothesis],
+        values: Sequence[Mapping[str, float]],
+        starts: Sequence[Array] | None,
+    ) -> Refined:
+        stage, model = self.setting.stages[-1], self.setting.windows.machine.model
+        return refine(model, causes, values, stage.laid, self.setting.sd, starts)
+
+    def _best_part(self, key: Sequence[int]) -> Refined | None:
+        """The structure that fits best of those known ones that hold only causes of this one."""
+        parts = [
+            trial
+            for known, trial in self.done.items()
+            if {*known} < {*key} and not trial.fit.reason
+        ]
+        return min(parts, key=lambda trial: trial.fit.train, default=None)
 
     def along(self, trial: Refined) -> Problem:
         """The linear problem along the simulation of a structure, its own numbers always in."""
@@ -86,6 +109,27 @@ class Trials:
     def listed(self, trial: Refined) -> bool:
         """Whether the linear problems hold every cause of a structure."""
         return max(self.causes(trial), default=-1) < len(self.setting.hypotheses)
+
+
+def _joining(
+    part: Refined, causes: Sequence[Hypothesis], values: Sequence[Mapping[str, float]]
+) -> list[Mapping[str, float]]:
+    """Where a structure begins that holds ``part``: there, and with next to none of the rest."""
+    known = dict(zip(part.causes, grouped(part), strict=True))
+    return [
+        known[cause]
+        if cause in known
+        else {
+            key: value * (1.0 if _shapes(key.split("@")[0], cause) else NEXT_TO_NONE)
+            for key, value in row.items()
+        }
+        for cause, row in zip(causes, values, strict=True)
+    ]
+
+
+def _shapes(key: str, cause: Hypothesis) -> bool:
+    """Whether a key shapes a law, rather than making it strong."""
+    return key in ("phase", "asymmetry") or (key in cause.refined and key not in cause.tied)
 
 
 def first_guess(problem: Problem, subset: Subset) -> list[dict[str, float]]:

@@ -1,4 +1,4 @@
-"""Points that pass through each other: a force between them then turns round.
+"""Points on one line that pass through each other: a force between them then turns round.
 
 The stretch of a spring between two points is |b − a| − length. Masses in a row that overtake each
 other on paper, which no machine does, or a length that is too short, make its force jump from one
@@ -15,6 +15,8 @@ from symhyb.discrepancy.hypotheses import library
 from symhyb.discrepancy.runs import Run
 from symhyb.model.types import Between, Model
 
+ON_LINE = 1e-6  # relative: of the direction of a force between points that stay on one line
+
 
 @dataclass(frozen=True, slots=True)
 class Meeting:
@@ -27,8 +29,9 @@ class Meeting:
 
 
 def meeting(model: Model, runs: Sequence[Run]) -> Meeting | None:
-    """The first time that the points of an element which has a length are nearer to each other
-    than they move between two samples, along the measured motion; None if they stay apart."""
+    """The first time that the points of an element which has a length pass through each other along
+    the measured motion; None if they do not, or do not move along one line: its force acts in one
+    direction of the coordinates (n,) all along, and at once in the opposite one."""
     joined = {
         item.place: item.name
         for item in reversed(model.elements)
@@ -38,10 +41,12 @@ def meeting(model: Model, runs: Sequence[Run]) -> Meeting | None:
         return None
     gauge = library(model, tuple(joined), ())
     for run in runs:
-        distance, rate = gauge.motion(course_of(run.recording, gauge.machine, run.motion))
-        moved = np.abs(rate) * np.gradient(run.motion.t)[:, None]
+        forces = gauge.directions(course_of(run.recording, gauge.machine, run.motion))
         for i, (place, name) in enumerate(joined.items()):
-            near = np.flatnonzero(distance[:, i] < moved[:, i])
-            if near.size:
-                return Meeting(name, place, run.recording.name, float(run.motion.t[near[0]]))
+            size = np.linalg.norm(forces[:, :, i], axis=1)
+            along = forces[:, :, i] @ forces[0, :, i]
+            straight = np.allclose(np.abs(along), size * size[0], rtol=ON_LINE, atol=0)
+            turned = np.flatnonzero(along < 0)
+            if straight and turned.size:
+                return Meeting(name, place, run.recording.name, float(run.motion.t[turned[0]]))
     return None
