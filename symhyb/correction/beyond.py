@@ -112,8 +112,8 @@ def more_lines(trials: Trials, winner: Refined) -> Iterator[Refined]:
         yield trials.refined(indices, [*grouped(winner), *rows], winner.fit.starts)
 
 
-def lean(trials: Trials, trial: Refined, kept: Hypothesis) -> Iterator[Refined]:
-    """The structure without the causes that no longer stand out: they stood in for a key of the
+def lean(trials: Trials, trial: Refined, kept: Hypothesis | None = None) -> Iterator[Refined]:
+    """The structure without the causes that do not stand out: they stood in for a key of the
     law that is ``kept``, or were surrogates of it."""
     gone = {i for i in weak(trial) if trial.causes[i] != kept}
     if gone and not trial.fit.reason:

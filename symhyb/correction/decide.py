@@ -8,9 +8,8 @@
 3. Terms are added, swapped and dropped around the winner until nothing changes.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import combinations
 
 from symhyb.correction.beyond import (
     deeper,
@@ -27,26 +26,28 @@ from symhyb.correction.evidence import (
     SIGNIFICANT,
     criterion,
     earns,
-    excess,
     named,
     price,
-    unit_of,
 )  # fmt: skip
 from symhyb.correction.losses import two_for_one
 from symhyb.correction.merging import one_for_two, one_law
+from symhyb.correction.moves import (
+    PROMISE,
+    TRIALS,
+    additions,
+    plainer,
+    simplifications,
+    swaps,
+)
 from symhyb.correction.selection import LARGEST, Problem, Subset, best_subsets, solve, without
 from symhyb.correction.setting import Setting, along_motion
 from symhyb.correction.trajectory import Refined, grouped
 from symhyb.correction.trials import Say, Trials, first_guess
 from symhyb.discrepancy.hypotheses import Hypothesis
-from symhyb.model.types import Place
 
-TRIALS = 3  # refined structures of each size
-PROMISE = 0.3  # of what can be taken, which the linear problem must promise before a trial
 VOID = 0.1  # of what the linear problem promised: less means that its promises are void
 ROUNDS = 6
 BASES = 2  # structures with one cause more, from which a second step is tried
-PLAINER = 2  # plain laws, and pairs of them, that are tried in place of one of several numbers
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,6 +96,8 @@ def decide(setting: Setting, proposals: Sequence[Subset], say: Say) -> Decision:
     past = [winner]
     for _ in range(ROUNDS):
         better = _improved(trials, winner, problem, log)
+        if better is winner:
+            better = _passed_by(trials, winner, log)
         if better is winner:
             better = _ahead(trials, winner, log)
         if any(better is one for one in past):
@@ -197,7 +200,7 @@ def _improved(trials: Trials, winner: Refined, problem: Problem, log: list[str])
         if earned and trial.fit.scale < NEAR_NOISE:
             log.append(sentence)
             return trial
-    for trial in filter(trials.believed, _additions(trials, winner)):
+    for trial in filter(trials.believed, additions(trials, winner)):
         earned, sentence = earns(trial, winner, trials.count)
         log.append(sentence)
         if earned:
@@ -213,7 +216,7 @@ def _improved(trials: Trials, winner: Refined, problem: Problem, log: list[str])
         log.append(sentence)
         if earned:
             return trial
-    for trial in filter(trials.believed, _swaps(trials, winner, problem)):
+    for trial in filter(trials.believed, swaps(trials, winner, problem)):
         better = criterion(trial, winner) < criterion(winner, winner) - SIGNIFICANT
         if better and (trial.numbers <= winner.numbers or earns(trial, winner)[0]):
             log.append(f"{named(trial.causes)} instead of {named(winner.causes)}: fits better")
@@ -227,7 +230,7 @@ def _improved(trials: Trials, winner: Refined, problem: Problem, log: list[str])
     for trial in two_for_one(trials, winner, problem):
         log.append(f"{named(trial.causes)} instead of {named(winner.causes)}: fits better")
         return trial
-    for simpler in (*_simplifications(trials, winner), *_plainer(trials, winner, problem)):
+    for simpler in (*simplifications(trials, winner), *plainer(trials, winner, problem)):
         worse = criterion(simpler, winner) > criterion(winner, winner) + SIGNIFICANT
         if worse and simpler.numbers >= winner.numbers and winner.fit.scale < NEAR_NOISE:
             continue  # two laws that say less with as many numbers
@@ -251,28 +254,28 @@ def _improved(trials: Trials, winner: Refined, problem: Problem, log: list[str])
     return winner
 
 
-def _additions(trials: Trials, winner: Refined) -> Iterator[Refined]:
-    """One more cause, where the linearisation along the winner's own simulation promises it; first
-    without those that it makes redundant."""
-    hypotheses = trials.setting.hypotheses
-    skewed = {c for c, cause in enumerate(hypotheses) if "skew" in cause.terms}
-    problem = without(trials.along(winner), trials.dropped - skewed)
-    taken = {c for c, cause in enumerate(problem.hypotheses) if _told(cause, winner)}
-    base = solve(problem, ())
-    if base is None:
-        return
-    more = [s for c in range(len(problem.hypotheses)) if c not in taken
-            if (s := solve(problem, (c,))) is not None]  # fmt: skip
-    for subset in sorted(more, key=lambda s: s.chi2)[:TRIALS]:
-        gain = (base.chi2 - subset.chi2) / unit_of(winner)
-        needed = SIGNIFICANT + price(winner, subset.numbers, 1, trials.count)
-        part = (base.chi2 - subset.chi2) / excess(base.chi2, winner)
-        if gain > HOPE * needed and part > PROMISE:
-            values = [*grouped(winner), *first_guess(problem, subset)]
-            causes = (*trials.causes(winner), *subset.causes)
-            trial = trials.refined(causes, values, winner.fit.starts)
-            yield from lean(trials, trial, trial.causes[-1])
-            yield trial
+def _passed_by(trials: Trials, winner: Refined, log: list[str]) -> Refined:
+    """The structure that fits best of those tried on the way which are no larger than the winner,
+    without what does not stand out in it, if it is better (with as many numbers significantly so):
+    the steps led past it. Else the winner."""
+
+    def better(trial: Refined) -> bool:
+        least = SIGNIFICANT if trial.numbers == winner.numbers else 0.0
+        return criterion(trial, winner) < criterion(winner, winner) - least
+
+    others = [
+        trial
+        for trial in trials.done.values()
+        if trial.numbers <= winner.numbers
+        and len(trial.causes) <= len(winner.causes)
+        and better(trial)
+    ]
+    for other in sorted(others, key=lambda trial: criterion(trial, winner))[:BASES]:
+        for trial in (other, *lean(trials, other)):
+            if better(trial) and trials.believed(trial):
+                log.append(f"{named(trial.causes)} instead of {named(winner.causes)}: fits better")
+                return trial
+    return winner
 
 
 def _ahead(trials: Trials, winner: Refined, log: list[str]) -> Refined:
@@ -291,87 +294,10 @@ def _ahead(trials: Trials, winner: Refined, log: list[str]) -> Refined:
         and trials.believed(trial)
     ]
     for base in sorted(bases, key=lambda trial: criterion(trial, winner))[:BASES]:
-        for trial in (*variants(trials, base), *_additions(trials, base)):
+        for trial in (*variants(trials, base), *additions(trials, base)):
             if trials.believed(trial):
                 earned, sentence = earns(trial, winner, trials.count)
                 log.append(sentence)
                 if earned:
                     return trial
     return winner
-
-
-def _told(cause: Hypothesis, winner: Refined) -> bool:
-    """Whether the winner has a law of this kind at this place, with one of these terms."""
-    return any(
-        (mine.kind, mine.place, mine.path) == (cause.kind, cause.place, cause.path)
-        and set(mine.terms) & set(cause.terms)
-        for mine in winner.causes
-    )
-
-
-def _swaps(trials: Trials, winner: Refined, problem: Problem) -> Iterator[Refined]:
-    """For each cause of the winner the best replacement at another place or of another kind."""
-    if not trials.listed(winner):
-        return
-    causes = trials.causes(winner)
-    for cause in causes:
-        rest = [c for c in causes if c != cause]
-        mine = problem.hypotheses[cause]
-        own = mine.kind, mine.place, mine.path
-        options = [
-            subset
-            for c, other in enumerate(problem.hypotheses)
-            if c not in causes and (other.kind, other.place, other.path) != own
-            if (subset := solve(problem, (*rest, c))) is not None
-        ]
-        if options:
-            best = min(options, key=lambda s: s.chi2)
-            yield trials.refined(best.causes, first_guess(problem, best))
-
-
-def _plainer(trials: Trials, winner: Refined, problem: Problem) -> Iterator[Refined]:
-    """The winner with a law of several numbers replaced by the one or two plain laws at its place
-    that come closest: a stop behind a clearance by a spring that hardens."""
-    if not trials.listed(winner):
-        return
-    causes = trials.causes(winner)
-    for cause in causes:
-        mine = problem.hypotheses[cause]
-        if mine.place is None or mine.numbers < 2 or mine.variant:
-            continue
-        rest = [c for c in causes if c != cause]
-        plain = [c for c in _plain_at(trials, mine.place) if c not in causes]
-        for many in (1, 2):
-            options = [
-                subset
-                for more in combinations(plain, many)
-                if (subset := solve(problem, (*rest, *more))) is not None
-            ]
-            for subset in sorted(options, key=lambda s: s.chi2)[:PLAINER]:
-                trial = trials.refined(subset.causes, first_guess(problem, subset))
-                if not trial.fit.reason:
-                    yield trial
-
-
-def _plain_at(trials: Trials, place: Place) -> list[int]:
-    """The laws with one number at a place; where a parameter of the model is the twin of one (a
-    stiffness that may be estimated, of a spring), convention names the parameter, so it stands for
-    that law."""
-    hypotheses = trials.setting.hypotheses
-    named = {second: first for first, second in trials.twins}
-    plain = [c for c, h in enumerate(hypotheses) if h.place == place and h.numbers == 1]
-    return list(dict.fromkeys(named.get(c, c) for c in plain))
-
-
-def _simplifications(trials: Trials, winner: Refined) -> Iterator[Refined]:
-    """The winner with one law replaced by a simpler one of its kind (Stribeck by Coulomb)."""
-    for i, cause in enumerate(winner.causes):
-        for other in trials.setting.hypotheses:
-            same = (other.kind, other.place, other.path) == (cause.kind, cause.place, cause.path)
-            if not same or not set(other.terms) < set(cause.terms):
-                continue
-            rows = grouped(winner)
-            rows[i] = {key: rows[i][key] for key in other.keys}
-            causes = [*winner.causes[:i], other, *winner.causes[i + 1 :]]
-            indices = [trials.index(c) for c in causes]
-            yield trials.refined(indices, rows, winner.fit.starts)

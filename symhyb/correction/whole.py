@@ -16,7 +16,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symhyb.correction.choice import Choice
-from symhyb.correction.decide import PROMISE
 from symhyb.correction.evidence import (
     HOPE,
     NEAR_NOISE,
@@ -30,6 +29,7 @@ from symhyb.correction.evidence import (
     price,
     unit_of,
 )  # fmt: skip
+from symhyb.correction.moves import PROMISE
 from symhyb.correction.preparing import SAMPLES_MOST, Prepared
 from symhyb.correction.selection import Problem, Subset, solve, without
 from symhyb.correction.setting import Setting, Stage, around

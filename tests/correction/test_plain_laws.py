@@ -4,7 +4,7 @@ import numpy as np
 from builders import model_of, recording, spring
 
 from symhyb.correction.conventions import exact_twins
-from symhyb.correction.decide import _plain_at
+from symhyb.correction.moves import _plain_at
 from symhyb.correction.preparing import prepare, settle
 from symhyb.correction.setting import along_motion
 from symhyb.correction.trials import Trials
