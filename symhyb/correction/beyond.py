@@ -3,7 +3,7 @@
 Each is tried only where what was found leaves more than noise.
 """
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 from symhyb.correction.evidence import (
     HOPE,
@@ -44,13 +44,15 @@ def deeper(trials: Trials, winner: Refined, place: Place | None = None) -> Itera
     yield from sorted(tried, key=lambda trial: trial.fit.train)
 
 
-def variants(trials: Trials, winner: Refined) -> Iterator[Refined]:
-    """The winner with one plain law replaced by a variant of it, first without those causes that
-    stood in for what the variant has more; where hardly more than noise is left, only if the linear
+def variants(
+    trials: Trials, winner: Refined, only: Collection[int] | None = None
+) -> Iterator[Refined]:
+    """The winner with one plain law replaced by a variant (one of ``only``), first without what
+    stood in for the key more; where hardly more than noise is left, only if the linear
     problem along the winner's simulation lets it reach something."""
     for i, cause in enumerate(winner.causes):
         for c, other in enumerate(trials.setting.hypotheses):
-            if not _bends(other, cause):
+            if not bends(other, cause) or (only is not None and c not in only):
                 continue
             if winner.fit.scale < NEAR_NOISE:
                 needed = SIGNIFICANT + price(winner, other.numbers - cause.numbers, 0, 1)
@@ -80,7 +82,7 @@ def twin_variants(trials: Trials, winner: Refined) -> Iterator[Refined]:
             continue
         laws = [hypotheses[law] for named, law in twins if named == cause]
         offered = [
-            c for c, other in enumerate(hypotheses) if any(_bends(other, law) for law in laws)
+            c for c, other in enumerate(hypotheses) if any(bends(other, law) for law in laws)
         ]
         if not offered:
             continue
@@ -98,7 +100,7 @@ def twin_variants(trials: Trials, winner: Refined) -> Iterator[Refined]:
             yield trial
 
 
-def _bends(other: Hypothesis, plain: Hypothesis) -> bool:
+def bends(other: Hypothesis, plain: Hypothesis) -> bool:
     """Whether a cause is a variant of a plain law."""
     return other.variant and not plain.variant and other.extends(plain)
 

@@ -10,8 +10,10 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 from symhyb.correction.beyond import (
+    bends,
     deeper,
     last_resort,
     lean,
@@ -23,9 +25,11 @@ from symhyb.correction.conventions import CERTAIN, exact_twins, exchange, preced
 from symhyb.correction.evidence import (
     HOPE,
     NEAR_NOISE,
+    PART_LEFT,
     SIGNIFICANT,
     criterion,
     earns,
+    excess,
     named,
     price,
 )  # fmt: skip
@@ -39,7 +43,15 @@ from symhyb.correction.moves import (
     simplifications,
     swaps,
 )
-from symhyb.correction.selection import LARGEST, Problem, Subset, best_subsets, solve, without
+from symhyb.correction.selection import (
+    LARGEST,
+    Problem,
+    Subset,
+    best_subsets,
+    reach,
+    solve,
+    without,
+)
 from symhyb.correction.setting import Setting, along_motion
 from symhyb.correction.trajectory import Refined, grouped
 from symhyb.correction.trials import Say, Trials, first_guess
@@ -280,8 +292,9 @@ def _passed_by(trials: Trials, winner: Refined, log: list[str]) -> Refined:
 
 def _ahead(trials: Trials, winner: Refined, log: list[str]) -> Refined:
     """Where more than noise is left and no single step pays: the winner with one cause more that
-    fits better but takes too little by itself, and from there a variant or one more; if that earns
-    its place against the winner. Else the winner."""
+    fits better but takes too little by itself, and from there a variant or one more, where the
+    linear problem lets both together take enough; if that earns its place against the winner. Else
+    the winner."""
     if winner.fit.scale < NEAR_NOISE:
         return winner
     better = criterion(winner, winner) - SIGNIFICANT
@@ -294,10 +307,26 @@ def _ahead(trials: Trials, winner: Refined, log: list[str]) -> Refined:
         and trials.believed(trial)
     ]
     for base in sorted(bases, key=lambda trial: criterion(trial, winner))[:BASES]:
-        for trial in (*variants(trials, base), *additions(trials, base)):
+        bent, more = _hopeful(trials, winner, base)
+        added = additions(trials, base) if more else iter(())
+        for trial in chain(variants(trials, base, bent), added):
             if trials.believed(trial):
                 earned, sentence = earns(trial, winner, trials.count)
                 log.append(sentence)
                 if earned:
                     return trial
     return winner
+
+
+def _hopeful(trials: Trials, winner: Refined, base: Refined) -> tuple[set[int], bool]:
+    """The variants of causes of ``base`` that could take enough together with what it has more than
+    the winner, and whether one cause more could."""
+    hypotheses, own = trials.setting.hypotheses, trials.causes(base)
+    (extra,) = (c for c in own if c not in trials.causes(winner))
+    if extra >= len(hypotheses):
+        return set(), False
+    problem, left = trials.along(winner), excess(winner.fit.train, winner)
+    share = {c: reach(problem, extra, c) / left for c in range(len(hypotheses)) if c not in own}
+    bent = {c for c in share if any(bends(hypotheses[c], mine) for mine in base.causes)}
+    hopeful = {c for c in bent if share[c] > PART_LEFT}
+    return hopeful, any(share[c] > 1 - (1 - PART_LEFT) ** 2 for c in share if c not in bent)

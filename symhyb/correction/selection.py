@@ -98,11 +98,11 @@ def solve(problem: Problem, causes: Sequence[int]) -> Subset | None:
     return Subset(tuple(causes), values, chi2 + penalty, held, numbers)
 
 
-def reach(problem: Problem, cause: int) -> float:
-    """By how much χ² could fall at most with the columns of one cause, whatever their signs and
+def reach(problem: Problem, *causes: int) -> float:
+    """By how much χ² could fall at most with the columns of some causes, whatever their signs and
     bounds, beside those that are always in; directions that the data cannot tell count for none."""
-    least = []
-    for columns in (list(problem.always), [*problem.always, *problem.columns[cause]]):
+    least, more = [], [column for cause in causes for column in problem.columns[cause]]
+    for columns in (list(problem.always), [*problem.always, *more]):
         block = problem.gram[np.ix_(columns, columns)] + np.diag(problem.prior[columns])
         scale = np.sqrt(np.maximum(np.diag(block), 1e-300))
         values, vectors = np.linalg.eigh(block / np.outer(scale, scale))
