@@ -54,10 +54,8 @@ def variants(
         for c, other in enumerate(trials.setting.hypotheses):
             if not bends(other, cause) or (only is not None and c not in only):
                 continue
-            if winner.fit.scale < NEAR_NOISE:
-                needed = SIGNIFICANT + price(winner, other.numbers - cause.numbers, 0, 1)
-                if not reach(trials.along(winner), c) / unit_of(winner) > HOPE * needed:
-                    continue
+            if not _worth_it(trials, winner, c, other.numbers - cause.numbers):
+                continue
             rows = grouped(winner)
             plain = [rows[i].get(term, 0.0) for term in other.terms]
             if "static" in other.terms:
@@ -73,16 +71,17 @@ def variants(
 def twin_variants(trials: Trials, winner: Refined) -> Iterator[Refined]:
     """The winner with a parameter replaced by a variant of the law that it is the twin of (a
     damping that may be estimated, by a damper that differs by direction); first without those that
-    stood in for what the variant has more. Tried where something is left."""
-    if winner.fit.scale < NEAR_NOISE:
-        return
+    stood in for what the variant has more. Tried as those of laws are."""
     hypotheses, twins = trials.setting.hypotheses, trials.twins
     for i, cause in enumerate(trials.causes(winner)):
         if winner.causes[i].place is not None:
             continue
         laws = [hypotheses[law] for named, law in twins if named == cause]
         offered = [
-            c for c, other in enumerate(hypotheses) if any(bends(other, law) for law in laws)
+            c
+            for c, other in enumerate(hypotheses)
+            if any(bends(other, law) for law in laws)
+            and _worth_it(trials, winner, c, other.numbers - 1)
         ]
         if not offered:
             continue
@@ -98,6 +97,15 @@ def twin_variants(trials: Trials, winner: Refined) -> Iterator[Refined]:
             trial = trials.refined((*causes, c), values, smaller.fit.starts)
             yield from lean(trials, trial, hypotheses[c])
             yield trial
+
+
+def _worth_it(trials: Trials, winner: Refined, cause: int, more: int) -> bool:
+    """Whether a variant with so many numbers ``more`` may be worth a trial: where hardly more than
+    noise is left, only if the linear problem along the winner's simulation lets it reach that."""
+    if not winner.fit.scale < NEAR_NOISE:
+        return True
+    needed = SIGNIFICANT + price(winner, more, 0, 1)
+    return reach(trials.along(winner), cause) / unit_of(winner) > HOPE * needed
 
 
 def bends(other: Hypothesis, plain: Hypothesis) -> bool:
