@@ -34,6 +34,7 @@ GUIDE_LEAST, GUIDE_MOST = 0.02, 0.5  # of what acts, afterwards
 GUIDE_ROUNDS = 3
 GUIDE_KNOTS = 4  # samples
 WORSE_MOST = 3  # spacings in a row that are worse than the best: stop
+FEW_TELL = 64  # samples that tell what of a residual is no noise
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -192,8 +193,8 @@ def _smoothed(
     lost = (
         len(fit.coefficients) * fit.basis[0].shape[1] / max(int(np.isfinite(fit.residual).sum()), 1)
     )
-    shown = fit.residual[:, :watched].T
-    spread = np.array([_rms(column) for column in shown]) / np.sqrt(1 - lost)
+    pairs = zip(fit.residual[:, :watched].T, y.T, strict=False)
+    spread = np.array([_rms(_own_noise(*pair, t)) for pair in pairs]) / np.sqrt(1 - lost)
     if few is not None:
         q, v, a = few.complete((q, v, a))
         q_sd, v_sd, a_sd = (few.spread((q, v, a), sd) for sd in (q_sd, v_sd, a_sd))
@@ -201,6 +202,19 @@ def _smoothed(
         on = closed(machine, (q, v, a), t, machine.values, machine.imposed, q_sd**2)
         q, v, a = on.q, on.v, on.a
     return Motion(t, q, v, a, q_sd, v_sd, a_sd, spread, fit.spacing, blind)
+
+
+def _own_noise(residual: Array, y: Array, t: Array) -> Array:
+    """The residual (N,) of a sensor that recorded ``y`` (N,) without what an offset, a gain or a
+    delay of it would leave where other sensors show the same motion: that is no noise."""
+    seen = np.isfinite(residual) & np.isfinite(y)
+    if seen.sum() < FEW_TELL:
+        return residual
+    fitted = (y - residual)[seen]
+    columns = np.column_stack([np.ones(fitted.size), fitted, np.gradient(fitted, t[seen])])
+    columns[:, 1:] /= np.maximum(np.abs(columns[:, 1:]).max(axis=0), 1e-300)
+    values = np.linalg.lstsq(columns, residual[seen], rcond=1e-9)[0]
+    return np.asarray(residual[seen] - columns @ values)
 
 
 def _unplaced(recording: Recording, machine: Machine, y: Array, u: Array) -> tuple[str, ...]:

@@ -300,3 +300,17 @@ def test_the_spline_basis_and_its_derivatives_are_exact_on_a_quintic() -> None:
     assert first @ coefficients == pytest.approx(quintic.deriv(1)(UNEVEN), abs=1e-8)
     assert second @ coefficients == pytest.approx(quintic.deriv(2)(UNEVEN), abs=1e-6)
     assert value.sum(axis=1) == pytest.approx(np.ones(1500))
+
+
+@pytest.mark.parametrize(("lie", "at_most"), [("offset", 2.0), ("gain", 3.0)])
+def test_what_a_second_sensor_gets_wrong_is_no_noise(lie: str, at_most: float) -> None:
+    """A fault of ten times the noise in a rate beside a good place counted as noise of ten and
+    seven times its size; a part is left, for the splines give way to both sensors."""
+    x, v, _ = sines(EVEN)
+    rate = 3e-3
+    faulty = {"offset": v + 10 * rate, "gain": v * (1 + 10 * rate / v.std())}[lie]
+    sensors = {"p": noisy(x, 3e-4, 1), "v": noisy(faulty, rate, 2)}
+    told = motion_of(recording(EVEN, **sensors), machine(p=PLACE, v=SPEED)).sd
+    size = told / [3e-4, rate]
+    assert np.all(size > 0.85)
+    assert np.all(size < at_most)
