@@ -135,8 +135,7 @@ def fit(model: WindowModel, task: Task, p: Array, starts: Sequence[Array] | None
     """
     first = p[list(model.free)] if task.first is None else task.first
     values = np.clip(first, task.lower, task.upper)
-    now = [item.start for item in task.laid] if starts is None else list(starts)
-    now = _on_constraints(model, task, p, values, now)
+    now = _on_constraints(model, task, p, values, starts or [item.start for item in task.laid])
     task = _in_time(model, task, p, values)
     cost = _cost(model, task, p, values, now)
     if not np.isfinite(cost):
@@ -158,7 +157,7 @@ def fit(model: WindowModel, task: Task, p: Array, starts: Sequence[Array] | None
 
 def _in_time(model: WindowModel, task: Task, p: Array, values: Array) -> Task:
     """The task with signals of late sensors in time with the model; itself where they are."""
-    full = [task.filled(i, p, model.free, values) for i in range(len(task.laid))]
+    full = (task.filled(i, p, model.free, values) for i in range(len(task.laid)))
     laid = tuple(item.in_time(model, one) for item, one in zip(task.laid, full, strict=True))
     return task if all(map(is_, laid, task.laid)) else replace(task, laid=laid)
 
@@ -213,31 +212,37 @@ def _tried(
         used = np.ones(len(start), bool) if task.everything else ~item.held
         shares = SHARES if values.size else SHARES_ALONE
         begins = [model.closed(item.block, start + share * move, full) for share in shares]
-        costs = np.stack([_squares(model, item, full, begin, task.sd) for begin in begins])
-        costs = np.where(np.isfinite(costs), costs, np.inf)
-        best = np.argmin(costs, axis=0)
-        chosen.append(np.choose(best[:, None], begins))
-        total += float(np.sum(costs.min(axis=0)[used]))
+        best, costs = _best_of(model, item, full, begins, task.sd)
+        chosen.append(best)
+        total += float(np.sum(costs[used]))
     return (total if np.isfinite(total) else np.inf), chosen
+
+
+def _best_of(
+    model: WindowModel, item: Laid, p: Array, begins: Sequence[Array], sd: Array
+) -> tuple[Array, Array]:
+    """Of several initial states (W, X) the best of each window, and its squares (W,)."""
+    costs = np.stack([_squares(model, item, p, begin, sd) for begin in begins])
+    costs = np.where(np.isfinite(costs), costs, np.inf)
+    return np.choose(np.argmin(costs, axis=0)[:, None], begins), costs.min(axis=0)
 
 
 def _settled(
     model: WindowModel, task: Task, p: Array, values: Array, starts: Sequence[Array]
 ) -> list[Array]:
-    """Initial states for the parameters as they stand, window by window: those of held windows had
-    no say in which steps were taken, and one bad window may have held up the others."""
+    """Initial states for the parameters as they stand, from the measured motion where that is
+    better: held windows had no say in which steps were taken, and one bad one may hold up all."""
     now = list(starts)
-    still = np.zeros_like(values)
+    fulls = [task.filled(i, p, model.free, values) for i in range(len(now))]
+    for i, (item, full) in enumerate(zip(task.laid, fulls, strict=True)):
+        measured = model.closed(item.block, item.start, full)
+        now[i] = _best_of(model, item, full, (now[i], measured), task.sd)[0]
     for _ in range(HELD_ROUNDS):
         parts = _linearise(model, task, p, values, now)
-        for i, (item, part) in enumerate(zip(task.laid, parts, strict=True)):
-            full = task.filled(i, p, model.free, values)
-            ahead = now[i] + _start_step(part, still, 0.0)[0]
-            ahead = model.closed(item.block, ahead, full)
-            after = _squares(model, item, full, ahead, task.sd)
-            with np.errstate(over="ignore"):
-                better = after < np.sum(part.residual**2, axis=1)
-            now[i] = np.where(better[:, None], ahead, now[i])
+        for i, (item, full) in enumerate(zip(task.laid, fulls, strict=True)):
+            move = _start_step(parts[i], np.zeros_like(values), 0.0)[0]
+            steps = [model.closed(item.block, now[i] + x * move, full) for x in SHARES_ALONE]
+            now[i] = _best_of(model, item, full, steps, task.sd)[0]
     return now
 
 
@@ -256,9 +261,8 @@ def _cost(
     """Squared whitened residuals of the fitted windows, plus the prior."""
     total = float(np.sum(((values - task.mean) / task.spread) ** 2))
     for i, (item, start) in enumerate(zip(task.laid, starts, strict=True)):
-        full = task.filled(i, p, model.free, values)
-        used = np.ones(len(start), bool) if task.everything else ~item.held
-        total += float(np.sum(_squares(model, item, full, start, task.sd)[used]))
+        squares = _squares(model, item, task.filled(i, p, model.free, values), start, task.sd)
+        total += float(np.sum(squares if task.everything else squares[~item.held]))
     return total if np.isfinite(total) else np.inf
 
 
@@ -389,9 +393,8 @@ def _finish(
 def _failed(task: Task, starts: list[Array], values: Array, reason: str) -> Fit:
     windows = sum(len(item.start) for item in task.laid)
     held = np.concatenate([item.held for item in task.laid])
-    size = values.size
-    worst = np.full(windows, np.inf)
+    worst, unknown = np.full(windows, np.inf), np.full((values.size, values.size), np.inf)
     return Fit(
-        values, np.full((size, size), np.inf), worst, np.ones(windows, int), held, 1.0,
+        values, unknown, worst, np.ones(windows, int), held, 1.0,
         tuple(starts), reason,
     )  # fmt: skip

@@ -181,6 +181,15 @@ def test_initial_states_are_fitted_on_held_windows_too() -> None:
     assert starts[:, 0] == pytest.approx(truth()[rows], abs=4 * SD)
 
 
+def test_a_held_window_that_was_thrown_off_begins_anew_at_the_measured_motion() -> None:
+    """From a start where drag is all that counts, whole steps lead nowhere."""
+    windows = laid(6)
+    machine, model = rig("k", "d", "b")
+    thrown = windows.start + np.outer(windows.held, [5.0, 3e3])
+    found = fit(model, task(windows, 3), machine.values, [thrown])
+    assert found.validation == pytest.approx(fitted(windows).validation, rel=1e-3)
+
+
 def test_missing_samples_are_left_out() -> None:
     windows = laid(7)
     y = windows.block.y.copy()
