@@ -114,9 +114,8 @@ def bends(other: Hypothesis, plain: Hypothesis) -> bool:
 
 
 def more_lines(trials: Trials, winner: Refined) -> Iterator[Refined]:
-    """The winner with one or two lines more, where it has one and something is left."""
-    if winner.fit.scale < NEAR_NOISE:
-        return
+    """The winner with one or two lines more, where it has one: also where hardly more than noise
+    is left, for what is fast looks like noise to the smoothing that measures it."""
     for lines, rows in overtones(trials.setting, winner):
         indices = (*trials.causes(winner), *map(trials.index, lines))
         yield trials.refined(indices, [*grouped(winner), *rows], winner.fit.starts)

@@ -41,10 +41,9 @@ def additions(trials: Trials, winner: Refined) -> Iterator[Refined]:
 
 
 def _told(cause: Hypothesis, winner: Refined) -> bool:
-    """Whether the winner has a law of this kind at this place, with one of these terms."""
+    """Whether the winner has a law of this subject with one of these terms."""
     return any(
-        (mine.kind, mine.place, mine.path) == (cause.kind, cause.place, cause.path)
-        and set(mine.terms) & set(cause.terms)
+        mine.subject == cause.subject and set(mine.terms) & set(cause.terms)
         for mine in winner.causes
     )
 

@@ -146,9 +146,9 @@ def _sized(problem: Problem, values: Mapping[int, float], cause: int) -> bool:
 
 
 def _repeats(problem: Problem, causes: Sequence[int]) -> bool:
-    """Whether two of the causes fit the same term at the same place (in another shape)."""
+    """Whether two of the causes fit the same term of one subject (in another shape)."""
     terms = [
-        (hypothesis.kind, hypothesis.place, hypothesis.path, term)
+        (hypothesis.subject, term)
         for hypothesis in (problem.hypotheses[cause] for cause in causes)
         for term in hypothesis.terms
     ]

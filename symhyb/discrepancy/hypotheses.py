@@ -46,6 +46,7 @@ WIDER = 10.0  # a Stribeck speed against the transition
 SKEW = 0.95  # of an asymmetry: beyond, a damper would drive
 SKEWED = {"damping": 1e-9, "asymmetry": 1e9}  # next to nothing but abs(s')
 WAVES = ("harmonic", "ripple")
+DRY = ("friction", "friction_dynamic")
 PLAIN = {"exponent": 1.0}  # value of an added key at which a variant is the plain law, else 0
 
 
@@ -97,6 +98,11 @@ class Hypothesis:
     def family(self) -> tuple[object, ...]:
         """What makes two hypotheses the same but for their shape."""
         return self.kind, self.place, self.terms, self.refined, self.path, self.options
+
+    @property
+    def subject(self) -> tuple[object, ...]:
+        """What it is a law of: dry friction with and without memory is one contact."""
+        return ("friction" if self.kind in DRY else self.kind), self.place, self.path
 
     def extends(self, other: "Hypothesis") -> bool:
         """Whether this is the law ``other``, perhaps with a key more."""

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from symhyb.discrepancy.hypotheses import DRY
 from symhyb.discrepancy.wording import joined, number_text
 from symhyb.model.types import Model
 from symhyb.numeric.buffers import Array, call
@@ -18,7 +19,6 @@ from symhyb.numeric.linear import Linearised, free_basis, linearised
 from symhyb.numeric.machine import Machine, build
 from symhyb.numeric.manifold import free_part, gaps_of
 
-DRY = ("friction", "friction_dynamic")
 BALANCED = 1e-8  # of the forces at work: what may be left at a place of rest
 FREE = 1e-6  # of the fastest root: a root this slow moves freely
 ROUNDED = 1e-9  # damping ratio: what rounding leaves to a machine without damping

@@ -56,6 +56,22 @@ def test_every_size_has_the_subset_of_exhaustive_search(
         assert subsets[0].chi2 == pytest.approx(costs[best], rel=1e-9)
 
 
+def test_friction_with_and_without_memory_never_act_together_at_one_place(
+    data: tuple[np.ndarray, np.ndarray],
+) -> None:
+    here = problem(*data)
+    plain, memory = (
+        Hypothesis(kind, On("x"), ("coulomb",), (False,))
+        for kind in ("friction", "friction_dynamic")
+    )
+    elsewhere = replace(memory, place=On("y"))
+    pairs = {}
+    for name, other in (("here", memory), ("elsewhere", elsewhere)):
+        both = replace(here, hypotheses=(plain, other), columns=((1,), (4,)))
+        pairs[name] = len(best_subsets(both)) - 1
+    assert pairs == {"here": 1, "elsewhere": 2}
+
+
 def test_the_planted_coefficients_come_back(data: tuple[np.ndarray, np.ndarray]) -> None:
     subset = solve(problem(*data), (1, 4))
     assert subset is not None
