@@ -21,7 +21,7 @@ from symhyb.numeric.dynamics import state_form
 from symhyb.numeric.machine import Machine
 from symhyb.numeric.windows import Block, WindowModel
 
-FINITE_SHARE = 0.7  # of the samples of a window that must be there
+FINITE_SHARE = 0.7  # of the samples of the fullest quarter of windows, that must be there
 STEEP = ("friction", "friction_dynamic", "gap", "hysteresis")  # finer steps at reversals
 SLOW_SHARE = 0.02
 SAMPLES_LEAST = 12  # samples a window has at least
@@ -116,7 +116,7 @@ def lay(
 ) -> Laid | None:
     """Lay windows of ``length_s`` seconds without overlap; every third one validates.
 
-    Windows that straddle a gap in time or miss too many samples are left out. ``substeps`` (N − 1,)
+    Windows that straddle a gap in time or miss more samples than others are left out. ``substeps`` (N − 1,)
     are the integration steps between the samples of the recording, default one. Returns None if
     the recording holds no window.
     """
@@ -132,7 +132,8 @@ def lay(
     y, course = measured(recording, machine), course_of(recording, machine, motion)
     whole = (recording.t[rows[:, -1]] - recording.t[rows[:, 0]]) < 1.5 * (samples - 1) * step
     present = np.isfinite(y[:, np.isfinite(y).any(axis=0)])
-    enough = present[rows].mean(axis=(1, 2)) >= FINITE_SHARE
+    there = present[rows].sum(axis=(1, 2))
+    enough = there >= FINITE_SHARE * max(np.quantile(there, 0.75), SAMPLES_LEAST)
     rows = rows[whole & enough]
     if len(rows) == 0:
         return None

@@ -92,6 +92,18 @@ def test_windows_that_miss_too_many_samples_are_left_out() -> None:
     assert windows.held.tolist() == [False, False, True, False, False, True]
 
 
+@pytest.mark.parametrize("lost", [0.3, 0.6])
+def test_windows_are_kept_where_samples_are_missing_everywhere(lost: float) -> None:
+    place = np.where(np.random.default_rng(1).random(T.size) < lost, np.nan, np.sin(T))
+    windows = laid(1.0, place=place)
+    assert windows is not None
+    assert len(windows.start) == 3
+
+
+def test_windows_with_hardly_a_sample_are_left_out() -> None:
+    assert laid(0.5, place=np.where(np.arange(T.size) % 10 == 0, np.sin(T), np.nan)) is None
+
+
 def test_a_sensor_that_was_not_recorded_does_not_count_as_missing() -> None:
     machine = build(cart_pole())
     run = recording(T, {"pull": np.cos(T)}, cart=np.sin(T), pole=np.cos(T))
