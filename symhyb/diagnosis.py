@@ -19,7 +19,13 @@ from symhyb.correction.isolability import isolability
 from symhyb.correction.leftover import leftover
 from symhyb.correction.preparing import Prepared, prepare, settle
 from symhyb.correction.proof import prove
-from symhyb.correction.refusal import if_apart, if_bounded, if_long_enough, with_lies
+from symhyb.correction.refusal import (
+    if_apart,
+    if_bounded,
+    if_explained,
+    if_long_enough,
+    with_lies,
+)
 from symhyb.correction.setting import Setting
 from symhyb.correction.trajectory import Refined
 from symhyb.data.cleaning import still
@@ -79,6 +85,7 @@ def diagnose(
     answer = concluded(model, prepared, choice, known, shown, left)
     answer = _of_several(answer, final, choice.misfits, repeats_said(prepared))
     answer = in_part(_noted(answer, known.drifts), choice.change)
+    answer = if_explained(answer, winner, nothing)
     answer = if_bounded(answer, final, nothing, prepared.runs, prepared.holdout)
     answer = if_long_enough(answer, prepared.runs)
     answer = if_apart(answer, prepared.model, prepared.runs)

@@ -18,6 +18,8 @@ from symhyb.correction.whole import Completed, Say, completed_over_all
 from symhyb.correction.whole_words import added_sentence
 from symhyb.discrepancy.hypotheses import Hypothesis
 
+STEADY = ("added_mass", "harmonic", "ripple")  # one that changes on the way stands in for something
+
 
 @dataclass(frozen=True, slots=True)
 class Estimated:
@@ -58,6 +60,10 @@ def estimate(prepared: Prepared, choice: Choice, say: Say) -> Estimated:
     final = with_what_is_held(prepared.model, choice.setting, final, stage)
     if drift is None:
         return Estimated(final, stage, doubt, ())
+    moved = final.causes[drift.cause]
+    if moved.kind in STEADY and choice.decision.winner.fit.scale > NEAR_NOISE:
+        said = drift_sentence(final, drift, "so something else looks like it")
+        return Estimated(final, stage, doubt | {moved}, (said,))
     return Estimated(widened(final, drift), stage, doubt, (drift_sentence(final, drift),))
 
 

@@ -53,8 +53,10 @@ def misfit(final: Refined, stranger: Stranger, recordings: Sequence[Recording]) 
     return Misfit(name, quantity, value, sd, rest, rest_sd, unit.text, stranger.chance, said + ".")
 
 
-def drift_sentence(final: Refined, odd: Stranger) -> str:
-    """Say that a number is not the same in both halves of the recordings."""
+def drift_sentence(
+    final: Refined, odd: Stranger, so: str = "the deviation that is given covers both"
+) -> str:
+    """Say that a number is not the same in both halves of the recordings, and what follows."""
     cause = final.causes[odd.cause]
     unit = unit_of_key(final.machine.model, cause, odd.key)
     first, second = (
@@ -64,7 +66,7 @@ def drift_sentence(final: Refined, odd: Stranger) -> str:
     words = _words(cause, odd)
     return (
         f"{words[:1].upper()}{words[1:]} is not constant: {first} in the first half of the time, "
-        f"{second} in the second; the deviation that is given covers both."
+        f"{second} in the second; {so}."
     )
 
 

@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from symhyb.correction.advice import other_speeds
+from symhyb.correction.evidence import part_taken
 from symhyb.correction.trajectory import Refined
 from symhyb.discrepancy.meeting import meeting
 from symhyb.discrepancy.passages import one_way, passed_at_one_speed
@@ -17,13 +18,21 @@ from symhyb.discrepancy.results import Alternative, Diagnosis, Found, Lie, Measu
 from symhyb.discrepancy.runs import Run, laid_on
 from symhyb.discrepancy.suspicion import gain_of
 from symhyb.discrepancy.windows import END_KNOTS
-from symhyb.discrepancy.wording import effect_phrase, joined
+from symhyb.discrepancy.wording import (
+    effect_phrase,
+    joined,
+    measurement_phrase,
+    number_text,
+    parameter_phrase,
+    percent_text,
+)
 from symhyb.model.types import Model, place_text
 from symhyb.numeric.machine import Machine
 from symhyb.numeric.windows import WindowModel
 
 RUNAWAY = 100.0  # times the range that was measured: further away a simulation has run away
 UNEXPLAINED = 2.0  # χ² per sample that found physics may leave while a channel is suspected
+LEFT_MOST = 0.1  # of the squared mismatch, on held windows: what leaves more is not named
 REPAIRED_LEFT = (
     " Put right, recordings and model still differ by more than the noise, and no cause that "
     "symhyb knows accounts for the rest."
@@ -92,6 +101,8 @@ def withdrawn(diagnosis: Diagnosis, reason: str) -> Diagnosis:
         f"{place_text(item.element.place)}"
         for item in diagnosis.found
     ]
+    named += map(parameter_phrase, diagnosis.parameters)
+    named += [measurement_phrase(fault) for fault in diagnosis.measurement if fault.sd > 0]
     fitting = f" (what fits best: {joined(named)})" if named else ""
     return replace(
         diagnosis,
@@ -109,6 +120,22 @@ def _as_alternative(item: Found) -> Alternative:
     element = item.element
     return Alternative(
         None, element.kind, item.estimates, 0.0, place=element.place, options=element.options
+    )
+
+
+def if_explained(diagnosis: Diagnosis, winner: Refined, nothing: Refined) -> Diagnosis:
+    """The diagnosis, undecided where the best structure leaves a part of the mismatch that is more
+    than noise: what it holds then may stand in for something else."""
+    claims = diagnosis.found or diagnosis.parameters or diagnosis.measurement
+    left = 1 - part_taken(winner, nothing)
+    if not claims or not left > LEFT_MOST or not winner.fit.scale > UNEXPLAINED:
+        return diagnosis
+    times = f"{number_text(float(np.sqrt(winner.fit.scale)), digits=2)} times the noise"
+    return withdrawn(
+        diagnosis,
+        "Model and recordings differ by more than the noise, and no cause that symhyb knows "
+        f"accounts for it: the best leaves {percent_text(left)} of the squared mismatch, "
+        f"{times}, and may stand in for something else",
     )
 
 

@@ -218,10 +218,13 @@ def _hysteresis(n: Numbers, _: Mapping[str, str]) -> Said | None:
 
 
 def _saturation(n: Numbers) -> str:
-    """The force at which z' = 0 on loading: stiffness·((beta + gamma)^(−1/n) − play)."""
+    """The force at which z' = 0 on loading: stiffness·((beta + gamma)^(−1/n) − play); with a
+    negative sum z grows ever faster."""
     power, both = n.value("exponent", 1.0), n.value("beta") + n.value("gamma")
-    if "beta" not in n or both <= 0.0 or power <= 0.0:
+    if "beta" not in n or both == 0.0 or power <= 0.0:
         return ""
+    if both < 0.0:
+        return " that hardens on loading"
     inverse = -1 / Fraction(power).limit_denominator(12)
     stretch = parse_unit(n.by_term["beta"].unit) ** inverse
     if "^" in stretch.text or "/" in stretch.text:  # an exponent that was set, not fitted

@@ -47,6 +47,8 @@ SKEW = 0.95  # of an asymmetry: beyond, a damper would drive
 SKEWED = {"damping": 1e-9, "asymmetry": 1e9}  # next to nothing but abs(s')
 WAVES = ("harmonic", "ripple")
 DRY = ("friction", "friction_dynamic")
+SIGNED = ("gamma",)  # of either sign: a hysteresis loses energy wherever beta is positive
+SMALLEST = {"exponent": 1.0, "clearance": 0.0}  # of refined keys, whatever was tried
 PLAIN = {"exponent": 1.0}  # value of an added key at which a variant is the plain law, else 0
 
 
@@ -140,12 +142,14 @@ class Hypothesis:
             reach = NARROW.get(key, SHAPE_REACH)
             if key in self.tied:
                 return 0.0, inf
+            if key in SIGNED:
+                return -tried * reach, tried * reach
             if key == "stribeck" and "transition" in dict(self.shape):
                 # slower, it would only undo the smoothing
                 return WIDER * dict(self.shape)["transition"], tried * reach
             if key in self.added and key != "stribeck":
                 return PLAIN.get(key, 0.0), tried * reach
-            return (1.0 if key == "exponent" else tried / reach), tried * reach
+            return SMALLEST.get(key, tried / reach), tried * reach
         if key == "asymmetry":
             return -SKEW, SKEW
         if key == "amplitude":

@@ -116,9 +116,9 @@ def lay(
 ) -> Laid | None:
     """Lay windows of ``length_s`` seconds without overlap; every third one validates.
 
-    Windows that straddle a gap in time or miss more samples than others are left out. ``substeps`` (N − 1,)
-    are the integration steps between the samples of the recording, default one. Returns None if
-    the recording holds no window.
+    Windows that straddle a gap in time or miss more samples than others are left out. ``substeps``
+    (N − 1,) are the integration steps between the samples of the recording, default one. Returns
+    None if the recording holds no window.
     """
     step = float(np.median(np.diff(recording.t)))
     samples = max(round(length_s / step) + 1, SAMPLES_LEAST)
