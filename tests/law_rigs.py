@@ -49,22 +49,39 @@ def stop(stiffness: float, clearance: float, damping: float = 0.0) -> Law:
     return law
 
 
+def backlash(width: float) -> Law:
+    """A shaker that pushes only beyond so many N: a dead zone of the input."""
+    return lambda x, v, z, f: (float(np.clip(f, -width, width)), 0.0)
+
+
+def absorber(mass: float, stiffness: float, damping: float) -> Callable[..., tuple[float, object]]:
+    """A second mass on a spring and a damper, which no sensor sees: z are its place and speed."""
+
+    def law(x: float, v: float, z: np.ndarray, f: float) -> tuple[float, object]:
+        pull = stiffness * (z[0] - x) + damping * (z[1] - v)
+        return -pull, [z[1], -pull / mass]
+
+    return law
+
+
 def product(c: float, of: Callable[[float, float, float], float]) -> Law:
     """c times a function of (x, v, f)."""
     return lambda x, v, z, f: (c * of(x, v, f), 0.0)
 
 
 def driven(
-    law: Law,
+    law: Law | Callable[..., tuple[float, object]],
     seed: int,
     *,
+    inner: int = 1,
     lines: Mapping[float, float] | None = None,
     noise: float = 0.003,
     duration: float = 15.0,
     size: float = 8.0,
 ) -> Recording:
     """Position at 200 Hz under a multisine of ``size`` N; ``noise`` is relative to the standard
-    deviation of the position, ``lines`` are unknown forces: amplitudes in N by frequency in Hz."""
+    deviation of the position, ``lines`` are unknown forces: amplitudes in N by frequency in Hz. A
+    law with several ``inner`` states gets and returns an array of them."""
     random = np.random.default_rng(seed)
     t = np.arange(0, duration, 0.005)
     shaken, phases = np.linspace(0.3, 5, 14), random.uniform(0, 2 * np.pi, 14)
@@ -76,13 +93,15 @@ def driven(
         return sum(a * np.sin(2 * np.pi * f * time + f) for f, a in (lines or {}).items())
 
     def rate(time: float, state: np.ndarray) -> list[float]:
-        x, v, z = state
+        x, v, *z = state
         f = push(time)
-        force, drift = law(x, v, z, f)
-        return [v, (f + hum(time) - STIFFNESS * x - DAMPING * v - force) / MASS, drift]
+        force, drift = law(x, v, z[0] if inner == 1 else z, f)
+        return [
+            v, (f + hum(time) - STIFFNESS * x - DAMPING * v - force) / MASS, *np.atleast_1d(drift)
+        ]  # fmt: skip
 
     run = solve_ivp(
-        rate, (0, duration), [0, 0, 0], t_eval=t, method="LSODA", rtol=1e-8, atol=1e-10,
+        rate, (0, duration), [0] * (2 + inner), t_eval=t, method="LSODA", rtol=1e-8, atol=1e-10,
         max_step=0.005,
     )  # fmt: skip
     x = run.y[0]
