@@ -8,7 +8,7 @@ from scipy.stats import norm
 
 from symhyb.correction.conventions import exchange
 from symhyb.correction.trajectory import Refined, grouped, own_key
-from symhyb.discrepancy.hypotheses import PLAIN, Hypothesis
+from symhyb.discrepancy.hypotheses import PLAIN, SIGNED, Hypothesis
 from symhyb.numeric.buffers import Array
 
 SIGNIFICANT = 10.0  # Δχ²/c − k ln N on fitted windows, Δχ²/c on held ones (10: odds of 150 to 1)
@@ -132,11 +132,13 @@ def _strong(trial: Refined, which: int, first: int, spread: Array) -> bool:
 
 def _added_stands(cause: Hypothesis, values: Mapping[str, float], spread: Array) -> bool:
     """Whether every key that was added to a plain law stands out of its own deviation (``spread``
-    (k,), SI, in the order of ``values``): an exponent from 1, breakaway from sliding friction."""
+    (k,), SI, in the order of ``values``): an exponent from 1, breakaway from sliding friction, and
+    what may have either sign by the sign that the plain law has not."""
     for key, sd in zip(list(values)[: cause.numbers], spread, strict=True):
         plain = values["coulomb"] if key == "static" else PLAIN.get(key, 0.0)
         fixed = key not in cause.added or key == "stribeck"
-        if not fixed and not values[key] - plain > OUTSTANDING * sd:
+        beyond = -values[key] if key in SIGNED else values[key] - plain
+        if not fixed and not beyond > OUTSTANDING * sd:
             return False
     return True
 

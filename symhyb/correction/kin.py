@@ -75,6 +75,16 @@ def _hysteresis(cause: Hypothesis, row: Row) -> Iterator[tuple[Hypothesis, dict[
         for share in PLAY_SHARES:
             longer = (yields * (1 + share)) ** -n
             yield _more(cause, _scaled(row, longer), {"play": share * yields})
+    if "gamma" not in cause.added:
+        yield _hardening(cause, row)
+
+
+def _hardening(cause: Hypothesis, row: Row) -> tuple[Hypothesis, dict[str, float]]:
+    """The same law with a gamma of either sign: one that hardens as it is loaded, and unloads more
+    steeply still."""
+    tried = {**dict(cause.shape), "gamma": row["beta"]}
+    signed = replace(cause, shape=tuple(tried.items()), added=(*cause.added, "gamma"))
+    return signed, {**row, "gamma": -HALF * row["beta"]}
 
 
 def _scaled(row: Row, both: float) -> dict[str, float]:

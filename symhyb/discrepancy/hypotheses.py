@@ -47,7 +47,7 @@ SKEW = 0.95  # of an asymmetry: beyond, a damper would drive
 SKEWED = {"damping": 1e-9, "asymmetry": 1e9}  # next to nothing but abs(s')
 WAVES = ("harmonic", "ripple")
 DRY = ("friction", "friction_dynamic")
-SIGNED = ("gamma",)  # of either sign: a hysteresis loses energy wherever beta is positive
+SIGNED = ("gamma",)  # of a variant of either sign: with a positive beta energy is lost all the same
 SMALLEST = {"exponent": 1.0, "clearance": 0.0}  # of refined keys, whatever was tried
 PLAIN = {"exponent": 1.0}  # value of an added key at which a variant is the plain law, else 0
 
@@ -142,7 +142,7 @@ class Hypothesis:
             reach = NARROW.get(key, SHAPE_REACH)
             if key in self.tied:
                 return 0.0, inf
-            if key in SIGNED:
+            if key in SIGNED and key in self.added:
                 return -tried * reach, tried * reach
             if key == "stribeck" and "transition" in dict(self.shape):
                 # slower, it would only undo the smoothing

@@ -24,6 +24,7 @@ ITERATIONS = 15
 TRIAL_DECREASE = 1e-4
 TRIAL_ITERATIONS = 7  # a structure that needs more is not close
 DAMPING_MOST = 1e8
+UNBOUNDED = "the simulation grew without bound"
 SHARES = (1.0, 0.0)  # of the step of a window's initial state: the best is taken
 SHARES_ALONE = (1.0, 0.3, 0.0)  # where no parameter moves with it
 HELD_ROUNDS = 2  # of steps for the initial states alone, when the parameters stand
@@ -123,8 +124,8 @@ class _Part:
 def starts_only(laid: Laid, sd: Array) -> Task:
     """The task for windows of one recording, noise ``sd`` (m,) in SI, in which nothing but initial
     states is to be fitted."""
-    nothing = np.zeros(0)
-    return Task((laid,), sd, nothing, nothing, nothing, nothing)
+    none = np.zeros(0)
+    return Task((laid,), sd, none, none, none, none)
 
 
 def fit(model: WindowModel, task: Task, p: Array, starts: Sequence[Array] | None = None) -> Fit:
@@ -139,7 +140,7 @@ def fit(model: WindowModel, task: Task, p: Array, starts: Sequence[Array] | None
     task = _in_time(model, task, p, values)
     cost = _cost(model, task, p, values, now)
     if not np.isfinite(cost):
-        return _failed(task, now, values, "the simulation grew without bound")
+        return _failed(task, now, values)
     for i in range(ROUNDS + LATE_ROUNDS):
         values, now, cost = _descended(model, task, p, values, now, cost)
         now = _settled(model, task, p, values, now)
@@ -380,6 +381,8 @@ def _finish(
     gram = np.diag(1 / task.spread**2)
     for j in used:
         gram = gram + np.einsum("wai,waj->ij", j[..., :count], j[..., :count])
+    if not np.isfinite(gram).all():
+        return _failed(task, starts, values)
     degrees = max(float((seen - states)[~held].sum()) - count, 1.0)
     floor = max(item.floor for item in task.laid)
     scale = max(float(chi2[~held].sum()) / degrees, floor)
@@ -390,11 +393,8 @@ def _finish(
     )  # fmt: skip
 
 
-def _failed(task: Task, starts: list[Array], values: Array, reason: str) -> Fit:
+def _failed(task: Task, starts: list[Array], values: Array) -> Fit:
     windows = sum(len(item.start) for item in task.laid)
     held = np.concatenate([item.held for item in task.laid])
     worst, unknown = np.full(windows, np.inf), np.full((values.size, values.size), np.inf)
-    return Fit(
-        values, unknown, worst, np.ones(windows, int), held, 1.0,
-        tuple(starts), reason,
-    )  # fmt: skip
+    return Fit(values, unknown, worst, np.ones(windows, int), held, 1.0, tuple(starts), UNBOUNDED)
