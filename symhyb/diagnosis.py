@@ -13,6 +13,7 @@ from symhyb.correction.beginnings import in_part
 from symhyb.correction.choice import Choice, choose
 from symhyb.correction.clocks import drifting
 from symhyb.correction.conclusion import concluded
+from symhyb.correction.constants import with_constant
 from symhyb.correction.estimate import estimate
 from symhyb.correction.fleet_words import parameters_with_own, repeats_said
 from symhyb.correction.isolability import isolability
@@ -89,6 +90,7 @@ def diagnose(
     answer = if_bounded(answer, final, nothing, prepared.runs, prepared.holdout)
     answer = if_long_enough(answer, prepared.runs)
     answer = if_apart(answer, prepared.model, prepared.runs)
+    answer = with_constant(answer, choice)
     answer = with_lies(answer, model, prepared.lies, final.fit.scale)
     tell("looking for what to record next")
     return _advised(_remembered(answer, prepared, setting), prepared, choice)

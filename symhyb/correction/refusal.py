@@ -93,7 +93,7 @@ def _told_first(diagnosis: Diagnosis, lie: str) -> Diagnosis:
     return replace(diagnosis, verdict=verdict, sentence=sentence)
 
 
-def withdrawn(diagnosis: Diagnosis, reason: str) -> Diagnosis:
+def withdrawn(diagnosis: Diagnosis, reason: str, best: str = "what fits best") -> Diagnosis:
     """The diagnosis undecided for a reason; what was found stands among the alternatives."""
     found = [_as_alternative(item) for item in diagnosis.found]
     named = [
@@ -103,7 +103,7 @@ def withdrawn(diagnosis: Diagnosis, reason: str) -> Diagnosis:
     ]
     named += map(parameter_phrase, diagnosis.parameters)
     named += [measurement_phrase(fault) for fault in diagnosis.measurement if fault.sd > 0]
-    fitting = f" (what fits best: {joined(named)})" if named else ""
+    fitting = f" ({best}: {joined(named)})" if named else ""
     return replace(
         diagnosis,
         verdict="undecided",
