@@ -147,6 +147,14 @@ def test_each_verb_has_one_page_of_help_with_an_example(symhyb: Call, verb: str)
     assert all(len(line) <= 90 for line in done.out.splitlines())
 
 
+def test_python_runs_the_package_as_the_command() -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "symhyb", "check", OSCILLATOR],
+        capture_output=True, text=True, check=False, cwd=ROOT,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+
+
 def test_help_lists_every_verb_and_answers_at_once() -> None:
     code = (
         "import atexit, sys, time; from symhyb.cli import main; "
