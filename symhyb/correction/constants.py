@@ -94,6 +94,8 @@ def _promising(setting: Setting, nothing: Refined) -> Sequence[tuple[Hypothesis,
         for item in machine.model.parameters
         if item.sd is None and item.value != 0
     ]
+    if not held:
+        return []
     columns = tuple(machine.column(cause.path) for cause in held)
     problem = screen(
         setting.library, WindowModel(machine, columns), held, laid, machine.values, setting.sd

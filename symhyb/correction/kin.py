@@ -75,7 +75,7 @@ def _hysteresis(cause: Hypothesis, row: Row) -> Iterator[tuple[Hypothesis, dict[
         for share in PLAY_SHARES:
             longer = (yields * (1 + share)) ** -n
             yield _more(cause, _scaled(row, longer), {"play": share * yields})
-    if "gamma" not in cause.added:
+    if not cause.added:
         yield _hardening(cause, row)
 
 

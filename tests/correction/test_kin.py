@@ -87,8 +87,15 @@ def test_variants_begin_at_the_law_that_was_found() -> None:
         plain = next(h for h in setting.hypotheses if h.kind == kind and h.place == X)
         found = list(variants_of(setting, plain, row))
         assert {key for h, _ in found for key in h.added} == {
-            "hysteresis": {"exponent", "play"},
-            "friction_dynamic": {"micro_damping", "static", "stribeck", "exponent", "play"},
+            "hysteresis": {"exponent", "play", "gamma"},
+            "friction_dynamic": {
+                "micro_damping",
+                "static",
+                "stribeck",
+                "exponent",
+                "play",
+                "gamma",
+            },
             "gap": {"damping"},
         }[kind]
         for variant, first in found:
@@ -97,7 +104,10 @@ def test_variants_begin_at_the_law_that_was_found() -> None:
             for key, number in first.items():
                 low, high = variant.limits(key)
                 assert low <= number <= high
-            if kind == "hysteresis":
+                assert key != "gamma" or (low < 0) == ("gamma" in variant.added)
+            if kind == "hysteresis" and "gamma" in variant.added:
+                assert first["gamma"] < 0
+            elif kind == "hysteresis":
                 n = first.get("exponent", 1.0)
                 level = (first["beta"] + first["gamma"]) ** (-1 / n) - first.get("play", 0.0)
                 assert 150.0 * level == pytest.approx(150.0 / 80.0)
