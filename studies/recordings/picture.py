@@ -25,6 +25,8 @@ MEASURED, BEFORE, AFTER, LAW = "#1f2933", "#d9812e", "#1f6fb2", "#b3261e"
 POINTS = 1500  # of a cloud; more make a blot and a large file
 SMALL = 0.1  # of the measured range: below it the errors of a run are drawn, not the run
 ROOM = 0.6  # of the measured range, that a free run may leave it in the picture
+ODD = 8  # points of a cloud at either side that may be far off
+TICKS = 5
 BINS = 40  # of a cloud along one axis
 SWINGS = 60  # through the middle; of a run with more, a part is drawn
 
@@ -70,10 +72,11 @@ def _force(axes: Axes, clouds: Sequence[Cloud], model: Model) -> None:
             say = {"label": "found"} if number == 0 else {}
             axes.plot(place, law, ".", ms=size + 0.4, color=LAW, mew=0, **say)
     both = np.concatenate([one.force for one in clouds])
-    low, high = np.nanpercentile(both, [0.5, 99.5])  # the rest is noise of the acceleration
+    rare = min(max(ODD / both.size, 0.005), 0.05)
+    low, high = np.nanquantile(both, [rare, 1 - rare])  # the rest is noise of the acceleration
     axes.set_ylim(low - 0.2 * (high - low), high + 0.2 * (high - low))
     places = np.concatenate([getattr(one, over) for one in clouds])
-    left, right = np.nanpercentile(places, [0.1, 99.9])  # a spline may swing at its ends
+    left, right = np.nanquantile(places, [rare / 5, 1 - rare / 5])  # a spline may swing at its ends
     axes.set_xlim(left - 0.1 * (right - left), right + 0.1 * (right - left))
     length, strength = _units(model, name)
     label = f"{name}  [{length}]" if over == "stretch" else f"{name}'  [{length}/s]"
@@ -129,6 +132,7 @@ def _run(axes: Axes, trace: Trace, model: Model, found: bool) -> None:
     axes.plot(t, before, color=BEFORE, lw=0.7, label="as given")
     if found:
         axes.plot(t, after, color=AFTER, lw=0.7, label="corrected")
+    axes.locator_params(axis="x", nbins=TICKS)
     axes.set(xlabel="t  [s]", ylabel=f"{sensor.name}  [{sensor.unit}]", title=title)
     axes.legend(frameon=False, ncols=3, fontsize=6.5)
 
