@@ -49,7 +49,7 @@ def stop(stiffness: float, clearance: float, damping: float = 0.0) -> Law:
     return law
 
 
-def backlash(width: float) -> Law:
+def dead_zone(width: float) -> Law:
     """A shaker that pushes only beyond so many N: a dead zone of the input."""
     return lambda x, v, z, f: (float(np.clip(f, -width, width)), 0.0)
 

@@ -6,35 +6,25 @@ weighed shows as several laws at once; one number in place of them is then worth
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from symhyb.correction.choice import Choice
 from symhyb.correction.conventions import CERTAIN
 from symhyb.correction.evidence import NEAR_NOISE, SIGNIFICANT, criterion, earns
+from symhyb.correction.findings import reestimated
 from symhyb.correction.refusal import withdrawn
 from symhyb.correction.screen import screen
 from symhyb.correction.selection import solve
 from symhyb.correction.setting import Setting
 from symhyb.correction.trajectory import Refined, refine
-from symhyb.discrepancy.hypotheses import Hypothesis
+from symhyb.discrepancy.hypotheses import Hypothesis, wrong_parameter
 from symhyb.discrepancy.results import Alternative, Diagnosis, Estimate
-from symhyb.discrepancy.wording import quantity_text
-from symhyb.model.types import Model
+from symhyb.discrepancy.wording import parameter_phrase
 from symhyb.numeric.windows import WindowModel
 
 PART = 1 / 2  # of the mismatch, which the linear problem must promise before a trial
 TRIED = 2
 CURE = "If it may be wrong, state its sd in the file, and it competes"
-
-
-@dataclass(frozen=True, slots=True)
-class Constant:
-    """A held parameter with which alone the recordings are explained as well: ``evidence`` is the
-    criterion against what was chosen (negative: better), ``fitted`` the structure of it alone."""
-
-    cause: Hypothesis
-    fitted: Refined
-    evidence: float
 
 
 def with_constant(answer: Diagnosis, choice: Choice) -> Diagnosis:
@@ -46,13 +36,12 @@ def with_constant(answer: Diagnosis, choice: Choice) -> Diagnosis:
     found = wrong_constant(choice.setting, winner, nothing)
     if found is None:
         return answer
-    model = choice.setting.windows.machine.model
-    told = _estimate(model, found)
-    rival = Alternative(
-        None, "parameter", (told,), max(found.evidence, 0.0), parameter=found.cause.path
-    )
-    said = _said(model, told)
-    if winner.causes and found.evidence < -SIGNIFICANT:
+    trial, evidence = found
+    (number,) = reestimated(trial.machine.model, trial)
+    told = Estimate(number.name, number.value, number.sd, number.unit, "value")
+    rival = Alternative(None, "parameter", (told,), max(evidence, 0.0), parameter=number.name)
+    said = parameter_phrase(number)
+    if winner.causes and evidence < -SIGNIFICANT:
         reason = f"A number that the model file holds explains more than all causes: {said}. {CURE}"
         answer = withdrawn(
             answer, f"{reason}; until that is settled no physics is named", "of causes fits best"
@@ -68,10 +57,13 @@ def with_constant(answer: Diagnosis, choice: Choice) -> Diagnosis:
     )
 
 
-def wrong_constant(setting: Setting, winner: Refined, nothing: Refined) -> Constant | None:
-    """The held parameter that explains the recordings down to their noise with no more numbers
-    than ``winner``, about as well or better; None if there is none."""
-    best: Constant | None = None
+def wrong_constant(
+    setting: Setting, winner: Refined, nothing: Refined
+) -> tuple[Refined, float] | None:
+    """The held parameter, as a structure by itself, that explains the recordings down to their
+    noise with no more numbers than ``winner``, about as well or better, and its criterion against
+    the winner's (negative: better); None if there is none."""
+    best: tuple[Refined, float] | None = None
     for cause, change in _promising(setting, nothing):
         trial = refine(
             setting.windows.machine.model, (cause,), [{"value": change}], setting.stages[-1].laid,
@@ -81,8 +73,8 @@ def wrong_constant(setting: Setting, winner: Refined, nothing: Refined) -> Const
             continue
         evidence = criterion(trial, trial) - criterion(winner, trial)
         fewer = not winner.causes or trial.numbers <= winner.numbers
-        if fewer and evidence < CERTAIN and (best is None or evidence < best.evidence):
-            best = Constant(cause, trial, evidence)
+        if fewer and evidence < CERTAIN and (best is None or evidence < best[1]):
+            best = trial, evidence
     return best
 
 
@@ -90,7 +82,7 @@ def _promising(setting: Setting, nothing: Refined) -> Sequence[tuple[Hypothesis,
     """The held parameters that could take most of the mismatch, with their changes, SI."""
     machine, laid = setting.windows.machine, setting.stages[-1].laid
     held = [
-        Hypothesis("parameter", None, ("value",), (item.value > 0,), path=item.path)
+        wrong_parameter(item)
         for item in machine.model.parameters
         if item.sd is None and item.value != 0
     ]
@@ -112,18 +104,3 @@ def _promising(setting: Setting, nothing: Refined) -> Sequence[tuple[Hypothesis,
     ]
     ranked = sorted(able, key=lambda subset: subset.chi2)[:TRIED]
     return [(held[s.causes[0] - first], float(s.values[0])) for s in ranked]
-
-
-def _estimate(model: Model, found: Constant) -> Estimate:
-    path = found.cause.path
-    declared = next(item for item in model.parameters if item.path == path)
-    value, sd = found.fitted.value(path)
-    factor = declared.unit.factor
-    return Estimate(path, value / factor, sd / factor, declared.unit.text, "value")
-
-
-def _said(model: Model, told: Estimate) -> str:
-    """The number with its deviation, and what the file holds."""
-    declared = next(item for item in model.parameters if item.path == told.name)
-    value = quantity_text(told.value, told.unit, told.sd)
-    return f"{told.name} = {value} instead of {quantity_text(declared.value, told.unit, digits=8)}"

@@ -8,7 +8,7 @@ import numpy as np
 from symhyb.correction.choice import Choice
 from symhyb.correction.evidence import NEAR_NOISE, weak
 from symhyb.correction.findings import Named, doubtful, named
-from symhyb.correction.fleet import drifting, widened
+from symhyb.correction.fleet import Stranger, drifting, widened
 from symhyb.correction.fleet_words import drift_sentence
 from symhyb.correction.held import with_what_is_held
 from symhyb.correction.preparing import Prepared
@@ -58,13 +58,8 @@ def estimate(prepared: Prepared, choice: Choice, say: Say) -> Estimated:
     doubt = frozenset({*doubtful(choice.decision), *(final.causes[i] for i in weak(final))})
     drift = drifting(prepared.model, final, stage, choice.setting.sd)
     final = with_what_is_held(prepared.model, choice.setting, final, stage)
-    if drift is None:
-        return Estimated(final, stage, doubt, ())
-    moved = final.causes[drift.cause]
-    if moved.kind in STEADY and choice.decision.winner.fit.scale > NEAR_NOISE:
-        said = drift_sentence(final, drift, "so something else looks like it")
-        return Estimated(final, stage, doubt | {moved}, (said,))
-    return Estimated(widened(final, drift), stage, doubt, (drift_sentence(final, drift),))
+    final, more, said = _drifted(choice, final, drift)
+    return Estimated(final, stage, doubt | more, said)
 
 
 def estimate_completed(prepared: Prepared, choice: Choice, completed: Completed) -> Estimated:
@@ -73,19 +68,31 @@ def estimate_completed(prepared: Prepared, choice: Choice, completed: Completed)
     stays in all the same."""
     stage, final = choice.setting.stages[-1], completed.final
     final = replace(final, accuracy=choice.setting.accuracy)
-    doubt = {*doubtful(choice.decision), *(final.causes[i] for i in weak(final))}
+    doubt = frozenset({*doubtful(choice.decision), *(final.causes[i] for i in weak(final))})
     if completed.rivals:
-        doubt.add(completed.added)
-    said = [added_sentence(prepared.model, completed)]
+        doubt |= {completed.added}
     drift = drifting(prepared.model, final, stage, choice.setting.sd)
-    if drift is not None:
-        said.append(drift_sentence(final, drift))
-        final = widened(final, drift)
+    final, more, moved = _drifted(choice, final, drift)
+    said = (added_sentence(prepared.model, completed), *moved)
     seen = refine(
         prepared.model, final.causes, grouped(final), stage.laid, choice.setting.sd,
         choice.decision.winner.fit.starts,
     )  # fmt: skip
-    return Estimated(final, stage, frozenset(doubt), tuple(said), completed, seen)
+    return Estimated(final, stage, doubt | more, said, completed, seen)
+
+
+def _drifted(
+    choice: Choice, final: Refined, drift: Stranger | None
+) -> tuple[Refined, frozenset[Hypothesis], tuple[str, ...]]:
+    """The structure where one of its numbers is not constant, the cause that is in doubt for that,
+    and the sentence that says so."""
+    if drift is None:
+        return final, frozenset(), ()
+    moved = final.causes[drift.cause]
+    if moved.kind in STEADY and choice.decision.winner.fit.scale > NEAR_NOISE:
+        said = drift_sentence(final, drift, "so something else looks like it")
+        return final, frozenset({moved}), (said,)
+    return widened(final, drift), frozenset(), (drift_sentence(final, drift),)
 
 
 def valued(setting: Setting, winner: Refined, prepared: Prepared) -> tuple[Refined, Stage]:

@@ -189,7 +189,7 @@ def dull_hypotheses(model: Model) -> tuple[Hypothesis, ...]:
     ``model`` must come from :func:`with_channels`.
     """
     found = [
-        Hypothesis("parameter", None, ("value",), (item.value > 0,), path=item.path)
+        wrong_parameter(item)
         for item in (*model.parameters, *(p for e in model.elements for p in e.parameters))
         if item.sd is not None
     ]
@@ -199,6 +199,11 @@ def dull_hypotheses(model: Model) -> tuple[Hypothesis, ...]:
             path = f"{channel.name}.{kind}"
             found.append(Hypothesis(kind, None, ("value",), (False,), path=path))
     return tuple(found)
+
+
+def wrong_parameter(item: Parameter) -> Hypothesis:
+    """The cause that a parameter of the model is off; it keeps a positive sign."""
+    return Hypothesis("parameter", None, ("value",), (item.value > 0,), path=item.path)
 
 
 def with_channels(model: Model) -> Model:
