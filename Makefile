@@ -12,7 +12,7 @@ export PIP_NO_INPUT := 1
 export OMP_NUM_THREADS := 1
 export OPENBLAS_NUM_THREADS := 1
 
-.PHONY: test demo slow windows lint types layers docs all install clean
+.PHONY: test demo slow windows masters lint types layers docs all install clean
 
 test: $(READY)
 	$(BIN)/python -m pytest -q -n 2
@@ -26,6 +26,11 @@ slow: $(READY)
 # needs mingw and wine
 windows: $(READY)
 	$(BIN)/python -m pytest -q -m windows
+
+# needs Debian's libtbb12
+masters: $(READY)
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[masters]'
+	$(BIN)/python -m pytest -q -m masters
 
 lint: $(READY)
 	$(BIN)/ruff check .
