@@ -41,11 +41,12 @@ def signal_of(system: System, random: np.random.Generator, factor: float) -> Sig
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Case:
-    """A drawn case: plan, what is concealed, two exact runs, the oracle's words."""
+    """A drawn case: plan, what is concealed, exact runs (one to learn from and an unseen one; of a
+    fleet more), the oracle's words."""
 
     plan: Plan
     hidden: Hidden
-    runs: tuple[Run, Run]
+    runs: tuple[Run, ...]
     sd: Array
     share: tuple[float, ...]
     rivals: list[dict[str, object]]
@@ -75,12 +76,12 @@ def _attempt(plan: Plan, random: np.random.Generator, discarded: int) -> Case | 
     system = plan.system
     names = channels(system, plan.complete)
     signals = [signal_of(system, random, random.uniform(0.75, 1.3)) for _ in range(2)]
-    starts = [_start(system, random) for _ in range(2)]
-    bare = _recorded(plan, Hidden(), signals[0], starts[0], system.duration, names, None)
+    starts = [start_of(system, random) for _ in range(2)]
+    bare = recorded(plan, Hidden(), signals[0], starts[0], system.duration, names, None)
     hidden = _conceal(plan, bare, random)
-    train = _recorded(plan, hidden, signals[0], starts[0], system.duration, names, None)
+    train = recorded(plan, hidden, signals[0], starts[0], system.duration, names, None)
     unseen = 0.6 * system.duration
-    runs = [train, _recorded(plan, hidden, signals[1], starts[1], unseen, names, train.sd)]
+    runs = [train, recorded(plan, hidden, signals[1], starts[1], unseen, names, train.sd)]
     share = tuple(_share(runs[0], i) for i in range(len(hidden.effects)))
     if any(size > LARGEST for size in share):
         return None
@@ -99,13 +100,14 @@ def _attempt(plan: Plan, random: np.random.Generator, discarded: int) -> Case | 
     )
 
 
-def _start(system: System, random: np.random.Generator) -> Array:
+def start_of(system: System, random: np.random.Generator) -> Array:
+    """The initial state of a run: where the machine begins, in part."""
     start = np.zeros(2 * system.n)
     start[: len(system.start)] = system.start
     return start * random.uniform(0.5, 1.0)
 
 
-def _recorded(
+def recorded(
     plan: Plan, hidden: Hidden, signal: Signal, start: Array, duration: float,
     names: tuple[str, ...], sd: Array | None,
 ) -> Run:  # fmt: skip
