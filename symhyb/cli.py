@@ -155,8 +155,8 @@ def compare(
         read_map,
     )
     from symhyb.data.recording import read_recording
-    from symhyb.discrepancy.first_checks import first_checks, repeats_of
-    from symhyb.discrepancy.residual import compare as compare_recording
+    from symhyb.discrepancy.checks.first_checks import first_checks, repeats_of
+    from symhyb.discrepancy.recorded.residual import compare as compare_recording
     from symhyb.model.read import read_model
     from symhyb.numeric.machine import build
 

@@ -15,9 +15,9 @@ from rich.table import Table
 
 from symhyb.data.catalogue import DATASETS, Dataset, named, unknown
 from symhyb.data.datasets import listing
-from symhyb.discrepancy.effects import amount_text
 from symhyb.discrepancy.results import Diagnosis, Found
-from symhyb.discrepancy.wording import (
+from symhyb.discrepancy.words.effects import amount_text
+from symhyb.discrepancy.words.wording import (
     measurement_phrase,
     parameter_phrase,
     percent_text,
@@ -32,10 +32,10 @@ from symhyb.report.contract import finite
 from symhyb.report.sentences import alternative_sentence, remainder_sentence, score_sentences
 
 if TYPE_CHECKING:  # a verb that only reads a file need not load the numerics
-    from symhyb.discrepancy.first_checks import FirstChecks
-    from symhyb.discrepancy.modes import Mode
-    from symhyb.discrepancy.residual import Discrepancy
-    from symhyb.discrepancy.response import Response
+    from symhyb.discrepancy.checks.first_checks import FirstChecks
+    from symhyb.discrepancy.checks.modes import Mode
+    from symhyb.discrepancy.checks.response import Response
+    from symhyb.discrepancy.recorded.residual import Discrepancy
     from symhyb.numeric.integrate import Scenario, Trajectory
     from symhyb.numeric.machine import Machine
     from symhyb.study import StudyResult

@@ -8,30 +8,30 @@ recordings prove; they never choose. docs/method.md has the statistics and what 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from symhyb.correction.advice import advise
-from symhyb.correction.beginnings import in_part
-from symhyb.correction.choice import Choice, choose
-from symhyb.correction.clocks import drifting
-from symhyb.correction.conclusion import concluded
-from symhyb.correction.constants import with_constant
-from symhyb.correction.estimate import estimate
-from symhyb.correction.fleet_words import parameters_with_own, repeats_said
-from symhyb.correction.isolability import isolability
-from symhyb.correction.leftover import leftover
-from symhyb.correction.preparing import Prepared, prepare, settle
-from symhyb.correction.proof import prove
-from symhyb.correction.refusal import (
+from symhyb.correction.advice.advice import advise
+from symhyb.correction.advice.isolability import isolability
+from symhyb.correction.naming.fleet_words import parameters_with_own, repeats_said
+from symhyb.correction.search.beginnings import in_part
+from symhyb.correction.search.clocks import drifting
+from symhyb.correction.search.preparing import Prepared, prepare, settle
+from symhyb.correction.search.setting import Setting
+from symhyb.correction.search.trajectory import Refined
+from symhyb.correction.verdict.choice import Choice, choose
+from symhyb.correction.verdict.conclusion import concluded
+from symhyb.correction.verdict.constants import with_constant
+from symhyb.correction.verdict.estimate import estimate
+from symhyb.correction.verdict.leftover import leftover
+from symhyb.correction.verdict.proof import prove
+from symhyb.correction.verdict.refusal import (
     if_apart,
     if_bounded,
     if_explained,
     if_long_enough,
     with_lies,
 )
-from symhyb.correction.setting import Setting
-from symhyb.correction.trajectory import Refined
 from symhyb.data.cleaning import still
 from symhyb.data.recording import Recording, several
-from symhyb.discrepancy.memoryless import memoryless
+from symhyb.discrepancy.places.memoryless import memoryless
 from symhyb.discrepancy.results import Diagnosis, Misfit, Repeats
 from symhyb.errors import NumericsError
 from symhyb.model.types import Model

@@ -25,16 +25,16 @@ from numpy.typing import NDArray
 from symhyb import __version__
 from symhyb.correction.apply import apply
 from symhyb.correction.finish import finished
-from symhyb.correction.network import NO_NETWORK, train_network
-from symhyb.correction.remainder import NO_REMAINDER, remainder
+from symhyb.correction.learning.network import NO_NETWORK, train_network
+from symhyb.correction.learning.remainder import NO_REMAINDER, remainder
 from symhyb.data.cleaning import still, without_faults
 from symhyb.data.datasets import fetch
 from symhyb.data.recording import Recording, read_recording
 from symhyb.diagnosis import diagnose
-from symhyb.discrepancy.first_checks import FirstChecks, first_checks
-from symhyb.discrepancy.judge import judge
+from symhyb.discrepancy.checks.first_checks import FirstChecks, first_checks
+from symhyb.discrepancy.checks.suspicion import repaired
+from symhyb.discrepancy.fitting.judge import judge
 from symhyb.discrepancy.results import Diagnosis, Verdict
-from symhyb.discrepancy.suspicion import repaired
 from symhyb.errors import InputError, Problem
 from symhyb.expected import Check, Expected, check, read_expected
 from symhyb.model.diff import diff

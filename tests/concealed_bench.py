@@ -11,7 +11,7 @@ FOLDER = Path(__file__).parents[1] / "studies" / "concealed"
 NAMES = (
     "laws", "systems", "chains", "arm", "plant", "hidden", "oracle", "effects", "plans", "conceal",
     "truth", "claims", "draw", "bars", "tables", "results", "report", "score", "run",
-    "peer_library", "peer_motion", "peer_regression", "peers", "peer_tuning", "figure",
+    "peer_library", "peer_motion", "peer_regression", "peers", "peer_tuning", "figure", "fleets",
 )  # fmt: skip
 Study = Mapping[str, ModuleType]
 

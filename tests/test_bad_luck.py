@@ -8,15 +8,15 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 import symhyb as sh
-from symhyb.correction.clocks import drifting
-from symhyb.correction.preparing import prepare, settle
-from symhyb.correction.refusal import runs_away
-from symhyb.correction.selection import Problem, best_subsets, solve
+from symhyb.correction.search.clocks import drifting
+from symhyb.correction.search.preparing import prepare, settle
+from symhyb.correction.search.selection import Problem, best_subsets, solve
+from symhyb.correction.verdict.refusal import runs_away
 from symhyb.data.recording import Recording
-from symhyb.discrepancy.hypotheses import Hypothesis
-from symhyb.discrepancy.motion import motion_of
+from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.discrepancy.recorded.motion import motion_of
+from symhyb.discrepancy.recorded.runs import Run
 from symhyb.discrepancy.results import Lie
-from symhyb.discrepancy.runs import Run
 from symhyb.model.read import parse_model
 from symhyb.model.types import Model, On
 from symhyb.numeric.machine import build

@@ -1,5 +1,6 @@
 """The bench of concealed effects: its generators are right, its oracle is, its scores are."""
 
+import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -188,3 +189,36 @@ def test_cases_are_diagnosed_and_scored(study: Study, tmp_path: Path, seed: int)
     assert row.cpu > 0
     if row.wanted:
         assert row.error == pytest.approx(1.0, abs=0.1)
+
+
+@pytest.mark.slow
+def test_a_fleet_has_one_machine_and_where_asked_one_run_with_more_of_the_force(
+    study: Study,
+) -> None:
+    fleets = study["fleets"]
+    alike, odd = fleets.drawn(3, odd=False), fleets.drawn(3, odd=True)
+    assert len(alike.runs) == fleets.RUNS + 1
+    (key,) = {fleets.KEYS[alike.plan.kind]}
+    strengths = [[run.hidden.effects[0].keys[key] for run in case.runs] for case in (alike, odd)]
+    assert len(set(strengths[0])) == 1
+    expected = [strengths[0][0]] * len(odd.runs)
+    expected[fleets.ODD] *= fleets.MORE
+    assert strengths[1] == pytest.approx(expected)
+    for one, other in zip(alike.runs, odd.runs, strict=True):
+        assert np.array_equal(one.inputs, other.inputs)
+
+
+def test_the_table_of_fleets_counts_false_alarms_and_odd_runs(study: Study, tmp_path: Path) -> None:
+    fleets = study["fleets"]
+    calm = {"verdict": "missing physics", "misfits": [], "changes": []}
+    named = {**calm, "misfits": [f"run{fleets.ODD}.csv"]}
+    other = {**calm, "misfits": ["run0.csv"], "changes": ["b is not constant"]}
+    undecided = {**named, "verdict": "undecided"}
+    rows = [(calm, named), (other, calm), (undecided, undecided)]
+    for seed, (alike, odd) in enumerate(rows):
+        (tmp_path / f"{seed:05d}.json").write_text(json.dumps({"alike": alike, "odd": odd}))
+    lines = fleets.table(tmp_path, [0, 1, 2, 3]).splitlines()
+    assert lines[0].startswith("3 machines")
+    once = " 1 (at most 97.5%, 95 %) "
+    assert lines[-2].split("|")[2:6] == [" 2 ", " – ", once, once]
+    assert lines[-1].split("|")[2:4] == [" 2 ", " 1 "]

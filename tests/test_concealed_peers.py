@@ -129,7 +129,7 @@ def test_generators_and_peers_share_no_code_with_symhyb() -> None:
         path.name for path in FOLDER.glob("*.py")
         if re.search(r"^\s*(import|from) symhyb", path.read_text(encoding="utf-8"), re.M)
     }  # fmt: skip
-    assert using == {"run.py", "score.py"}
+    assert using == {"fleets.py", "run.py", "score.py"}
 
 
 def test_tuning_takes_the_best_f1_and_the_best_quiet_setting(study: Study) -> None:

@@ -8,8 +8,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import symhyb as sh
-from symhyb.correction.fleet import check_own
-from symhyb.correction.preparing import prepare
+from symhyb.correction.search.fleet import check_own
+from symhyb.correction.search.preparing import prepare
 from symhyb.data.recording import Recording
 from symhyb.model.read import parse_model
 from symhyb.report import to_json

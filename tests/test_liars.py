@@ -8,11 +8,11 @@ import pytest
 
 import symhyb as sh
 from symhyb.data.recording import Recording
-from symhyb.discrepancy.hypotheses import with_channels
-from symhyb.discrepancy.motion import motion_of
+from symhyb.discrepancy.checks.suspicion import repaired, suspect
+from symhyb.discrepancy.places.hypotheses import with_channels
+from symhyb.discrepancy.recorded.motion import motion_of
+from symhyb.discrepancy.recorded.runs import Run
 from symhyb.discrepancy.results import Lie
-from symhyb.discrepancy.runs import Run
-from symhyb.discrepancy.suspicion import repaired, suspect
 from symhyb.model.types import Model
 from symhyb.numeric.machine import build
 from tests.liars import chain_model, chain_recording, pendulum_model, pendulum_recording

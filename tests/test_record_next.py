@@ -8,7 +8,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from symhyb.correction.signals import signal_of
+from symhyb.correction.advice.signals import signal_of
 from symhyb.discrepancy.results import Manoeuvre
 
 FOLDER = Path(__file__).parents[1] / "studies" / "record_next"

@@ -11,7 +11,7 @@ from types import ModuleType
 import pytest
 
 from symhyb.correction.finish import finished
-from symhyb.correction.remainder import remainder
+from symhyb.correction.learning.remainder import remainder
 from symhyb.model.read import parse_model, read_model
 from symhyb.model.types import Model
 

@@ -13,7 +13,7 @@ from fakes import NOTHING, Fake, fake_diagnosis, friction, verdict
 from symhyb import study as module
 from symhyb.data.recording import read_recording
 from symhyb.diagnosis import diagnose
-from symhyb.discrepancy.judge import judge
+from symhyb.discrepancy.fitting.judge import judge
 from symhyb.discrepancy.results import Alternative, Diagnosis, Estimate, Measurement, Reestimated
 from symhyb.errors import InputError
 from symhyb.expected import Expected, check, found_terms, read_expected

@@ -15,7 +15,7 @@ from pysindy.optimizers import STLSQ
 from threadpoolctl import threadpool_limits
 from timing import Row, in_turns, middle, milliseconds
 
-from symhyb.correction.regression import Candidates, regress, resampled
+from symhyb.correction.learning.regression import Candidates, regress, resampled
 from symhyb.numeric.factor import factor_of
 
 Array = NDArray[np.float64]

@@ -23,9 +23,9 @@ from threadpoolctl import threadpool_limits
 from timing import Row, in_turns, middle, milliseconds
 
 from symhyb.data.recording import Recording
-from symhyb.discrepancy.matching import TRIAL_DECREASE, TRIAL_ITERATIONS, Fit, Task, fit
-from symhyb.discrepancy.motion import Motion
-from symhyb.discrepancy.windows import lay
+from symhyb.discrepancy.fitting.matching import TRIAL_DECREASE, TRIAL_ITERATIONS, Fit, Task, fit
+from symhyb.discrepancy.recorded.motion import Motion
+from symhyb.discrepancy.recorded.windows import lay
 from symhyb.model.read import parse_model
 from symhyb.numeric.machine import build
 from symhyb.numeric.windows import WindowModel

@@ -22,7 +22,7 @@ from run import STEPS, error, rounded
 from truth import Array, Data, Drive, Plant
 
 import symhyb as sh
-from symhyb.correction.formulations import lacking, measured_course, sparse_law
+from symhyb.correction.learning.formulations import lacking, measured_course, sparse_law
 from symhyb.model.read import parse_model
 from symhyb.model.write import append_elements
 from symhyb.numeric.formulations import Correction, simulate_corrected

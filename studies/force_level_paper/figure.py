@@ -17,7 +17,7 @@ import truth
 from truth import Array
 
 import symhyb as sh
-from symhyb.correction.formulations import (
+from symhyb.correction.learning.formulations import (
     lacking,
     measured_course,
     values_along,

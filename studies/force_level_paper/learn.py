@@ -19,15 +19,15 @@ from threadpoolctl import threadpool_limits
 from truth import Array, Data, Drive, Oscillator
 
 import symhyb as sh
-from symhyb.correction.formulations import (
+from symhyb.correction.learning.formulations import (
     lacking,
     measured_course,
     network_law,
     sparse_law,
     values_along,
 )
-from symhyb.correction.network import lowered
-from symhyb.discrepancy.course import Course, course_of
+from symhyb.correction.learning.network import lowered
+from symhyb.discrepancy.recorded.course import Course, course_of
 from symhyb.model.expression import parse_expression
 from symhyb.model.read import parse_model
 from symhyb.model.types import Element, Network, On

@@ -21,7 +21,7 @@ from joblib import Parallel, delayed
 from truth import Array, Data, Drive, Oscillator, Run
 
 import symhyb as sh
-from symhyb.correction.formulations import lacking, measured_course, values_along
+from symhyb.correction.learning.formulations import lacking, measured_course, values_along
 from symhyb.numeric.formulations import simulate_corrected
 from symhyb.numeric.integrate import Scenario
 

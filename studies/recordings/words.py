@@ -9,7 +9,7 @@ from typing import Any
 from kept import Case
 
 from symhyb.data.catalogue import named as dataset_named
-from symhyb.discrepancy.amounts import joined, number_text, quantity_text
+from symhyb.discrepancy.words.amounts import joined, number_text, quantity_text
 from symhyb.expected import found_terms, score_at
 from symhyb.model.read import read_model
 from symhyb.model.types import Model, place_text

@@ -18,11 +18,11 @@ import numpy as np
 
 from symhyb.correction.apply import apply
 from symhyb.correction.finish import finished
-from symhyb.correction.remainder import remainder
+from symhyb.correction.learning.remainder import remainder
 from symhyb.data.datasets import fetch
 from symhyb.data.recording import Recording, read_recording
 from symhyb.diagnosis import diagnose
-from symhyb.discrepancy.initialised import initialised_run
+from symhyb.discrepancy.fitting.initialised import initialised_run
 from symhyb.model.read import read_model
 from symhyb.model.types import Model
 from symhyb.model.write import write_model

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symhyb.correction.preparing import last_windows, prepare
+from symhyb.correction.search.preparing import last_windows, prepare
 from symhyb.data.recording import Recording
-from symhyb.discrepancy.matching import Task, fit
+from symhyb.discrepancy.fitting.matching import Task, fit
 from symhyb.errors import NumericsError
 from symhyb.model.types import Model, Parameter
 from symhyb.model.write import replace_parameters

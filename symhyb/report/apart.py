@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from symhyb.discrepancy.results import Isolability
-from symhyb.discrepancy.wording import number_text
+from symhyb.discrepancy.words.wording import number_text
 from symhyb.report.canvas import MEASURED, drawing, svg
 
 _SURE = np.log(100.0)  # evidence; with less a cause is not certain

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from symhyb.discrepancy.wording import number_text, percent_text
+from symhyb.discrepancy.words.wording import number_text, percent_text
 from symhyb.report.canvas import AFTER, BEFORE, drawing, svg
 from symhyb.report.contract import finite
 from symhyb.report.series import shortened

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symhyb.discrepancy.results import Cloud, Trace
-from symhyb.discrepancy.wording import number_text
+from symhyb.discrepancy.words.wording import number_text
 from symhyb.report.canvas import (
     AFTER,
     BEFORE,

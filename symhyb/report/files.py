@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from symhyb.discrepancy.first_checks import FirstChecks
+from symhyb.discrepancy.checks.first_checks import FirstChecks
 from symhyb.discrepancy.results import Diagnosis, Trace, Verdict
 from symhyb.errors import InputError, Problem
 from symhyb.model.types import Model

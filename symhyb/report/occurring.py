@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from symhyb.discrepancy.results import Occurrence
-from symhyb.discrepancy.wording import number_text
+from symhyb.discrepancy.words.wording import number_text
 from symhyb.report.canvas import AFTER, BEFORE, LAW, QUIET, drawing, legend, svg
 
 if TYPE_CHECKING:

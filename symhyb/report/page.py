@@ -8,10 +8,10 @@ from importlib import resources
 import numpy as np
 from jinja2 import Environment, StrictUndefined
 
-from symhyb.discrepancy.first_checks import FirstChecks
-from symhyb.discrepancy.occurrence_words import place_words
+from symhyb.discrepancy.checks.first_checks import FirstChecks
 from symhyb.discrepancy.results import Cloud, Diagnosis, Trace, Verdict
-from symhyb.discrepancy.wording import (
+from symhyb.discrepancy.words.occurrence_words import place_words
+from symhyb.discrepancy.words.wording import (
     measurement_phrase,
     parameter_phrase,
 )

@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from symhyb.discrepancy.response import Response
-from symhyb.discrepancy.wording import number_text
+from symhyb.discrepancy.checks.response import Response
+from symhyb.discrepancy.words.wording import number_text
 from symhyb.report.canvas import AFTER, BEFORE, MEASURED, drawing, legend, svg
 
 if TYPE_CHECKING:

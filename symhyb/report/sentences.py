@@ -5,7 +5,7 @@ import re
 from collections.abc import Mapping
 
 from symhyb.discrepancy.results import Alternative, Verdict
-from symhyb.discrepancy.wording import (
+from symhyb.discrepancy.words.wording import (
     UNKNOWN,
     alternative_phrase,
     joined,

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from symhyb.discrepancy.wording import power_text, unit_text
+from symhyb.discrepancy.words.wording import power_text, unit_text
 
 Array = NDArray[np.float64]
 

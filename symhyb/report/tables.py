@@ -3,10 +3,10 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from symhyb.discrepancy.effects import amount_text
-from symhyb.discrepancy.occurrence_words import place_words
 from symhyb.discrepancy.results import Activity, Diagnosis, Score, Verdict
-from symhyb.discrepancy.wording import number_text, percent_text, quantity_text, unit_text
+from symhyb.discrepancy.words.effects import amount_text
+from symhyb.discrepancy.words.occurrence_words import place_words
+from symhyb.discrepancy.words.wording import number_text, percent_text, quantity_text, unit_text
 from symhyb.model.types import Model, Place, place_text
 from symhyb.model.vocabulary import force_unit, stretch_unit
 from symhyb.report.contract import finite

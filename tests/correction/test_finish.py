@@ -5,7 +5,7 @@ import pytest
 from test_remainder import NOISE, TEXT, recorded
 
 from symhyb.correction.finish import finished
-from symhyb.discrepancy.initialised import initialised_run
+from symhyb.discrepancy.fitting.initialised import initialised_run
 from symhyb.errors import InputError
 from symhyb.model.read import parse_model
 

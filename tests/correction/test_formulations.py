@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from builders import DRIVEN_MASS, damper, model_of
 
-from symhyb.correction.formulations import (
+from symhyb.correction.learning.formulations import (
     lacking,
     measured_course,
     network_law,

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from symhyb.correction.held import with_what_is_held
-from symhyb.correction.preparing import prepare, settle
-from symhyb.correction.trajectory import refine
+from symhyb.correction.search.preparing import prepare, settle
+from symhyb.correction.search.trajectory import refine
+from symhyb.correction.verdict.held import with_what_is_held
 from symhyb.data.recording import Recording
-from symhyb.discrepancy.hypotheses import Hypothesis
+from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.model.read import parse_model
 from symhyb.model.types import Model, On
 

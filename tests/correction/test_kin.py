@@ -5,9 +5,9 @@ import pytest
 from law_rigs import RIG, Law, bouc_wen, lugre, numbers, on_rig, stop
 
 import symhyb as sh
-from symhyb.correction.kin import variants_of
-from symhyb.correction.preparing import prepare, settle
-from symhyb.discrepancy.hypotheses import Hypothesis
+from symhyb.correction.search.kin import variants_of
+from symhyb.correction.search.preparing import prepare, settle
+from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.model.read import parse_model
 from symhyb.model.types import On
 from symhyb.model.vocabulary import KINDS

@@ -5,10 +5,10 @@ from law_rigs import Law, driven, lugre, numbers, product
 from rigs import spring_model
 
 import symhyb as sh
-from symhyb.discrepancy.formula import WARNING, law_element, law_unit
-from symhyb.discrepancy.hypotheses import Hypothesis
-from symhyb.discrepancy.memoryless import memory_sentence
-from symhyb.discrepancy.products import formulas, products
+from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.discrepancy.places.memoryless import memory_sentence
+from symhyb.discrepancy.places.products import formulas, products
+from symhyb.discrepancy.words.formula import WARNING, law_element, law_unit
 from symhyb.model.types import On
 from symhyb.model.write import append_elements
 

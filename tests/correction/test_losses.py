@@ -8,11 +8,11 @@ import pytest
 from builders import model_of, recording
 from scipy.integrate import solve_ivp
 
-from symhyb.correction.losses import two_for_one
-from symhyb.correction.preparing import prepare, settle
-from symhyb.correction.setting import along_motion
-from symhyb.correction.trajectory import Refined, grouped
-from symhyb.correction.trials import Trials
+from symhyb.correction.search.losses import two_for_one
+from symhyb.correction.search.preparing import prepare, settle
+from symhyb.correction.search.setting import along_motion
+from symhyb.correction.search.trajectory import Refined, grouped
+from symhyb.correction.search.trials import Trials
 from symhyb.data.recording import Recording
 from symhyb.model.types import Model
 

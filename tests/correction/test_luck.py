@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from symhyb.correction.luck import _spread, _View
+from symhyb.correction.search.luck import _spread, _View
 
 ROWS = (np.arange(3),)
 

@@ -7,13 +7,13 @@ import pytest
 from rigs import spring_model, spring_recording
 
 import symhyb as sh
-from symhyb.correction.isolability import isolability
-from symhyb.correction.manoeuvre import Rivals, needed_evidence, played
-from symhyb.correction.offers import natural_frequencies, offers, rounded
-from symhyb.correction.preparing import prepare, settle
-from symhyb.correction.signals import signal_of
-from symhyb.correction.sparse import propose
-from symhyb.correction.trajectory import refine
+from symhyb.correction.advice.isolability import isolability
+from symhyb.correction.advice.manoeuvre import Rivals, needed_evidence, played
+from symhyb.correction.advice.offers import natural_frequencies, offers, rounded
+from symhyb.correction.advice.signals import signal_of
+from symhyb.correction.learning.sparse import propose
+from symhyb.correction.search.preparing import prepare, settle
+from symhyb.correction.search.trajectory import refine
 from symhyb.discrepancy.results import Manoeuvre, SignalName
 
 PLAN = Manoeuvre("f", "sine", 4.0, "N", 10.0, 0.01, (0.5, 4.0), offset=1.0)
@@ -80,7 +80,7 @@ def test_what_was_recorded_bounds_what_is_asked_for() -> None:
 
 @pytest.mark.slow
 def test_the_matrix_knows_twins_and_what_stands_out() -> None:
-    from symhyb.correction.decide import decide
+    from symhyb.correction.search.decide import decide
 
     prepared = prepare(spring_model(), spring_recording(5, {"drag": 2.0}, duration=8.0))
     setting = settle(prepared)

@@ -10,14 +10,14 @@ import pytest
 from builders import DRIVEN_MASS, value
 from sklearn.neural_network import MLPRegressor
 
-from symhyb.correction.energy import energy_of
-from symhyb.correction.network import Trained, _trained, lowered, train_network
-from symhyb.correction.orthogonal import beside
-from symhyb.correction.preparing import last_windows, prepare
-from symhyb.correction.refining import Fitting, features, joined
-from symhyb.correction.seen import Seen, see
+from symhyb.correction.learning.energy import energy_of
+from symhyb.correction.learning.network import Trained, _trained, lowered, train_network
+from symhyb.correction.learning.orthogonal import beside
+from symhyb.correction.learning.refining import Fitting, features, joined
+from symhyb.correction.learning.seen import Seen, see
+from symhyb.correction.search.preparing import last_windows, prepare
 from symhyb.data.recording import Recording
-from symhyb.discrepancy.judge import judge
+from symhyb.discrepancy.fitting.judge import judge
 from symhyb.errors import InputError
 from symhyb.model.read import parse_model, read_model
 from symhyb.model.types import Model

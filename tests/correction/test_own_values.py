@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from symhyb.correction.evidence import cost, weak
-from symhyb.correction.selection import Problem, solve
-from symhyb.correction.trajectory import Refined
+from symhyb.correction.search.evidence import cost, weak
+from symhyb.correction.search.selection import Problem, solve
+from symhyb.correction.search.trajectory import Refined
 from symhyb.data.recording import Recording
-from symhyb.discrepancy.hypotheses import Hypothesis
-from symhyb.discrepancy.matching import Fit
+from symhyb.discrepancy.fitting.matching import Fit
+from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.model.types import On
 from symhyb.numeric.machine import build
 from tests.rigs import spring_model

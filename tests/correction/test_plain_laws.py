@@ -3,11 +3,11 @@
 import numpy as np
 from builders import model_of, recording, spring
 
-from symhyb.correction.conventions import exact_twins
-from symhyb.correction.moves import _plain_at
-from symhyb.correction.preparing import prepare, settle
-from symhyb.correction.setting import along_motion
-from symhyb.correction.trials import Trials
+from symhyb.correction.search.conventions import exact_twins
+from symhyb.correction.search.moves import _plain_at
+from symhyb.correction.search.preparing import prepare, settle
+from symhyb.correction.search.setting import along_motion
+from symhyb.correction.search.trials import Trials
 from symhyb.data.recording import Recording
 from symhyb.model.types import Model, On
 

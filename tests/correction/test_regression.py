@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 from pysindy.optimizers import FROLS, SR3, SSR, STLSQ, EnsembleOptimizer
 
-from symhyb.correction.regression import Candidates, regress, resampled
+from symhyb.correction.learning.regression import Candidates, regress, resampled
 from symhyb.errors import InputError
 
 Array = NDArray[np.float64]

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from builders import DRIVEN_MASS
 
-from symhyb.correction.orthogonal import named_forces
-from symhyb.correction.preparing import prepare
-from symhyb.correction.remainder import Remainder, remainder
+from symhyb.correction.learning.orthogonal import named_forces
+from symhyb.correction.learning.remainder import Remainder, remainder
+from symhyb.correction.search.preparing import prepare
 from symhyb.data.recording import Recording
-from symhyb.discrepancy.course import course_of
-from symhyb.discrepancy.judge import judge
-from symhyb.discrepancy.residual import discrepancy
+from symhyb.discrepancy.fitting.judge import judge
+from symhyb.discrepancy.recorded.course import course_of
+from symhyb.discrepancy.recorded.residual import discrepancy
 from symhyb.errors import InputError
 from symhyb.model.read import parse_model
 from symhyb.model.types import Model

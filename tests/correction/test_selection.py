@@ -6,9 +6,9 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from symhyb.correction.conventions import exact_twins
-from symhyb.correction.selection import Problem, best_subsets, reach, solve, without
-from symhyb.discrepancy.hypotheses import Hypothesis
+from symhyb.correction.search.conventions import exact_twins
+from symhyb.correction.search.selection import Problem, best_subsets, reach, solve, without
+from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.model.types import On
 
 TERMS = ("constant", "stiffness", "cubic", "damping", "drag", "quadratic")

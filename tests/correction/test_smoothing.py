@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
-from symhyb.correction.smoothing import with_smoothing
+from symhyb.correction.naming.smoothing import with_smoothing
 
 FRICTION = {
     "coulomb": (2.0, 0.01),

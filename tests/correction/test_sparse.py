@@ -5,8 +5,8 @@ import pytest
 from pysindy.optimizers import STLSQ
 from rigs import spring_model, spring_recording
 
-from symhyb.correction import sparse
-from symhyb.correction.preparing import prepare, settle
+from symhyb.correction.learning import sparse
+from symhyb.correction.search.preparing import prepare, settle
 from symhyb.numeric.factor import factor_of
 
 

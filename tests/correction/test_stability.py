@@ -4,11 +4,11 @@ outweigh all others."""
 import numpy as np
 import pytest
 
-from symhyb.correction.decide import Decision
-from symhyb.correction.stability import STABLE, stabilities, unstable, weakest
-from symhyb.correction.trajectory import Refined
-from symhyb.discrepancy.hypotheses import Hypothesis
-from symhyb.discrepancy.matching import Fit
+from symhyb.correction.naming.stability import STABLE, stabilities, unstable, weakest
+from symhyb.correction.search.decide import Decision
+from symhyb.correction.search.trajectory import Refined
+from symhyb.discrepancy.fitting.matching import Fit
+from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.model.types import On
 from symhyb.numeric.machine import build
 from tests.rigs import spring_model

@@ -7,12 +7,12 @@ import pytest
 from builders import model_of, recording, spring
 from scipy.integrate import solve_ivp
 
-from symhyb.correction.choice import Choice
-from symhyb.correction.decide import Decision
-from symhyb.correction.preparing import Prepared, prepare, settle
-from symhyb.correction.trajectory import Refined, refine
-from symhyb.correction.whole import Completed, completed_over_all, forgets, whole_of
-from symhyb.correction.whole_words import added_alternatives, added_sentence
+from symhyb.correction.search.decide import Decision
+from symhyb.correction.search.preparing import Prepared, prepare, settle
+from symhyb.correction.search.trajectory import Refined, refine
+from symhyb.correction.verdict.choice import Choice
+from symhyb.correction.verdict.whole import Completed, completed_over_all, forgets, whole_of
+from symhyb.correction.verdict.whole_words import added_alternatives, added_sentence
 from symhyb.data.recording import Recording
 from symhyb.model.types import Model
 

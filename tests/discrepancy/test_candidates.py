@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from builders import cart_pole
 
-from symhyb.discrepancy.candidates import (
+from symhyb.discrepancy.places.candidates import (
     CLEARANCE_SHARES,
     PEAKS,
     Reach,

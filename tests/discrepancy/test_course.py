@@ -7,9 +7,9 @@ import pytest
 from builders import Entries, model_of, oscillator, push, recording, spring
 
 from symhyb.data.recording import Recording
-from symhyb.discrepancy.course import Course, course_of
-from symhyb.discrepancy.motion import motion_of
-from symhyb.discrepancy.residual import compare, discrepancy
+from symhyb.discrepancy.recorded.course import Course, course_of
+from symhyb.discrepancy.recorded.motion import motion_of
+from symhyb.discrepancy.recorded.residual import compare, discrepancy
 from symhyb.numeric.inner import inner_along
 from symhyb.numeric.machine import Machine, build
 

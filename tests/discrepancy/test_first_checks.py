@@ -7,13 +7,13 @@ import pytest
 from builders import Entries, damper, model_of, oscillator, push, recording, spring
 
 from symhyb.data.recording import Recording
-from symhyb.discrepancy.balance import Balance, balance_of
-from symhyb.discrepancy.course import course_of
-from symhyb.discrepancy.first_checks import FirstChecks, first_checks, repeats_of
-from symhyb.discrepancy.modes import modes_at, rest_position
-from symhyb.discrepancy.motion import motion_of
-from symhyb.discrepancy.split import period_of, split_of
-from symhyb.discrepancy.timing import hold_of
+from symhyb.discrepancy.checks.balance import Balance, balance_of
+from symhyb.discrepancy.checks.first_checks import FirstChecks, first_checks, repeats_of
+from symhyb.discrepancy.checks.modes import modes_at, rest_position
+from symhyb.discrepancy.checks.split import period_of, split_of
+from symhyb.discrepancy.checks.timing import hold_of
+from symhyb.discrepancy.recorded.course import course_of
+from symhyb.discrepancy.recorded.motion import motion_of
 from symhyb.model.types import Model
 from symhyb.numeric.integrate import Scenario, simulate
 from symhyb.numeric.machine import Machine, build

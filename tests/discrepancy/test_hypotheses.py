@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 from builders import cart_pole, damper, oscillator, push, spring, value
 
-from symhyb.discrepancy.candidates import (
+from symhyb.discrepancy.places.candidates import (
     STRIBECK_SHARES,
     TRANSITION_SHARE,
     Reach,
     force_hypotheses,
 )
-from symhyb.discrepancy.course import Course
-from symhyb.discrepancy.hypotheses import (
+from symhyb.discrepancy.places.hypotheses import (
     Hypothesis,
     Library,
     dull_hypotheses,
@@ -22,6 +21,7 @@ from symhyb.discrepancy.hypotheses import (
     places_of,
     with_channels,
 )
+from symhyb.discrepancy.recorded.course import Course
 from symhyb.model.read import parse_model
 from symhyb.model.types import Between, Model, On, Place
 from symhyb.model.vocabulary import KINDS

@@ -2,7 +2,7 @@
 
 import pytest
 
-from symhyb.discrepancy.judge import _carries
+from symhyb.discrepancy.fitting.judge import _carries
 from symhyb.discrepancy.results import Comparison, Score
 
 

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from symhyb.data.recording import Recording
-from symhyb.discrepancy.matching import Fit, Task, fit
-from symhyb.discrepancy.motion import motion_of
-from symhyb.discrepancy.windows import Laid, lay
+from symhyb.discrepancy.fitting.matching import Fit, Task, fit
+from symhyb.discrepancy.recorded.motion import motion_of
+from symhyb.discrepancy.recorded.windows import Laid, lay
 from symhyb.numeric.machine import Machine, build
 from symhyb.numeric.windows import WindowModel
 

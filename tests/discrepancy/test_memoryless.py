@@ -5,9 +5,9 @@ import pytest
 from law_rigs import RIG, Law, bouc_wen, on_rig, stop
 
 import symhyb as sh
-from symhyb.correction.preparing import prepare, settle
-from symhyb.discrepancy.memoryless import FEW, RIDGES, memoryless
-from symhyb.discrepancy.memoryless import _fits as fits
+from symhyb.correction.search.preparing import prepare, settle
+from symhyb.discrepancy.places.memoryless import FEW, RIDGES, memoryless
+from symhyb.discrepancy.places.memoryless import _fits as fits
 from symhyb.discrepancy.results import Memory
 from symhyb.model.read import parse_model
 

@@ -8,7 +8,13 @@ import pytest
 from builders import Entries, model_of, oscillator, push, recording
 from numpy.typing import NDArray
 
-from symhyb.discrepancy.motion import acting, measured, motion_of, noise_level, spline_basis
+from symhyb.discrepancy.recorded.motion import (
+    acting,
+    measured,
+    motion_of,
+    noise_level,
+    spline_basis,
+)
 from symhyb.errors import InputError
 from symhyb.numeric.machine import Machine, build
 

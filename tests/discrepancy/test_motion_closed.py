@@ -8,7 +8,7 @@ from mechanisms import MECHANISMS
 from numpy.typing import NDArray
 
 from symhyb.data.recording import Recording
-from symhyb.discrepancy.motion import motion_of
+from symhyb.discrepancy.recorded.motion import motion_of
 from symhyb.model.read import read_model
 from symhyb.numeric.machine import Machine, build
 from symhyb.numeric.manifold import gaps_of

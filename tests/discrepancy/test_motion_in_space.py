@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from symhyb.data.recording import Recording
-from symhyb.discrepancy.motion import motion_of
+from symhyb.discrepancy.recorded.motion import motion_of
 from symhyb.model.read import read_model
 from symhyb.numeric.buffers import Array
 from symhyb.numeric.integrate import Scenario, simulate

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import symhyb as sh
-from symhyb.discrepancy.occurrence import band_of, beyond_of, spectrum
-from symhyb.discrepancy.occurrence_words import occurrence_sentence, place_words
+from symhyb.discrepancy.places.occurrence import band_of, beyond_of, spectrum
 from symhyb.discrepancy.results import Change
+from symhyb.discrepancy.words.occurrence_words import occurrence_sentence, place_words
 from symhyb.model.types import On
 from tests.rigs import spring_model
 

@@ -3,9 +3,9 @@
 import numpy as np
 
 from symhyb.data.recording import Recording
-from symhyb.discrepancy.motion import Motion
-from symhyb.discrepancy.passages import one_way, passed_at_one_speed
-from symhyb.discrepancy.runs import Run
+from symhyb.discrepancy.recorded.motion import Motion
+from symhyb.discrepancy.recorded.passages import one_way, passed_at_one_speed
+from symhyb.discrepancy.recorded.runs import Run
 
 T = np.linspace(0, 3, 60)
 

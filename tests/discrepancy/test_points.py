@@ -6,7 +6,7 @@ from builders import cart_pole, double_pendulum, oscillator, spring
 from law_rigs import PENDULUM, numbers, pendulum
 
 import symhyb as sh
-from symhyb.discrepancy.points import moving_points, point_hypotheses
+from symhyb.discrepancy.places.points import moving_points, point_hypotheses
 from symhyb.model.read import parse_model
 from symhyb.model.types import At
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 import symhyb as sh
 from symhyb.data.recording import Recording
-from symhyb.discrepancy.sampling import as_sampled
+from symhyb.discrepancy.recorded.sampling import as_sampled
 from symhyb.model.read import parse_model
 from symhyb.model.types import Model
 from symhyb.numeric.between import FEWEST, looks_smooth

@@ -5,8 +5,8 @@ import pytest
 from builders import cart_pole, oscillator, push, recording
 from numpy.typing import NDArray
 
-from symhyb.discrepancy.motion import Motion
-from symhyb.discrepancy.windows import (
+from symhyb.discrepancy.recorded.motion import Motion
+from symhyb.discrepancy.recorded.windows import (
     SAMPLES_LEAST,
     Laid,
     correlation_time,

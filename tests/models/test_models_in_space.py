@@ -15,7 +15,7 @@ from test_models_against_mujoco import mass_and_forces
 from test_models_balances import balance_of, in_other_units
 from textbook import Array, numbers
 
-from symhyb.discrepancy.modes import modes_at
+from symhyb.discrepancy.checks.modes import modes_at
 from symhyb.model.read import parse_model
 from symhyb.numeric.buffers import call
 from symhyb.numeric.integrate import Scenario, Trajectory, simulate

@@ -7,8 +7,8 @@ import pytest
 from builders import DRIVEN_MASS
 
 from symhyb.data.recording import Recording
-from symhyb.discrepancy.motion import motion_of
-from symhyb.discrepancy.windows import lay
+from symhyb.discrepancy.recorded.motion import motion_of
+from symhyb.discrepancy.recorded.windows import lay
 from symhyb.errors import InputError
 from symhyb.model.read import parse_model
 from symhyb.model.types import Model

@@ -25,7 +25,7 @@ from symhyb.discrepancy.results import (
     Trace,
     Verdict,
 )
-from symhyb.discrepancy.wording import effect_sentence, verdict_sentence
+from symhyb.discrepancy.words.wording import effect_sentence, verdict_sentence
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import Between, Coordinate, Element, Model, On, Place, Sensor
 from symhyb.units import parse_unit

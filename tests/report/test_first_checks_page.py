@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from builders import damper, oscillator, push, recording, spring
 
-from symhyb.discrepancy.first_checks import FirstChecks, first_checks
+from symhyb.discrepancy.checks.first_checks import FirstChecks, first_checks
 from symhyb.discrepancy.results import Diagnosis, Verdict
 from symhyb.numeric.machine import build
 from symhyb.report import render_page

@@ -14,14 +14,14 @@ import pytest
 import sympy as sp
 
 import symhyb as sh
-from symhyb.correction.findings import Named, found_of, named, symbol_of
-from symhyb.correction.formulas import law_text
-from symhyb.correction.textbook import critical_share
-from symhyb.correction.trajectory import Refined
-from symhyb.discrepancy.hypotheses import Hypothesis
-from symhyb.discrepancy.matching import Fit
+from symhyb.correction.naming.findings import Named, found_of, named, symbol_of
+from symhyb.correction.naming.formulas import law_text
+from symhyb.correction.naming.textbook import critical_share
+from symhyb.correction.search.trajectory import Refined
+from symhyb.discrepancy.fitting.matching import Fit
+from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.results import Alternative, Diagnosis, Found, Verdict
-from symhyb.discrepancy.wording import verdict_sentence
+from symhyb.discrepancy.words.wording import verdict_sentence
 from symhyb.mechanics.laws import Motion, law_of
 from symhyb.model.read import parse_model
 from symhyb.model.types import Between, Element, Model, On, Place

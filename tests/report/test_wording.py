@@ -5,7 +5,7 @@ import math
 import pytest
 
 from symhyb.discrepancy.results import Alternative, Estimate, Found, Measurement, Reestimated
-from symhyb.discrepancy.wording import (
+from symhyb.discrepancy.words.wording import (
     alternative_phrase,
     effect_phrase,
     effect_sentence,

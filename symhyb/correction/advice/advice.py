@@ -1,0 +1,172 @@
+"""What to record next, in words and for a program: from what could not be told apart."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from math import exp, inf
+
+import numpy as np
+
+from symhyb.correction.advice.manoeuvre import Rivals, Told, design
+from symhyb.correction.advice.newsensor import telling_sensor
+from symhyb.correction.naming.findings import cause_phrase, rivals_of
+from symhyb.correction.search.conventions import RIVAL
+from symhyb.correction.search.decide import Decision
+from symhyb.correction.search.preparing import Prepared
+from symhyb.correction.search.setting import Setting
+from symhyb.discrepancy.recorded.passages import one_way
+from symhyb.discrepancy.recorded.runs import PERIODS_LEAST, SAMPLES_TELL, SIGNAL_LEAST, Run
+from symhyb.discrepancy.results import Manoeuvre
+from symhyb.discrepancy.words.wording import joined, number_text, quantity_text
+from symhyb.model.types import Model
+
+PAIRS_MOST = 3  # rivals of the winner that a manoeuvre is designed for
+PERIODS_WANTED, SIGNAL_WANTED = 10.0, 30.0  # of a recording that may tell something
+ODDS_SHOWN = 1e6
+
+
+def advise(
+    prepared: Prepared, setting: Setting, decision: Decision
+) -> tuple[str | None, Manoeuvre | None]:
+    """The manoeuvre that tells the winner from its rivals, as a sentence and for a program; both
+    None where there is no rival, and no manoeuvre where only another sensor would help."""
+    pairs = _pairs(decision)
+    if not pairs:
+        return None, None
+    told = design(prepared, setting, pairs)
+    if told is None:
+        return _no_manoeuvre(prepared, setting, pairs), None
+    plan = _said(told, pairs)
+    return plan.sentence, plan
+
+
+def _pairs(decision: Decision) -> list[Rivals]:
+    """The winner with each rival that is not ranked by convention alone, the closest first."""
+    pairs = []
+    for change, evidence, trial in sorted(rivals_of(decision), key=lambda rival: rival[1]):
+        if not change.conventional and not trial.fit.reason and evidence < RIVAL:
+            lost, fresh = (
+                joined([cause_phrase(cause) for cause in side])
+                for side in (change.lost, change.fresh)
+            )
+            pairs.append(Rivals(decision.winner, trial, (lost, fresh)))
+    return pairs[:PAIRS_MOST]
+
+
+def _said(told: Told, pairs: Sequence[Rivals]) -> Manoeuvre:
+    """The manoeuvre with what it tells apart, and its sentence."""
+    decided = [pair for pair, ok in zip(pairs, told.decided, strict=True) if ok]
+    open_ = [pair for pair, ok in zip(pairs, told.decided, strict=True) if not ok]
+    least = min(e for e, ok in zip(told.evidence, told.decided, strict=True) if ok)
+    names = tuple(dict.fromkeys(name for pair in decided for name in pair.names))
+    others = joined(list(dict.fromkeys(pair.names[1] for pair in decided)))
+    said = (
+        f"{_action(told.plan)}. This is expected to tell {names[0]} from {others} "
+        f"with odds of {_odds(least)}."
+    )
+    if told.plan.beyond:
+        said += " It asks more of the machine than what was recorded: check that it may."
+    if open_:
+        left = joined(list(dict.fromkeys(pair.names[1] for pair in open_)), "or")
+        said += f" No manoeuvre that was tried tells it from {left}."
+    return replace(told.plan, between=names, evidence=float(least), sentence=said)
+
+
+def _odds(evidence: float) -> str:
+    odds = exp(min(evidence, 700.0))
+    if odds >= ODDS_SHOWN:
+        return "more than a million to one"
+    return f"{number_text(odds, digits=2)} to one"
+
+
+def _action(plan: Manoeuvre) -> str:
+    """The first sentence: what to do with which channel."""
+    size, rate = quantity_text(plan.amplitude, plan.unit), number_text(1 / plan.sampling)
+    lasting = f"{quantity_text(plan.duration, 's')} at {rate} samples a second"
+    if plan.signal == "release":
+        return (
+            f"Pull {plan.channel} {size} away from where it rests, let it go with no drive, and "
+            f"record {lasting} from the release on"
+        )
+    lo, hi = plan.frequency or (0.0, 0.0)
+    one, band = quantity_text(lo, "Hz"), f"from {number_text(lo)} to {quantity_text(hi, 'Hz')}"
+    period = quantity_text(1 / lo, "s", digits=3)
+    signal = {
+        "sine": f"a sine of {size} at {one}",
+        "sweep": f"a sine of {size} that sweeps {band}, evenly in octaves",
+        "multisine": f"a multisine with a peak of {size}, eight lines {band}",
+        "steps": f"steps of +{size}, 0, −{size} and 0, each held for "
+        f"{quantity_text(1 / lo / 4, 's', digits=3)}",
+        "triangle": f"a slow triangle between +{size} and −{size} with a period of {period}",
+    }[plan.signal]
+    about = f" about {quantity_text(plan.offset, plan.unit)}" if plan.offset else ""
+    return f"Drive {plan.channel} with {signal}{about}, from rest, for {lasting}"
+
+
+def _no_manoeuvre(prepared: Prepared, setting: Setting, pairs: Sequence[Rivals]) -> str:
+    """What is said where no manoeuvre tells any pair apart: which sensor would."""
+    first, second = pairs[0].names
+    said = f"No manoeuvre within three times what was recorded tells {first} from {second}"
+    found = telling_sensor(prepared, setting, pairs[0])
+    if found is None:
+        return f"{said}, nor would a further sensor of a coordinate's motion."
+    sensor, plan = found
+    return f"{said}; a further sensor of {sensor} would. {_action(plan)}."
+
+
+def better_recording(prepared: Prepared) -> str:
+    """What a recording must be to tell anything, where those at hand are too short or too noisy."""
+    model: Model = prepared.model
+    slowest = max(float(run.motion.periods().max()) for run in prepared.runs)
+    lasts = sum(run.recording.duration for run in prepared.runs)
+    samples = sum(run.recording.t.size for run in prepared.runs)
+    wishes = []
+    if all(one_way(run.motion) for run in prepared.runs):
+        if samples < SAMPLES_TELL:
+            wishes.append(_more_passages(prepared.runs))
+    elif lasts < PERIODS_LEAST * slowest or samples < SAMPLES_TELL:
+        length = quantity_text(PERIODS_WANTED * slowest, "s", digits=2)
+        wishes.append(
+            f"a run of at least {length}, ten periods of the slowest motion, with at least "
+            f"{SAMPLES_TELL} samples (these last {quantity_text(lasts, 's', digits=2)} and have "
+            f"{samples})"
+        )
+    for j, sensor in enumerate(model.sensors):
+        ratio, spread = _signal(prepared, j)
+        if ratio < SIGNAL_LEAST:
+            wanted = quantity_text(spread / max(ratio, 1e-9) * SIGNAL_WANTED / sensor.unit.factor,
+                                   sensor.unit.text, digits=2)  # fmt: skip
+            wishes.append(
+                f"a drive under which {sensor.name} spreads by at least {wanted} (standard "
+                f"deviation), {SIGNAL_WANTED:g} times its noise; now it is "
+                f"{number_text(ratio, digits=2)} times"
+            )
+    first = joined(wishes[:3])
+    return f"{first[:1].upper()}{first[1:]}." if first else ""
+
+
+def _more_passages(runs: Sequence[Run]) -> str:
+    """What to record where nothing comes back, so that no run can be made longer."""
+    lasts = quantity_text(sum(run.recording.duration for run in runs), "s", digits=2)
+    samples = sum(run.recording.t.size for run in runs)
+    return (
+        "more runs that pass the same places at other speeds (this motion goes one way and has no "
+        f"period), with at least {SAMPLES_TELL} samples together (these last {lasts} and have "
+        f"{samples})"
+    )
+
+
+def other_speeds(runs: Sequence[Run]) -> str:
+    """The advice for recordings that pass every place at one speed."""
+    said = _more_passages(runs)
+    return f"{said[:1].upper()}{said[1:]}."
+
+
+def _signal(prepared: Prepared, j: int) -> tuple[float, float]:
+    """Largest spread of a sensor over its noise (inf if it recorded nothing), and that, SI."""
+    name, best = prepared.model.sensors[j].name, (-inf, 0.0)
+    for run in prepared.runs:
+        values = run.recording.sensors.get(name)
+        if values is not None and np.isfinite(run.motion.sd[j]) and run.motion.sd[j] > 0:
+            spread = float(np.nanstd(values))
+            best = max(best, (spread / float(run.motion.sd[j]), spread))
+    return best if best[0] > -inf else (inf, 0.0)

@@ -1,0 +1,184 @@
+"""Which causes the recordings at hand can tell apart, and by how much.
+
+Along the winner's own simulation the effect of every cause on the sensors is linear. Initial states
+of the windows and the winner's other causes are projected out of it. Of the effect a of one cause,
+at the size found, another cause B can imitate all but the rest r = a − B b; where a is the truth,
+the recordings speak against B with
+
+    E = |r|² / 2c = (1 − ρ²) |a|² / 2c        ln of the odds; ρ: correlation of a with B
+
+(c: χ² of one independent sample). Sizes: F columns of the reduced problem, C causes told.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from symhyb.correction.naming.findings import cause_phrase, doubtful
+from symhyb.correction.search.conventions import RIVAL
+from symhyb.correction.search.decide import Decision
+from symhyb.correction.search.evidence import believable, named, unit_of
+from symhyb.correction.search.selection import Problem
+from symhyb.correction.search.setting import Setting, around
+from symhyb.correction.search.trajectory import Refined, grouped, refine
+from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.discrepancy.results import Isolability
+from symhyb.numeric.buffers import Array
+
+NEAREST = 3  # causes told beside each found one
+TOLD_MOST = 8  # rows of the matrix
+TRIED_MOST = 2  # causes that are tried because the matrix does not tell them from a found one
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Cause:
+    """A cause in the reduced problem: its columns in each shape that is tried, what it is, and
+    which cause of the winner (by index) it is or stands for. ``effect`` (F,) are coefficients."""
+
+    hypothesis: Hypothesis
+    shapes: tuple[tuple[int, ...], ...]
+    stands: int
+    effect: Array
+
+
+def isolability(setting: Setting, decision: Decision) -> Isolability | None:
+    """The matrix of the winner's causes, their rivals and the causes that come nearest to them;
+    None if nothing was found."""
+    if not decision.winner.causes:
+        return None
+    space, doubt = _Space(setting, decision), doubtful(decision)
+    chosen = list(space.own)
+    rivals = {cause.family for trial in decision.trials for cause in trial.causes
+              if decision.criterion(trial) < RIVAL}  # fmt: skip
+    for mine in space.own:
+        near = [other for _, other in space.others(mine)]
+        near.sort(key=lambda other: other.hypothesis.family not in rivals)
+        chosen += near[:NEAREST]
+    unique = {cause.hypothesis.family: cause for cause in reversed(chosen)}
+    told = sorted(unique.values(), key=lambda cause: chosen.index(cause))[:TOLD_MOST]
+    return Isolability(
+        tuple(cause_phrase(cause.hypothesis) for cause in told),
+        tuple(cause in space.own and cause.hypothesis not in doubt for cause in told),
+        np.array([[*(space.against(a, b) for b in told), space.against(a, None)] for a in told]),
+    )
+
+
+def completed(setting: Setting, decision: Decision) -> Decision:
+    """The decision with the rivals that were never tried although these recordings do not tell them
+    from a cause of the winner: each is now fitted in its place, and judged like any other."""
+    if not decision.winner.causes:
+        return decision
+    space = _Space(setting, decision)
+    done = {frozenset(cause.family for cause in trial.causes) for trial in decision.trials}
+    gone = {second.family for _, second in decision.twins}
+    offers = []
+    for mine in space.own:
+        kept = [c.hypothesis for c in space.own if c is not mine]
+        for evidence, other in space.others(mine):
+            structure = frozenset(c.family for c in (*kept, other.hypothesis))
+            plain = other.hypothesis.numbers <= mine.hypothesis.numbers
+            known = structure in done or other.hypothesis.family in gone
+            if 2 * evidence < RIVAL and plain and not known:
+                offers.append((evidence, mine, other))
+    nearest = sorted(offers, key=lambda offer: offer[0])[:TRIED_MOST]
+    trials = [_swapped(setting, decision, mine, other) for _, mine, other in nearest]
+    fresh = [trial for trial in trials if not trial.fit.reason and believable(trial)]
+    told = (
+        f"{named(trial.causes)}: these recordings would not tell it from the winner, so tried too"
+        for trial in fresh
+    )
+    return replace(decision, trials=(*decision.trials, *fresh), log=(*decision.log, *told))
+
+
+def _swapped(setting: Setting, decision: Decision, mine: _Cause, other: _Cause) -> Refined:
+    """The winner with one cause replaced, refined at the longest windows."""
+    winner, model = decision.winner, setting.windows.machine.model
+    causes, rows = list(winner.causes), list(grouped(winner))
+    first = [float(other.effect[column]) for column in other.shapes[0]]
+    causes[mine.stands] = other.hypothesis
+    rows[mine.stands] = other.hypothesis.values(first)
+    return refine(model, causes, rows, setting.stages[-1].laid, setting.sd, winner.fit.starts)
+
+
+class _Space:
+    """The effects of all causes along the winner's simulation, as Gram matrix of all windows."""
+
+    def __init__(self, setting: Setting, decision: Decision):
+        self.winner = decision.winner
+        self.problem = around(setting, self.winner)
+        self.gram = self.problem.gram + self.problem.held
+        self.gram = self.gram[:-1, :-1] + np.diag(self.problem.prior)
+        self.unit = unit_of(self.winner)
+        self.own = tuple(self._own(setting))
+
+    def _own(self, setting: Setting) -> "list[_Cause]":
+        problem, winner = self.problem, self.winner
+        dull = {cause.path: problem.columns[len(problem.columns) - len(setting.dull) + i][0]
+                for i, cause in enumerate(setting.dull)}  # fmt: skip
+        rest = iter(problem.always)
+        found, row = [], 0
+        for i, (cause, values) in enumerate(zip(winner.causes, grouped(winner), strict=True)):
+            paths = winner.paths[row : row + cause.numbers]
+            columns = tuple(dull[path] if path in dull else next(rest) for path in paths)
+            effect = np.zeros(len(self.gram))
+            grows = {"value", "amplitude", *cause.terms, *cause.tied}
+            keys = ("value",) if cause.place is None else cause.keys
+            for column, key in zip(columns, keys, strict=True):
+                effect[column] = values[key] if key in grows else 0.0
+            found.append(_Cause(cause, (columns,), i, effect))
+            row += cause.numbers
+        return found
+
+    def others(self, mine: _Cause) -> list[tuple[float, _Cause]]:
+        """Every other cause with what the recordings say against it where ``mine`` acts, in the
+        shape and at the size in which it comes nearest; the nearest first."""
+        taken = {(c.kind, c.place, c.path) for c in self.winner.causes}
+        best: dict[tuple[object, ...], tuple[float, _Cause]] = {}
+        for hypothesis, columns in zip(self.problem.hypotheses, self.problem.columns, strict=True):
+            key = hypothesis.kind, hypothesis.place, hypothesis.path
+            if hypothesis.variant or key in taken:
+                continue
+            rest, values = self._imitated(mine, columns)
+            if not np.any(values):
+                continue
+            effect = np.zeros(len(self.gram))
+            effect[list(columns)] = values
+            found = rest / (2 * self.unit), _Cause(hypothesis, (columns,), mine.stands, effect)
+            held = best.get(hypothesis.family)
+            if held is None or found[0] < held[0]:
+                best[hypothesis.family] = found
+        return sorted(best.values(), key=lambda pair: pair[0])
+
+    def against(self, true: _Cause, tried: _Cause | None) -> float:
+        """ln of the odds against ``tried`` (None: nothing) where ``true`` acts; NaN for itself."""
+        if tried is true:
+            return float("nan")
+        shapes: Sequence[tuple[int, ...]] = ((),) if tried is None else tried.shapes
+        return min(self._imitated(true, columns)[0] for columns in shapes) / (2 * self.unit)
+
+    def _imitated(self, true: _Cause, columns: Sequence[int]) -> tuple[float, Array]:
+        """|rest|² of an effect that ``columns`` imitate, and their coefficients; the winner's other
+        causes may move too. What physics forbids imitates nothing."""
+        beside = [c for other in self.own if other.stands != true.stands
+                  for c in other.shapes[0] if c not in columns]  # fmt: skip
+        joined = [*columns, *beside]
+        rest, values = self._rest(true.effect, joined)
+        own = values[: len(columns)]
+        problem: Problem = self.problem
+        low, high = problem.lower[list(columns)], problem.upper[list(columns)]
+        standing = any(set(columns) == set(o.shapes[0]) for o in self.own)
+        if not standing and (np.any(own < low) or np.any(own > high)):
+            return self._rest(true.effect, beside)[0], np.zeros(len(columns))
+        return rest, own
+
+    def _rest(self, effect: Array, columns: Sequence[int]) -> tuple[float, Array]:
+        whole = float(effect @ self.gram @ effect)
+        if not columns:
+            return whole, np.zeros(0)
+        index = list(columns)
+        block, right = self.gram[np.ix_(index, index)], (self.gram @ effect)[index]
+        scale = np.sqrt(np.maximum(np.diag(block), 1e-300))
+        values = np.linalg.lstsq(block / np.outer(scale, scale), right / scale, rcond=1e-10)[0]
+        values = values / scale
+        return max(whole - float(right @ values), 0.0), values

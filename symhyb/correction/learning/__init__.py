@@ -1,0 +1,1 @@
+"""What learns a force: sparse regression, networks and smooth remainders, and what bounds them."""

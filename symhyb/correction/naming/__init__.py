@@ -1,0 +1,1 @@
+"""From a believed structure to elements, numbers with deviations, and words."""

@@ -1,0 +1,346 @@
+"""From a decided structure to what is told: elements, parameters, channel faults, rivals."""
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from symhyb.correction.naming.formulas import law_text
+from symhyb.correction.naming.smoothing import with_smoothing
+from symhyb.correction.naming.stability import unstable
+from symhyb.correction.naming.textbook import critical_share
+from symhyb.correction.search.conventions import CERTAIN, RIVAL, Exchange, exchange
+from symhyb.correction.search.decide import Decision
+from symhyb.correction.search.evidence import believable
+from symhyb.correction.search.trajectory import Refined
+from symhyb.discrepancy.places.hypotheses import SKEW, Hypothesis
+from symhyb.discrepancy.results import (
+    Activity,
+    Alternative,
+    Estimate,
+    Found,
+    Measurement,
+    Reestimated,
+)  # fmt: skip
+from symhyb.discrepancy.words.formula import LAW, WARNING, law_element, law_unit
+from symhyb.discrepancy.words.formula import law_text as law_text_of
+from symhyb.discrepancy.words.wording import alternative_phrase, effect_sentence, percent_text
+from symhyb.model.expression import parse_expression
+from symhyb.model.types import At, Between, ChannelKind, Element, Model, On, Parameter, Place
+from symhyb.model.vocabulary import KINDS, key_unit
+
+SYMBOLS = {
+    "stiffness": "k", "quadratic": "k_2", "cubic": "k_3", "damping": "d", "drag": "b",
+    "coulomb": "F_c", "static": "F_s", "stribeck": "v_s", "transition": "v_t", "constant": "F_0",
+    "length": "l_0", "clearance": "s_c", "play": "s_p", "exponent": "n", "micro_damping": "d_m",
+    "amplitude": "F_a", "frequency": "f_0", "phase": "phi_0", "period": "l_p", "mass": "m_a",
+    "asymmetry": "a_s", "coefficient": "c",
+}  # fmt: skip
+
+
+_CHANNEL_KINDS: Mapping[str, ChannelKind] = {
+    "gain": "gain", "offset": "offset", "delay": "delay",
+}  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Named:
+    """Force causes of one kind at one place, told as one element: their indices in the structure,
+    SI values with sd by key (sd NaN for a key that was not fitted), and the words of its options.
+    """
+
+    kind: str
+    place: Place
+    causes: tuple[int, ...]
+    values: Mapping[str, tuple[float, float]]
+    options: tuple[tuple[str, str], ...] = ()
+    formula: str = ""
+
+    @property
+    def exponent(self) -> float:
+        """The n of a hysteresis, on which the units of beta and gamma depend."""
+        return self.values.get("exponent", (1.0, 0.0))[0]
+
+
+def named(final: Refined) -> tuple[Named, ...]:
+    """The force causes of a structure as elements: springs of several orders at one place join,
+    anything else stays by itself (two lines of one spectrum, a stop on either side)."""
+    groups: dict[tuple[str, Place, int], list[int]] = {}
+    for i, cause in enumerate(final.causes):
+        if cause.place is not None:
+            alone = -1 if cause.kind == "spring" else i
+            groups.setdefault((cause.kind, cause.place, alone), []).append(i)
+    return tuple(
+        Named(
+            kind, place, tuple(rows), _values(final, rows), final.causes[rows[0]].options,
+            final.causes[rows[0]].path,
+        )
+        for (kind, place, _), rows in groups.items()
+    )  # fmt: skip
+
+
+def _values(final: Refined, rows: Sequence[int]) -> dict[str, tuple[float, float]]:
+    values: dict[str, tuple[float, float]] = {}
+    for i in rows:
+        cause = final.causes[i]
+        for key, shape in cause.shape:
+            values.setdefault(key, (shape, float("nan")))
+        for key in cause.keys:
+            values[key] = final.value(f"cause{i}.{key}")
+    if final.causes[rows[0]].kind == LAW:
+        return values
+    order = [key.name for key in KINDS[final.causes[rows[0]].kind].keys]
+    return with_smoothing({key: values[key] for key in order if key in values})
+
+
+def found_of(
+    model: Model,
+    item: Named,
+    name: str,
+    provenance: tuple[tuple[str, object], ...],
+    share: float | None,
+    active: Activity | None,
+) -> Found:
+    """Tell one named effect as an element of the model file, with law, values and sentence."""
+    if item.kind == LAW:
+        return _empirical(model, item, name, provenance, share, active)
+    own, entries, estimates = [], [], []
+    for key, (value, sd) in item.values.items():
+        unit = key_unit(model, item.kind, key, item.place, item.exponent)
+        fitted = bool(np.isfinite(sd))
+        deviation = sd / unit.factor if fitted else None
+        symbol = symbol_of(model, key)
+        own.append(Parameter(symbol, value / unit.factor, unit, deviation, owner=name))
+        entries.append((key, parse_expression(symbol)))
+        if deviation is not None:
+            estimates.append(Estimate(symbol, value / unit.factor, deviation, unit.text, key))
+    element = Element(
+        name, item.kind, item.place, tuple(entries), tuple(own), provenance, options=item.options
+    )
+    meaning = _meaning(model, item)
+    sentence = effect_sentence(item.kind, item.place, estimates, share, item.options, meaning)
+    law = law_text(item.kind, item.values, item.options)
+    return Found(element, law, tuple(estimates), share, sentence, active)
+
+
+def _empirical(
+    model: Model,
+    item: Named,
+    name: str,
+    provenance: tuple[tuple[str, object], ...],
+    share: float | None,
+    active: Activity | None,
+) -> Found:
+    """Tell a product as a ``law``, with the warning that it is no law known by name."""
+    assert isinstance(item.place, On)
+    values = {key: value for key, (value, _) in item.values.items()}
+    spreads = {key: sd for key, (_, sd) in item.values.items() if np.isfinite(sd)}
+    symbols = {key: symbol_of(model, key) for key in values}
+    element = replace(
+        law_element(model, name, item.place, item.formula, values, symbols, spreads),
+        found=provenance,
+    )
+    unit = law_unit(model, item.place, item.formula, "coefficient")
+    value, sd = item.values["coefficient"]
+    own = Estimate(
+        symbols["coefficient"], value / unit.factor, sd / unit.factor, unit.text, "coefficient"
+    )
+    words = (("formula", item.formula),)
+    sentence = effect_sentence(LAW, item.place, [own], share, words, WARNING)
+    return Found(element, law_text_of(item.formula), (own,), share, sentence, active)
+
+
+def _meaning(model: Model, item: Named) -> str:
+    """The share of critical damping of a damper, where the model is a linear oscillator."""
+    if item.kind != "damper" or "asymmetry" in item.values:
+        return ""
+    share = critical_share(model, item.place, item.values["damping"][0])
+    return "" if share is None else f"{percent_text(share)} of the critical damping of the model"
+
+
+def symbol_of(model: Model, key: str) -> str:
+    """The name of a key's number: its usual letter, unless a coordinate or an input has it."""
+    taken = {item.name for item in model.coordinates} | {item.name for item in model.inputs}
+    symbol = SYMBOLS.get(key, key)
+    while symbol in taken:
+        symbol = key if symbol != key and key not in taken else symbol + "_"
+    return symbol
+
+
+def element_names(model: Model, items: Sequence[Named]) -> tuple[str, ...]:
+    """Names for the elements: ``found_drag``, with the place where a kind is found twice."""
+    taken = {element.name for element in model.elements}
+    names: list[str] = []
+    kinds = [item.kind for item in items]
+    for item in items:
+        base = f"found_{item.kind}"
+        if kinds.count(item.kind) > 1:
+            base += "_" + _place_word(item.place)
+        name, count = base, 2
+        while name in taken:
+            name, count = f"{base}_{count}", count + 1
+        taken.add(name)
+        names.append(name)
+    return tuple(names)
+
+
+def _place_word(place: Place) -> str:
+    match place:
+        case On(coordinate):
+            return coordinate
+        case Between(first, second):
+            return f"{first}_{second}"
+        case At(point):
+            return point
+
+
+def reestimated(
+    model: Model, final: Refined, doubt: Collection[Hypothesis] = ()
+) -> tuple[Reestimated, ...]:
+    """The parameters of the model among the causes but those in doubt, in the units of the file."""
+    declared = {item.path: item for item in model.all_parameters()}
+    rows = []
+    for cause in final.causes:
+        if cause.kind == "parameter" and cause not in doubt:
+            item = declared[cause.path]
+            value, sd = (number / item.unit.factor for number in final.value(cause.path))
+            rows.append(Reestimated(cause.path, item.value, value, sd, item.unit.text))
+    return tuple(rows)
+
+
+def channel_faults(final: Refined, doubt: Collection[Hypothesis] = ()) -> tuple[Measurement, ...]:
+    """Gains, offsets and delays among the causes, in the units of their channels, but those in
+    doubt."""
+    declared = {item.path: item for item in final.machine.model.all_parameters()}
+    rows = []
+    for cause in final.causes:
+        if cause.kind in ("gain", "offset", "delay") and cause not in doubt:
+            item = declared[cause.path]
+            value, sd = (number / item.unit.factor for number in final.value(cause.path))
+            kind = _CHANNEL_KINDS[cause.kind]
+            rows.append(Measurement(item.owner, kind, value, sd, item.unit.text))
+    return tuple(rows)
+
+
+def cause_phrase(cause: Hypothesis) -> str:
+    """Name a cause without its numbers: ``viscous damping on x``."""
+    plain = Alternative(None, cause.kind, (), 0.0)
+    if cause.place is not None:
+        said = alternative_phrase(replace(plain, place=cause.place, options=cause.options))
+        if cause.kind == "spring" and cause.terms != ("stiffness",):
+            said = said.replace("a spring", f"a {cause.terms[0]} spring")
+        return said
+    if cause.kind == "parameter":
+        return alternative_phrase(replace(plain, parameter=cause.path))
+    return alternative_phrase(replace(plain, channel=cause.path.split(".")[0]))
+
+
+def doubtful(decision: Decision) -> tuple[Hypothesis, ...]:
+    """Causes of the winner that these recordings cannot tell: a rival that could be believed
+    replaces them almost as well, or they do not stay chosen when the windows are weighed anew. A
+    law that the rival has with a key more or less is no loss."""
+    doubt = list(unstable(decision))
+    for change, evidence, trial in rivals_of(decision):
+        if evidence < CERTAIN and not change.conventional and believable(trial):
+            doubt += (
+                mine
+                for mine in change.lost
+                if not any(mine.extends(other) or other.extends(mine) for other in change.fresh)
+            )
+    return tuple(cause for cause in decision.winner.causes if cause in doubt)
+
+
+def alternatives_of(
+    model: Model, decision: Decision, names: Mapping[Hypothesis, str]
+) -> tuple[Alternative, ...]:
+    """What the data cannot rule out: causes in doubt, exact twins of what was found, and rivals
+    within reach.
+
+    ``names`` are the elements (or paths) under which certain causes of the winner are told.
+    """
+    winner = decision.winner
+    rows = [
+        _alternative(model, cause, _told_values(winner, cause), None, 0.0)
+        for cause in doubtful(decision)
+    ]
+    for first, second in decision.twins:
+        if first in winner.causes:
+            rows.append(_alternative(model, second, {}, names.get(first), 0.0))
+    for change, evidence, trial in rivals_of(decision):
+        instead_of = names.get(change.lost[0])
+        for cause in change.fresh:
+            values = _told_values(trial, cause)
+            rows.append(_alternative(model, cause, values, instead_of, max(evidence, 0.0)))
+    rows += _sided(model, winner, names)
+    return tuple(sorted(rows, key=lambda row: row.evidence))
+
+
+def alternative_of(model: Model, trial: Refined, cause: Hypothesis, evidence: float) -> Alternative:
+    """One cause of a fitted structure, with its values there, as an alternative by itself."""
+    return _alternative(model, cause, _told_values(trial, cause), None, evidence)
+
+
+def _sided(model: Model, winner: Refined, names: Mapping[Hypothesis, str]) -> Iterator[Alternative]:
+    """Dry friction that differs by direction, in place of dry friction and a constant force on one
+    coordinate: whether the place slides or holds, the two are the same."""
+    at = {(cause.kind, cause.place): i for i, cause in enumerate(winner.causes)}
+    for i, cause in enumerate(winner.causes):
+        j = at.get(("constant", cause.place))
+        if cause.kind != "friction" or cause.terms != ("coulomb",) or j is None:
+            continue
+        values = _values(winner, [i])
+        level, spread = values["coulomb"]
+        push, push_sd = winner.value(f"cause{j}.constant")
+        share = -push / level
+        if isinstance(cause.place, On) and abs(share) < SKEW:
+            sd = float(np.hypot(push_sd, share * spread)) / level
+            told = {"coulomb": (level, spread), "asymmetry": (share, sd)}
+            yield _alternative(model, cause, told, names.get(winner.causes[j]), 0.0)
+
+
+def rivals_of(decision: Decision) -> list[tuple[Exchange, float, Refined]]:
+    """Trials within reach of the winner that replace some of its causes: what they exchange, the
+    difference of the criterion, the trial."""
+    rivals = []
+    for trial in decision.trials:
+        evidence = decision.evidence(trial)
+        change = exchange(trial.causes, decision.winner.causes)
+        if {cause.family for cause in change.fresh} == {cause.family for cause in change.lost}:
+            continue  # the same law, begun at other values: no rival of itself
+        if change.fresh and change.lost and evidence < RIVAL and not change.grows:
+            rivals.append((change, evidence, trial))
+    return rivals
+
+
+def _told_values(trial: Refined, cause: Hypothesis) -> dict[str, tuple[float, float]]:
+    return {} if cause.place is None else _values(trial, [trial.causes.index(cause)])
+
+
+def _alternative(
+    model: Model,
+    cause: Hypothesis,
+    values: Mapping[str, tuple[float, float]],
+    instead_of: str | None,
+    evidence: float,
+) -> Alternative:
+    estimates = []
+    exponent = values.get("exponent", (1.0, 0.0))[0]
+    if cause.kind == LAW and isinstance(cause.place, On):
+        for key, (value, sd) in values.items():
+            unit = law_unit(model, cause.place, cause.path, key)
+            if np.isfinite(sd):
+                scaled = value / unit.factor, sd / unit.factor
+                estimates.append(Estimate(symbol_of(model, key), *scaled, unit.text, key))
+    elif cause.place is not None:
+        for key, (value, sd) in values.items():
+            unit = key_unit(model, cause.kind, key, cause.place, exponent)
+            if np.isfinite(sd):
+                scaled = value / unit.factor, sd / unit.factor
+                estimates.append(Estimate(symbol_of(model, key), *scaled, unit.text, key))
+    base = Alternative(instead_of, cause.kind, tuple(estimates), evidence)
+    if cause.place is not None:
+        words = (("formula", cause.path),) if cause.kind == LAW else cause.options
+        return replace(base, place=cause.place, options=words)
+    if cause.kind == "parameter":
+        return replace(base, parameter=cause.path)
+    return replace(base, channel=cause.path.split(".")[0])

@@ -1,0 +1,147 @@
+"""Several recordings in words and values: strangers, repeats, and what is each recording's own."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from symhyb.correction.naming.findings import Named, symbol_of
+from symhyb.correction.search.evidence import OUTSTANDING
+from symhyb.correction.search.fleet import Stranger
+from symhyb.correction.search.preparing import Prepared
+from symhyb.correction.search.trajectory import Refined
+from symhyb.data.recording import Recording
+from symhyb.discrepancy.checks.repeats import told_repeats
+from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.discrepancy.results import Estimate, Found, Misfit, Reestimated, Repeats
+from symhyb.discrepancy.words.amounts import joined, number_text, quantity_text, small_text
+from symhyb.model.types import Model, place_text
+from symhyb.model.vocabulary import key_unit
+from symhyb.units import ONE, Unit
+
+WORDS = {
+    ("friction", "coulomb"): "Coulomb friction", ("friction", "static"): "static friction",
+    ("damper", "damping"): "viscous damping", ("drag", "drag"): "drag coefficient",
+    ("spring", "quadratic"): "quadratic stiffness", ("spring", "cubic"): "cubic stiffness",
+    ("constant", "constant"): "constant force", ("added_mass", "mass"): "added mass",
+}  # fmt: skip
+
+
+def misfit(final: Refined, stranger: Stranger, recordings: Sequence[Recording]) -> Misfit:
+    """Name a recording that does not fit the others, and say in what."""
+    name = recordings[stranger.recording].name
+    if stranger.cause < 0:
+        (mine, _), (rest, _) = stranger.value, stranger.others
+        said = (
+            f"{name} does not fit the others: what is left of it is "
+            f"{number_text(np.sqrt(mine), digits=2)}"
+            f" times its noise, of the others {number_text(np.sqrt(rest), digits=2)} times"
+        )
+        numbers = (*stranger.value, *stranger.others)
+        return Misfit(name, "remainder", *numbers, "1", stranger.chance, said + ".")
+    cause = final.causes[stranger.cause]
+    unit, quantity = unit_of_key(final.machine.model, cause, stranger.key), _words(cause, stranger)
+    (value, sd), (rest, rest_sd) = (
+        (pair[0] / unit.factor, pair[1] / unit.factor) for pair in (stranger.value, stranger.others)
+    )
+    first, second = small_text(value, unit.text, sd), small_text(rest, unit.text, rest_sd)
+    if len(recordings) == 2:
+        other = recordings[1 - stranger.recording].name
+        said = f"{name} and {other} do not fit each other: {quantity} is {first} against {second}"
+    else:
+        said = f"{name} does not fit the others: its {quantity} is {first} against {second}"
+    return Misfit(name, quantity, value, sd, rest, rest_sd, unit.text, stranger.chance, said + ".")
+
+
+def drift_sentence(
+    final: Refined, odd: Stranger, so: str = "the deviation that is given covers both"
+) -> str:
+    """Say that a number is not the same in both halves of the recordings, and what follows."""
+    cause = final.causes[odd.cause]
+    unit = unit_of_key(final.machine.model, cause, odd.key)
+    first, second = (
+        small_text(value / unit.factor, unit.text, sd / unit.factor)
+        for value, sd in (odd.others, odd.value)
+    )
+    words = _words(cause, odd)
+    return (
+        f"{words[:1].upper()}{words[1:]} is not constant: {first} in the first half of the time, "
+        f"{second} in the second; {so}."
+    )
+
+
+def unit_of_key(model: Model, cause: Hypothesis, key: str) -> Unit:
+    """The unit of a number of a cause, as the model file writes it."""
+    if cause.place is not None:
+        return key_unit(model, cause.kind, key, cause.place, dict(cause.shape).get("exponent", 1.0))
+    declared = {item.path: item for item in model.all_parameters()}
+    return declared[cause.path].unit if cause.path in declared else ONE
+
+
+def _words(cause: Hypothesis, stranger: Stranger) -> str:
+    if cause.place is None:
+        return cause.path if cause.kind == "parameter" else f"{cause.kind} of {cause.path}"
+    said = WORDS.get((cause.kind, stranger.key), stranger.key.replace("_", " "))
+    return f"{said} {place_text(cause.place)}"
+
+
+def repeats_said(prepared: Prepared) -> tuple[Repeats, ...]:
+    """The repeated runs, with what they differ by in the units of the sensors."""
+    return told_repeats(prepared.model, prepared.runs, prepared.repeats)
+
+
+def with_own(model: Model, final: Refined, item: Named, found: Found) -> Found:
+    """A found effect with the values that are each recording's own, said behind its sentence."""
+    keys = [(i, key) for i in item.causes for key in final.causes[i].own]
+    if not final.owned or not keys:
+        return found
+    rows = []
+    for which, (recording, _) in enumerate(final.each):
+        numbers = []
+        for i, key in keys:
+            unit = unit_of_key(model, final.causes[i], key)
+            value, sd = final.value_of(f"cause{i}.{key}", which)
+            symbol = symbol_of(model, key)
+            numbers.append(Estimate(symbol, value / unit.factor, sd / unit.factor, unit.text, key))
+        rows.append((recording.name, tuple(numbers)))
+    told = [key for _, key in keys if key != "phase"]  # a phase says nothing of the machine
+    said = "; ".join(
+        f"{name} {joined([_amount(number) for number in numbers if number.term in told])}"
+        for name, numbers in rows
+        if _stands(numbers)
+    )
+    silent = joined([name for name, numbers in rows if not _stands(numbers)])
+    words = joined([WORDS.get((item.kind, key), key) for key in told])
+    sentence = found.sentence
+    if told and said:
+        sentence += f" Each recording has its own {words}: {said}."
+    if told and silent:
+        sentence += f" Of {silent} it does not stand out of its own deviation and may be none."
+    return replace(found, own=tuple(rows), sentence=sentence)
+
+
+def _stands(numbers: Sequence[Estimate]) -> bool:
+    """Whether a recording's first own value, the strength of a law, stands out."""
+    return abs(numbers[0].value) > OUTSTANDING * numbers[0].sd or numbers[0].term == "phase"
+
+
+def parameters_with_own(
+    final: Refined, parameters: Sequence[Reestimated]
+) -> tuple[Reestimated, ...]:
+    """Re-estimated parameters with the values that are each recording's own."""
+    owned = {cause.path for cause in final.causes if cause.place is None and cause.own}
+    if not final.owned:
+        return tuple(parameters)
+    units = {item.path: item.unit for item in final.machine.model.all_parameters()}
+    rows = []
+    for told in parameters:
+        own = []
+        for which, (recording, _) in enumerate(final.each if told.name in owned else ()):
+            value, sd = (x / units[told.name].factor for x in final.value_of(told.name, which))
+            own.append((recording.name, value, sd))
+        rows.append(replace(told, own=tuple(own)))
+    return tuple(rows)
+
+
+def _amount(number: Estimate) -> str:
+    return quantity_text(number.value, number.unit, number.sd)

@@ -1,0 +1,277 @@
+"""Several recordings at once: what each has its own value of, and one that does not fit the others.
+
+Structure is shared, and so are the values, but for those that are named as each recording's own.
+Whether a recording belongs to the others is asked of the values: the found structure is fitted to
+every recording alone, and each is held against the others together, weighed by their inverse
+covariances (what a fit without it would say, to first order).
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2 as chi_square
+
+from symhyb.correction.search.evidence import OUTSTANDING
+from symhyb.correction.search.setting import Setting, Stage
+from symhyb.correction.search.trajectory import Refined, grouped, keys_of, refine
+from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.discrepancy.recorded.windows import Laid
+from symhyb.errors import InputError, Problem, did_you_mean
+from symhyb.model.types import Model
+from symhyb.model.vocabulary import KINDS
+from symhyb.numeric.buffers import Array
+
+ODDS = 1e-3  # of naming any recording of a fleet in which all agree
+SIZE = 0.1  # of the others' value: a smaller difference is not worth a name
+TIMES = 1.5  # what the others leave: less is a matter of how well the noise is known
+SURE = 4.0  # standard deviations of a mean square
+WINDOWS_LEAST = 2  # of a recording that is fitted alone
+
+
+def check_own(model: Model, own: Sequence[str]) -> None:
+    """See that each name is a parameter of the model or a key of a law.
+
+    Raises:
+        InputError: names that are neither.
+    """
+    parameters = {item.path for item in model.parameters}
+    parameters |= {p.path for element in model.elements for p in element.parameters}
+    keys = {key.name for kind in KINDS.values() for key in kind.keys}
+    known = sorted(parameters | keys)
+    wrong = [name for name in own if name not in known]
+    if wrong:
+        raise InputError(
+            Problem(
+                f"own: '{name}' is neither a parameter of the model nor a key of a law"
+                f"{did_you_mean(name, known)}"
+            )
+            for name in wrong
+        )
+
+
+def owning(
+    model: Model, causes: Sequence[Hypothesis], own: Sequence[str]
+) -> tuple[Hypothesis, ...]:
+    """The causes with the keys that each recording has its own value of.
+
+    A name of the model means its parameter, which then competes whether it states an sd or not.
+    """
+    parameters = {item.path: item for item in model.parameters}
+    parameters |= {p.path: p for element in model.elements for p in element.parameters}
+    result = []
+    for cause in causes:
+        if cause.place is None:
+            mine: tuple[str, ...] = ("value",) if cause.path in own else ()
+        else:
+            mine = tuple(key for key in cause.keys if key in own and key not in parameters)
+        result.append(replace(cause, own=tuple(dict.fromkeys((*cause.own, *mine)))))
+    told = {cause.path for cause in causes}
+    if not any(cause.place is None for cause in causes):
+        return tuple(result)
+    return (
+        *(
+            Hypothesis("parameter", None, ("value",), (item.value > 0,), path=path, own=("value",))
+            for path, item in parameters.items()
+            if path in own and path not in told
+        ),
+        *result,
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Stranger:
+    """A recording (its index) that does not fit the others: the number in which it differs most
+    (index of the cause, key), its own value and that of the others, each with one sd, SI;
+    ``distance`` is (x − y)ᵀ(C + D)⁻¹(x − y) over the shared numbers, ``chance`` how often a
+    recording that belongs to the others would be as far. Where no number tells them apart, the
+    cause is −1 and the values are χ² per sample."""
+
+    recording: int
+    cause: int
+    key: str
+    value: tuple[float, float]
+    others: tuple[float, float]
+    distance: float
+    chance: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Estimate:
+    """Shared numbers (K,) of one recording fitted alone, their covariance (K, K), SI."""
+
+    value: Array
+    covariance: Array
+
+
+def strangers(model: Model, final: Refined, stage: Stage, sd: Array) -> tuple[Stranger, ...]:
+    """The recordings that do not fit the others, the worst first; less than half of them. Of two
+    that differ neither is the stranger: the second is given, beside the first. ``sd`` (m,) is the
+    noise of the sensors, SI."""
+    keys = _shared(final)
+    known = _each(model, final, stage, sd, [n for n, _, _ in keys]) if keys else {}
+    found: list[Stranger] = []
+    while len(known) > 1 and len(found) < max((len(stage.laid) - 1) // 2, 1):
+        apart = [_against(i, known, keys, len(stage.laid)) for i in known]
+        worst = max((s for s in apart if s), key=lambda s: s.distance, default=None)
+        if worst is None:
+            break
+        found.append(worst)
+        del known[worst.recording]
+    if found or len(stage.laid) < 3:
+        return tuple(found)
+    left = _unexplained(final, stage)
+    return () if left is None else (left,)
+
+
+def _shared(final: Refined) -> list[tuple[int, int, str]]:
+    """The numbers that all recordings share: their index, cause and key."""
+    told = [(i, cause, key) for i, cause in enumerate(final.causes) for key in keys_of(cause)]
+    return [(n, i, key) for n, (i, cause, key) in enumerate(told) if key not in cause.own]
+
+
+def _each(
+    model: Model, final: Refined, stage: Stage, sd: Array, rows: Sequence[int]
+) -> dict[int, _Estimate]:
+    """The shared numbers of every recording alone, where it determines them."""
+    found = {}
+    for i, item in enumerate(stage.laid):
+        if len(item.start) < WINDOWS_LEAST:
+            continue
+        fit = _alone(model, final, stage, sd, i).fit
+        covariance = fit.covariance[np.ix_(rows, rows)]
+        if not fit.reason and np.isfinite(covariance).all():
+            found[i] = _Estimate(fit.values[list(rows)], covariance)
+    return found
+
+
+def _against(
+    which: int,
+    known: Mapping[int, _Estimate],
+    keys: Sequence[tuple[int, int, str]],
+    recordings: int,
+) -> Stranger | None:
+    """One recording against the others, if it differs beyond chance and by more than a tenth."""
+    mine, rest = known[which], _joined([other for i, other in known.items() if i != which])
+    offset, spread = mine.value - rest.value, mine.covariance + rest.covariance
+    distance = float(offset @ np.linalg.pinv(spread, hermitian=True) @ offset)
+    chance = float(chi_square.sf(distance, offset.size))
+    size = np.abs(offset) / np.sqrt(np.diag(spread))
+    worth = (np.abs(offset) > SIZE * np.abs(rest.value)) & (size > OUTSTANDING)
+    if chance * recordings > ODDS or not worth.any():
+        return None
+    n = int(np.argmax(np.where(worth, size, 0.0)))
+    own, others = (
+        (float(one.value[n]), float(np.sqrt(one.covariance[n, n]))) for one in (mine, rest)
+    )
+    return Stranger(which, *keys[n][1:], own, others, distance, chance)
+
+
+def _unexplained(final: Refined, stage: Stage) -> Stranger | None:
+    """The recording in which the structure leaves more than in the others together, if one does
+    beyond the deviation of a mean square, and beyond what the noise is known to."""
+    sizes = [len(item.start) for item in stage.laid]
+    bounds = np.cumsum([0, *sizes])
+    fit, worst = final.fit, None
+    for i, (a, b) in enumerate(pairwise(bounds)):
+        others = np.r_[0:a, b : bounds[-1]]
+        mine, rest = (
+            float(fit.chi2[rows].sum() / max(fit.count[rows].sum(), 1))
+            for rows in (np.arange(a, b), others)
+        )
+        sd = [
+            np.sqrt(2 * fit.correlation / max(fit.count[rows].sum(), 1)) * level
+            for rows, level in ((np.arange(a, b), mine), (others, rest))
+        ]
+        deviation = float(np.hypot(*sd))
+        if mine < TIMES * max(rest, 1.0) or mine - rest < SURE * deviation:
+            continue
+        if worst is None or mine > worst.value[0]:
+            distance = ((mine - rest) / deviation) ** 2
+            worst = Stranger(
+                i, -1, "", (mine, float(sd[0])), (rest, float(sd[1])), distance,
+                float(chi_square.sf(distance, 1)),
+            )  # fmt: skip
+    return worst
+
+
+def drifting(model: Model, final: Refined, stage: Stage, sd: Array) -> Stranger | None:
+    """The shared number that differs most between the first halves of the recordings (``others``)
+    and the second (``value``), if one does beyond chance and by more than a tenth: a law that
+    changes on the way is not the constant one that was fitted. ``sd`` (m,) is the noise, SI."""
+    keys = _shared(final)
+    if not keys or any(len(item.start) < 2 * WINDOWS_LEAST for item in stage.laid):
+        return None
+    rows = [n for n, _, _ in keys]
+    known = {}
+    for half in (0, 1):
+        laid = [item.chosen(_half(item, half)) for item in stage.laid]
+        start = [*grouped(final)]
+        fit = refine(model, final.causes, start, laid, sd, everything=True).fit
+        covariance = fit.covariance[np.ix_(rows, rows)]
+        if fit.reason or not np.isfinite(covariance).all():
+            return None
+        known[half] = _Estimate(fit.values[rows], covariance)
+    return _against(1, known, keys, 1)
+
+
+def _half(item: Laid, which: int) -> NDArray[np.int64]:
+    """The windows of the first or the second half of a recording."""
+    middle = len(item.start) // 2
+    return np.arange(middle) if which == 0 else np.arange(middle, len(item.start))
+
+
+def widened(final: Refined, odd: Stranger) -> Refined:
+    """The structure with the deviation of the drifting number as wide as its two values."""
+    told = [(i, key) for i, cause in enumerate(final.causes) for key in keys_of(cause)]
+    n = told.index((odd.cause, odd.key))
+    covariance = final.fit.covariance.copy()
+    covariance[n, n] = max(covariance[n, n], ((odd.value[0] - odd.others[0]) / 2) ** 2)
+    return replace(final, fit=replace(final.fit, covariance=covariance))
+
+
+def without(setting: Setting, gone: Sequence[int]) -> Setting:
+    """The setting without some recordings (their indices at the last stage)."""
+    names = [setting.stages[-1].laid[i].source[0] for i in gone]
+    stages = [
+        Stage(stage.length_s, tuple(item for item in stage.laid if item.source[0] not in names))
+        for stage in setting.stages
+    ]
+    return replace(setting, stages=tuple(stage for stage in stages if stage.laid))
+
+
+def parted(setting: Setting, winner: Refined, stranger: Stranger) -> Setting:
+    """The setting in which the number that differs is each recording's own."""
+    told = winner.causes[stranger.cause]
+
+    def own(cause: Hypothesis) -> Hypothesis:
+        same = (cause.kind, cause.place, cause.path) == (told.kind, told.place, told.path)
+        if not same or stranger.key not in keys_of(cause) or stranger.key in cause.own:
+            return cause
+        return replace(cause, own=(*cause.own, stranger.key))
+
+    library = replace(setting.library, hypotheses=tuple(map(own, setting.library.hypotheses)))
+    return replace(setting, library=library, dull=tuple(map(own, setting.dull)))
+
+
+def _alone(model: Model, final: Refined, stage: Stage, sd: Array, which: int) -> Refined:
+    """The structure fitted to all windows of one recording."""
+    recording = stage.laid[which].source[0]
+    start = [_first(row, recording.name) for row in grouped(final)]
+    return refine(model, final.causes, start, (stage.laid[which],), sd, everything=True)
+
+
+def _first(row: Mapping[str, float], name: str) -> dict[str, float]:
+    """The values of a cause to begin with in one recording, its own ones where it has them."""
+    shared = {key: value for key, value in row.items() if "@" not in key}
+    return {key: row.get(f"{key}@{name}", value) for key, value in shared.items()}
+
+
+def _joined(each: Sequence[_Estimate]) -> _Estimate:
+    """The mean of several estimates, weighed by their inverse covariances."""
+    weights = [np.linalg.pinv(one.covariance, hermitian=True) for one in each]
+    spread = np.linalg.pinv(np.sum(weights, axis=0), hermitian=True)
+    total = np.sum([w @ one.value for w, one in zip(weights, each, strict=True)], axis=0)
+    return _Estimate(spread @ total, spread)

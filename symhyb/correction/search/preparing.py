@@ -1,0 +1,307 @@
+"""What a decision works on: motion, noise, thinned runs, lowered hypotheses and windows."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symhyb.correction.search.fleet import check_own, owning
+from symhyb.correction.search.setting import Setting, Stage
+from symhyb.data.cleaning import without_faults
+from symhyb.data.recording import Recording, several
+from symhyb.data.thin import thinned
+from symhyb.discrepancy.checks.repeats import Repeated, floor_of, repeated
+from symhyb.discrepancy.checks.suspicion import repaired, suspect
+from symhyb.discrepancy.places.candidates import (
+    Reach,
+    force_hypotheses,
+    joined,
+    lacking,
+    transition_share,
+)  # fmt: skip
+from symhyb.discrepancy.places.hypotheses import (
+    dull_hypotheses,
+    library,
+    places_of,
+    with_channels,
+)  # fmt: skip
+from symhyb.discrepancy.places.points import point_hypotheses
+from symhyb.discrepancy.recorded.course import course_of
+from symhyb.discrepancy.recorded.motion import motion_of
+from symhyb.discrepancy.recorded.residual import discrepancy
+from symhyb.discrepancy.recorded.runs import Run, laid_within, noise_sd, with_noise
+from symhyb.discrepancy.recorded.sampling import as_sampled
+from symhyb.discrepancy.recorded.windows import Laid
+from symhyb.discrepancy.results import Lie
+from symhyb.errors import InputError, Problem
+from symhyb.model.types import Model, Place
+from symhyb.numeric.buffers import Array
+from symhyb.numeric.machine import Machine, build
+from symhyb.numeric.windows import WindowModel
+
+SAMPLES_PERIOD = 80  # of the shortest period, that are kept
+SAMPLES_LEAST = 4000  # of a recording, that are kept
+SAMPLES_MOST = 12_000  # over all recordings, in the windows that decide
+WINDOWS_LEAST = 9  # over all recordings at the longest window length
+FIRST_WINDOW = 0.25  # of the shortest period
+GROWTH = 3.0  # from stage to stage, at most
+STAGES_MOST = 4
+GROWN = 10.0  # times an error of the initial state may grow: a window beyond has many minima
+CALM_LEAST = 2 / 3  # of the windows: if more errors grow so, windows are ...
+SHORTER = 0.7  # ... shortened to this
+ACCURACY = 2e-3  # relative, of a fitted value: fixed steps, held inputs, smoothed friction
+GAIN_LEAST = 1e-3  # smaller gain errors are not worth a name
+
+
+@dataclass(frozen=True, slots=True)
+class Prepared:
+    """Model with channels, lowered; runs thinned to what the motion needs,
+    noise ``sd`` (m,) SI, not below what ``repeats`` of one manoeuvre differ by, and the
+    ``shortest`` period of the motion in s; ``lies`` are channels that were put right, or are
+    suspected."""
+
+    model: Model
+    machine: Machine
+    runs: tuple[Run, ...]
+    holdout: tuple[Run, ...]
+    sd: Array
+    shortest: float
+    lies: tuple[Lie, ...] = ()
+    repeats: tuple[Repeated, ...] = ()
+
+
+def prepare(
+    model: Model,
+    recordings: Recording | Sequence[Recording],
+    holdout: Recording | Sequence[Recording] = (),
+    clocks: tuple[Lie, ...] = (),
+    own: Sequence[str] = (),
+) -> Prepared:
+    """Lower the model, thin the recordings and estimate motion and noise.
+
+    Channels that lie are put right first, those whose ``clocks`` are known to drift among them.
+
+    Raises:
+        InputError: no recording, or a coordinate that no sensor sees.
+    """
+    recordings, holdout = several(recordings), several(holdout)
+    if not recordings:
+        raise InputError(Problem("no recording was given; a diagnosis needs at least one"))
+    recordings = tuple(without_faults(r, model) for r in recordings)
+    holdout = tuple(without_faults(r, model) for r in holdout)
+    extended = with_channels(as_sampled(model, recordings))
+    machine = build(extended)
+    first = [Run(r, motion_of(r, machine), np.empty(0)) for r in recordings]
+    repair = suspect(machine, first)
+    lies = (*repair.told, *clocks)
+    if any(lie.claimed for lie in lies):
+        extended, machine = repair.model, build(repair.model)
+        recordings, holdout = repaired(recordings, lies), repaired(holdout, lies)
+        first = [Run(r, motion_of(r, machine), np.empty(0)) for r in recordings]
+    periods = np.concatenate([run.motion.periods() for run in first])
+    shortest = float(np.min(periods))
+    runs = [_thin(run, machine, shortest) for run in first]
+    proofs = [_thin(Run(r, motion_of(r, machine), np.empty(0)), machine, shortest) for r in holdout]
+    sd = noise_sd(runs, machine)
+    # recordings that have numbers of their own are of different machines: no repeats of one run
+    names = [sensor.name for sensor in machine.model.sensors]
+    repeats = () if own else repeated(runs, names)
+    between = floor_of(repeats, sd.size)
+    sd = np.maximum(sd, between)
+    floor = float(np.mean(np.square(between / sd)[_recorded(runs)])) if repeats else 0.0
+    runs = [replace(run, floor=floor) for run in runs]
+    windows = WindowModel(machine)
+    train, unseen = (with_noise(group, sd, windows) for group in (runs, proofs))
+    return Prepared(extended, machine, train, unseen, sd, shortest, lies, repeats)
+
+
+def _recorded(runs: Sequence[Run]) -> NDArray[np.bool_]:
+    """The sensors (m,) that recorded something."""
+    return np.asarray(np.isfinite([run.motion.sd for run in runs]).any(axis=0))
+
+
+def settle(prepared: Prepared, own: Sequence[str] = ()) -> Setting:
+    """Lower all hypotheses and lay windows at growing lengths; ``own`` names what each recording
+    has its own value of.
+
+    Raises:
+        InputError: ``own`` names neither a parameter of the model nor a key of a law.
+    """
+    check_own(prepared.model, own)
+    model, machine = prepared.model, prepared.machine
+    places = places_of(model)
+    narrow = transition_share(_relative_noise(prepared))
+    motions = [(run.motion.q, run.motion.v, run.motion.t) for run in prepared.runs]
+    tried = (
+        *force_hypotheses(model, _reaches(prepared, places), narrow),
+        *point_hypotheses(model, motions, narrow),
+    )
+    causes = library(model, places, owning(model, tried, own))
+    dull = owning(model, dull_hypotheses(model), own)
+    windows = WindowModel(machine, tuple(machine.column(cause.path) for cause in dull))
+    sag = _sag(prepared)
+    return Setting(
+        causes, dull, windows, _stages(prepared), prepared.sd,
+        gain_floor=max(GAIN_LEAST, sag), accuracy=max(ACCURACY, sag),
+    )  # fmt: skip
+
+
+def _relative_noise(prepared: Prepared) -> float:
+    """Noise over spread of the sensor that shows most."""
+    ratios = [
+        sd / spread
+        for run in prepared.runs
+        for sensor, sd in zip(prepared.model.sensors, prepared.sd, strict=True)
+        if (values := run.recording.sensors.get(sensor.name)) is not None
+        and (spread := float(np.nanstd(values))) > 0
+    ]
+    return min(ratios, default=0.0)
+
+
+def _sag(prepared: Prepared) -> float:
+    """What first-order hold may take from an input, relative to it: the sag |Δ²u|/8 of the true
+    signal's chord between two samples; nothing where the input is known to be smooth there."""
+    worst = 0.0
+    lines = [item.name for item in prepared.model.inputs if item.between != "smooth"]
+    for run in prepared.runs:
+        for values in map(run.recording.inputs.__getitem__, lines):
+            size = float(np.std(values))
+            if size > 0:
+                worst = max(worst, float(np.sqrt(np.mean(np.diff(values, n=2) ** 2))) / 8 / size)
+    return worst
+
+
+def _reaches(prepared: Prepared, places: Sequence[Place]) -> Mapping[Place, Reach]:
+    """What each place moves through in all runs, and the force that the model lacks there."""
+    gauge = library(prepared.model, tuple(places), ())
+    parts: list[list[Reach]] = [[] for _ in places]
+    for run in prepared.runs:
+        course = course_of(run.recording, gauge.machine, run.motion)
+        stretch, rate = gauge.motion(course)
+        missing = discrepancy(
+            prepared.machine, course_of(run.recording, prepared.machine, run.motion),
+            prepared.machine.values,
+        )  # fmt: skip
+        directions = gauge.directions(course)
+        for i, part in enumerate(parts):
+            force = lacking(missing, directions, i)
+            part.append(Reach(stretch[:, i], rate[:, i], force, course.t))
+    return {place: joined(part) for place, part in zip(places, parts, strict=True)}
+
+
+def _stages(prepared: Prepared) -> tuple[Stage, ...]:
+    step = max(float(np.median(np.diff(run.recording.t))) for run in prepared.runs)
+    share = SAMPLES_MOST / sum(run.recording.t.size for run in prepared.runs)
+    shortest = max(FIRST_WINDOW * prepared.shortest, 12 * step)
+    total = sum(run.recording.duration for run in prepared.runs)
+    longest = _foreseen(prepared, shortest, total / WINDOWS_LEAST)
+    stages: list[Stage] = []
+    for length in _lengths(shortest, longest):
+        laid = [_spread(laid_within(run, prepared.machine, length), share) for run in prepared.runs]
+        calm = [None if item is None else _foreseeable(prepared, item) for item in laid]
+        kept = tuple(item for item in calm if item is not None)
+        enough = sum(len(item.start) for item in kept) >= WINDOWS_LEAST
+        if not kept or (stages and not enough):
+            break
+        stages.append(Stage(length, kept))
+    if not stages:
+        names = ", ".join(run.recording.name for run in prepared.runs)
+        text = f"{names}: too short or too full of gaps for a window of {shortest:.3g} s"
+        raise InputError(Problem(text))
+    return tuple(stages)
+
+
+def last_windows(prepared: Prepared, *, spread: bool) -> tuple[Laid, ...]:
+    """The windows of the last stage: those that decide, or where not ``spread`` all of their
+    length, for values."""
+    last = _stages(prepared)[-1]
+    if spread:
+        return last.laid
+    laid = [laid_within(run, prepared.machine, last.length_s) for run in prepared.runs]
+    calm = [None if item is None else _foreseeable(prepared, item) for item in laid]
+    return tuple(item for item in calm if item is not None)
+
+
+def _foreseen(prepared: Prepared, shortest: float, longest: float) -> float:
+    """The longest windows in s of which most can be foreseen."""
+    while longest > shortest:
+        laid = [laid_within(run, prepared.machine, longest) for run in prepared.runs]
+        calm = [_calm(prepared, item) for item in laid if item is not None]
+        if calm and np.mean(np.concatenate(calm)) >= CALM_LEAST:
+            break
+        longest *= SHORTER
+    return longest
+
+
+def _foreseeable(prepared: Prepared, item: Laid) -> Laid | None:
+    """The windows that can be foreseen, if there are any."""
+    calm = _calm(prepared, item)
+    if calm.all():
+        return item
+    return item.chosen(np.flatnonzero(calm)) if calm.any() else None
+
+
+def _calm(prepared: Prepared, item: Laid) -> NDArray[np.bool_]:
+    """The windows (W,) along whose measured motion no error of the state at the start shows
+    ``GROWN`` times more in the outputs than if no force acted."""
+    model = WindowModel(prepared.machine)
+    half, item = len(model.form.free), item.suited(prepared.machine)
+    if half == 0:  # all motion is given
+        return np.ones(len(item.start), bool)
+    linear = model.along(item.block, item.states, prepared.machine.values)
+    reply = linear.from_states()[..., : 2 * half] / prepared.sd[:, None]
+    reply = reply * _errors(reply[:, 0, :, :half], item.states)
+    coasting = np.repeat(reply[:, :1], reply.shape[1], axis=1)
+    past = (item.block.t - item.block.t[:, :1])[..., None, None]
+    coasting[..., half:] += past * _rates(item.states, half) * coasting[..., :half]
+    return np.asarray(np.all(_size(reply) <= GROWN * _size(coasting), axis=1))
+
+
+def _rates(states: Array, half: int) -> Array:
+    """Spread of every speed over that of its position, 1/s, of states (W, L, X)."""
+    spread = states.reshape(-1, states.shape[2]).std(axis=0)
+    return np.asarray(spread[half : 2 * half] / np.maximum(spread[:half], 1e-300))
+
+
+def _errors(seen: Array, states: Array) -> Array:
+    """Errors of positions that sensors see as one standard deviation, from whitened slopes
+    ``seen`` (W, m, q), and of the speeds that go with them; a position that no sensor sees is off
+    by its spread. SI."""
+    half = seen.shape[2]
+    size = np.sqrt(np.mean(np.sum(seen**2, axis=1), axis=0))
+    spread = states.reshape(-1, states.shape[2]).std(axis=0)[:half]
+    position = np.where(size > 0, 1 / np.where(size > 0, size, 1.0), spread)
+    return np.concatenate([position, position * _rates(states, half)])
+
+
+def _size(reply: Array) -> Array:
+    """Root of the squares (W, L) of replies (W, L, m, X)."""
+    return np.asarray(np.sqrt(np.sum(reply**2, axis=(2, 3))))
+
+
+def _lengths(shortest: float, longest: float) -> list[float]:
+    """Lengths of windows in s, at equal ratios."""
+    ratio = min(longest / shortest, GROWTH ** (STAGES_MOST - 1))
+    if ratio < 1:
+        return [shortest]
+    steps = int(np.ceil(np.log(ratio) / np.log(GROWTH) - 1e-9))
+    return [shortest * ratio ** (i / max(steps, 1)) for i in range(steps + 1)]
+
+
+def _spread(item: Laid | None, share: float) -> Laid | None:
+    """A share of the windows, evenly spread, of recordings that are longer than a search needs."""
+    if item is None or share >= 1:
+        return item
+    rows = np.unique(np.linspace(0, len(item.start) - 1, max(int(share * len(item.start)), 9)))
+    return item.chosen(rows.astype(np.int64))
+
+
+def _thin(run: Run, machine: Machine, shortest: float) -> Run:
+    step = float(np.median(np.diff(run.recording.t)))
+    dense = int(shortest / SAMPLES_PERIOD / step)
+    factor = max(min(dense, run.recording.t.size // SAMPLES_LEAST), 1)
+    if factor == 1:
+        return run
+    short = thinned(run.recording, factor)
+    return Run(short, motion_of(short, machine), run.sd)

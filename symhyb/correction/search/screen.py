@@ -1,0 +1,162 @@
+"""The screen: every cause pushed once through the linearised dynamics along the recording.
+
+The dynamics are linearised along the *measured* (smoothed) motion, so that a poor model does not
+carry the windows away before the causes are compared; what the model fails to do from sample to
+sample is the defect that the causes compete to explain. Screening names causes to try and gives
+starting values; it does not decide. Sizes: W windows, L samples, n coordinates, C columns.
+"""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from symhyb.correction.search.selection import Problem
+from symhyb.discrepancy.places.hypotheses import GAIN_REACH, Hypothesis, Library
+from symhyb.discrepancy.recorded.course import Course
+from symhyb.discrepancy.recorded.windows import Laid, reduce
+from symhyb.numeric.buffers import Array
+from symhyb.numeric.dynamics import state_form
+from symhyb.numeric.windows import WindowModel
+
+DELAY_LEAST = 0.25  # samples: less is a matter of how a signal was held between samples
+
+
+def screen(
+    library: Library,
+    model: WindowModel,
+    dull: Sequence[Hypothesis],
+    laid: Sequence[Laid],
+    p: Array,
+    sd: Array,
+    starts: Sequence[Array] | None = None,
+    gain_floor: float = 0.0,
+    each: Sequence[Array] | None = None,
+    own: Sequence[int] = (),
+) -> Problem:
+    """Reduce windows to a linear problem in the forces of ``library`` and the free parameters.
+
+    The first free parameters of ``model`` are those of the ``dull`` causes; any others are in every
+    subset. With ``starts`` (one (W, X) a recording) the linearisation is along the simulation from
+    there instead of the motion. A gain closer to 1 than ``gain_floor`` is none. ``p`` (P,), ``sd``
+    (m,) in SI; with ``each``, a vector of parameters for every recording instead of ``p``. The free
+    parameters ``own`` (their columns in p) have a value in each recording, as causes may.
+    """
+    parts = []
+    forces, free = sum(map(len, library.columns)), len(model.free)
+    given = (*library.columns, *((forces + i,) for i in range(len(dull))))
+    always = tuple(range(forces + len(dull), forces + free))
+    causes = (*library.hypotheses, *dull)
+    mine = [c for cause, told in zip(causes, given, strict=True) if cause.own for c in told]
+    mine += [forces + i for i, column in enumerate(model.free) if column in own and i >= len(dull)]
+    extra = copies(mine, forces + free, len(laid))
+    for i, fine in enumerate(laid):
+        now = p if each is None else each[i]
+        item = fine.suited(model.machine).in_time(model, now)
+        if starts is None:
+            linear = model.along(item.block, item.states, now)
+        else:
+            linear = model.differentiate(item.block, starts[i], now, forces=True)
+        residual = item.block.y - linear.output - linear.from_defect()
+        probes = _probe_forces(library, item, None if starts is None else linear.x)
+        columns = [linear.from_forces(probes), linear.from_free()]
+        parts.append(
+            reduce(
+                residual,
+                linear.from_start()[..., : model.form.moving],
+                apart(np.concatenate(columns, axis=3), mine, i, len(laid)),
+                sd,
+                item.held,
+            )
+        )
+    forces, free = sum(map(len, library.columns)), len(model.free)
+    source = [*range(forces + free), *(mine * (len(laid) - 1))]
+    declared = {item.path: item.si for item in model.machine.model.all_parameters()}
+    lower, upper = _bounds(library, dull, free, declared)
+    prior = np.concatenate([np.zeros(forces), _priors(model, dull), np.zeros(free - len(dull))])
+    floors = [_least(cause, gain_floor, laid, declared) for cause in dull]
+    least = np.concatenate([np.zeros(forces), floors, np.zeros(free - len(dull))])
+    return Problem(
+        gram=np.sum([part.grams[~part.held].sum(axis=0) for part in parts], axis=0),
+        held=np.sum([part.grams[part.held].sum(axis=0) for part in parts], axis=0),
+        hypotheses=causes,
+        columns=tuple(widened(told, mine, extra) for told in given),
+        always=widened(always, mine, extra),
+        prior=prior[source],
+        lower=lower[source],
+        upper=upper[source],
+        least=least[source],
+        recordings=tuple(item.source[0].name for item in laid),
+    )
+
+
+def copies(mine: Sequence[int], size: int, recordings: int) -> list[dict[int, int]]:
+    """Where the columns ``mine`` of every recording but the first stand, behind ``size`` others."""
+    count = len(mine)
+    return [{c: size + r * count + j for j, c in enumerate(mine)} for r in range(recordings - 1)]
+
+
+def apart(columns: Array, mine: Sequence[int], which: int, recordings: int) -> Array:
+    """Columns (W, L, m, F) of one recording, in units of the noise, with those that are its own
+    moved behind the rest."""
+    if not mine or recordings < 2:
+        return columns
+    wide = np.zeros((*columns.shape[:3], columns.shape[3] + (recordings - 1) * len(mine)))
+    wide[..., : columns.shape[3]] = columns
+    if which:
+        first = columns.shape[3] + (which - 1) * len(mine)
+        wide[..., first : first + len(mine)] = columns[..., list(mine)]
+        wide[..., list(mine)] = 0.0
+    return wide
+
+
+def widened(
+    told: Sequence[int], mine: Sequence[int], extra: Sequence[Mapping[int, int]]
+) -> tuple[int, ...]:
+    """The columns ``told`` with those of every other recording, recording by recording."""
+    return (*told, *(row[c] for row in extra for c in told if c in mine))
+
+
+def _least(
+    cause: Hypothesis, gain_floor: float, laid: Sequence[Laid], values: Mapping[str, float]
+) -> float:
+    """The smallest size of a dull cause that is worth a name, SI."""
+    if cause.kind == "delay":
+        return DELAY_LEAST * float(np.median(np.diff(laid[0].block.t, axis=1)))
+    if cause.kind in ("parameter", "gain"):
+        return gain_floor * abs(float(values[cause.path]))
+    return 0.0
+
+
+def _probe_forces(library: Library, item: Laid, simulated: Array | None) -> Array:
+    """Forces of all probes (W, L, n, C) along the windows: along the measured motion, or along
+    ``simulated`` states (W, L, X); what remembers follows the measured motion always."""
+    machine, rows = library.machine, item.rows
+    course = item.course(machine)
+    if simulated is None:
+        return library.forces(course)[rows]
+    form = state_form(machine)
+    q, v = form.motion(simulated, item.block.d)
+    flat = Course(
+        item.block.t.reshape(-1), q.reshape(rows.size, -1), v.reshape(rows.size, -1),
+        course.a[rows].reshape(rows.size, -1), course.z[rows].reshape(rows.size, -1),
+        course.u[rows].reshape(rows.size, -1), *(np.empty((0, 0)) for _ in range(3)),
+    )  # fmt: skip
+    return library.forces(flat).reshape(*rows.shape, machine.n, -1)
+
+
+def _bounds(
+    library: Library, dull: Sequence[Hypothesis], free: int, values: Mapping[str, float]
+) -> tuple[Array, Array]:
+    """Bounds of the coefficients: dissipation is positive, a gain is off by half at most."""
+    reach = [GAIN_REACH * abs(values[h.path]) if h.kind == "gain" else np.inf for h in dull]
+    lower = [0.0 if sign else -np.inf for h in library.hypotheses for sign in h.positive]
+    upper = [np.inf] * len(lower) + reach
+    lower += [-one for one in reach]
+    rest = np.full(free - len(dull), np.inf)
+    return np.concatenate([lower, -rest]), np.concatenate([upper, rest])
+
+
+def _priors(model: WindowModel, dull: Sequence[Hypothesis]) -> Array:
+    """1/sd² of the parameters that state an sd, 0 for gains and offsets, SI."""
+    spread = {item.path: item.si_sd for item in model.machine.model.all_parameters()}
+    return np.array([0.0 if (sd := spread[h.path]) is None else sd**-2 for h in dull])

@@ -1,0 +1,164 @@
+"""Which few causes explain the mismatch: best subsets on the reduced linear problem.
+
+Everything happens on Gram matrices of whitened columns with initial states projected out, so that
+thousands of subsets cost milliseconds. A beam of the best subsets grows by one cause at a time;
+forbidden signs drop out. Sizes: F columns, the residual is column F.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.numeric.buffers import Array
+
+BEAM = 24
+LARGEST = 5  # causes at once
+CONDITION = 1e10  # of scaled columns: beyond, a subset cannot be told apart
+
+
+@dataclass(frozen=True, slots=True)
+class Subset:
+    """Causes by their index, coefficients ``values`` (one a column: shape (C,)) in SI, χ² on fitted
+    and held windows, and how many ``numbers`` the causes fit."""
+
+    causes: tuple[int, ...]
+    values: Array
+    chi2: float
+    held: float
+    numbers: int
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """The reduced problem: Gram matrices (F + 1, F + 1) of the fitted and the held windows,
+    ``columns`` of each cause, columns that are ``always`` in, priors 1/sd² (F,), bounds of the
+    coefficients (F,) in SI, beyond which a subset is not physics, and the ``least`` size (F,) of a
+    coefficient that is worth a name. A cause with numbers of its own in every one of the
+    ``recordings`` (their names) has as many columns for each, recording by recording."""
+
+    gram: Array
+    held: Array
+    hypotheses: tuple[Hypothesis, ...]
+    columns: tuple[tuple[int, ...], ...]
+    always: tuple[int, ...]
+    prior: Array
+    lower: Array
+    upper: Array
+    least: Array
+    recordings: tuple[str, ...] = ()
+
+
+def best_subsets(problem: Problem, largest: int = LARGEST) -> list[list[Subset]]:
+    """The best subsets of each size 0, 1, 2 … up to ``largest`` causes by χ², best first."""
+    empty = solve(problem, ())
+    sizes: list[list[Subset]] = [[empty]] if empty is not None else []
+    while sizes and len(sizes) <= largest:
+        seen: dict[tuple[int, ...], Subset | None] = {}
+        for parent in sizes[-1]:
+            for cause in range(len(problem.hypotheses)):
+                key = tuple(sorted({*parent.causes, cause}))
+                if len(key) > len(parent.causes) and key not in seen:
+                    seen[key] = None if _repeats(problem, key) else solve(problem, key)
+        found = [subset for subset in seen.values() if subset is not None]
+        if not found:
+            break
+        sizes.append(sorted(found, key=lambda subset: subset.chi2)[:BEAM])
+    return sizes
+
+
+def solve(problem: Problem, causes: Sequence[int]) -> Subset | None:
+    """Least squares for one set of causes; None if a coefficient is out of its bounds or the data
+    cannot tell it."""
+    columns = [c for cause in causes for c in problem.columns[cause]]
+    own = [c for cause in causes if _apart(problem, cause) for c in problem.columns[cause]]
+    none: set[int] = set()
+    while True:  # own values that physics forbids are none, and the others fitted anew
+        joined = [c for c in (*columns, *problem.always) if c not in none]
+        fitted = _fitted(problem, joined)
+        if fitted is None:
+            return None
+        forbidden = {c for c, x in zip(joined, fitted, strict=True) if x < problem.lower[c] == 0}
+        if not forbidden <= {*own}:
+            return None
+        if not forbidden:
+            break
+        none |= forbidden
+    told = dict(zip(joined, fitted, strict=True))
+    if not all(_sized(problem, told, cause) for cause in causes):
+        return None
+    last = problem.gram.shape[0] - 1
+    mix = np.zeros(last + 1)
+    mix[joined], mix[last] = -fitted, 1
+    chi2, held = float(mix @ problem.gram @ mix), float(mix @ problem.held @ mix)
+    penalty = float(np.sum(problem.prior[joined] * fitted**2)) if joined else 0.0
+    numbers = sum(problem.hypotheses[cause].numbers for cause in causes)
+    values = np.array([told.get(c, 0.0) for c in columns])
+    return Subset(tuple(causes), values, chi2 + penalty, held, numbers)
+
+
+def reach(problem: Problem, *causes: int) -> float:
+    """By how much χ² could fall at most with the columns of some causes, whatever their signs and
+    bounds, beside those that are always in; directions that the data cannot tell count for none."""
+    least, more = [], [column for cause in causes for column in problem.columns[cause]]
+    for columns in (list(problem.always), [*problem.always, *more]):
+        block = problem.gram[np.ix_(columns, columns)] + np.diag(problem.prior[columns])
+        scale = np.sqrt(np.maximum(np.diag(block), 1e-300))
+        values, vectors = np.linalg.eigh(block / np.outer(scale, scale))
+        along = vectors.T @ (problem.gram[columns, -1] / scale)
+        told = values > (values[-1] if values.size else 0.0) / CONDITION
+        least.append(float(problem.gram[-1, -1] - np.sum(along[told] ** 2 / values[told])))
+    return least[0] - least[1]
+
+
+def _fitted(problem: Problem, joined: Sequence[int]) -> Array | None:
+    """Least squares (C,) of some columns; None if the data cannot tell them, or one that no sign
+    forbids is out of its bounds."""
+    if not joined:
+        return np.zeros(0)
+    block = problem.gram[np.ix_(joined, joined)] + np.diag(problem.prior[joined])
+    scale = np.sqrt(np.diag(block))
+    if np.any(scale <= 0):
+        return None
+    unit = block / np.outer(scale, scale)
+    eigen = np.linalg.eigvalsh(unit)
+    if eigen[0] < eigen[-1] / CONDITION:
+        return None
+    values = np.linalg.solve(unit, problem.gram[joined, -1] / scale) / scale
+    lower = problem.lower[joined]
+    out = ((values < lower) & (lower != 0)) | (values > problem.upper[joined])
+    return None if out.any() else np.asarray(values)
+
+
+def _apart(problem: Problem, cause: int) -> bool:
+    """Whether every recording has its own number of a cause. Of a fleet in which one machine lacks
+    the cause, noise alone gives that one the wrong sign in half of all cases."""
+    return len(problem.columns[cause]) > len(problem.hypotheses[cause].terms)
+
+
+def _sized(problem: Problem, values: Mapping[int, float], cause: int) -> bool:
+    """Whether the numbers of a cause, by column, are worth a name: all of them, or those of one
+    recording at least where each has its own."""
+    told = problem.columns[cause]
+    large = [c in values and abs(values[c]) >= problem.least[c] for c in told]
+    return any(large) if _apart(problem, cause) else all(large)
+
+
+def _repeats(problem: Problem, causes: Sequence[int]) -> bool:
+    """Whether two of the causes fit the same term of one subject (in another shape)."""
+    terms = [
+        (hypothesis.subject, term)
+        for hypothesis in (problem.hypotheses[cause] for cause in causes)
+        for term in hypothesis.terms
+    ]
+    return len(set(terms)) < len(terms)
+
+
+def without(problem: Problem, dropped: set[int]) -> Problem:
+    """The problem in which some causes can no longer be chosen."""
+    bounds = problem.upper.copy()
+    for cause in dropped:
+        for column in problem.columns[cause]:
+            bounds[column] = -np.inf
+    return replace(problem, upper=bounds)

@@ -1,0 +1,45 @@
+"""How large the forces of a fitted structure are along the recordings, cause by cause."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from symhyb.correction.search.trajectory import Refined
+from symhyb.data.recording import Recording
+from symhyb.discrepancy.recorded.course import course_of
+from symhyb.discrepancy.recorded.motion import Motion
+from symhyb.numeric.buffers import Array
+from symhyb.numeric.vector import along
+
+SMALL = 0.05  # of the force that a structure adds at a coordinate: a cause that is worth a name
+
+
+def element_forces(
+    final: Refined, recording: Recording, motion: Motion
+) -> tuple[Array, Array, Array]:
+    """Generalized forces (N, n, E) of all elements along a recording, stretches and rates (N, E),
+    SI; those of the causes come last."""
+    p = final.of(recording)
+    machine = replace(final.machine, values=p)
+    c = course_of(recording, machine, motion)
+    given = c.q, c.v, c.z, c.u, c.t, p
+    (flat,) = along(machine.elements, given, (5,), c.t.size)
+    flat = flat + along(machine.carried, (c.q, c.v, c.a, c.t, p), (4,), c.t.size)[0]
+    forces = flat.reshape(c.t.size, -1, machine.n).swapaxes(1, 2)
+    stretch, rate, _ = along(machine.pathways, (c.q, c.v, c.t, p), (3,), c.t.size)
+    return forces, stretch, rate
+
+
+def shares(trial: Refined, recording: Recording, motion: Motion) -> Array:
+    """RMS of each force cause (E,) over the RMS of what all of them add, dimensionless, at the
+    coordinate where it weighs most."""
+    count = sum(cause.place is not None for cause in trial.causes)
+    if count == 0:
+        return np.zeros(0)
+    forces = element_forces(trial, recording, motion)[0]
+    own = forces[:, :, forces.shape[2] - count :]
+    size = np.sqrt(np.mean(own**2, axis=0))
+    total = np.sqrt(np.mean(own.sum(axis=2) ** 2, axis=0))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        part = np.where(size > 0, size / total[:, None], 0.0)
+    return np.asarray(np.max(part, axis=0))

@@ -1,0 +1,271 @@
+"""A structure (a set of causes) fitted on trajectories, at full nonlinearity.
+
+The model with its candidate elements is an ordinary model; its terms, the shapes that are worth a
+number and the dull parameters are fitted by :mod:`symhyb.discrepancy.fitting.matching`.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from symhyb.data.recording import Recording
+from symhyb.discrepancy.fitting.matching import TRIAL_DECREASE, TRIAL_ITERATIONS, Fit, Task, fit
+from symhyb.discrepancy.places.hypotheses import GAIN_REACH, Hypothesis
+from symhyb.discrepancy.recorded.windows import Laid
+from symhyb.model.types import Element, Model
+from symhyb.numeric.buffers import Array
+from symhyb.numeric.machine import Machine, build
+from symhyb.numeric.windows import WindowModel
+
+DELAY_REACH = 30  # samples, either way
+
+
+@dataclass(frozen=True, slots=True)
+class Refined:
+    """A fitted structure: its causes, the lowered model, the parameter columns of each number
+    (``paths``), the full parameter vector ``p`` (P,) in SI with the fitted values,
+    and the fit. Where numbers are each recording's own, ``p`` has those of the first, ``each`` the
+    vectors of all by recording, and the fit all numbers, those of ``paths`` first."""
+
+    causes: tuple[Hypothesis, ...]
+    machine: Machine
+    paths: tuple[str, ...]
+    p: Array
+    fit: Fit
+    accuracy: float = 0.0
+    each: tuple[tuple[Recording, Array], ...] = ()
+    owned: tuple[tuple[int, ...], ...] = ()
+
+    @property
+    def numbers(self) -> int:
+        """How many numbers were fitted."""
+        return int(self.fit.values.size)
+
+    @property
+    def own_columns(self) -> tuple[int, ...]:
+        """Columns in p of the numbers that each recording has its own value of."""
+        own = [key in cause.own for cause in self.causes for key in keys_of(cause)]
+        paths = [path for path, mine in zip(self.paths, own, strict=True) if mine]
+        return tuple(self.machine.column(path) for path in paths)
+
+    def of(self, recording: Recording) -> Array:
+        """The parameter vector (P,) of a recording, SI; of one that was not fitted ``p``."""
+        return next((p for known, p in self.each if known is recording), self.p)
+
+    def value_of(self, path: str, which: int) -> tuple[float, float]:
+        """Fitted value and one standard deviation of a parameter in one recording, SI."""
+        i = self.owned[which][self.paths.index(path)] if self.owned else self.paths.index(path)
+        return self._told(path, i)
+
+    def value(self, path: str) -> tuple[float, float]:
+        """Fitted value and one standard deviation of a parameter, SI; the relative ``accuracy``
+        of the numerics is part of the deviation of a force, not of a time or a place."""
+        return self._told(path, self.paths.index(path))
+
+    def _told(self, path: str, i: int) -> tuple[float, float]:
+        value, spread = float(self.fit.values[i]), float(np.sqrt(self.fit.covariance[i, i]))
+        if path.rpartition(".")[2] in EXACT:
+            return value, spread
+        return value, float(np.hypot(spread, self.accuracy * abs(value)))
+
+
+EXACT = ("frequency", "period", "phase", "delay", "clearance")  # keys that no gain can feign
+
+
+def element_name(index: int) -> str:
+    """Name of the element of the i-th cause while it is on trial."""
+    return f"cause{index}"
+
+
+def refine(
+    model: Model,
+    causes: Sequence[Hypothesis],
+    start: Sequence[Mapping[str, float]],
+    laid: Sequence[Laid],
+    sd: Array,
+    starts: Sequence[Array] | None = None,
+    everything: bool = False,
+    careful: bool = False,
+) -> Refined:
+    """Fit the causes on windows; ``start`` has the first guess of each cause by key, SI (of a
+    parameter its change under "value").
+
+    ``model`` states its channels' gains and offsets (:func:`with_channels`); ``starts`` are initial
+    states (W, X) of each recording to begin with; ``everything`` fits the held windows too;
+    ``careful`` iterates until the values stand.
+    """
+    elements: list[Element] = []
+    for i, cause in enumerate(causes):
+        if cause.place is not None:
+            shared = {key: value for key, value in start[i].items() if "@" not in key}
+            elements.append(cause.element(model, element_name(i), shared))
+    extended = replace(model, elements=(*model.elements, *elements))
+    machine = build(extended, keep=False)
+    paths = tuple(path for i, cause in enumerate(causes) for path in _paths(i, cause))
+    free = tuple(machine.column(path) for path in paths)
+    p = machine.values.copy()
+    for i, cause in enumerate(causes):
+        if cause.place is None:
+            p[machine.column(cause.path)] += start[i]["value"]
+    laid = [item.suited(machine) for item in laid]
+    owned = shared_out(causes, len(laid))
+    step = float(np.median(np.diff(laid[0].block.t, axis=1)))
+    begin = _beginning(machine, causes, start, laid, p[list(free)])
+    bounds = [gathered(row, owned) for row in _limits(machine, causes, step)]
+    lower, upper, mean, spread = bounds
+    task = Task(tuple(laid), sd, lower, upper, mean, spread, everything, own=owned, first=begin)
+    if not careful:
+        task = replace(task, decrease=TRIAL_DECREASE, iterations=TRIAL_ITERATIONS)
+    begun = None if starts is None else [_begun(*pair) for pair in zip(laid, starts, strict=True)]
+    fitted = fit(WindowModel(machine, free), task, p, begun)
+    each = tuple(
+        (item.source[0], task.filled(i, p, free, fitted.values)) for i, item in enumerate(laid)
+    )
+    p[list(free)] = fitted.values[: len(free)]
+    found = Refined(tuple(causes), machine, paths, p, fitted)
+    return replace(found, each=each, owned=owned) if owned else found
+
+
+def shared_out(causes: Sequence[Hypothesis], recordings: int) -> tuple[tuple[int, ...], ...]:
+    """For each recording, which of all fitted numbers its free parameters are: those of the first
+    come first, then the own ones of every other. Empty where all numbers are shared."""
+    mine = [key in cause.own for cause in causes for key in keys_of(cause)]
+    if recordings < 2 or not any(mine):
+        return ()
+    rows, size = [tuple(range(len(mine)))], len(mine)
+    for _ in range(1, recordings):
+        taken = iter(range(size, size + sum(mine)))
+        rows.append(tuple(next(taken) if own else i for i, own in enumerate(mine)))
+        size += sum(mine)
+    return tuple(rows)
+
+
+def gathered(row: Array, owned: Sequence[Sequence[int]]) -> Array:
+    """What holds for each free parameter (P,), SI, for each of all numbers."""
+    if not owned:
+        return row
+    full = np.empty(1 + max(map(max, owned)))
+    for columns in owned:
+        full[list(columns)] = row
+    return full
+
+
+def keys_of(cause: Hypothesis) -> tuple[str, ...]:
+    """The keys of a cause's numbers; of a parameter ``value``."""
+    return ("value",) if cause.place is None else cause.keys
+
+
+def own_key(key: str, recording: Recording) -> str:
+    """Under which a start has a recording's own value of a key."""
+    return f"{key}@{recording.name}"
+
+
+def _beginning(
+    machine: Machine,
+    causes: Sequence[Hypothesis],
+    start: Sequence[Mapping[str, float]],
+    laid: Sequence[Laid],
+    first: Array,
+) -> Array | None:
+    """Where all numbers begin, SI; None if all are shared."""
+    owned = shared_out(causes, len(laid))
+    if not owned:
+        return None
+    full = gathered(first, owned)
+    for item, columns in zip(laid, owned, strict=True):
+        i = 0
+        for cause, row in zip(causes, start, strict=True):
+            base = machine.values[machine.column(cause.path)] if cause.place is None else 0.0
+            for key in keys_of(cause):
+                told = own_key(key, item.source[0])
+                if key in cause.own and told in row:
+                    full[columns[i]] = base + row[told]
+                i += 1
+    return full
+
+
+def _begun(item: Laid, start: Array) -> Array:
+    """Initial states of another structure for windows of this one, which may have other inner
+    states."""
+    full = item.start.copy()
+    shared = min(full.shape[1], start.shape[1])
+    full[:, :shared] = start[:, :shared]
+    return full
+
+
+def own_values(trial: Refined, item: Laid, sd: Array) -> Array:
+    """The parameters (P,), SI, of a recording that was not fitted: its own numbers are fitted to
+    its windows as initial states are, all others stay. A phase is tried all around."""
+    own = trial.own_columns
+    if not own:
+        return trial.p
+    step = float(np.median(np.diff(item.block.t, axis=1)))
+    limits = dict(zip(trial.paths, zip(*_limits(trial.machine, trial.causes, step), strict=True),
+                      strict=True))  # fmt: skip
+    chosen = [path for path in trial.paths if trial.machine.column(path) in own]
+    lower, upper, mean, spread = np.array([limits[path] for path in chosen]).T
+    task = Task((item,), sd, lower, upper, mean, spread, everything=True)
+    turns = np.array([path.endswith(".phase") for path in chosen])
+    best: tuple[float, Array] | None = None
+    for turn in np.arange(0, 2 * np.pi, np.pi / 3) if turns.any() else [0.0]:
+        p = trial.p.copy()
+        p[list(own)] += np.where(turns, turn, 0.0)
+        found = fit(WindowModel(trial.machine, own), task, p)
+        p[list(own)] = found.values
+        if best is None or found.chi2.sum() < best[0]:
+            best = float(found.chi2.sum()), p
+    assert best is not None
+    return best[1]
+
+
+def grouped(trial: Refined) -> list[dict[str, float]]:
+    """Fitted values by key, SI, cause by cause; of a parameter its change. A recording's own value
+    of a key follows under :func:`own_key`."""
+    rows, i = [], 0
+    for cause in trial.causes:
+        column = None if cause.place is not None else trial.machine.column(cause.path)
+        base = 0.0 if column is None else float(trial.machine.values[column])
+        row = {}
+        for j, key in enumerate(keys_of(cause)):
+            row[key] = float(trial.fit.values[i + j]) - base
+        for (recording, _), columns in zip(trial.each, trial.owned, strict=True):
+            for j, key in enumerate(keys_of(cause)):
+                if key in cause.own:
+                    value = float(trial.fit.values[columns[i + j]])
+                    row[own_key(key, recording)] = value - base
+        rows.append(row)
+        i += cause.numbers
+    return rows
+
+
+def _paths(index: int, cause: Hypothesis) -> list[str]:
+    if cause.place is None:
+        return [cause.path]
+    return [f"{element_name(index)}.{key}" for key in cause.keys]
+
+
+def _limits(
+    machine: Machine, causes: Sequence[Hypothesis], step: float
+) -> tuple[Array, Array, Array, Array]:
+    """Bounds, prior means and prior deviations of the fitted numbers, SI; samples lie ``step``
+    seconds apart."""
+    declared = {item.path: item for item in machine.model.all_parameters()}
+    rows: list[tuple[float, float, float, float]] = []
+    for cause in causes:
+        if cause.place is None:
+            value, sd = declared[cause.path].si, declared[cause.path].si_sd
+            low, high = 1e-6 * value if cause.positive[0] else -np.inf, np.inf
+            if cause.kind == "gain":
+                reach = GAIN_REACH * abs(value)
+                low, high = value - reach, value + reach
+            if cause.kind == "delay":
+                low, high = value - DELAY_REACH * step, value + DELAY_REACH * step
+            rows.append((low, high, value, np.inf if sd is None else sd))
+            continue
+        rows += [(*cause.limits(key), 0.0, np.inf) for key in cause.keys]
+    if not rows:
+        empty = np.zeros(0)
+        return empty, empty, empty, empty
+    lower, upper, mean, spread = (np.array(column) for column in zip(*rows, strict=True))
+    return lower, upper, mean, spread

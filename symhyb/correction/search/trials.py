@@ -1,0 +1,158 @@
+"""Structures refined at the longest windows, each once."""
+
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+
+from symhyb.correction.search.evidence import NEAR_NOISE, believable, named
+from symhyb.correction.search.selection import Problem, Subset
+from symhyb.correction.search.setting import Setting, around
+from symhyb.correction.search.strength import SMALL, shares
+from symhyb.correction.search.trajectory import Refined, grouped, refine
+from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.numeric.buffers import Array
+
+NEXT_TO_NONE = 1e-3  # of the mean of the others: where a recording without a cause begins
+
+Say = Callable[[str], None]
+
+
+class Trials:
+    """Structures refined at the longest windows, each once; the second of ``twins``, and causes
+    that are ``dropped``, are not tried."""
+
+    def __init__(
+        self,
+        setting: Setting,
+        dropped: set[int],
+        say: Say,
+        twins: Sequence[tuple[int, int]] = (),
+    ):
+        self.setting, self.say, self.twins = setting, say, tuple(twins)
+        self.dropped = dropped | {second for _, second in twins}
+        self.done: dict[tuple[int, ...], Refined] = {}
+        self.known = list(setting.hypotheses)
+        self._along: dict[tuple[int, ...], Problem] = {}
+
+    def refined(
+        self,
+        causes: Sequence[int],
+        values: Sequence[Mapping[str, float]] = (),
+        starts: Sequence[Array] | None = None,
+    ) -> Refined:
+        """The structure of the numbered ``causes``, fitted from ``values`` (SI, by key; as many as
+        causes) and the initial states of windows ``starts`` (W, 2n), where given."""
+        key = tuple(sorted(causes))
+        if key not in self.done:
+            chosen = [self.known[cause] for cause in causes]
+            self.say("trying " + named(chosen))
+            found = self._fitted(chosen, values, starts)
+            part = self._best_part(key)
+            if part is not None and not found.fit.train <= part.fit.train:
+                # what it holds fits better alone: it ended in a minimum of its own
+                again = self._fitted(chosen, _joining(part, chosen, values), part.fit.starts)
+                found = again if not found.fit.train <= again.fit.train else found
+            self.done[key] = found
+        return self.done[key]
+
+    def _fitted(
+        self,
+        causes: Sequence[Hypothesis],
+        values: Sequence[Mapping[str, float]],
+        starts: Sequence[Array] | None,
+    ) -> Refined:
+        stage, model = self.setting.stages[-1], self.setting.windows.machine.model
+        return refine(model, causes, values, stage.laid, self.setting.sd, starts)
+
+    def _best_part(self, key: Sequence[int]) -> Refined | None:
+        """The structure that fits best of those known ones that hold only causes of this one."""
+        parts = [
+            trial
+            for known, trial in self.done.items()
+            if {*known} < {*key} and not trial.fit.reason
+        ]
+        return min(parts, key=lambda trial: trial.fit.train, default=None)
+
+    def along(self, trial: Refined) -> Problem:
+        """The linear problem along the simulation of a structure, its own numbers always in."""
+        key = tuple(sorted(self.causes(trial)))
+        if key not in self._along:
+            self._along = {key: around(self.setting, trial)}  # the last one: it is large
+        return self._along[key]
+
+    @property
+    def count(self) -> int:
+        """How many causes compete."""
+        return len({cause.family for cause in self.setting.hypotheses}) - len(self.dropped)
+
+    def believed(self, trial: Refined) -> bool:
+        """Whether its values are believable, and where more than noise is left, also worth a name:
+        what the structure still lacks bends every small force to its purpose."""
+        if not believable(trial, self.setting.stages[-1].length_s):
+            return False
+        if trial.fit.scale < NEAR_NOISE or len(trial.causes) < 2:
+            return True
+        sources = [item.source for item in self.setting.stages[-1].laid]
+        sizes = np.max([shares(trial, *source) for source in sources], axis=0)
+        return bool(np.all(sizes > SMALL))
+
+    def causes(self, trial: Refined) -> tuple[int, ...]:
+        """The numbers of a structure's causes."""
+        return tuple(map(self.index, trial.causes))
+
+    def index(self, cause: Hypothesis) -> int:
+        """The number of a cause; one that is not in the first list gets a new one."""
+        if cause not in self.known:
+            self.known.append(cause)
+        return self.known.index(cause)
+
+    def listed(self, trial: Refined) -> bool:
+        """Whether the linear problems hold every cause of a structure."""
+        return max(self.causes(trial), default=-1) < len(self.setting.hypotheses)
+
+
+def _joining(
+    part: Refined, causes: Sequence[Hypothesis], values: Sequence[Mapping[str, float]]
+) -> list[Mapping[str, float]]:
+    """Where a structure begins that holds ``part``: there, and with next to none of the rest."""
+    known = dict(zip(part.causes, grouped(part), strict=True))
+    return [
+        known[cause]
+        if cause in known
+        else {
+            key: value * (1.0 if _shapes(key.split("@")[0], cause) else NEXT_TO_NONE)
+            for key, value in row.items()
+        }
+        for cause, row in zip(causes, values, strict=True)
+    ]
+
+
+def _shapes(key: str, cause: Hypothesis) -> bool:
+    """Whether a key shapes a law, rather than making it strong."""
+    return key in ("phase", "asymmetry") or (key in cause.refined and key not in cause.tied)
+
+
+def first_guess(problem: Problem, subset: Subset) -> list[dict[str, float]]:
+    """The first guess of each cause of a subset, by key, SI."""
+    rows, rest = [], list(subset.values)
+    for index in subset.causes:
+        count = len(problem.columns[index])
+        rows.append(_begin(problem, problem.hypotheses[index], rest[:count]))
+        rest = rest[count:]
+    return rows
+
+
+def _begin(problem: Problem, cause: Hypothesis, values: Sequence[float]) -> dict[str, float]:
+    """The first guess of a cause: shared keys at their mean over the recordings that have numbers
+    of their own."""
+    size = len(cause.terms)
+    numbers = np.reshape(values, (-1, size))
+    # where one recording shows nothing of a cause the law still stands: it may divide by its key
+    numbers = np.where(numbers == 0, NEXT_TO_NONE * np.mean(numbers, axis=0), numbers)
+    each = [cause.values(list(row)) for row in numbers]
+    row = {key: float(np.mean([one[key] for one in each])) for key in each[0]}
+    if len(each) > 1:
+        for name, one in zip(problem.recordings, each, strict=True):
+            row |= {f"{key}@{name}": one[key] for key in cause.own}
+        row |= {key: each[0][key] for key in cause.own}
+    return row

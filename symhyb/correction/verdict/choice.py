@@ -1,0 +1,77 @@
+"""The structure that recordings choose: of one recording throughout, of a part of it, of many.
+
+Where an effect begins or ends on the way its law is sought where it acts; a recording that does not
+fit the others is named, and does not choose with them.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from symhyb.correction.advice.isolability import completed
+from symhyb.correction.learning.sparse import propose
+from symhyb.correction.naming.fleet_words import misfit
+from symhyb.correction.search.beginnings import active_part, changed, contradicted
+from symhyb.correction.search.decide import Decision, decide
+from symhyb.correction.search.fleet import Stranger, parted, strangers, without
+from symhyb.correction.search.luck import with_luck
+from symhyb.correction.search.preparing import Prepared
+from symhyb.correction.search.selection import Subset
+from symhyb.correction.search.setting import Setting
+from symhyb.discrepancy.places.locate import locate
+from symhyb.discrepancy.results import Change, Misfit, PlaceShare
+
+Say = Callable[[str], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """A decision with the ``setting`` that it was made in, the map of ``places``, the ``change`` on
+    the way that restricts it, and recordings that are ``misfits``."""
+
+    setting: Setting
+    decision: Decision
+    places: tuple[PlaceShare, ...]
+    change: Change | None
+    misfits: tuple[Misfit, ...]
+
+
+def choose(prepared: Prepared, setting: Setting, say: Say) -> Choice:
+    """Screen all causes, map the places and decide."""
+    say("sparse regression on the weak form")
+    middle = setting.stages[min(1, len(setting.stages) - 1)]
+    proposals = propose(prepared.machine, setting.library, middle.laid, 5 / prepared.shortest)
+    say("mapping the places")
+    places = locate(
+        setting.library, setting.windows, middle.laid, prepared.machine.values, setting.sd,
+        setting.stages[0].laid,
+    )  # fmt: skip
+    setting, decision, change = _where_it_acts(setting, proposals, places, say)
+    odd: tuple[Stranger, ...] = ()
+    laid = setting.stages[-1].laid
+    if len(laid) > 1:
+        say("holding the recordings against each other")
+        odd = strangers(prepared.model, decision.winner, setting.stages[-1], setting.sd)
+    misfits = tuple(misfit(decision.winner, one, [i.source[0] for i in laid]) for one in odd)
+    if odd:
+        say("deciding again, with what does not fit by itself")
+        setting = (
+            without(setting, [one.recording for one in odd])
+            if len(laid) > 2
+            else parted(setting, decision.winner, odd[0])
+        )
+        decision = decide(setting, proposals, say)
+    decision = with_luck(setting, completed(setting, decision))
+    return Choice(setting, decision, places, change, misfits)
+
+
+def _where_it_acts(
+    setting: Setting, proposals: Sequence[Subset], places: tuple[PlaceShare, ...], say: Say
+) -> tuple[Setting, Decision, Change | None]:
+    """The decision in the part of a recording where the effect acts, if that is a part."""
+    change = changed(places)
+    part = active_part(setting, change)
+    decision = decide(part, proposals, say)
+    if change is None or contradicted(setting, decision.winner, change):
+        return part, decision, change
+    say("deciding again, for it may act throughout")
+    return setting, decide(setting, proposals, say), None

@@ -1,0 +1,117 @@
+"""The values of a chosen structure, from all windows, and which of its causes are told."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from symhyb.correction.naming.findings import Named, doubtful, named
+from symhyb.correction.naming.fleet_words import drift_sentence
+from symhyb.correction.search.evidence import NEAR_NOISE, weak
+from symhyb.correction.search.fleet import Stranger, drifting, widened
+from symhyb.correction.search.preparing import Prepared
+from symhyb.correction.search.setting import Setting, Stage
+from symhyb.correction.search.trajectory import Refined, grouped, refine
+from symhyb.correction.verdict.choice import Choice
+from symhyb.correction.verdict.held import with_what_is_held
+from symhyb.correction.verdict.whole import Completed, Say, completed_over_all
+from symhyb.correction.verdict.whole_words import added_sentence
+from symhyb.discrepancy.places.hypotheses import Hypothesis
+
+STEADY = ("added_mass", "harmonic", "ripple")  # one that changes on the way stands in for something
+
+
+@dataclass(frozen=True, slots=True)
+class Estimated:
+    """The structure with its final values, the ``stage`` of windows that proves it, its causes in
+    ``doubt``, which are not told, sentences on numbers that change on the way, and what whole
+    recordings added (``completed``), with the structure as it is ``seen`` in the windows then."""
+
+    final: Refined
+    stage: Stage
+    doubt: frozenset[Hypothesis]
+    drifts: tuple[str, ...]
+    completed: Completed | None = None
+    seen: Refined | None = None
+
+    @property
+    def items(self) -> Sequence[Named]:
+        """The effects that are told."""
+        causes = self.final.causes
+        return [
+            item for item in named(self.final) if not self.doubt & {causes[i] for i in item.causes}
+        ]
+
+    @property
+    def tells(self) -> bool:
+        """Whether any cause is told."""
+        return self.doubt < {*self.final.causes}
+
+
+def estimate(prepared: Prepared, choice: Choice, say: Say) -> Estimated:
+    """Fit the chosen structure to all windows; causes in doubt stay in, or they would bend the
+    others."""
+    completed = completed_over_all(prepared, choice, say)
+    if completed is not None:
+        return estimate_completed(prepared, choice, completed)
+    final, stage = valued(choice.setting, choice.decision.winner, prepared)
+    doubt = frozenset({*doubtful(choice.decision), *(final.causes[i] for i in weak(final))})
+    drift = drifting(prepared.model, final, stage, choice.setting.sd)
+    final = with_what_is_held(prepared.model, choice.setting, final, stage)
+    final, more, said = _drifted(choice, final, drift)
+    return Estimated(final, stage, doubt | more, said)
+
+
+def estimate_completed(prepared: Prepared, choice: Choice, completed: Completed) -> Estimated:
+    """Values of the structure with what whole recordings added to it, from whole recordings: in
+    windows it hides, and bends the others. The addition is in doubt where it has a rival, and
+    stays in all the same."""
+    stage, final = choice.setting.stages[-1], completed.final
+    final = replace(final, accuracy=choice.setting.accuracy)
+    doubt = frozenset({*doubtful(choice.decision), *(final.causes[i] for i in weak(final))})
+    if completed.rivals:
+        doubt |= {completed.added}
+    drift = drifting(prepared.model, final, stage, choice.setting.sd)
+    final, more, moved = _drifted(choice, final, drift)
+    said = (added_sentence(prepared.model, completed), *moved)
+    seen = refine(
+        prepared.model, final.causes, grouped(final), stage.laid, choice.setting.sd,
+        choice.decision.winner.fit.starts,
+    )  # fmt: skip
+    return Estimated(final, stage, doubt | more, said, completed, seen)
+
+
+def _drifted(
+    choice: Choice, final: Refined, drift: Stranger | None
+) -> tuple[Refined, frozenset[Hypothesis], tuple[str, ...]]:
+    """The structure where one of its numbers is not constant, the cause that is in doubt for that,
+    and the sentence that says so."""
+    if drift is None:
+        return final, frozenset(), ()
+    moved = final.causes[drift.cause]
+    if moved.kind in STEADY and choice.decision.winner.fit.scale > NEAR_NOISE:
+        said = drift_sentence(final, drift, "so something else looks like it")
+        return final, frozenset({moved}), (said,)
+    return widened(final, drift), frozenset(), (drift_sentence(final, drift),)
+
+
+def valued(setting: Setting, winner: Refined, prepared: Prepared) -> tuple[Refined, Stage]:
+    """The winner refitted on all windows, at the window length that determines its values best:
+    short windows carry more noise, long ones more of what the model still lacks. Where nothing more
+    is lacking that is the longest."""
+    best: tuple[float, Refined, Stage] | None = None
+    for stage in reversed(setting.stages):
+        starts = winner.fit.starts if stage is setting.stages[-1] else None
+        trial = refine(
+            prepared.model, winner.causes, grouped(winner), stage.laid, setting.sd, starts,
+            everything=True, careful=True,
+        )  # fmt: skip
+        spread = np.sqrt(np.diag(trial.fit.covariance))
+        width = float(np.sum(np.log(np.maximum(spread, 1e-300)))) if spread.size else 0.0
+        if not trial.fit.reason and (best is None or width < best[0] or not spread.size):
+            best = width, trial, stage
+        if best is not None and best[1].fit.scale < NEAR_NOISE:
+            break
+    if best is None:
+        return winner, setting.stages[-1]
+    return replace(best[1], accuracy=setting.accuracy), best[2]

@@ -1,0 +1,56 @@
+"""Deviations of fitted values where a parameter of the model is held that is itself uncertain.
+
+A parameter that states an sd and was not chosen as a cause stays at its stated value; the values
+that were fitted beside it hold for that value alone. What its sd, narrowed by the recordings,
+leaves open of them is part of their deviation (Guide to the expression of uncertainty in
+measurement, 2008, 5.2).
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from symhyb.correction.search.setting import Setting, Stage
+from symhyb.correction.search.trajectory import Refined, grouped, keys_of, refine
+from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.model.types import Model
+
+
+def with_what_is_held(model: Model, setting: Setting, final: Refined, stage: Stage) -> Refined:
+    """The structure with deviations that allow for the parameters that are held. Its values stay:
+    the corrected model states those parameters as before."""
+    held = _uncertain(model, setting.dull, final)
+    if not held or not final.numbers:
+        return final
+    start = [*grouped(final), *({"value": 0.0} for _ in held)]
+    freed = refine(
+        model, (*final.causes, *held), start, stage.laid, setting.sd, final.fit.starts,
+        everything=True,
+    )  # fmt: skip
+    if freed.fit.reason:
+        return final
+    rows = _rows(final, len(held))
+    old, new = np.diag(final.fit.covariance), np.diag(freed.fit.covariance)[rows]
+    wider = np.sqrt(np.maximum(new / np.maximum(old, 1e-300), 1.0))
+    covariance = final.fit.covariance * np.outer(wider, wider)
+    return replace(final, fit=replace(final.fit, covariance=covariance))
+
+
+def _uncertain(model: Model, dull: Sequence[Hypothesis], final: Refined) -> tuple[Hypothesis, ...]:
+    """The parameters that state an sd and are not among the causes; shared by all recordings."""
+    spread = {item.path: item.sd for item in model.all_parameters()}
+    chosen = {cause.path for cause in final.causes if cause.place is None}
+    return tuple(
+        cause
+        for cause in dull
+        if cause.kind == "parameter" and not cause.own
+        and spread.get(cause.path) is not None and cause.path not in chosen
+    )  # fmt: skip
+
+
+def _rows(final: Refined, more: int) -> list[int]:
+    """Where the numbers of a structure stand among those with ``more`` shared ones behind the
+    first recording's."""
+    first = sum(len(keys_of(cause)) for cause in final.causes)
+    return [i if i < first else i + more for i in range(final.numbers)]

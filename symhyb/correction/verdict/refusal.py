@@ -1,0 +1,257 @@
+"""What a diagnosis must not claim: physics where a channel lies, laws that let the model run away,
+anything from a recording shorter than its own motion.
+
+Each function takes a diagnosis and returns it with the claim withdrawn or the lie told first.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from symhyb.correction.advice.advice import other_speeds
+from symhyb.correction.search.evidence import part_taken
+from symhyb.correction.search.trajectory import Refined
+from symhyb.discrepancy.checks.suspicion import gain_of
+from symhyb.discrepancy.places.meeting import meeting
+from symhyb.discrepancy.recorded.passages import one_way, passed_at_one_speed
+from symhyb.discrepancy.recorded.runs import Run, laid_on
+from symhyb.discrepancy.recorded.windows import END_KNOTS
+from symhyb.discrepancy.results import Alternative, Diagnosis, Found, Lie, Measurement
+from symhyb.discrepancy.words.wording import (
+    effect_phrase,
+    joined,
+    measurement_phrase,
+    number_text,
+    parameter_phrase,
+    percent_text,
+)
+from symhyb.model.types import Model, place_text
+from symhyb.numeric.machine import Machine
+from symhyb.numeric.windows import WindowModel
+
+RUNAWAY = 100.0  # times the range that was measured: further away a simulation has run away
+UNEXPLAINED = 2.0  # χ² per sample that found physics may leave while a channel is suspected
+LEFT_MOST = 0.1  # of the squared mismatch, on held windows: what leaves more is not named
+REPAIRED_LEFT = (
+    " Put right, recordings and model still differ by more than the noise, and no cause that "
+    "symhyb knows accounts for the rest."
+)
+
+
+def with_lies(diagnosis: Diagnosis, model: Model, lies: Sequence[Lie], scale: float) -> Diagnosis:
+    """The diagnosis of repaired recordings with the lies that were claimed told first.
+
+    ``scale`` is χ² per sample of what was decided. A suspicion that was not claimed withdraws
+    physics that leaves more than noise.
+    """
+    claimed = [lie for lie in lies if lie.claimed]
+    suspected = [lie.sentence for lie in lies if not lie.claimed]
+    known = {(fault.channel, fault.kind) for fault in diagnosis.measurement}
+    gains = [
+        Measurement(name, "gain", gain_of(model, lie, name), 0.0, "1")
+        for lie in claimed
+        if lie.kind in ("unit", "sign")
+        for name in lie.channels
+        if (name, "gain") not in known
+    ]
+    twins = [
+        Alternative(None, "gain", (), 0.0, channel=name)
+        for lie in claimed
+        for rival in lie.rivals
+        if rival.kind in ("unit", "sign")
+        for name in rival.channels
+    ]
+    told = replace(
+        diagnosis,
+        lies=tuple(lies),
+        measurement=(*gains, *diagnosis.measurement),
+        alternatives=(*twins, *diagnosis.alternatives),
+        notes=(*suspected, *diagnosis.notes),
+    )
+    if claimed:
+        return _told_first(told, "; ".join(lie.sentence for lie in claimed))
+    if suspected and diagnosis.found and scale > UNEXPLAINED:
+        reason = f"A channel may lie: {suspected[0]}."
+        return withdrawn(told, f"{reason} Until that is settled no physics is named")
+    if suspected and diagnosis.verdict == "undecided":
+        return replace(told, sentence=f"{diagnosis.sentence} {_capital(suspected[0])}.")
+    return told
+
+
+def _told_first(diagnosis: Diagnosis, lie: str) -> Diagnosis:
+    match diagnosis.verdict:
+        case "nothing missing":
+            sentence = f"The physics of the model holds, the measurement does not: {lie}."
+        case "undecided":
+            sentence = f"The measurement is wrong: {lie}.{REPAIRED_LEFT}"
+        case _:
+            sentence = f"The measurement is wrong: {lie}. Put right: {diagnosis.sentence}"
+    verdict = diagnosis.verdict
+    if verdict != "missing physics":
+        verdict = "measurement"
+    return replace(diagnosis, verdict=verdict, sentence=sentence)
+
+
+def withdrawn(diagnosis: Diagnosis, reason: str, best: str = "what fits best") -> Diagnosis:
+    """The diagnosis undecided for a reason; what was found stands among the alternatives."""
+    found = [_as_alternative(item) for item in diagnosis.found]
+    named = [
+        f"{effect_phrase(item.element.kind, item.estimates, item.element.options)} "
+        f"{place_text(item.element.place)}"
+        for item in diagnosis.found
+    ]
+    named += map(parameter_phrase, diagnosis.parameters)
+    named += [measurement_phrase(fault) for fault in diagnosis.measurement if fault.sd > 0]
+    fitting = f" ({best}: {joined(named)})" if named else ""
+    return replace(
+        diagnosis,
+        verdict="undecided",
+        sentence=f"{reason}{fitting}.",
+        found=(),
+        parameters=(),
+        measurement=tuple(m for m in diagnosis.measurement if m.sd == 0),
+        alternatives=(*found, *diagnosis.alternatives),
+        remainder=1.0,
+    )
+
+
+def _as_alternative(item: Found) -> Alternative:
+    element = item.element
+    return Alternative(
+        None, element.kind, item.estimates, 0.0, place=element.place, options=element.options
+    )
+
+
+def if_explained(diagnosis: Diagnosis, winner: Refined, nothing: Refined) -> Diagnosis:
+    """The diagnosis, undecided where the best structure leaves a part of the mismatch that is more
+    than noise: what it holds then may stand in for something else."""
+    claims = diagnosis.found or diagnosis.parameters or diagnosis.measurement
+    left = 1 - part_taken(winner, nothing)
+    if not claims or not left > LEFT_MOST or not winner.fit.scale > UNEXPLAINED:
+        return diagnosis
+    times = f"{number_text(float(np.sqrt(winner.fit.scale)), digits=2)} times the noise"
+    return withdrawn(
+        diagnosis,
+        "Model and recordings differ by more than the noise, and no cause that symhyb knows "
+        f"accounts for it: the best leaves {percent_text(left)} of the squared mismatch, "
+        f"{times}, and may stand in for something else",
+    )
+
+
+def if_bounded(
+    diagnosis: Diagnosis,
+    final: Refined,
+    nothing: Refined,
+    runs: Sequence[Run],
+    unseen: Sequence[Run] = (),
+) -> Diagnosis:
+    """The diagnosis, undecided where the corrected model runs away in a simulation of one of the
+    ``runs`` and of the same inputs once more, and the model as given does not.
+
+    Along an ``unseen`` recording that is only said: what is unseen proves and never chooses.
+    """
+    if not final.causes:
+        return diagnosis
+    before, after = (replace(one.machine, values=one.p) for one in (nothing, final))
+    for run in runs:
+        when = _runs_away_alone(after, before, run)
+        if when is None:
+            continue
+        reason = (
+            f"The best correction is refused, for it makes the model unstable: simulated along "
+            f"{run.recording.name} it leaves the measured range {RUNAWAY:g}-fold after "
+            f"{when:.3g} s, which the machine does not"
+        )
+        return withdrawn(diagnosis, reason)
+    for run in unseen if diagnosis.found else ():
+        when = _runs_away_alone(after, before, run)
+        if when is not None:
+            said = (
+                f"Simulated along {run.recording.name}, which it has not seen, the corrected model "
+                f"leaves the measured range {RUNAWAY:g}-fold after {when:.3g} s: what was found "
+                "holds within the motion that it was learned from."
+            )
+            sentence = f"{diagnosis.sentence} {said}"
+            return replace(diagnosis, sentence=sentence, notes=(said, *diagnosis.notes))
+    return diagnosis
+
+
+def _runs_away_alone(after: Machine, before: Machine, run: Run) -> float | None:
+    """The time in s after which the corrected machine runs away; None if it or the one before does
+    not."""
+    when = runs_away(after, run)
+    return None if when is None or runs_away(before, run) is not None else when
+
+
+def runs_away(machine: Machine, run: Run) -> float | None:
+    """The time in s after which a simulation of a recording, and of its inputs once more from where
+    it ended, leaves the measured range a hundredfold; None if it stays."""
+    ends = (
+        2 * END_KNOTS * run.motion.spacing_s
+    )  # where smoothing may swing: room to begin behind it
+    duration = run.recording.duration
+    laid = laid_on(run, machine, max(duration * (1 - 1e-9) - ends, duration / 2))
+    if laid is None:
+        return None
+    laid = laid.suited(machine).first()
+    y = laid.block.y[0]
+    seen = np.isfinite(y).any(axis=0)
+    reach = np.nanmax(y[:, seen], axis=0) - np.nanmin(y[:, seen], axis=0)
+    centre = np.nanmean(y[:, seen], axis=0)
+    model, start, passed = WindowModel(machine), laid.start, 0.0
+    for _ in range(2):
+        with np.errstate(all="ignore"):
+            x, output = model.simulate(laid.block, start, machine.values)
+            far = ~(np.abs(output[0][:, seen] - centre) < RUNAWAY * reach + 1e-12).all(axis=1)
+        if far.any():
+            t = laid.block.t[0]
+            return passed + float(t[int(np.argmax(far))] - t[0])
+        start, passed = x[:, -1], passed + run.recording.duration
+    return None
+
+
+def if_long_enough(diagnosis: Diagnosis, runs: Sequence[Run]) -> Diagnosis:
+    """The diagnosis, undecided where no recording lasts one period of any motion in it; where
+    nothing comes back there is no period, and passages at several speeds tell as well."""
+    claims = diagnosis.found or diagnosis.parameters or diagnosis.measurement
+    if not claims or any(_whole_period(run) for run in runs):
+        return diagnosis
+    if not all(one_way(run.motion) for run in runs):
+        longest = max(run.recording.duration for run in runs)
+        return withdrawn(
+            diagnosis,
+            f"These recordings cannot tell: the longest lasts {longest:.3g} s, less than one "
+            "period of its motion, and over so short a time one cause looks like another",
+        )
+    if not passed_at_one_speed(runs):
+        return diagnosis
+    told = withdrawn(
+        diagnosis,
+        "These recordings cannot tell: nothing comes back in them, and every place is passed at "
+        "one speed alone, so that forces of place, of speed and of time look alike",
+    )
+    return replace(told, record_next=other_speeds(runs))
+
+
+def if_apart(diagnosis: Diagnosis, model: Model, runs: Sequence[Run]) -> Diagnosis:
+    """The diagnosis, undecided where two points that a force joins pass through each other."""
+    met = None if diagnosis.verdict == "nothing missing" else meeting(model, runs)
+    if met is None:
+        return diagnosis
+    first, second = met.place.first, met.place.second
+    return withdrawn(
+        diagnosis,
+        f"{first} and {second} pass through each other in {met.recording} at {met.t:.3g} s, where "
+        f"the force of {met.element} turns round: so the geometry of the model is not that of the "
+        "machine (a length too short, an offset of a sensor, or points on one line that move side "
+        "by side in truth), and until it is, no physics is named",
+    )
+
+
+def _whole_period(run: Run) -> bool:
+    return bool(np.min(run.motion.periods()) < (1 - 1e-9) * run.recording.duration)
+
+
+def _capital(words: str) -> str:
+    return words[:1].upper() + words[1:]

@@ -1,0 +1,209 @@
+"""What only a whole recording shows: one cause more, judged over all of it at once.
+
+Free initial states of windows take up what acts slowly. A weak damping beside a strong one changes
+a decay by little within one window, and by much over all of it. Where the machine forgets where it
+began, a simulation over the whole recording adds up forces and not errors of the beginning, and is
+the better judge; the held windows have to agree. On a free integrator it is not, because there
+every small error adds up for ever.
+
+Where more than noise is left, odds from that rest mean little between two causes that leave much
+the same: one is told only if it takes half of what the other leaves, as any cause has to.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from symhyb.correction.search.evidence import (
+    HOPE,
+    NEAR_NOISE,
+    PART_LEFT,
+    SIGNIFICANT,
+    criterion,
+    earns,
+    excess,
+    named,
+    part_taken,
+    price,
+    unit_of,
+)  # fmt: skip
+from symhyb.correction.search.moves import PROMISE
+from symhyb.correction.search.preparing import SAMPLES_MOST, Prepared
+from symhyb.correction.search.selection import Problem, Subset, solve, without
+from symhyb.correction.search.setting import Setting, Stage, around
+from symhyb.correction.search.trajectory import Refined, grouped, refine
+from symhyb.correction.search.trials import Trials
+from symhyb.correction.verdict.choice import Choice
+from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.discrepancy.recorded.runs import laid_on
+from symhyb.discrepancy.recorded.windows import Laid
+from symhyb.numeric.buffers import Array
+from symhyb.numeric.windows import WindowModel
+
+FORGETS = 0.5  # of an error of the state at the start, which may be left at the end
+TENTH = 10  # the end and the start are tenths of a recording
+TRIED_MOST = 4  # causes, each over whole recordings
+
+Say = Callable[[str], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Completed:
+    """The chosen structure with one cause more, fitted over whole recordings (``final``, at
+    ``stage``), and with every rival of that cause, best first, by how much its criterion is worse;
+    ``log`` says how they were judged."""
+
+    final: Refined
+    stage: Stage
+    rivals: tuple[tuple[Refined, float], ...]
+    log: tuple[str, ...]
+
+    @property
+    def added(self) -> Hypothesis:
+        """The cause that is added: the last one of the structure."""
+        return self.final.causes[-1]
+
+
+def completed_over_all(prepared: Prepared, choice: Choice, say: Say) -> Completed | None:
+    """The choice with the cause that whole recordings add to it; None where they add none, where
+    hardly more than noise is left, or where whole recordings are no judge."""
+    setting, winner = choice.setting, choice.decision.winner
+    if not winner.causes or winner.fit.scale < NEAR_NOISE or winner.owned:
+        return None
+    if choice.change is not None or choice.misfits:  # what is whole is in question itself
+        return None
+    stage = whole_of(prepared, setting)
+    if stage is None:
+        return None
+    say("judging over whole recordings")
+    setting = replace(setting, stages=(*setting.stages, stage))
+    base = _over_all(setting, winner.causes, winner, grouped(winner), ())
+    if base.fit.reason or not forgets(base, stage):
+        return None
+    log: list[str] = []
+    found = [trial for trial in _tried(choice, setting, base)
+             if _stands(setting, winner, base, trial, log)]  # fmt: skip
+    if not found:
+        return None
+    best = min(found, key=lambda trial: criterion(trial, base))
+    rivals = [
+        (trial, criterion(trial, best) - criterion(best, best))
+        for trial in found
+        if trial is not best and not part_taken(best, trial) > PART_LEFT
+    ]
+    return Completed(best, stage, tuple(sorted(rivals, key=lambda pair: pair[1])), tuple(log))
+
+
+def whole_of(prepared: Prepared, setting: Setting) -> Stage | None:
+    """Every recording as one window; None where one has gaps, or is one window already, or where
+    they have more samples than a search takes: one long window cannot run side by side with others.
+    """
+    if sum(item.source[0].t.size for item in setting.stages[-1].laid) > SAMPLES_MOST:
+        return None
+    laid: list[Laid] = []
+    for item in setting.stages[-1].laid:
+        run = next(run for run in prepared.runs if run.recording is item.source[0])
+        t = run.recording.t
+        one = laid_on(run, prepared.machine, (t.size - 1) * float(np.median(np.diff(t))))
+        if one is None or len(item.start) < 2:
+            return None
+        laid.append(one)
+    return Stage(max(float(np.ptp(item.block.t)) for item in laid), tuple(laid))
+
+
+def forgets(trial: Refined, stage: Stage) -> bool:
+    """Whether an error of the state at the start of a recording is down to half at its end, in all
+    that the sensors show."""
+    free = tuple(trial.machine.column(path) for path in trial.paths)
+    model = WindowModel(trial.machine, free)
+    half = len(model.form.free)
+    if half == 0:  # all motion is given: there is no beginning to forget
+        return False
+    for item, start in zip(stage.laid, trial.fit.starts, strict=True):
+        suited = item.suited(trial.machine)
+        spread = suited.states.reshape(-1, suited.states.shape[2]).std(axis=0)[: 2 * half]
+        p = trial.of(item.source[0])
+        with np.errstate(over="ignore", invalid="ignore"):
+            reply = model.differentiate(suited.block, start, p).from_states()
+            size = np.sum((reply[0, :, :, : 2 * half] * spread) ** 2, axis=2)  # (L, m)
+        first, *_, last = np.array_split(size, TENTH)
+        seen = first.mean(axis=0) > 0
+        left = last.mean(axis=0)[seen]
+        if not np.all(left <= FORGETS**2 * first.mean(axis=0)[seen]):
+            return False
+    return True
+
+
+def _tried(choice: Choice, setting: Setting, base: Refined) -> list[Refined]:
+    """The structure with each cause of one number that the linear problem over whole recordings
+    promises, refined; those that are worth a name."""
+    trials = Trials(setting, {i for i, c in enumerate(setting.hypotheses) if c.variant}, _silent)
+    gone = {setting.hypotheses.index(second) for _, second in choice.decision.twins}
+    problem = without(around(setting, base), trials.dropped | gone)
+    tried = []
+    for subset in _promised(problem, base, trials.count):
+        cause = problem.hypotheses[subset.causes[0]]
+        rows = [*grouped(base), cause.values(list(subset.values))]
+        trial = _over_all(setting, (*base.causes, cause), base, rows, base.fit.starts)
+        if trials.believed(trial):
+            tried.append(trial)
+    return tried
+
+
+def _promised(problem: Problem, base: Refined, count: int) -> list[Subset]:
+    """Causes of one number, the most promising of each family, by what they would take."""
+    empty = solve(problem, ())
+    if empty is None:
+        return []
+    taken = {(c.kind, c.place, c.path, term) for c in base.causes for term in c.terms}
+    least = HOPE * (SIGNIFICANT + price(base, 1, 1, count)) * unit_of(base)
+    best: dict[object, Subset] = {}
+    for i, cause in enumerate(problem.hypotheses):
+        told = {(cause.kind, cause.place, cause.path, term) for term in cause.terms}
+        if cause.numbers > 1 or told & taken or (subset := solve(problem, (i,))) is None:
+            continue
+        gain = empty.chi2 - subset.chi2
+        worth = gain > least and gain > PROMISE * excess(empty.chi2, base)
+        if worth and (cause.family not in best or subset.chi2 < best[cause.family].chi2):
+            best[cause.family] = subset
+    return sorted(best.values(), key=lambda subset: subset.chi2)[:TRIED_MOST]
+
+
+def _stands(
+    setting: Setting, winner: Refined, base: Refined, trial: Refined, log: list[str]
+) -> bool:
+    """Whether the added cause earns its place over whole recordings, and the held ones of the
+    longest windows, at which ``winner`` was fitted, agree."""
+    count = len({cause.family for cause in setting.hypotheses})
+    earned, sentence = earns(trial, base, count)
+    log.append(f"over whole recordings: {sentence}")
+    if not earned or not winner.fit.held.any():
+        return earned
+    model, laid = setting.windows.machine.model, setting.stages[-2].laid
+    larger = refine(
+        model, trial.causes, grouped(trial), laid, setting.sd, winner.fit.starts
+    ).fit  # fmt: skip
+    held = (winner.fit.validation - larger.validation) / (larger.scale * larger.correlation)
+    agreed = not larger.reason and held > SIGNIFICANT
+    said = "agree" if agreed else "do not agree"
+    log.append(f"{named(trial.causes)}: held windows {said} ({held:.3g})")
+    return agreed
+
+
+def _over_all(
+    setting: Setting,
+    causes: Sequence[Hypothesis],
+    before: Refined,
+    rows: Sequence[dict[str, float]],
+    starts: Sequence[Array],
+) -> Refined:
+    """Causes fitted over whole recordings, from values ``rows``, SI."""
+    return refine(
+        setting.windows.machine.model, causes, rows, setting.stages[-1].laid, setting.sd,
+        starts or None, everything=True, careful=True,
+    )  # fmt: skip
+
+
+def _silent(line: str) -> None:
+    """Say nothing."""

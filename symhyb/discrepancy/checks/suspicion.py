@@ -1,0 +1,344 @@
+"""Channels that lie: a wrong unit or sign, exchanged columns, a time column in another unit.
+
+These would mislead the estimate of the motion itself, so they are tried before everything else, but
+only where a model misses more than any ordinary cause could explain (:mod:`.misfit`). A lie is
+claimed where the repaired recordings leave a tenth of that and the model then explains nine tenths
+of all forces; one that helps and does less is told as a suspicion and changes nothing.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+from math import log
+from typing import TypeVar
+
+import numpy as np
+
+from symhyb.data.recording import Recording
+from symhyb.data.thin import thinned
+from symhyb.discrepancy.fitting.misfit import Misfit, misfit
+from symhyb.discrepancy.recorded.motion import motion_of
+from symhyb.discrepancy.recorded.runs import SAMPLES_TELL, Run
+from symhyb.discrepancy.results import Lie
+from symhyb.discrepancy.words.wording import joined, percent_text
+from symhyb.errors import InputError
+from symhyb.model.types import Input, Model, Parameter, Sensor
+from symhyb.numeric.buffers import resampled
+from symhyb.numeric.machine import Machine
+from symhyb.units import ONE, Unit, parse_unit
+
+SUSPECT = 2e-3  # of all squared forces, that no ordinary cause takes: below, nothing is suspected
+CLEARED = 0.1  # of the misfit may be left, for a lie to be claimed
+EXPLAINED = 0.1  # of all squared forces may be left to ordinary causes, for a lie to be claimed
+TAKEN = 0.3  # of what the model as recorded leaves may be left, for a lie to be claimed
+HELPS = 0.3  # of the misfit may be left, for a suspicion to be told
+ALIKE = 3.0  # two lies whose misfits are closer than this cannot be told apart
+LEVEL = 1e-4  # of squares: smaller misfits are alike
+SAMPLES_MOST = 1200  # of a recording, that are looked at
+SPACINGS_TRIED = (1.6, 4.0, 8.0, 16.0, 32.0, 64.0)  # samples between two knots
+SAMPLES_PERIOD = 80  # of the shortest period, that are kept
+LIE_LEAST = 1.5  # a factor closer to 1 is a gain
+
+UNITS = (
+    "m", "mm", "cm", "um", "inch", "rad", "deg", "turn", "mrad", "m/s", "mm/s", "cm/s", "km/h",
+    "rad/s", "deg/s", "turn/s", "rpm", "m/s^2", "mm/s^2", "g", "rad/s^2", "deg/s^2",
+    "N", "kN", "mN", "kgf", "lbf", "N*m", "mN*m", "kN*m", "V", "mV", "A", "mA",
+)  # fmt: skip
+"""Units that recordings come in; of a channel, those of its dimension are tried."""
+TOGETHER = ("mm", "cm", "deg", "turn")  # lengths or angles, their speeds and accelerations
+NAMED = {"g": (9.80665, "m/s^2"), "kgf": (9.80665, "N"), "lbf": (4.4482216, "N")}
+TIMES = (("ms", 1e3), ("us", 1e6), ("min", 1 / 60))
+PLURALS = {"deg": "degrees", "turn": "revolutions", "inch": "inches"}
+
+
+@dataclass(frozen=True, slots=True)
+class Repair:
+    """Model and recordings without the lies that were claimed, ``told`` the lies of any weight."""
+
+    model: Model
+    told: tuple[Lie, ...]
+
+
+def repaired(given: Sequence[Recording], lies: Sequence[Lie]) -> tuple[Recording, ...]:
+    """Recordings with what no model file can say put right: exchanged columns, the unit of time.
+
+    Wrong units and signs stay in them: the corrected model states their gain.
+    """
+    claimed = [lie for lie in lies if lie.claimed]
+    return tuple(_undone(recording, claimed) for recording in given)
+
+
+def _undone(recording: Recording, lies: Sequence[Lie]) -> Recording:
+    for lie in lies:
+        if lie.kind == "time":
+            recording = replace(recording, t=recording.t / lie.factor)
+        if lie.kind == "clock":
+            recording = _retimed(recording, lie)
+        if lie.kind == "swap":
+            first, second = lie.channels
+            sensors, inputs = dict(recording.sensors), dict(recording.inputs)
+            side = sensors if first in sensors else inputs
+            if first in side and second in side:
+                side[first], side[second] = side[second], side[first]
+            recording = replace(recording, sensors=sensors, inputs=inputs)
+    return recording
+
+
+def _retimed(recording: Recording, lie: Lie) -> Recording:
+    """A recording in which a channel's delay no longer grows."""
+    sensors, inputs = dict(recording.sensors), dict(recording.inputs)
+    grown = lie.factor * (recording.t - recording.t[0])
+    for name in lie.channels:
+        if name in sensors:  # what it shows at t + d was true at t
+            at = recording.t + grown
+            known = np.isfinite(sensors[name])
+            column = resampled(recording.t[known], sensors[name][known], at)
+            sensors[name] = np.where((at < recording.t[0]) | (at > recording.t[-1]), np.nan, column)
+        if name in inputs:
+            inputs[name] = resampled(recording.t, inputs[name], recording.t - grown)
+    return replace(recording, sensors=sensors, inputs=inputs)
+
+
+def suspect(machine: Machine, runs: Sequence[Run]) -> Repair:
+    """Try all lies where the model as given misses more than ordinary causes explain.
+
+    ``machine`` is that of a model that states the gains of all channels, ``runs`` have their
+    motion; costs one look at ΔF where nothing is suspected.
+    """
+    model = machine.model
+    if sum(run.recording.t.size for run in runs) < SAMPLES_TELL or not any(map(_turned, runs)):
+        return Repair(model, ())
+    before = _measured(machine, runs)
+    if before is None or before.worst < SUSPECT or any(run.motion.blind for run in runs):
+        return Repair(model, ())
+    short = [_shortened(run) for run in runs]
+    spacing = float(np.median([run.motion.spacing_s for run in runs]))
+    plain = _along(machine, short, spacing)
+    before = None if plain is None else _measured(machine, plain)
+    if plain is None or before is None or before.worst < SUSPECT:
+        return Repair(model, ())
+    inputs, scored = {item.name for item in model.inputs}, []
+    for lie in lies_of(model, short):
+        changed = replace(machine, model=with_lie(model, lie))
+        values = np.array([item.si for item in changed.model.all_parameters()])
+        changed = replace(changed, values=values)
+        moved = lie.kind == "time" or not inputs.issuperset(lie.channels)
+        tried = [_undone(recording, [lie]) for recording in short]
+        if moved:
+            scale = lie.factor if lie.kind == "time" else 1.0
+            found = _along(changed, tried, spacing / scale)
+        else:
+            found = tuple(replace(r, recording=one) for r, one in zip(plain, tried, strict=True))
+        after = None if found is None else _measured(changed, found)
+        if after is not None:
+            scored.append((lie, after))
+    return _judged(model, before, scored)
+
+
+def _turned(run: Run) -> bool:
+    """Whether a recording lasts a period of some motion: less shows no shape to tell lies by."""
+    return bool(np.min(run.motion.periods()) < (1 - 1e-9) * run.recording.duration)
+
+
+def _judged(model: Model, before: Misfit, scored: Sequence[tuple[Lie, Misfit]]) -> Repair:
+    """Claim what clears the misfit and explains the forces, tell what helps, else nothing."""
+    clear = [(lie, after) for lie, after in scored if _clears(before, after)]
+    helps = [(lie, after) for lie, after in scored if _helps(before, after)]
+    able = clear or helps
+    if not able:
+        return Repair(model, ())
+    limit = ALIKE * max(min(after.worst for _, after in able), LEVEL)
+    near = [(lie, after) for lie, after in able if after.worst < limit]
+    lie, after = min(near, key=lambda pair: _rank(pair[0], model))
+    others = tuple(other for other, _ in near if other is not lie)
+    sentence = (_claim if clear else _suspicion)(lie, before, after, tuple(map(said, others)))
+    told = replace(lie, claimed=bool(clear), sentence=sentence, rivals=others)
+    return Repair(with_lie(model, told) if clear else model, (told,))
+
+
+def _clears(before: Misfit, after: Misfit) -> bool:
+    """Whether nothing but this lie explains the misfit; sensors that contradict each other need
+    no forces to tell it."""
+    explains = after.plain < EXPLAINED and after.plain < TAKEN * before.plain
+    contradict = before.senses > SUSPECT and after.senses < CLEARED * before.senses
+    return after.worst < CLEARED * before.worst and (explains or contradict)
+
+
+def _helps(before: Misfit, after: Misfit) -> bool:
+    return after.worst < HELPS * before.worst and (
+        after.plain < HELPS * before.plain or before.senses > SUSPECT
+    )
+
+
+def _along(
+    machine: Machine, recordings: Sequence[Recording], spacing_s: float
+) -> tuple[Run, ...] | None:
+    """Recordings with their motion, or None where there is none. Channels that contradict each
+    other ask for finer knots than channels that agree, so besides ``spacing_s`` others are tried.
+    """
+    runs = []
+    for recording in recordings:
+        step = float(np.median(np.diff(recording.t)))
+        spacings = sorted({spacing_s, *(one * step for one in SPACINGS_TRIED)})
+        try:
+            motion = motion_of(recording, machine, spacings)
+        except InputError:
+            return None
+        runs.append(Run(recording, motion, np.empty(0)))
+    return tuple(runs)
+
+
+def _measured(machine: Machine, runs: Sequence[Run]) -> Misfit | None:
+    try:
+        with np.errstate(all="ignore"):
+            found = misfit(machine, runs)
+    except (ValueError, np.linalg.LinAlgError):
+        return None
+    return found if np.isfinite(found.worst) and np.isfinite(found.plain) else None
+
+
+def _shortened(run: Run) -> Recording:
+    """The part of a recording that moves most, thinned as far as its motion allows."""
+    step = float(np.median(np.diff(run.recording.t)))
+    dense = int(float(run.motion.periods().min()) / SAMPLES_PERIOD / step)
+    recording = thinned(run.recording, max(min(dense, run.recording.t.size // SAMPLES_MOST), 1))
+    size = recording.t.size
+    if size <= SAMPLES_MOST:
+        return recording
+    firsts = range(0, size - SAMPLES_MOST + 1, SAMPLES_MOST)
+    spreads = {name: float(np.nanstd(values)) for name, values in recording.sensors.items()}
+
+    def moves(first: int) -> float:
+        parts = {n: v[first : first + SAMPLES_MOST] for n, v in recording.sensors.items()}
+        kept = {n: part for n, part in parts.items() if spreads[n] > 0 and np.isfinite(part).any()}
+        return sum(float(np.nanstd(part)) / spreads[n] for n, part in kept.items())
+
+    first = max(firsts, key=moves)
+    rows = slice(first, first + SAMPLES_MOST)
+    return replace(
+        recording, t=recording.t[rows],
+        inputs={name: values[rows] for name, values in recording.inputs.items()},
+        sensors={name: values[rows] for name, values in recording.sensors.items()},
+    )  # fmt: skip
+
+
+def lies_of(model: Model, recordings: Sequence[Recording]) -> Iterator[Lie]:
+    """Every lie worth a trial: signs and units of each channel and of all sensors of one unit
+    together, exchanged columns, the unit of time."""
+    present = [s for s in model.sensors if all(s.name in r.sensors for r in recordings)]
+    channels: list[Input | Sensor] = [*model.inputs, *present]
+    for channel in channels:
+        yield Lie("sign", (channel.name,), -1.0)
+        for word, factor in misreadings(channel.unit):
+            yield Lie("unit", (channel.name,), factor, word)
+    for word in TOGETHER:
+        factors = {
+            s.name: factor
+            for s in present
+            for other, factor in misreadings(s.unit)
+            if other.split("/")[0] == word
+        }
+        if len(factors) > 1 and max(factors.values()) < 1.001 * min(factors.values()):
+            yield Lie("unit", tuple(factors), max(factors.values()), word)
+    sensed, driven = [s.name for s in present], [item.name for item in model.inputs]
+    for pair in (*combinations(sensed, 2), *combinations(driven, 2)):
+        yield Lie("swap", pair)
+    for word, factor in TIMES:
+        yield Lie("time", ("t",), factor, word)
+
+
+def misreadings(unit: Unit) -> Iterator[tuple[str, float]]:
+    """Other units of a dimension, with the factor by which a number in them is too large."""
+    seen = {1.0}
+    for text in UNITS:
+        size, name = NAMED.get(text, (1.0, text))
+        other = parse_unit(name)
+        factor = unit.factor / (size * other.factor)
+        turns = "rad" in text or "deg" in text or "turn" in text or text == "rpm"
+        if not unit.same_dimension(other) or turns != _turns(unit):
+            continue
+        if max(factor, 1 / factor) > LIE_LEAST and round(log(factor), 6) not in seen:
+            seen.add(round(log(factor), 6))
+            yield text, factor
+
+
+def _turns(unit: Unit) -> bool:
+    return any(word in unit.text for word in ("rad", "deg", "turn", "rpm", "rev"))
+
+
+def with_lie(model: Model, lie: Lie) -> Model:
+    """The model whose channels state the gains of a wrong unit or sign."""
+    if lie.kind not in ("unit", "sign"):
+        return model
+    return replace(
+        model,
+        inputs=tuple(_misread(item, lie, 1 / lie.factor) for item in model.inputs),
+        sensors=tuple(_misread(item, lie, lie.factor) for item in model.sensors),
+    )
+
+
+Channel = TypeVar("Channel", Input, Sensor)
+
+
+def _misread(channel: Channel, lie: Lie, factor: float) -> Channel:
+    if channel.name not in lie.channels:
+        return channel
+    gain = channel.gain or Parameter("gain", 1.0, ONE, owner=channel.name)
+    return replace(channel, gain=replace(gain, value=gain.value * factor))
+
+
+def gain_of(model: Model, lie: Lie, name: str) -> float:
+    """The gain of a channel of the model as given, with a lie that was claimed."""
+    changed = with_lie(model, lie)
+    channels: list[Input | Sensor] = [*changed.inputs, *changed.sensors]
+    gain = next(channel.gain for channel in channels if channel.name == name)
+    return 1.0 if gain is None else gain.value
+
+
+def _rank(lie: Lie, model: Model) -> tuple[int, int, int]:
+    """Which of two lies that fit alike is named: a sign before a unit before an exchange before
+    the time, an input before a sensor, all sensors of a unit before a single one."""
+    order = ("sign", "unit", "swap", "time", "clock")
+    inputs = {item.name for item in model.inputs}
+    return order.index(lie.kind), int(not inputs & {*lie.channels}), -len(lie.channels)
+
+
+def said(lie: Lie) -> str:
+    """Say a lie as a clause: ``encoder is recorded in degrees``."""
+    names = joined(lie.channels)
+    verb = "is" if len(lie.channels) == 1 else "are"
+    match lie.kind:
+        case "sign":
+            return f"{names} {verb} recorded with the opposite sign"
+        case "unit":
+            word = PLURALS.get(lie.word, lie.word)
+            return f"{names} {verb} recorded in {word}"
+        case "swap":
+            return f"the columns of {names} are exchanged"
+        case "clock":
+            return f"the clock of {names} does not keep the time of the other channels"
+        case _:
+            return f"the time column is in {lie.word}, not in s"
+
+
+def _claim(lie: Lie, before: Misfit, after: Misfit, twins: Sequence[str]) -> str:
+    cure = {
+        "swap": " (map each to the other's column to be rid of this)",
+        "time": f" (map t to its column in {lie.word} to be rid of this)",
+    }.get(lie.kind, "")
+    sentence = f"{said(lie)}{cure}: as recorded, {_share(before)}; put right, {_share(after)}"
+    return sentence + (f" (the same would be seen if {joined(twins, 'or')})" if twins else "")
+
+
+def _suspicion(lie: Lie, before: Misfit, after: Misfit, twins: Sequence[str]) -> str:
+    rivals = f", or {joined(twins, 'or')}" if twins else ""
+    return (
+        f"perhaps {said(lie)}{rivals}: as recorded, {_share(before)}; put right, {_share(after)}, "
+        "which is not enough to claim it"
+    )
+
+
+def _share(found: Misfit) -> str:
+    if found.senses > max(found.ordinary, SUSPECT):
+        return f"the sensors contradict each other by {percent_text(found.senses)} of a variance"
+    return f"{percent_text(min(found.ordinary, 1.0))} of the squared forces have no ordinary cause"

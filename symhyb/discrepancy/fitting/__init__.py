@@ -1,0 +1,1 @@
+"""Trajectories matched to windows, and the scores that models are judged by."""

@@ -1,0 +1,121 @@
+"""Before against after, on training and unseen recordings, and which score carries the verdict."""
+
+from collections.abc import Mapping, Sequence
+from typing import Literal
+
+import numpy as np
+
+from symhyb.data.recording import Recording, several
+from symhyb.discrepancy.fitting.scores import Errors, errors, score, yardstick
+from symhyb.discrepancy.recorded.motion import measured, motion_of
+from symhyb.discrepancy.recorded.runs import Run, noise_sd, with_noise
+from symhyb.discrepancy.recorded.sampling import as_sampled
+from symhyb.discrepancy.results import Comparison, Score, Trace, Verdict
+from symhyb.discrepancy.words.wording import percent_text
+from symhyb.model.types import Model
+from symhyb.numeric.buffers import Array
+from symhyb.numeric.machine import Machine, build
+from symhyb.numeric.windows import WindowModel
+
+WINDOW_PERIODS = 0.5  # length of a window, where none is given
+BAND_PERIODS = 20.0  # upper end of the force band per period, where none is given
+STARTS = "fitted to every window and every run, unseen ones too"
+
+
+def judge(
+    model: Model,
+    corrected: Model,
+    on: Recording | Sequence[Recording] = (),
+    *,
+    train: Recording | Sequence[Recording] = (),
+    window_s: float | None = None,
+    force_band_hz: float | None = None,
+) -> Verdict:
+    """Score a model and its correction on unseen recordings ``on`` and on those of the training.
+
+    ``window_s`` is the length of the short windows in s (default: half the shortest period of the
+    motion), ``force_band_hz`` the upper end of the band in Hz in which forces are compared
+    (default: 20 of those periods).
+    """
+    unseen, seen = several(on), several(train)
+    told = seen or unseen
+    machines = build(as_sampled(model, told)), build(as_sampled(corrected, told))
+    runs = {"train": _runs(machines[0], seen), "holdout": _runs(machines[0], unseen)}
+    period = min(
+        (float(run.motion.periods().min()) for group in runs.values() for run in group), default=1.0
+    )
+    window = window_s or WINDOW_PERIODS * period
+    band = force_band_hz or BAND_PERIODS / period
+    comparisons: dict[str, Comparison | None] = {"train": None, "holdout": None}
+    traces: list[Trace] = []
+    same = corrected == model
+    for role, group in runs.items():
+        if not group:
+            continue
+        by = yardstick(machines[0], group, band)
+        before = errors(machines[0], group, window, band)
+        after = before if same else errors(machines[1], group, window, band)
+        comparisons[role] = Comparison(
+            score(machines[0], before, group, by), score(machines[1], after, group, by)
+        )
+        traces += _traces(machines[0], group, role, before, after)
+    carries = _carries(comparisons["holdout"] or comparisons["train"], window, bool(unseen), same)
+    empty = Comparison(*(Score({}, {}, {}, {}, {}, {}) for _ in range(2)))
+    return Verdict(
+        window, STARTS, band, comparisons["train"] or empty, comparisons["holdout"], carries,
+        tuple(traces),
+    )  # fmt: skip
+
+
+def _runs(machine: Machine, recordings: Sequence[Recording]) -> tuple[Run, ...]:
+    runs = [Run(recording, motion_of(recording, machine), np.empty(0)) for recording in recordings]
+    return with_noise(runs, noise_sd(runs, machine), WindowModel(machine)) if runs else ()
+
+
+def _traces(
+    machine: Machine, runs: Sequence[Run], role: str, before: Errors, after: Errors
+) -> list[Trace]:
+    names = [sensor.name for sensor in machine.model.sensors]
+
+    def table(values: Array, present: Sequence[str]) -> dict[str, Array]:
+        return {name: values[:, i] for i, name in enumerate(names) if name in present}
+
+    traces = []
+    for run, first, second in zip(runs, before.trajectories, after.trajectories, strict=True):
+        present = list(run.recording.sensors)
+        said = (("before correction", first), ("after correction", second))
+        failures = [f"{when}: {run_.reason}" for when, run_ in said if run_.reason]
+        kind: Literal["train", "holdout"] = "train" if role == "train" else "holdout"
+        traces.append(
+            Trace(
+                run.recording.name, kind, run.recording.t,
+                table(measured(run.recording, machine), present),
+                table(first.y, present), table(second.y, present), tuple(failures),
+            )
+        )  # fmt: skip
+    return traces
+
+
+def _carries(comparison: Comparison | None, window: float, unseen: bool, same: bool) -> str:
+    """The sentence that says which score carries the verdict, and why."""
+    if comparison is None:
+        return "No recording was given to judge on."
+    where = "unseen recordings" if unseen else "the training recordings (no unseen one was given)"
+    before, after = (_worst(s.window_nrmse) for s in (comparison.before, comparison.after))
+    why = (
+        f"The error over windows of {window:.3g} s with fitted initial states carries the verdict: "
+        "short windows show forces, where a long free run adds up every small error and drifts."
+    )
+    if same or before is None or after is None:
+        shown = "not computable" if before is None else percent_text(before)
+        return f"On {where} the window NRMSE is {shown}. {why}"
+    went = "rises" if after > before else "falls"
+    return (
+        f"On {where} the window NRMSE {went} from {percent_text(before)} to "
+        f"{percent_text(after)}. {why}"
+    )
+
+
+def _worst(values: Mapping[str, float | None]) -> float | None:
+    numbers = [v for v in values.values() if v is not None]
+    return max(numbers) if numbers else None

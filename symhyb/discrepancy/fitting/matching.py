@@ -1,0 +1,400 @@
+"""Trajectory matching: parameters fitted by simulation error over windows.
+
+Every window has its own initial state, eliminated in each Gauss–Newton step by variable
+projection, so a record of any length costs one sweep a step (multiple shooting: Bock 1983; the
+projection: Golub & Pereyra 1973). Residuals are whitened by the measured noise.
+Sizes: F free parameters, W windows, L samples a window, m sensors, X states.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from operator import is_
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symhyb.discrepancy.fitting.anchors import anchored, off_anchor
+from symhyb.discrepancy.fitting.normal import bounded_step, inverse_of
+from symhyb.discrepancy.recorded.windows import Laid, correlation_time
+from symhyb.numeric.buffers import Array
+from symhyb.numeric.windows import WindowModel
+
+DECREASE = 1e-5  # of the cost, predicted: stop
+ITERATIONS = 15
+TRIAL_DECREASE = 1e-4
+TRIAL_ITERATIONS = 7  # a structure that needs more is not close
+DAMPING_MOST = 1e8
+UNBOUNDED = "the simulation grew without bound"
+SHARES = (1.0, 0.0)  # of the step of a window's initial state: the best is taken
+SHARES_ALONE = (1.0, 0.3, 0.0)  # where no parameter moves with it
+HELD_ROUNDS = 2  # of steps for the initial states alone, when the parameters stand
+ROUNDS = 3  # of both
+LATE_ROUNDS = 3  # more, where the delay of a sensor moves by samples
+SETTLED = 0.01  # of the cost: if settling takes more, the parameters move again
+
+
+@dataclass(frozen=True, slots=True)
+class Fit:
+    """Fitted parameters and how well the windows are met.
+
+    ``values`` (F,) SI; ``covariance`` (F, F), widened for coloured residuals; ``chi2`` of each
+    window (W,) in the order of the recordings, ``count`` (W,) its samples less its initial states,
+    ``held`` (W,); ``correlation`` c ≥ 1 of the fitted windows; ``starts`` the fitted initial
+    states of each recording (W, X); ``prior`` the χ² of the values against what was known of them
+    before. ``reason`` is empty, or says why the fit failed. ``floor`` is
+    the χ² per sample by which repeated runs differ: a smaller difference proves nothing.
+    """
+
+    values: Array
+    covariance: Array
+    chi2: Array
+    count: NDArray[np.int64]
+    held: NDArray[np.bool_]
+    correlation: float
+    starts: tuple[Array, ...]
+    reason: str = ""
+    prior: float = 0.0
+    floor: float = 0.0
+
+    @property
+    def train(self) -> float:
+        """χ² of the windows that were fitted."""
+        return float(self.chi2[~self.held].sum())
+
+    @property
+    def validation(self) -> float:
+        """χ² of the windows that were held out."""
+        return float(self.chi2[self.held].sum())
+
+    @property
+    def scale(self) -> float:
+        """χ² per sample of the fitted windows; below 1 where the noise was measured too large, but
+        never below what repeated runs differ by."""
+        return max(self.train / max(float(self.count[~self.held].sum()), 1.0), self.floor, 1e-30)
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """What to fit, SI: windows, noise ``sd`` (m,), bounds ``lower`` and ``upper`` (F,), priors
+    ``mean`` and ``spread`` (F,; one sd, inf for none).
+
+    With ``everything`` the held windows are fitted too. Steps end where one is predicted to lower
+    the cost by less than ``decrease`` of it, or after ``iterations``.
+
+    Where recordings have numbers of their own, ``own`` says for each of them which of the fitted
+    numbers its free parameters are; ``first`` is then where all these numbers begin.
+    """
+
+    laid: tuple[Laid, ...]
+    sd: Array
+    lower: Array
+    upper: Array
+    mean: Array
+    spread: Array
+    everything: bool = False
+    decrease: float = DECREASE
+    iterations: int = ITERATIONS
+    own: tuple[tuple[int, ...], ...] = ()
+    first: Array | None = None
+
+    def filled(self, which: int, p: Array, free: Sequence[int], values: Array) -> Array:
+        """The parameters (P,) of one recording."""
+        full = p.copy()
+        full[list(free)] = values[list(self.own[which])] if self.own else values
+        return full
+
+
+@dataclass(frozen=True, slots=True)
+class _Part:
+    """One recording, whitened: residual (W, L·m), by starts (W, L·m, X), by parameters
+    (W, L·m, F); ``used`` (W,), True where a window determines the parameters. With constraints
+    starts move along R directions only, those of ``lift`` (W, X, R)."""
+
+    residual: Array
+    by_start: Array
+    by_free: Array
+    used: NDArray[np.bool_]
+    lift: Array | None = None
+
+    def lifted(self, step: Array) -> Array:
+        """A step of the initial states (W, X) from one along their free directions."""
+        return step if self.lift is None else (self.lift @ step[..., None])[..., 0]
+
+
+def starts_only(laid: Laid, sd: Array) -> Task:
+    """The task for windows of one recording, noise ``sd`` (m,) in SI, in which nothing but initial
+    states is to be fitted."""
+    none = np.zeros(0)
+    return Task((laid,), sd, none, none, none, none)
+
+
+def fit(model: WindowModel, task: Task, p: Array, starts: Sequence[Array] | None = None) -> Fit:
+    """Fit the free parameters of ``model`` from ``p`` (P,) in SI by damped Gauss–Newton steps.
+
+    Initial states start at ``starts`` (W, X) of each recording (default: those of the smoothed
+    motion) and are fitted on every window, parameters on those that are not held.
+    """
+    first = p[list(model.free)] if task.first is None else task.first
+    values = np.clip(first, task.lower, task.upper)
+    now = _on_constraints(model, task, p, values, starts or [item.start for item in task.laid])
+    task = _in_time(model, task, p, values)
+    cost = _cost(model, task, p, values, now)
+    if not np.isfinite(cost):
+        return _failed(task, now, values)
+    for i in range(ROUNDS + LATE_ROUNDS):
+        values, now, cost = _descended(model, task, p, values, now, cost)
+        now = _settled(model, task, p, values, now)
+        settled = _cost(model, task, p, values, now)
+        timed = _in_time(model, task, p, values)
+        if timed is not task:
+            task, cost = timed, _cost(model, timed, p, values, now)
+        elif settled < (1 - SETTLED) * cost and i < ROUNDS - 1:
+            cost = settled
+        else:
+            break
+    inner = model.machine.inner_states
+    return _finish(task, _linearise(model, task, p, values, now), values, now, inner)
+
+
+def _in_time(model: WindowModel, task: Task, p: Array, values: Array) -> Task:
+    """The task with signals of late sensors in time with the model; itself where they are."""
+    full = (task.filled(i, p, model.free, values) for i in range(len(task.laid)))
+    laid = tuple(item.in_time(model, one) for item, one in zip(task.laid, full, strict=True))
+    return task if all(map(is_, laid, task.laid)) else replace(task, laid=laid)
+
+
+def _on_constraints(
+    model: WindowModel, task: Task, p: Array, values: Array, starts: Sequence[Array]
+) -> list[Array]:
+    """Initial states moved onto the constraints of the machine, if it has any."""
+    return [
+        model.closed(item.block, start, task.filled(i, p, model.free, values))
+        for i, (item, start) in enumerate(zip(task.laid, starts, strict=True))
+    ]
+
+
+def _descended(
+    model: WindowModel, task: Task, p: Array, values: Array, now: list[Array], cost: float
+) -> tuple[Array, list[Array], float]:
+    """Parameters, initial states and cost after damped Gauss–Newton steps, while they pay."""
+    damping, gained = 0.0, 0.0
+    for _ in range(task.iterations):
+        parts = _linearise(model, task, p, values, now)
+        accepted = False
+        while damping <= DAMPING_MOST:
+            change, moved, predicted = _step(task, parts, values, damping)
+            if predicted <= task.decrease * cost:
+                break
+            trial = values + change
+            after, ahead = _tried(model, task, p, trial, now, moved)
+            if after < cost:
+                accepted, damping = True, damping / 10 if damping > 1e-4 else 0.0
+                gained, values, now, cost = cost - after, trial, ahead, after
+                break
+            damping = max(10 * damping, 1e-3)
+        if not accepted or gained <= task.decrease * cost:
+            break
+    return values, now, cost
+
+
+def _tried(
+    model: WindowModel,
+    task: Task,
+    p: Array,
+    values: Array,
+    starts: Sequence[Array],
+    moved: Sequence[Array],
+) -> tuple[float, list[Array]]:
+    """Cost and initial states after a step; a window that it would throw off stays where it is, or
+    takes a part of it."""
+    total, chosen = float(np.sum(((values - task.mean) / task.spread) ** 2)), []
+    for i, (item, start, move) in enumerate(zip(task.laid, starts, moved, strict=True)):
+        full = task.filled(i, p, model.free, values)
+        used = np.ones(len(start), bool) if task.everything else ~item.held
+        shares = SHARES if values.size else SHARES_ALONE
+        begins = [model.closed(item.block, start + share * move, full) for share in shares]
+        best, costs = _best_of(model, item, full, begins, task.sd)
+        chosen.append(best)
+        total += float(np.sum(costs[used]))
+    return (total if np.isfinite(total) else np.inf), chosen
+
+
+def _best_of(
+    model: WindowModel, item: Laid, p: Array, begins: Sequence[Array], sd: Array
+) -> tuple[Array, Array]:
+    """Of several initial states (W, X) the best of each window, and its squares (W,)."""
+    costs = np.stack([_squares(model, item, p, begin, sd) for begin in begins])
+    costs = np.where(np.isfinite(costs), costs, np.inf)
+    return np.choose(np.argmin(costs, axis=0)[:, None], begins), costs.min(axis=0)
+
+
+def _settled(
+    model: WindowModel, task: Task, p: Array, values: Array, starts: Sequence[Array]
+) -> list[Array]:
+    """Initial states for the parameters as they stand, from the measured motion where that is
+    better: held windows had no say in which steps were taken, and one bad one may hold up all."""
+    now = list(starts)
+    fulls = [task.filled(i, p, model.free, values) for i in range(len(now))]
+    for i, (item, full) in enumerate(zip(task.laid, fulls, strict=True)):
+        measured = model.closed(item.block, item.start, full)
+        now[i] = _best_of(model, item, full, (now[i], measured), task.sd)[0]
+    for _ in range(HELD_ROUNDS):
+        parts = _linearise(model, task, p, values, now)
+        for i, (item, full) in enumerate(zip(task.laid, fulls, strict=True)):
+            move = _start_step(parts[i], np.zeros_like(values), 0.0)[0]
+            steps = [model.closed(item.block, now[i] + x * move, full) for x in SHARES_ALONE]
+            now[i] = _best_of(model, item, full, steps, task.sd)[0]
+    return now
+
+
+def _squares(model: WindowModel, item: Laid, p: Array, start: Array, sd: Array) -> Array:
+    """Squared whitened residuals of each window (W,), off-anchor inner states included."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        _, y = model.simulate(item.block, start, p)
+        residual = np.where(np.isfinite(item.block.y), (item.block.y - y) / sd, 0.0)
+        shown: Array = np.sum(residual**2, axis=(1, 2))
+        return shown + off_anchor(model, item, p, start)
+
+
+def _cost(
+    model: WindowModel, task: Task, p: Array, values: Array, starts: Sequence[Array]
+) -> float:
+    """Squared whitened residuals of the fitted windows, plus the prior."""
+    total = float(np.sum(((values - task.mean) / task.spread) ** 2))
+    for i, (item, start) in enumerate(zip(task.laid, starts, strict=True)):
+        squares = _squares(model, item, task.filled(i, p, model.free, values), start, task.sd)
+        total += float(np.sum(squares if task.everything else squares[~item.held]))
+    return total if np.isfinite(total) else np.inf
+
+
+def _linearise(
+    model: WindowModel, task: Task, p: Array, values: Array, starts: Sequence[Array]
+) -> list[_Part]:
+    parts = []
+    for i, (item, start) in enumerate(zip(task.laid, starts, strict=True)):
+        full = task.filled(i, p, model.free, values)
+        with np.errstate(over="ignore", invalid="ignore"):  # a window that runs away
+            linear = model.differentiate(item.block, start, full)
+            by_start, by_free = linear.from_start_and_free()
+        windows, length, m = item.block.y.shape
+        seen = np.isfinite(item.block.y)
+        weight = np.where(seen, 1 / task.sd, 0.0).reshape(windows, length * m, 1)
+        residual = np.where(seen, item.block.y - linear.output, 0.0).reshape(windows, -1)
+        used = np.ones(windows, bool) if task.everything else ~item.held
+        part = _Part(
+            residual * weight[..., 0],
+            by_start.reshape(windows, length * m, -1) * weight,
+            by_free.reshape(windows, length * m, -1) * weight,
+            used,
+            linear.begin,
+        )
+        part = _held_back(part, model, item, full, start)
+        parts.append(_spread_out(part, task.own[i], values.size) if task.own else part)
+    return parts
+
+
+def _spread_out(part: _Part, own: Sequence[int], size: int) -> _Part:
+    """The columns of a recording's free parameters among those of all numbers (``size``)."""
+    wide = np.zeros((*part.by_free.shape[:2], size))
+    wide[:, :, list(own)] = part.by_free
+    return replace(part, by_free=wide)
+
+
+def _held_back(part: _Part, model: WindowModel, item: Laid, p: Array, start: Array) -> _Part:
+    """With one row more for each inner state, which ties its start to its anchor."""
+    first = 2 * len(model.form.free)
+    windows, states = start.shape
+    if states == first:
+        return part
+    anchor, inner = anchored(model, item, p, slopes=True), states - first
+    columns = part.by_start.shape[2]
+    by_start = np.zeros((windows, inner, columns))
+    by_start[:, :, columns - inner :] = np.diag(1 / anchor.spread)
+    return _Part(
+        np.concatenate([part.residual, (anchor.z - start[:, first:]) / anchor.spread], axis=1),
+        np.concatenate([part.by_start, by_start], axis=1),
+        np.concatenate([part.by_free, -anchor.by_free / anchor.spread[:, None]], axis=1),
+        part.used,
+        part.lift,
+    )
+
+
+def _project(part: _Part) -> tuple[Array, Array, Array, Array]:
+    """QR of the initial-state columns: basis, scaled triangle, scale, and [columns, residual]
+    with the initial states projected out; not finite for a window that ran away."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        scale = np.linalg.norm(part.by_start, axis=1, keepdims=True)
+    scale = np.where(scale > 0, scale, 1.0)
+    windows, _, states = part.by_start.shape
+    ridge = np.broadcast_to(1e-7 * np.eye(states), (windows, states, states))
+    basis, triangle = np.linalg.qr(np.concatenate([part.by_start / scale, ridge], axis=1))
+    basis = basis[:, : part.by_start.shape[1]]
+    joined = np.concatenate([part.by_free, part.residual[..., None]], axis=2)
+    return basis, triangle, scale, joined - basis @ (basis.transpose(0, 2, 1) @ joined)
+
+
+def _step(
+    task: Task, parts: Sequence[_Part], values: Array, damping: float
+) -> tuple[Array, list[Array], float]:
+    """Bounded Gauss–Newton step of the parameters, and of the initial states that go with it."""
+    count = values.size
+    gram, right = np.diag(1 / task.spread**2), (task.mean - values) / task.spread**2
+    for part in parts:
+        used = _project(part)[3][part.used]
+        gram = gram + np.einsum("wai,waj->ij", used[..., :count], used[..., :count])
+        right = right + np.einsum("wai,wa->i", used[..., :count], used[..., count])
+    change = bounded_step(gram, right, damping, task.lower - values, task.upper - values)
+    predicted = float(2 * right @ change - change @ gram @ change)
+    steps = [_start_step(part, change, damping) for part in parts]
+    predicted += sum(gain for _, gain in steps)
+    return change, [moved for moved, _ in steps], predicted
+
+
+def _start_step(part: _Part, change: Array, damping: float) -> tuple[Array, float]:
+    """Step of the initial states (W, X): their whole reply to a ``change`` of the parameters, and
+    a damped one to the residual; and the decrease of the fitted windows' cost that it predicts."""
+    basis, triangle, scale, _ = _project(part)
+    across = basis.transpose(0, 2, 1)
+    share = 1 / (1 + damping)
+    along = (across @ part.residual[..., None])[..., 0]
+    reply = (across @ (part.by_free @ change)[..., None])[..., 0]
+    solved = np.linalg.solve(triangle, (share * along - reply)[..., None])[..., 0]
+    gain = (1 - (1 - share) ** 2) * float(np.sum(along[part.used] ** 2))
+    return part.lifted(solved / scale[:, 0]), gain
+
+
+def _finish(
+    task: Task, parts: Sequence[_Part], values: Array, starts: list[Array], inner: int
+) -> Fit:
+    """What a fit says at the end; the last ``inner`` rows of a window tie its inner states."""
+    count = values.size
+    joined = [_project(part)[3] for part in parts]
+    with np.errstate(over="ignore", invalid="ignore"):
+        chi2 = np.concatenate([np.sum(j[..., count] ** 2, axis=1) for j in joined])
+    chi2 = np.where(np.isfinite(chi2), chi2, np.inf)
+    seen = np.concatenate([np.isfinite(i.block.y).sum(axis=(1, 2)) for i in task.laid])
+    held = np.concatenate([~part.used for part in parts])
+    states = parts[0].by_start.shape[2] - inner
+    used = [j[part.used] for j, part in zip(joined, parts, strict=True)]
+    shown = [j[:, : j.shape[1] - inner, count] for j in used]
+    correlation = correlation_time(shown, task.laid[0].block.y.shape[2])
+    gram = np.diag(1 / task.spread**2)
+    for j in used:
+        gram = gram + np.einsum("wai,waj->ij", j[..., :count], j[..., :count])
+    if not np.isfinite(gram).all():
+        return _failed(task, starts, values)
+    degrees = max(float((seen - states)[~held].sum()) - count, 1.0)
+    floor = max(item.floor for item in task.laid)
+    scale = max(float(chi2[~held].sum()) / degrees, floor)
+    covariance = inverse_of(gram) * scale * correlation
+    return Fit(
+        values, covariance, chi2, seen - states, held, correlation, tuple(starts), floor=floor,
+        prior=float(np.sum(((values - task.mean) / task.spread) ** 2)),
+    )  # fmt: skip
+
+
+def _failed(task: Task, starts: list[Array], values: Array) -> Fit:
+    windows = sum(len(item.start) for item in task.laid)
+    held = np.concatenate([item.held for item in task.laid])
+    worst, unknown = np.full(windows, np.inf), np.full((values.size, values.size), np.inf)
+    return Fit(values, unknown, worst, np.ones(windows, int), held, 1.0, tuple(starts), UNBOUNDED)

@@ -1,0 +1,189 @@
+"""Scores that cannot be fooled: force, short windows and free run, initial states always fitted.
+
+NRMSE = RMSE / (max − min) of the measurement (the paper's eq. 16). Sizes: N samples, n coordinates,
+m sensors.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from symhyb.data.thin import coarsest, thinned
+from symhyb.discrepancy.fitting.matching import fit, starts_only
+from symhyb.discrepancy.recorded.course import course_of
+from symhyb.discrepancy.recorded.motion import measured
+from symhyb.discrepancy.recorded.residual import applied_force, discrepancy
+from symhyb.discrepancy.recorded.runs import Run, laid_on
+from symhyb.discrepancy.recorded.windows import Laid
+from symhyb.discrepancy.results import Score
+from symhyb.numeric.buffers import Array
+from symhyb.numeric.dynamics import StateForm
+from symhyb.numeric.integrate import Scenario, Trajectory, simulate
+from symhyb.numeric.machine import Machine
+from symhyb.numeric.windows import WindowModel
+
+FILTER_ORDER = 4
+RUN_SHARES = (0.1, 0.3, 1 - 1e-9)  # of a recording, to which its initial state is fitted
+RUN_SAMPLES = 6000  # of a free run, for fitting its initial state
+
+
+@dataclass(frozen=True, slots=True)
+class Errors:
+    """Mean squared errors of one model on several runs, in squared SI units: by sensor (m,) over
+    windows and free runs, by coordinate (n,) of ΔF."""
+
+    window: Array
+    free: Array
+    force: Array
+    trajectories: tuple[Trajectory, ...]
+
+
+def errors(machine: Machine, runs: Sequence[Run], window_s: float, band_hz: float | None) -> Errors:
+    """Simulate and compare; sensors and coordinates in the order of the model."""
+    model = WindowModel(machine)
+    windows, frees, forces, trajectories = [], [], [], []
+    for run in runs:
+        windows.append(_window_errors(model, run, window_s))
+        trajectory = free_run(model, run)
+        trajectories.append(trajectory)
+        frees.append((measured(run.recording, machine) - trajectory.y) ** 2)
+        forces.append(forces_of(machine, run, band_hz)[0] ** 2)
+    return Errors(_mean(windows), _mean(frees), _mean(forces), tuple(trajectories))
+
+
+@dataclass(frozen=True, slots=True)
+class Yardstick:
+    """What forces are measured by, from the model before correction: the range of ΔF and the RMS of
+    the applied force k_e, by coordinate (n,), SI, through the low-pass of the scores."""
+
+    reach: Array
+    applied: Array
+
+
+def yardstick(machine: Machine, runs: Sequence[Run], band_hz: float | None) -> Yardstick:
+    """The yardstick of an uncorrected model."""
+    pairs = [forces_of(machine, run, band_hz) for run in runs]
+    delta, applied = (np.concatenate(column) for column in zip(*pairs, strict=True))
+    return Yardstick(np.ptp(delta, axis=0), np.sqrt(np.mean(applied**2, axis=0)))
+
+
+def score(machine: Machine, found: Errors, runs: Sequence[Run], by: Yardstick) -> Score:
+    """Relative and absolute scores by name; None where a score cannot be computed."""
+    y = np.concatenate([measured(run.recording, machine) for run in runs])
+    reach = np.array([np.ptp(c[np.isfinite(c)]) if np.isfinite(c).any() else np.nan for c in y.T])
+    names = [sensor.name for sensor in machine.model.sensors]
+    units = np.array([sensor.unit.factor for sensor in machine.model.sensors])
+    where = [coordinate.name for coordinate in machine.model.coordinates]
+    window, free, force = np.sqrt(found.window), np.sqrt(found.free), np.sqrt(found.force)
+    return Score(
+        force_nrmse=_table(where, force, by.reach),
+        force_residual=_table(where, force, by.applied),
+        window_nrmse=_table(names, window, reach),
+        window_rmse=_table(names, window, units),
+        free_run_nrmse=_table(names, free, reach),
+        free_run_rmse=_table(names, free, units),
+    )
+
+
+def free_run(model: WindowModel, run: Run) -> Trajectory:
+    """Simulate a whole recording by CVODES from its fitted initial state."""
+    machine, recording, motion = model.machine, run.recording, run.motion
+    course, form = course_of(recording, machine, motion), model.form
+    scales = np.abs(course.states).max(axis=0, initial=0.0)
+    start, f = _fitted_start(model, run), len(form.free)
+    q, v = form.motion(start, course.drive[0])
+    scenario = Scenario(
+        recording.t, q, v, recording.t, course.u, np.where(scales > 0, scales, 1.0),
+        z=start[2 * f :], given=course.drive[:, form.inputs :] if form.given else None,
+    )  # fmt: skip
+    return simulate(machine, scenario)
+
+
+def _fitted_start(model: WindowModel, run: Run) -> Array:
+    """Initial state (X,) of a free run over the whole recording, thinned if it is long.
+
+    It is fitted to growing parts of the recording, because dry friction and large motion make the
+    whole run an uneven function of its start; the best of these, the smoothed start and the one
+    that the model file states is taken.
+    """
+    factor = coarsest(run.recording, RUN_SAMPLES, float(run.motion.periods().min()))
+    short = replace(run, recording=thinned(run.recording, factor), motion=run.motion.every(factor))
+    first = course_of(run.recording, model.machine, run.motion).states[0]
+    starts: list[Array] = [first, _stated(model.form, first)]
+    laid: Laid | None = None
+    for share in RUN_SHARES:
+        laid = laid_on(short, model.machine, share * short.recording.duration)
+        if laid is None:
+            continue
+        laid = laid.first().suited(model.machine)
+        task = replace(starts_only(laid, run.sd), iterations=10)
+        begin = [starts[-1 if share > RUN_SHARES[0] else 0][None]]
+        starts.append(fit(model, task, model.machine.values, begin).starts[0][0])
+    if laid is None:
+        return starts[0]
+    costs = [_run_cost(model, laid, start, run.sd) for start in starts]
+    return starts[int(np.argmin(costs))]
+
+
+def _stated(form: StateForm, first: Array) -> Array:
+    """The initial state (X,) that the model file states, SI, with inner states of ``first``."""
+    q, v = (np.array(part) for part in form.machine.model.start())
+    return form.state(q, v, first[2 * len(form.free) :])
+
+
+def _run_cost(model: WindowModel, laid: Laid, start: Array, sd: Array) -> float:
+    with np.errstate(over="ignore", invalid="ignore"):
+        _, y = model.simulate(laid.block, start[None], model.machine.values)
+        error = (laid.block.y - y) / sd
+        total = float(np.sum(np.where(np.isfinite(laid.block.y), error, 0.0) ** 2))
+    return total if np.isfinite(total) else np.inf
+
+
+def _window_errors(model: WindowModel, run: Run, window_s: float) -> Array:
+    """Squared errors (W·L, m) over windows with fitted initial states; no rows without windows."""
+    laid = laid_on(run, model.machine, window_s)
+    if laid is None:
+        return np.empty((0, len(model.machine.model.sensors)))
+    laid = laid.suited(model.machine)
+    fitted = fit(model, starts_only(laid, run.sd), model.machine.values)
+    _, y = model.simulate(laid.block, fitted.starts[0], model.machine.values)
+    return np.asarray(((laid.block.y - y) ** 2).reshape(-1, y.shape[2]))
+
+
+def forces_of(machine: Machine, run: Run, band_hz: float | None) -> tuple[Array, Array]:
+    """ΔF and the applied force k_e (N, n), both through the same zero-phase low-pass, SI."""
+    course = course_of(run.recording, machine, run.motion)
+    delta, applied = discrepancy(machine, course, machine.values), applied_force(machine, course)
+    return low_pass(delta, course.t, band_hz), low_pass(applied, course.t, band_hz)
+
+
+def low_pass(values: Array, t: Array, band_hz: float | None) -> Array:
+    """Zero-phase Butterworth low-pass of order 4 of ``values`` (N, n), in any unit, along ``t``
+    (N,), s; unchanged without a band, or where it lies above 0.9 of the Nyquist frequency."""
+    rate = 1 / float(np.median(np.diff(t)))
+    if band_hz is None or band_hz >= 0.45 * rate:
+        return values
+    from scipy.signal import butter, sosfiltfilt
+
+    return np.asarray(
+        sosfiltfilt(butter(FILTER_ORDER, band_hz, fs=rate, output="sos"), values, axis=0)
+    )
+
+
+def _mean(rows: Sequence[Array]) -> Array:
+    """Mean over samples (m,), missing ones skipped; NaN where nothing is left or not finite."""
+    joined = np.concatenate(rows)
+    seen = ~np.isnan(joined)
+    total = np.where(seen, joined, 0.0).sum(axis=0)
+    count = seen.sum(axis=0)
+    return np.asarray(np.where(count > 0, total / np.maximum(count, 1), np.nan))
+
+
+def _table(names: Sequence[str], values: Array, by: Array) -> Mapping[str, float | None]:
+    with np.errstate(invalid="ignore", divide="ignore"):
+        ratios = values / by
+    return {
+        name: float(value) if np.isfinite(value) else None
+        for name, value in zip(names, ratios, strict=True)
+    }

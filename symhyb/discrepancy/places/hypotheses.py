@@ -1,0 +1,329 @@
+"""What could be wrong: laws of the vocabulary at places, and the dull causes.
+
+The vocabulary of elements is the vocabulary of hypotheses. A force hypothesis is an ordinary
+element with unknown coefficients; its *probes* are the same element with one coefficient set to
+one, so that the force of any combination is linear in the coefficients. A dull cause is a parameter
+that may be estimated, or gain, offset or delay of a channel. All compete in one list; which laws
+are tried where, and in what shapes, is said by :mod:`symhyb.discrepancy.places.candidates`.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from math import atan2, hypot, inf
+from typing import TypeVar
+
+import numpy as np
+
+from symhyb.discrepancy.recorded.course import Course
+from symhyb.discrepancy.words.formula import LAW, law_element
+from symhyb.model.constraints import Constraint
+from symhyb.model.expression import names, parse_expression
+from symhyb.model.space import quaternion_parts
+from symhyb.model.types import (
+    Between,
+    Element,
+    Input,
+    Model,
+    On,
+    Parameter,
+    Place,
+    Sensor,
+    place_text,
+)  # fmt: skip
+from symhyb.model.vocabulary import key_unit
+from symhyb.numeric.buffers import Array, call
+from symhyb.numeric.machine import Machine, build
+from symhyb.numeric.manifold import free_part
+from symhyb.numeric.vector import along
+from symhyb.units import ONE, parse_unit
+
+GAIN_REACH = 0.5  # a gain further from 1 is a wrong unit or sign, not a gain
+ASSUMED = "assumed"  # a gain, offset or delay that the file does not state
+SHAPE_REACH = 30.0  # a refined shape stays within this factor of where it was tried
+NARROW = {"frequency": 1.2, "period": 1.2, "clearance": 3.0, "exponent": 4.0}
+WIDER = 10.0  # a Stribeck speed against the transition
+SKEW = 0.95  # of an asymmetry: beyond, a damper would drive
+SKEWED = {"damping": 1e-9, "asymmetry": 1e9}  # next to nothing but abs(s')
+WAVES = ("harmonic", "ripple")
+DRY = ("friction", "friction_dynamic")
+SIGNED = ("gamma",)  # of a variant of either sign: with a positive beta energy is lost all the same
+SMALLEST = {"exponent": 1.0, "clearance": 0.0}  # of refined keys, whatever was tried
+PLAIN = {"exponent": 1.0}  # value of an added key at which a variant is the plain law, else 0
+
+
+@dataclass(frozen=True, slots=True)
+class Hypothesis:
+    """One cause: a law at a place, or (``place`` None) the parameter ``path`` of the model; of a
+    ``law`` at a place ``path`` is the formula.
+
+    ``terms`` are unknown coefficients in which the force is linear; ``shape`` are keys that are set
+    beforehand (SI), ``refined`` those of them that are fitted afterwards and so cost a number each,
+    ``tied`` those that grow with the first coefficient (the damping of a relaxation of a given
+    time). ``positive`` says which terms physics forbids to be negative; ``options`` are words;
+    ``own`` are fitted keys that every recording has its own value of; ``added`` are the refined
+    keys that make a variant of a plain law (the play of a hysteresis).
+    """
+
+    kind: str
+    place: Place | None
+    terms: tuple[str, ...]
+    positive: tuple[bool, ...]
+    shape: tuple[tuple[str, float], ...] = ()
+    refined: tuple[str, ...] = ()
+    path: str = ""
+    tied: tuple[str, ...] = ()
+    options: tuple[tuple[str, str], ...] = ()
+    own: tuple[str, ...] = ()
+    added: tuple[str, ...] = ()
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """The keys of the element that are fitted, those of the terms first."""
+        if self.kind in WAVES:
+            return ("amplitude", "phase", *self.refined)
+        named = {"skew": "asymmetry"}
+        return (*(named.get(term, term) for term in self.terms), *self.refined)
+
+    @property
+    def numbers(self) -> int:
+        """How many numbers the hypothesis fits."""
+        return len(self.keys)
+
+    @property
+    def variant(self) -> bool:
+        """Whether this is a plain law with something added, which is tried where the plain one was
+        found: dry friction that falls with speed, damping that differs by direction."""
+        return "static" in self.terms or "skew" in self.terms or bool(self.added)
+
+    @property
+    def family(self) -> tuple[object, ...]:
+        """What makes two hypotheses the same but for their shape."""
+        return self.kind, self.place, self.terms, self.refined, self.path, self.options
+
+    @property
+    def subject(self) -> tuple[object, ...]:
+        """What it is a law of: dry friction with and without memory is one contact."""
+        return ("friction" if self.kind in DRY else self.kind), self.place, self.path
+
+    def extends(self, other: "Hypothesis") -> bool:
+        """Whether this is the law ``other``, perhaps with a key more."""
+        mine = self.kind, self.place, self.path, self.options
+        same = mine == (other.kind, other.place, other.path, other.options)
+        return same and set(other.terms) <= set(self.terms)
+
+    def __str__(self) -> str:
+        if self.place is None:
+            return self.path if self.kind == "law" else f"{self.kind} {self.path}"
+        if self.kind == LAW:
+            return f"law ({self.path}) {place_text(self.place)}"
+        said = ", ".join((*(f"{key} {word}" for key, word in self.options), *self.keys))
+        return f"{self.kind} ({said}) {place_text(self.place)}"
+
+    def values(self, coefficients: Sequence[float]) -> dict[str, float]:
+        """The fitted keys (SI) that go with these coefficients of the terms, shapes as tried."""
+        own = [float(c) for c in coefficients]
+        if self.place is None:
+            return {"value": own[0]}
+        shape = {key: value * (own[0] if key in self.tied else 1) for key, value in self.shape}
+        found = dict(zip(self.terms, own, strict=True))
+        if self.kind in WAVES:
+            sine, cosine = own
+            found = {"amplitude": hypot(sine, cosine), "phase": atan2(cosine, sine)}
+        elif "skew" in found:
+            ratio = found.pop("skew") / found["damping"] if found["damping"] else 0.0
+            found["asymmetry"] = min(max(ratio, -SKEW), SKEW)
+        return {key: found.get(key, shape.get(key, 0.0)) for key in self.keys}
+
+    def limits(self, key: str) -> tuple[float, float]:
+        """Bounds of a fitted key, SI."""
+        if key in self.refined:
+            tried = dict(self.shape)[key]
+            reach = NARROW.get(key, SHAPE_REACH)
+            if key in self.tied:
+                return 0.0, inf
+            if key in SIGNED and key in self.added:
+                return -tried * reach, tried * reach
+            if key == "stribeck" and "transition" in dict(self.shape):
+                # slower, it would only undo the smoothing
+                return WIDER * dict(self.shape)["transition"], tried * reach
+            if key in self.added and key != "stribeck":
+                return PLAIN.get(key, 0.0), tried * reach
+            return SMALLEST.get(key, tried / reach), tried * reach
+        if key == "asymmetry":
+            return -SKEW, SKEW
+        if key == "amplitude":
+            return 0.0, inf
+        forbidden = key in self.terms and self.positive[self.terms.index(key)]
+        return (0.0 if forbidden else -inf), inf
+
+    def element(self, model: Model, name: str, values: Mapping[str, float]) -> Element:
+        """The element of a force hypothesis with these values of its keys, else its shape, SI."""
+        assert self.place is not None
+        if self.kind == LAW and isinstance(self.place, On):
+            return law_element(model, name, self.place, self.path, {**dict(self.shape), **values})
+        own = []
+        exponent = dict(self.shape).get("exponent", 1.0)
+        for key, value in {**dict(self.shape), **values}.items():
+            unit = key_unit(model, self.kind, key, self.place, exponent)
+            own.append(Parameter(key, value / unit.factor, unit, owner=name))
+        entries = tuple((item.name, parse_expression(item.name)) for item in own)
+        return Element(name, self.kind, self.place, entries, tuple(own), options=self.options)
+
+    def probes(self, model: Model, name: str) -> tuple[Element, ...]:
+        """One element a term: this term 1, the others 0, the shape as set."""
+        result = []
+        for i, term in enumerate(self.terms):
+            called = f"{name}_{term}"
+            unit = [float(i == j) for j in range(len(self.terms))]
+            values = self.values(unit)
+            if "skew" in self.terms:  # damping·s' and damping·asymmetry·abs(s')
+                values = {"damping": 1.0} if term == "damping" else SKEWED
+            result.append(self.element(model, called, values))
+        return tuple(result)
+
+
+def dull_hypotheses(model: Model) -> tuple[Hypothesis, ...]:
+    """Parameters that state an ``sd``, and gain, offset and delay of every channel.
+
+    ``model`` must come from :func:`with_channels`.
+    """
+    found = [
+        wrong_parameter(item)
+        for item in (*model.parameters, *(p for e in model.elements for p in e.parameters))
+        if item.sd is not None
+    ]
+    channels: tuple[Input | Sensor, ...] = (*model.inputs, *model.sensors)
+    for channel in channels:
+        for kind in ("gain", "offset", "delay"):
+            path = f"{channel.name}.{kind}"
+            found.append(Hypothesis(kind, None, ("value",), (False,), path=path))
+    return tuple(found)
+
+
+def wrong_parameter(item: Parameter) -> Hypothesis:
+    """The cause that a parameter of the model is off; it keeps a positive sign."""
+    return Hypothesis("parameter", None, ("value",), (item.value > 0,), path=item.path)
+
+
+def with_channels(model: Model) -> Model:
+    """The same model in which every channel states gain, offset and delay: they may be fitted."""
+    return replace(
+        model,
+        inputs=tuple(_stated(item) for item in model.inputs),
+        sensors=tuple(_stated(item) for item in model.sensors),
+    )
+
+
+Channel = TypeVar("Channel", Input, Sensor)
+
+
+def _stated(channel: Channel) -> Channel:
+    gain = channel.gain or Parameter("gain", 1.0, ONE, about=ASSUMED, owner=channel.name)
+    offset = channel.offset or Parameter(
+        "offset", 0.0, channel.unit, about=ASSUMED, owner=channel.name
+    )
+    late = channel.delay or Parameter(
+        "delay", 0.0, parse_unit("s"), about=ASSUMED, owner=channel.name
+    )
+    return replace(channel, gain=gain, offset=offset, delay=late)
+
+
+def places_of(model: Model) -> tuple[Place, ...]:
+    """Places worth a hypothesis: every coordinate (but the parts of a quaternion, of which no force
+    has one alone) and, where a machine has several, every pair of points that an element joins.
+    What a gear or a wheel turns moves as its partner does."""
+    parts = quaternion_parts(model)
+    turned = {
+        item.names[1]
+        for item in model.constraints
+        if item.kind in ("gear", "rolling") and not _moving(item, model)
+    }
+    left = [c.name for c in model.coordinates if c.name not in parts and c.name not in turned]
+    places: list[Place] = [On(name) for name in left]
+    if len(model.coordinates) > 1:
+        for element in model.elements:
+            if isinstance(element.place, Between) and element.place not in places:
+                places.append(element.place)
+    return tuple(places)
+
+
+def _moving(item: Constraint, model: Model) -> bool:
+    """Whether the ratio of a gear or the radius of a wheel changes as it moves."""
+    used = {name.name for _, value in item.values for name in names(value)}
+    return bool(used & {"t", *(c.name for c in model.coordinates)})
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Library:
+    """Force hypotheses lowered together. ``columns`` are the probe columns of each hypothesis;
+    ``machine`` is the model with a unit constant at every place and all probes behind, their
+    inner states included."""
+
+    machine: Machine
+    places: tuple[Place, ...]
+    hypotheses: tuple[Hypothesis, ...]
+    columns: tuple[tuple[int, ...], ...]
+
+    def forces(self, course: Course) -> Array:
+        """Generalized forces (N, n, C) of all probes along a course of ``machine``, SI."""
+        return _forces_along(self, course)[:, :, self._first :]
+
+    def directions(self, course: Course) -> Array:
+        """Generalized forces (N, n, places) of a unit force that acts at each place, SI."""
+        return _forces_along(self, course)[:, :, self._first - len(self.places) : self._first]
+
+    def motion(self, course: Course) -> tuple[Array, Array]:
+        """Stretch and rate (N, places) of every place, SI."""
+        given = course.q, course.v, course.t, self.machine.values
+        stretch, rate, _ = along(self.machine.pathways, given, (3,), course.t.size)
+        chosen = slice(self._first - len(self.places), self._first)
+        return stretch[:, chosen], rate[:, chosen]
+
+    @property
+    def _first(self) -> int:
+        return len(self.machine.model.elements) - sum(map(len, self.columns))
+
+
+@lru_cache(maxsize=16)
+def _forces_along(library: Library, course: Course) -> Array:
+    """Generalized forces (N, n, E) of all elements of a library; zero for one that is not finite
+    all along (its inner state ran away), which no selection takes."""
+    machine, c = library.machine, course
+    given = c.q, c.v, c.z, c.u, c.t, machine.values
+    (flat,) = along(machine.elements, given, (5,), c.t.size)
+    (carried,) = along(machine.carried, (c.q, c.v, c.a, c.t, machine.values), (4,), c.t.size)
+    flat = flat + carried
+    forces = np.ascontiguousarray(flat.reshape(c.t.size, -1, machine.n).swapaxes(1, 2))
+    forces = free_part(machine, c.q, c.t, machine.values, forces)
+    forces[:, :, ~np.isfinite(forces).all(axis=(0, 1))] = 0.0
+    return forces
+
+
+def library(model: Model, places: tuple[Place, ...], tried: tuple[Hypothesis, ...]) -> Library:
+    """Lower a model with a unit force at every place and the probes of all hypotheses."""
+    units = [
+        Hypothesis("constant", place, ("constant",), (False,)).probes(model, f"place{i}")[0]
+        for i, place in enumerate(places)
+    ]
+    probes: list[Element] = []
+    columns: list[tuple[int, ...]] = []
+    for i, hypothesis in enumerate(tried):
+        mine = hypothesis.probes(model, f"try{i}")
+        columns.append(tuple(range(len(probes), len(probes) + len(mine))))
+        probes.extend(mine)
+    extended = replace(model, elements=(*model.elements, *units, *probes))
+    return Library(build(extended, keep=False), places, tried, tuple(columns))
+
+
+def natural_length(model: Model, place: Between) -> float:
+    """The length of the spring between two points, else their distance at the start, m."""
+    gauge = Element("gauge", "spring", place, ())
+    machine = build(replace(model, elements=(*model.elements, gauge)), keep=False)
+    start = np.array(machine.model.start()[0])
+    stretch, *_ = call(machine.pathways, (start, np.zeros_like(start), 0.0, machine.values))
+    distance = float(stretch[0, -1])
+    for i, element in enumerate(model.elements):
+        if element.place == place and element.value("length") is not None:
+            return distance - float(stretch[0, i])
+    return distance

@@ -1,0 +1,142 @@
+"""Laws at points: damping, drag, friction and mass at a declared point of a machine that moves in
+its own way.
+
+On one coordinate, and at a point that moves with one coordinate alone, such a law is the same as
+one on the coordinate: the coordinate is named. Sizes: N samples, n coordinates, K points, Q places.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.model.expression import parse_expression
+from symhyb.model.types import At, Element, Model, Parameter
+from symhyb.model.vocabulary import key_unit
+from symhyb.numeric.buffers import Array
+from symhyb.numeric.machine import Machine, build
+from symhyb.numeric.manifold import closed, tangent
+from symhyb.numeric.vector import along
+
+PROBES = 7  # configurations about the start at which points are compared
+AROUND = 0.5  # spread of them, SI
+PROBE = "at_point_"  # begins the names of the masses that only compare points
+ALIKE = 1e-9  # relative: two points move the same
+
+Motion = tuple[Array, Array, Array]
+"""q (N, n), v (N, n), t (N,), SI."""
+
+
+def point_hypotheses(
+    model: Model, motions: Sequence[Motion], narrow: float
+) -> tuple[Hypothesis, ...]:
+    """Damper, drag, friction and added mass at every point that moves in its own way; ``narrow`` is
+    the friction transition over the largest speed of the point along the ``motions``: q, v (N, n)
+    and t (N,), SI."""
+    points = moving_points(model)
+    if not points:
+        return ()
+    machine = _probed(model, points)
+    squares = [np.einsum("ni,knij,nj->kn", v, _inertias(machine, q, t), v) for q, v, t in motions]
+    speeds = np.quantile(np.sqrt(np.concatenate(squares, axis=1)), 0.99, axis=1)
+    found: list[Hypothesis] = []
+    for place, speed in zip(points, speeds, strict=True):
+        if speed <= 0:
+            continue
+        transition = (("transition", narrow * float(speed)),)
+        found += [
+            Hypothesis("damper", place, ("damping",), (True,)),
+            Hypothesis("drag", place, ("drag",), (True,)),
+            Hypothesis("friction", place, ("coulomb",), (True,), transition),
+            Hypothesis("added_mass", place, ("mass",), (True,)),
+        ]
+    return tuple(found)
+
+
+def moving_points(model: Model) -> tuple[At, ...]:
+    """The points that move, each once, but neither as one coordinate does nor as another point."""
+    if len(model.coordinates) < 2 or not model.points:
+        return ()
+    places = tuple(At(point.name) for point in model.points)
+    random = np.random.default_rng(0)
+    probed, times = _probed(model, places), np.linspace(0, 1, PROBES)
+    start = np.array(probed.model.start()[0])
+    q = start + AROUND * random.standard_normal((PROBES, start.size))
+    if probed.constraints:
+        return tuple(places[i] for i in _moving_closed(probed, q, times))
+    inertias = _inertias(probed, q, times)
+    chosen: list[int] = []
+    for i, inertia in enumerate(inertias):
+        size = float(np.abs(inertia).max())
+        if not np.isfinite(size) or size == 0 or _of_one(inertia, size):
+            continue
+        if all(np.abs(inertia - inertias[j]).max() > ALIKE * size for j in chosen):
+            chosen.append(i)
+    return tuple(places[i] for i in chosen)
+
+
+def _moving_closed(machine: Machine, q: Array, t: Array) -> tuple[int, ...]:
+    """The same for a closed loop, near places q (N, n): along its free directions a point must
+    move neither as a coordinate does, but for a constant, nor as a point before it."""
+    still, p = np.zeros_like(q), machine.values
+    q = closed(machine, (q, still, still), t, p, machine.imposed).q
+    held = tangent(machine, q, still, t, p, machine.imposed)
+    half, free = held.basis.shape[2] // 2, list(machine.free)
+    along_free = held.basis[:, : len(free), :half]
+    seen = [part[:, None] * part[:, :, None] for part in along_free.swapaxes(0, 1)]
+    chosen: list[int] = []
+    for i, inertia in enumerate(_inertias(machine, q, t)):
+        pulled = along_free.swapaxes(1, 2) @ inertia[:, free][:, :, free] @ along_free
+        size = float(np.linalg.norm(pulled))
+        if not size > 0 or any(_proportional(pulled, other) for other in seen):
+            continue
+        seen.append(pulled)
+        chosen.append(i)
+    return tuple(chosen)
+
+
+def _proportional(one: Array, other: Array) -> bool:
+    """Whether two arrays are the same but for one positive factor."""
+    length = float(np.linalg.norm(other))
+    factor = float(np.sum(one * other)) / length**2 if length > 0 else 0.0
+    return factor > 0 and float(np.abs(one - factor * other).max()) < ALIKE * np.abs(one).max()
+
+
+def _of_one(inertia: Array, size: float) -> bool:
+    """Whether the speed of a point is a constant times the rate of one coordinate: its ``inertia``
+    JᵀJ (Q, n, n) has one entry, on the diagonal, which is the same everywhere."""
+    same = bool(np.all(np.abs(inertia - inertia[0]) < ALIKE * size))
+    rest = inertia[0].copy()
+    first = int(np.argmax(np.diagonal(rest)))
+    rest[first, first] = 0.0
+    return same and float(np.abs(rest).max()) < ALIKE * size
+
+
+def _probed(model: Model, places: Sequence[At]) -> Machine:
+    """The model with one mass, 0 kg, at each place, behind all its elements."""
+    probes = []
+    for i, place in enumerate(places):
+        name = f"{PROBE}{i}"
+        mass = Parameter("mass", 0.0, key_unit(model, "added_mass", "mass", place), owner=name)
+        entries = (("mass", parse_expression("mass")),)
+        probes.append(Element(name, "added_mass", place, entries, (mass,)))
+    return build(replace(model, elements=(*model.elements, *probes)), keep=False)
+
+
+def _inertias(machine: Machine, q: Array, t: Array) -> Array:
+    """JᵀJ (K, N, n, n) of each probed point: what a mass of 1 kg there adds to the mass matrix."""
+    places = [e.name for e in machine.model.elements if e.name.startswith(PROBE)]
+    columns = [machine.column(f"{name}.mass") for name in places]
+    shape = (t.size, machine.n, machine.n)
+
+    def mass(p: Array) -> Array:
+        return along(machine.M, (q, t, p), (2,), t.size)[0].reshape(shape)
+
+    base = mass(machine.values)
+    found = []
+    for column in columns:
+        p = machine.values.copy()
+        p[column] = 1.0
+        found.append(mass(p) - base)
+    return np.array(found).reshape(-1, *shape)

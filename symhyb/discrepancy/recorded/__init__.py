@@ -1,0 +1,1 @@
+"""A recording made ready: its motion, what acts along it, windows, and ΔF."""

@@ -1,0 +1,59 @@
+"""The course of a recording: its smoothed motion with all that acts and remembers along it."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from symhyb.data.recording import Recording
+from symhyb.discrepancy.recorded.motion import Motion, acting, measured
+from symhyb.model.expression import Reading
+from symhyb.numeric.buffers import Array
+from symhyb.numeric.dynamics import state_form
+from symhyb.numeric.inner import inner_along
+from symhyb.numeric.machine import Machine
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Course:
+    """Motion ``q``, ``v``, ``a`` (N, n), inner states ``z`` (N, z) of elements, inputs ``u`` (N, k)
+    at ``t`` (N,); ``states`` (N, X) and ``drive`` (N, drive) are the same for the machine as a
+    first-order system. ``reaction`` (N, n) is the measured force that drives a coordinate: 0 if it
+    is free, NaN if it is imposed and its force is not measured. All SI."""
+
+    t: Array
+    q: Array
+    v: Array
+    a: Array
+    z: Array
+    u: Array
+    states: Array
+    drive: Array
+    reaction: Array
+
+
+@lru_cache(maxsize=32)
+def course_of(recording: Recording, machine: Machine, motion: Motion) -> Course:
+    """The course of a recording for one machine, whose inner states begin at rest."""
+    u, form = acting(recording, machine), state_form(machine)
+    z = inner_along(machine, motion.t, (motion.q, motion.v, motion.a), u, machine.values)
+    return Course(
+        motion.t, motion.q, motion.v, motion.a, z, u,
+        states=form.state(motion.q, motion.v, z),
+        drive=form.driven(u, motion.q, motion.v, motion.a),
+        reaction=_reaction(recording, machine),
+    )  # fmt: skip
+
+
+def _reaction(recording: Recording, machine: Machine) -> Array:
+    """The forces (N, n) by which a rig imposes coordinates, from sensors that measure just that."""
+    force = np.zeros((recording.t.size, machine.n))
+    force[:, list(machine.imposed)] = np.nan
+    names = [coordinate.name for coordinate in machine.model.coordinates]
+    for sensor, column in zip(machine.model.sensors, measured(recording, machine).T, strict=True):
+        match sensor.measures.tree:
+            case Reading("reaction", (name,)) if name in names:
+                gain = 1.0 if sensor.gain is None else sensor.gain.si
+                offset = 0.0 if sensor.offset is None else sensor.offset.si
+                force[:, names.index(name)] = (column - offset) / gain
+    return force

@@ -1,0 +1,396 @@
+"""From a recording to the motion of the coordinates: q, q', q'' with bands.
+
+Every coordinate is a quintic spline; all sensors together, whether they measure positions, speeds
+or accelerations, determine its coefficients by weighted least squares (Gauss–Newton where a
+sensor is nonlinear). The spacing of the knots is chosen by the Bayesian information criterion.
+No second derivative of noisy data is formed by differences. Uneven and missing samples need no
+special care. Where no sensor shows a place, the equations of motion are rows of the same problem,
+weighted by the force that the model may lack.
+Sizes: N samples, n coordinates, m sensors, B coefficients a coordinate.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.linalg import splu
+
+from symhyb.data.recording import Recording
+from symhyb.discrepancy.recorded.independent import Independent, independent, placed_with
+from symhyb.discrepancy.recorded.splines import bands, design, ridge, spline_basis, swings
+from symhyb.discrepancy.recorded.tracking import firmness, tracked
+from symhyb.discrepancy.recorded.watching import watching_model
+from symhyb.errors import InputError, Problem
+from symhyb.model.types import Energy
+from symhyb.numeric.buffers import Array, call, later
+from symhyb.numeric.machine import Machine, build
+from symhyb.numeric.manifold import closed, gaps_of
+from symhyb.numeric.vector import along
+
+SPACINGS = (1.3, 1.6, 2, 3, 4, 6, 8, 11, 16, 23, 32, 45, 64, 91, 128)  # samples between two knots
+GUIDE_FIRST = 0.01  # of what acts: the force that a model may lack at first, where it must guide
+GUIDE_LEAST, GUIDE_MOST = 0.02, 0.5  # of what acts, afterwards
+GUIDE_ROUNDS = 3
+GUIDE_KNOTS = 4  # samples
+WORSE_MOST = 3  # spacings in a row that are worse than the best: stop
+FEW_TELL = 64  # samples that tell what of a residual is no noise
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Motion:
+    """Smoothed motion of one recording, SI: ``q``, ``v``, ``a`` (N, n) and one standard deviation
+    of each in ``q_sd``, ``v_sd``, ``a_sd`` (n,); ``sd`` (m,) is the measured noise of the sensors
+    (NaN for a sensor without samples), ``spacing_s`` the distance of the knots in s, ``blind`` the
+    coordinates whose place no sensor shows and the model had to tell."""
+
+    t: Array
+    q: Array
+    v: Array
+    a: Array
+    q_sd: Array
+    v_sd: Array
+    a_sd: Array
+    sd: Array
+    spacing_s: float
+    blind: tuple[str, ...] = ()
+
+    def periods(self) -> Array:
+        """Typical period 2π·RMS(q')/RMS(q'') of each coordinate that moves, s; at most the length
+        of the recording."""
+        whole = float(self.t[-1] - self.t[0])
+        speed, pull = (np.sqrt(np.mean(part**2, axis=0)) for part in (self.v, self.a))
+        moves = (speed > 0) & (pull > 0)
+        if not moves.any():
+            return np.array([whole])
+        return np.asarray(np.minimum(2 * np.pi * speed[moves] / pull[moves], whole))
+
+    def every(self, factor: int) -> "Motion":
+        """The motion at the middle of each block of ``factor`` samples."""
+        rows = np.arange(self.t.size // factor) * factor + factor // 2
+        return replace(self, t=self.t[rows], q=self.q[rows], v=self.v[rows], a=self.a[rows])
+
+
+def measured(recording: Recording, machine: Machine) -> Array:
+    """The measurements (N, m), SI, in the order of the model's sensors, NaN where missing; a delay
+    that the model states is taken back."""
+    missing = np.full(recording.t.size, np.nan)
+    columns = []
+    for sensor in machine.model.sensors:
+        column = recording.sensors.get(sensor.name, missing)
+        if sensor.delay is not None and sensor.delay.si != 0:
+            later = recording.t + sensor.delay.si
+            column = np.interp(later, recording.t, column, left=np.nan, right=np.nan)
+        columns.append(column)
+    return np.column_stack(columns) if columns else np.empty((recording.t.size, 0))
+
+
+def acting(recording: Recording, machine: Machine) -> Array:
+    """The recorded inputs (N, k), SI, in the order of the model's inputs, delays applied."""
+    columns = []
+    for item in machine.model.inputs:
+        column = recording.inputs[item.name]
+        if item.delay is not None and item.delay.si != 0:
+            column = later(recording.t, column, item.delay.si)
+        columns.append(column)
+    return np.column_stack(columns) if columns else np.empty((recording.t.size, 0))
+
+
+def noise_level(values: Array) -> float:
+    """Standard deviation of the noise of an evenly sampled signal, from high differences.
+
+    The d-th difference of white noise has variance σ²·C(2d, d), that of a smooth signal vanishes as
+    d grows; the smallest estimate over d = 2 … 10 is taken (Gasser, Sroka, Jennen-Steinmetz,
+    Biometrika 73, 1986, for d = 2). ``values`` (N,), missing samples NaN, and the result have the
+    same unit; NaN if fewer than 20 differences are left.
+    """
+    from scipy.special import comb
+
+    estimates = []
+    for order in range(2, 11):
+        difference = np.diff(values, n=order)
+        difference = difference[np.isfinite(difference)]
+        if difference.size < 20:
+            break
+        estimates.append(np.sqrt(np.mean(difference**2) / comb(2 * order, order)))
+    return float(min(estimates)) if estimates else float("nan")
+
+
+def motion_of(
+    recording: Recording, machine: Machine, spacings_s: Sequence[float] | None = None
+) -> Motion:
+    """Estimate the motion of all coordinates from whatever the sensors of a recording give.
+
+    Sensors of forces say nothing about it: they show what the model may lack. ``spacings_s`` are
+    distances of the knots in s to choose from; by default all that the samples allow.
+
+    Raises:
+        InputError: too few samples, or none of any sensor of motion.
+    """
+    watching, shown = watching_model(machine.model, recording)
+    if watching is machine.model:
+        return _smoothed(recording, machine, spacings_s)
+    motion = _smoothed(shown, build(watching, keep=False), spacings_s)
+    spreads = dict(zip((sensor.name for sensor in watching.sensors), motion.sd, strict=True))
+    y = measured(recording, machine)
+    sd = [
+        float(spreads.get(sensor.name, noise_level(column)))
+        for sensor, column in zip(machine.model.sensors, y.T, strict=True)
+    ]
+    return replace(motion, sd=np.array(sd))
+
+
+def given_motion(recording: Recording, machine: Machine) -> Array:
+    """Places, speeds and accelerations (N, 3·g) of the g imposed coordinates, smoothed, SI."""
+    model = machine.model
+    imposed = tuple(c for c in model.coordinates if c.imposed)
+    alone = replace(
+        model, coordinates=imposed, points=(), bodies=(), elements=(), sensors=(), energy=Energy(),
+        constraints=(), assembly=None,
+    )  # fmt: skip
+    watching, shown = watching_model(alone, recording)
+    motion = _smoothed(shown, build(watching, keep=False))
+    return np.concatenate([motion.q, motion.v, motion.a], axis=1)
+
+
+def _smoothed(
+    recording: Recording, machine: Machine, spacings_s: Sequence[float] | None = None
+) -> Motion:
+    y, u = measured(recording, machine), acting(recording, machine)
+    t, step = recording.t, float(np.median(np.diff(recording.t)))
+    blind = _unplaced(recording, machine, y, u)
+    sd = np.array([noise_level(column) for column in y.T])
+    weights, watched = _weights(y, sd), len(sd)
+    first: Array | None = None
+    few: Independent | None = None
+    if machine.constraints:
+        first = tracked(machine, y, u, t, weights)
+        few = None if blind else independent(machine, first, t)
+    if machine.constraints and first is not None and few is None:
+        noise = np.nan_to_num([noise_level(column) for column in first.T])
+        held = firmness(machine, first, t, noise)
+        y = np.concatenate([y, np.zeros((t.size, held.size))], axis=1)
+        weights = np.concatenate([weights, held])
+    if blind:
+        guide = _guide(machine, t, u, y, weights, step, first)
+        y = np.concatenate([y, np.zeros((t.size, guide.size))], axis=1)
+        weights = np.concatenate([weights, guide])
+    fits: list[_Fit] = []
+    for spacing in SPACINGS if spacings_s is None else [s / step for s in spacings_s]:
+        if t.size < 4 * spacing or not np.isfinite(sd).any():
+            break
+        fits.append(_fit(machine, t, u, y, weights, spacing * step, few or first))
+        best = _best(fits)
+        if np.isfinite(fits[best].criterion) and len(fits) - best > WORSE_MOST:
+            break
+    if not fits:
+        text = f"{t.size} samples are too few to estimate a motion"
+        raise InputError(Problem(text, file=recording.name))
+    chosen = _best(fits)
+    fit, narrower = fits[chosen], fits[max(chosen - 1, 0)]
+    q, v, a = (np.column_stack([b @ c for c in fit.coefficients]) for b in fit.basis)
+    q_sd, v_sd, a_sd = (_spread(order, fit, narrower) for order in range(3))
+    lost = (
+        len(fit.coefficients) * fit.basis[0].shape[1] / max(int(np.isfinite(fit.residual).sum()), 1)
+    )
+    pairs = zip(fit.residual[:, :watched].T, y.T, strict=False)
+    spread = np.array([_rms(_own_noise(*pair, t)) for pair in pairs]) / np.sqrt(1 - lost)
+    if few is not None:
+        q, v, a = few.complete((q, v, a))
+        q_sd, v_sd, a_sd = (few.spread((q, v, a), sd) for sd in (q_sd, v_sd, a_sd))
+    elif machine.constraints:
+        on = closed(machine, (q, v, a), t, machine.values, machine.imposed, q_sd**2)
+        q, v, a = on.q, on.v, on.a
+    return Motion(t, q, v, a, q_sd, v_sd, a_sd, spread, fit.spacing, blind)
+
+
+def _own_noise(residual: Array, y: Array, t: Array) -> Array:
+    """The residual (N,) of a sensor that recorded ``y`` (N,) without what an offset, a gain or a
+    delay of it would leave where other sensors show the same motion: that is no noise."""
+    seen = np.isfinite(residual) & np.isfinite(y)
+    if seen.sum() < FEW_TELL:
+        return residual
+    fitted = (y - residual)[seen]
+    columns = np.column_stack([np.ones(fitted.size), fitted, np.gradient(fitted, t[seen])])
+    columns[:, 1:] /= np.maximum(np.abs(columns[:, 1:]).max(axis=0), 1e-300)
+    values = np.linalg.lstsq(columns, residual[seen], rcond=1e-9)[0]
+    return np.asarray(residual[seen] - columns @ values)
+
+
+def _unplaced(recording: Recording, machine: Machine, y: Array, u: Array) -> tuple[str, ...]:
+    """The coordinates whose place no sensor of the recording shows."""
+    coordinates = machine.model.coordinates
+    start = np.array(machine.model.start()[0])
+    rows = start + 1e-3 * np.arange(1, recording.t.size + 1)[:, None]  # away from special places
+    _, slopes = _sense(machine, rows, rows, rows, u, recording.t, closing=False)
+    recorded = np.isfinite(y).any(axis=0)
+    if not recorded.any():
+        text = "none of the model's sensors of motion has samples here"
+        raise InputError(Problem(text, "sensors", recording.name))
+    power = np.atleast_1d(np.abs(slopes[0][:, recorded]).sum(axis=(0, 1)))
+    if machine.constraints:
+        power = placed_with(machine, rows, recording.t, slopes[0][:, recorded])
+    return tuple(c.name for c, seen in zip(coordinates, power, strict=True) if not seen > 0)
+
+
+def _guide(
+    machine: Machine, t: Array, u: Array, y: Array, weights: Array, step: float,
+    first: Array | None = None,
+) -> Array:  # fmt: skip
+    """How much the model counts where sensors do not show a place: 1/sd (f,) of the force that it
+    may lack on each free coordinate, SI.
+
+    First the model rules; then it may lack what is left over, between 2 % and half of what acts or
+    of what the seen accelerations take.
+    """
+    free = list(machine.free)
+    start = np.array(machine.model.start()[0])
+    still = np.tile(start, (t.size, 1))
+    rest = np.zeros_like(still)
+    guided = np.concatenate([y, np.zeros((t.size, len(free)))], axis=1)
+    acts = _forces(machine, still, rest, u, t)[:, free]
+    (mass,) = call(machine.M, (start, float(t[0]), machine.values))
+    plain = _fit(machine, t, u, y, weights, GUIDE_KNOTS * step, first)
+    pulls = np.array([np.std(plain.basis[2] @ c) for c in plain.coefficients]) * np.diag(mass)
+    moved = np.maximum(pulls[free], 1e-3 * np.diag(mass)[free])
+    size = np.maximum(np.sqrt(np.mean(acts**2, axis=0)), moved)
+    lacks = GUIDE_FIRST * size
+    for _ in range(GUIDE_ROUNDS):
+        weighed = np.concatenate([weights, 1 / lacks])
+        fit = _fit(machine, t, u, guided, weighed, GUIDE_KNOTS * step, first)
+        q, v = (np.column_stack([b @ c for c in fit.coefficients]) for b in fit.basis[:2])
+        acts = _forces(machine, q, v, u, t)[:, free]
+        size = np.maximum(np.sqrt(np.mean(acts**2, axis=0)), pulls[free])
+        left = np.sqrt(np.mean(fit.residual[:, y.shape[1] :] ** 2, axis=0))
+        lacks = np.maximum(np.clip(left, GUIDE_LEAST * size, GUIDE_MOST * size), 1e-12)
+    return np.asarray(1 / lacks)
+
+
+def _forces(machine: Machine, q: Array, v: Array, u: Array, t: Array) -> Array:
+    """k_e (N, n) along a motion, inner states at rest."""
+    z = np.zeros((t.size, machine.inner_states))
+    (force,) = along(machine.k_e, (q, v, z, u, t, machine.values), (5,), t.size)
+    return force
+
+
+@dataclass(frozen=True, slots=True)
+class _Fit:
+    coefficients: Sequence[Array]
+    basis: Sequence[sparse.csr_array]
+    residual: Array
+    variance: float
+    bands: tuple[Array, Array, Array]
+    criterion: float
+    spacing: float
+
+
+def _best(fits: Sequence[_Fit]) -> int:
+    return int(np.argmin([fit.criterion for fit in fits]))
+
+
+def _spread(order: int, fit: _Fit, narrower: _Fit) -> Array:
+    """One sd (n,) of a derivative of the coordinates, SI: noise, and the bias of knots that are
+    balanced for q: what narrower knots change beyond what their noise explains."""
+    noise = fit.variance * fit.bands[order] ** 2
+    more = narrower.variance * narrower.bands[order] ** 2
+    pairs = zip(fit.coefficients, narrower.coefficients, strict=True)
+    inner = slice(fit.residual.shape[0] // 10, -(fit.residual.shape[0] // 10))  # ends are wilder
+    moved = [_rms((fit.basis[order] @ c - narrower.basis[order] @ d)[inner]) for c, d in pairs]
+    bias = np.maximum(np.square(moved) - np.maximum(more - noise, 0.0), 0.0)
+    return np.asarray(np.sqrt(noise + bias))
+
+
+def _fit(
+    machine: Machine, t: Array, u: Array, y: Array, weights: Array, spacing: float,
+    first: Array | Independent | None = None,
+) -> _Fit:  # fmt: skip
+    """Splines fitted to measurements, from the declared start or from places ``first`` (N, n); of
+    the independent coordinates alone where these are told."""
+    basis = spline_basis(t, spacing)
+    few = first if isinstance(first, Independent) else None
+    n, size = machine.n if few is None else len(few.chosen), basis[0].shape[1]
+    starts = np.array(machine.model.start()[0])
+    coefficients = np.repeat(starts[:, None], size, axis=1)
+    if first is not None:
+        places = first if few is None else few.q[:, list(few.chosen)]
+        normal = sparse.csc_array(basis[0].T @ basis[0])
+        coefficients = splu(normal + ridge(normal)).solve(basis[0].T @ places).T
+    shown = len(machine.model.sensors) + (machine.constraints if few is None else 0)
+    used, guided = np.isfinite(y), y.shape[1] > shown
+    residual = np.full(y.shape, np.nan)
+    normal = sparse.csc_array((n * size, n * size))
+    for _ in range(12):
+        q, v, a = (np.column_stack([b @ c for c in coefficients]) for b in basis)
+        predicted, slopes = _seen(machine, (q, v, a), u, t, guided, few)
+        residual = np.where(used, y - predicted, np.nan)
+        rows = design(basis, slopes, used, weights)
+        target = (residual * weights).T[used.T]
+        normal = (rows.T @ rows).tocsc()
+        normal = normal + ridge(normal)
+        change = splu(normal).solve(rows.T @ target).reshape(n, size)
+        coefficients = coefficients + change
+        moved = np.abs(basis[0] @ change.T).max() / max(np.abs(q).max(), 1e-300)
+        if moved < 1e-9:
+            break
+    q, v, a = (np.column_stack([b @ c for c in coefficients]) for b in basis)
+    residual = np.where(used, y - _seen(machine, (q, v, a), u, t, guided, few)[0], np.nan)
+    count = int(used.sum())
+    cost = float(np.nansum((residual * weights) ** 2))
+    free = max(count - n * size, 1)
+    criterion = count * np.log(max(cost, 1e-300) / count) + n * size * np.log(count)
+    if free < 0.15 * count or swings(t, q, v):
+        criterion = np.inf
+    spreads = bands(basis, normal, n)
+    return _Fit(list(coefficients), basis, residual, cost / free, spreads, criterion, spacing)
+
+
+def _seen(
+    machine: Machine, motion: tuple[Array, Array, Array], u: Array, t: Array, guided: bool,
+    few: Independent | None,
+) -> tuple[Array, tuple[Array, ...]]:  # fmt: skip
+    """What :func:`_sense` says of the coordinates that have splines."""
+    if few is None:
+        return _sense(machine, *motion, u, t, guided)
+    full = few.complete(motion)
+    y, slopes = _sense(machine, *full, u, t, closing=False)
+    return y, few.lifted(full, slopes)
+
+
+def _weights(y: Array, sd: Array) -> Array:
+    """1/sd of every sensor (m,); a hundredth of its spread where too few samples tell the noise."""
+    spread = np.array([np.std(c[np.isfinite(c)]) if np.isfinite(c).any() else 0.0 for c in y.T])
+    known = np.where(np.isfinite(sd), sd, 1e-2 * spread)
+    level = np.maximum(known, 1e-9 * spread)
+    return np.asarray(1 / np.where(level > 0, level, 1.0))  # a channel that stands still weighs 1
+
+
+def _sense(
+    machine: Machine, q: Array, v: Array, a: Array, u: Array, t: Array, guided: bool = False,
+    closing: bool = True,
+) -> tuple[Array, tuple[Array, ...]]:  # fmt: skip
+    """Sensors (N, m) and their slopes by q, v and a (N, m, n); ``closing``, also what constraints
+    leave open; ``guided``, also the force that the model lacks on the free coordinates."""
+    total, m, n = t.size, len(machine.model.sensors), machine.n
+    z = np.zeros((total, machine.inner_states))
+    arguments = (q, v, a, z, u, t, machine.values)
+    (y,) = along(machine.outputs, arguments, (6,), total)
+    slopes = along(machine.output_slopes, arguments, (6,), total)
+    shaped = tuple(s.reshape(total, n, m).transpose(0, 2, 1) for s in slopes)
+    if machine.constraints and closing:
+        gaps = gaps_of(machine, q, v, a, t, machine.values)
+        y, m = np.concatenate([y.reshape(total, m), gaps.gap], axis=1), m + machine.constraints
+        held = gaps.slope, 0 * gaps.slope, 0 * gaps.slope
+        shaped = tuple(np.concatenate(pair, axis=1) for pair in zip(shaped, held, strict=True))
+    if not guided:
+        return y.reshape(total, m), shaped
+    free = list(machine.free)
+    (lacking,) = along(machine.discrepancy, arguments, (6,), total)
+    more = along(machine.discrepancy_slopes, arguments, (6,), total)
+    rows = [s.reshape(total, n, n).transpose(0, 2, 1)[:, free] for s in more]
+    joined = tuple(np.concatenate(pair, axis=1) for pair in zip(shaped, rows, strict=True))
+    return np.concatenate([y.reshape(total, m), lacking[:, free]], axis=1), joined
+
+
+def _rms(values: Array) -> float:
+    good = values[np.isfinite(values)]
+    return float(np.sqrt(np.mean(good**2))) if good.size else float("nan")

@@ -1,0 +1,180 @@
+"""A recording made ready for windows: its motion, the noise of its sensors, fine enough steps."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from symhyb.data.recording import Recording
+from symhyb.discrepancy.recorded.course import course_of
+from symhyb.discrepancy.recorded.motion import Motion
+from symhyb.discrepancy.recorded.residual import discrepancy
+from symhyb.discrepancy.recorded.windows import Laid, lay, reversals
+from symhyb.model.expression import parse_expression
+from symhyb.model.types import Element, On
+from symhyb.numeric.buffers import Array
+from symhyb.numeric.machine import Machine, build
+from symhyb.numeric.windows import WindowModel
+
+FINE_LEAST, FINE_MOST = 8, 64  # steps near a reversal, for one elsewhere
+STEPS_MOST = 16
+BEND_SHARE = 2e-3  # of the size of a smooth input, that lines within steps may cut: the accuracy of
+# the fitted values
+SIGNAL_LEAST = 3.0  # spread of a channel over its noise, for a recording that shows something
+SAMPLES_TELL = 100  # that recordings have together
+PERIODS_LEAST = 2.0  # of the slowest motion, that recordings last together
+WINDOWS_WORSE = 0.1  # share of windows in which the integration may err more
+PROBE_TRANSITION = 1e-3  # of the largest speed
+STEP_SHARE = 0.1  # of the noise: the error of integration that is allowed
+SD_FLOOR = 1e-6  # of a sensor's range: the accuracy of the integration
+RANGE_SHARE = 2e-5  # of a sensor's range: an error of integration that is always allowed
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """One recording with its smoothed motion, the noise ``sd`` (m,) of its sensors, SI, and the
+    integration ``steps`` between two samples, each ``fine`` times finer near a reversal; ``floor``
+    is the mean square by which repeated runs differ beyond their noise, in units of ``sd``²."""
+
+    recording: Recording
+    motion: Motion
+    sd: Array
+    steps: int = 1
+    fine: int = FINE_LEAST
+    floor: float = 0.0
+
+
+def laid_on(run: Run, machine: Machine, length_s: float) -> Laid | None:
+    """Windows of one run, ``length_s`` in s, with finer steps near reversals of a coordinate."""
+    parts = run.steps * np.where(reversals(run.motion.v), run.fine, 1)
+    laid = lay(run.recording, machine, run.motion, length_s, parts)
+    return laid if laid is None else replace(laid, floor=run.floor, steps=run.steps)
+
+
+def laid_within(run: Run, machine: Machine, length_s: float) -> Laid | None:
+    """The same; a run shorter than ``length_s`` is one window, for all of it counts."""
+    t = run.recording.t
+    return laid_on(run, machine, min(length_s, float(np.median(np.diff(t))) * (t.size - 1)))
+
+
+def noise_sd(runs: Sequence[Run], machine: Machine) -> Array:
+    """Noise (m,) by sensor over all runs, SI; 1 for a sensor without samples."""
+    sd = np.ones(len(machine.model.sensors))
+    for j, sensor in enumerate(machine.model.sensors):
+        seen = [run for run in runs if np.isfinite(run.motion.sd[j])]
+        if not seen:
+            continue
+        signals = [run.recording.sensors[sensor.name] for run in seen]
+        reach = max(float(np.nanmax(signal) - np.nanmin(signal)) for signal in signals)
+        spread = float(np.sqrt(np.mean([run.motion.sd[j] ** 2 for run in seen])))
+        sd[j] = max(spread, SD_FLOOR * reach) or 1.0  # a channel that stands still weighs 1
+    return sd
+
+
+def too_poor(runs: Sequence[Run], sensors: Sequence[str]) -> str:
+    """Why these runs cannot show that nothing is missing, as half a sentence; empty if they can.
+
+    ``sensors`` are the names of the model's sensors, in their order.
+    """
+    signals = []
+    for run in runs:
+        for sensor, noise in zip(sensors, run.motion.sd, strict=True):
+            values = run.recording.sensors.get(sensor)
+            if values is not None and np.isfinite(noise):
+                signals.append(float(np.nanstd(values)) > SIGNAL_LEAST * noise)
+    if not any(signals):
+        return "no channel moves by more than a few times its noise"
+    samples = sum(run.recording.t.size for run in runs)
+    if samples < SAMPLES_TELL:
+        return f"they have {samples} samples, less than {SAMPLES_TELL}"
+    longest = max(float(run.motion.periods().max()) for run in runs)
+    total = sum(run.recording.duration for run in runs)
+    if total < PERIODS_LEAST * longest:
+        return f"they last {total:.3g} s, less than {PERIODS_LEAST:g} periods of the motion"
+    return ""
+
+
+def with_noise(runs: Sequence[Run], sd: Array, model: WindowModel) -> tuple[Run, ...]:
+    """The runs with this noise (m,), SI, and as many integration steps as it asks for."""
+    told = [replace(run, sd=sd) for run in runs]
+    told = [replace(run, steps=_steps_needed(model, run)) for run in told]
+    return tuple(replace(run, fine=_fine_needed(model.machine, run)) for run in told)
+
+
+def _steps_needed(model: WindowModel, run: Run) -> int:
+    """Steps between samples at which twice as many change the outputs by less than a tenth of the
+    noise in nine of ten windows of one period along the measured motion; where the model as given
+    runs away from the recording, its error says nothing."""
+    length = float(run.motion.periods().min())
+    samples = run.recording.t.size - 1
+
+    def laid(steps: int) -> Laid | None:
+        parts = steps * np.ones(samples, np.int64)
+        return lay(run.recording, model.machine, run.motion, length, parts)
+
+    return _enough(model, run, laid, _for_bends(model, run), STEPS_MOST)
+
+
+def _for_bends(model: WindowModel, run: Run) -> int:
+    """Steps between samples that follow the bends of smooth inputs: noise does not excuse a line
+    there, which biases every sample alike. The sag of a chord, |Δ²u|/8, falls with their square."""
+    steps = 1
+    for item in model.machine.model.inputs:
+        values = run.recording.inputs[item.name]
+        if item.between == "smooth" and (size := float(np.std(values))) > 0:
+            sag = float(np.sqrt(np.mean(np.diff(values, n=2) ** 2))) / 8 / size
+            while sag / steps**2 > BEND_SHARE and steps < STEPS_MOST:
+                steps *= 2
+    return steps
+
+
+def _fine_needed(machine: Machine, run: Run) -> int:
+    """The same near reversals, for a model with as much dry friction as the force that the model
+    lacks could hold; where every interval has many steps already, fewer times as many are tried."""
+    first = max(FINE_LEAST // run.steps, 1)
+    missing = discrepancy(machine, course_of(run.recording, machine, run.motion), machine.values)
+    size = np.sqrt(np.mean(missing**2, axis=0))
+    speed = np.abs(run.motion.v).max(axis=0)
+    frictions = []
+    for i in machine.free:
+        if size[i] > 0 and speed[i] > 0:
+            name, place = f"fine{i}", On(machine.model.coordinates[i].name)
+            level = parse_expression(float(size[i] / 2))
+            width = parse_expression(float(PROBE_TRANSITION * speed[i]))
+            entries = (("coulomb", level), ("transition", width))
+            frictions.append(Element(name, "friction", place, entries))
+    if not frictions:
+        return first
+    model = machine.model
+    steep = build(replace(model, elements=(*model.elements, *frictions)), keep=False)
+    length = float(run.motion.periods().min())
+
+    def laid(fine: int) -> Laid | None:
+        return laid_on(replace(run, fine=fine), steep, length)
+
+    return _enough(WindowModel(steep), run, laid, first, FINE_MOST)
+
+
+def _enough(
+    model: WindowModel, run: Run, laid_with: Callable[[int], Laid | None], first: int, most: int
+) -> int:
+    """The smallest of ``first``, 2·``first`` … ``most`` steps that the noise does not tell from
+    twice as many."""
+    values = model.machine.values
+    y = [run.recording.sensors.get(s.name) for s in model.machine.model.sensors]
+    reach = np.array([0.0 if c is None else np.nanmax(c) - np.nanmin(c) for c in y])
+    allowed = np.maximum(STEP_SHARE * run.sd, RANGE_SHARE * reach)
+    coarse: Array | None = None
+    steps = first
+    while steps <= 2 * most:
+        laid = laid_with(steps)
+        if laid is None:
+            return first
+        with np.errstate(over="ignore", invalid="ignore"):
+            _, fine = model.simulate(laid.block, laid.start, values)
+            if coarse is not None:
+                error = np.sqrt(np.mean((fine - coarse) ** 2, axis=1))
+                if np.mean((error > allowed).any(axis=1)) <= WINDOWS_WORSE:
+                    return steps // 2
+        coarse, steps = fine, 2 * steps
+    return most

@@ -1,0 +1,242 @@
+"""Windows of recordings, and the linear algebra that removes their initial states.
+
+Each window has free initial states. They are eliminated by an orthogonal projection (variable
+projection; Golub & Pereyra, SIAM J. Numer. Anal. 10, 1973), so that what remains is a linear
+regression of the whitened residual on the parameters and candidate forces.
+Sizes: W windows, L samples a window, m sensors, n coordinates, F columns.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symhyb.data.recording import Recording
+from symhyb.discrepancy.recorded.course import Course, course_of
+from symhyb.discrepancy.recorded.motion import Motion, measured
+from symhyb.numeric.between import finer, smooth_columns
+from symhyb.numeric.buffers import Array
+from symhyb.numeric.dynamics import state_form
+from symhyb.numeric.machine import Machine
+from symhyb.numeric.windows import Block, WindowModel
+
+FINITE_SHARE = 0.7  # of the samples of the fullest quarter of windows, that must be there
+STEEP = ("friction", "friction_dynamic", "gap", "hysteresis")  # finer steps at reversals
+SLOW_SHARE = 0.02
+SAMPLES_LEAST = 12  # samples a window has at least
+EVEN = 0.25  # samples: what was recorded a whole number of samples later lies this near
+END_KNOTS = 3  # of the smoothed motion, that are not trusted where it swings at its end:
+SWUNG = 1.5  # times as fast as anywhere else
+
+
+@dataclass(frozen=True, slots=True)
+class Laid:
+    """Windows laid on one recording: the block, start states (W, X) and the ``states`` (W, L, X)
+    from smoothing, SI, and ``held`` (W,), True where a window only validates. ``rows`` (W, L) are
+    the samples of the recording, ``source`` where they come from. ``floor`` is the mean square by
+    which repeated runs differ beyond their noise, in units of the noise: less proves nothing.
+    ``steps`` are the integration steps between two samples that laws without jumps need."""
+
+    block: Block
+    start: Array
+    states: Array
+    held: NDArray[np.bool_]
+    rows: NDArray[np.int64]
+    source: tuple[Recording, Motion]
+    floor: float = 0.0
+    steps: int = 1
+
+    def course(self, machine: Machine) -> Course:
+        """The whole course that the windows are cut from."""
+        recording, motion = self.source
+        return course_of(recording, machine, motion)
+
+    def chosen(self, rows: NDArray[np.int64]) -> "Laid":
+        """Some of the windows; of these every third validates."""
+        whole = self.block
+        block = replace(
+            whole, t=whole.t[rows], d=whole.d[rows], y=whole.y[rows],
+            substeps=whole.substeps[rows],
+        )  # fmt: skip
+        return Laid(
+            block, self.start[rows], self.states[rows], np.arange(rows.size) % 3 == 2,
+            self.rows[rows], self.source, self.floor, self.steps,
+        )  # fmt: skip
+
+    def suited(self, machine: Machine) -> "Laid":
+        """The windows for another machine with the same coordinates: with its inner states, and
+        with the fewest steps everywhere unless it has a steep law. With few samples a period every
+        sample is near a reversal, so the fewest are not those that happen to occur."""
+        item = self
+        if machine.inner_states or state_form(machine).size != self.start.shape[1]:
+            states = self.course(machine).states[self.rows]
+            item = replace(self, start=states[:, 0], states=states)
+        if any(element.kind in STEEP for element in machine.model.elements):
+            return item
+        parts = np.full_like(item.block.substeps, item.steps)
+        return replace(item, block=replace(item.block, substeps=parts))
+
+    def in_time(self, model: WindowModel, p: Array) -> "Laid":
+        """The windows with what late sensors recorded under ``p`` (P,), SI, taken whole samples
+        later: the model is asked for the rest of their delays alone, at most half a sample, over
+        which a state may be extrapolated. So the noise stays as recorded."""
+        sensors = model.machine.model.sensors
+        if not self.block.late and not any(s.name in model.form.late for s in sensors):
+            return self
+        recording, step = self.source[0], float(np.median(np.diff(self.block.t, axis=1)))
+        shifts = np.zeros(len(sensors), dtype=int)
+        for j, sensor in enumerate(sensors):
+            if sensor.name in model.form.late:
+                stated = sensor.delay.si if sensor.delay else 0.0
+                delay = float(p[model.machine.column(f"{sensor.name}.delay")])
+                shifts[j] = round((delay - stated) / step)
+        late = tuple((shifts * step).tolist()) if shifts.any() else ()
+        if late == self.block.late:
+            return self
+        y, t = measured(recording, model.machine), recording.t
+        columns = []
+        for j, shift in enumerate(shifts):
+            then = np.clip(self.rows + shift, 0, t.size - 1)
+            apart = np.abs(t[then] - t[self.rows] - shift * step)
+            columns.append(np.where(apart < EVEN * step, y[then, j], np.nan))
+        return replace(self, block=replace(self.block, y=np.stack(columns, axis=2), late=late))
+
+    def first(self) -> "Laid":
+        """The first window alone."""
+        return self.chosen(np.array([0]))
+
+
+def lay(
+    recording: Recording,
+    machine: Machine,
+    motion: Motion,
+    length_s: float,
+    substeps: NDArray[np.int64] | None = None,
+) -> Laid | None:
+    """Lay windows of ``length_s`` seconds without overlap; every third one validates.
+
+    Windows that straddle a gap in time or miss more samples than others are left out. ``substeps``
+    (N − 1,) are the integration steps between the samples of the recording, default one. Returns
+    None if the recording holds no window.
+    """
+    step = float(np.median(np.diff(recording.t)))
+    samples = max(round(length_s / step) + 1, SAMPLES_LEAST)
+    if samples > recording.t.size:
+        return None
+    begin = _settled(motion, step)
+    if begin + samples > recording.t.size:  # no room: all of the recording is wanted
+        begin = 0
+    firsts = np.arange(begin, recording.t.size - samples + 1, samples - 1)
+    rows = firsts[:, None] + np.arange(samples)
+    y, course = measured(recording, machine), course_of(recording, machine, motion)
+    whole = (recording.t[rows[:, -1]] - recording.t[rows[:, 0]]) < 1.5 * (samples - 1) * step
+    present = np.isfinite(y[:, np.isfinite(y).any(axis=0)])
+    there = present[rows].sum(axis=(1, 2))
+    enough = there >= FINITE_SHARE * max(np.quantile(there, 0.75), SAMPLES_LEAST)
+    rows = rows[whole & enough]
+    if len(rows) == 0:
+        return None
+    states = course.states[rows]
+    held = np.arange(len(rows)) % 3 == 2
+    parts = np.ones(recording.t.size - 1, int) if substeps is None else substeps
+    inputs = [recording.inputs[item.name] for item in machine.model.inputs]
+    recorded = recording.t, np.column_stack(inputs) if inputs else np.empty((recording.t.size, 0))
+    recorded = finer(*recorded, smooth_columns(machine.model.inputs))
+    block = Block(recording.t[rows], course.drive[rows], y[rows], parts[rows[:, :-1]], recorded)
+    least = int(parts.min())
+    return Laid(block, states[:, 0], states, held, rows, (recording, motion), steps=least)
+
+
+def _settled(motion: Motion, step: float) -> int:
+    """The sample from which the smoothed motion tells a start: with few samples a period a spline
+    may swing at its end, to speeds that the motion never has again."""
+    end = int(np.ceil(END_KNOTS * motion.spacing_s / step))
+    size = np.abs(motion.v)
+    if size.shape[0] < 20 * end or size.shape[1] == 0:
+        return 0
+    return end if bool((size[:end] > SWUNG * size[end:-end].max(axis=0)).any()) else 0
+
+
+def reversals(rates: Array) -> NDArray[np.bool_]:
+    """Intervals between samples (N − 1,) near a reversal or a rest of one of ``rates`` (N, places),
+    SI.
+
+    There dry friction turns over or holds, and the integration needs finer steps: where a rate
+    changes sign, three intervals to either side, and where it is below 2 % of its largest.
+    """
+    size = np.abs(rates).max(axis=0)
+    slow = (np.abs(rates) < SLOW_SHARE * size).any(axis=1)
+    turns = (np.sign(rates[1:]) * np.sign(rates[:-1]) <= 0).any(axis=1) | slow[1:] | slow[:-1]
+    near = np.convolve(turns.astype(float), np.ones(7), mode="same") > 0
+    return near[: turns.size]
+
+
+@dataclass(frozen=True, slots=True)
+class Reduced:
+    """Whitened windows with the initial states projected out: ``count`` (W,) samples that are
+    there, less the initial states; ``held`` (W,); ``grams`` (W, F + 1, F + 1) of [columns,
+    residual], where the residual is dimensionless and a column is per SI unit of its number."""
+
+    count: NDArray[np.int64]
+    held: NDArray[np.bool_]
+    grams: Array
+
+
+def reduce(
+    residual: Array, by_start: Array, columns: Array, sd: Array, held: NDArray[np.bool_]
+) -> Reduced:
+    """Project the initial states out of residual (W, L, m) and columns (W, L, m, F).
+
+    ``by_start`` (W, L, m, X), ``sd`` (m,) in SI. Missing residuals are NaN.
+    """
+    windows, length, m = residual.shape
+    seen = np.isfinite(residual)
+    weight = np.where(seen, 1 / sd, 0.0).reshape(windows, length * m, 1)
+    flat = np.where(seen, residual, 0.0).reshape(windows, length * m, 1)
+    joined = np.concatenate([columns.reshape(windows, length * m, -1), flat], axis=2) * weight
+    starts = by_start.reshape(windows, length * m, -1) * weight
+    scale = np.linalg.norm(starts, axis=1, keepdims=True)
+    basis, triangle = np.linalg.qr(starts / np.where(scale > 0, scale, 1.0))
+    pivots = np.abs(np.diagonal(triangle, axis1=1, axis2=2))
+    basis = basis * (pivots > 1e-9)[:, None, :]
+    joined = joined - basis @ (basis.transpose(0, 2, 1) @ joined)
+    grams = joined.transpose(0, 2, 1) @ joined
+    count = seen.reshape(windows, -1).sum(axis=1) - (pivots > 1e-9).sum(axis=1)
+    return Reduced(count, held, grams)
+
+
+def merge(
+    parts: Sequence[Reduced],
+) -> tuple[Array, NDArray[np.int64], NDArray[np.bool_]]:
+    """Grams (ΣW, F + 1, F + 1) in the units of :class:`Reduced`, counts and held flags (ΣW,) of
+    several recordings."""
+    return (
+        np.concatenate([part.grams for part in parts]),
+        np.concatenate([part.count for part in parts]),
+        np.concatenate([part.held for part in parts]),
+    )
+
+
+def correlation_time(residuals: Sequence[Array], m: int) -> float:
+    """Integrated autocorrelation c ≥ 1 of whitened residuals [(W, L·m), …], in samples.
+
+    c = 1 + 2 Σ ρ_k, summed to the first lag where ρ drops below 0.05 (a plain initial-sequence
+    estimate: Geyer, Statistical Science 7, 1992); the largest over the sensors.
+    """
+    worst = 1.0
+    for sensor in range(m):
+        series = [part.reshape(part.shape[0], -1, m)[:, :, sensor] for part in residuals]
+        longest = min(part.shape[1] for part in series)
+        power = sum(float(np.sum(part**2)) for part in series)
+        if power == 0:
+            continue
+        total = 1.0
+        for lag in range(1, longest):
+            cross = sum(float(np.sum(part[:, lag:] * part[:, :-lag])) for part in series)
+            rho = cross / power
+            if rho < 0.05:
+                break
+            total += 2 * rho
+        worst = max(worst, total)
+    return worst

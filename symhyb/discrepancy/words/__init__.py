@@ -1,0 +1,1 @@
+"""Numbers, units, effects and verdicts as an engineer would say them."""
