@@ -43,7 +43,7 @@ def check(model: ModelFile, as_json: Json = False) -> None:
     """
     from symhyb.console import model_facts, print_model
     from symhyb.model.read import read_model
-    from symhyb.numeric.machine import build
+    from symhyb.numeric.lowered.machine import build
 
     try:
         declared = read_model(model)
@@ -158,7 +158,7 @@ def compare(
     from symhyb.discrepancy.checks.first_checks import first_checks, repeats_of
     from symhyb.discrepancy.recorded.residual import compare as compare_recording
     from symhyb.model.read import read_model
-    from symhyb.numeric.machine import build
+    from symhyb.numeric.lowered.machine import build
 
     declared, mapped = read_model(model), read_map(columns)
     machine, gaps, checked = build(declared), [], []

@@ -36,8 +36,9 @@ if TYPE_CHECKING:  # a verb that only reads a file need not load the numerics
     from symhyb.discrepancy.checks.modes import Mode
     from symhyb.discrepancy.checks.response import Response
     from symhyb.discrepancy.recorded.residual import Discrepancy
-    from symhyb.numeric.integrate import Scenario, Trajectory
-    from symhyb.numeric.machine import Machine
+    from symhyb.numeric.lowered.machine import Machine
+    from symhyb.numeric.runs.integrate import Trajectory
+    from symhyb.numeric.runs.scenario import Scenario
     from symhyb.study import StudyResult
 
 WIDE = 160  # columns of a table that does not go to a terminal

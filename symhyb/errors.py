@@ -2,7 +2,7 @@
 
 User mistakes are collected as :class:`Problem` values and raised together in one
 :class:`InputError`; numerical failure is not an exception but an outcome with a reason
-(see :mod:`symhyb.numeric.integrate`).
+(see :mod:`symhyb.numeric.runs.integrate`).
 """
 
 from collections.abc import Iterable, Sequence

@@ -12,9 +12,10 @@ from symhyb.discrepancy.recorded.sampling import as_sampled
 from symhyb.errors import InputError, NumericsError, Problem
 from symhyb.model.expression import Name, parse_expression
 from symhyb.model.types import Model, Sensor
-from symhyb.numeric.buffers import Array
-from symhyb.numeric.integrate import Scenario, Trajectory, simulate
-from symhyb.numeric.machine import Machine, build
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.lowered.machine import Machine, build
+from symhyb.numeric.runs.integrate import Trajectory, simulate
+from symhyb.numeric.runs.scenario import Scenario
 from symhyb.units import parse_unit
 
 MOST_ROWS = 5_000_000

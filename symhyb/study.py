@@ -41,7 +41,7 @@ from symhyb.model.diff import diff
 from symhyb.model.read import read_model
 from symhyb.model.types import Model
 from symhyb.model.write import write_model
-from symhyb.numeric.machine import build
+from symhyb.numeric.lowered.machine import build
 from symhyb.report.contract import exit_status, to_json
 from symhyb.report.files import write_diagnosis, write_report, write_simulation
 from symhyb.study_file import Source, Study, read_study

@@ -14,9 +14,10 @@ from numpy.typing import ArrayLike, NDArray
 from symhyb.data.recording import Recording
 from symhyb.model.read import parse_model
 from symhyb.model.types import Model
-from symhyb.numeric.buffers import call
-from symhyb.numeric.integrate import Scenario, Trajectory, simulate
-from symhyb.numeric.machine import Machine, build
+from symhyb.numeric.kernels.buffers import call
+from symhyb.numeric.lowered.machine import Machine, build
+from symhyb.numeric.runs.integrate import Trajectory, simulate
+from symhyb.numeric.runs.scenario import Scenario
 
 Array = NDArray[np.float64]
 Entries = Mapping[str, object]

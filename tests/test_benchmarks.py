@@ -13,7 +13,7 @@ import pytest
 from sympy import Matrix, lambdify
 from sympy.physics.mechanics import dynamicsymbols
 
-from symhyb.numeric.compiled import find_compiler
+from symhyb.numeric.kernels.compiled import find_compiler
 
 FOLDER = Path(__file__).parents[1] / "studies" / "benchmarks"
 NAMES = (

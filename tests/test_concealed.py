@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 import symhyb as sh
 from symhyb.model.read import parse_model
-from symhyb.numeric.buffers import call
+from symhyb.numeric.kernels.buffers import call
 from tests.concealed_bench import Study, answer_of, modules, run, told
 
 FORCES: dict[str, dict[str, float]] = {

@@ -14,7 +14,7 @@ from symhyb.discrepancy.recorded.motion import motion_of
 from symhyb.discrepancy.recorded.runs import Run
 from symhyb.discrepancy.results import Lie
 from symhyb.model.types import Model
-from symhyb.numeric.machine import build
+from symhyb.numeric.lowered.machine import build
 from tests.liars import chain_model, chain_recording, pendulum_model, pendulum_recording
 from tests.rigs import spring_model, spring_recording
 

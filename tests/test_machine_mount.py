@@ -9,7 +9,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from symhyb.numeric import compiled
+from symhyb.numeric.kernels import compiled
 
 FOLDER = Path(__file__).parents[1] / "studies" / "machine_mount"
 needs_compiler = pytest.mark.skipif(compiled.find_compiler() is None, reason="no C compiler")

@@ -11,7 +11,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import symhyb as sh
-from symhyb.numeric import compiled
+from symhyb.numeric.kernels import compiled
 
 FOLDER = Path(__file__).parents[1] / "studies" / "swing_up"
 NAMES = ("engine", "generate", "plan", "feedback", "swing")

@@ -21,14 +21,15 @@ import links
 import numpy as np
 import oscillators
 from numpy.typing import NDArray
+from symhyb.numeric.runs.scenario import Scenario
 from timing import Row, Work, in_turns, middle, milliseconds
 
-from symhyb.numeric.dynamics import state_form
-from symhyb.numeric.explicit import Field, field
-from symhyb.numeric.integrate import Scenario, simulate
-from symhyb.numeric.machine import Machine, build
-from symhyb.numeric.objective import Objective, squares
-from symhyb.numeric.rollout import Rollout
+from symhyb.numeric.lowered.dynamics import state_form
+from symhyb.numeric.lowered.machine import Machine, build
+from symhyb.numeric.runs.explicit import Field, field
+from symhyb.numeric.runs.integrate import simulate
+from symhyb.numeric.runs.objective import Objective, squares
+from symhyb.numeric.runs.rollout import Rollout
 
 Array = NDArray[np.float64]
 

@@ -23,10 +23,10 @@ from numpy.typing import NDArray
 from timing import Row, Work, in_turns, middle, milliseconds
 
 from symhyb.model.read import parse_model, read_model
-from symhyb.numeric.instructions import NOTHING, program
-from symhyb.numeric.machine import Machine, build
-from symhyb.numeric.vector import along
-from symhyb.numeric.vector_numpy import WORK
+from symhyb.numeric.kernels.instructions import NOTHING, program
+from symhyb.numeric.kernels.vector import along
+from symhyb.numeric.kernels.vector_numpy import WORK
+from symhyb.numeric.lowered.machine import Machine, build
 
 Array = NDArray[np.float64]
 MODELS = Path(__file__).parents[2] / "models"

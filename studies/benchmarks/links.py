@@ -23,8 +23,8 @@ from timing import Row, Work, in_turns, middle, milliseconds
 from symhyb.mechanics.equations import derive
 from symhyb.model.read import parse_model
 from symhyb.model.types import Model
-from symhyb.numeric.machine import build
-from symhyb.numeric.translate import Lowered
+from symhyb.numeric.lowered.machine import build
+from symhyb.numeric.lowered.translate import Lowered
 
 _FRESH = count()
 ANGLES = ((True, "relative"), (False, "absolute"))

@@ -15,13 +15,14 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
+from symhyb.numeric.runs.scenario import Scenario
 from timing import Row, in_turns, middle, milliseconds
 
 from symhyb.model.read import parse_model
-from symhyb.numeric.dynamics import state_form
-from symhyb.numeric.integrate import Scenario, simulate
-from symhyb.numeric.machine import Machine, build
-from symhyb.numeric.sweep import simulate_many
+from symhyb.numeric.lowered.dynamics import state_form
+from symhyb.numeric.lowered.machine import Machine, build
+from symhyb.numeric.runs.integrate import simulate
+from symhyb.numeric.runs.sweep import simulate_many
 
 Array = NDArray[np.float64]
 MASS, STIFFNESS, DAMPING, LEVEL, WIDTH = 1.0, 100.0, 0.5, 0.4905, 1e-3

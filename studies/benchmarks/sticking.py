@@ -27,8 +27,8 @@ from scipy.integrate import solve_ivp
 from timing import Row, in_turns, middle, milliseconds
 
 from symhyb.model.read import parse_model
-from symhyb.numeric.integrate import simulate
-from symhyb.numeric.machine import build
+from symhyb.numeric.lowered.machine import build
+from symhyb.numeric.runs.integrate import simulate
 
 Array = NDArray[np.float64]
 

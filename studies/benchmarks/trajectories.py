@@ -27,8 +27,8 @@ from symhyb.discrepancy.fitting.matching import TRIAL_DECREASE, TRIAL_ITERATIONS
 from symhyb.discrepancy.recorded.motion import Motion
 from symhyb.discrepancy.recorded.windows import lay
 from symhyb.model.read import parse_model
-from symhyb.numeric.machine import build
-from symhyb.numeric.windows import WindowModel
+from symhyb.numeric.lowered.machine import build
+from symhyb.numeric.runs.windows import WindowModel
 
 Array = NDArray[np.float64]
 NAMES = ("m", "c", "d", "mu")

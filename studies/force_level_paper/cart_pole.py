@@ -19,14 +19,14 @@ import learn
 import numpy as np
 import truth
 from run import STEPS, error, rounded
+from symhyb.numeric.runs.scenario import Scenario
 from truth import Array, Data, Drive, Plant
 
 import symhyb as sh
 from symhyb.correction.learning.formulations import lacking, measured_course, sparse_law
 from symhyb.model.read import parse_model
 from symhyb.model.write import append_elements
-from symhyb.numeric.formulations import Correction, simulate_corrected
-from symhyb.numeric.integrate import Scenario
+from symhyb.numeric.runs.formulations import Correction, simulate_corrected
 
 KEPT = Path(__file__).resolve().parent / "results" / "cart_pole.json"
 START = np.array([0.1, 0.6])

@@ -22,7 +22,7 @@ from symhyb.correction.learning.formulations import (
     measured_course,
     values_along,
 )
-from symhyb.numeric.formulations import simulate_corrected
+from symhyb.numeric.runs.formulations import simulate_corrected
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt

@@ -33,8 +33,8 @@ from symhyb.model.read import parse_model
 from symhyb.model.types import Element, Network, On
 from symhyb.model.weights import keep
 from symhyb.model.write import append_elements
-from symhyb.numeric.formulations import Correction, Formulation, Law, Networks, Terms
-from symhyb.numeric.network import Weights, stored
+from symhyb.numeric.lowered.network import Weights, stored
+from symhyb.numeric.runs.formulations import Correction, Formulation, Law, Networks, Terms
 
 ROWS = ("default", "chosen", "sparse", "combined")
 REGRESSION = "regression"  # of forces, by what "sparse" uses for rates

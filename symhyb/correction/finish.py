@@ -17,7 +17,7 @@ from symhyb.discrepancy.fitting.matching import Task, fit
 from symhyb.errors import NumericsError
 from symhyb.model.types import Model, Parameter
 from symhyb.model.write import replace_parameters
-from symhyb.numeric.windows import WindowModel
+from symhyb.numeric.runs.windows import WindowModel
 
 SIGNED = ("damping", "drag", "coulomb", "mass")  # numbers of laws that only dissipate, or are mass
 

@@ -16,7 +16,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from symhyb.errors import InputError, Problem
-from symhyb.numeric.compiled import find_compiler
+from symhyb.numeric.kernels.compiled import find_compiler
 
 LARGE = 300_000  # bytes of C, from which on the compiler optimises less, or it takes minutes
 # contract: no multiplication fused with an addition, so that results are those of symhyb bit by bit

@@ -7,8 +7,8 @@ from importlib.resources import files
 import numpy as np
 
 from symhyb.export.spec import Spec
-from symhyb.numeric.buffers import Array
-from symhyb.numeric.exported import c_source, functions
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.lowered.exported import c_source, functions
 
 SAMPLES = 20
 TOLERANCE = 1e-13  # of the largest value: other C libraries round tanh and exp differently

@@ -12,7 +12,7 @@ from symhyb.export.latex import latex
 from symhyb.export.pack import require_writable, write_file, write_folder
 from symhyb.export.spec import C_WORDS, Role, Spec, spec_of
 from symhyb.model.types import Model
-from symhyb.numeric.exported import serialised
+from symhyb.numeric.lowered.exported import serialised
 
 TARGETS = ("fmu", "c", "casadi", "adams", "latex")
 FOLDERS = ("c", "adams")  # what consists of several files

@@ -10,7 +10,7 @@ from importlib.metadata import PackageNotFoundError, version
 import numpy as np
 
 from symhyb.export.spec import Spec, Variable
-from symhyb.numeric.exported import Flags
+from symhyb.numeric.lowered.exported import Flags
 from symhyb.units import Unit
 
 KINDS = {"cs": "CoSimulation", "me": "ModelExchange"}

@@ -15,7 +15,7 @@ from typing import Literal
 
 from symhyb.errors import InputError, Problem
 from symhyb.model.types import Model
-from symhyb.numeric.exported import Exported, export_elements, export_machine
+from symhyb.numeric.lowered.exported import Exported, export_elements, export_machine
 from symhyb.units import ONE, Unit, parse_unit
 
 Role = Literal["time", "input", "output", "state", "rate", "parameter"]

@@ -12,7 +12,7 @@ A quaternion (w, x) counts by its direction alone, with N = w² + |x|²:
     R = [(w² − |x|²) 1 + 2 x xᵀ + 2 w [x]×] / N,    ω = 2 (w x' − w' x − x × x') / N
 
 which are R and ω of the quaternion divided by its length: no force and no energy depends on it.
-The rate of an angle is a plain symbol here; :mod:`symhyb.numeric.translate` differentiates.
+The rate of an angle is a plain symbol here; :mod:`symhyb.numeric.lowered.translate` differentiates.
 
 Source: J. Diebel, Representing Attitude: Euler Angles, Unit Quaternions, and Rotation Vectors,
 Stanford University, 2006 (his matrices are those of the inverse rotation).

@@ -2,7 +2,7 @@
 
 Only positions, laws and declared energies are built here, in plain symbols, never expanded. Speeds,
 directions, M, k_c and k_e follow by differentiation: numerically in CasADi
-(:mod:`symhyb.numeric.translate`), readably in :mod:`symhyb.mechanics.show`.
+(:mod:`symhyb.numeric.lowered.translate`), readably in :mod:`symhyb.mechanics.show`.
 
     M(q,t) q'' + k_c(q,q',t) = k_e(q,q',u,t) + ΔF,   p = ∂T/∂v,  M = ∂p/∂v,
     k_c = (∂p/∂q) v + ∂p/∂t − ∂T/∂q,   k_e = Σ Q − ∂V/∂q

@@ -1,7 +1,8 @@
 """Where things are: frames of bodies, points, and the stretch of a place.
 
 Only positions are formed here. Speeds and directions follow by differentiation, which is CasADi's
-work (:mod:`symhyb.numeric.translate`); :func:`rate_of` and :func:`gradient` serve people who read.
+work (:mod:`symhyb.numeric.lowered.translate`); :func:`rate_of` and :func:`gradient` serve people
+who read.
 """
 
 from collections.abc import Callable, Mapping

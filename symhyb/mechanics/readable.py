@@ -1,8 +1,8 @@
 """M, k_c and k_e in SymPy, each summand with what it comes from: what ``symhyb equations`` prints.
 
-Here SymPy differentiates what :mod:`symhyb.numeric.translate` leaves to CasADi. A small model is
-tidied; in a large one the derivatives of positions and all that recurs have names, and nothing is
-multiplied out.
+Here SymPy differentiates what :mod:`symhyb.numeric.lowered.translate` leaves to CasADi. A small
+model is tidied; in a large one the derivatives of positions and all that recurs have names, and
+nothing is multiplied out.
 """
 
 from collections.abc import Iterator

@@ -21,7 +21,7 @@ from symhyb.mechanics.tidy import along, terms
 from symhyb.model.types import Model
 
 Tidy = Callable[[sp.Expr], sp.Expr]
-GUIDED, GUIDED_LEAST = sp.Integer(3), ONE  # as in symhyb.numeric.translate
+GUIDED, GUIDED_LEAST = sp.Integer(3), ONE  # as in symhyb.numeric.lowered.translate
 
 
 @dataclass(frozen=True, slots=True)

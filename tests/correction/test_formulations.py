@@ -14,8 +14,9 @@ from symhyb.correction.learning.formulations import (
 from symhyb.errors import InputError
 from symhyb.model.read import parse_model
 from symhyb.model.types import Model
-from symhyb.numeric.buffers import call
-from symhyb.numeric.formulations import (
+from symhyb.numeric.kernels.buffers import call
+from symhyb.numeric.lowered.machine import Machine, build
+from symhyb.numeric.runs.formulations import (
     Correction,
     Formulation,
     Networks,
@@ -23,8 +24,8 @@ from symhyb.numeric.formulations import (
     rows_of,
     simulate_corrected,
 )
-from symhyb.numeric.integrate import Scenario, Trajectory, simulate
-from symhyb.numeric.machine import Machine, build
+from symhyb.numeric.runs.integrate import Trajectory, simulate
+from symhyb.numeric.runs.scenario import Scenario
 
 BOTH: tuple[Formulation, Formulation] = ("force", "rates")
 DRAG = '[elements.more]\nkind = "drag"\non = "x"\ndrag = "b"\n'

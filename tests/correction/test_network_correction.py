@@ -22,9 +22,10 @@ from symhyb.errors import InputError
 from symhyb.model.read import parse_model, read_model
 from symhyb.model.types import Model
 from symhyb.model.write import write_model
-from symhyb.numeric.integrate import Scenario, simulate
-from symhyb.numeric.machine import build
-from symhyb.numeric.network import Layer, Weights, evaluated, force_of, parsed, stored
+from symhyb.numeric.lowered.machine import build
+from symhyb.numeric.lowered.network import Layer, Weights, evaluated, force_of, parsed, stored
+from symhyb.numeric.runs.integrate import simulate
+from symhyb.numeric.runs.scenario import Scenario
 
 NOISE = 1e-3  # m, of an amplitude of some 0.3 m
 TEXT = DRIVEN_MASS

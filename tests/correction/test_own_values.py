@@ -10,7 +10,7 @@ from symhyb.data.recording import Recording
 from symhyb.discrepancy.fitting.matching import Fit
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.model.types import On
-from symhyb.numeric.machine import build
+from symhyb.numeric.lowered.machine import build
 from tests.rigs import spring_model
 
 X = On("x")

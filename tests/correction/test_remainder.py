@@ -15,9 +15,10 @@ from symhyb.errors import InputError
 from symhyb.model.read import parse_model
 from symhyb.model.types import Model
 from symhyb.model.write import append_elements
-from symhyb.numeric.buffers import call
-from symhyb.numeric.integrate import Scenario, simulate
-from symhyb.numeric.machine import build
+from symhyb.numeric.kernels.buffers import call
+from symhyb.numeric.lowered.machine import build
+from symhyb.numeric.runs.integrate import simulate
+from symhyb.numeric.runs.scenario import Scenario
 
 NOISE = 2e-4  # m, of an amplitude of some 0.3 m
 ON_LINES = DRIVEN_MASS.replace('f = { unit = "N"', 'f = { unit = "N", between = "line"')

@@ -7,7 +7,7 @@ from rigs import spring_model, spring_recording
 
 from symhyb.correction.learning import sparse
 from symhyb.correction.search.preparing import prepare, settle
-from symhyb.numeric.factor import factor_of
+from symhyb.numeric.kernels.factor import factor_of
 
 
 def test_the_weak_form_is_regressed_without_storing_its_rows(

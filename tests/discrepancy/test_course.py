@@ -10,8 +10,8 @@ from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.course import Course, course_of
 from symhyb.discrepancy.recorded.motion import motion_of
 from symhyb.discrepancy.recorded.residual import compare, discrepancy
-from symhyb.numeric.inner import inner_along
-from symhyb.numeric.machine import Machine, build
+from symhyb.numeric.lowered.inner import inner_along
+from symhyb.numeric.lowered.machine import Machine, build
 
 T = np.arange(600) / 200
 W, SIZE, FORCE = 6.0, 0.05, 2.0

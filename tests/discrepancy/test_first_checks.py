@@ -15,8 +15,9 @@ from symhyb.discrepancy.checks.timing import hold_of
 from symhyb.discrepancy.recorded.course import course_of
 from symhyb.discrepancy.recorded.motion import motion_of
 from symhyb.model.types import Model
-from symhyb.numeric.integrate import Scenario, simulate
-from symhyb.numeric.machine import Machine, build
+from symhyb.numeric.lowered.machine import Machine, build
+from symhyb.numeric.runs.integrate import simulate
+from symhyb.numeric.runs.scenario import Scenario
 
 M, K, D = 1.2, 300.0, 1.5
 OWN = np.sqrt(K / M)  # rad/s

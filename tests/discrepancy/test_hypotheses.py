@@ -26,10 +26,10 @@ from symhyb.model.read import parse_model
 from symhyb.model.types import Between, Model, On, Place
 from symhyb.model.vocabulary import KINDS
 from symhyb.model.write import append_elements, text_of
-from symhyb.numeric.buffers import call, mapped
-from symhyb.numeric.dynamics import state_form
-from symhyb.numeric.inner import inner_along
-from symhyb.numeric.machine import Machine, build
+from symhyb.numeric.kernels.buffers import call, mapped
+from symhyb.numeric.lowered.dynamics import state_form
+from symhyb.numeric.lowered.inner import inner_along
+from symhyb.numeric.lowered.machine import Machine, build
 
 BAND = Between("post", "tip")
 T = np.linspace(0, 4, 401)

@@ -13,8 +13,8 @@ from scipy.integrate import solve_ivp
 from symhyb.discrepancy.fitting.matching import Fit, Task, fit
 from symhyb.discrepancy.recorded.motion import motion_of
 from symhyb.discrepancy.recorded.windows import Laid, lay
-from symhyb.numeric.machine import Machine, build
-from symhyb.numeric.windows import WindowModel
+from symhyb.numeric.lowered.machine import Machine, build
+from symhyb.numeric.runs.windows import WindowModel
 
 Array = NDArray[np.float64]
 

@@ -16,7 +16,7 @@ from symhyb.discrepancy.recorded.motion import (
     spline_basis,
 )
 from symhyb.errors import InputError
-from symhyb.numeric.machine import Machine, build
+from symhyb.numeric.lowered.machine import Machine, build
 
 Array = NDArray[np.float64]
 

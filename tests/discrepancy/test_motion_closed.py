@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.motion import motion_of
 from symhyb.model.read import read_model
-from symhyb.numeric.machine import Machine, build
-from symhyb.numeric.manifold import gaps_of
+from symhyb.numeric.lowered.machine import Machine, build
+from symhyb.numeric.lowered.manifold import gaps_of
 
 Array = NDArray[np.float64]
 T = np.linspace(0, 4, 801)

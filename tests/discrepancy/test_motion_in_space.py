@@ -7,9 +7,10 @@ import numpy as np
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.motion import motion_of
 from symhyb.model.read import read_model
-from symhyb.numeric.buffers import Array
-from symhyb.numeric.integrate import Scenario, simulate
-from symhyb.numeric.machine import build
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.lowered.machine import build
+from symhyb.numeric.runs.integrate import simulate
+from symhyb.numeric.runs.scenario import Scenario
 
 MODEL = Path(__file__).parents[2] / "models" / "quadrotor.toml"
 

@@ -10,7 +10,7 @@ from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.sampling import as_sampled
 from symhyb.model.read import parse_model
 from symhyb.model.types import Model
-from symhyb.numeric.between import FEWEST, looks_smooth
+from symhyb.numeric.runs.between import FEWEST, looks_smooth
 
 Array = NDArray[np.float64]
 T = np.arange(2001) / 100.0

@@ -15,7 +15,7 @@ from symhyb.discrepancy.recorded.windows import (
     reduce,
     reversals,
 )
-from symhyb.numeric.machine import build
+from symhyb.numeric.lowered.machine import build
 
 Array = NDArray[np.float64]
 T = np.arange(400) / 100

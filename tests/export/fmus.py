@@ -19,7 +19,7 @@ from builders import model_of, oscillator, push
 from symhyb.export.fmu import fmu
 from symhyb.export.spec import Spec, spec_of
 from symhyb.model.types import Model
-from symhyb.numeric.buffers import call
+from symhyb.numeric.kernels.buffers import call
 
 FOUND = ("rub", "drag", "relax")
 

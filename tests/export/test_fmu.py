@@ -31,7 +31,7 @@ from symhyb.export.c_code import samples
 from symhyb.export.fmu import fmu
 from symhyb.export.pack import archive
 from symhyb.export.spec import spec_of
-from symhyb.numeric.buffers import call
+from symhyb.numeric.kernels.buffers import call
 
 POINTS = 20_000
 SPECS = {"element": element, "whole": whole}

@@ -9,9 +9,9 @@ from symhyb.export.c_code import c_files, samples
 from symhyb.export.description import model_description
 from symhyb.export.spec import spec_of
 from symhyb.model.read import read_model
-from symhyb.numeric.buffers import call
-from symhyb.numeric.dynamics import state_form
-from symhyb.numeric.machine import build
+from symhyb.numeric.kernels.buffers import call
+from symhyb.numeric.lowered.dynamics import state_form
+from symhyb.numeric.lowered.machine import build
 
 MODELS = sorted((Path(__file__).parents[2] / "models").glob("*.toml"))
 QUICK = ("damper_rig", "rig_alone", "quarter_car")  # all imposed; no element; several coordinates

@@ -11,9 +11,10 @@ from symhyb.mechanics.equations import derive
 from symhyb.mechanics.symbols import symbols_of
 from symhyb.model.read import parse_model
 from symhyb.model.types import Model
-from symhyb.numeric.buffers import call
-from symhyb.numeric.integrate import Scenario, simulate
-from symhyb.numeric.machine import build
+from symhyb.numeric.kernels.buffers import call
+from symhyb.numeric.lowered.machine import build
+from symhyb.numeric.runs.integrate import simulate
+from symhyb.numeric.runs.scenario import Scenario
 
 EVERY_PLACE = """\
 symhyb = 1

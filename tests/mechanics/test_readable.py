@@ -17,7 +17,7 @@ from symhyb.mechanics.tidy import along
 from symhyb.model.expression import parse_expression
 from symhyb.model.read import parse_model, read_model
 from symhyb.model.types import Between, Element, Model, Network, On
-from symhyb.numeric.machine import Machine, build
+from symhyb.numeric.lowered.machine import Machine, build
 
 MODELS = sorted((Path(__file__).parents[2] / "models").glob("*.toml"))
 LARGE = {"six_joint_arm"}  # its numbers are put in for half a minute

@@ -8,8 +8,8 @@ from textbook import MODELS, SI, Array, entries
 
 from symhyb.model.read import read_model
 from symhyb.model.types import Model
-from symhyb.numeric.buffers import call
-from symhyb.numeric.machine import Machine, build
+from symhyb.numeric.kernels.buffers import call
+from symhyb.numeric.lowered.machine import Machine, build
 
 # By model: how far each coordinate moves about its start (SI), the time in which it does so (s),
 # and the size of each input.

@@ -15,9 +15,10 @@ from shipped import close, machine_of, start_of
 from textbook import Array, numbers
 
 from symhyb.model.read import parse_model
-from symhyb.numeric.buffers import call
-from symhyb.numeric.integrate import Scenario, simulate
-from symhyb.numeric.machine import Machine, build
+from symhyb.numeric.kernels.buffers import call
+from symhyb.numeric.lowered.machine import Machine, build
+from symhyb.numeric.runs.integrate import simulate
+from symhyb.numeric.runs.scenario import Scenario
 
 SPECK = 1e-14  # kg·m²: MuJoCo refuses a body without inertia
 

@@ -13,7 +13,8 @@ from scipy.signal import find_peaks
 from shipped import machine_of
 from textbook import Array
 
-from symhyb.numeric.integrate import Scenario, Trajectory, simulate
+from symhyb.numeric.runs.integrate import Trajectory, simulate
+from symhyb.numeric.runs.scenario import Scenario
 
 Public = Callable[..., Path]
 NOTHING = np.zeros((2, 0))

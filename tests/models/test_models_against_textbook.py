@@ -23,8 +23,9 @@ from shipped import (
 )
 from textbook import MODELS, WRITTEN, Array, Textbook, entries, textbook
 
-from symhyb.numeric.buffers import call
-from symhyb.numeric.integrate import Scenario, simulate
+from symhyb.numeric.kernels.buffers import call
+from symhyb.numeric.runs.integrate import simulate
+from symhyb.numeric.runs.scenario import Scenario
 
 STATES = 1000
 BETWEEN = 8  # outputs from one knot of the inputs to the next

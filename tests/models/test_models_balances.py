@@ -29,9 +29,10 @@ from textbook import Array
 from symhyb.model.read import parse_model
 from symhyb.model.types import Model
 from symhyb.model.vocabulary import KINDS
-from symhyb.numeric.buffers import call, mapped
-from symhyb.numeric.integrate import Scenario, simulate
-from symhyb.numeric.machine import Machine, build
+from symhyb.numeric.kernels.buffers import call, mapped
+from symhyb.numeric.lowered.machine import Machine, build
+from symhyb.numeric.runs.integrate import simulate
+from symhyb.numeric.runs.scenario import Scenario
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(6)
 PANELS = 10  # from one knot of the inputs to the next

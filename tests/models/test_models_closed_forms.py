@@ -7,8 +7,9 @@ from scipy.special import ellipj, ellipk
 from shipped import machine_of
 from textbook import numbers
 
-from symhyb.numeric.buffers import call
-from symhyb.numeric.integrate import Scenario, Trajectory, simulate
+from symhyb.numeric.kernels.buffers import call
+from symhyb.numeric.runs.integrate import Trajectory, simulate
+from symhyb.numeric.runs.scenario import Scenario
 
 
 def run(

@@ -11,9 +11,10 @@ import pytest
 from shipped import machine_of
 from textbook import numbers
 
-from symhyb.numeric.buffers import call
-from symhyb.numeric.integrate import Scenario, simulate
-from symhyb.numeric.manifold import gaps_of
+from symhyb.numeric.kernels.buffers import call
+from symhyb.numeric.lowered.manifold import gaps_of
+from symhyb.numeric.runs.integrate import simulate
+from symhyb.numeric.runs.scenario import Scenario
 
 EMPTY = np.empty(0)
 

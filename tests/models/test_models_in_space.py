@@ -17,9 +17,10 @@ from textbook import Array, numbers
 
 from symhyb.discrepancy.checks.modes import modes_at
 from symhyb.model.read import parse_model
-from symhyb.numeric.buffers import call
-from symhyb.numeric.integrate import Scenario, Trajectory, simulate
-from symhyb.numeric.machine import build
+from symhyb.numeric.kernels.buffers import call
+from symhyb.numeric.lowered.machine import build
+from symhyb.numeric.runs.integrate import Trajectory, simulate
+from symhyb.numeric.runs.scenario import Scenario
 
 Triple = tuple[float, float, float]
 ZERO: Triple = (0.0, 0.0, 0.0)

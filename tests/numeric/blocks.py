@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from symhyb.numeric.windows import Block
+from symhyb.numeric.runs.windows import Block
 
 Array = NDArray[np.float64]
 

@@ -13,11 +13,12 @@ from symhyb.errors import InputError
 from symhyb.model.read import parse_model
 from symhyb.model.types import Model
 from symhyb.model.write import text_of
-from symhyb.numeric.between import finer
-from symhyb.numeric.buffers import Array
-from symhyb.numeric.integrate import Scenario, simulate
-from symhyb.numeric.machine import build
-from symhyb.numeric.windows import WindowModel
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.lowered.machine import build
+from symhyb.numeric.runs.between import finer
+from symhyb.numeric.runs.integrate import simulate
+from symhyb.numeric.runs.scenario import Scenario
+from symhyb.numeric.runs.windows import WindowModel
 
 TEXT = DRIVEN_MASS.replace("25.0", "100.0").replace(", sd = 0.5", "").replace("0.6", "2.0")
 SMOOTH = ', between = "smooth"'

@@ -4,7 +4,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from symhyb.numeric.buffers import call, mapped
+from symhyb.numeric.kernels.buffers import call, mapped
 
 x, y = ca.SX.sym("x", 2), ca.SX.sym("y")
 BOTH = ca.Function("both", [x, y], [ca.densify(ca.diag(x) * y), x[0] + y], ["x", "y"], ["A", "b"])

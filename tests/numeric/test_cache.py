@@ -8,9 +8,9 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from symhyb.numeric import cache
-from symhyb.numeric.buffers import call
-from symhyb.numeric.instructions import BINARY, UNARY
+from symhyb.numeric.kernels.buffers import call
+from symhyb.numeric.kernels.instructions import BINARY, UNARY
+from symhyb.numeric.lowered import cache
 
 
 def machine() -> dict[str, ca.Function]:
@@ -145,6 +145,17 @@ def test_the_key_tells_all_that_matters(monkeypatch: pytest.MonkeyPatch) -> None
     monkeypatch.setattr(cache, "FORMAT", 0)
     keys.add(cache.key("a"))
     assert len(keys) == 10
+
+
+def test_all_code_between_a_model_and_its_functions_is_in_the_key() -> None:
+    package = Path(cache.__file__).parents[2]
+    code = {file.relative_to(package).as_posix() for file in cache.lowering_code()}
+    assert "units.py" in code
+    for layer in ("model", "mechanics", "numeric"):
+        files = {file.relative_to(package).as_posix() for file in (package / layer).rglob("*.py")}
+        assert files
+        assert files <= code
+    assert "numeric/lowered/translate.py" in code
 
 
 def test_what_is_not_made_of_scalars_is_not_kept(folder: Path) -> None:

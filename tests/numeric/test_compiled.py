@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from symhyb.numeric import compiled as module
+from symhyb.numeric.kernels import compiled as module
 
 needs_compiler = pytest.mark.skipif(module.find_compiler() is None, reason="no C compiler")
 

@@ -9,10 +9,11 @@ from mechanisms import MECHANISMS, slider_crank
 
 from symhyb.errors import InputError
 from symhyb.model.read import parse_model, read_model
-from symhyb.numeric.buffers import call
-from symhyb.numeric.integrate import Scenario, Trajectory, simulate
-from symhyb.numeric.machine import Machine, build
-from symhyb.numeric.manifold import closed, free_part, gaps_of, tangent
+from symhyb.numeric.kernels.buffers import call
+from symhyb.numeric.lowered.machine import Machine, build
+from symhyb.numeric.lowered.manifold import closed, free_part, gaps_of, tangent
+from symhyb.numeric.runs.integrate import Trajectory, simulate
+from symhyb.numeric.runs.scenario import Scenario
 
 MODELS = Path(__file__).parents[2] / "models"
 EMPTY = np.zeros(0)

@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 
 from symhyb.model.read import parse_model
 from symhyb.model.types import Model
-from symhyb.numeric.buffers import call
-from symhyb.numeric.dynamics import StateForm, inner_form, state_form
-from symhyb.numeric.integrate import Scenario, Trajectory, simulate
-from symhyb.numeric.machine import Machine, build
+from symhyb.numeric.kernels.buffers import call
+from symhyb.numeric.lowered.dynamics import StateForm, inner_form, state_form
+from symhyb.numeric.lowered.machine import Machine, build
+from symhyb.numeric.runs.integrate import Trajectory, simulate
+from symhyb.numeric.runs.scenario import Scenario
 
 Array = NDArray[np.float64]
 T = np.linspace(0, 3, 1201)

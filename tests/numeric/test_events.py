@@ -12,8 +12,9 @@ from symhyb.errors import InputError
 from symhyb.model.read import read_model
 from symhyb.model.switching import left_smooth
 from symhyb.model.types import Model
-from symhyb.numeric.integrate import Scenario, Trajectory, simulate
-from symhyb.numeric.machine import build
+from symhyb.numeric.lowered.machine import build
+from symhyb.numeric.runs.integrate import Trajectory, simulate
+from symhyb.numeric.runs.scenario import Scenario
 
 Array = NDArray[np.float64]
 MODELS = Path(__file__).parents[2] / "models"
@@ -347,8 +348,8 @@ def test_an_exact_run_of_a_loop_is_refused() -> None:
 
 def test_chatter_ends_with_a_reason(monkeypatch: pytest.MonkeyPatch) -> None:
     """As soon as so many transitions count as one instant, the element is named."""
-    monkeypatch.setattr("symhyb.numeric.events.APART", 1.0)
-    monkeypatch.setattr("symhyb.numeric.events.AT_ONCE", 6)
+    monkeypatch.setattr("symhyb.numeric.runs.events.APART", 1.0)
+    monkeypatch.setattr("symhyb.numeric.runs.events.AT_ONCE", 6)
     run = free(rig(Oscillator()), np.linspace(0, 8, 81), [0.0], [0.0])
     assert not run.complete
     assert run.reason.startswith("elements.rail changed between sliding, holding or touching 6 ")

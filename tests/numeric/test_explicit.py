@@ -20,11 +20,12 @@ from builders import (
 from numpy.typing import NDArray
 
 from symhyb.model.types import Model
-from symhyb.numeric import compiled, explicit
-from symhyb.numeric.dormand_prince import DENSE, ERRORS, NODES, STAGES
-from symhyb.numeric.dynamics import state_form
-from symhyb.numeric.explicit import Field, Steps, Tolerances, bends, field
-from symhyb.numeric.machine import Machine, build
+from symhyb.numeric.kernels import compiled
+from symhyb.numeric.lowered.dynamics import state_form
+from symhyb.numeric.lowered.machine import Machine, build
+from symhyb.numeric.runs import explicit
+from symhyb.numeric.runs.dormand_prince import DENSE, ERRORS, NODES, STAGES
+from symhyb.numeric.runs.explicit import Field, Steps, Tolerances, bends, field
 
 Array = NDArray[np.float64]
 INPUT = {"f": {"unit": "N"}}
@@ -174,7 +175,7 @@ def test_runs_agree_with_cvodes(
     u = np.repeat(np.sin(4 * t)[:, None], len(model.inputs), 1)
     u[200:] += 0.3 * u[:1].size
     by_steps = run(model, t, start, 0.1, u)
-    monkeypatch.setattr("symhyb.numeric.integrate.field", lambda form: None)
+    monkeypatch.setattr("symhyb.numeric.runs.integrate.field", lambda form: None)
     by_cvodes = run(model, t, start, 0.1, u)
     assert by_steps.method == "explicit"
     assert by_cvodes.method in ("adams", "bdf")

@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from symhyb.errors import InputError
-from symhyb.numeric.factor import Blocks, factor_of, pieces_of
+from symhyb.numeric.kernels.factor import Blocks, factor_of, pieces_of
 
 Array = NDArray[np.float64]
 

@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid
 
 from symhyb.model.types import Model
-from symhyb.numeric.buffers import call, mapped
-from symhyb.numeric.inner import inner_along
-from symhyb.numeric.integrate import Scenario, simulate
-from symhyb.numeric.machine import Machine, build
+from symhyb.numeric.kernels.buffers import call, mapped
+from symhyb.numeric.lowered.inner import inner_along
+from symhyb.numeric.lowered.machine import Machine, build
+from symhyb.numeric.runs.integrate import simulate
+from symhyb.numeric.runs.scenario import Scenario
 
 Array = NDArray[np.float64]
 Keys = Mapping[str, tuple[float, str]]

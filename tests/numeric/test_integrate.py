@@ -22,9 +22,10 @@ from scipy.integrate import cumulative_simpson, solve_ivp
 from scipy.special import ellipj, ellipk
 
 from symhyb.model.types import Model
-from symhyb.numeric.buffers import call, mapped
-from symhyb.numeric.integrate import Scenario, Trajectory, simulate
-from symhyb.numeric.machine import Machine, build
+from symhyb.numeric.kernels.buffers import call, mapped
+from symhyb.numeric.lowered.machine import Machine, build
+from symhyb.numeric.runs.integrate import Trajectory, simulate
+from symhyb.numeric.runs.scenario import Scenario
 
 Array = NDArray[np.float64]
 INPUT = {"f": {"unit": "N"}}
@@ -58,8 +59,8 @@ def test_pendulum_against_elliptic_functions(
 
     The error that is left is the solver's: it falls with the tolerance.
     """
-    monkeypatch.setattr("symhyb.numeric.integrate.RELATIVE_TOLERANCE", tolerance)
-    monkeypatch.setattr("symhyb.numeric.integrate.ABSOLUTE_TOLERANCE", tolerance / 100)
+    monkeypatch.setattr("symhyb.numeric.runs.integrate.RELATIVE_TOLERANCE", tolerance)
+    monkeypatch.setattr("symhyb.numeric.runs.integrate.ABSOLUTE_TOLERANCE", tolerance / 100)
     start = 2.5
     result = run(pendulum(), t := np.linspace(0, 8, 401), start)
     omega = np.sqrt(0.4 * 9.81 * 0.3 / (0.01 + 0.4 * 0.3**2))

@@ -19,8 +19,8 @@ from scipy.integrate import solve_ivp
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import At, Between, Element, Model, On, Parameter, Place
 from symhyb.model.vocabulary import KINDS, key_unit
-from symhyb.numeric.buffers import call
-from symhyb.numeric.machine import build
+from symhyb.numeric.kernels.buffers import call
+from symhyb.numeric.lowered.machine import build
 
 Array = NDArray[np.float64]
 M, K, C = 1.2, 40.0, 0.5

@@ -20,9 +20,9 @@ from builders import (
 from symhyb.errors import InputError
 from symhyb.model.read import parse_model
 from symhyb.model.types import Model
-from symhyb.numeric.buffers import call
-from symhyb.numeric.constrained import solve_symmetric
-from symhyb.numeric.machine import Machine, build
+from symhyb.numeric.kernels.buffers import call
+from symhyb.numeric.lowered.constrained import solve_symmetric
+from symhyb.numeric.lowered.machine import Machine, build
 
 FAR = 2.0  # the wall stands at −FAR
 

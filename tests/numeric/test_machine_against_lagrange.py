@@ -9,8 +9,8 @@ from builders import cart_pole, double_pendulum, model_of, pendulum, value
 from sympy.physics.mechanics import LagrangesMethod, dynamicsymbols
 
 from symhyb.model.types import Model
-from symhyb.numeric.buffers import call
-from symhyb.numeric.machine import build
+from symhyb.numeric.kernels.buffers import call
+from symhyb.numeric.lowered.machine import build
 
 T = sp.Symbol("t")
 

@@ -12,9 +12,9 @@ from builders import value
 from symhyb.errors import InputError
 from symhyb.model.read import parse_model
 from symhyb.model.types import Model
-from symhyb.numeric import network
-from symhyb.numeric.machine import build
-from symhyb.numeric.network import read_weights
+from symhyb.numeric.lowered import network
+from symhyb.numeric.lowered.machine import build
+from symhyb.numeric.lowered.network import read_weights
 
 HIDDEN = [[0.8, -0.3], [0.2, 0.9], [-1.1, 0.4]]
 BIAS = [0.1, -0.2, 0.3]

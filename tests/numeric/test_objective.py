@@ -9,13 +9,14 @@ import pytest
 from builders import cart_pole, damper, oscillator, pendulum, push, spring
 from scipy.optimize import differential_evolution, minimize
 
-from symhyb.numeric import compiled
-from symhyb.numeric.buffers import call
-from symhyb.numeric.integrate import Scenario, simulate
-from symhyb.numeric.machine import build
-from symhyb.numeric.objective import Objective, Stopped, squares, values
-from symhyb.numeric.opti import step_function, whole_run
-from symhyb.numeric.rollout import Rollout
+from symhyb.numeric.kernels import compiled
+from symhyb.numeric.kernels.buffers import call
+from symhyb.numeric.lowered.machine import build
+from symhyb.numeric.runs.integrate import simulate
+from symhyb.numeric.runs.objective import Objective, Stopped, squares, values
+from symhyb.numeric.runs.opti import step_function, whole_run
+from symhyb.numeric.runs.rollout import Rollout
+from symhyb.numeric.runs.scenario import Scenario
 
 needs_compiler = pytest.mark.skipif(compiled.find_compiler() is None, reason="no C compiler")
 SD = np.array([1e-3])

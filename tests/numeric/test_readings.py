@@ -7,7 +7,7 @@ import pytest
 from builders import Entries, model_of, value
 
 from symhyb.model.types import Model
-from symhyb.numeric.machine import build
+from symhyb.numeric.lowered.machine import build
 
 G = 9.81
 LENGTH, OFFSET = 0.5, 0.1

@@ -6,11 +6,13 @@ from builders import cart_pole, damper, oscillator, pendulum, push, spring
 from numpy.typing import NDArray
 
 from symhyb.errors import NumericsError
-from symhyb.numeric import compiled, rollout
-from symhyb.numeric.integrate import Scenario, simulate
-from symhyb.numeric.machine import Machine, build
-from symhyb.numeric.memory import kept
-from symhyb.numeric.rollout import Rollout, Slopes
+from symhyb.numeric.kernels import compiled
+from symhyb.numeric.kernels.memory import kept
+from symhyb.numeric.lowered.machine import Machine, build
+from symhyb.numeric.runs import rollout
+from symhyb.numeric.runs.integrate import simulate
+from symhyb.numeric.runs.rollout import Rollout, Slopes
+from symhyb.numeric.runs.scenario import Scenario
 
 Array = NDArray[np.float64]
 INPUT = {"f": {"unit": "N"}}

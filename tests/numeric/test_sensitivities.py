@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from builders import oscillator
 
-from symhyb.numeric.integrate import Scenario, simulate
-from symhyb.numeric.machine import build
-from symhyb.numeric.sensitivities import sensitivities
+from symhyb.numeric.lowered.machine import build
+from symhyb.numeric.runs.integrate import simulate
+from symhyb.numeric.runs.scenario import Scenario
+from symhyb.numeric.runs.sensitivities import sensitivities
 
 T = np.linspace(0, 3, 61)
 

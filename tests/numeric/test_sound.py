@@ -8,7 +8,7 @@ from builders import Entries, damper, model_of, oscillator, push, spring
 
 from symhyb.errors import InputError
 from symhyb.model.types import Model
-from symhyb.numeric.machine import build
+from symhyb.numeric.lowered.machine import build
 
 
 def refused(model: Model) -> list[str]:

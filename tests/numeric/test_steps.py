@@ -19,9 +19,9 @@ from builders import (
 )
 from numpy.typing import ArrayLike, NDArray
 
-from symhyb.numeric.dynamics import state_form
-from symhyb.numeric.machine import Machine, build
-from symhyb.numeric.steps import rosenbrock_step
+from symhyb.numeric.lowered.dynamics import state_form
+from symhyb.numeric.lowered.machine import Machine, build
+from symhyb.numeric.lowered.steps import rosenbrock_step
 
 Array = NDArray[np.float64]
 INPUT: Mapping[str, Entries] = {"f": {"unit": "N"}}

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from builders import damper, oscillator, spring
 
-from symhyb.numeric.integrate import Scenario, simulate
-from symhyb.numeric.machine import Machine, build
-from symhyb.numeric.sweep import simulate_many
+from symhyb.numeric.lowered.machine import Machine, build
+from symhyb.numeric.runs.integrate import simulate
+from symhyb.numeric.runs.scenario import Scenario
+from symhyb.numeric.runs.sweep import simulate_many
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ from builders import double_pendulum, value
 from symhyb.mechanics.equations import derive
 from symhyb.mechanics.symbols import to_sympy
 from symhyb.model.expression import evaluate, parse_expression
-from symhyb.numeric.translate import Lowered, Lowering
+from symhyb.numeric.lowered.translate import Lowered, Lowering
 
 TEXTS = [
     "sin(a)", "cos(a)", "tan(a)", "asin(a)", "acos(a)", "atan(a)", "atan2(b, a)", "sinh(a)",

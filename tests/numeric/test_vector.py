@@ -12,10 +12,10 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from symhyb.numeric import compiled, vector, vector_c, vector_numpy, vector_source
-from symhyb.numeric.buffers import call, mapped
-from symhyb.numeric.instructions import BINARY, UNARY, program
-from symhyb.numeric.vector import along
+from symhyb.numeric.kernels import compiled, vector, vector_c, vector_numpy, vector_source
+from symhyb.numeric.kernels.buffers import call, mapped
+from symhyb.numeric.kernels.instructions import BINARY, UNARY, program
+from symhyb.numeric.kernels.vector import along
 
 NEVER = 10**12
 ENGINES = ("c", "numpy", "casadi")
@@ -326,7 +326,7 @@ def test_a_second_process_finds_the_library(tmp_path: Path) -> None:
         pytest.skip("no C compiler")
     script = """
 import casadi as ca, numpy as np
-from symhyb.numeric import vector
+from symhyb.numeric.kernels import vector
 vector.WORK_C = vector.WORK_C_INSTRUCTION = 0
 x = ca.SX.sym("x", 2)
 f = ca.Function("f", [x], [ca.sin(x[0]) * ca.exp(x[1])])

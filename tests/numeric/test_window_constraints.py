@@ -6,9 +6,9 @@ import numpy as np
 from mechanisms import slider_crank
 
 from symhyb.model.read import read_model
-from symhyb.numeric.machine import build
-from symhyb.numeric.manifold import gaps_of
-from symhyb.numeric.windows import Block, WindowModel
+from symhyb.numeric.lowered.machine import build
+from symhyb.numeric.lowered.manifold import gaps_of
+from symhyb.numeric.runs.windows import Block, WindowModel
 
 MACHINE = build(read_model(Path(__file__).parents[2] / "models" / "slider_crank.toml"))
 LENGTH, STEP = 12, 0.01

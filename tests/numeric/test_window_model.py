@@ -7,8 +7,8 @@ from builders import cart_pole, damper, model_of, oscillator, push, run, spring
 from numpy.typing import NDArray
 
 from symhyb.model.types import Model
-from symhyb.numeric.machine import Machine, build
-from symhyb.numeric.windows import Block, WindowModel
+from symhyb.numeric.lowered.machine import Machine, build
+from symhyb.numeric.runs.windows import Block, WindowModel
 
 Array = NDArray[np.float64]
 

@@ -9,9 +9,10 @@ from builders import model_of, oscillator, push, spring
 from numpy.typing import NDArray
 
 from symhyb.model.types import Model
-from symhyb.numeric.integrate import Scenario, simulate
-from symhyb.numeric.machine import Machine, build
-from symhyb.numeric.windows import Block, WindowModel
+from symhyb.numeric.lowered.machine import Machine, build
+from symhyb.numeric.runs.integrate import simulate
+from symhyb.numeric.runs.scenario import Scenario
+from symhyb.numeric.runs.windows import Block, WindowModel
 
 Array = NDArray[np.float64]
 

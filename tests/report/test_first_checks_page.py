@@ -9,7 +9,7 @@ from builders import damper, oscillator, push, recording, spring
 
 from symhyb.discrepancy.checks.first_checks import FirstChecks, first_checks
 from symhyb.discrepancy.results import Diagnosis, Verdict
-from symhyb.numeric.machine import build
+from symhyb.numeric.lowered.machine import build
 from symhyb.report import render_page
 from symhyb.report.responding import response_figure
 

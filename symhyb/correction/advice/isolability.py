@@ -24,7 +24,7 @@ from symhyb.correction.search.setting import Setting, around
 from symhyb.correction.search.trajectory import Refined, grouped, refine
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.results import Isolability
-from symhyb.numeric.buffers import Array
+from symhyb.numeric.kernels.buffers import Array
 
 NEAREST = 3  # causes told beside each found one
 TOLD_MOST = 8  # rows of the matrix

@@ -26,9 +26,9 @@ from symhyb.discrepancy.recorded.motion import Motion
 from symhyb.discrepancy.recorded.runs import Run, laid_on
 from symhyb.discrepancy.recorded.windows import STEEP, reversals
 from symhyb.discrepancy.results import Manoeuvre
-from symhyb.numeric.buffers import Array, call
-from symhyb.numeric.dynamics import state_form
-from symhyb.numeric.windows import Block, WindowModel
+from symhyb.numeric.kernels.buffers import Array, call
+from symhyb.numeric.lowered.dynamics import state_form
+from symhyb.numeric.runs.windows import Block, WindowModel
 
 ODDS = 100.0  # to 1: decisive
 MARGIN = 2.0  # standard deviations of the evidence, by which the expected one must exceed ln(ODDS)

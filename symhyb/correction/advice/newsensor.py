@@ -13,8 +13,8 @@ from symhyb.correction.search.trajectory import Refined
 from symhyb.discrepancy.results import Manoeuvre
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import Model, Sensor
-from symhyb.numeric.buffers import Array
-from symhyb.numeric.machine import build
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.lowered.machine import build
 from symhyb.units import parse_unit
 
 TRIED_MOST = 3

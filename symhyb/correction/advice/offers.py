@@ -14,10 +14,10 @@ from symhyb.correction.advice.signals import SMOOTH
 from symhyb.correction.search.preparing import Prepared
 from symhyb.discrepancy.results import Manoeuvre, SignalName
 from symhyb.model.types import Coordinate, Input
-from symhyb.numeric.buffers import Array, call
-from symhyb.numeric.dynamics import state_form
-from symhyb.numeric.linear import free_slope
-from symhyb.numeric.machine import Machine
+from symhyb.numeric.kernels.buffers import Array, call
+from symhyb.numeric.lowered.dynamics import state_form
+from symhyb.numeric.lowered.linear import free_slope
+from symhyb.numeric.lowered.machine import Machine
 
 FACTORS = (0.3, 1.0, 2.0, 3.0)  # of the amplitude that was recorded
 EXERTION = {

@@ -6,7 +6,7 @@ docs/output.md states them for programs that play them; all begin at their offse
 import numpy as np
 
 from symhyb.discrepancy.results import Manoeuvre
-from symhyb.numeric.buffers import Array
+from symhyb.numeric.kernels.buffers import Array
 
 LINES = 8  # of a multisine
 SMOOTH = ("sine", "sweep", "multisine")  # may be imposed on a coordinate: speeds do not jump

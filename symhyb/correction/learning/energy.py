@@ -10,8 +10,8 @@ import numpy as np
 
 from symhyb.correction.learning.seen import Seen
 from symhyb.discrepancy.words.wording import quantity_text
-from symhyb.numeric.buffers import Array
-from symhyb.numeric.network import Weights, evaluated
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.lowered.network import Weights, evaluated
 
 SIZES = (0.1, 0.25, 0.5, 0.75, 1.0)  # of the trust box: sizes of the orbits
 POINTS = 400  # of an orbit

@@ -22,12 +22,12 @@ from symhyb.correction.learning.sparse import thresholded
 from symhyb.discrepancy.recorded.course import Course
 from symhyb.discrepancy.recorded.residual import discrepancy
 from symhyb.errors import InputError, Problem
-from symhyb.numeric.buffers import Array
-from symhyb.numeric.dynamics import state_form
-from symhyb.numeric.formulations import Formulation, Law, Networks, Terms, features, value_of
-from symhyb.numeric.inner import inner_along
-from symhyb.numeric.machine import Machine
-from symhyb.numeric.vector import along
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.kernels.vector import along
+from symhyb.numeric.lowered.dynamics import state_form
+from symhyb.numeric.lowered.inner import inner_along
+from symhyb.numeric.lowered.machine import Machine
+from symhyb.numeric.runs.formulations import Formulation, Law, Networks, Terms, features, value_of
 
 ALIKE = 1e-9  # of the largest column: a term that is no larger is not seen
 

@@ -31,8 +31,8 @@ from symhyb.model.expression import parse_expression
 from symhyb.model.types import Element, Model, Network, On
 from symhyb.model.weights import keep
 from symhyb.model.write import append_elements
-from symhyb.numeric.buffers import Array
-from symhyb.numeric.network import Layer, Weights, evaluated, stored
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.lowered.network import Layer, Weights, evaluated, stored
 
 if TYPE_CHECKING:
     from sklearn.neural_network import MLPRegressor

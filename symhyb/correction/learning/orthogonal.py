@@ -15,9 +15,9 @@ from symhyb.discrepancy.fitting.matching import fit, starts_only
 from symhyb.discrepancy.recorded.course import Course
 from symhyb.discrepancy.recorded.residual import discrepancy
 from symhyb.discrepancy.recorded.windows import Laid, correlation_time, merge, reduce
-from symhyb.numeric.buffers import Array
-from symhyb.numeric.machine import Machine
-from symhyb.numeric.windows import WindowModel
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.lowered.machine import Machine
+from symhyb.numeric.runs.windows import WindowModel
 
 NUDGE = 1e-4  # of a named value: the step of a one-sided difference of ΔF, which is linear in most
 ALIKE = 1e-9  # of the largest singular value: directions that the motion does not tell apart

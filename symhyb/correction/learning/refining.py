@@ -18,10 +18,10 @@ from symhyb.discrepancy.recorded.windows import Laid
 from symhyb.errors import NumericsError
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import Element, On, Parameter
-from symhyb.numeric.buffers import Array
-from symhyb.numeric.machine import build
-from symhyb.numeric.network import Layer, Weights
-from symhyb.numeric.windows import WindowModel
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.lowered.machine import build
+from symhyb.numeric.lowered.network import Layer, Weights
+from symhyb.numeric.runs.windows import WindowModel
 from symhyb.units import parse_unit
 
 ROUNDS = 2  # Gauss–Newton steps of the refinement: the output weights act almost linearly

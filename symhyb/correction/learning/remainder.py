@@ -25,9 +25,9 @@ from symhyb.model.expression import parse_expression
 from symhyb.model.types import Element, Model, On, Parameter
 from symhyb.model.vocabulary import force_unit, stretch_unit
 from symhyb.model.write import append_elements
-from symhyb.numeric.buffers import Array
-from symhyb.numeric.machine import build
-from symhyb.numeric.windows import WindowModel
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.lowered.machine import build
+from symhyb.numeric.runs.windows import WindowModel
 from symhyb.units import parse_unit
 
 DEGREE_MOST = 5  # of the polynomial

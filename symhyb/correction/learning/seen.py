@@ -16,7 +16,7 @@ from symhyb.discrepancy.recorded.residual import discrepancy
 from symhyb.discrepancy.recorded.windows import END_KNOTS, Laid
 from symhyb.errors import InputError, Problem, did_you_mean
 from symhyb.model.types import Model
-from symhyb.numeric.buffers import Array
+from symhyb.numeric.kernels.buffers import Array
 
 
 @dataclass(frozen=True, slots=True, eq=False)

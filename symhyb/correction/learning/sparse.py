@@ -20,10 +20,10 @@ from symhyb.correction.search.selection import Subset
 from symhyb.discrepancy.places.hypotheses import Library
 from symhyb.discrepancy.recorded.windows import Laid
 from symhyb.errors import InputError
-from symhyb.numeric.buffers import Array
-from symhyb.numeric.factor import Factor, factor_of
-from symhyb.numeric.machine import Machine
-from symhyb.numeric.vector import along
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.kernels.factor import Factor, factor_of
+from symhyb.numeric.kernels.vector import along
+from symhyb.numeric.lowered.machine import Machine
 
 SMOOTHNESS = 4  # of the window (1 − τ²)^4
 HARMONICS_MOST = 12

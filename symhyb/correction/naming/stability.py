@@ -18,7 +18,7 @@ from symhyb.correction.search.decide import Decision
 from symhyb.correction.search.evidence import believable, cost, unit_of
 from symhyb.correction.search.trajectory import Refined
 from symhyb.discrepancy.places.hypotheses import Hypothesis
-from symhyb.numeric.buffers import Array
+from symhyb.numeric.kernels.buffers import Array
 
 DRAWS = 400  # a share near the threshold is then known to 1.4 %
 STABLE = 0.8  # of the draws; a dozen windows know a share near it to one in ten

@@ -5,8 +5,8 @@ from math import isfinite, sqrt
 import numpy as np
 
 from symhyb.model.types import Model, On, Place
-from symhyb.numeric.buffers import Array, call
-from symhyb.numeric.machine import Machine, build
+from symhyb.numeric.kernels.buffers import Array, call
+from symhyb.numeric.lowered.machine import Machine, build
 
 _STEPS = (1e-3, -2e-3, 7e-3)  # of the coordinate, its rate: where a linear model stays linear
 _LINEAR = 1e-6  # relative

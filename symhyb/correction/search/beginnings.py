@@ -12,9 +12,9 @@ from symhyb.discrepancy.fitting.matching import fit, starts_only
 from symhyb.discrepancy.recorded.windows import Laid
 from symhyb.discrepancy.results import Change, Diagnosis, PlaceShare
 from symhyb.discrepancy.words.occurrence_words import change_words
-from symhyb.numeric.buffers import Array
-from symhyb.numeric.machine import Machine
-from symhyb.numeric.windows import WindowModel
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.lowered.machine import Machine
+from symhyb.numeric.runs.windows import WindowModel
 
 
 def changed(places: tuple[PlaceShare, ...]) -> Change | None:

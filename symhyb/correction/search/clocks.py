@@ -17,7 +17,7 @@ from symhyb.discrepancy.recorded.windows import merge, reduce
 from symhyb.discrepancy.results import Lie
 from symhyb.discrepancy.words.wording import joined, percent_text
 from symhyb.model.types import Model
-from symhyb.numeric.buffers import Array
+from symhyb.numeric.kernels.buffers import Array
 
 DRIFT_LEAST, DRIFT_MOST = 5e-5, 0.05  # s/s: clocks are better than the first only in a laboratory
 PROMISES = 0.1  # of what noise and any constant delay leave, for a drift to be worth a trial

@@ -9,7 +9,7 @@ from scipy.stats import norm
 from symhyb.correction.search.conventions import exchange
 from symhyb.correction.search.trajectory import Refined, grouped, own_key
 from symhyb.discrepancy.places.hypotheses import PLAIN, SIGNED, Hypothesis
-from symhyb.numeric.buffers import Array
+from symhyb.numeric.kernels.buffers import Array
 
 SIGNIFICANT = 10.0  # Δχ²/c − k ln N on fitted windows, Δχ²/c on held ones (10: odds of 150 to 1)
 HOPE = 0.5  # of the significance that it needs: the linear problem may promise too little

@@ -22,7 +22,7 @@ from symhyb.discrepancy.recorded.windows import Laid
 from symhyb.errors import InputError, Problem, did_you_mean
 from symhyb.model.types import Model
 from symhyb.model.vocabulary import KINDS
-from symhyb.numeric.buffers import Array
+from symhyb.numeric.kernels.buffers import Array
 
 ODDS = 1e-3  # of naming any recording of a fleet in which all agree
 SIZE = 0.1  # of the others' value: a smaller difference is not worth a name

@@ -11,8 +11,8 @@ from symhyb.correction.search.trajectory import Refined
 from symhyb.discrepancy.places.hypotheses import Hypothesis, Library
 from symhyb.discrepancy.places.products import product_library, products
 from symhyb.model.types import On
-from symhyb.numeric.buffers import Array
-from symhyb.numeric.windows import WindowModel
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.runs.windows import WindowModel
 
 PROMISE = 0.3  # of what is left, which the linear problem must promise before a trial
 TRIALS = 3

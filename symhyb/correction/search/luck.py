@@ -21,8 +21,8 @@ from symhyb.correction.search.decide import Decision
 from symhyb.correction.search.setting import Setting
 from symhyb.correction.search.trajectory import Refined
 from symhyb.discrepancy.recorded.windows import Laid
-from symhyb.numeric.buffers import Array
-from symhyb.numeric.windows import WindowModel
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.runs.windows import WindowModel
 
 REACH = 3.0  # times the evidence at which a rival is told: further off no luck is that great
 

@@ -9,7 +9,7 @@ from symhyb.correction.search.selection import solve
 from symhyb.correction.search.setting import Setting
 from symhyb.correction.search.trajectory import Refined, grouped
 from symhyb.discrepancy.places.hypotheses import NARROW, WAVES, Hypothesis, library
-from symhyb.numeric.windows import WindowModel
+from symhyb.numeric.runs.windows import WindowModel
 
 OVERTONES = (2.0, 3.0, 0.5)  # times the frequency that was found
 

@@ -36,9 +36,9 @@ from symhyb.discrepancy.recorded.windows import Laid
 from symhyb.discrepancy.results import Lie
 from symhyb.errors import InputError, Problem
 from symhyb.model.types import Model, Place
-from symhyb.numeric.buffers import Array
-from symhyb.numeric.machine import Machine, build
-from symhyb.numeric.windows import WindowModel
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.lowered.machine import Machine, build
+from symhyb.numeric.runs.windows import WindowModel
 
 SAMPLES_PERIOD = 80  # of the shortest period, that are kept
 SAMPLES_LEAST = 4000  # of a recording, that are kept

@@ -14,9 +14,9 @@ from symhyb.correction.search.selection import Problem
 from symhyb.discrepancy.places.hypotheses import GAIN_REACH, Hypothesis, Library
 from symhyb.discrepancy.recorded.course import Course
 from symhyb.discrepancy.recorded.windows import Laid, reduce
-from symhyb.numeric.buffers import Array
-from symhyb.numeric.dynamics import state_form
-from symhyb.numeric.windows import WindowModel
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.lowered.dynamics import state_form
+from symhyb.numeric.runs.windows import WindowModel
 
 DELAY_LEAST = 0.25  # samples: less is a matter of how a signal was held between samples
 

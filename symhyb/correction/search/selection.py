@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symhyb.discrepancy.places.hypotheses import Hypothesis
-from symhyb.numeric.buffers import Array
+from symhyb.numeric.kernels.buffers import Array
 
 BEAM = 24
 LARGEST = 5  # causes at once

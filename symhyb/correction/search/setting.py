@@ -7,8 +7,8 @@ from symhyb.correction.search.selection import Problem
 from symhyb.correction.search.trajectory import Refined
 from symhyb.discrepancy.places.hypotheses import Hypothesis, Library
 from symhyb.discrepancy.recorded.windows import Laid
-from symhyb.numeric.buffers import Array
-from symhyb.numeric.windows import WindowModel
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.runs.windows import WindowModel
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,8 +8,8 @@ from symhyb.correction.search.trajectory import Refined
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.course import course_of
 from symhyb.discrepancy.recorded.motion import Motion
-from symhyb.numeric.buffers import Array
-from symhyb.numeric.vector import along
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.kernels.vector import along
 
 SMALL = 0.05  # of the force that a structure adds at a coordinate: a cause that is worth a name
 

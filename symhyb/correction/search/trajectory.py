@@ -14,9 +14,9 @@ from symhyb.discrepancy.fitting.matching import TRIAL_DECREASE, TRIAL_ITERATIONS
 from symhyb.discrepancy.places.hypotheses import GAIN_REACH, Hypothesis
 from symhyb.discrepancy.recorded.windows import Laid
 from symhyb.model.types import Element, Model
-from symhyb.numeric.buffers import Array
-from symhyb.numeric.machine import Machine, build
-from symhyb.numeric.windows import WindowModel
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.lowered.machine import Machine, build
+from symhyb.numeric.runs.windows import WindowModel
 
 DELAY_REACH = 30  # samples, either way
 

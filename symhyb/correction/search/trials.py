@@ -10,7 +10,7 @@ from symhyb.correction.search.setting import Setting, around
 from symhyb.correction.search.strength import SMALL, shares
 from symhyb.correction.search.trajectory import Refined, grouped, refine
 from symhyb.discrepancy.places.hypotheses import Hypothesis
-from symhyb.numeric.buffers import Array
+from symhyb.numeric.kernels.buffers import Array
 
 NEXT_TO_NONE = 1e-3  # of the mean of the others: where a recording without a cause begins
 

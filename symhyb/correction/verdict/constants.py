@@ -20,7 +20,7 @@ from symhyb.correction.verdict.refusal import withdrawn
 from symhyb.discrepancy.places.hypotheses import Hypothesis, wrong_parameter
 from symhyb.discrepancy.results import Alternative, Diagnosis, Estimate
 from symhyb.discrepancy.words.wording import parameter_phrase
-from symhyb.numeric.windows import WindowModel
+from symhyb.numeric.runs.windows import WindowModel
 
 PART = 1 / 2  # of the mismatch, which the linear problem must promise before a trial
 TRIED = 2

@@ -20,8 +20,8 @@ from symhyb.discrepancy.words.formula import LAW
 from symhyb.discrepancy.words.wording import percent_text
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import Element, Model, On
-from symhyb.numeric.machine import build
-from symhyb.numeric.windows import WindowModel
+from symhyb.numeric.lowered.machine import build
+from symhyb.numeric.runs.windows import WindowModel
 
 LEAST = 0.02  # of what is left: told
 TOLD = 5

@@ -18,8 +18,8 @@ from symhyb.discrepancy.fitting.matching import (
 )
 from symhyb.discrepancy.recorded.runs import laid_within
 from symhyb.discrepancy.recorded.windows import Laid
-from symhyb.numeric.buffers import Array
-from symhyb.numeric.windows import WindowModel
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.runs.windows import WindowModel
 
 
 @dataclass(frozen=True, slots=True)

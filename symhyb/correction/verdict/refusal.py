@@ -27,8 +27,8 @@ from symhyb.discrepancy.words.wording import (
     percent_text,
 )
 from symhyb.model.types import Model, place_text
-from symhyb.numeric.machine import Machine
-from symhyb.numeric.windows import WindowModel
+from symhyb.numeric.lowered.machine import Machine
+from symhyb.numeric.runs.windows import WindowModel
 
 RUNAWAY = 100.0  # times the range that was measured: further away a simulation has run away
 UNEXPLAINED = 2.0  # χ² per sample that found physics may leave while a channel is suspected

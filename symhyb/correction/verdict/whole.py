@@ -38,8 +38,8 @@ from symhyb.correction.verdict.choice import Choice
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.recorded.runs import laid_on
 from symhyb.discrepancy.recorded.windows import Laid
-from symhyb.numeric.buffers import Array
-from symhyb.numeric.windows import WindowModel
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.runs.windows import WindowModel
 
 FORGETS = 0.5  # of an error of the state at the start, which may be left at the end
 TENTH = 10  # the end and the start are tenths of a recording

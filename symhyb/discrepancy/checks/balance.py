@@ -17,10 +17,10 @@ from symhyb.discrepancy.recorded.course import Course
 from symhyb.discrepancy.recorded.motion import Motion
 from symhyb.discrepancy.words.wording import joined, percent_text, quantity_text
 from symhyb.model.vocabulary import KINDS
-from symhyb.numeric.buffers import Array
-from symhyb.numeric.linear import energy_depends_on_time
-from symhyb.numeric.machine import Machine
-from symhyb.numeric.vector import along
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.kernels.vector import along
+from symhyb.numeric.lowered.linear import energy_depends_on_time
+from symhyb.numeric.lowered.machine import Machine
 
 SURE = 3.0  # standard deviations, from which work unaccounted is told as such
 ENDS = 3.0  # knots of the smoothed motion that are left out at either end

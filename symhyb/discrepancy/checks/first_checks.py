@@ -32,11 +32,12 @@ from symhyb.discrepancy.recorded.runs import Run
 from symhyb.discrepancy.results import Repeats
 from symhyb.discrepancy.words.wording import joined
 from symhyb.model.types import Model
-from symhyb.numeric.buffers import Array
-from symhyb.numeric.dynamics import state_form
-from symhyb.numeric.integrate import Scenario, simulate
-from symhyb.numeric.linear import depends_on_time
-from symhyb.numeric.machine import Machine
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.lowered.dynamics import state_form
+from symhyb.numeric.lowered.linear import depends_on_time
+from symhyb.numeric.lowered.machine import Machine
+from symhyb.numeric.runs.integrate import simulate
+from symhyb.numeric.runs.scenario import Scenario
 
 SAMPLES_MOST = 10_000  # of a recording: longer ones are averaged in blocks, or cut
 Value = TypeVar("Value")

@@ -12,12 +12,12 @@ import numpy as np
 from symhyb.discrepancy.places.hypotheses import DRY
 from symhyb.discrepancy.words.wording import joined, number_text
 from symhyb.model.types import Model
-from symhyb.numeric.buffers import Array, call
-from symhyb.numeric.dynamics import StateForm, state_form
-from symhyb.numeric.lengths import length_directions
-from symhyb.numeric.linear import Linearised, free_basis, linearised
-from symhyb.numeric.machine import Machine, build
-from symhyb.numeric.manifold import free_part, gaps_of
+from symhyb.numeric.kernels.buffers import Array, call
+from symhyb.numeric.lowered.dynamics import StateForm, state_form
+from symhyb.numeric.lowered.lengths import length_directions
+from symhyb.numeric.lowered.linear import Linearised, free_basis, linearised
+from symhyb.numeric.lowered.machine import Machine, build
+from symhyb.numeric.lowered.manifold import free_part, gaps_of
 
 BALANCED = 1e-8  # of the forces at work: what may be left at a place of rest
 FREE = 1e-6  # of the fastest root: a root this slow moves freely

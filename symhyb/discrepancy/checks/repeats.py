@@ -18,7 +18,7 @@ from symhyb.discrepancy.recorded.runs import Run
 from symhyb.discrepancy.results import Repeats
 from symhyb.discrepancy.words.wording import joined, small_text
 from symhyb.model.types import Model
-from symhyb.numeric.buffers import Array
+from symhyb.numeric.kernels.buffers import Array
 
 INPUT_NOISE = 3.0  # noises, by which two records of the same input may differ
 INPUT_SHARE = 1e-3  # of an input's spread: its resolution

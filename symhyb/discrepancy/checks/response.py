@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from symhyb.discrepancy.checks.split import Split, excited_lines, period_of, settled_lines, split_of
 from symhyb.discrepancy.words.wording import joined, number_text, percent_text, small_text
-from symhyb.numeric.buffers import Array
+from symhyb.numeric.kernels.buffers import Array
 
 Complex = NDArray[np.complex128]
 SEGMENTS = 8  # lengths of a window in a recording: 15 windows that overlap by half

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symhyb.discrepancy.checks.repeats import same_input
-from symhyb.numeric.buffers import Array
+from symhyb.numeric.kernels.buffers import Array
 
 PERIODS_LEAST = 4  # half of them are settled: two are needed to tell noise
 SAMPLES_LEAST = 8  # of a period

@@ -14,9 +14,9 @@ from symhyb.discrepancy.recorded.motion import Motion
 from symhyb.discrepancy.words.wording import joined, quantity_text
 from symhyb.model.types import Model, On
 from symhyb.model.vocabulary import force_unit
-from symhyb.numeric.buffers import Array
-from symhyb.numeric.machine import Machine
-from symhyb.numeric.vector import along
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.kernels.vector import along
+from symhyb.numeric.lowered.machine import Machine
 
 STILL = 3.0  # standard deviations of the speed: slower stands still
 SLOW = 0.01  # of the largest speed: what stands still moves no faster than this either

@@ -23,8 +23,8 @@ from symhyb.discrepancy.results import Lie
 from symhyb.discrepancy.words.wording import joined, percent_text
 from symhyb.errors import InputError
 from symhyb.model.types import Input, Model, Parameter, Sensor
-from symhyb.numeric.buffers import resampled
-from symhyb.numeric.machine import Machine
+from symhyb.numeric.kernels.buffers import resampled
+from symhyb.numeric.lowered.machine import Machine
 from symhyb.units import ONE, Unit, parse_unit
 
 SUSPECT = 2e-3  # of all squared forces, that no ordinary cause takes: below, nothing is suspected

@@ -21,9 +21,9 @@ from symhyb.discrepancy.recorded.windows import correlation_time
 from symhyb.discrepancy.words.wording import number_text, percent_text, small_text
 from symhyb.errors import InputError
 from symhyb.model.types import Model
-from symhyb.numeric.buffers import Array, resampled
-from symhyb.numeric.machine import Machine, build
-from symhyb.numeric.vector import along
+from symhyb.numeric.kernels.buffers import Array, resampled
+from symhyb.numeric.kernels.vector import along
+from symhyb.numeric.lowered.machine import Machine, build
 
 SURE = 4.0  # standard deviations, and
 SAMPLES_LATE = 0.5  # of a sample, from which a delay is told

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from symhyb.discrepancy.recorded.windows import Laid
-from symhyb.numeric.buffers import Array
-from symhyb.numeric.inner import inner_along
-from symhyb.numeric.windows import WindowModel
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.lowered.inner import inner_along
+from symhyb.numeric.runs.windows import WindowModel
 
 SPREAD = 0.05  # of the RMS of an inner state along the recording
 STEP = 1e-4  # relative, of a parameter, for slopes

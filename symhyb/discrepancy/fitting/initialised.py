@@ -17,10 +17,10 @@ from symhyb.discrepancy.recorded.runs import Run, laid_on, noise_sd, with_noise
 from symhyb.discrepancy.recorded.sampling import as_sampled
 from symhyb.errors import InputError, Problem
 from symhyb.model.types import Model
-from symhyb.numeric.between import finer, smooth_columns
-from symhyb.numeric.buffers import Array
-from symhyb.numeric.machine import Machine, build
-from symhyb.numeric.windows import Block, WindowModel
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.lowered.machine import Machine, build
+from symhyb.numeric.runs.between import finer, smooth_columns
+from symhyb.numeric.runs.windows import Block, WindowModel
 
 SAMPLES = 50  # that set the initial state, as the published scores of the Silverbox have it
 LEAST = 20  # of them

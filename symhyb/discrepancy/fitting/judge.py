@@ -13,9 +13,9 @@ from symhyb.discrepancy.recorded.sampling import as_sampled
 from symhyb.discrepancy.results import Comparison, Score, Trace, Verdict
 from symhyb.discrepancy.words.wording import percent_text
 from symhyb.model.types import Model
-from symhyb.numeric.buffers import Array
-from symhyb.numeric.machine import Machine, build
-from symhyb.numeric.windows import WindowModel
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.lowered.machine import Machine, build
+from symhyb.numeric.runs.windows import WindowModel
 
 WINDOW_PERIODS = 0.5  # length of a window, where none is given
 BAND_PERIODS = 20.0  # upper end of the force band per period, where none is given

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from symhyb.discrepancy.fitting.anchors import anchored, off_anchor
 from symhyb.discrepancy.fitting.normal import bounded_step, inverse_of
 from symhyb.discrepancy.recorded.windows import Laid, correlation_time
-from symhyb.numeric.buffers import Array
-from symhyb.numeric.windows import WindowModel
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.runs.windows import WindowModel
 
 DECREASE = 1e-5  # of the cost, predicted: stop
 ITERATIONS = 15

@@ -17,10 +17,10 @@ from symhyb.discrepancy.recorded.course import Course, course_of
 from symhyb.discrepancy.recorded.motion import noise_level
 from symhyb.discrepancy.recorded.residual import discrepancy, force_band
 from symhyb.discrepancy.recorded.runs import Run
-from symhyb.numeric.buffers import Array
-from symhyb.numeric.machine import Machine
-from symhyb.numeric.manifold import free_part
-from symhyb.numeric.vector import along
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.kernels.vector import along
+from symhyb.numeric.lowered.machine import Machine
+from symhyb.numeric.lowered.manifold import free_part
 
 TRIMMED = 0.04  # of a recording at either end, where splines are wild
 MASS_MOST = 2.0  # times the inertia of the model: more mass than that is no oversight

@@ -6,7 +6,7 @@ Sizes: F numbers.
 import numpy as np
 from scipy.optimize import lsq_linear
 
-from symhyb.numeric.buffers import Array
+from symhyb.numeric.kernels.buffers import Array
 
 UNSEEN = 1e-13  # of the largest eigenvalue of a scaled normal matrix
 

@@ -17,11 +17,12 @@ from symhyb.discrepancy.recorded.residual import applied_force, discrepancy
 from symhyb.discrepancy.recorded.runs import Run, laid_on
 from symhyb.discrepancy.recorded.windows import Laid
 from symhyb.discrepancy.results import Score
-from symhyb.numeric.buffers import Array
-from symhyb.numeric.dynamics import StateForm
-from symhyb.numeric.integrate import Scenario, Trajectory, simulate
-from symhyb.numeric.machine import Machine
-from symhyb.numeric.windows import WindowModel
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.lowered.dynamics import StateForm
+from symhyb.numeric.lowered.machine import Machine
+from symhyb.numeric.runs.integrate import Trajectory, simulate
+from symhyb.numeric.runs.scenario import Scenario
+from symhyb.numeric.runs.windows import WindowModel
 
 FILTER_ORDER = 4
 RUN_SHARES = (0.1, 0.3, 1 - 1e-9)  # of a recording, to which its initial state is fitted

@@ -11,7 +11,7 @@ import numpy as np
 
 from symhyb.discrepancy.places.hypotheses import Hypothesis, natural_length
 from symhyb.model.types import Between, Model, Place
-from symhyb.numeric.buffers import Array
+from symhyb.numeric.kernels.buffers import Array
 
 TRANSITION_SHARE = 1e-3  # of the largest rate; narrower, sticking makes the cost too rugged to fit
 TRANSITION_LEAST = 1e-4

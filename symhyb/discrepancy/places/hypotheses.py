@@ -32,10 +32,10 @@ from symhyb.model.types import (
     place_text,
 )  # fmt: skip
 from symhyb.model.vocabulary import key_unit
-from symhyb.numeric.buffers import Array, call
-from symhyb.numeric.machine import Machine, build
-from symhyb.numeric.manifold import free_part
-from symhyb.numeric.vector import along
+from symhyb.numeric.kernels.buffers import Array, call
+from symhyb.numeric.kernels.vector import along
+from symhyb.numeric.lowered.machine import Machine, build
+from symhyb.numeric.lowered.manifold import free_part
 from symhyb.units import ONE, parse_unit
 
 GAIN_REACH = 0.5  # a gain further from 1 is a wrong unit or sign, not a gain

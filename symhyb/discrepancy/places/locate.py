@@ -25,9 +25,9 @@ from symhyb.discrepancy.recorded.residual import discrepancy
 from symhyb.discrepancy.recorded.windows import Laid, merge, reduce
 from symhyb.discrepancy.results import Activity, Change, Occurrence, PlaceShare
 from symhyb.discrepancy.words.occurrence_words import occurrence_sentence
-from symhyb.numeric.buffers import Array
-from symhyb.numeric.machine import Machine
-from symhyb.numeric.windows import Linear, WindowModel
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.lowered.machine import Machine
+from symhyb.numeric.runs.windows import Linear, WindowModel
 
 KNOTS = (5, 9)  # of the surface along stretch and rate
 RIDGE = 1e-4  # of the mean column power

@@ -20,8 +20,8 @@ from symhyb.discrepancy.recorded.windows import Laid, Reduced, reduce
 from symhyb.discrepancy.results import Memory
 from symhyb.discrepancy.words.wording import percent_text
 from symhyb.model.vocabulary import KINDS
-from symhyb.numeric.buffers import Array
-from symhyb.numeric.windows import WindowModel
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.runs.windows import WindowModel
 
 BUMPS = 120  # Gaussian functions of the state, shared out among the coordinates
 CUBIC_MOST = 5  # parts of the state, of which cubic products are made

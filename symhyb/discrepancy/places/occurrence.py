@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symhyb.discrepancy.results import Change
-from symhyb.numeric.buffers import Array
+from symhyb.numeric.kernels.buffers import Array
 
 SIGNIFICANT = 10.0  # of χ² on held windows, and 2 ln(moments tried) more
 PART = 1 / 2  # of what acting throughout leaves, that a beginning must take

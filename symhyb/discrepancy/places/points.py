@@ -14,10 +14,10 @@ from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import At, Element, Model, Parameter
 from symhyb.model.vocabulary import key_unit
-from symhyb.numeric.buffers import Array
-from symhyb.numeric.machine import Machine, build
-from symhyb.numeric.manifold import closed, tangent
-from symhyb.numeric.vector import along
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.kernels.vector import along
+from symhyb.numeric.lowered.machine import Machine, build
+from symhyb.numeric.lowered.manifold import closed, tangent
 
 PROBES = 7  # configurations about the start at which points are compared
 AROUND = 0.5  # spread of them, SI

@@ -11,7 +11,7 @@ from dataclasses import replace
 from symhyb.discrepancy.places.hypotheses import Hypothesis, Library
 from symhyb.discrepancy.words.formula import LAW
 from symhyb.model.types import Element, Model, On
-from symhyb.numeric.machine import build
+from symhyb.numeric.lowered.machine import build
 
 MOST_COORDINATES = 8  # products of two of them grow with the square
 

@@ -8,10 +8,10 @@ import numpy as np
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.motion import Motion, acting, measured
 from symhyb.model.expression import Reading
-from symhyb.numeric.buffers import Array
-from symhyb.numeric.dynamics import state_form
-from symhyb.numeric.inner import inner_along
-from symhyb.numeric.machine import Machine
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.lowered.dynamics import state_form
+from symhyb.numeric.lowered.inner import inner_along
+from symhyb.numeric.lowered.machine import Machine
 
 
 @dataclass(frozen=True, slots=True, eq=False)

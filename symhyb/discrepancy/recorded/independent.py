@@ -13,9 +13,9 @@ from itertools import combinations, islice
 
 import numpy as np
 
-from symhyb.numeric.buffers import Array
-from symhyb.numeric.machine import Machine
-from symhyb.numeric.manifold import closed, gaps_of, inverse_of
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.lowered.machine import Machine
+from symhyb.numeric.lowered.manifold import closed, gaps_of, inverse_of
 
 ENLARGED_MOST = 20.0  # of the share of its motion that a coordinate makes another move
 CHOICES_MOST = 300

@@ -23,10 +23,10 @@ from symhyb.discrepancy.recorded.tracking import firmness, tracked
 from symhyb.discrepancy.recorded.watching import watching_model
 from symhyb.errors import InputError, Problem
 from symhyb.model.types import Energy
-from symhyb.numeric.buffers import Array, call, later
-from symhyb.numeric.machine import Machine, build
-from symhyb.numeric.manifold import closed, gaps_of
-from symhyb.numeric.vector import along
+from symhyb.numeric.kernels.buffers import Array, call, later
+from symhyb.numeric.kernels.vector import along
+from symhyb.numeric.lowered.machine import Machine, build
+from symhyb.numeric.lowered.manifold import closed, gaps_of
 
 SPACINGS = (1.3, 1.6, 2, 3, 4, 6, 8, 11, 16, 23, 32, 45, 64, 91, 128)  # samples between two knots
 GUIDE_FIRST = 0.01  # of what acts: the force that a model may lack at first, where it must guide

@@ -13,7 +13,7 @@ import numpy as np
 
 from symhyb.discrepancy.recorded.motion import Motion
 from symhyb.discrepancy.recorded.runs import Run
-from symhyb.numeric.buffers import Array
+from symhyb.numeric.kernels.buffers import Array
 
 ONE_WAY = 0.9  # of the path that a coordinate covers is its way from first to last place
 APART = 0.1  # of the speed, by which passages of one place differ: the size of any difference

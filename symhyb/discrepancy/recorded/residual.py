@@ -15,10 +15,10 @@ from symhyb.discrepancy.recorded.motion import Motion, motion_of
 from symhyb.discrepancy.words.wording import percent_text, quantity_text
 from symhyb.model.types import Model, On
 from symhyb.model.vocabulary import force_unit
-from symhyb.numeric.buffers import Array
-from symhyb.numeric.machine import Machine
-from symhyb.numeric.manifold import free_part
-from symhyb.numeric.vector import along
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.kernels.vector import along
+from symhyb.numeric.lowered.machine import Machine
+from symhyb.numeric.lowered.manifold import free_part
 
 NOISE_RATIO = 2.0  # measured noise this far from the stated sd is told
 

@@ -12,9 +12,9 @@ from symhyb.discrepancy.recorded.residual import discrepancy
 from symhyb.discrepancy.recorded.windows import Laid, lay, reversals
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import Element, On
-from symhyb.numeric.buffers import Array
-from symhyb.numeric.machine import Machine, build
-from symhyb.numeric.windows import WindowModel
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.lowered.machine import Machine, build
+from symhyb.numeric.runs.windows import WindowModel
 
 FINE_LEAST, FINE_MOST = 8, 64  # steps near a reversal, for one elsewhere
 STEPS_MOST = 16

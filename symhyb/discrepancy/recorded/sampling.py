@@ -7,7 +7,7 @@ import numpy as np
 
 from symhyb.data.recording import Recording
 from symhyb.model.types import Input, Model
-from symhyb.numeric.between import looks_smooth
+from symhyb.numeric.runs.between import looks_smooth
 
 
 def as_sampled(model: Model, recordings: Sequence[Recording]) -> Model:

@@ -11,7 +11,7 @@ from scipy import sparse
 from scipy.interpolate import BSpline
 from scipy.sparse.linalg import splu
 
-from symhyb.numeric.buffers import Array
+from symhyb.numeric.kernels.buffers import Array
 
 DEGREE = 5
 SWING_MOST = np.pi / 2  # RMS speed over that from sample to sample: a sine of two samples a period

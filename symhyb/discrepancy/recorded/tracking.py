@@ -10,9 +10,9 @@ Sizes: N samples, n coordinates, m sensors, c rows of constraints.
 import numpy as np
 from numpy.typing import NDArray
 
-from symhyb.numeric.buffers import Array, call
-from symhyb.numeric.machine import Machine
-from symhyb.numeric.manifold import gaps_of, shown_at
+from symhyb.numeric.kernels.buffers import Array, call
+from symhyb.numeric.lowered.machine import Machine
+from symhyb.numeric.lowered.manifold import gaps_of, shown_at
 
 ROWS_MOST = 3000
 APPROACH = 40  # steps from the declared start to where the recording begins

@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.course import Course, course_of
 from symhyb.discrepancy.recorded.motion import Motion, measured
-from symhyb.numeric.between import finer, smooth_columns
-from symhyb.numeric.buffers import Array
-from symhyb.numeric.dynamics import state_form
-from symhyb.numeric.machine import Machine
-from symhyb.numeric.windows import Block, WindowModel
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.lowered.dynamics import state_form
+from symhyb.numeric.lowered.machine import Machine
+from symhyb.numeric.runs.between import finer, smooth_columns
+from symhyb.numeric.runs.windows import Block, WindowModel
 
 FINITE_SHARE = 0.7  # of the samples of the fullest quarter of windows, that must be there
 STEEP = ("friction", "friction_dynamic", "gap", "hysteresis")  # finer steps at reversals

@@ -1,0 +1,1 @@
+"""Functions over many samples: without copies, compiled, kept; least squares by blocks."""

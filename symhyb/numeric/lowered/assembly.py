@@ -1,0 +1,354 @@
+"""Where a model with constraints closes: consistent starts, and constraints that repeat others.
+
+Newton's method with the shortest steps (minimum norm) moves first what the file leaves open, then
+everything; speeds follow from J v + ∂c/∂t = 0 in the same way. Rows of J that depend on the rows
+before them, at the start and beside it, repeat them and are left out. Sizes: n coordinates, m rows.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from symhyb.errors import InputError, Problem
+from symhyb.model.constraints import Assembly
+from symhyb.model.expression import readings
+from symhyb.model.types import Energy, Model
+from symhyb.numeric.kernels.buffers import Array, call
+from symhyb.numeric.kernels.memory import kept
+from symhyb.numeric.lowered import cache
+
+CLOSED = 1e-12  # of the size of the motion: what rounding leaves open
+STEPS_MOST = 60
+SHARES = (1.0, 0.5, 0.25, 0.1, 0.02)  # of a Newton step
+DEPENDENT = 1e-5  # of the length of a row of J: what is left of it beside the rows before. Where
+# a loop locks, Newton's method finds the place, a double root, to the square root of CLOSED only
+BESIDE = 0.02  # how far beside the start dependence is tried again, of the size of a coordinate
+TRIES = 3
+TOLD = 1e-3  # of a stated start: a smaller move is what rounding in the file leaves
+
+
+@dataclass(frozen=True, slots=True)
+class _Gaps:
+    """The constraints of one model: ``function`` is the closure of all rows, with ``labels``."""
+
+    model: Model
+    function: ca.Function
+    labels: tuple[str, ...]
+    p: Array
+
+    def at(self, q: Array, v: Array) -> tuple[Array, Array, Array]:
+        """c, ċ (m,) and J (m, n)."""
+        gap, rate, _, slope, _ = call(self.function, (q, v, 0 * q, 0.0, self.p))
+        return gap[0], rate[0], slope.T
+
+
+def constraints_key(model: Model) -> tuple[object, ...]:
+    """What the functions of constraints depend on, beside names: the starts that a gear without an
+    offset takes its own from, and rows that are left out."""
+    bound = [
+        [(c.name, c.start, c.unit.text) for c in model.coordinates if c.name in item.names]
+        for item in model.constraints
+        if item.kind in ("gear", "rolling") and item.value("offset") is None
+    ]
+    left_out = model.assembly.left_out if model.assembly else ()
+    rows = [replace(item, about="") for item in model.constraints]
+    return (rows, bound, left_out) if rows else ()
+
+
+def assembled(model: Model) -> Model:
+    """The model with its ``assembly``: itself without constraints.
+
+    Raises:
+        InputError: constraints that cannot close, that contradict each other, that hold nothing
+            which is free to move, or a start in which they lock.
+    """
+    if not model.constraints:
+        return model
+    gaps = _gaps_of(model)
+    q, v = (np.array(part) for part in model.start())
+    before = model.assembly
+    q_closed, v_closed = _closed(gaps, q, v)
+    if before is not None and np.array_equal(q, q_closed) and np.array_equal(v, v_closed):
+        return model
+    left_out, notes = _repeated(gaps, q_closed)
+    _require_told(model, left_out)
+    moves = _moves(model, q_closed, v_closed)
+    rows = tuple(label for label in gaps.labels if label not in left_out)
+    found = Assembly(
+        tuple(q_closed.tolist()), tuple(v_closed.tolist()), rows, left_out, moves, notes
+    )
+    return replace(model, assembly=found)
+
+
+def _require_told(model: Model, left_out: Sequence[str]) -> None:
+    """No sensor may show the reaction of a constraint that repeats others: any share of the load
+    may go through it."""
+    problems = [
+        Problem(
+            f"constraints.{name} repeats others, so that its reaction cannot be told from theirs",
+            f"sensors.{sensor.name}.measures",
+            model.file,
+        )
+        for sensor in model.sensors
+        for reading in readings(sensor.measures)
+        for name in reading.names
+        if reading.what == "reaction" and name in left_out
+    ]
+    if problems:
+        raise InputError(problems)
+
+
+def _gaps_of(model: Model) -> _Gaps:
+    bare = replace(
+        model, elements=(), sensors=(), inputs=(), energy=Energy(), gravity=None, assembly=None
+    )
+    parts = (
+        [c.name for c in bare.coordinates], [p.path for p in bare.parameters], bare.points,
+        [replace(body, about="") for body in bare.bodies], constraints_key(bare),
+    )  # fmt: skip
+    key = cache.key("closure", repr(parts))
+    function, labels = kept(("closure", key), lambda: _from_cache(bare, key))
+    p = np.array([item.si for item in bare.all_parameters()])
+    return _Gaps(model, function, labels, p)
+
+
+def _from_cache(bare: Model, key: str) -> tuple[ca.Function, tuple[str, ...]]:
+    found = cache.load(key)
+    if found is not None and len(found) == 1:
+        ((name, function),) = found.items()
+        return function, tuple(name.split())
+    function, labels = _lowered(bare)
+    cache.store(key, {" ".join(labels): function})
+    return function, labels
+
+
+def _lowered(bare: Model) -> tuple[ca.Function, tuple[str, ...]]:
+    from symhyb.mechanics.constraints import closures  # SymPy takes half a second to import
+    from symhyb.mechanics.equations import derive
+    from symhyb.numeric.lowered.constrained import loops_of, lowered_closure
+    from symhyb.numeric.lowered.translate import Lowered
+
+    equations = derive(bare)
+    low = Lowered(equations)
+    rows = closures(bare, equations.places, equations.symbols)
+    loops = loops_of(low, rows)
+    assert loops is not None  # there is at least one constraint, and each has a row
+    return lowered_closure(low, loops)["closure"], tuple(row.label for row in rows)
+
+
+def _closed(gaps: _Gaps, q: Array, v: Array) -> tuple[Array, Array]:
+    """q and v (n,) that meet the constraints, near those given."""
+    model = gaps.model
+    free = np.array([not c.imposed for c in model.coordinates])
+    open_q = free & np.array(["start" not in c.stated for c in model.coordinates])
+    open_v = free & np.array(["start_rate" not in c.stated for c in model.coordinates])
+    _require_hold(gaps, q, free)
+    for movable in (open_q, free):
+        placed, gap = _newton(gaps, q, movable)
+        if _small(gap, placed):
+            break
+    else:
+        raise InputError(_impossible(gaps, placed, gap))
+    for movable in (open_v, free):
+        moved = v.copy()
+        _, rate, slope = gaps.at(placed, v)
+        moved[movable] -= np.linalg.lstsq(slope[:, movable], rate, rcond=1e-10)[0]
+        rate = gaps.at(placed, moved)[1]
+        if _small(rate, moved):
+            return placed, v if np.allclose(moved, v, rtol=1e-14, atol=0) else moved
+    raise InputError(_locked(gaps, placed, rate))
+
+
+def _small(gap: Array, size: Array) -> bool:
+    return bool(np.abs(gap).max(initial=0.0) <= CLOSED * (1 + np.abs(size).max(initial=0.0)))
+
+
+def _newton(gaps: _Gaps, q: Array, movable: NDArray[np.bool_]) -> tuple[Array, Array]:
+    """Places (n,) moved by shortest Newton steps until c (m,) is 0 or no step makes it smaller."""
+    q, still = q.copy(), np.zeros_like(q)
+    gap, _, slope = gaps.at(q, still)
+    for _ in range(STEPS_MOST if movable.any() else 0):
+        if _small(gap, q) or not np.isfinite(slope).all():
+            break
+        step = np.linalg.lstsq(slope[:, movable], gap, rcond=1e-8)[0]
+        for share in SHARES:
+            trial = q.copy()
+            trial[movable] -= share * step
+            after = gaps.at(trial, still)
+            if np.linalg.norm(after[0]) < np.linalg.norm(gap):
+                break
+        else:
+            break
+        q, (gap, _, slope) = trial, after
+    return q, gap
+
+
+def _repeated(gaps: _Gaps, q: Array) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Labels of the rows that repeat others, and notes on them.
+
+    Raises:
+        InputError: rows that depend on others at the start and nowhere beside it.
+    """
+    free = np.array([not c.imposed for c in gaps.model.coordinates])
+    here = _dependent(gaps.at(q, 0 * q)[2], free)
+    if not here:
+        return (), ()
+    always = set(here)
+    for beside in _beside(gaps, q):
+        always &= set(_dependent(gaps.at(beside, 0 * q)[2], free))
+    lost = [row for row in here if row not in always]
+    if lost:
+        raise InputError(_locked(gaps, q, np.eye(len(gaps.labels))[lost[0]]))
+    notes = []
+    for row in sorted(always):
+        name, others = gaps.labels[row], [gaps.labels[i] for i in here[row]]
+        listed = " and ".join(dict.fromkeys(label.split(".")[0] for label in others))
+        if _of_a_line(gaps, name, others):
+            continue
+        notes.append(f"constraints.{name} repeats what {listed} say already and is left out")
+    return tuple(gaps.labels[row] for row in sorted(always)), tuple(notes)
+
+
+def _of_a_line(gaps: _Gaps, label: str, others: Sequence[str]) -> bool:
+    """Whether a row is the third of a line in space, of which two say all."""
+    name = label.split(".")[0]
+    kind = next(item.kind for item in gaps.model.constraints if item.name == name)
+    return kind == "slider" and all(other.split(".")[0] == name for other in others)
+
+
+def _dependent(whole: Array, free: NDArray[np.bool_]) -> dict[int, list[int]]:
+    """Rows of J (m, n) that, in the free coordinates, depend on rows before them or on nothing,
+    each with those."""
+    kept_rows: list[int] = []
+    found: dict[int, list[int]] = {}
+    slope = whole[:, free]
+    for i, row in enumerate(slope):
+        size = float(np.linalg.norm(whole[i]))
+        before = slope[kept_rows]
+        weights = np.linalg.lstsq(before.T, row, rcond=DEPENDENT)[0] if kept_rows else np.zeros(0)
+        left = float(np.linalg.norm(row - weights @ before if kept_rows else row))
+        if left > DEPENDENT * size:
+            kept_rows.append(i)
+            continue
+        shares = np.abs(weights) * np.linalg.norm(before, axis=1) if kept_rows else weights
+        found[i] = [kept_rows[j] for j in np.flatnonzero(shares > 1e-6 * size)]
+    return found
+
+
+def _beside(gaps: _Gaps, q: Array) -> list[Array]:
+    """Places (n,) near q at which the constraints hold too, imposed coordinates moved as well."""
+    slope = gaps.at(q, 0 * q)[2]
+    rank = int(np.linalg.matrix_rank(slope, tol=DEPENDENT * np.linalg.norm(slope)))
+    along = np.linalg.svd(slope)[2][rank:]
+    draws = np.random.default_rng(0).standard_normal((TRIES, q.size))
+    found = []
+    for draw in draws:
+        step = along.T @ (along @ draw)
+        moved, gap = _newton(gaps, q + BESIDE * (1 + np.abs(q)) * step, np.ones(q.size, bool))
+        if _small(gap, moved):
+            found.append(moved)
+    return found
+
+
+def _require_hold(gaps: _Gaps, q: Array, free: NDArray[np.bool_]) -> None:
+    """Every row must depend on something that is free to move."""
+    slope = gaps.function.jac_sparsity(0, 0)
+    held = {int(row) for row, column in zip(*slope.get_triplet(), strict=True) if free[column]}
+    idle = [label for i, label in enumerate(gaps.labels) if i not in held]
+    gap = gaps.at(q, 0 * q)[0]
+    problems = [
+        Problem(
+            "holds nothing that is free to move: it contains no coordinate, or only imposed ones",
+            f"constraints.{label.split('.')[0]}",
+            gaps.model.file,
+        )
+        for label in idle
+    ]
+    if problems:
+        raise InputError(dict.fromkeys(problems))
+    bad = [label for label, value in zip(gaps.labels, gap, strict=True) if not np.isfinite(value)]
+    if bad:
+        text = (
+            "is not finite at the start (a division by zero, or two points of a line or a distance "
+            "that coincide); change the start"
+        )
+        name = bad[0].split(".")[0]
+        raise InputError(Problem(text, f"constraints.{name}", gaps.model.file))
+
+
+def _impossible(gaps: _Gaps, q: Array, gap: Array) -> Problem:
+    """Why Newton's method found no place: rows that contradict each other, or that do not reach."""
+    worst = int(np.argmax(np.abs(gap)))
+    name = gaps.labels[worst].split(".")[0]
+    generic = _contradicted(gaps, q)
+    where = _places_text(gaps.model, q)
+    if worst in generic:
+        others = " and ".join(dict.fromkeys(gaps.labels[i].split(".")[0] for i in generic[worst]))
+        text = (
+            f"contradicts constraints.{others}: where that holds, this one is off by "
+            f"{np.abs(gap).max():.4g} (SI) whatever moves; leave one of them out"
+        )
+    else:
+        text = (
+            f"the loop cannot be closed: nearest to the start this is still off by "
+            f"{abs(gap[worst]):.4g} (SI), at {where}; change lengths or the start"
+        )
+    return Problem(text, f"constraints.{name}", gaps.model.file)
+
+
+def _contradicted(gaps: _Gaps, q: Array) -> dict[int, list[int]]:
+    """Rows that depend on others wherever the machine is, each with all rows that it depends on,
+    and those on it."""
+    free = np.array([not c.imposed for c in gaps.model.coordinates])
+    draws = np.random.default_rng(0).standard_normal((TRIES, q.size))
+    found: dict[int, list[int]] | None = None
+    for draw in draws:
+        at = _dependent(gaps.at(q + BESIDE * (1 + np.abs(q)) * draw, 0 * q)[2], free)
+        found = at if found is None else {row: at[row] for row in found if row in at}
+    related = dict(found or {})
+    for row, others in (found or {}).items():
+        for other in others:
+            related.setdefault(other, [row])
+    return related
+
+
+def _locked(gaps: _Gaps, q: Array, left: Array) -> Problem:
+    name = gaps.labels[int(np.argmax(np.abs(left)))].split(".")[0]
+    text = (
+        f"the loop locks at its start, {_places_text(gaps.model, q)}: there this constraint and "
+        "the others leave no consistent speeds; start a little beside it"
+    )
+    return Problem(text, f"constraints.{name}", gaps.model.file)
+
+
+def _places_text(model: Model, q: Array) -> str:
+    return ", ".join(
+        f"{c.name} = {value / c.unit.factor:.5g} {c.unit.text}".removesuffix(" 1")
+        for c, value in zip(model.coordinates, q, strict=True)
+    )
+
+
+def _moves(model: Model, q: Array, v: Array) -> tuple[str, ...]:
+    """Notes on starts that the file states and that had to move, and on those left open."""
+    moved, opened = [], []
+    for c, place, speed in zip(model.coordinates, q, v, strict=True):
+        unit = "" if c.unit.text == "1" else f" {c.unit}"
+        rate = "/s" if not unit else f"{unit}/s"
+        pairs = (("start", c.start, place, unit), ("start_rate", c.start_rate, speed, rate))
+        for key, was, value, text in pairs:
+            now = value / c.unit.factor
+            least = TOLD if key in c.stated else 1e-9
+            if abs(now - was) <= least * max(abs(now), abs(was), 1e-6):
+                continue
+            said = f"{key} of {c.name} is {now:.6g}{text}"
+            if key in c.stated:
+                moved.append(f"{said}, not {was:.6g}")
+            else:
+                opened.append(said)
+    notes = [f"so that the constraints hold, the {said}" for said in moved]
+    if opened:
+        notes.append(f"from the constraints: the {', the '.join(opened)}")
+    return tuple(notes)

@@ -1,0 +1,210 @@
+"""A machine as a system of first order: what moves by itself, and what drives it.
+
+    x = (q_free, v_free, z)          state: X = 2 n_free + z numbers
+    d = (u, q_given, v_given, a_given)    drive: recorded inputs, and motion that is given
+
+Coordinates are given where the model imposes them; with all coordinates given, only the
+inner states of the elements are left, which then follow a measured motion. Where delays are to be
+differentiated, the drive goes on with u' (k), and the delays of inputs and sensors (k + m) that
+the recorded signals were already cleared of:
+
+    u(t − τ) = u − (τ − cleared) u',   cleared = τ: exact, with the slope by τ
+    q(t − τ) = q − δ q' + δ²/2 q'',   v(t − τ) = v − δ q''(t − δ/2),   δ = τ − cleared, of a sensor
+    below half a sample
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from symhyb.model.types import Input, Sensor
+from symhyb.numeric.kernels.buffers import Array, resampled
+from symhyb.numeric.kernels.memory import kept
+from symhyb.numeric.lowered.machine import Machine, structure_of
+
+
+@dataclass(frozen=True, slots=True)
+class StateForm:
+    """A machine with ``given`` coordinates (their indices); ``late`` channels (by name) have a
+    delay that is differentiated."""
+
+    machine: Machine
+    given: tuple[int, ...]
+    late: tuple[str, ...] = ()
+
+    @property
+    def free(self) -> tuple[int, ...]:
+        """The coordinates that follow from forces."""
+        return tuple(i for i in range(self.machine.n) if i not in self.given)
+
+    @property
+    def size(self) -> int:
+        """X, the length of the state."""
+        return 2 * len(self.free) + self.machine.inner_states
+
+    @property
+    def moving(self) -> int:
+        """How many directions places and speeds have: twice the free coordinates, less what
+        constraints hold."""
+        return 2 * max(len(self.free) - self.machine.constraints, 0)
+
+    @property
+    def inputs(self) -> int:
+        """k, the number of recorded inputs."""
+        return len(self.machine.model.inputs)
+
+    @property
+    def drive(self) -> int:
+        """The length of the drive."""
+        more = 2 * self.inputs + len(self.machine.model.sensors) if self.late else 0
+        return self.inputs + 3 * len(self.given) + more
+
+    def extended(
+        self, drive: Array, t: Array, record: tuple[Array, Array], p: Array, late: Sequence[float]
+    ) -> Array:
+        """The drive (W, L, …) with what delays need: late inputs taken anew, under the delays of
+        ``p``, from the ``record`` (times (K,) and inputs (K, k) as recorded), the slopes of all
+        inputs along ``t`` (W, L), and the delays that the signals are now cleared of: of a sensor
+        the one that the model states, and ``late`` (m,) beyond it, where given. SI."""
+        if not self.late:
+            return drive
+        model, drive = self.machine.model, drive.copy()
+        channels: tuple[Input | Sensor, ...] = (*model.inputs, *model.sensors)
+        cleared = [c.delay.si if c.delay else 0.0 for c in channels]
+        for i, item in enumerate(model.inputs):
+            if item.name in self.late:
+                cleared[i] = float(p[self.machine.column(f"{item.name}.delay")])
+                drive[..., i] = resampled(record[0], record[1][:, i], t - cleared[i])
+        for j, lag in enumerate(late):
+            cleared[self.inputs + j] += lag
+        rise = np.gradient(drive[..., : self.inputs], axis=1) / np.gradient(t, axis=1)[..., None]
+        still = np.broadcast_to(np.array(cleared), (*drive.shape[:-1], len(cleared)))
+        return np.concatenate([drive, rise, still], axis=-1)
+
+    def cleared(self, i: int, p: Array) -> float:
+        """The delay in s that the i-th input is cleared of: that of ``p`` (P,), SI, where
+        it is differentiated, else the one that the model states."""
+        item = self.machine.model.inputs[i]
+        if item.name in self.late:
+            return float(p[self.machine.column(f"{item.name}.delay")])
+        return item.delay.si if item.delay else 0.0
+
+    def unpack(self, x: ca.SX, d: ca.SX, p: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX, ca.SX]:
+        """q, v (n), z, acting u and the given accelerations, from x, d and p."""
+        f, g, k = len(self.free), len(self.given), self.inputs
+        parts = [type(x)(1, 1)] * self.machine.n, [type(x)(1, 1)] * self.machine.n
+        for i, where in enumerate(self.free):
+            parts[0][where], parts[1][where] = x[i], x[f + i]
+        for i, where in enumerate(self.given):
+            parts[0][where], parts[1][where] = d[k + i], d[k + g + i]
+        q, v = (ca.vertcat(*part) for part in parts)
+        u = ca.vertcat(*(self._late(i.name, d[j], d, p, j) for j, i in self._channels(0)))
+        return q, v, x[2 * f :, 0], u if k else d[:0, 0], d[k + 2 * g : k + 3 * g, 0]
+
+    def _channels(self, which: int) -> list[tuple[int, Input | Sensor]]:
+        model = self.machine.model
+        channels: tuple[Input | Sensor, ...] = (model.inputs, model.sensors)[which]
+        return list(enumerate(channels))
+
+    def _late(self, name: str, value: ca.SX, d: ca.SX, p: ca.SX, i: int) -> ca.SX:
+        """An input as it acts under its delay."""
+        if name not in self.late:
+            return value
+        first = self.inputs + 3 * len(self.given)
+        return value - self._lag(name, d, p, i) * d[first + i]
+
+    def _lag(self, name: str, d: ca.SX, p: ca.SX, i: int) -> ca.SX:
+        """The delay of a channel beyond what its signal was cleared of; sensors follow inputs."""
+        first = 2 * self.inputs + 3 * len(self.given)
+        return p[self.machine.column(f"{name}.delay")] - d[first + i]
+
+    @property
+    def key(self) -> tuple[object, ...]:
+        """What the functions of a form depend on."""
+        return structure_of(self.machine.model), self.given, self.late
+
+    def rates(self) -> ca.Function:
+        """(x, d, t, p, w) -> (n_free + z,) the rates of v_free and z; w (n) is a test force."""
+        return kept(("rates", self.key), self._rates)
+
+    def outputs(self) -> ca.Function:
+        """(x, d, t, p, w) -> (m,) what the sensors record, and (n,) accelerations."""
+        return kept(("outputs", self.key), self._outputs)
+
+    def _rates(self) -> ca.Function:
+        x, d, t, p, w = self.symbols()
+        q, v, z, u, b = self.unpack(x, d, p)
+        machine = self.machine
+        parts = [machine.inner(q, v, z, u, t, p)]
+        if self.free:
+            a = self._accelerations(q, v, z, u, t, p, w, b)
+            parts.insert(0, a[list(self.free)])
+        return ca.Function("rates", [x, d, t, p, w], [ca.densify(ca.vertcat(*parts))])
+
+    def _outputs(self) -> ca.Function:
+        x, d, t, p, w = self.symbols()
+        q, v, z, u, b = self.unpack(x, d, p)
+        a = self._accelerations(q, v, z, u, t, p, w, b)
+        y = self.machine.sensed(q, v, a, z, u, t, p, w)
+        for j, sensor in self._channels(1):
+            if sensor.name in self.late:
+                lag = self._lag(sensor.name, d, p, self.inputs + j)
+                slope = d[self.inputs + 3 * len(self.given) :][: self.inputs]
+                u_half, u_then = (u - h * slope if self.inputs else u for h in (lag / 2, lag))
+                q_half, v_half = q - lag / 2 * v + lag**2 / 8 * a, v - lag / 2 * a
+                a_half = self._accelerations(q_half, v_half, z, u_half, t - lag / 2, p, w, b)
+                q_then, v_then = q - lag * v + lag**2 / 2 * a, v - lag * a_half
+                a_then = self._accelerations(q_then, v_then, z, u_then, t - lag, p, w, b)
+                then = (q_then, v_then, a_then, z, u_then, t - lag, p, w)
+                y[j] = self.machine.sensed(*then)[j]
+        return ca.Function("outputs", [x, d, t, p, w], [ca.densify(y), ca.densify(a)])
+
+    def _accelerations(
+        self, q: ca.SX, v: ca.SX, z: ca.SX, u: ca.SX, t: ca.SX, p: ca.SX, w: ca.SX, b: ca.SX
+    ) -> ca.SX:
+        if len(self.given) == self.machine.n:
+            order = np.argsort(self.given)
+            return ca.vertcat(*(b[int(i)] for i in order))
+        return self.machine.acceleration(q, v, z, u, t, p, w, b)
+
+    def symbols(self) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX, ca.SX]:
+        """Fresh symbols x, d, t, p, w."""
+        return (
+            ca.SX.sym("x", self.size),
+            ca.SX.sym("d", self.drive),
+            ca.SX.sym("t"),
+            ca.SX.sym("p", self.machine.values.size),
+            ca.SX.sym("w", self.machine.n),
+        )
+
+    def driven(self, u: Array, q: Array, v: Array, a: Array) -> Array:
+        """The drive (N, drive) from inputs (N, k) and a motion (N, n each) of which the given
+        coordinates count, SI."""
+        g = list(self.given)
+        return np.concatenate([u, q[..., g], v[..., g], a[..., g]], axis=-1)
+
+    def state(self, q: Array, v: Array, z: Array) -> Array:
+        """x (N, X) from a motion (N, n) and inner states (N, z), SI; other leading sizes too."""
+        f = list(self.free)
+        return np.concatenate([q[..., f], v[..., f], z], axis=-1)
+
+    def motion(self, x: Array, d: Array) -> tuple[Array, Array]:
+        """q and v (N, n) from states (N, X) and drives (N, drive), SI; other leading sizes too."""
+        f, g, k = len(self.free), len(self.given), self.inputs
+        q, v = (np.empty((*x.shape[:-1], self.machine.n)) for _ in range(2))
+        q[..., list(self.free)], v[..., list(self.free)] = x[..., :f], x[..., f : 2 * f]
+        q[..., list(self.given)] = d[..., k : k + g]
+        v[..., list(self.given)] = d[..., k + g : k + 2 * g]
+        return q, v
+
+
+def state_form(machine: Machine, late: tuple[str, ...] = ()) -> StateForm:
+    """The machine with the coordinates given that its model imposes."""
+    return StateForm(machine, machine.imposed, late)
+
+
+def inner_form(machine: Machine) -> StateForm:
+    """The inner states of a machine alone, along a motion that is given."""
+    return StateForm(machine, tuple(range(machine.n)))

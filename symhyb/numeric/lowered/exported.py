@@ -1,0 +1,346 @@
+"""A machine, or some of its elements alone, as one function that C code can be made of.
+
+    x', y = f(t, x, u, p)         inner states, the last of x, begin at rest(t, x, u, p)
+
+of elements:     u = q, q' and the recorded inputs that matter, x = z, y = +ΔF: what a host *adds*
+of the machine:  u = recorded inputs and imposed motion, x = (q, q', z), y = what the sensors record
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from symhyb.errors import InputError, Problem
+from symhyb.model.expression import readings
+from symhyb.model.types import Model
+from symhyb.numeric.kernels.buffers import Array, call
+from symhyb.numeric.kernels.instructions import NOTHING, UNARY, program
+from symhyb.numeric.lowered.dynamics import state_form
+from symhyb.numeric.lowered.holes import Hole, filled, parts_of
+from symhyb.numeric.lowered.machine import Machine, build
+
+SMOOTHING = 1e-3  # SI: width over which a jump of sgn is passed
+Names = tuple[tuple[str, str], ...]
+Flags = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Exported:
+    """What is exported, as functions of (t, x, u, p), SI.
+
+    ``states`` (X), ``inputs`` (U), ``outputs`` (Y) and ``parameters`` (P) say what each entry is:
+    (kind, name), kind one of ``q v a u z y dF trust p``. The last ``inner`` states begin at rest.
+
+    Attributes:
+        value: (t, x, u, p) -> x' (X) and y (Y).
+        forward: (t, x, u, p, seed (1 + X + U + P)) -> the derivatives of x' and y along the seed.
+        adjoint: (t, x, u, p, weights (X + Y)) -> (1 + X + U + P) gradient of the weighted sum.
+        rest: (t, x, u, p) -> the inner states of a machine that stands still.
+        rest_forward: their derivative along a seed.
+        x: where the states start (X,), SI.
+        u: where the inputs start (U,), SI.
+        p: values of the parameters (P,), SI.
+    """
+
+    model: Model
+    states: Names
+    inputs: Names
+    outputs: Names
+    parameters: Names
+    inner: int
+    value: ca.Function
+    forward: ca.Function
+    adjoint: ca.Function
+    rest: ca.Function
+    rest_forward: ca.Function
+    x: Array
+    u: Array
+    p: Array
+
+    def evaluate(self, t: float, x: Array, u: Array, p: Array) -> tuple[Array, Array]:
+        """x' (X,) and y (Y,) at states x (X,), inputs u (U,) and parameters p (P,), SI."""
+        rates, y = call(self.value, (t, x, u, p))
+        return rates.reshape(-1), y.reshape(-1)
+
+    def dependencies(self) -> tuple[Flags, Flags, Flags]:
+        """Which of (x', y), X + Y rows, depend on which of x, u and p: three arrays of flags of
+        shapes (X + Y, X), (X + Y, U) and (X + Y, P), dimensionless."""
+        rows = [[_flags(self.value, out, by) for out in (0, 1)] for by in (1, 2, 3)]
+        x, u, p = (np.vstack(pair) for pair in rows)
+        return x, u, p
+
+    def rest_dependencies(self) -> tuple[Flags, Flags, Flags]:
+        """The same of the inner states at rest; shapes (z, X), (z, U), (z, P), dimensionless."""
+        return _flags(self.rest, 0, 1), _flags(self.rest, 0, 2), _flags(self.rest, 0, 3)
+
+
+def _flags(function: ca.Function, output: int, argument: int) -> Flags:
+    pattern = ca.DM(function.jac_sparsity(output, argument), 1).full()
+    return np.asarray(pattern != 0)
+
+
+def export_elements(model: Model, names: Sequence[str]) -> Exported:
+    """The forces of these elements alone, added up for each coordinate.
+
+    Raises:
+        InputError: an element whose force cannot be given by positions, speeds and inputs; or what
+            :func:`symhyb.numeric.lowered.machine.build` refuses.
+    """
+    _require_force_elements(model, names)
+    machine = build(model)
+    parts = parts_of(machine)
+    chosen = [i for i, element in enumerate(model.elements) if element.name in names]
+    owners = _owners(model)
+    memory = [i for i, name in enumerate(owners) if name in names]
+    holes = [hole for hole in parts.holes if hole.name in names]
+    forces = ca.sum2(parts.forces[:, chosen])
+    rows = [i for i in range(machine.n) if not forces[i].is_zero()]
+    rates, rest = parts.inner[memory], parts.rest[memory]
+    y = ca.vertcat(forces[rows], *(hole.trust() for hole in holes))
+    drawn = ca.vertcat(y, rates, rest, *(hole.inputs for hole in holes))
+    coordinates, recorded = _names(model)
+    where = [("q", parts.q, coordinates), ("v", parts.v, coordinates), ("u", parts.u, recorded)]
+    inputs, pieces, starts = _used(where, drawn, _starts(machine))
+    outputs = [("dF", coordinates[i]) for i in rows] + [("trust", hole.name) for hole in holes]
+    return _exported(
+        machine, parts.p, parts.t, parts.z[memory], ca.vertcat(*pieces), rates, y, rest, holes,
+        tuple(("z", owners[i]) for i in memory), inputs, tuple(outputs),
+        np.zeros(len(memory)), np.array(starts),
+    )  # fmt: skip
+
+
+def export_machine(model: Model) -> Exported:
+    """The whole machine: recorded inputs in, what the sensors record out.
+
+    Raises:
+        InputError: an input with a delay; or what
+            :func:`symhyb.numeric.lowered.machine.build` refuses.
+    """
+    late = [i.name for i in model.inputs if i.delay is not None and i.delay.si != 0]
+    if late:
+        text = "has a delay, which the exported model does not hold; let the host delay the signal"
+        raise InputError([Problem(text, f"inputs.{name}", model.file) for name in late])
+    machine = build(model)
+    bare, among = _without_networks(machine)
+    form = state_form(bare)
+    x, d, t = form.symbols()[:3]
+    p = ca.SX.sym("p", machine.values.size)
+    q, v, _z, u, _b = form.unpack(x, d, p)
+    pushed, holes = ca.SX.zeros(machine.n), tuple[Hole, ...]()
+    if bare is not machine:
+        parts = parts_of(machine).at(q, v, u, t, p)
+        holes = parts.holes
+        learnt = [i for i, element in enumerate(model.elements) if element.network is not None]
+        pushed = ca.sum2(parts.forces[:, learnt])
+    names, (free, given) = _names(model), (form.free, form.given)
+    rates = ca.vertcat(x[len(free) : 2 * len(free), 0], form.rates()(x, d, t, p[among], pushed))
+    y, _a = form.outputs()(x, d, t, p[among], pushed)
+    starts, still = _starts(machine), np.zeros(len(given))
+    at = [(kind, names[0][i]) for kind in "qv" for i in free]
+    inputs = [("u", name) for name in names[1]] + [(k, names[0][i]) for k in "qva" for i in given]
+    outputs = [("y", s.name) for s in model.sensors] + [("trust", hole.name) for hole in holes]
+    begin = [starts["q"][list(free)], starts["v"][list(free)], np.zeros(machine.inner_states)]
+    driven = [starts["u"], starts["q"][list(given)], starts["v"][list(given)], still]
+    return _exported(
+        machine, p, t, x, d, rates, ca.vertcat(y, *(hole.trust() for hole in holes)),
+        bare.inner_rest(q, t, p[among]), holes,
+        (*at, *(("z", name) for name in _owners(model))), tuple(inputs), tuple(outputs),
+        np.concatenate(begin), np.concatenate(driven),
+    )  # fmt: skip
+
+
+def _without_networks(machine: Machine) -> tuple[Machine, list[int]]:
+    """The machine without its networks, and where its parameters are among those of all.
+
+    Raises:
+        InputError: a sensor that measures the force of a network.
+    """
+    model = machine.model
+    learnt = {element.name for element in model.elements if element.network is not None}
+    if not learnt:
+        return machine, list(range(machine.values.size))
+    for sensor in model.sensors:
+        if any(learnt & set(reading.names) for reading in readings(sensor.measures)):
+            text = "measures the force of a network, which an exported model does not offer"
+            raise InputError(Problem(text, f"sensors.{sensor.name}", model.file))
+    kept = tuple(element for element in model.elements if element.name not in learnt)
+    bare = build(replace(model, elements=kept), keep=False)
+    paths = [item.path for item in model.all_parameters()]
+    return bare, [paths.index(item.path) for item in bare.model.all_parameters()]
+
+
+def c_source(exported: Exported, identifier: str) -> str:
+    """C99 of all functions: ``model_value`` and so on, each static; CasADi's helpers begin with
+    ``identifier``. CasADi states that the code it writes may be used freely."""
+    generator = ca.CodeGenerator(f"{identifier}.c", {"with_header": False})
+    for function in functions(exported):
+        generator.add(function)
+    return str(generator.dump())
+
+
+def functions(exported: Exported) -> tuple[ca.Function, ...]:
+    """The functions of an export in the order in which C code holds them."""
+    return (
+        exported.value, exported.forward, exported.adjoint, exported.rest, exported.rest_forward
+    )  # fmt: skip
+
+
+def serialised(exported: Exported) -> str:
+    """The value function in CasADi's own form, which is unsafe to load from strangers."""
+    return str(exported.value.serialize())
+
+
+def _exported(
+    machine: Machine, p: ca.SX, t: ca.SX, x: ca.SX, u: ca.SX, rates: ca.SX, y: ca.SX, rest: ca.SX,
+    holes: Sequence[Hole], states: Names, inputs: Names, outputs: Names, x0: Array, u0: Array,
+) -> Exported:  # fmt: skip
+    """The functions, with only those parameters that matter; jumps of sgn are smoothed."""
+    x, u, rates, y, rest = (ca.reshape(part, part.numel(), 1) for part in (x, u, rates, y, rest))
+    seen = [hole.inputs for hole in holes]
+    paths = [item.path for item in machine.model.all_parameters()]
+    used = _columns(ca.vertcat(rates, y, rest, *seen), p)
+    kept, names = ca.reshape(p[used], len(used), 1), [("p", paths[i]) for i in used]
+    fixed = [i for i in range(len(paths)) if i not in used]
+    if fixed:
+        held = ca.DM(machine.values[fixed])
+        rates, y, rest = ca.substitute([rates, y, rest], [p[fixed]], [held])
+    values, width = list(machine.values[used]), ca.SX.sym("width")
+    forces = ca.vertcat(*(hole.force for hole in holes)) if holes else ca.SX(0, 1)
+    before = [t, x, u, kept, forces]
+    smooth = _smoothed(ca.Function("f", before, [rates, y], {"cse": True}), before, width)
+    if smooth is not None:
+        (rates, y), kept = smooth, ca.vertcat(kept, width)
+        names.append(("p", "smoothing"))
+        values.append(SMOOTHING)
+    here = [t, x, u, kept]
+    around = ca.Function("around", [*here, forces], [ca.vertcat(rates, y)], {"cse": True})
+    if holes:
+        whole = filled(around, holes, here, machine.model)
+    else:
+        whole = ca.Function("whole", [ca.vertcat(*here)], [ca.vertcat(rates, y)], {"cse": True})
+    made = _derived(whole, rates.numel(), [part.numel() for part in here])
+    rested = ca.Function("rest", [ca.vertcat(*here)], [rest])
+    resting = _derived(rested, rest.numel(), [part.numel() for part in here])
+    return Exported(
+        machine.model, states, inputs, outputs, tuple(names), rest.numel(),
+        made["value"], made["forward"], made["adjoint"], _first(resting["value"], "rest"),
+        _first(resting["forward"], "rest_forward"), x0, u0, np.array(values),
+    )  # fmt: skip
+
+
+def _derived(whole: ca.Function, first: int, sizes: Sequence[int]) -> dict[str, ca.Function]:
+    """Value, forward and adjoint derivative of b -> (x', y) as functions of the parts of b; the
+    ``first`` of the results are x'. In scalars where ``whole`` is, else in matrices."""
+    kind: Any = ca.SX if whole.is_a("SXFunction") else ca.MX  # the same code for both
+    b, rows = kind.sym("b", whole.size1_in(0)), whole.size1_out(0)
+    seed, weights = kind.sym("s", b.numel()), kind.sym("w", rows)
+    value = whole(b)
+    results = {
+        "value": ([], value),
+        "forward": ([seed], ca.jtimes(value, b, seed)),
+        "adjoint": ([weights], ca.jtimes(value, b, weights, True)),
+    }
+    made = {}
+    for name, (more, result) in results.items():
+        inside = ca.Function("inside", [b, *more], [ca.densify(result)])
+        here = [kind.sym(part, size) for part, size in zip("txup", sizes, strict=True)]
+        done = inside(ca.vertcat(*here), *more)
+        out = [done] if name == "adjoint" else [done[:first, 0], done[first:, 0]]
+        made[name] = ca.Function(f"model_{name}", [*here, *more], out, {"cse": kind is ca.SX})
+    return made
+
+
+def _first(function: ca.Function, name: str) -> ca.Function:
+    """The function with its first result alone."""
+    arguments = function.sx_in()
+    return ca.Function(f"model_{name}", arguments, [function(*arguments)[0]], {"cse": True})
+
+
+def _smoothed(function: ca.Function, arguments: list[ca.SX], width: ca.SX) -> list[ca.SX] | None:
+    """The results with tanh(x/width) for sgn x, None where no sgn occurs; width 0 is exact.
+
+    A solver that meets a jump makes its steps smaller and smaller and stops."""
+    steps = program(function)
+    if steps is None or ca.OP_SIGN not in steps.operations():
+        return None
+    held: dict[int, ca.SX] = {value: arguments[a][e] for value, a, e in steps.loads}
+    held |= {value: ca.SX(number) for value, number in steps.constants}
+    for value, operation, left, right in steps.steps:
+        if operation == ca.OP_SIGN:
+            soft = ca.tanh(held[left] / ca.fmax(width, 1e-300))
+            held[value] = ca.if_else(width > 0, soft, ca.sign(held[left]))
+        elif operation in UNARY or right == NOTHING:
+            held[value] = ca.SX.unary(operation, held[left])
+        else:
+            held[value] = ca.SX.binary(operation, held[left], held[right])
+    results = [ca.SX(size, 1) for size in steps.results]
+    for output, entry, value in steps.stores:
+        results[output][entry] = held[value]
+    return [ca.densify(result) for result in results]
+
+
+def _require_force_elements(model: Model, names: Sequence[str]) -> None:
+    problems = []
+    for element in model.elements:
+        if element.name in names and element.kind == "added_mass":
+            text = (
+                "an added_mass cannot be exported as a force element: its force depends on the "
+                "acceleration, which the force itself changes; give the mass to a body of the "
+                "host, or export the whole model (--whole)"
+            )
+            problems.append(Problem(text, f"elements.{element.name}", model.file))
+    late = [i.name for i in model.inputs if i.delay is not None and i.delay.si != 0]
+    for element in model.elements:
+        if element.name not in names:
+            continue
+        said = repr([value.tree for _, value in element.values]) + repr(element.network)
+        for name in late:
+            if f"Name(name={name!r}" in said:
+                text = f"uses the input {name}, which has a delay; let the host delay the signal"
+                problems.append(Problem(text, f"elements.{element.name}", model.file))
+    if problems:
+        raise InputError(problems)
+
+
+def _owners(model: Model) -> list[str]:
+    """The element that each inner state belongs to."""
+    from symhyb.mechanics.symbols import symbols_of  # SymPy takes half a second to import
+
+    return list(symbols_of(model).z)
+
+
+def _names(model: Model) -> tuple[list[str], list[str]]:
+    return [c.name for c in model.coordinates], [i.name for i in model.inputs]
+
+
+def _starts(machine: Machine) -> dict[str, Array]:
+    """Where coordinates, speeds and inputs start, SI, arrays (n,), (n,) and (k,)."""
+    coordinates = machine.model.coordinates
+    return {
+        "q": np.array([c.start * c.unit.factor for c in coordinates]),
+        "v": np.array([c.start_rate * c.unit.factor for c in coordinates]),
+        "u": np.zeros(len(machine.model.inputs)),
+    }
+
+
+def _used(
+    groups: Sequence[tuple[str, ca.SX, list[str]]], drawn: ca.SX, starts: dict[str, Array]
+) -> tuple[Names, list[ca.SX], list[float]]:
+    """The entries that ``drawn`` depends on: their names, symbols and starts."""
+    names, pieces, begin = [], [], []
+    for kind, symbol, labels in groups:
+        for i in _columns(drawn, symbol):
+            names.append((kind, labels[i]))
+            pieces.append(symbol[i])
+            begin.append(float(starts[kind][i]))
+    return tuple(names), pieces, begin
+
+
+def _columns(expression: ca.SX, by: ca.SX) -> list[int]:
+    """The entries of ``by`` that ``expression`` depends on."""
+    pattern = ca.jacobian_sparsity(expression, by)
+    return sorted(set(pattern.get_triplet()[1]))

@@ -1,0 +1,285 @@
+"""A model as named CasADi functions: M, k_c, k_e, the acceleration, outputs and energies.
+
+    M(q,t) q'' + k_c(q,q',t) = k_e(q,q',u,t) + ΔF        (ΔF is a force that acts)
+
+CasADi differentiates T and V; SymPy never does. Source of the form: Lagrange's equations with
+p = ∂T/∂v, see docs/design.md.
+"""
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import casadi as ca
+import numpy as np
+
+from symhyb.model.types import Model
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.kernels.memory import kept
+from symhyb.numeric.lowered import cache
+from symhyb.numeric.lowered.assembly import assembled, constraints_key
+from symhyb.numeric.lowered.constrained import loops_of, lowered_closure, solve
+from symhyb.numeric.lowered.network import fill_of
+from symhyb.numeric.lowered.sound import require_sound
+
+if TYPE_CHECKING:
+    from symhyb.numeric.lowered.translate import Lowered
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Machine:
+    """A model lowered to CasADi; every number in coherent SI.
+
+    Sizes: n coordinates (those imposed included), z inner states of elements, k inputs, m sensors,
+    P parameters, E elements, N samples.
+
+    Attributes:
+        M: (q, t, p) -> (n, n) mass matrix.
+        k_c: (q, v, t, p) -> (n,) Coriolis and gyroscopic forces.
+        k_e: (q, v, z, u, t, p) -> (n,) applied forces, those of potentials included.
+        input_matrix: (q, v, t, p) -> (n, k) with k_e = k_e(u=0) + input_matrix·u; None where an
+            input acts nonlinearly.
+        acceleration: (q, v, z, u, t, p, w, b) -> (n,) q'' under an extra generalized force w; b
+            are the accelerations of the imposed coordinates, which stay as they are. Constraints
+            hold, and what they leave open is pulled closed
+            (:mod:`symhyb.numeric.lowered.constrained`).
+        inner: (q, v, z, u, t, p) -> (z,) rates of the inner states.
+        inner_rest: (q, t, p) -> (z,) inner states of a machine that stood still at q.
+        outputs: (q, v, a, z, u, t, p) -> (m,) what the sensors record, without noise and delay.
+        sensed: (q, v, a, z, u, t, p, w) -> the same under an extra generalized force w.
+        output_slopes: the arguments of outputs -> (m, n) ∂y/∂q, ∂y/∂v and ∂y/∂a.
+        discrepancy: the arguments of outputs -> (n,) M a + k_c − k_e, what has to act
+            besides k_e: ΔF of a measured motion, the reaction of an imposed coordinate. With
+            constraints their reactions are taken off: M (a − a of the model) where free.
+        discrepancy_slopes: the arguments of outputs -> (n, n) ∂/∂q, ∂/∂v and ∂/∂a of the same.
+        weak: (q, v, z, u, t, p) -> (n,) momentum p and (n,) ∂T/∂q + k_e, so that ΔF = p' − the
+            latter.
+        energy: (q, v, z, t, p) -> T, V, (E,) stored in the elements.
+        elements: (q, v, z, u, t, p) -> (n, E) generalized force of each element.
+        carried: (q, v, a, t, p) -> (n, E) force of the mass that an element adds, which is part
+            of M and k_c and not of ``elements``.
+        pathways: (q, v, t, p) -> (E,) stretch, (E,) rate, (n, E) direction ∂s/∂q; NaN at points.
+        closure: (q, v, a, t, p) -> (m,) what constraints leave open, its first and second
+            derivative by time, (m, n) its slopes J by q and those of its rate; None without
+            constraints, as the next.
+        closure_slopes: (q, v, t, p) -> (m, P) slopes of what is open and of its rate by p.
+        shared: (q, t, p) -> (n, n) what constraints leave of a generalized force, as in
+            ``discrepancy``.
+        values: (P,) parameter values in the order of ``model.all_parameters()``.
+    """
+
+    model: Model
+    M: ca.Function
+    k_c: ca.Function
+    k_e: ca.Function
+    input_matrix: ca.Function | None
+    acceleration: ca.Function
+    inner: ca.Function
+    inner_rest: ca.Function
+    outputs: ca.Function
+    sensed: ca.Function
+    output_slopes: ca.Function
+    discrepancy: ca.Function
+    discrepancy_slopes: ca.Function
+    weak: ca.Function
+    energy: ca.Function
+    elements: ca.Function
+    carried: ca.Function
+    pathways: ca.Function
+    values: Array
+    closure: ca.Function | None = None
+    closure_slopes: ca.Function | None = None
+    shared: ca.Function | None = None
+
+    @property
+    def n(self) -> int:
+        """Number of coordinates."""
+        return len(self.model.coordinates)
+
+    @property
+    def inner_states(self) -> int:
+        """Number of inner states of elements."""
+        return int(self.inner.size1_out(0))
+
+    @property
+    def constraints(self) -> int:
+        """Number of rows of constraints, without those that repeat others."""
+        return 0 if self.closure is None else int(self.closure.size1_out(0))
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What was moved or left out so that constraints close."""
+        found = self.model.assembly
+        return () if found is None else (*found.moves, *found.notes)
+
+    @property
+    def free(self) -> tuple[int, ...]:
+        """The coordinates that follow from forces."""
+        return tuple(i for i, c in enumerate(self.model.coordinates) if not c.imposed)
+
+    @property
+    def imposed(self) -> tuple[int, ...]:
+        """The coordinates whose motion is given."""
+        return tuple(i for i, c in enumerate(self.model.coordinates) if c.imposed)
+
+    def column(self, path: str) -> int:
+        """Index of the parameter with this path in the vector p."""
+        return [item.path for item in self.model.all_parameters()].index(path)
+
+
+def build(model: Model, keep: bool = True) -> Machine:
+    """Lower a checked model to a :class:`Machine`.
+
+    Models of the same structure, whatever the values of their parameters, share their functions. To
+    ``keep`` them is to write them to the user's cache, so that the next program need not lower
+    them again; what is only tried need not be kept.
+
+    Raises:
+        InputError: the mass matrix is singular at the start (names the coordinates without mass),
+            a law that is infinite there, a network whose weights cannot be read, or constraints
+            that do not close.
+    """
+    model = assembled(model)
+    functions = functions_of(model, keep)
+    values = np.array([item.si for item in model.all_parameters()])
+    require_sound(model, functions, values)
+    return Machine(model=model, values=values, **{"input_matrix": None, **functions})  # type: ignore[arg-type]
+
+
+def functions_of(model: Model, keep: bool = True, switched: bool = False) -> dict[str, ca.Function]:
+    """The functions of a :class:`Machine` by name, SI; with what switches as inputs and outputs of
+    its own if ``switched`` (:mod:`symhyb.mechanics.opened`)."""
+    structure = structure_of(model)
+    return kept(("machine", structure, switched), lambda: _from_cache(model, keep, switched))
+
+
+def _from_cache(model: Model, keep: bool, switched: bool) -> dict[str, ca.Function]:
+    """The functions of a model: those on disk, else lowered, and kept there if that is wanted."""
+    if not keep:
+        return _lowered(model, switched)
+    key = cache.key(structure_of(model), *(["switched"] if switched else []))
+    found = cache.load(key)
+    if found is None:
+        found = _lowered(model, switched)
+        cache.store(key, found)
+    return found
+
+
+def _lowered(model: Model, switched: bool = False) -> dict[str, ca.Function]:
+    from symhyb.mechanics.constraints import closures
+    from symhyb.mechanics.equations import derive  # SymPy takes half a second to import
+    from symhyb.mechanics.opened import opened
+    from symhyb.numeric.lowered.translate import Lowered
+
+    fills = {
+        element.name: fill_of(element.network, model.file)
+        for element in model.elements
+        if element.network is not None
+    }
+    equations = derive(model)
+    low = Lowered(opened(model, equations) if switched else equations, fills)
+    q, v, a, z, u, t, p = low.q, low.v, low.a, low.z, low.u, low.t, low.p
+    n, imposed = q.numel(), [i for i, c in enumerate(model.coordinates) if c.imposed]
+    momentum = ca.gradient(low.kinetic, v)
+    mass = ca.jacobian(momentum, v)
+    k_c = ca.jtimes(momentum, q, v) + ca.jacobian(momentum, t) - ca.gradient(low.kinetic, q)
+    forces = ca.horzcat(*low.forces) if low.forces else ca.SX(n, 0)
+    k_e = -ca.gradient(low.potential, q) + ca.sum2(forces) + low.guidance
+    w, b = ca.SX.sym("w", n), ca.SX.sym("b", len(imposed))
+    left_out = model.assembly.left_out if model.assembly else ()
+    loops = loops_of(low, closures(model, equations.places, equations.symbols), left_out)
+    acceleration = solve(mass, k_e + w - k_c, imposed, b, loops).a
+    lacking = ca.mtimes(mass, a) + k_c - k_e - w
+    if loops is not None:
+        carried = solve(mass, k_e + w - k_c, imposed, a[imposed], loops, pulled=False).load
+        lacking -= ca.mtimes(loops.slope.T, carried)
+    lacking = ca.densify(lacking)
+    names = [c.name for c in model.coordinates]
+    if loops is None:
+        sensed = low.outputs(lacking, names)
+    else:
+        held = loops.signs * carried
+        sensed = low.outputs(ca.vertcat(lacking, held), [*names, *loops.labels])
+    rest, outputs = (ca.substitute(part, w, ca.SX.zeros(n)) for part in (lacking, sensed))
+    slope = ca.jacobian(k_e, u)
+    linear = not ca.depends_on(slope, u) and not ca.depends_on(slope, z)
+
+    def function(
+        name: str, arguments: list[ca.SX], results: list[ca.SX], names: str = ""
+    ) -> ca.Function:
+        dense = [ca.densify(result) for result in results]  # what the buffers expect
+        labels = names.split() or [f"i{i}" for i in range(len(arguments))]
+        made = [f"o{i}" for i in range(len(results))]
+        return ca.Function(name, arguments, dense, labels, made, {"cse": True})
+
+    here, moving = [q, v, z, u, t, p], [q, v, a, z, u, t, p]
+    told = {"input_matrix": function("input_matrix", [q, v, t, p], [slope])} if linear else {}
+    if loops is not None:
+        told |= lowered_closure(low, loops)
+        told["shared"] = function("shared", [q, t, p], [-ca.jacobian(lacking, w)])
+    return told | {
+        "M": function("M", [q, t, p], [mass], "q t p"),
+        "k_c": function("k_c", [q, v, t, p], [k_c], "q v t p"),
+        "k_e": function("k_e", here, [k_e], "q v z u t p"),
+        "acceleration": function(
+            "acceleration", [*here, w, b], [acceleration], "q v z u t p w b",
+        ),
+        "inner": function("inner", here, [ca.densify(low.inner)], "q v z u t p"),
+        "inner_rest": function("inner_rest", [q, t, p], [ca.densify(low.rest)], "q t p"),
+        "outputs": function("outputs", moving, [outputs], "q v a z u t p"),
+        "sensed": function("sensed", [*moving, w], [sensed]),
+        "output_slopes": function(
+            "output_slopes", moving, [ca.densify(ca.jacobian(outputs, by)) for by in (q, v, a)]
+        ),
+        "discrepancy": function("discrepancy", moving, [rest]),
+        "discrepancy_slopes": function(
+            "discrepancy_slopes", moving, [ca.jacobian(rest, by) for by in (q, v, a)]
+        ),
+        "weak": function(
+            "weak", here,
+            [ca.densify(momentum), ca.densify(ca.gradient(low.kinetic, q) + k_e)],
+        ),
+        "energy": function(
+            "energy", [q, v, z, t, p], [low.kinetic, low.potential, ca.vertcat(*low.stored)]
+        ),
+        "elements": function("elements", here, [ca.densify(forces)]),
+        "carried": function("carried", [q, v, a, t, p], [_carried(low, n)]),
+        "pathways": function("pathways", [q, v, t, p], _pathways(low, n)),
+    }  # fmt: skip
+
+
+def _carried(low: "Lowered", n: int) -> ca.SX:
+    """−(d/dt ∂T/∂v − ∂T/∂q) of the kinetic energy that each element adds."""
+    columns = []
+    for energy in low.carried:
+        momentum = ca.gradient(energy, low.v)
+        pull = ca.jtimes(momentum, low.q, low.v) + ca.jtimes(momentum, low.v, low.a)
+        columns.append(ca.gradient(energy, low.q) - pull - ca.jacobian(momentum, low.t))
+    return ca.densify(ca.horzcat(*columns)) if columns else ca.SX(n, 0)
+
+
+def _pathways(low: "Lowered", n: int) -> list[ca.SX]:
+    missing = (ca.SX(float("nan")), ca.SX(float("nan")), ca.SX.nan(n, 1))
+    rows = [path or missing for path in low.pathways]
+    if not rows:
+        return [ca.SX(0, 1), ca.SX(0, 1), ca.SX(n, 0)]
+    stretch, rate, direction = zip(*rows, strict=True)
+    return [ca.vertcat(*stretch), ca.vertcat(*rate), ca.horzcat(*direction)]
+
+
+def structure_of(model: Model) -> str:
+    """All that the functions of a model depend on, as text: everything but the values of
+    parameters, and what is said about things."""
+    parts = (
+        [(c.name, c.imposed) for c in model.coordinates],
+        [p.path for p in model.all_parameters()],
+        [(i.name, i.gain is None, i.offset is None) for i in model.inputs],
+        [(s.measures.tree, s.gain is None, s.offset is None) for s in model.sensors],
+        model.points, [replace(body, about="") for body in model.bodies],
+        [
+            (e.name, e.kind, e.place, [(k, x.tree) for k, x in e.values], e.options, e.network)
+            for e in model.elements
+        ],
+        model.energy, model.gravity, constraints_key(model),
+        model.file if any(e.network for e in model.elements) else "",
+    )  # fmt: skip
+    return repr(parts)

@@ -1,0 +1,93 @@
+"""One integration step as a CasADi function of state, inputs, parameters and a test force.
+
+Windows of a recording are integrated on the grid of its samples. CVODES would restart at every
+sample of a recorded input; an L-stable Rosenbrock method with a fixed step does not, stands
+the steep slope of dry friction, and is differentiated exactly.
+
+Source: Hairer & Wanner, Solving ODEs II, RODAS4 (order 4, stiffly accurate), with the reduction
+for second-order systems to as many equations as there are speeds and inner states.
+"""
+
+import casadi as ca
+
+from symhyb.numeric.lowered.dynamics import StateForm
+
+_A = (
+    (),
+    (1.544,),
+    (0.9466785280815826, 0.2557011698983284),
+    (3.314825187068521, 2.896124015972201, 0.9986419139977817),
+    (1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950),
+    (1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950, 1.0),
+)
+_C = (
+    (),
+    (-5.6688,),
+    (-2.430093356833875, -0.2063599157091915),
+    (-0.1073529058151375, -9.594562251023355, -20.47028614809616),
+    (7.496443313967647, -10.24680431464352, -33.99990352819905, 11.70890893206160),
+    (8.083246795921522, -7.981132988064893, -31.52159432874371, 16.31930543123136,
+     -6.058818238834054),
+)  # fmt: skip
+_M = (1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950, 1.0, 1.0)
+_ALPHA = (0.0, 0.386, 0.21, 0.63, 1.0, 1.0)
+_GAMMA = (0.25, -0.1043, 0.1035, -0.0362, 0.0, 0.0)
+_DIAGONAL = 0.25
+
+
+def rosenbrock_step(form: StateForm) -> ca.Function:
+    """Return (x, d0, d1, t, h, p, w) -> x after h seconds, x = (q, v, z) of length X, SI.
+
+    The drive runs linearly from d0 to d1 over the step (first-order hold); w (n) is an extra
+    generalized force, constant over the step. A step with h = 0 returns x.
+    """
+    f, size = len(form.free), form.size
+    x, d0, t, p, w = form.symbols()
+    d1, h, s = ca.SX.sym("d1", form.drive), ca.SX.sym("h"), ca.SX.sym("s")
+    q, y = ca.SX.sym("q", f), ca.SX.sym("y", size - f)  # y = (v, z)
+    held = d0 + s * (d1 - d0)
+    value = form.rates()(ca.vertcat(q, y), held, t + s * h, p, w)
+    rate = ca.Function("f", [q, y, s], [value], {"allow_free": True})
+    slopes = ca.Function(
+        "j", [q, y, s], [ca.jacobian(value, by) for by in (q, y, s)], {"allow_free": True}
+    )
+    q0, y0 = x[:f, 0], x[f:, 0]
+    by_q, by_y, by_s = slopes(q0, y0, 0)
+    step = _DIAGONAL * h
+    matrix = ca.SX.eye(size - f) - step * by_y
+    matrix[:, :f] -= step**2 * by_q
+    stages: list[tuple[ca.SX, ca.SX]] = []
+    for a, c, alpha, gamma in zip(_A, _C, _ALPHA, _GAMMA, strict=True):
+        q_i, y_i = _combined(a, stages, q0, y0)
+        past_q, past_y = _combined(c, stages, ca.SX(f, 1), ca.SX(size - f, 1))
+        right_q = step * y_i[:f, 0] + _DIAGONAL * past_q
+        right_y = step * (rate(q_i, y_i, alpha) + gamma * by_s) + _DIAGONAL * past_y
+        dy = _solve(matrix, right_y + step * ca.mtimes(by_q, right_q))
+        stages.append((right_q + step * dy[:f, 0], dy))
+    after = ca.vertcat(*_combined(_M, stages, q0, y0))
+    return ca.Function("step", [x, d0, d1, t, h, p, w], [after], {"cse": True})
+
+
+def _combined(
+    factors: tuple[float, ...], stages: list[tuple[ca.SX, ca.SX]], q: ca.SX, y: ca.SX
+) -> tuple[ca.SX, ca.SX]:
+    """q and y plus the sum of the stages with these factors."""
+    for factor, (dq, dy) in zip(factors, stages, strict=True):
+        q, y = q + factor * dq, y + factor * dy
+    return q, y
+
+
+def _solve(matrix: ca.SX, right: ca.SX) -> ca.SX:
+    """Gaussian elimination without pivoting; the matrix is I + O(h)."""
+    n = matrix.shape[0]
+    matrix, right = ca.SX(matrix), ca.SX(right)
+    for j in range(n):
+        for i in range(j + 1, n):
+            factor = matrix[i, j] / matrix[j, j]
+            matrix[i, j:] -= factor * matrix[j, j:]
+            right[i] -= factor * right[j]
+    for i in reversed(range(n)):
+        for j in range(i + 1, n):
+            right[i] -= matrix[i, j] * right[j]
+        right[i] = right[i] / matrix[i, i]
+    return right

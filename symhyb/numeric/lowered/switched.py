@@ -1,0 +1,220 @@
+"""A machine whose dry friction and stops are switched from outside, as CasADi functions.
+
+With a = a0 + A λ the accelerations under the forces λ of frictions, s' = J v the rates of their
+places and s'' = J a + c, places that hold have s'' = 0:
+
+    G λ = b,   G = −J A (F, F),   b = J a0 + c (F,)          G = J M⁻¹ Jᵀ, symmetric
+
+Sizes: F frictions, S sides of stops, X states, n coordinates, m sensors. The state x and the drive
+d are those of :mod:`symhyb.numeric.lowered.dynamics`. What switches is one vector ``mode``
+(2F + 2S,): the directions sigma (F), fixed forces (F) in N, whether a stop presses (S) and whether
+it is entered without pressing (S).
+"""
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from symhyb.model.switching import Stop, frictions, stops
+from symhyb.model.types import On
+from symhyb.numeric.kernels.memory import kept
+from symhyb.numeric.lowered.constrained import solve_symmetric
+from symhyb.numeric.lowered.dynamics import StateForm
+from symhyb.numeric.lowered.machine import functions_of, structure_of
+
+Held = tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Switched:
+    """The functions of a machine in which frictions and stops are automata, SI."""
+
+    form: StateForm
+    frictions: tuple[int, ...]
+    stops: tuple[Stop, ...]
+    structure: str
+
+    def names(self) -> tuple[str, ...]:
+        """What switches, for people: frictions, then stops with their sides."""
+        elements = self.form.machine.model.elements
+        sides = {stop.element: 0 for stop in self.stops}
+        for stop in self.stops:
+            sides[stop.element] += 1
+        return tuple(elements[i].name for i in self.frictions) + tuple(
+            elements[s.element].name + (f".{s.side}" if sides[s.element] > 1 else "")
+            for s in self.stops
+        )
+
+    def curved(self, held: Held) -> bool:
+        """Whether any friction of ``held`` acts between points, where holding is no straight line
+        of the coordinates."""
+        elements = self.form.machine.model.elements
+        return any(not isinstance(elements[self.frictions[i]].place, On) for i in held)
+
+    def on_columns(self, which: Held) -> tuple[int, ...]:
+        """Where in the free coordinates the frictions ``which`` act directly on one of them."""
+        model, found = self.form.machine.model, []
+        names = [model.coordinates[i].name for i in self.form.free]
+        for i in which:
+            place = model.elements[self.frictions[i]].place
+            if isinstance(place, On):
+                found.append(names.index(place.coordinate))
+        return tuple(found)
+
+    def rates(self, held: Held) -> ca.Function:
+        """(x, d, t, p, mode) -> (X + F,) x' while the frictions ``held`` hold, and their forces."""
+        return self._kept("rates", held)
+
+    def slopes(self, held: Held) -> ca.Function:
+        """(x, d, t, p, mode) -> (X + F, X) the derivatives of ``rates`` by x."""
+
+        def make() -> ca.Function:
+            rates = self.rates(held)
+            given = [rates.sx_in(i) for i in range(rates.n_in())]
+            slopes = ca.densify(ca.jacobian(rates(*given), given[0]))
+            return ca.Function("slopes", given, [slopes], {"cse": True})
+
+        return kept(("switched slopes", self.structure, held), make)
+
+    def watch(self, held: Held) -> ca.Function:
+        """(x, d, t, p, mode) -> (2F + 2S,), positive until something switches: reversal or
+        upper and lower reserve of each friction; contact or release, and pressing, of stops."""
+        return self._kept("watch", held)
+
+    def outputs(self, held: Held) -> ca.Function:
+        """(x, d, t, p, mode) -> (m,) what the sensors record, (n,) accelerations."""
+        return self._kept("outputs", held)
+
+    def contact(self) -> ca.Function:
+        """(x, d, t, p, mode) -> s (F,), s' (F,), b (F,), G (F, F), A (n, F), breakaway levels
+        (2F,) forwards and backwards in turn, depths and forces (2S,) of stops in turn."""
+        return self._kept("contact", ())
+
+    def _kept(self, name: str, held: Held) -> ca.Function:
+        return kept(("switched", self.structure, held), lambda: self._make(held))[name]
+
+    def _make(self, held: Held) -> dict[str, ca.Function]:
+        x, d, t, p, _ = self.form.symbols()
+        total, sides = len(self.frictions), len(self.stops)
+        mode = ca.SX.sym("mode", 2 * total + 2 * sides)
+        at = _Place(self, x, d, t, p, mode)
+        a, force = at.accelerations(held)
+        inner = at.functions["inner"](at.q, at.v, at.z, at.inputs(force), t, p)
+        free, count = list(self.form.free), len(self.form.free)
+        slope = ca.vertcat(x[count : 2 * count, 0], a[free], inner)
+        arguments = [x, d, t, p, mode]
+        seen = at.seen(a, force)
+        m = len(self.form.machine.model.sensors)
+        levels, depths = seen[m : m + 2 * total], seen[m + 2 * total :]
+
+        def function(name: str, *results: ca.SX) -> ca.Function:
+            dense = [ca.densify(result) for result in results]
+            return ca.Function(name, arguments, dense, {"cse": True})
+
+        made = {
+            "rates": function("rates", ca.vertcat(slope, _only(force, held))),
+            "watch": function("watch", at.watched(held, force, levels, depths)),
+            "outputs": function("outputs", seen[:m], a),
+        }
+        if not held:
+            made["contact"] = function(
+                "contact", at.stretch, at.rate, at.b, at.G, at.A, levels, depths
+            )
+        return made
+
+
+class _Place:
+    """What the functions of a switched machine are made of, at one symbolic state."""
+
+    def __init__(self, owner: Switched, x: ca.SX, d: ca.SX, t: ca.SX, p: ca.SX, mode: ca.SX):
+        self.functions = functions_of(owner.form.machine.model, switched=True)
+        self.q, self.v, self.z, self.u, self.given = owner.form.unpack(x, d, p)
+        self._t, self._p = t, p
+        self._elements, self._owner = list(owner.frictions), owner
+        total, sides = len(owner.frictions), len(owner.stops)
+        self.sigma, self.fixed = mode[:total, 0], mode[total : 2 * total, 0]
+        self.on = mode[2 * total : 2 * total + sides, 0]
+        self.entered = mode[2 * total + sides :, 0]
+        force = ca.SX.sym("force", total)
+        a = self._acceleration(force)
+        still = ca.SX.zeros(total)
+        self.A = ca.jacobian(a, force)
+        self._free = ca.substitute(a, force, still)
+        self.stretch, self.rate, self.J, c = self._paths()
+        self.b = ca.mtimes(self.J, self._free) + c
+        self._c, self.G = c, -ca.mtimes(self.J, self.A)
+
+    def inputs(self, force: ca.SX) -> ca.SX:
+        """Inputs of the model and what switches."""
+        return ca.vertcat(self.u, self.sigma, force, self.on)
+
+    def _acceleration(self, force: ca.SX) -> ca.SX:
+        w = ca.SX.zeros(self._owner.form.machine.n)
+        return self.functions["acceleration"](
+            self.q, self.v, self.z, self.inputs(force), self._t, self._p, w, self.given
+        )
+
+    def _paths(self) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
+        """s, s', J = ∂s/∂q and c = s'' − J q'' of the frictions."""
+        stretch, rate, direction = self.functions["pathways"](self.q, self.v, self._t, self._p)
+        n = self._owner.form.machine.n
+        if not self._elements:
+            return ca.SX(0, 1), ca.SX(0, 1), ca.SX(0, n), ca.SX(0, 1)
+        q, v, t = ca.SX.sym("q", n), ca.SX.sym("v", n), ca.SX.sym("t")
+        lapse = self.functions["pathways"](q, v, t, self._p)[1][self._elements]
+        turned = ca.jtimes(lapse, q, v) + ca.jacobian(lapse, t)
+        c = ca.substitute(turned, ca.vertcat(q, v, t), ca.vertcat(self.q, self.v, self._t))
+        which = self._elements
+        return stretch[which], rate[which], direction[:, which].T, c
+
+    def accelerations(self, held: Held) -> tuple[ca.SX, ca.SX]:
+        """a (n,) and the forces (F,) that are not those of sliding."""
+        force, h = ca.SX(self.fixed), list(held)
+        if not held:
+            return self._free + ca.mtimes(self.A, force), force
+        force[h] = 0
+        rest = ca.mtimes(self.J, self._free + ca.mtimes(self.A, force)) + self._c
+        force[h] = solve_symmetric(self.G[h, h], rest[h])
+        a = self._free + ca.mtimes(self.A, force)
+        model = self._owner.form.machine.model
+        names = [coordinate.name for coordinate in model.coordinates]
+        for i in held:
+            place = model.elements[self._elements[i]].place
+            if isinstance(place, On):  # rest without rounding
+                a[names.index(place.coordinate)] = 0
+        return a, force
+
+    def seen(self, a: ca.SX, force: ca.SX) -> ca.SX:
+        """Sensors, and what is watched behind them."""
+        w = ca.SX.zeros(self._owner.form.machine.n)
+        u = self.inputs(force)
+        return self.functions["sensed"](self.q, self.v, a, self.z, u, self._t, self._p, w)
+
+    def watched(self, held: Held, force: ca.SX, levels: ca.SX, depths: ca.SX) -> ca.SX:
+        """What is positive until something switches."""
+        rows = []
+        for i in range(len(self._elements)):
+            forwards, backwards = levels[2 * i], levels[2 * i + 1]
+            if i in held:
+                rows += [forwards - force[i], force[i] + backwards]
+            else:
+                s = self.sigma[i]
+                rows += [s * self.rate[i] + (1 - s**2), ca.SX(1)]
+        for i in range(len(self._owner.stops)):
+            depth, press = depths[2 * i], depths[2 * i + 1]
+            on, entered = self.on[i], self.entered[i]
+            rows += [
+                on * press + (1 - on) * (entered * depth - (1 - entered) * depth),
+                1 - entered - entered * press,
+            ]
+        return ca.vertcat(*rows)
+
+
+def _only(force: ca.SX, held: Held) -> ca.SX:
+    return ca.vertcat(*(force[i] if i in held else ca.SX(0) for i in range(force.numel())))
+
+
+def switched(form: StateForm) -> Switched:
+    """The machine of a form with its frictions and stops as automata."""
+    model = form.machine.model
+    return Switched(form, frictions(model), stops(model), structure_of(model))

@@ -1,0 +1,99 @@
+"""Whole runs of a machine with constraints: starts and rows moved onto them, and where loops lock.
+
+Integration holds the constraints to its own tolerance. What a run returns is moved the rest of the
+way, by the shortest step; where that is impossible, the loop has locked or was torn open, and the
+run ends there with a reason.
+"""
+
+import numpy as np
+
+from symhyb.numeric.kernels.buffers import Array, on_lines
+from symhyb.numeric.lowered.dynamics import StateForm
+from symhyb.numeric.lowered.manifold import closed, gaps_of
+from symhyb.numeric.runs.scenario import Scenario
+
+OPEN_MOST = 1e-8  # of the size of the motion: more is a loop that does not close
+NEAR_LOCK = 1e-2  # smallest over largest singular value of J, scaled: a loop about to lock
+
+
+def closed_start(
+    form: StateForm, start: Array, drive: Array, scenario: Scenario, p: Array
+) -> tuple[Array, str]:
+    """The state (X,), SI, at the start of a scenario on the constraints, and why there is none."""
+    if not form.machine.constraints:
+        return start, ""
+    begin = scenario.t[:1]
+    first = on_lines(scenario.t_u, drive, begin)
+    rows, left = _moved(form, start[None], first, begin, p)
+    if left[0] <= OPEN_MOST:
+        return rows[0], ""
+    said = _worst(form, rows[0], first[0], float(begin[0]), p)
+    return start, f"the constraints cannot be met at the start: {said}"
+
+
+def closed_rows(
+    form: StateForm, scenario: Scenario, drive: Array, x: Array, p: Array, reason: str
+) -> tuple[Array, str]:
+    """States (N, X) of a run on the constraints, SI, and why it ended: what CVODES says, else where
+    the loop no longer closes, from where on rows are NaN."""
+    if not form.machine.constraints:
+        return x, reason
+    d = on_lines(scenario.t_u, drive, scenario.t)
+    whole = np.isfinite(x).all(axis=1)
+    rows, left = x.copy(), np.full(len(x), np.inf)
+    if whole.any():
+        rows[whole], left[whole] = _moved(form, x[whole], d[whole], scenario.t[whole], p)
+    torn = np.flatnonzero(whole & ~(left <= OPEN_MOST))
+    if not torn.size and not reason:
+        return rows, ""
+    end = int(torn[0]) if torn.size else int(whole.sum())
+    last, t = max(end - 1, 0), scenario.t
+    before, slack = (
+        _slack(form, rows[row], d[row], float(t[row]), p) for row in (max(last - 1, 0), last)
+    )
+    rows[end:] = np.nan
+    # towards a lock the square of the slack falls linearly: here it would be 0 within two rows
+    locks = slack < NEAR_LOCK or before**2 - slack**2 > 0.5 * slack**2
+    if not torn.size and not locks:
+        return rows, reason
+    said = _worst(form, x[last], d[last], float(t[last]), p)
+    return rows, f"the loop locks after {t[last]:.6g} s: {said}"
+
+
+def _moved(form: StateForm, x: Array, d: Array, t: Array, p: Array) -> tuple[Array, Array]:
+    """States (N, X) on the constraints, and what is left open (N,), of the size of the motion."""
+    q, v = form.motion(x, d)
+    on = closed(form.machine, (q, v, np.zeros_like(q)), t, p, form.given)
+    size = 1 + np.abs(on.q).max(axis=1, initial=0.0)
+    left = np.abs(on.left).max(axis=1, initial=0.0) / size
+    return form.state(on.q, on.v, x[:, 2 * len(form.free) :]), left
+
+
+def _slope(form: StateForm, x: Array, d: Array, t: float, p: Array) -> tuple[Array, Array]:
+    """J (m, f) of the free coordinates, each row over its length with all of them, and the places:
+    a row that only imposed coordinates can meet has lost its hold."""
+    q, v = form.motion(x[None], d[None])
+    slope = gaps_of(form.machine, q, v, 0 * v, np.array([t]), p).slope[0]
+    size = np.maximum(np.linalg.norm(slope, axis=1, keepdims=True), 1e-300)
+    return slope[:, list(form.free)] / size, q[0]
+
+
+def _slack(form: StateForm, x: Array, d: Array, t: float, p: Array) -> float:
+    """How far from singular the constraints are: smallest over largest singular value of J."""
+    sizes = np.linalg.svd(_slope(form, x, d, t, p)[0], compute_uv=False)
+    return float(sizes[-1] / sizes[0]) if sizes.size else 1.0
+
+
+def _worst(form: StateForm, x: Array, d: Array, t: float, p: Array) -> str:
+    """What resists, and where: ``constraints.rod cannot follow at phi = 1.57 rad``."""
+    slope, q = _slope(form, x, d, t, p)
+    left, _, _ = np.linalg.svd(slope)
+    which = int(np.argmax(np.abs(left[:, min(slope.shape) - 1])))
+    model = form.machine.model
+    rows = model.assembly.rows if model.assembly else ()
+    name = rows[which].split(".")[0]
+    places = ", ".join(
+        f"{c.name} = {value / c.unit.factor:.5g} {c.unit}"
+        for c, value in zip(model.coordinates, q, strict=True)
+    )
+    return f"constraints.{name} cannot follow at {places}"

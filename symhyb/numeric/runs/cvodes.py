@@ -1,0 +1,123 @@
+"""CVODES over a grid of outputs: its options, where it must start anew, and why it stopped.
+
+Source: Hindmarsh et al., SUNDIALS, ACM TOMS 31, 2005 (through ``casadi.integrator``).
+"""
+
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from symhyb.model.switching import switches
+from symhyb.model.types import Model
+from symhyb.numeric.kernels.buffers import Array, call
+
+Options = dict[str, bool | int | float | str]
+
+RELATIVE_TOLERANCE = 1e-8
+ABSOLUTE_TOLERANCE = 1e-10  # of states divided by their scales
+JUMP_SHARE = 0.2  # of an input's range within one sample: taken for a jump
+JUMPS_MOST = 400
+LONGEST_STEP = 2  # samples of an input: no pulse is stepped over
+GROWN = 1e6  # a state this many scales large has grown without bound
+
+
+def advanced(
+    rate: dict[str, Any], grid: Array, start: Array, p: Array, options: Options
+) -> tuple[Array, str]:
+    """States (N − 1, 2n) at the times ``grid[1:]`` in one integration. If it fails, halves are
+    tried, so that the rows before the failure stand and the reason says when it was."""
+    reason = ""
+    try:
+        run = ca.integrator("run", "cvodes", rate, grid[0], grid[1:].tolist(), options)
+        states = call(run, (start, np.empty(0), p))[0]  # x, no algebraic states, p
+        if np.all(np.isfinite(states)):
+            return states, ""
+        reason = _grown(grid)
+    except RuntimeError as error:
+        reason = _explain(error, start, grid, float(options["max_num_steps"]))
+    if grid.size <= 2:
+        return np.empty((0, start.size)), reason
+    middle = grid.size // 2
+    before, failed = advanced(rate, grid[: middle + 1], start, p, options)
+    if failed:
+        return before, failed
+    after, failed = advanced(rate, grid[middle:], before[-1], p, options)
+    return np.concatenate([before, after]), failed
+
+
+def held_drive(t: Array, drive: Array) -> ca.Function:
+    """First-order hold of the drive (K, D), SI, recorded at times ``t`` (K,) in s, as a function of
+    time."""
+    options = {"lookup_mode": ["binary"]}  # rounded times are not evenly spaced to the last bit
+    return ca.interpolant("d", "linear", [t], drive.ravel(), options)
+
+
+def cvodes_options(
+    t: Array, drive: Array, most: int, method: str, tolerance: float = RELATIVE_TOLERANCE
+) -> Options:
+    """Options of CasADi's CVODES along a drive (K, drive) recorded at times ``t`` (K,), s: at most
+    ``most`` steps for one output."""
+    longest = np.inf
+    if drive.shape[1]:
+        longest = LONGEST_STEP * float(np.median(np.diff(t)))
+    return {
+        "reltol": tolerance,
+        "abstol": ABSOLUTE_TOLERANCE * tolerance / RELATIVE_TOLERANCE,
+        "max_num_steps": most,
+        "max_step_size": 0.0 if np.isinf(longest) else longest,
+        "linear_multistep_method": method,
+        "nonlinear_solver_iteration": "newton" if method == "bdf" else "functional",
+        "show_eval_warnings": False,
+        "disable_internal_warnings": True,
+    }
+
+
+def jumps_of(t: Array, drive: Array, outputs: Array) -> Array:
+    """Times (J,) in s inside the ``outputs`` (N,) at which the drive (K, D), SI, recorded at times
+    ``t`` (K,), begins or ends a jump."""
+    if drive.shape[1] == 0:
+        return np.empty(0)
+    reach = np.ptp(drive, axis=0)
+    jumps = np.abs(np.diff(drive, axis=0)) > JUMP_SHARE * np.where(reach > 0, reach, np.inf)
+    where = np.flatnonzero(jumps.any(axis=1))
+    times = np.unique(t[np.concatenate([where, where + 1])])
+    times = times[(times > outputs[0]) & (times < outputs[-1])]
+    # a switching input: every sample a jump, none worth a restart
+    return times if times.size <= JUMPS_MOST else np.empty(0)
+
+
+def _grown(grid: Array) -> str:
+    return f"the motion grew without bound between {grid[0]:.6g} and {grid[-1]:.6g} s"
+
+
+def _explain(error: RuntimeError, start: Array, grid: Array, most: float) -> str:
+    text = str(error)
+    if np.abs(start).max() > GROWN:
+        return _grown(grid)
+    span = f"between {grid[0]:.6g} and {grid[-1]:.6g} s"
+    if "TOO_MUCH_WORK" in text:
+        return (
+            f"CVODES needed more than {most:.0f} steps for one output {span}: the equations are "
+            "stiff or chatter (a wider friction transition helps) or the motion grows without bound"
+        )
+    if "CONV_FAILURE" in text or "ERR_FAILURE" in text:
+        return (
+            f"CVODES could not meet its tolerance {span}: the motion grows without bound or jumps"
+        )
+    return f"CVODES stopped {span}: {text.strip().splitlines()[-1]}"
+
+
+def culprits(model: Model) -> str:
+    """The laws that switch at a point and so may chatter, as the end of a sentence."""
+    switching = [
+        f"elements.{element.name}"
+        for element in model.elements
+        if any(switches(expression.tree) for _, expression in element.values)
+    ]
+    if not switching:
+        return ""
+    return (
+        f"; {', '.join(switching)} switches with sign(...), which chatters where the motion "
+        "reverses: write it as kind 'friction', or with tanh(speed/transition)"
+    )

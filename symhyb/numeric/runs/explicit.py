@@ -1,0 +1,315 @@
+"""Whole runs by an explicit Runge–Kutta method in machine code, where a C compiler is found.
+
+The rates of a machine are an instruction list. The integrator, compiled once for all machines, runs
+it as it is; when it has run one for longer than compiling takes, the rates are compiled too. Both
+ways give the same numbers, so that nothing but the time depends on what was run before.
+Steps end where the drive changes its slope, which is what a restart at every sample is: a method
+of one step begins anew at no cost.
+Sizes: N outputs, X states, K samples of the drive, P parameters.
+
+Source: Hairer, Nørsett & Wanner, Solving ODEs I, DOP853 (see :mod:`~.dormand_prince`).
+"""
+
+import ctypes
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.kernels.compiled import find_compiler, shared_library
+from symhyb.numeric.kernels.instructions import NOTHING, Program, program
+from symhyb.numeric.kernels.memory import kept
+from symhyb.numeric.kernels.vector_c import processor
+from symhyb.numeric.lowered.dynamics import StateForm
+from symhyb.numeric.runs.explicit_source import SLOPES, WORK, integrator_code, machine_code
+
+FLAGS = ("-O3", "-fno-math-errno", "-fno-trapping-math", "-ffp-contract=off")
+STEPS_PART = 100  # a run has at least so many steps: what happens briefly is not stepped over
+COMPILING, COMPILING_EACH = 50_000_000, 100_000  # what compiling costs, in instructions run
+INSTRUCTIONS_MOST = 20_000  # above, compiling takes minutes
+COLLINEAR = 1e-12  # of the range of a drive: a bend that is rounding
+REASONS = (
+    "",
+    "more steps than allowed",
+    "a step of no length",
+    "growth without bound",
+    "a full tape",
+)
+
+_POINTER = ctypes.c_void_p
+
+
+@dataclass(frozen=True, slots=True)
+class Tolerances:
+    """Relative, and absolute for each state (X,), SI; the ``bound`` (X,) of a sound state, SI;
+    and how many steps may be tried: a tenth of them at first, all of them by the end."""
+
+    relative: float
+    absolute: Array
+    bound: Array
+    steps: int
+
+
+@dataclass(frozen=True, slots=True)
+class Steps:
+    """States (N, X), SI, NaN from where the run stopped, with its ``reason``; how many steps were
+    accepted and rejected, and how often the rates were evaluated; the largest size of each state
+    at the end of a step, ``reach`` (X,), SI."""
+
+    x: Array
+    reason: str
+    reach: Array
+    accepted: int
+    rejected: int
+    evaluations: int
+
+
+class _List(ctypes.Structure):
+    _fields_ = (
+        *((name, _POINTER) for name in ("slots", "steps", "loads", "stores")),
+        *((name, ctypes.c_longlong) for name in ("n_steps", "n_loads", "n_stores", "n_slopes")),
+    )
+
+
+class _Task(ctypes.Structure):
+    _fields_ = (
+        *((n, ctypes.c_longlong) for n in ("states", "drives", "nodes", "outputs", "steps_most")),
+        *((name, ctypes.c_double) for name in ("relative", "longest")),
+        *(
+            (name, _POINTER)
+            for name in (
+                "node_t", "node_d", "t", "absolute", "bound", "start", "x", "work", "drive",
+                "reach", "count", "tape_x", "tape_t", "tape_i",
+            )
+        ),
+        ("tape_most", ctypes.c_longlong),
+    )  # fmt: skip
+
+
+class Tape:
+    """Room for the steps of a run: the states of their stages, where they began and ended, how
+    long they were, and which outputs lie in them. One run at a time."""
+
+    def __init__(self, steps: int, states: int):
+        self.steps = steps
+        self.stages = np.empty((steps, SLOPES, states))
+        self.times, self.places = np.empty((steps, 3)), np.empty((steps, 3), np.int64)
+
+
+class Field:
+    """The rates x' of a machine, ready to be integrated; any number of threads may do so."""
+
+    def __init__(self, code: Program, library: ctypes.CDLL):
+        self.code, self._library = code, library
+        self._same = code.invariant(frozenset({3}))
+        self._own: ctypes.CDLL | None = None
+        self._tried, self._done = False, 0  # instructions run so far
+        self._arrays = _lists(code, self._same)
+
+    def integrate(
+        self, t: Array, start: Array, p: Array, nodes: tuple[Array, Array], limits: Tolerances,
+        tape: "Tape | None" = None,
+    ) -> Steps:  # fmt: skip
+        """States at ``t`` (N,) from ``start`` (X,) at ``t[0]``, with parameters ``p`` (P,) and a
+        drive that runs straight between ``nodes``, times (K,) and values (K, drive); SI. The
+        steps are written down on the ``tape``, if there is one."""
+        if self._done > COMPILING + COMPILING_EACH * len(self.code.steps):
+            self.compile()
+        rows = np.full((t.size, start.size), np.nan)
+        task, count, reach, alive = _task(t, start, nodes, limits, rows, tape)
+        rate, memory, more = self._ready(np.ascontiguousarray(p, float))
+        if self._own is None:
+            status = self._library.integrate(rate, memory, ctypes.byref(task))
+        else:
+            status = self._own.integrate(memory, ctypes.byref(task))
+        del alive, more
+        done, accepted, rejected, evaluations = (int(number) for number in count)
+        rows[done:] = np.nan
+        self._done += evaluations * len(self.code.steps)
+        return Steps(rows, REASONS[status], reach, accepted, rejected, evaluations)
+
+    def pull_back(
+        self, tape: "Tape", steps: int, seed: Array, p: Array, t: Array, nodes: tuple[Array, Array]
+    ) -> tuple[Array, Array, Array]:
+        """The slopes of Σ seed·x, ``seed`` (N, X), along ``steps`` of a ``tape``, by start (X,),
+        free parameters (F,) and drive (K, drive), SI.
+
+        These rates are not those that were integrated but, for x next to a weight of x', (2X,),
+        their slopes by x, drive and free parameters, weighed."""
+        if self._done > COMPILING + COMPILING_EACH * len(self.code.steps):
+            self.compile()
+        states, drives = seed.shape[1], nodes[1].shape[1]
+        one = np.ones(states)
+        task, count, _, alive = _task(t, one, nodes, Tolerances(1, one, one, 1), seed, tape)
+        count[1] = steps
+        free = self.code.results[0] - states - drives
+        back, by_p, by_d = np.zeros(states), np.zeros(free), np.zeros(nodes[1].shape)
+        work = np.zeros((2 * SLOPES + 4) * states + drives + free)
+        pull, memory, more = self._ready(np.ascontiguousarray(p, float))
+        self._library.reverse(
+            pull, memory, ctypes.byref(task), ctypes.c_longlong(free),
+            *(_address(a) for a in (np.ascontiguousarray(seed), back, by_p, by_d, work)),
+        )  # fmt: skip
+        del alive, more
+        self._done += 12 * steps * len(self.code.steps)
+        return back, by_p, by_d
+
+    def along(self, t: Array, x: Array, d: Array, p: Array) -> Array:
+        """The function itself at N points: times ``t`` (N,), ``x`` (N, X), ``d`` (N, drive), and
+        parameters ``p`` (P,) that are the same for all; SI, (N, results)."""
+        made = np.zeros((t.size, self.code.results[0]))
+        width = np.array([x.shape[1], d.shape[1], made.shape[1]], np.int64)
+        rate, memory, alive = self._ready(np.ascontiguousarray(p, float))
+        given = [np.ascontiguousarray(a, float) for a in (t, x, d)]
+        self._library.rows(
+            rate, memory, ctypes.c_longlong(t.size), *(_address(a) for a in (width, *given, made))
+        )
+        del alive
+        return made
+
+    @property
+    def compiled(self) -> bool:
+        """Whether the rates themselves are machine code."""
+        return self._own is not None
+
+    def compile(self) -> bool:
+        """Compile the rates, if that was not done before; False if there is no way to."""
+        if not self._tried:
+            self._tried = True
+            if len(self.code.steps) <= INSTRUCTIONS_MOST:
+                self._own = _library(machine_code(self.code))
+        return self._own is not None
+
+    def _ready(self, p: Array) -> tuple[_POINTER, _POINTER, Any]:
+        """The function that computes the rates, its memory, and what must stay alive with it."""
+        if self._own is not None:
+            held = np.zeros(self._own.held() + 1)
+            self._own.prepare(p.ctypes.data_as(_POINTER), held.ctypes.data_as(_POINTER))
+            return ctypes.cast(self._own.rate, _POINTER), held.ctypes.data_as(_POINTER), held
+        before, inside, loads, stores, constants, fixed = self._arrays
+        slots = np.zeros(self.code.size + 1)
+        slots[constants[:, 0].astype(int)] = constants[:, 1]
+        slots[fixed[:, 0]] = p[fixed[:, 1]]
+        at = slots.ctypes.data_as(_POINTER)
+        self._library.execute(ctypes.c_longlong(len(before)), _address(before), at)
+        listed = _List(
+            slots.ctypes.data, *(a.ctypes.data for a in (inside, loads, stores)),
+            len(inside), len(loads), len(stores), self.code.results[0],
+        )  # fmt: skip
+        memory = ctypes.cast(ctypes.byref(listed), _POINTER)
+        return ctypes.cast(self._library.interpret, _POINTER), memory, (slots, listed)
+
+
+def field(form: StateForm) -> Field | None:
+    """The rates of a machine for the explicit method; None without a compiler that works, or for
+    rates that are not made of scalar operations."""
+    if _library(integrator_code()) is None or not form.rates().is_a("SXFunction"):
+        return None
+    return kept(("field", form.key), lambda: field_of(rates_of(form)))
+
+
+def compiler_fails() -> str:
+    """A sentence if there is a C compiler that does not compile; else empty."""
+    compiler = find_compiler()
+    if compiler is None or _library(integrator_code()) is not None:
+        return ""
+    return (
+        f"the C compiler {Path(compiler[0]).name} could not compile, or the cache folder cannot be "
+        "used; integrated without it (SYMHYB_CC names another, or none)"
+    )
+
+
+def bends(t: Array, drive: Array) -> tuple[Array, Array]:
+    """The samples of a drive (K, drive) at times ``t`` (K,) between which it runs straight, SI."""
+    if t.size < 3 or drive.shape[1] == 0:
+        return t[[0, -1]], drive[[0, -1]]
+    share = ((t[1:-1] - t[:-2]) / (t[2:] - t[:-2]))[:, None]
+    off = np.abs(drive[1:-1] - drive[:-2] - share * (drive[2:] - drive[:-2]))
+    bent = np.any(off > COLLINEAR * np.ptp(drive, axis=0), axis=1)
+    chosen = np.concatenate([[True], bent, [True]])
+    return t[chosen], drive[chosen]
+
+
+def field_of(function: ca.Function) -> Field | None:
+    """Any function (x, d, t, p) -> x' made of scalar operations, as :func:`field`."""
+    library, code = _library(integrator_code()), program(function)
+    return None if library is None or code is None else Field(code, library)
+
+
+def rates_of(form: StateForm) -> ca.Function:
+    """(x, d, t, p) -> x' (X,), the rates of all states."""
+    x, d, t, p, w = form.symbols()
+    f = len(form.free)
+    slopes = ca.vertcat(x[f : 2 * f, 0], form.rates()(x, d, t, p, ca.SX.zeros(w.numel())))
+    return ca.Function("field", [x, d, t, p], [ca.densify(slopes)], {"cse": True})
+
+
+def _task(
+    t: Array, start: Array, nodes: tuple[Array, Array], limits: Tolerances, rows: Array,
+    tape: Tape | None,
+) -> tuple[_Task, NDArray[np.int64], Array, list[NDArray[Any]]]:  # fmt: skip
+    """What to integrate; where it counts steps and says how far the states went; and the arrays
+    that must stay alive with it."""
+    given: list[NDArray[Any]] = [
+        np.ascontiguousarray(a, float)
+        for a in (*nodes, t, limits.absolute, limits.bound, start)
+    ]  # fmt: skip
+    count, reach = np.zeros(4, np.int64), np.zeros(start.size)
+    drive, work = np.zeros(nodes[1].shape[1] + 1), np.zeros(WORK * start.size)
+    given += [rows, work, drive, reach, count]
+    taped = [] if tape is None else [tape.stages, tape.times, tape.places]
+    addresses = [a.ctypes.data for a in (*given, *taped)] + [None] * (3 - len(taped))
+    task = _Task(
+        start.size, nodes[1].shape[1], nodes[0].size, t.size, limits.steps, limits.relative,
+        float(t[-1] - t[0]) / STEPS_PART or 1.0, *addresses, 0 if tape is None else tape.steps,
+    )  # fmt: skip
+    return task, count, reach, given
+
+
+def _lists(code: Program, same: tuple[bool, ...]) -> tuple[NDArray[Any], ...]:
+    """Steps before and inside a run, loads, stores, constants and loads of parameters."""
+
+    def rows(some: list[tuple[int, ...]], width: int) -> NDArray[np.int32]:
+        return np.array(some, dtype=np.int32).reshape(-1, width)
+
+    steps = [(o, v, left, left if right == NOTHING else right) for v, o, left, right in code.steps]
+    return (
+        rows([step for step in steps if same[step[1]]], 4),
+        rows([step for step in steps if not same[step[1]]], 4),
+        rows([load for load in code.loads if load[1] != 3], 3),
+        rows([(value, entry) for _, entry, value in code.stores], 2),
+        np.array(code.constants, dtype=float).reshape(-1, 2),
+        rows([(value, entry) for value, argument, entry in code.loads if argument == 3], 2),
+    )
+
+
+def _address(values: NDArray[Any]) -> _POINTER:
+    return values.ctypes.data_as(_POINTER)
+
+
+@lru_cache(maxsize=200)
+def _library(code: str) -> ctypes.CDLL | None:
+    """Compiled code, loaded; None where that is impossible."""
+    about = processor()
+    flags = (*FLAGS, "-march=native") if about else FLAGS
+    path = shared_library(code, flags, about=about)
+    if path is None:
+        return None
+    try:
+        library = ctypes.CDLL(str(path))
+    except OSError:  # a folder from which nothing may be run
+        return None
+    if "long long held" in code:
+        library.held.restype = ctypes.c_longlong
+        library.prepare.restype = None
+        library.integrate.argtypes = (_POINTER,) * 2
+    else:
+        library.execute.restype = None
+        library.integrate.argtypes = (_POINTER,) * 3
+        library.reverse.restype = library.rows.restype = None
+    return library

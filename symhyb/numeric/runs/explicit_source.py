@@ -1,0 +1,378 @@
+"""The C text of an explicit Runge–Kutta integrator, and of the rates of one machine.
+
+    interpret   rates of any machine, from its instruction list; compiled once for all machines
+    rate        rates of one machine as straight-line code, several times faster
+    integrate   steps of order 8 with error control and dense output, on either of the two
+
+Both get the same operations in the same order, and no flag lets the compiler reorder them, so they
+give the same numbers. All memory is the caller's: any number of threads may integrate at once.
+"""
+
+from collections.abc import Sequence
+from functools import lru_cache
+
+from symhyb.numeric.kernels.instructions import NOTHING, Program
+from symhyb.numeric.kernels.vector_source import (
+    CALLED,
+    HYPERBOLIC_TANGENT,
+    TWO_ARGUMENTS,
+    WRITTEN,
+    formula,
+    number,
+)
+from symhyb.numeric.runs.dormand_prince import DENSE, ERRORS, NODES, STAGES
+
+SLOPES = len(NODES)
+WORK = SLOPES + 3 + len(DENSE) + 3  # columns of states that the integrator needs to work in
+
+_INTERPRETER = """
+#include <math.h>
+#include <string.h>
+{tangent}
+void execute(long long count, const int *code, double *slots) {{
+  for (long long i = 0; i < count; i++, code += 4) {{
+    const double x = slots[code[2]], y = slots[code[3]];
+    double *const to = slots + code[1];
+    (void)y;
+    switch (code[0]) {{
+{cases}
+      default: *to = NAN;
+    }}
+  }}
+}}
+struct list {{ double *slots; const int *steps, *loads, *stores; long long n_steps, n_loads,
+               n_stores, n_slopes; }};
+/* loads: rows of (slot, argument, entry), arguments x, d, t; stores: rows of (slot, entry) */
+void interpret(void *memory, double t, const double *x, const double *d, double *slope) {{
+  const struct list *p = memory;
+  const double *const given[3] = {{x, d, &t}};
+  for (long long i = 0; i < p->n_loads; i++) {{
+    const int *row = p->loads + 3 * i;
+    p->slots[row[0]] = given[row[1]][row[2]];
+  }}
+  execute(p->n_steps, p->steps, p->slots);
+  for (long long i = 0; i < p->n_slopes; i++) slope[i] = 0;
+  for (long long i = 0; i < p->n_stores; i++)
+    slope[p->stores[2 * i + 1]] = p->slots[p->stores[2 * i]];
+}}
+"""
+
+# The steps of a tape backwards: what a change of the states at the outputs, weighed by seed, is in
+# terms of the start (back), the parameters and the nodes of the drive. pull: (x, weights of x'), d,
+# t -> the same weighed by the slopes of the rates by x, d and p. rows: such a function at N points.
+_REVERSE = """
+void rows(rate_type rate, void *memory, long long count, const long long *width, const double *t,
+          const double *x, const double *d, double *out) {{
+  for (long long i = 0; i < count; i++)
+    rate(memory, t[i], x + i * width[0], d + i * width[1], out + i * width[2]);
+}}
+void reverse(rate_type pull, void *memory, const struct task *r, long long parameters,
+             const double *seed, double *back, double *by_p, double *by_d, double *work) {{
+  const long long n = r->states, m = r->drives;
+  static const double c[{slopes}] = {{{nodes}}};
+  static const double a[{slopes}][{slopes}] = {{{rows}}}, dense[{dense}][{slopes}] = {{{upper}}};
+  double *z = work, *out = z + 2 * n, *plain = out + n + m + parameters, *y[{slopes}], *k[{slopes}];
+  for (int s = 0; s < {slopes}; s++) y[s] = plain + (1 + s) * n;
+  for (int s = 0; s < {slopes}; s++) k[s] = y[{slopes} - 1] + (1 + s) * n;
+  for (long long i = 0; i < n; i++) back[i] = 0;
+  for (long long step = r->count[1] - 1; step >= 0; step--) {{
+    const double t = r->tape_t[3 * step], h = r->tape_t[3 * step + 1];
+    const double end = r->tape_t[3 * step + 2];
+    const long long *place = r->tape_i + 3 * step, at = place[0];
+    const double first = m ? r->node_t[at] : 0, length = m ? r->node_t[at + 1] - first : 1;
+    int stages = 12;
+    memset(plain, 0, n * sizeof(double));
+    memset(k[0], 0, {slopes} * n * sizeof(double));
+    for (long long row = place[1]; row < place[2]; row++) {{
+      const double *here = seed + row * n;
+      if (r->t[row] == end) {{
+        for (long long i = 0; i < n; i++) back[i] += here[i];
+        continue;
+      }}
+      stages = {slopes};
+      const double s = (r->t[row] - t) / h, q = 1 - s, p1 = s * q, p2 = p1 * s, p3 = p2 * q;
+      const double p4 = p3 * s, p5 = p4 * q, p6 = p5 * s;
+      for (int j = 0; j < {slopes}; j++) {{
+        double w = a[12][j] * (s - p1 + 2 * p2) + dense[0][j] * p3 + dense[1][j] * p4
+                   + dense[2][j] * p5 + dense[3][j] * p6;
+        w += j == 0 ? p1 - p2 : j == 12 ? -p2 : 0;
+        for (long long i = 0; i < n; i++) k[j][i] += w * here[i];
+      }}
+      for (long long i = 0; i < n; i++) plain[i] += here[i];
+    }}
+    for (int s = 12; s < {slopes}; s++) memset(y[s], 0, n * sizeof(double));
+    if (stages == 12) memcpy(y[12], back, n * sizeof(double));
+    for (int s = stages - 1; s >= 0; s--) {{
+      memcpy(z, r->tape_x + ({slopes} * step + s) * n, n * sizeof(double));
+      for (long long i = 0; i < n; i++) {{
+        double sum = k[s][i];
+        for (int j = s + 1; j < {slopes}; j++) if (a[j][s] != 0) sum += a[j][s] * y[j][i];
+        z[n + i] = h * sum;
+      }}
+      hold(r, at, t + c[s] * h, r->drive);
+      pull(memory, t + c[s] * h, z, r->drive, out);
+      memcpy(y[s], out, n * sizeof(double));
+      if (s == 12) for (long long i = 0; i < n; i++) y[s][i] += back[i];
+      const double share = (t + c[s] * h - first) / length;
+      for (long long j = 0; j < m; j++) {{
+        by_d[at * m + j] += (1 - share) * out[n + j];
+        by_d[(at + 1) * m + j] += share * out[n + j];
+      }}
+      for (long long j = 0; j < parameters; j++) by_p[j] += out[n + m + j];
+    }}
+    memcpy(back, plain, n * sizeof(double));
+    for (int s = 0; s < {slopes}; s++) for (long long i = 0; i < n; i++) back[i] += y[s][i];
+  }}
+  for (long long i = 0; i < n; i++) back[i] += seed[i];
+}}
+"""
+
+# what the integrator calls: a function that it is handed, or the one that stands before it
+_ANY_MACHINE = """
+typedef void (*rate_type)(void *, double, const double *, const double *, double *);
+#define RATE rate_type rate,
+#define GIVEN rate,
+#define STATES (r->states)
+#define DRIVES (r->drives)
+"""
+_ONE_MACHINE = """
+#define RATE
+#define GIVEN
+#define STATES {states}
+#define DRIVES {drives}
+"""
+
+# Times of outputs increase. The drive runs straight between its nodes, and no step reaches across
+# one: every step sees smooth rates. count: rows written, steps accepted and rejected, evaluations.
+_INTEGRATOR = """
+struct task {{ long long states, drives, nodes, outputs, steps_most; double relative, longest;
+  const double *node_t, *node_d, *t, *absolute, *bound, *start; double *x, *work, *drive,
+  *reach; long long *count; double *tape_x, *tape_t; long long *tape_i, tape_most; }};
+enum {{ DONE, WORK_MOST, STEP_LEAST, GROWN, TAPE_FULL }};
+static void hold(const struct task *r, long long k, double t, double *d) {{
+  const long long m = DRIVES;
+  if (!m) return;
+  const double *a = r->node_d + k * m, *b = a + m;
+  const double s = (t - r->node_t[k]) / (r->node_t[k + 1] - r->node_t[k]);
+  for (long long j = 0; j < m; j++) d[j] = a[j] + s * (b[j] - a[j]);
+}}
+static double eighth(double x) {{ return sqrt(sqrt(sqrt(x))); }}
+static double size(const struct task *r, const double *y, const double *e) {{
+  double sum = 0;
+  for (long long i = 0; i < STATES; i++) {{
+    const double s = e[i] / (r->absolute[i] + r->relative * fabs(y[i]));
+    sum += s * s;
+  }}
+  return sqrt(sum / (double)STATES);
+}}
+/* the length of the first step: Hairer, Norsett & Wanner, section II.4 */
+static double first_step(RATE void *memory, const struct task *r, long long k, double t,
+                         const double *y, const double *f, double *y1, double *f1) {{
+  const double d0 = size(r, y, y), d1 = size(r, y, f);
+  double h = d0 < 1e-10 || d1 < 1e-10 ? 1e-6 : 0.01 * d0 / d1;
+  h = fmin(h, r->longest);
+  for (long long i = 0; i < STATES; i++) y1[i] = y[i] + h * f[i];
+  hold(r, k, t + h, r->drive);
+  rate(memory, t + h, y1, r->drive, f1);
+  for (long long i = 0; i < STATES; i++) f1[i] -= f[i];
+  const double most = fmax(d1, size(r, y, f1) / h);
+  const double next = most <= 1e-15 ? fmax(1e-6, 1e-3 * h) : eighth(0.01 / most);
+  h = fmin(100 * h, next);
+  return isfinite(h) ? fmin(h, r->longest) : 1e-6;
+}}
+int integrate(RATE void *memory, const struct task *r) {{
+  const long long n = STATES;
+  double *k[{slopes}], *c[{dense}], *y = r->work, *y1 = y + n, *e3 = y1 + n, *e5 = e3 + n;
+  double *p0 = e5 + n, *p1 = p0 + n, *d = r->drive;
+  for (int s = 0; s < {slopes}; s++) k[s] = p1 + (s + 1) * n;
+  for (int s = 0; s < {dense}; s++) c[s] = k[{slopes} - 1] + (s + 1) * n;
+  long long row = 1, at = 0, *count = r->count;
+  const double end = r->t[r->outputs - 1];
+  double t = r->t[0];
+  memcpy(y, r->start, n * sizeof(double));
+  memcpy(r->x, y, n * sizeof(double));
+  for (long long i = 0; i < n; i++) r->reach[i] = fabs(y[i]);
+  count[0] = 1; count[1] = count[2] = 0; count[3] = 2;
+  while (at + 2 < r->nodes && r->node_t[at + 1] <= t) at++;
+  hold(r, at, t, d);
+  rate(memory, t, y, d, k[0]);
+  double wish = first_step(GIVEN memory, r, at, t, y, k[0], y1, k[1]);
+  int rejected = 0;
+  while (t < end) {{
+    /* a tenth of the steps at first, all at the end: a run that crawls is given up soon */
+    const double share = 0.1 + 0.9 * (t - r->t[0]) / (end - r->t[0]);
+    if ((double)(count[1] + count[2]) >= share * (double)r->steps_most) return WORK_MOST;
+    if (r->tape_x && count[1] >= r->tape_most) return TAPE_FULL;
+    const double wall = at + 2 < r->nodes ? fmin(r->node_t[at + 1], end) : end;
+    double *const stage = r->tape_x ? r->tape_x + {slopes} * n * count[1] : 0;
+    double h = fmin(wish, r->longest);
+    const int last = t + 1.01 * h >= wall;
+    if (last) h = wall - t;
+    else if (t + 0.1 * h == t) return STEP_LEAST;
+{stages}
+    count[3] += 12;
+    for (long long i = 0; i < n; i++) {{
+      e3[i] = {order_3};
+      e5[i] = {order_5};
+    }}
+    double sum_3 = 0, sum_5 = 0;
+    for (long long i = 0; i < n; i++) {{
+      const double scale = r->absolute[i] + r->relative * fmax(fabs(y[i]), fabs(y1[i]));
+      sum_3 += e3[i] / scale * (e3[i] / scale);
+      sum_5 += e5[i] / scale * (e5[i] / scale);
+    }}
+    const double mixed = sum_5 + 0.01 * sum_3;
+    const double error = mixed > 0 ? h * sum_5 / sqrt(mixed * (double)n) : h * mixed;
+    if (!(error <= 1)) {{ /* a NaN too */
+      count[2]++;
+      rejected = 1;
+      wish = h * (isfinite(error) ? fmax(1.0 / 6, 0.9 / eighth(error)) : 0.1);
+      if (t + 0.1 * wish == t) return STEP_LEAST;
+      continue;
+    }}
+    const double next = last ? wall : t + h;
+    const long long first_row = row;
+    int ready = 0;
+    for (; row < r->outputs && r->t[row] <= next; row++, count[0]++) {{
+      double *to = r->x + row * n;
+      if (r->t[row] == next) {{
+        memcpy(to, y1, n * sizeof(double));
+        continue;
+      }}
+      if (!ready) {{
+        ready = 1;
+        count[3] += 3;
+{more}
+        for (long long i = 0; i < n; i++) {{
+          p0[i] = y1[i] - y[i];
+          p1[i] = h * k[0][i] - p0[i];
+          e3[i] = 2 * p0[i] - h * (k[12][i] + k[0][i]);
+{dense_rows}
+        }}
+      }}
+      const double s = (r->t[row] - t) / h, z = 1 - s;
+      for (long long i = 0; i < n; i++)
+        to[i] = y[i] + s * (p0[i] + z * (p1[i] + s * (e3[i] + z * (c[0][i] + s * (c[1][i]
+              + z * (c[2][i] + s * c[3][i]))))));
+    }}
+    if (stage) {{
+      memcpy(stage, y, n * sizeof(double));
+      memcpy(stage + 12 * n, y1, n * sizeof(double));
+      const double times[3] = {{t, h, next}};
+      const long long places[3] = {{at, first_row, row}};
+      memcpy(r->tape_t + 3 * count[1], times, sizeof times);
+      memcpy(r->tape_i + 3 * count[1], places, sizeof places);
+    }}
+    count[1]++;
+    const double most = rejected ? 1.0 : 6.0;
+    const double grow = error > 0 ? fmin(most, fmax(1.0 / 3, 0.9 / eighth(error))) : most;
+    wish = last && !rejected ? fmax(wish, h * grow) : h * grow; /* a wall makes no step short */
+    rejected = 0;
+    for (long long i = 0; i < n; i++) {{
+      const double far = fabs(y1[i]);
+      if (!(far <= r->bound[i])) return GROWN;
+      if (far > r->reach[i]) r->reach[i] = far;
+    }}
+    t = next;
+    memcpy(y, y1, n * sizeof(double));
+    memcpy(k[0], k[12], n * sizeof(double));
+    while (at + 2 < r->nodes && r->node_t[at + 1] <= t) at++;
+  }}
+  return DONE;
+}}
+"""
+
+
+def _integrator() -> str:
+    stages = "\n".join(_stage(s, "y1") for s in range(1, 13))
+    more = "\n".join("    " + _stage(s, "p0") for s in range(13, SLOPES))
+    dense = "\n".join(
+        f"          c[{j}][i] = h * ({_sum(row)});" for j, row in enumerate(DENSE)
+    )  # fmt: skip
+    return _INTEGRATOR.format(
+        slopes=SLOPES, dense=len(DENSE), stages=stages, more=more, dense_rows=dense,
+        order_3=_sum(ERRORS[0]), order_5=_sum(ERRORS[1]),
+    )  # fmt: skip
+
+
+@lru_cache(maxsize=1)
+def integrator_code() -> str:
+    """The C text of the integrator with the interpreter; the same for every machine."""
+    forms = {**WRITTEN, **{op: _called(name) for op, name in CALLED.items()}}
+    cases = "\n".join(
+        f"      case {operation}: *to = {form.format('x', 'y')}; break;"
+        for operation, form in sorted(forms.items())
+    )
+    interpreter = _INTERPRETER.format(tangent=HYPERBOLIC_TANGENT, cases=cases)
+    return interpreter + _ANY_MACHINE + _integrator() + _reverse()
+
+
+def _reverse() -> str:
+    def full(row: Sequence[tuple[int, float]]) -> str:
+        known = dict(row)
+        return ", ".join(repr(known.get(j, 0.0)) for j in range(SLOPES))
+
+    return _REVERSE.format(
+        slopes=SLOPES, dense=len(DENSE), nodes=", ".join(map(repr, NODES)),
+        rows=", ".join(f"{{{full(row)}}}" for row in STAGES),
+        upper=", ".join(f"{{{full(row)}}}" for row in DENSE),
+    )  # fmt: skip
+
+
+def _called(name: str) -> str:
+    return f"{name}({{0}}, {{1}})" if name in TWO_ARGUMENTS else f"{name}({{0}})"
+
+
+def _sum(row: Sequence[tuple[int, float]]) -> str:
+    """The terms added in pairs, so that no sum waits for the one before it."""
+    terms = [f"{factor!r} * k[{j}][i]" for j, factor in row]
+    while len(terms) > 1:
+        terms = [f"({' + '.join(terms[i : i + 2])})" for i in range(0, len(terms), 2)]
+    return terms[0]
+
+
+def _stage(s: int, into: str) -> str:
+    """Slope number ``s``; the last of a step lies at its end."""
+    place = f"stage ? stage + {s} * n : {into}" if s != 12 else into
+    return (
+        f"    {{ double *const z = {place};\n"
+        f"    for (long long i = 0; i < n; i++) z[i] = y[i] + h * ({_sum(STAGES[s])});\n"
+        f"    hold(r, at, t + {NODES[s]!r} * h, d);\n"
+        f"    rate(memory, t + {NODES[s]!r} * h, z, d, k[{s}]); }}"
+    )
+
+
+def machine_code(code: Program) -> str:
+    """The C text of the rates of one machine, a program (x, d, t, p) -> x', and of an integrator
+    for these alone.
+
+    ``prepare`` computes once a run what depends on p alone, and keeps it in the memory of
+    ``rate``; how much memory that needs is what ``held`` returns.
+    """
+    same = code.invariant(frozenset({3}))
+    literal = {value: number(x) for value, x in code.constants}
+    fixed = {value: entry for value, argument, entry in code.loads if argument == 3}
+    before = [step for step in code.steps if same[step[0]]]
+    inside = [step for step in code.steps if not same[step[0]]]
+    asked = {v for step in inside for v in step[2:] if v != NOTHING}
+    asked |= {value for _, _, value in code.stores}
+    kept = [v for v in (*fixed, *(step[0] for step in before)) if v in asked]
+    constants = [f"const double v{value} = {text};" for value, text in literal.items()]
+    given = {0: "x[{}]", 1: "d[{}]", 2: "t"}
+    loads = [(v, given[a].format(entry)) for v, a, entry in code.loads if a != 3]
+    stored = {entry: f"v{value}" for _, entry, value in code.stores}
+    return "\n".join([
+        "#include <math.h>\n#include <string.h>", HYPERBOLIC_TANGENT,
+        f"long long held(void) {{ return {len(kept)}; }}",
+        "void prepare(const double *p, double *memory) {", *constants,
+        *(f"const double v{value} = p[{entry}];" for value, entry in fixed.items()),
+        *(f"const double v{v} = {formula(o, left, right)};" for v, o, left, right in before),
+        *(f"memory[{j}] = v{value};" for j, value in enumerate(kept)), "}",
+        "void rate(void *memory, double t, const double *x, const double *d, double *slope) {",
+        "const double *const held = memory;", *constants,
+        *(f"const double v{value} = held[{j}];" for j, value in enumerate(kept)),
+        *(f"const double v{value} = {text};" for value, text in loads),
+        *(f"const double v{v} = {formula(o, left, right)};" for v, o, left, right in inside),
+        *(f"slope[{i}] = {stored.get(i, '0')};" for i in range(code.results[0])), "}",
+        _ONE_MACHINE.format(states=code.arguments[0], drives=code.arguments[1]) + _integrator(),
+    ])  # fmt: skip

@@ -1,0 +1,334 @@
+"""Many short windows of a recording simulated in one sweep, with sensitivities.
+
+Every window starts from its own initial state; the states after each sample and their
+derivatives with respect to initial states, parameters and test forces come from one pass of a
+CasADi ``mapaccum``. Sizes: W windows, L samples a window, n coordinates, m sensors, F free
+parameters, C test forces, X states (of a machine without inner states 2n).
+"""
+
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.kernels.chains import Chains
+from symhyb.numeric.kernels.memory import kept
+from symhyb.numeric.kernels.vector import along
+from symhyb.numeric.lowered.dynamics import StateForm, state_form
+from symhyb.numeric.lowered.machine import Machine
+from symhyb.numeric.lowered.manifold import closed, tangent
+from symhyb.numeric.lowered.steps import rosenbrock_step
+from symhyb.numeric.runs.between import smooth_columns
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """Windows of equal length from one recording, in SI.
+
+    ``t`` (W, L) s; ``d`` (W, L, drive) inputs, and motion that is given; ``y`` (W, L, m)
+    measurements, NaN where missing;
+    ``substeps`` (W, L − 1) integration steps between two samples; ``record`` times (K,) and inputs
+    (K, k) of the whole recording, from which inputs under another delay are taken, and those that
+    are smooth between samples (then on a finer grid). ``late`` (m,), if not empty: by how many
+    seconds each column of ``y`` was taken later, beyond the delay that the model states.
+    """
+
+    t: Array
+    d: Array
+    y: Array
+    substeps: NDArray[np.int64]
+    record: tuple[Array, Array] = (np.empty(0), np.empty((0, 0)))
+    late: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Linear:
+    """The linearised dynamics along windows in SI, sample to sample (W, L − 1, …) and at samples:
+
+        δ(i+1) = transition·δ(i) + left·w(i) + right·w(i+1) + by_free·θ − defect
+        y(i)   = output(i) + by_state·δ(i) + by_force·w(i) + direct·θ
+
+    with δ (X) the deviation of the state from ``x``, w (n) a test force and θ (F) the change of
+    the free parameters. ``defect`` is zero along a simulated window; along a measured motion it is
+    what the model fails to do from one sample to the next.
+    """
+
+    x: Array  # (W, L, X)
+    output: Array  # (W, L, m)
+    defect: Array  # (W, L − 1, X)
+    transition: Array  # (W, L − 1, X, X)
+    left: Array  # (W, L − 1, X, n)
+    right: Array  # (W, L − 1, X, n)
+    by_free: Array  # (W, L − 1, X, F)
+    by_state: Array  # (W, L, m, X)
+    by_force: Array  # (W, L, m, n)
+    direct: Array  # (W, L, m, F)
+    begin: Array | None = None  # (W, X, R): directions in which initial states may move; else all
+    begin_free: Array | None = None  # (W, X, F): how they must move with θ; else they need not
+
+    def from_start(self) -> Array:
+        """∂y/∂(initial state), (W, L, m, X); with constraints along the R directions they leave."""
+        windows, _, states = self.x.shape
+        begin = self.begin
+        if begin is None:
+            begin = np.broadcast_to(np.eye(states), (windows, states, states))
+        nothing = np.zeros((*self.transition.shape[:2], states, begin.shape[2]))
+        return self.by_state @ self._propagate(begin, nothing)
+
+    def from_states(self) -> Array:
+        """The same for an error of each state (W, L, m, X); with constraints, of the part of it
+        that they allow."""
+        if self.begin is None:
+            return self.from_start()
+        return np.asarray(self.from_start() @ np.linalg.pinv(self.begin)[:, None])
+
+    def from_free(self) -> Array:
+        """∂y/∂θ, (W, L, m, F)."""
+        begin = self._rest(self.by_free) if self.begin_free is None else self.begin_free
+        return self.by_state @ self._propagate(begin, self.by_free) + self.direct
+
+    def from_start_and_free(self) -> tuple[Array, Array]:
+        """The two above from one pass, which costs little more than either: ∂y/∂(initial state)
+        (W, L, m, X) and ∂y/∂θ (W, L, m, F)."""
+        windows, _, states = self.x.shape
+        first = states if self.begin is None else self.begin.shape[2]
+        both = first + self.by_free.shape[3]
+        begin = np.zeros((windows, states, both))
+        begin[:, :, :first] = np.eye(states) if self.begin is None else self.begin
+        if self.begin_free is not None:
+            begin[:, :, first:] = self.begin_free
+        added = np.zeros((*self.by_free.shape[:3], both))
+        added[..., first:] = self.by_free
+        made = self.by_state @ self._propagate(begin, added)
+        return made[..., :first], made[..., first:] + self.direct
+
+    def from_forces(self, forces: Array) -> Array:
+        """Response of y to small test forces (W, L, n, C) at the samples: (W, L, m, C)."""
+        added = self.left @ forces[:, :-1] + self.right @ forces[:, 1:]
+        states = self._propagate(self._rest(added), added)
+        return self.by_state @ states + self.by_force @ forces
+
+    def from_defect(self) -> Array:
+        """What the model, started on the motion, adds to ``output``: (W, L, m)."""
+        added = -self.defect[..., None]
+        return (self.by_state @ self._propagate(self._rest(added), added))[..., 0]
+
+    def _rest(self, added: Array) -> Array:
+        return np.zeros((added.shape[0], added.shape[2], added.shape[3]))
+
+    def _propagate(self, begin: Array, added: Array) -> Array:
+        """δ at the samples (W, L, X, C) from its value at the start and what each step adds."""
+        windows, steps, states, count = added.shape
+        result = np.empty((windows, steps + 1, states, count))
+        result[:, 0] = begin
+        for i in range(steps):
+            result[:, i + 1] = self.transition[:, i] @ result[:, i] + added[:, i]
+        return result
+
+
+class WindowModel:
+    """A machine prepared for sweeps; ``free`` are the columns of p that are differentiated.
+
+    Signals are cleared of the delays that the model states; those of ``p`` count beside them for
+    the channels whose delay is free or that are named ``late``.
+    """
+
+    def __init__(self, machine: Machine, free: tuple[int, ...] = (), late: tuple[str, ...] = ()):
+        self.machine, self.free = machine, free
+        paths = [item.path for item in machine.model.all_parameters()]
+        moved = [paths[i].removesuffix(".delay") for i in free if paths[i].endswith(".delay")]
+        self.form = state_form(machine, tuple(dict.fromkeys((*moved, *late))))
+        self._smooth = smooth_columns(machine.model.inputs)
+        self._steps = kept(("steps", self.form.key, free), lambda: _Steps(self.form, list(free)))
+
+    def simulate(self, block: Block, start: Array, p: Array) -> tuple[Array, Array]:
+        """Simulate windows from ``start`` (W, X) with parameters ``p`` (P,), SI.
+
+        Returns states (W, L, X) and outputs (W, L, m); a window whose integration diverges is not
+        finite from there on.
+        """
+        (ends,) = self._run(block, start[:, None], p, "plain")
+        x = np.concatenate([start[:, None], ends], axis=1)
+        return x, self._outputs(block, x, p)[0]
+
+    def differentiate(self, block: Block, start: Array, p: Array, forces: bool = False) -> Linear:
+        """Linearise along the windows simulated from ``start`` (W, X) with ``p`` (P,), SI; without
+        ``forces`` the response to test forces is left out (zero), which costs less."""
+        what = "screen" if forces else "fit"
+        ends, *slopes = self._run(block, start[:, None], p, what)
+        x = np.concatenate([start[:, None], ends], axis=1)
+        return self._linear(block, x, np.zeros_like(ends), slopes, p)
+
+    def along(self, block: Block, states: Array, p: Array) -> Linear:
+        """Linearise along a measured motion ``states`` (W, L, X) with ``p`` (P,), SI: every sample
+        starts anew."""
+        ends, *slopes = self._run(block, states[:, :-1], p, "screen")
+        return self._linear(block, states, states[:, 1:] - ends, slopes, p)
+
+    def _linear(
+        self, block: Block, x: Array, defect: Array, slopes: list[Array], p: Array
+    ) -> Linear:
+        transition, left, right, by_free = slopes
+        output, by_state, direct, by_force = self._outputs(block, x, p)
+        return Linear(
+            x, output, defect, transition, left, right, by_free, by_state, by_force, direct,
+            *self._directions(block, x[:, 0], p),
+        )  # fmt: skip
+
+    def closed(self, block: Block, start: Array, p: Array) -> Array:
+        """Initial states (W, X) moved onto the constraints under ``p`` (P,), SI."""
+        if not self.machine.constraints:
+            return start
+        form, drive = self.form, block.d[:, 0]
+        q, v = form.motion(start, drive)
+        still, t = np.zeros_like(q), block.t[:, 0]
+        on = closed(self.machine, (q, v, still), t, p, form.given)
+        return form.state(on.q, on.v, start[:, 2 * len(form.free) :])
+
+    def _directions(self, block: Block, start: Array, p: Array) -> tuple[Array | None, ...]:
+        """Where initial states (W, X) may move within the constraints, and must with parameters."""
+        if not self.machine.constraints:
+            return None, None
+        form = self.form
+        windows, states = start.shape
+        q, v = form.motion(start, block.d[:, 0])
+        held = tangent(self.machine, q, v, block.t[:, 0], p, form.given, self.free)
+        f, r = 2 * len(form.free), held.basis.shape[2]
+        begin = np.zeros((windows, states, r + states - f))
+        begin[:, :f, :r] = held.basis
+        begin[:, f:, r:] = np.eye(states - f)
+        by_free = np.zeros((windows, states, len(self.free)))
+        by_free[:, :f] = held.by_p
+        return begin, by_free
+
+    def _run(self, block: Block, starts: Array, p: Array, what: str) -> list[Array]:
+        """Integrate from one start a window (W, 1, X) or one a sample (W, L − 1, X).
+
+        Returns states at the ends (W, L − 1, X) and, unless ``what`` is plain, the slopes from
+        sample to sample.
+        """
+        drive = self.form.extended(block.d, block.t, block.record, p, block.late)
+        windows, length, inputs = drive.shape
+        states, parts = starts.shape[2], block.substeps.reshape(-1)
+        if states == 0:  # all motion is given, and nothing remembers
+            return self._nothing(windows, length - 1, what)
+        first = np.concatenate([[0], np.cumsum(parts)[:-1]])
+        owner = np.repeat(np.arange(parts.size), parts)
+        part = (np.arange(owner.size) - first[owner]) / parts[owner]
+        h = (np.diff(block.t, axis=1).reshape(-1) / parts)[owner]
+        rise = np.diff(drive, axis=1).reshape(parts.size, inputs)[owner]
+        d0 = drive[:, :-1].reshape(parts.size, inputs)[owner] + part[:, None] * rise
+        d1 = d0 + rise / parts[owner][:, None]
+        t = block.t[:, :-1].reshape(-1)[owner] + part * h * parts[owner]
+        self._bend(d0, t, block, p)
+        self._bend(d1, t + h, block, p)
+        begins = first.reshape(windows, length - 1)[:, : starts.shape[1]].reshape(-1)
+        chain, place = _chained(begins, owner.size)
+        real = np.arange(place.shape[1]) < chain[:, None]
+        h = np.where(real, h[place], 0.0)
+        varying = (d0[place], d1[place], t[place][..., None], h[..., None])
+        made = self._steps.run(what)(starts.reshape(-1, states), varying, p)
+        after, *slopes = (output[real] for output in made)
+        shape = (windows, length - 1, states)
+        ends = after[first + parts - 1].reshape(shape)
+        if what == "plain":
+            return [ends]
+        if what == "fit":
+            slopes.append(np.zeros((owner.size, self.machine.n * states)))
+        steps = [slope.reshape(owner.size, -1, states).swapaxes(1, 2) for slope in slopes]
+        return [ends, *(j.reshape(*shape, -1) for j in _joined(steps, first, parts))]
+
+    def _bend(self, drive: Array, t: Array, block: Block, p: Array) -> None:
+        """Put the inputs that are smooth between samples into drives (S, …) at times (S,)."""
+        times, values = block.record
+        if times.size:
+            for i in self._smooth:
+                lag = self.form.cleared(i, p)
+                drive[:, i] = np.interp(t - lag, times, values[:, i])
+
+    def _nothing(self, windows: int, steps: int, what: str) -> list[Array]:
+        columns = {"plain": [], "fit": [len(self.free)], "screen": [len(self.free)]}[what]
+        n = self.machine.n
+        slopes = [0, n, n, *columns] if what != "plain" else []
+        return [np.zeros((windows, steps, 0)), *(np.zeros((windows, steps, 0, c)) for c in slopes)]
+
+    def _outputs(self, block: Block, x: Array, p: Array) -> tuple[Array, ...]:
+        windows, length, _ = x.shape
+        drive = self.form.extended(block.d, block.t, block.record, p, block.late)
+        total = windows * length
+        given = x.reshape(total, -1), drive.reshape(total, -1), block.t.reshape(-1), p
+        y, *slopes = along(self._steps.sense, given, (3,), total)
+        m = len(self.machine.model.sensors)
+        return (
+            y.reshape(windows, length, m),
+            *(s.reshape(windows, length, -1, m).swapaxes(2, 3) for s in slopes),
+        )
+
+
+def _chained(begins: NDArray[np.int64], total: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Of steps (S,) that begin anew at ``begins`` (C,): how many each chain has (C,), and their
+    indices (C, longest); beyond its end a chain repeats its last step."""
+    count = np.diff(np.append(begins, total))
+    ahead = np.minimum(np.arange(int(count.max(initial=0))), count[:, None] - 1)
+    return count, begins[:, None] + ahead
+
+
+def _joined(
+    steps: list[Array], first: NDArray[np.int64], parts: NDArray[np.int64]
+) -> tuple[Array, ...]:
+    """Slopes of integration steps (S, X, ·), in the order transition, by free, impulse, joined to
+    slopes from sample to sample (M, X, ·): transition, left, right, by free. The test force runs
+    linearly between two samples and is constant within a step. ``first`` (M,) is the first step of
+    each interval and ``parts`` (M,) how many there are."""
+    transition, free, impulse = (step[first] for step in steps)
+    share = (0.5 / parts)[:, None, None]
+    left, right = impulse * (1 - share), impulse * share
+    for i in range(1, int(parts.max(initial=1))):
+        more = np.flatnonzero(parts > i)
+        step, by_free, kick = (s[first[more] + i] for s in steps)
+        where = ((i + 0.5) / parts[more])[:, None, None]
+        transition[more] = step @ transition[more]
+        free[more] = step @ free[more] + by_free
+        left[more] = step @ left[more] + (1 - where) * kick
+        right[more] = step @ right[more] + where * kick
+    return transition, left, right, free
+
+
+class _Steps:
+    """The step functions of a form: each lowered when it is asked for, and once."""
+
+    def __init__(self, form: StateForm, free: list[int]):
+        self.sense = _sensing(form, free)
+        self._form, self._free = form, free
+        self._ready: dict[str, Chains] = {}
+
+    def run(self, what: str) -> Chains:
+        """The steps of chains: ``plain``, with slopes to ``fit``, or to ``screen``."""
+        if what not in self._ready:
+            self._ready[what] = Chains(self._function(what))
+        return self._ready[what]
+
+    def _function(self, what: str) -> ca.Function:
+        """(x, d0, d1, t, h, p) -> x after the step; for fits with its slopes by x and p, for
+        screens also by a test force w."""
+        x, d0, t, p, w = self._form.symbols()
+        d1, h = ca.SX.sym("d1", self._form.drive), ca.SX.sym("h")
+        names = {"plain": "", "fit": "xp", "screen": "xpw"}[what]
+        after = rosenbrock_step(self._form)(x, d0, d1, t, h, p, w)
+        slopes = {"x": x, "p": p, "w": w}
+        parts = [after, *(ca.jacobian(after, slopes[name]) for name in names)]
+        if "p" in names:
+            parts[2] = parts[2][:, self._free]
+        parts = [ca.densify(ca.substitute(part, w, 0 * w)) for part in parts]
+        return ca.Function(what, [x, d0, d1, t, h, p], parts, {"cse": True})
+
+
+def _sensing(form: StateForm, free: list[int]) -> ca.Function:
+    """(x, d, t, p) -> outputs (m), ∂/∂x (m, X), ∂/∂free (m, F), ∂/∂w (m, n)."""
+    x, d, t, p, w = form.symbols()
+    y, _ = form.outputs()(x, d, t, p, w)
+    parts = [y, ca.jacobian(y, x), ca.jacobian(y, p)[:, free], ca.jacobian(y, w)]
+    parts = [ca.densify(ca.substitute(part, w, 0 * w)) for part in parts]
+    return ca.Function("sense", [x, d, t, p], parts, {"cse": True})
