@@ -5,10 +5,13 @@ rest of this file says what they cannot.
 """
 
 import ast
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
 from functools import cache
+from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -75,6 +78,28 @@ def test_exactly_one_file_sees_both_sympy_and_casadi() -> None:
 
 def test_neural_networks_stay_in_their_room() -> None:
     assert files_importing("sklearn.neural_network") <= {"symhyb/correction/learning/network.py"}
+
+
+def test_every_name_that_scripts_tests_and_pages_import_is_there() -> None:
+    """A script that no test runs would break unseen when something is renamed."""
+    files = [*ROOT.glob("studies/**/*.py"), *ROOT.glob("tests/**/*.py")]
+    trees = [(file, ast.parse(file.read_text(encoding="utf-8"))) for file in files]
+    for page in [ROOT / "README.md", *ROOT.glob("docs/*.md"), *ROOT.glob("studies/**/*.md")]:
+        code = re.findall(r"^```python\n(.*?)^```", page.read_text(encoding="utf-8"), re.M | re.S)
+        trees += [(page, ast.parse(text)) for text in code]
+    missing = []
+    for file, tree in trees:
+        for node in ast.walk(tree):
+            if isinstance(node, ast.ImportFrom) and f"{node.module}.".startswith("symhyb."):
+                module = import_module(str(node.module))
+                missing += [
+                    f"{file.relative_to(ROOT)}: {node.module}.{alias.name}"
+                    for alias in node.names
+                    if not hasattr(module, alias.name)
+                    and find_spec(f"{node.module}.{alias.name}") is None
+                ]
+    assert len(trees) > 100
+    assert missing == []
 
 
 def test_no_file_runs_text_or_bytes_as_code() -> None:

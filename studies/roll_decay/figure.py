@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from scipy.optimize import curve_fit
 
 from symhyb.data.datasets import fetch
-from symhyb.expected import alternative_terms, found_terms
+from symhyb.expected import found_terms
 
 HERE = Path(__file__).resolve().parent
 PERIOD, OMEGA = 2.55, 2.461  # s, rad/s
@@ -81,7 +81,12 @@ def main() -> None:
         for (amplitude, rate), file, mark in zip(points, runs, "os", strict=False):
             axes.plot(1e3 * amplitude, rate, mark, ms=5, mfc="none", label=f"run {file[11:16]}")
         found = {key: number["value"] for key, number in found_terms(content).items()}
-        rivals = {key: number["value"] for key, number in alternative_terms(content).items()}
+        rivals = {
+            f"phi.{number['term']}": number["value"]
+            for rival in content["alternatives"]
+            if rival.get("place") == {"on": "phi"}
+            for number in rival["parameters"].values()
+        }
         along = np.linspace(0.04, 0.17, 200)
         for key in ("phi.coulomb", "phi.damping"):
             if key in rivals:
