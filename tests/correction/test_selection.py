@@ -56,6 +56,39 @@ def test_every_size_has_the_subset_of_exhaustive_search(
         assert subsets[0].chi2 == pytest.approx(costs[best], rel=1e-9)
 
 
+def test_sets_that_are_solved_side_by_side_are_those_that_are_solved_alone() -> None:
+    """With priors, bounds, least sizes, twins, a column that is always in, a cause of two columns
+    and one of which every recording has its own number."""
+    random = np.random.default_rng(11)
+    columns = random.standard_normal((300, 12)) * np.exp(random.normal(size=12))
+    columns[:, 11] = 3 * columns[:, 10]
+    right = columns @ random.normal(size=12) + random.standard_normal(300)
+    joined, other = (np.column_stack([part, rest]) for part, rest in (
+        (columns[:200], right[:200]), (columns[200:], right[200:])))  # fmt: skip
+    law = [Hypothesis("law", On(f"x{i}"), (TERMS[i % 6],), (i % 3 == 0,)) for i in range(7)]
+    pair = Hypothesis("law", On("y"), ("stiffness", "damping"), (False, False))
+    reduced = Problem(
+        gram=joined.T @ joined, held=other.T @ other, hypotheses=(*law, pair, law[0]),
+        columns=(*((i,) for i in (0, 1, 2, 3, 4, 10, 11)), (5, 6), (7, 8)), always=(9,),
+        prior=random.uniform(0, 3, 12), lower=np.where(np.arange(12) % 3, -np.inf, 0.0),
+        upper=np.full(12, 5.0), least=np.full(12, 0.05), recordings=("a", "b"),
+    )  # fmt: skip
+    sizes = best_subsets(reduced, largest=4)
+    for size, subsets in enumerate(sizes):
+        alone = {}
+        for chosen in combinations(range(9), size):
+            subset = solve(reduced, chosen)
+            if subset is not None and not {0, 8} <= {*chosen}:
+                alone[chosen] = subset
+        best = sorted(alone.values(), key=lambda one: one.chi2)[: len(subsets)]
+        assert [one.causes for one in subsets] == [one.causes for one in best]
+        for one, expected in zip(subsets, best, strict=True):
+            assert one.values == pytest.approx(expected.values, rel=1e-9)
+            assert (one.chi2, one.held) == pytest.approx((expected.chi2, expected.held), rel=1e-9)
+            assert one.numbers == expected.numbers
+    assert len(sizes) == 5
+
+
 def test_friction_with_and_without_memory_never_act_together_at_one_place(
     data: tuple[np.ndarray, np.ndarray],
 ) -> None:

@@ -9,12 +9,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.numeric.kernels.buffers import Array
 
 BEAM = 24
 LARGEST = 5  # causes at once
+AT_ONCE = 2000  # sets that are solved side by side
 CONDITION = 1e10  # of scaled columns: beyond, a subset cannot be told apart
 
 
@@ -55,13 +57,13 @@ def best_subsets(problem: Problem, largest: int = LARGEST) -> list[list[Subset]]
     empty = solve(problem, ())
     sizes: list[list[Subset]] = [[empty]] if empty is not None else []
     while sizes and len(sizes) <= largest:
-        seen: dict[tuple[int, ...], Subset | None] = {}
-        for parent in sizes[-1]:
-            for cause in range(len(problem.hypotheses)):
-                key = tuple(sorted({*parent.causes, cause}))
-                if len(key) > len(parent.causes) and key not in seen:
-                    seen[key] = None if _repeats(problem, key) else solve(problem, key)
-        found = [subset for subset in seen.values() if subset is not None]
+        grown = {
+            tuple(sorted((*parent.causes, cause)))
+            for parent in sizes[-1]
+            for cause in range(len(problem.hypotheses))
+            if cause not in parent.causes
+        }
+        found = _solved(problem, [key for key in sorted(grown) if not _repeats(problem, key)])
         if not found:
             break
         sizes.append(sorted(found, key=lambda subset: subset.chi2)[:BEAM])
@@ -96,6 +98,60 @@ def solve(problem: Problem, causes: Sequence[int]) -> Subset | None:
     numbers = sum(problem.hypotheses[cause].numbers for cause in causes)
     values = np.array([told.get(c, 0.0) for c in columns])
     return Subset(tuple(causes), values, chi2 + penalty, held, numbers)
+
+
+def _solved(problem: Problem, sets: Sequence[tuple[int, ...]]) -> list[Subset]:
+    """:func:`solve` for many sets of causes; those with as many columns side by side."""
+    own = {cause for cause in range(len(problem.hypotheses)) if _apart(problem, cause)}
+    alike: dict[int, list[tuple[int, ...]]] = {}
+    found = []
+    for causes in sets:
+        if own.isdisjoint(causes):
+            width = sum(len(problem.columns[cause]) for cause in causes)
+            alike.setdefault(width, []).append(causes)
+        elif (subset := solve(problem, causes)) is not None:  # its numbers are asked one by one
+            found.append(subset)
+    for group in alike.values():
+        for begin in range(0, len(group), AT_ONCE):
+            found += _side_by_side(problem, group[begin : begin + AT_ONCE])
+    return found
+
+
+def _side_by_side(problem: Problem, sets: Sequence[tuple[int, ...]]) -> list[Subset]:
+    """The subsets (S) that the data can tell and whose coefficients are in bounds and large
+    enough; all sets have as many columns."""
+    told = np.array([[c for cause in causes for c in problem.columns[cause]] for causes in sets])
+    joined = np.hstack([told, np.tile(np.array(problem.always, int), (len(sets), 1))])
+    width = joined.shape[1]
+    block = problem.gram[joined[:, :, None], joined[:, None, :]]
+    block[:, range(width), range(width)] += problem.prior[joined]
+    scale = np.sqrt(np.diagonal(block, axis1=1, axis2=2))
+    able: NDArray[np.int64] = np.flatnonzero(np.all(scale > 0, axis=1))
+    unit = block[able] / (scale[able, :, None] * scale[able, None, :])
+    eigen = np.linalg.eigvalsh(unit)
+    clear = eigen[:, 0] >= eigen[:, -1] / CONDITION
+    able, unit = able[clear], unit[clear]
+    columns, size = joined[able], scale[able]
+    right = problem.gram[columns, -1] / size
+    values = np.linalg.solve(unit, right[..., None])[..., 0] / size
+    good = np.all((values >= problem.lower[columns]) & (values <= problem.upper[columns]), axis=1)
+    count = told.shape[1]
+    good &= np.all(np.abs(values[:, :count]) >= problem.least[columns[:, :count]], axis=1)
+    able, columns, values = able[good], columns[good], values[good]
+    last = np.full((len(able), 1), len(problem.gram) - 1)
+    mix, used = np.hstack([-values, np.ones((len(able), 1))]), np.hstack([columns, last])
+    across = used[:, :, None], used[:, None, :]
+    chi2, held = (
+        np.einsum("si,sij,sj->s", mix, gram[across], mix) for gram in (problem.gram, problem.held)
+    )
+    chi2 = chi2 + np.sum(problem.prior[columns] * values**2, axis=1)
+    return [
+        Subset(
+            sets[i], row[:count], float(fitted), float(apart),
+            sum(problem.hypotheses[cause].numbers for cause in sets[i]),
+        )
+        for i, row, fitted, apart in zip(able.tolist(), values, chi2, held, strict=True)
+    ]  # fmt: skip
 
 
 def reach(problem: Problem, *causes: int) -> float:

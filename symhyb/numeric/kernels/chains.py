@@ -9,16 +9,19 @@ Sizes: C chains, S steps, X states.
 
 import ctypes
 import os
+from collections import Counter
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
+from itertools import pairwise
+from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 from symhyb.numeric.kernels.buffers import Array, call
-from symhyb.numeric.kernels.chains_source import LANES, machine_code
+from symhyb.numeric.kernels.chains_source import JOINED, LANES, machine_code
 from symhyb.numeric.kernels.compiled import shared_library
 from symhyb.numeric.kernels.instructions import NOTHING, Program, program
 from symhyb.numeric.kernels.vector_c import processor
@@ -72,11 +75,14 @@ class _Engine:
     def __init__(self, code: Program, run: Callable[..., None]):
         self._code, self._run = code, run
         fixed = frozenset({len(code.arguments) - 1})
-        before, inside, slots = _slots(code, fixed)
-        self._before, self._inside = _instructions(code, slots, before, inside)
-        self._slots = int(slots.max(initial=-1)) + 1
-        self._constants = [(int(slots[value]), number) for value, number in code.constants]
-        self._fixed = [(int(slots[v]), entry) for v, arg, entry in code.loads if arg in fixed]
+        same = code.invariant(fixed)
+        before = [_instruction(*step) for step in code.steps if same[step[0]]]
+        inside = _joined(code, [step for step in code.steps if not same[step[0]]])
+        slots = _slots(code, [one.value for one in before], inside)
+        self._before, self._inside = _rows(before, slots), _rows(inside, slots)
+        self._slots = max(slots, default=-1) + 1
+        self._constants = [(slots[value], number) for value, number in code.constants]
+        self._fixed = [(slots[v], entry) for v, arg, entry in code.loads if arg in fixed]
         loads = [(slots[v], arg, entry) for v, arg, entry in code.loads if arg not in fixed]
         self._loads = np.array(loads, dtype=np.int32).reshape(-1, 3)
         stores = [(slots[value], output, entry) for output, entry, value in code.stores]
@@ -87,24 +93,24 @@ class _Engine:
         blocks = -(-chains // LANES)
         given = [_laned(start[:, None], blocks), *(_laned(a, blocks) for a in varying)]
         made = [np.zeros((blocks, steps, width, LANES)) for width in self._code.results]
-        registers = np.zeros((self._slots, LANES))
+        registers = _aligned(self._slots)
         for slot, number in self._constants:
             registers[slot] = number
         for slot, entry in self._fixed:
             registers[slot] = p[entry]
         work = blocks * steps * len(self._inside)
         threads = int(min(os.cpu_count() or 1, THREADS_MOST, blocks, 1 + work // WORK_LEAST))
-        parts = [range(i, blocks, threads) for i in range(threads)]
+        bounds = [int(bound) for bound in np.linspace(0, blocks, threads + 1)]
+        parts = [(given, made, range(*pair), steps) for pair in pairwise(bounds)]
         if threads == 1:
-            self._advance(parts[0], given, made, registers, steps)
+            self._advance(registers, *parts[0])
         else:
             with ThreadPoolExecutor(threads - 1) as pool:
                 jobs = [
-                    pool.submit(self._advance, part, given, made, registers.copy(), steps)
-                    for part in parts[1:]
+                    pool.submit(self._advance, _aligned(registers), *part) for part in parts[1:]
                 ]
                 # the caller works too: a thread less to start, and none that only waits
-                self._advance(parts[0], given, made, registers, steps)
+                self._advance(registers, *parts[0])
                 for job in jobs:
                     job.result()
         return [
@@ -113,22 +119,20 @@ class _Engine:
         ]
 
     def _advance(
-        self, blocks: range, given: Sequence[Array], made: Sequence[Array], registers: Array,
+        self, registers: Array, given: Sequence[Array], made: Sequence[Array], blocks: range,
         steps: int,
     ) -> None:  # fmt: skip
-        address = ctypes.c_void_p
-        for block in blocks:
-            sources = (address * len(given))(*(a[block].ctypes.data for a in given))
-            targets = (address * len(made))(*(a[block].ctypes.data for a in made))
-            widths = [*self._code.arguments[:-1], *self._code.results]
-            self._run(
-                steps, registers.ctypes.data,
-                len(self._before), self._before.ctypes.data,
-                len(self._inside), self._inside.ctypes.data,
-                len(self._loads), self._loads.ctypes.data,
-                len(self._stores), self._stores.ctypes.data,
-                sources, targets, (ctypes.c_longlong * len(widths))(*widths), len(given),
-            )  # fmt: skip
+        address, widths = ctypes.c_void_p, [*self._code.arguments[:-1], *self._code.results]
+        self._run(
+            blocks.start, blocks.stop, steps, registers.ctypes.data,
+            len(self._before), self._before.ctypes.data,
+            len(self._inside), self._inside.ctypes.data,
+            len(self._loads), self._loads.ctypes.data,
+            len(self._stores), self._stores.ctypes.data,
+            (address * len(given))(*(a.ctypes.data for a in given)),
+            (address * len(made))(*(a.ctypes.data for a in made)),
+            (ctypes.c_longlong * len(widths))(*widths), len(given),
+        )  # fmt: skip
 
 
 def _laned(values: Array, blocks: int) -> Array:
@@ -139,56 +143,84 @@ def _laned(values: Array, blocks: int) -> Array:
     return np.ascontiguousarray(wide.transpose(0, 2, 3, 1))
 
 
-def _slots(code: Program, fixed: frozenset[int]) -> tuple[list[int], list[int], NDArray[np.int64]]:
-    """Steps before the loop, steps inside of it, and the slot of every value: values that a loop
-    computes share slots as soon as they are no longer needed."""
-    same = code.invariant(fixed)
-    before = [i for i, step in enumerate(code.steps) if same[step[0]]]
-    inside = [i for i, step in enumerate(code.steps) if not same[step[0]]]
-    last = np.full(code.size, -1)
-    for place, i in enumerate(inside):
-        _, _, left, right = code.steps[i]
-        last[left] = place
-        if right != NOTHING:
-            last[right] = place
+def _aligned(registers: Array | int) -> Array:
+    """So many registers (slots, LANES), or a copy of these, each at a multiple of its size."""
+    count = registers if isinstance(registers, int) else len(registers)
+    size = LANES * np.dtype(np.float64).itemsize
+    room = np.zeros(count * size + size, np.uint8)
+    begin = -room.ctypes.data % size
+    made = room[begin : begin + count * size].view(np.float64).reshape(count, LANES)
+    if not isinstance(registers, int):
+        made[:] = registers
+    return made
+
+
+class _Instruction(NamedTuple):
+    """What the machine does in one go: ``operation`` on the values ``operands`` makes ``value``."""
+
+    operation: int
+    value: int
+    operands: tuple[int, ...]
+
+
+def _instruction(value: int, operation: int, left: int, right: int) -> _Instruction:
+    return _Instruction(operation, value, (left,) if right == NOTHING else (left, right))
+
+
+def _joined(code: Program, steps: Sequence[tuple[int, int, int, int]]) -> list[_Instruction]:
+    """The steps as instructions; a sum or product that only one other asks for is part of it."""
+    asked = Counter(operand for step in steps for operand in step[2:])
+    asked.update(value for _, _, value in code.stores)
+    alone = {step[0]: step for step in steps if asked[step[0]] == 1}
+    made: dict[int, _Instruction] = {}
+    for value, operation, left, right in steps:
+        made[value] = _instruction(value, operation, left, right)
+        for inner, other, turned in (left, right, False), (right, left, operation == ca.OP_SUB):
+            first = alone.get(inner)
+            number = first and JOINED.get((first[1], operation, turned))
+            if first is not None and number is not None:
+                made[value] = _Instruction(number, value, (*first[2:], other))
+                del made[inner], alone[inner]
+                alone.pop(value, None)  # no third one is joined
+                break
+    return list(made.values())
+
+
+def _slots(code: Program, before: Sequence[int], inside: Sequence[_Instruction]) -> list[int]:
+    """The slot of every value: those that the loop computes share slots as soon as they are no
+    longer needed."""
+    last = [-1] * code.size
+    for place, one in enumerate(inside):
+        for operand in one.operands:
+            last[operand] = place
     for _, _, value in code.stores:
         last[value] = len(inside)
-    slots = np.full(code.size, -1)
-    kept = [v for v, number in code.constants]
-    kept += [v for v, arg, _ in code.loads]
-    kept += [code.steps[i][0] for i in before]
+    slots = [-1] * code.size
+    kept = [*(v for v, _ in code.constants), *(v for v, _, _ in code.loads), *before]
     for slot, value in enumerate(kept):
         slots[value] = slot
     free: list[int] = []
     count = len(kept)
-    inner = {code.steps[i][0] for i in inside}
-    for place, i in enumerate(inside):
-        value, _, left, right = code.steps[i]
-        for operand in {left, right} - {NOTHING}:
-            if operand in inner and last[operand] == place:
-                free.append(int(slots[operand]))
+    inner = {one.value for one in inside}
+    for place, one in enumerate(inside):
+        for operand in set(one.operands) & inner:
+            if last[operand] == place:
+                free.append(slots[operand])
         if not free:
             free, count = [count], count + 1
-        slots[value] = free.pop()
-        if last[value] < 0:  # nobody asks for it
-            free.append(int(slots[value]))
-    return before, inside, slots
+        slots[one.value] = free.pop()
+        if last[one.value] < 0:  # nobody asks for it
+            free.append(slots[one.value])
+    return slots
 
 
-def _instructions(
-    code: Program, slots: NDArray[np.int64], before: Sequence[int], inside: Sequence[int]
-) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """Rows (operation, out, left, right) of slots."""
-
-    def row(i: int) -> tuple[int, int, int, int]:
-        value, operation, left, right = code.steps[i]
-        second = left if right == NOTHING else right
-        return operation, int(slots[value]), int(slots[left]), int(slots[second])
-
-    def rows(which: Sequence[int]) -> NDArray[np.int32]:
-        return np.array([row(i) for i in which], dtype=np.int32).reshape(-1, 4)
-
-    return rows(before), rows(inside)
+def _rows(which: Sequence[_Instruction], at: Sequence[int]) -> NDArray[np.int32]:
+    """Instructions as rows of numbers: operation, result and operands, which are three."""
+    rows = []
+    for operation, value, operands in which:
+        three = (*operands, *operands[-1:] * 2)[:3]
+        rows.append((operation, at[value], *(at[operand] for operand in three)))
+    return np.array(rows, dtype=np.int32).reshape(-1, 5)
 
 
 @lru_cache(maxsize=1)
@@ -200,7 +232,9 @@ def _machine() -> Callable[..., None] | None:
     if path is None:
         return None
     run = ctypes.CDLL(str(path)).run
-    pair = (ctypes.c_longlong, ctypes.c_void_p)
-    run.argtypes = (*pair, *pair * 4, *(ctypes.c_void_p,) * 3, ctypes.c_longlong)
+    number, address = ctypes.c_longlong, ctypes.c_void_p
+    run.argtypes = (
+        *(number,) * 3, address, *(number, address) * 4, *(address,) * 3, number
+    )  # fmt: skip
     run.restype = None
     return run

@@ -1,48 +1,85 @@
-"""The C text of a machine that runs instruction lists on eight lanes at once."""
+"""The C text of a machine that runs instruction lists on eight lanes at once.
 
-from symhyb.numeric.kernels.vector_source import CALLED, HYPERBOLIC_TANGENT, WRITTEN
+An instruction is five numbers: what it does, where the result goes, and up to three operands. Most
+of a list are sums and products, so that two of these in a row are one instruction
+(:data:`JOINED`), which saves a place in memory and a jump; both are rounded as they would be one by
+one. Every instruction jumps to the next by itself, which processors foresee better than one jump
+for all.
+"""
+
+import casadi as ca
+
+from symhyb.numeric.kernels.vector_source import (
+    CALLED,
+    HYPERBOLIC_TANGENT,
+    TWO_ARGUMENTS,
+    WRITTEN,
+)
 
 LANES = 8  # numbers of a vector register, or of two
+PLAIN = {
+    ca.OP_ADD: "A + B", ca.OP_SUB: "A - B", ca.OP_MUL: "A * B", ca.OP_DIV: "A / B",
+    ca.OP_NEG: "-A", ca.OP_SQ: "A * A", ca.OP_TWICE: "A + A", ca.OP_INV: "1.0 / A",
+}  # fmt: skip
+
+_FIRST = {ca.OP_ADD: "(A + B)", ca.OP_SUB: "(A - B)", ca.OP_MUL: "(A * B)"}
+_SECOND = {ca.OP_ADD: "+", ca.OP_SUB: "-", ca.OP_MUL: "*"}
+_BEGIN = 1 + max(WRITTEN.keys() | CALLED.keys())
+# (operation, the next one, whether it takes the result on its right) -> its own number
+JOINED = {
+    (first, second, right): _BEGIN + number
+    for number, (first, second, right) in enumerate(
+        (first, second, right)
+        for first in _FIRST
+        for second in _SECOND
+        for right in (False, True)
+        if not right or second == ca.OP_SUB  # sums and products read the same both ways
+    )
+}
 
 _MACHINE = """
 #include <math.h>
 #include <string.h>
 enum {{ lanes = {lanes} }};
+typedef double vec __attribute__((vector_size({lanes} * sizeof(double)), may_alias));
 {tangent}
-#define LOOP(expression) \\
+#define NEXT if (code == end) return; goto *labels[code[0]];
+#define A slots[code[2]]
+#define B slots[code[3]]
+#define C slots[code[4]]
+#define SET(expression) {{ slots[code[1]] = expression; code += 5; NEXT }}
+#define LOOP(expression) {{ \\
+  const vec a = A, b = B; vec t; (void)b; \\
   for (int l = 0; l < lanes; l++) {{ \\
     const double x = a[l], y = b[l]; (void)y; t[l] = expression; \\
-  }} break;
-static void execute(long long count, const int *code, double *slots) {{
-  for (long long i = 0; i < count; i++, code += 4) {{
-    double t[lanes] __attribute__((aligned(64)));
-    const double *a = slots + (long long)code[2] * lanes, *b = slots + (long long)code[3] * lanes;
-    switch (code[0]) {{
+  }} \\
+  SET(t) }}
+static void execute(long long count, const int *code, vec *slots) {{
+  static const void *const labels[] = {{{labels}}};
+  const int *end = code + 5 * count;
+  NEXT
 {cases}
-      default: for (int l = 0; l < lanes; l++) t[l] = NAN;
-    }}
-    memcpy(slots + (long long)code[1] * lanes, t, sizeof t);
-  }}
+  unknown: LOOP(NAN)
 }}
-/* loads and stores: rows of (slot, array, entry); in[0] is the start, fed back from out[0] */
-void run(long long steps, double *slots, long long n_before, const int *before, long long n_inside,
-         const int *inside, long long n_loads, const int *loads, long long n_stores,
-         const int *stores, const double *const *in, double *const *out, const long long *width,
-         long long n_in) {{
-  execute(n_before, before, slots);
-  for (long long s = 0; s < steps; s++) {{
-    for (long long i = 0; i < n_loads; i++) {{
-      const int *row = loads + 3 * i;
-      const double *from;
-      if (row[1]) from = in[row[1]] + (s * width[row[1]] + row[2]) * lanes;
-      else from = (s ? out[0] + (s - 1) * width[0] * lanes : in[0]) + row[2] * lanes;
-      memcpy(slots + (long long)row[0] * lanes, from, lanes * sizeof(double));
+/* The blocks from first to last, each of so many steps. Loads and stores: rows of (slot, array,
+   entry); the start is array 0, fed back from the first result. */
+void run(long long first, long long last, long long steps, double *slots,
+         long long n_before, const int *before, long long n_inside, const int *inside,
+         long long n_loads, const int *loads, long long n_stores, const int *stores,
+         const double *const *in, double *const *out, const long long *width, long long n_in) {{
+  execute(n_before, before, (vec *)slots);
+  for (long long at = first * steps; at < last * steps; at++) {{
+    const long long block = at / steps;
+    const double *state = at % steps ? out[0] + (at - 1) * width[0] * lanes
+                                     : in[0] + block * width[0] * lanes;
+    for (const int *row = loads, *end = loads + 3 * n_loads; row < end; row += 3) {{
+      const double *from = row[1] ? in[row[1]] + at * width[row[1]] * lanes : state;
+      memcpy(slots + (long long)row[0] * lanes, from + row[2] * lanes, sizeof(vec));
     }}
-    execute(n_inside, inside, slots);
-    for (long long i = 0; i < n_stores; i++) {{
-      const int *row = stores + 3 * i;
-      memcpy(out[row[1]] + (s * width[n_in + row[1]] + row[2]) * lanes,
-             slots + (long long)row[0] * lanes, lanes * sizeof(double));
+    execute(n_inside, inside, (vec *)slots);
+    for (const int *row = stores, *end = stores + 3 * n_stores; row < end; row += 3) {{
+      double *to = out[row[1]] + at * width[n_in + row[1]] * lanes;
+      memcpy(to + row[2] * lanes, slots + (long long)row[0] * lanes, sizeof(vec));
     }}
   }}
 }}
@@ -50,12 +87,18 @@ void run(long long steps, double *slots, long long n_before, const int *before, 
 
 
 def machine_code() -> str:
-    """The C text; one case an operation that CasADi's SX knows."""
-    forms = {**WRITTEN, **{op: f"{name}({{0}}, {{1}})" for op, name in CALLED.items()}}
-    two = ("pow", "atan2", "hypot", "fmod", "remainder")
-    cases = []
-    for operation, form in sorted(forms.items()):
-        if operation in CALLED and CALLED[operation] not in two:
-            form = f"{CALLED[operation]}({{0}})"
-        cases.append(f"      case {operation}: LOOP({form.format('x', 'y')})")
-    return _MACHINE.format(lanes=LANES, tangent=HYPERBOLIC_TANGENT, cases="\n".join(cases))
+    """The C text; one label an operation that CasADi's SX knows, and one for each pair of them
+    that is joined. The slots must lie at multiples of their size in memory."""
+    cases = {operation: f"SET({form})" for operation, form in PLAIN.items()}
+    for operation, form in WRITTEN.items():
+        cases.setdefault(operation, f"LOOP({form.format('x', 'y')})")
+    for operation, name in CALLED.items():
+        cases[operation] = f"LOOP({name}({'x, y' if name in TWO_ARGUMENTS else 'x'}))"
+    for (first, second, right), number in JOINED.items():
+        parts = ("C", _FIRST[first]) if right else (_FIRST[first], "C")
+        cases[number] = f"SET({parts[0]} {_SECOND[second]} {parts[1]})"
+    known = [f"&&at{i}" if i in cases else "&&unknown" for i in range(max(cases) + 1)]
+    return _MACHINE.format(
+        lanes=LANES, tangent=HYPERBOLIC_TANGENT, labels=", ".join(known),
+        cases="\n".join(f"  at{i}: {case}" for i, case in sorted(cases.items())),
+    )  # fmt: skip
