@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from math import inf
 
 import numpy as np
-from scipy.stats import norm
+from scipy.special import ndtr, ndtri
 
 from symhyb.correction.search.conventions import exchange
 from symhyb.correction.search.trajectory import Refined, grouped, own_key
@@ -120,7 +120,7 @@ def _strong(trial: Refined, which: int, first: int, spread: Array) -> bool:
     cause, values = trial.causes[which], grouped(trial)[which]
     key, strength = next(iter(values.items()))
     if key in cause.own and trial.owned:
-        least = norm.isf(norm.sf(OUTSTANDING) / len(trial.owned))
+        least = -ndtri(ndtr(-OUTSTANDING) / len(trial.owned))
         return any(
             abs(values[own_key(key, recording)]) > least * spread[columns[first]]
             for (recording, _), columns in zip(trial.each, trial.owned, strict=True)

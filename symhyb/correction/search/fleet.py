@@ -12,7 +12,7 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2 as chi_square
+from scipy.special import chdtrc
 
 from symhyb.correction.search.evidence import OUTSTANDING
 from symhyb.correction.search.setting import Setting, Stage
@@ -157,7 +157,7 @@ def _against(
     mine, rest = known[which], _joined([other for i, other in known.items() if i != which])
     offset, spread = mine.value - rest.value, mine.covariance + rest.covariance
     distance = float(offset @ np.linalg.pinv(spread, hermitian=True) @ offset)
-    chance = float(chi_square.sf(distance, offset.size))
+    chance = float(chdtrc(offset.size, distance))
     size = np.abs(offset) / np.sqrt(np.diag(spread))
     worth = (np.abs(offset) > SIZE * np.abs(rest.value)) & (size > OUTSTANDING)
     if chance * recordings > ODDS or not worth.any():
@@ -192,7 +192,7 @@ def _unexplained(final: Refined, stage: Stage) -> Stranger | None:
             distance = ((mine - rest) / deviation) ** 2
             worst = Stranger(
                 i, -1, "", (mine, float(sd[0])), (rest, float(sd[1])), distance,
-                float(chi_square.sf(distance, 1)),
+                float(chdtrc(1, distance)),
             )  # fmt: skip
     return worst
 
