@@ -13,8 +13,9 @@ from operator import is_
 import numpy as np
 from numpy.typing import NDArray
 
-from symhyb.discrepancy.fitting.anchors import anchored, off_anchor
+from symhyb.discrepancy.fitting.anchors import anchored
 from symhyb.discrepancy.fitting.normal import bounded_step, inverse_of
+from symhyb.discrepancy.fitting.squares import best_of, squares
 from symhyb.discrepancy.recorded.windows import Laid, correlation_time
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.runs.windows import WindowModel
@@ -26,7 +27,7 @@ TRIAL_ITERATIONS = 7  # a structure that needs more is not close
 DAMPING_MOST = 1e8
 UNBOUNDED = "the simulation grew without bound"
 SHARES = (1.0, 0.0)  # of the step of a window's initial state: the best is taken
-SHARES_ALONE = (1.0, 0.3, 0.0)  # where no parameter moves with it
+SHARES_ALONE = (1.0, 0.3, 0.0)  # where no parameter moves with it; the last is no step
 HELD_ROUNDS = 2  # of steps for the initial states alone, when the parameters stand
 ROUNDS = 3  # of both
 LATE_ROUNDS = 3  # more, where the delay of a sensor moves by samples
@@ -143,8 +144,7 @@ def fit(model: WindowModel, task: Task, p: Array, starts: Sequence[Array] | None
         return _failed(task, now, values)
     for i in range(ROUNDS + LATE_ROUNDS):
         values, now, cost = _descended(model, task, p, values, now, cost)
-        now = _settled(model, task, p, values, now)
-        settled = _cost(model, task, p, values, now)
+        now, settled = _settled(model, task, p, values, now)
         timed = _in_time(model, task, p, values)
         if timed is not task:
             task, cost = timed, _cost(model, timed, p, values, now)
@@ -213,47 +213,36 @@ def _tried(
         used = np.ones(len(start), bool) if task.everything else ~item.held
         shares = SHARES if values.size else SHARES_ALONE
         begins = [model.closed(item.block, start + share * move, full) for share in shares]
-        best, costs = _best_of(model, item, full, begins, task.sd)
+        best, costs = best_of(model, item, full, begins, task.sd)
         chosen.append(best)
         total += float(np.sum(costs[used]))
     return (total if np.isfinite(total) else np.inf), chosen
 
 
-def _best_of(
-    model: WindowModel, item: Laid, p: Array, begins: Sequence[Array], sd: Array
-) -> tuple[Array, Array]:
-    """Of several initial states (W, X) the best of each window, and its squares (W,)."""
-    costs = np.stack([_squares(model, item, p, begin, sd) for begin in begins])
-    costs = np.where(np.isfinite(costs), costs, np.inf)
-    return np.choose(np.argmin(costs, axis=0)[:, None], begins), costs.min(axis=0)
-
-
 def _settled(
     model: WindowModel, task: Task, p: Array, values: Array, starts: Sequence[Array]
-) -> list[Array]:
-    """Initial states for the parameters as they stand, from the measured motion where that is
-    better: held windows had no say in which steps were taken, and one bad one may hold up all."""
+) -> tuple[list[Array], float]:
+    """Initial states for the parameters as they stand, and their cost: from the measured motion
+    where that is better: held windows had no say in which steps were taken, and one bad one may
+    hold up all."""
     now = list(starts)
+    total = float(np.sum(((values - task.mean) / task.spread) ** 2))
     fulls = [task.filled(i, p, model.free, values) for i in range(len(now))]
+    shown = []
     for i, (item, full) in enumerate(zip(task.laid, fulls, strict=True)):
         measured = model.closed(item.block, item.start, full)
-        now[i] = _best_of(model, item, full, (now[i], measured), task.sd)[0]
+        now[i], costs = best_of(model, item, full, (now[i], measured), task.sd)
+        shown.append(costs)
     for _ in range(HELD_ROUNDS):
         parts = _linearise(model, task, p, values, now)
         for i, (item, full) in enumerate(zip(task.laid, fulls, strict=True)):
             move = _start_step(parts[i], np.zeros_like(values), 0.0)[0]
-            steps = [model.closed(item.block, now[i] + x * move, full) for x in SHARES_ALONE]
-            now[i] = _best_of(model, item, full, steps, task.sd)[0]
-    return now
-
-
-def _squares(model: WindowModel, item: Laid, p: Array, start: Array, sd: Array) -> Array:
-    """Squared whitened residuals of each window (W,), off-anchor inner states included."""
-    with np.errstate(over="ignore", invalid="ignore"):
-        _, y = model.simulate(item.block, start, p)
-        residual = np.where(np.isfinite(item.block.y), (item.block.y - y) / sd, 0.0)
-        shown: Array = np.sum(residual**2, axis=(1, 2))
-        return shown + off_anchor(model, item, p, start)
+            steps = [model.closed(item.block, now[i] + x * move, full) for x in SHARES_ALONE[:-1]]
+            known = now[i], shown[i]
+            now[i], shown[i] = best_of(model, item, full, steps, task.sd, known)
+    for item, costs in zip(task.laid, shown, strict=True):
+        total += float(np.sum(costs if task.everything else costs[~item.held]))
+    return now, (total if np.isfinite(total) else np.inf)
 
 
 def _cost(
@@ -262,8 +251,8 @@ def _cost(
     """Squared whitened residuals of the fitted windows, plus the prior."""
     total = float(np.sum(((values - task.mean) / task.spread) ** 2))
     for i, (item, start) in enumerate(zip(task.laid, starts, strict=True)):
-        squares = _squares(model, item, task.filled(i, p, model.free, values), start, task.sd)
-        total += float(np.sum(squares if task.everything else squares[~item.held]))
+        shown = squares(model, item, task.filled(i, p, model.free, values), start, task.sd)
+        total += float(np.sum(shown if task.everything else shown[~item.held]))
     return total if np.isfinite(total) else np.inf
 
 

@@ -123,8 +123,7 @@ def _fitted_start(model: WindowModel, run: Run) -> Array:
         starts.append(fit(model, task, model.machine.values, begin).starts[0][0])
     if laid is None:
         return starts[0]
-    costs = [_run_cost(model, laid, start, run.sd) for start in starts]
-    return starts[int(np.argmin(costs))]
+    return starts[int(np.argmin(_run_costs(model, laid, np.stack(starts), run.sd)))]
 
 
 def _stated(form: StateForm, first: Array) -> Array:
@@ -133,12 +132,15 @@ def _stated(form: StateForm, first: Array) -> Array:
     return form.state(q, v, first[2 * len(form.free) :])
 
 
-def _run_cost(model: WindowModel, laid: Laid, start: Array, sd: Array) -> float:
+def _run_costs(model: WindowModel, laid: Laid, starts: Array, sd: Array) -> Array:
+    """Squared whitened residuals (S,) of one window from each of ``starts`` (S, X), side by side;
+    inf where it does not stay bounded."""
+    block = laid.chosen(np.zeros(len(starts), int)).block
     with np.errstate(over="ignore", invalid="ignore"):
-        _, y = model.simulate(laid.block, start[None], model.machine.values)
-        error = (laid.block.y - y) / sd
-        total = float(np.sum(np.where(np.isfinite(laid.block.y), error, 0.0) ** 2))
-    return total if np.isfinite(total) else np.inf
+        _, y = model.simulate(block, starts, model.machine.values)
+        error = np.where(np.isfinite(block.y), (block.y - y) / sd, 0.0)
+        costs = np.sum(error**2, axis=(1, 2))
+    return np.where(np.isfinite(costs), costs, np.inf)
 
 
 def _window_errors(model: WindowModel, run: Run, window_s: float) -> Array:

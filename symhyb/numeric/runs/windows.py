@@ -6,7 +6,9 @@ CasADi ``mapaccum``. Sizes: W windows, L samples a window, n coordinates, m sens
 parameters, C test forces, X states (of a machine without inner states 2n).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -14,6 +16,7 @@ from numpy.typing import NDArray
 
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.kernels.chains import Chains
+from symhyb.numeric.kernels.chains_source import LANES
 from symhyb.numeric.kernels.memory import kept
 from symhyb.numeric.kernels.vector import along
 from symhyb.numeric.lowered.dynamics import StateForm, state_form
@@ -215,30 +218,50 @@ class WindowModel:
         if states == 0:  # all motion is given, and nothing remembers
             return self._nothing(windows, length - 1, what)
         first = np.concatenate([[0], np.cumsum(parts)[:-1]])
-        owner = np.repeat(np.arange(parts.size), parts)
-        part = (np.arange(owner.size) - first[owner]) / parts[owner]
-        h = (np.diff(block.t, axis=1).reshape(-1) / parts)[owner]
-        rise = np.diff(drive, axis=1).reshape(parts.size, inputs)[owner]
-        d0 = drive[:, :-1].reshape(parts.size, inputs)[owner] + part[:, None] * rise
-        d1 = d0 + rise / parts[owner][:, None]
-        t = block.t[:, :-1].reshape(-1)[owner] + part * h * parts[owner]
+        part = np.arange(parts.sum()) - np.repeat(first, parts)
+        h = np.repeat(np.diff(block.t, axis=1).reshape(-1) / parts, parts)
+        rise = np.diff(drive, axis=1).reshape(parts.size, inputs) / parts[:, None]
+        rise = np.repeat(rise, parts, axis=0)
+        d0 = np.repeat(drive[:, :-1].reshape(parts.size, inputs), parts, axis=0)
+        d0 += part[:, None] * rise
+        d1 = d0 + rise
+        t = np.repeat(block.t[:, :-1].reshape(-1), parts) + part * h
         self._bend(d0, t, block, p)
         self._bend(d1, t + h, block, p)
         begins = first.reshape(windows, length - 1)[:, : starts.shape[1]].reshape(-1)
-        chain, place = _chained(begins, owner.size)
-        real = np.arange(place.shape[1]) < chain[:, None]
-        h = np.where(real, h[place], 0.0)
-        varying = (d0[place], d1[place], t[place][..., None], h[..., None])
-        made = self._steps.run(what)(starts.reshape(-1, states), varying, p)
-        after, *slopes = (output[real] for output in made)
+        given, starts = (d0, d1, t[:, None], h[:, None]), starts.reshape(-1, states)
+        if what != "plain" and begins.size < LANES and part.size > begins.size * LANES:
+            (after,) = self._chained("plain", begins, starts, given, p)
+            before = np.concatenate([after[:1], after[:-1]])
+            before[begins] = starts
+            begins, starts = np.arange(part.size), before
+        after, *slopes = self._chained(what, begins, starts, given, p)
         shape = (windows, length - 1, states)
         ends = after[first + parts - 1].reshape(shape)
         if what == "plain":
             return [ends]
         if what == "fit":
-            slopes.append(np.zeros((owner.size, self.machine.n * states)))
-        steps = [slope.reshape(owner.size, -1, states).swapaxes(1, 2) for slope in slopes]
+            slopes.append(np.zeros((part.size, self.machine.n * states)))
+        steps = [slope.reshape(part.size, -1, states).swapaxes(1, 2) for slope in slopes]
         return [ends, *(j.reshape(*shape, -1) for j in _joined(steps, first, parts))]
+
+    def _chained(
+        self, what: str, begins: NDArray[np.int64], starts: Array, given: Sequence[Array], p: Array
+    ) -> list[Array]:
+        """All outputs of steps (S, entries) that begin anew at ``begins`` (C,) from ``starts`` (C,
+        X), with the arguments ``given`` (S, rows) of each. A few long chains leave most lanes of
+        the machine empty, so that slopes are better taken step by step, each from where a plain
+        run came to."""
+        total = len(given[0])
+        count, place = _places(begins, total)
+        if count.size * place.shape[1] == total:  # all chains are equally long
+            varying = [a.reshape(*place.shape, -1) for a in given]
+            made = self._steps.run(what)(starts, varying, p)
+            return [output.reshape(total, -1) for output in made]
+        real = np.arange(place.shape[1]) < count[:, None]
+        d0, d1, t, h = (a[place] for a in given)
+        made = self._steps.run(what)(starts, (d0, d1, t, np.where(real[..., None], h, 0.0)), p)
+        return [output[real] for output in made]
 
     def _bend(self, drive: Array, t: Array, block: Block, p: Array) -> None:
         """Put the inputs that are smooth between samples into drives (S, …) at times (S,)."""
@@ -267,7 +290,7 @@ class WindowModel:
         )
 
 
-def _chained(begins: NDArray[np.int64], total: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _places(begins: NDArray[np.int64], total: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Of steps (S,) that begin anew at ``begins`` (C,): how many each chain has (C,), and their
     indices (C, longest); beyond its end a chain repeats its last step."""
     count = np.diff(np.append(begins, total))
@@ -282,17 +305,24 @@ def _joined(
     slopes from sample to sample (M, X, ·): transition, left, right, by free. The test force runs
     linearly between two samples and is constant within a step. ``first`` (M,) is the first step of
     each interval and ``parts`` (M,) how many there are."""
-    transition, free, impulse = (step[first] for step in steps)
+    most = int(parts.max(initial=1))
+    if parts.size * most == len(steps[0]):  # as many everywhere
+        apart = [step.reshape(parts.size, most, *step.shape[1:]) for step in steps]
+        transition, free, impulse = (step[:, 0].copy() for step in apart)
+        rows: Any = slice(None)
+        each = [(rows, [step[:, i] for step in apart]) for i in range(1, most)]
+    else:
+        transition, free, impulse = (step[first] for step in steps)
+        more = [np.flatnonzero(parts > i) for i in range(1, most)]
+        each = [(at, [s[first[at] + i] for s in steps]) for i, at in enumerate(more, 1)]
     share = (0.5 / parts)[:, None, None]
     left, right = impulse * (1 - share), impulse * share
-    for i in range(1, int(parts.max(initial=1))):
-        more = np.flatnonzero(parts > i)
-        step, by_free, kick = (s[first[more] + i] for s in steps)
-        where = ((i + 0.5) / parts[more])[:, None, None]
-        transition[more] = step @ transition[more]
-        free[more] = step @ free[more] + by_free
-        left[more] = step @ left[more] + (1 - where) * kick
-        right[more] = step @ right[more] + where * kick
+    for i, (rows, (step, by_free, kick)) in enumerate(each, 1):
+        where = ((i + 0.5) / parts[rows])[:, None, None]
+        transition[rows] = step @ transition[rows]
+        free[rows] = step @ free[rows] + by_free
+        left[rows] = step @ left[rows] + (1 - where) * kick
+        right[rows] = step @ right[rows] + where * kick
     return transition, left, right, free
 
 

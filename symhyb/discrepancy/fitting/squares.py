@@ -1,0 +1,39 @@
+"""How well windows are met from given initial states, and the best of several for each of them."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from symhyb.discrepancy.fitting.anchors import off_anchor
+from symhyb.discrepancy.recorded.windows import Laid
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.kernels.chains_source import LANES
+from symhyb.numeric.runs.windows import WindowModel
+
+
+def squares(model: WindowModel, item: Laid, p: Array, start: Array, sd: Array) -> Array:
+    """Squared whitened residuals of each window (W,) that begins at ``start`` (W, X), off-anchor
+    inner states included; ``p`` (P,) and noise ``sd`` (m,) in SI."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        _, y = model.simulate(item.block, start, p)
+        residual = np.where(np.isfinite(item.block.y), (item.block.y - y) / sd, 0.0)
+        shown: Array = np.sum(residual**2, axis=(1, 2))
+        return shown + off_anchor(model, item, p, start)
+
+
+def best_of(
+    model: WindowModel, item: Laid, p: Array, begins: Sequence[Array], sd: Array,
+    known: tuple[Array, Array] | None = None,
+) -> tuple[Array, Array]:  # fmt: skip
+    """Of several initial states (W, X) the best of each window, and its squares (W,), inf where
+    none stays bounded. ``known`` are more, whose squares (W,) are at hand; in SI."""
+    windows = len(item.start)
+    if windows < LANES:  # simulated together they cost as much as one of them
+        wide = item.chosen(np.tile(np.arange(windows), len(begins)))
+        shown = squares(model, wide, p, np.concatenate(begins), sd).reshape(-1, windows)
+    else:
+        shown = np.stack([squares(model, item, p, begin, sd) for begin in begins])
+    if known is not None:
+        begins, shown = [*begins, known[0]], np.vstack([shown, known[1]])
+    costs = np.where(np.isfinite(shown), shown, np.inf)
+    return np.choose(np.argmin(costs, axis=0)[:, None], begins), costs.min(axis=0)
