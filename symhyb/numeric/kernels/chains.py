@@ -90,41 +90,36 @@ class _Engine:
 
     def __call__(self, start: Array, varying: Sequence[Array], p: Array) -> list[Array]:
         chains, steps = varying[0].shape[:2]
-        blocks = -(-chains // LANES)
-        given = [_laned(start[:, None], blocks), *(_laned(a, blocks) for a in varying)]
-        made = [np.zeros((blocks, steps, width, LANES)) for width in self._code.results]
+        given = [np.ascontiguousarray(a, dtype=np.float64) for a in (start, *varying)]
+        made = [np.zeros((chains, steps, width)) for width in self._code.results]
         registers = _aligned(self._slots)
         for slot, number in self._constants:
             registers[slot] = number
         for slot, entry in self._fixed:
             registers[slot] = p[entry]
+        blocks = -(-chains // LANES)
         work = blocks * steps * len(self._inside)
         threads = int(min(os.cpu_count() or 1, THREADS_MOST, blocks, 1 + work // WORK_LEAST))
-        bounds = [int(bound) for bound in np.linspace(0, blocks, threads + 1)]
+        bounds = [min(LANES * int(i), chains) for i in np.linspace(0, blocks, threads + 1)]
         parts = [(given, made, range(*pair), steps) for pair in pairwise(bounds)]
         if threads == 1:
             self._advance(registers, *parts[0])
-        else:
-            with ThreadPoolExecutor(threads - 1) as pool:
-                jobs = [
-                    pool.submit(self._advance, _aligned(registers), *part) for part in parts[1:]
-                ]
-                # the caller works too: a thread less to start, and none that only waits
-                self._advance(registers, *parts[0])
-                for job in jobs:
-                    job.result()
-        return [
-            output.transpose(0, 3, 1, 2).reshape(blocks * LANES, steps, -1)[:chains]
-            for output in made
-        ]
+            return made
+        with ThreadPoolExecutor(threads - 1) as pool:
+            jobs = [pool.submit(self._advance, _aligned(registers), *part) for part in parts[1:]]
+            # the caller works too: a thread less to start, and none that only waits
+            self._advance(registers, *parts[0])
+            for job in jobs:
+                job.result()
+        return made
 
     def _advance(
-        self, registers: Array, given: Sequence[Array], made: Sequence[Array], blocks: range,
+        self, registers: Array, given: Sequence[Array], made: Sequence[Array], chains: range,
         steps: int,
     ) -> None:  # fmt: skip
         address, widths = ctypes.c_void_p, [*self._code.arguments[:-1], *self._code.results]
         self._run(
-            blocks.start, blocks.stop, steps, registers.ctypes.data,
+            chains.start, chains.stop, steps, registers.ctypes.data,
             len(self._before), self._before.ctypes.data,
             len(self._inside), self._inside.ctypes.data,
             len(self._loads), self._loads.ctypes.data,
@@ -133,14 +128,6 @@ class _Engine:
             (address * len(made))(*(a.ctypes.data for a in made)),
             (ctypes.c_longlong * len(widths))(*widths), len(given),
         )  # fmt: skip
-
-
-def _laned(values: Array, blocks: int) -> Array:
-    """(C, S, rows) as (blocks, S, rows, LANES); lanes that are too many repeat the last chain."""
-    chains = len(values)
-    rows = np.minimum(np.arange(blocks * LANES), chains - 1)
-    wide = values[rows].reshape(blocks, LANES, *values.shape[1:])
-    return np.ascontiguousarray(wide.transpose(0, 2, 3, 1))
 
 
 def _aligned(registers: Array | int) -> Array:

@@ -61,25 +61,31 @@ static void execute(long long count, const int *code, vec *slots) {{
 {cases}
   unknown: LOOP(NAN)
 }}
-/* The blocks from first to last, each of so many steps. Loads and stores: rows of (slot, array,
-   entry); the start is array 0, fed back from the first result. */
+/* The chains from first to last, each of so many steps, eight at once; the last one fills lanes
+   that are left over. Arrays are (chains, steps, width), the start, which is array 0, (chains,
+   width); from then on the first result is fed back. Loads and stores: rows of (slot, array,
+   entry). */
 void run(long long first, long long last, long long steps, double *slots,
          long long n_before, const int *before, long long n_inside, const int *inside,
          long long n_loads, const int *loads, long long n_stores, const int *stores,
          const double *const *in, double *const *out, const long long *width, long long n_in) {{
   execute(n_before, before, (vec *)slots);
-  for (long long at = first * steps; at < last * steps; at++) {{
-    const long long block = at / steps;
-    const double *state = at % steps ? out[0] + (at - 1) * width[0] * lanes
-                                     : in[0] + block * width[0] * lanes;
-    for (const int *row = loads, *end = loads + 3 * n_loads; row < end; row += 3) {{
-      const double *from = row[1] ? in[row[1]] + at * width[row[1]] * lanes : state;
-      memcpy(slots + (long long)row[0] * lanes, from + row[2] * lanes, sizeof(vec));
-    }}
-    execute(n_inside, inside, (vec *)slots);
-    for (const int *row = stores, *end = stores + 3 * n_stores; row < end; row += 3) {{
-      double *to = out[row[1]] + at * width[n_in + row[1]] * lanes;
-      memcpy(to + row[2] * lanes, slots + (long long)row[0] * lanes, sizeof(vec));
+  for (long long begin = first; begin < last; begin += lanes) {{
+    const int real = last - begin < lanes ? (int)(last - begin) : lanes;
+    for (long long s = 0; s < steps; s++) {{
+      for (const int *row = loads, *end = loads + 3 * n_loads; row < end; row += 3) {{
+        const long long wide = width[row[1]], apart = row[1] || s ? steps * wide : wide;
+        const double *from = row[1] ? in[row[1]] + s * wide : s ? out[0] + (s - 1) * wide : in[0];
+        double *to = slots + (long long)row[0] * lanes;
+        from += begin * apart + row[2];
+        for (int l = 0; l < lanes; l++) to[l] = from[(l < real ? l : real - 1) * apart];
+      }}
+      execute(n_inside, inside, (vec *)slots);
+      for (const int *row = stores, *end = stores + 3 * n_stores; row < end; row += 3) {{
+        const long long wide = width[n_in + row[1]];
+        double *to = out[row[1]] + (begin * steps + s) * wide + row[2];
+        for (int l = 0; l < real; l++) to[l * steps * wide] = slots[(long long)row[0] * lanes + l];
+      }}
     }}
   }}
 }}
