@@ -97,7 +97,7 @@ class _Engine:
             registers[slot] = number
         for slot, entry in self._fixed:
             registers[slot] = p[entry]
-        blocks = -(-chains // LANES)
+        blocks = max(-(-chains // LANES), 1)
         work = blocks * steps * len(self._inside)
         threads = int(min(os.cpu_count() or 1, THREADS_MOST, blocks, 1 + work // WORK_LEAST))
         bounds = [min(LANES * int(i), chains) for i in np.linspace(0, blocks, threads + 1)]
