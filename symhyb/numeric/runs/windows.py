@@ -229,13 +229,8 @@ class WindowModel:
         self._bend(d0, t, block, p)
         self._bend(d1, t + h, block, p)
         begins = first.reshape(windows, length - 1)[:, : starts.shape[1]].reshape(-1)
-        given, starts = (d0, d1, t[:, None], h[:, None]), starts.reshape(-1, states)
-        if what != "plain" and begins.size < LANES and part.size > begins.size * LANES:
-            (after,) = self._chained("plain", begins, starts, given, p)
-            before = np.concatenate([after[:1], after[:-1]])
-            before[begins] = starts
-            begins, starts = np.arange(part.size), before
-        after, *slopes = self._chained(what, begins, starts, given, p)
+        given = d0, d1, t[:, None], h[:, None]
+        after, *slopes = self._chained(what, begins, starts.reshape(-1, states), given, p)
         shape = (windows, length - 1, states)
         ends = after[first + parts - 1].reshape(shape)
         if what == "plain":
@@ -249,9 +244,23 @@ class WindowModel:
         self, what: str, begins: NDArray[np.int64], starts: Array, given: Sequence[Array], p: Array
     ) -> list[Array]:
         """All outputs of steps (S, entries) that begin anew at ``begins`` (C,) from ``starts`` (C,
-        X), with the arguments ``given`` (S, rows) of each. A few long chains leave most lanes of
-        the machine empty, so that slopes are better taken step by step, each from where a plain
-        run came to."""
+        X), with the arguments ``given`` (S, rows) of each.
+
+        A few long chains would leave most lanes of the machine empty: their slopes are taken step
+        by step, each from where a plain run came to.
+        """
+        total = len(given[0])
+        if what == "plain" or begins.size >= LANES or total <= LANES * begins.size:
+            return self._applied(what, begins, starts, given, p)
+        (after,) = self._applied("plain", begins, starts, given, p)
+        before = np.concatenate([after[:1], after[:-1]])
+        before[begins] = starts
+        return self._applied(what, np.arange(total), before, given, p)
+
+    def _applied(
+        self, what: str, begins: NDArray[np.int64], starts: Array, given: Sequence[Array], p: Array
+    ) -> list[Array]:
+        """The same, chain by chain."""
         total = len(given[0])
         count, place = _places(begins, total)
         if count.size * place.shape[1] == total:  # all chains are equally long
