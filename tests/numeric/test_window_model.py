@@ -255,3 +255,25 @@ def test_what_a_linear_model_fails_to_do_is_found_from_a_measured_motion() -> No
     _, y = model.simulate(windows, motion[:, 0], machine.values)
     assert np.abs(linear.defect).max() > 1e-2
     assert linear.output + linear.from_defect() == pytest.approx(y, abs=1e-9)
+
+
+@pytest.mark.parametrize("substeps", [1, 3, "uneven"])
+def test_slopes_of_few_windows_are_those_of_the_same_windows_among_many(
+    substeps: int | str,
+) -> None:
+    """Few windows are linearised step by step, many chain by chain: bit by bit the same."""
+    machine = build(cart_pole())
+    rng = np.random.default_rng(5)
+    t = np.tile(uneven(2, 60, seed=4), (6, 1))
+    u = np.tile(rng.normal(size=(2, 60, 1)), (6, 1, 1))
+    parts = rng.integers(1, 4, (2, 59)) if substeps == "uneven" else np.full((2, 59), substeps)
+    start = np.tile(rng.normal(size=(2, 4)) * 0.1, (6, 1))
+    model, m = WindowModel(machine, (0, 1)), len(machine.model.sensors)
+    many = block(t, u, m, np.tile(parts, (6, 1)))
+    few = block(t[:2], u[:2], m, parts)
+    one, other = (
+        model.differentiate(windows, start[: len(windows.t)], machine.values, forces=True)
+        for windows in (few, many)
+    )
+    for name in ("x", "transition", "left", "right", "by_free"):
+        np.testing.assert_array_equal(getattr(one, name), getattr(other, name)[:2])
