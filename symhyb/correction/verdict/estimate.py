@@ -18,7 +18,8 @@ from symhyb.correction.verdict.whole import Completed, Say, completed_over_all
 from symhyb.correction.verdict.whole_words import added_sentence
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 
-STEADY = ("added_mass", "harmonic", "ripple")  # one that changes on the way stands in for something
+# one that changes on the way stands in for something else
+STEADY = ("added_mass", "constant", "harmonic", "ripple")
 
 
 @dataclass(frozen=True, slots=True)
