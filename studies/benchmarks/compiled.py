@@ -21,7 +21,6 @@ import links
 import numpy as np
 import oscillators
 from numpy.typing import NDArray
-from symhyb.numeric.runs.scenario import Scenario
 from timing import Row, Work, in_turns, middle, milliseconds
 
 from symhyb.numeric.lowered.dynamics import state_form
@@ -30,6 +29,7 @@ from symhyb.numeric.runs.explicit import Field, field
 from symhyb.numeric.runs.integrate import simulate
 from symhyb.numeric.runs.objective import Objective, squares
 from symhyb.numeric.runs.rollout import Rollout
+from symhyb.numeric.runs.scenario import Scenario
 
 Array = NDArray[np.float64]
 

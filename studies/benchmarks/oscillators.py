@@ -15,13 +15,13 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
-from symhyb.numeric.runs.scenario import Scenario
 from timing import Row, in_turns, middle, milliseconds
 
 from symhyb.model.read import parse_model
 from symhyb.numeric.lowered.dynamics import state_form
 from symhyb.numeric.lowered.machine import Machine, build
 from symhyb.numeric.runs.integrate import simulate
+from symhyb.numeric.runs.scenario import Scenario
 from symhyb.numeric.runs.sweep import simulate_many
 
 Array = NDArray[np.float64]

@@ -19,7 +19,6 @@ import learn
 import numpy as np
 import truth
 from run import STEPS, error, rounded
-from symhyb.numeric.runs.scenario import Scenario
 from truth import Array, Data, Drive, Plant
 
 import symhyb as sh
@@ -27,6 +26,7 @@ from symhyb.correction.learning.formulations import lacking, measured_course, sp
 from symhyb.model.read import parse_model
 from symhyb.model.write import append_elements
 from symhyb.numeric.runs.formulations import Correction, simulate_corrected
+from symhyb.numeric.runs.scenario import Scenario
 
 KEPT = Path(__file__).resolve().parent / "results" / "cart_pole.json"
 START = np.array([0.1, 0.6])

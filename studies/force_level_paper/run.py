@@ -18,12 +18,12 @@ import learn
 import numpy as np
 import truth
 from joblib import Parallel, delayed
-from symhyb.numeric.runs.scenario import Scenario
 from truth import Array, Data, Drive, Oscillator, Run
 
 import symhyb as sh
 from symhyb.correction.learning.formulations import lacking, measured_course, values_along
 from symhyb.numeric.runs.formulations import simulate_corrected
+from symhyb.numeric.runs.scenario import Scenario
 
 HERE = Path(__file__).resolve().parent
 KEPT = HERE / "results"
