@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from symhyb.expected import read_expected
+from symhyb.model.types import place_text
 from symhyb.study import run_study
 from symhyb.study_file import read_study
 
@@ -75,6 +76,19 @@ def test_the_single_pendulum_rubs_dry_and_drags(tmp_path: Path, public_file: Pub
     assert [one for one in result.checks if not one.passed] == []
     assert len(result.checks) >= 6
     assert "damper" not in {found.element.kind for found in result.diagnosis.found}
+
+
+@pytest.mark.slow
+def test_both_joints_of_the_double_pendulum_rub_dry(tmp_path: Path, public_file: Public) -> None:
+    """Beside them a constant torque stands in for the zeros of the encoders: said, not named."""
+    public_file("pendulum", "DoublePendulumDataForParameterEstimation.mat")
+    result = run_study(STUDY / "double" / "study.toml", tmp_path)
+    assert [one for one in result.checks if not one.passed] == []
+    named = {
+        (found.element.kind, place_text(found.element.place)) for found in result.diagnosis.found
+    }
+    assert named == {("friction", "on alpha"), ("friction", "on beta")}
+    assert any("is not constant" in note for note in result.diagnosis.notes)
 
 
 @pytest.mark.slow
