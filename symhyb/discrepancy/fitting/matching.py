@@ -207,16 +207,15 @@ def _tried(
 ) -> tuple[float, list[Array]]:
     """Cost and initial states after a step; a window that it would throw off stays where it is, or
     takes a part of it."""
-    total, chosen = float(np.sum(((values - task.mean) / task.spread) ** 2)), []
+    chosen, shown = [], []
     for i, (item, start, move) in enumerate(zip(task.laid, starts, moved, strict=True)):
         full = task.filled(i, p, model.free, values)
-        used = np.ones(len(start), bool) if task.everything else ~item.held
         shares = SHARES if values.size else SHARES_ALONE
         begins = [model.closed(item.block, start + share * move, full) for share in shares]
         best, costs = best_of(model, item, full, begins, task.sd)
         chosen.append(best)
-        total += float(np.sum(costs[used]))
-    return (total if np.isfinite(total) else np.inf), chosen
+        shown.append(costs)
+    return _total(task, values, shown), chosen
 
 
 def _settled(
@@ -226,7 +225,6 @@ def _settled(
     where that is better: held windows had no say in which steps were taken, and one bad one may
     hold up all."""
     now = list(starts)
-    total = float(np.sum(((values - task.mean) / task.spread) ** 2))
     fulls = [task.filled(i, p, model.free, values) for i in range(len(now))]
     shown = []
     for i, (item, full) in enumerate(zip(task.laid, fulls, strict=True)):
@@ -240,20 +238,32 @@ def _settled(
             steps = [model.closed(item.block, now[i] + x * move, full) for x in SHARES_ALONE[:-1]]
             known = now[i], shown[i]
             now[i], shown[i] = best_of(model, item, full, steps, task.sd, known)
-    for item, costs in zip(task.laid, shown, strict=True):
-        total += float(np.sum(costs if task.everything else costs[~item.held]))
-    return now, (total if np.isfinite(total) else np.inf)
+    return now, _total(task, values, shown)
 
 
 def _cost(
     model: WindowModel, task: Task, p: Array, values: Array, starts: Sequence[Array]
 ) -> float:
     """Squared whitened residuals of the fitted windows, plus the prior."""
-    total = float(np.sum(((values - task.mean) / task.spread) ** 2))
-    for i, (item, start) in enumerate(zip(task.laid, starts, strict=True)):
-        shown = squares(model, item, task.filled(i, p, model.free, values), start, task.sd)
-        total += float(np.sum(shown if task.everything else shown[~item.held]))
+    shown = [
+        squares(model, item, task.filled(i, p, model.free, values), start, task.sd)
+        for i, (item, start) in enumerate(zip(task.laid, starts, strict=True))
+    ]
+    return _total(task, values, shown)
+
+
+def _total(task: Task, values: Array, shown: Sequence[Array]) -> float:
+    """The squares (W,) of the windows of each recording, of those that are fitted, plus the prior;
+    inf where one does not stay bounded."""
+    total = _prior(task, values)
+    for item, costs in zip(task.laid, shown, strict=True):
+        total += float(np.sum(costs if task.everything else costs[~item.held]))
     return total if np.isfinite(total) else np.inf
+
+
+def _prior(task: Task, values: Array) -> float:
+    """χ² of the values against what was known of them before."""
+    return float(np.sum(((values - task.mean) / task.spread) ** 2))
 
 
 def _linearise(
@@ -378,7 +388,7 @@ def _finish(
     covariance = inverse_of(gram) * scale * correlation
     return Fit(
         values, covariance, chi2, seen - states, held, correlation, tuple(starts), floor=floor,
-        prior=float(np.sum(((values - task.mean) / task.spread) ** 2)),
+        prior=_prior(task, values),
     )  # fmt: skip
 
 
