@@ -136,7 +136,7 @@ def run_rows(duration: float = 60.0, outputs: int = 60_001, repeats: int = 9) ->
         "loop": loop,
     }, repeats))  # fmt: skip
     errors = [error(found.q, truth), error(lsoda(rate, t, 1e-8, 1e-10), truth)]
-    alike = _alike(lambda tol: lsoda(rate, t, tol, 1e-2 * tol), truth, errors[0])
+    alike = as_accurate(lambda tol: lsoda(rate, t, tol, 1e-2 * tol), truth, errors[0])
     equal = middle(in_turns({"lsoda": lambda: lsoda(rate, t, alike, 1e-2 * alike)}, 3))["lsoda"]
     stepped = many["loop"] * (t.size - 1) / (part.size - 1)
     name = f"{duration:.0f} s, {outputs} outputs"
@@ -152,12 +152,14 @@ def run_rows(duration: float = 60.0, outputs: int = 60_001, repeats: int = 9) ->
     ]  # fmt: skip
 
 
-def _alike(run: Callable[[float], Array], truth: Array, wanted: float) -> float:
-    """The loosest relative tolerance with an error of at most ``wanted``."""
-    for tolerance in (1e-5, 5e-6, 2e-6, 1e-6, 5e-7, 2e-7, 1e-7, 5e-8, 2e-8):
-        if error(run(tolerance), truth) <= wanted:
-            return tolerance
-    return 1e-8
+def as_accurate(run: Callable[[float], Array], truth: Array, wanted: float) -> float:
+    """The loosest relative tolerance of 1, 2, 5·10ⁿ with an error of at most ``wanted``."""
+    for power in range(5, 13):
+        for first in (10, 5, 2):
+            tolerance = first * 10.0 ** -(power + 1)
+            if error(run(tolerance), truth) <= wanted:
+                return tolerance
+    return 1e-13
 
 
 def sweep_rows(

@@ -68,16 +68,12 @@ static inline double hyperbolic_tangent(double x) {
   __builtin_memcpy(&bits, &shifted, 8);
   bits = (long long)(((unsigned long long)bits + 1023) << 52);
   __builtin_memcpy(&power, &bits, 8);
-  double even = fused(s, 1.0 / 87178291200, 1.0 / 479001600);
-  double odd = fused(s, 1.0 / 6227020800, 1.0 / 39916800);
-  even = fused(s, even, 1.0 / 3628800);
-  odd = fused(s, odd, 1.0 / 362880);
-  even = fused(s, even, 1.0 / 40320);
-  odd = fused(s, odd, 1.0 / 5040);
-  even = fused(s, even, 1.0 / 720);
-  odd = fused(s, odd, 1.0 / 120);
-  even = fused(s, even, 1.0 / 24);
-  odd = fused(s, odd, 1.0 / 6);
+  const double s2 = s * s; /* the series in pairs, so that no term waits for all the others */
+  const double e2 = fused(s, 1.0 / 87178291200, 1.0 / 479001600);
+  const double o2 = fused(s, 1.0 / 6227020800, 1.0 / 39916800);
+  const double e1 = fused(s, 1.0 / 3628800, 1.0 / 40320), o1 = fused(s, 1.0 / 362880, 1.0 / 5040);
+  const double e0 = fused(s, 1.0 / 720, 1.0 / 24), o0 = fused(s, 1.0 / 120, 1.0 / 6);
+  const double even = fused(s2, fused(s2, e2, e1), e0), odd = fused(s2, fused(s2, o2, o1), o0);
   const double series = fused(s, fused(s, even, fused(r, odd, 0.5)), r);
   const double e = fused(power, series, power - 1);
   return __builtin_copysign(e / (e + 2), x);

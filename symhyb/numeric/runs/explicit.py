@@ -238,7 +238,9 @@ def bends(t: Array, drive: Array) -> tuple[Array, Array]:
 def field_of(function: ca.Function) -> Field | None:
     """Any function (x, d, t, p) -> x' made of scalar operations, as :func:`field`."""
     library, code = _library(integrator_code()), program(function)
-    return None if library is None or code is None else Field(code, library)
+    if library is None or code is None:
+        return None
+    return Field(code.divided_once(frozenset({3})), library)
 
 
 def rates_of(form: StateForm) -> ca.Function:

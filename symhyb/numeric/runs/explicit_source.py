@@ -23,6 +23,7 @@ from symhyb.numeric.kernels.vector_source import (
 from symhyb.numeric.runs.dormand_prince import DENSE, ERRORS, NODES, STAGES
 
 SLOPES = len(NODES)
+INLINE_MOST = 60  # instructions: each stage of a step gets its own copy of rates that are so short
 WORK = SLOPES + 3 + len(DENSE) + 3  # columns of states that the integrator needs to work in
 
 _INTERPRETER = """
@@ -136,6 +137,10 @@ typedef void (*rate_type)(void *, double, const double *, const double *, double
 #define DRIVES (r->drives)
 """
 _ONE_MACHINE = """
+void rate(void *memory, double t, const double *x, const double *d, double *slope) {{
+  rates(memory, t, x, d, slope);
+}}
+#define rate rates
 #define RATE
 #define GIVEN
 #define STATES {states}
@@ -332,11 +337,14 @@ def _sum(row: Sequence[tuple[int, float]]) -> str:
 
 
 def _stage(s: int, into: str) -> str:
-    """Slope number ``s``; the last of a step lies at its end."""
+    """Slope number ``s``; the last of a step lies at its end. The newest slope is added last: the
+    processor has done the rest while it waited for that."""
     place = f"stage ? stage + {s} * n : {into}" if s != 12 else into
+    *older, (j, newest) = STAGES[s]
+    before = f"y[i] + h * ({_sum(older)})" if older else "y[i]"
     return (
-        f"    {{ double *const z = {place};\n"
-        f"    for (long long i = 0; i < n; i++) z[i] = y[i] + h * ({_sum(STAGES[s])});\n"
+        f"    {{ double *const z = {place}, last = h * {newest!r};\n"
+        f"    for (long long i = 0; i < n; i++) z[i] = fused(last, k[{j}][i], {before});\n"
         f"    hold(r, at, t + {NODES[s]!r} * h, d);\n"
         f"    rate(memory, t + {NODES[s]!r} * h, z, d, k[{s}]); }}"
     )
@@ -361,6 +369,7 @@ def machine_code(code: Program) -> str:
     given = {0: "x[{}]", 1: "d[{}]", 2: "t"}
     loads = [(v, given[a].format(entry)) for v, a, entry in code.loads if a != 3]
     stored = {entry: f"v{value}" for _, entry, value in code.stores}
+    inline = "inline __attribute__((always_inline))" if len(inside) <= INLINE_MOST else ""
     return "\n".join([
         "#include <math.h>\n#include <string.h>", HYPERBOLIC_TANGENT,
         f"long long held(void) {{ return {len(kept)}; }}",
@@ -368,7 +377,8 @@ def machine_code(code: Program) -> str:
         *(f"const double v{value} = p[{entry}];" for value, entry in fixed.items()),
         *(f"const double v{v} = {formula(o, left, right)};" for v, o, left, right in before),
         *(f"memory[{j}] = v{value};" for j, value in enumerate(kept)), "}",
-        "void rate(void *memory, double t, const double *x, const double *d, double *slope) {",
+        f"static {inline} void rates(",
+        "void *memory, double t, const double *x, const double *d, double *slope) {",
         "const double *const held = memory;", *constants,
         *(f"const double v{value} = held[{j}];" for j, value in enumerate(kept)),
         *(f"const double v{value} = {text};" for value, text in loads),
