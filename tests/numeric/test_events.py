@@ -14,6 +14,7 @@ from symhyb.model.switching import left_smooth
 from symhyb.model.types import Model
 from symhyb.numeric.lowered.machine import build
 from symhyb.numeric.runs.integrate import Trajectory, simulate
+from symhyb.numeric.runs.leaping import Leap
 from symhyb.numeric.runs.scenario import Scenario
 
 Array = NDArray[np.float64]
@@ -289,6 +290,36 @@ def test_a_damped_stop_never_pulls() -> None:
     assert told[1][1] == pytest.approx(0.2 + s[out], abs=2e-6)
     assert told[2][1] == pytest.approx(0.2 + s[out] + depth[out] / -speed[out], abs=1e-5)
     assert run.v[t > told[1][1], 0] == pytest.approx(speed[out], abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("model", "q", "v"),
+    [
+        (rig(Oscillator(P=0.9, R0=0.8, vs=0.05), STRIBECK), [0.0], [0.0]),
+        (coupled(R1=0.5, R2=0.3, R3=0.4), [0.0, 0.0], [0.0, 0.0]),
+        (stop(16.0), [0.0], [0.5]),
+    ],
+    ids=["Stribeck", "three frictions", "stops"],
+)
+def test_leaps_in_machine_code_find_what_single_steps_find(
+    model: Model, q: list[float], v: list[float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With a compiler many steps are taken at once, and only some are looked into from Python."""
+    leaps = []
+    step = Leap.step
+    monkeypatch.setattr(Leap, "step", lambda self: leaps.append(self) or step(self))
+    fast = free(model, t := np.linspace(0, 4, 2001), q, v)
+    assert len(leaps) > 0
+    count = len(leaps)
+    monkeypatch.setattr("symhyb.numeric.runs.events.fields", lambda machine, held: None)
+    slow = free(model, t, q, v)
+    assert len(leaps) == count
+    told = [(event.element, event.transition) for event in fast.events]
+    assert told == [(event.element, event.transition) for event in slow.events]
+    assert len(told) > 2
+    assert [e.time for e in fast.events] == pytest.approx([e.time for e in slow.events], abs=1e-7)
+    for one, other in ((fast.q, slow.q), (fast.v, slow.v), (fast.y, slow.y)):
+        assert one == pytest.approx(other, abs=1e-7 * np.abs(other).max(initial=1e-3))
 
 
 def test_a_stiff_machine_is_run_implicitly() -> None:

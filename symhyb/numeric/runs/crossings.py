@@ -11,9 +11,9 @@ import numpy as np
 from scipy.optimize import brentq
 
 from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.runs.explicit_source import DIPS, LOOKS
 
-INSIDE = np.array([0.0, 0.25, 0.5, 0.75, 1.0])  # of a step: where it is looked for events
-DIPS = 0.1  # a minimum between looks that may lie below this share of what was seen is looked at
+INSIDE = np.linspace(0.0, 1.0, LOOKS + 1)  # of a step: where it is looked for events
 ROUNDING = 8 * np.finfo(float).eps
 
 Watch = Callable[[float, Array], Array]

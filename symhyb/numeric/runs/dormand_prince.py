@@ -17,6 +17,7 @@ NODES = (
     0.3333333333333333, 0.25, 0.3076923076923077, 0.6512820512820513, 0.6, 0.8571428571428571,
     1.0, 1.0, 0.1, 0.2, 0.7777777777777778,
 )  # fmt: skip
+SLOPES = len(NODES)
 # of the slopes so far, for each stage; the row of the end holds the weights of the step
 STAGES: Table = (
     (),

@@ -1,9 +1,9 @@
 """Exact simulation: dry friction that holds and stops that touch, every transition located.
 
-Between two events the equations are smooth. They are integrated by DOP853 (Radau IIA where the
-machine is stiff), and what may switch is watched inside every step; where it crosses zero, the
-root is located on the dense output, the modes are settled anew
-(:mod:`symhyb.numeric.runs.settling`) and the integration begins again. Forces that hold are
+Between two events the equations are smooth. They are integrated by DOP853 (in machine code where
+there is a C compiler; Radau IIA where the machine is stiff), and what may switch is watched inside
+every step; where it crosses zero, the root is located on the dense output, the modes are settled
+anew (:mod:`symhyb.numeric.runs.settling`) and the integration begins again. Forces that hold are
 integrated beside the states, so that a machine at rest is not stepped over. Inputs act by
 first-order hold; jumps are restarts.
 
@@ -11,7 +11,6 @@ Source: Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I, 
 II.6 (through ``scipy.integrate``).
 """
 
-from bisect import bisect_right
 from collections import deque
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
@@ -24,6 +23,9 @@ from symhyb.numeric.kernels.buffers import Array, call, on_lines
 from symhyb.numeric.kernels.vector import along
 from symhyb.numeric.lowered.switched import Held, Switched
 from symhyb.numeric.runs.crossings import ROUNDING, first_crossing
+from symhyb.numeric.runs.driven import Drive, Ready
+from symhyb.numeric.runs.explicit import bends
+from symhyb.numeric.runs.leaping import Leap, fields
 from symhyb.numeric.runs.settling import (
     Event,
     Instant,
@@ -43,6 +45,7 @@ AT_ONCE, APART = 64, 1e-12  # events in a row that lie closer (of the run) never
 STEPS_MOST = 400_000
 EVENTS_MOST = 100_000
 GROWN = 1e100  # SI
+MODES_MOST = 50  # whose solvers are kept
 DAMPED = 10.0  # a decay this many times faster than it swings is stiff,
 DECAYS = 2e4  # if a run lasts so many of its times: stability then asks for 3000 explicit steps
 
@@ -57,56 +60,6 @@ class Located:
     y: Array
     events: tuple[Event, ...]
     reason: str
-
-
-@dataclass(frozen=True, slots=True)
-class Drive:
-    """Inputs and given motion: values ``d`` (K, D), SI, at times ``t`` (K,), s, and linear
-    between."""
-
-    t: Array
-    d: Array
-
-    def at(self, t: float) -> Array:
-        """The drive (D,) at one time in s, SI."""
-        if self.d.shape[1] == 0:
-            return np.asarray(self.d[0], dtype=np.float64)
-        i = min(max(bisect_right(self.t, t) - 1, 0), self.t.size - 2)
-        share = (t - self.t[i]) / (self.t[i + 1] - self.t[i])
-        return np.asarray(self.d[i] + share * (self.d[i + 1] - self.d[i]), dtype=np.float64)
-
-
-class Ready:
-    """A function of (x, d, t, p, mode), called many times on memory that stays."""
-
-    def __init__(self, function: Any, drive: Drive, p: Array):
-        sizes = [function.nnz_in(i) for i in range(function.n_in())]
-        self._given = [np.zeros(size) for size in sizes]
-        self._given[3][:] = p
-        self._drive, self._moves = drive, bool(drive.d.shape[1])
-        rows, columns = function.size_out(0)
-        self._result = np.zeros((columns, rows))
-        self._buffer, self._trigger = function.buffer()
-        for i, array in enumerate(self._given):
-            self._buffer.set_arg(i, array.data)
-        if self._result.size:
-            self._buffer.set_res(0, self._result.reshape(-1).data)
-
-    def mode(self, mode: Array) -> "Ready":
-        """The same under another mode (2F + 2S,), SI."""
-        self._given[4][:] = mode
-        return self
-
-    def __call__(self, t: float, y: Array) -> Array:
-        """The result (rows,) or (columns, rows) at time t in s and y, whose first X numbers are
-        the state, SI."""
-        self._given[0][:] = y[: self._given[0].size]
-        self._given[2][0] = t
-        if self._moves:
-            self._given[1][:] = self._drive.at(t)
-        self._trigger()
-        result: Array = self._result[0] if len(self._result) == 1 else self._result
-        return result.copy()
 
 
 @dataclass(slots=True)
@@ -132,6 +85,8 @@ class _Run:
     steps: int = 0
     stretch: Array = field(default_factory=lambda: np.empty(0))  # (F,) where frictions hold
     functions: dict[tuple[str, Held], Ready] = field(default_factory=dict)
+    leaps: dict[Modes, Leap | None] = field(default_factory=dict)
+    nodes: tuple[Array, Array] = (np.empty(0), np.empty((0, 0)))  # of the drive
 
     def instant(self, t: float, y: Array) -> Instant:
         return Instant(self.machine, y[: self.states], self.drive.at(t), t, self.p)
@@ -165,6 +120,11 @@ class _Run:
     @property
     def curved(self) -> bool:
         return self.machine.curved(self.modes[-1].held)
+
+    def written(self, rows: int) -> None:
+        """So many more outputs are there, under the modes that are."""
+        self.which[self.row : self.row + rows] = len(self.modes) - 1
+        self.row += rows
 
     def ready(self, name: str) -> Ready:
         modes = self.modes[-1]
@@ -205,16 +165,17 @@ def locate_events(
 ) -> Located:  # fmt: skip
     """Integrate from ``start`` (X,) over output times ``t`` (N,) s, restarting at ``jumps`` (J,) s,
     with no step longer than ``longest`` s and at most ``most`` steps; all SI."""
-    run = _Run(machine, drive, p, t, stiff, longest, np.full((t.size, start.size), np.nan),
+    wide = start.size + len(machine.frictions)
+    run = _Run(machine, drive, p, t, stiff, longest, np.full((t.size, wide), np.nan),
                start.size, len(machine.form.free))  # fmt: skip
-    run.which = np.zeros(t.size, dtype=int)
+    run.which, run.nodes = np.zeros(t.size, dtype=int), bends(drive.t, drive.d)
     reason, y = "", start
     try:
         here = run.instant(float(t[0]), start)
         x, modes = first_modes(here)
         run.enter(replace(here, x=x), modes)
-        run.x[0] = x
         y = np.concatenate([x, np.zeros(len(machine.frictions))])
+        run.x[0] = y
         for now, end in pairwise(np.unique([t[0], *jumps, t[-1]]).tolist()):
             y, reason = _between_jumps(run, now, end, y, most)
             if reason:
@@ -222,7 +183,7 @@ def locate_events(
     except ValueError as error:
         reason = str(error)
     a, seen = _seen(run)
-    return Located(run.x, a, seen, tuple(run.events), reason)
+    return Located(run.x[:, : run.states], a, seen, tuple(run.events), reason)
 
 
 def _between_jumps(run: _Run, now: float, end: float, y: Array, most: int) -> tuple[Array, str]:
@@ -245,7 +206,7 @@ def _between_jumps(run: _Run, now: float, end: float, y: Array, most: int) -> tu
         if closely or len(run.events) > EVENTS_MOST:
             return y, _chatters(recent)
     while run.row < run.t.size and run.t[run.row] <= end:  # an event at the very end
-        run.x[run.row], run.which[run.row] = y[: run.states], len(run.modes) - 1
+        run.x[run.row], run.which[run.row] = y, len(run.modes) - 1
         run.row += 1
     return y, ""
 
@@ -270,14 +231,22 @@ def _until_event(
     while True:
         _resize(run, solver)
         failed = solver.step()
-        run.steps += 1
+        if isinstance(solver, Leap):
+            run.steps += solver.taken
+            run.written(solver.written)
+        else:
+            run.steps += 1
         if solver.status == "failed" or not np.all(np.abs(solver.y) < GROWN):
             return solver.t, solver.y, [], _failure(solver, failed)
         if run.steps > most:
             return solver.t, solver.y, [], _tired(solver.t, most)
-        dense = solver.dense_output()
-        stop, fired, before = first_crossing(watch, dense, solver, before)
-        _fill(run, dense, stop)
+        stop, fired = solver.t, list[int]()
+        if not isinstance(solver, Leap) or solver.undecided:
+            if isinstance(solver, Leap):
+                before = watch(solver.t_old, solver.y_old)
+            dense = solver.dense_output()
+            stop, fired, before = first_crossing(watch, dense, solver, before)
+            _fill(run, dense, stop)
         if fired:
             run.step = max(solver.t - solver.t_old, ROUNDING * abs(solver.t))
             y = np.asarray(dense(stop))
@@ -298,6 +267,9 @@ def _solver(run: _Run, now: float, end: float, y: Array) -> Any:
     }  # fmt: skip
     run.size = _sizes(run, y)
     options["atol"] = _tolerances(run)
+    leap = _leap(run)
+    if leap is not None:
+        return leap.begin((now, end), run.row, y, run.size, _tolerances(run), first)
     right = run.ready("rates")
     if not run.stiff:
         return DOP853(right, now, y, end, **options)
@@ -311,11 +283,30 @@ def _solver(run: _Run, now: float, end: float, y: Array) -> Any:
     return Radau(right, now, y, end, jac=jacobian, **options)
 
 
+def _leap(run: _Run) -> Leap | None:
+    """The solver in machine code for the modes that are, where there is one."""
+    modes = run.modes[-1]
+    if run.stiff or run.curved:
+        return None
+    if modes not in run.leaps:
+        both = fields(run.machine, modes.held)
+        p, outputs = np.concatenate([run.p, modes.vector()]), (run.t, run.x)
+        given = (run.nodes, p, outputs, RELATIVE_TOLERANCE, run.longest, 10 * STEPS_MOST)
+        run.leaps[modes] = None if both is None else Leap(both, *given)
+        if len(run.leaps) > MODES_MOST:
+            run.leaps.pop(next(iter(run.leaps)))
+    return run.leaps[modes]
+
+
 def _resize(run: _Run, solver: Any) -> None:
     """The absolute tolerance follows the size of what has moved so far."""
     if np.any(np.abs(solver.y) > run.size):
         run.size = _sizes(run, solver.y)
         solver.atol = _tolerances(run)
+        if isinstance(solver, Leap):
+            solver.follow(run.size, solver.atol)
+    if isinstance(solver, Leap):
+        solver.row = run.row
 
 
 def _sizes(run: _Run, y: Array) -> Array:
@@ -338,11 +329,10 @@ def _fill(run: _Run, dense: Any, stop: float) -> None:
     last = int(np.searchsorted(run.t, stop, side="right"))
     if last > run.row:
         rows = slice(run.row, last)
-        run.x[rows] = dense(run.t[rows])[: run.states].T
+        run.x[rows] = dense(run.t[rows]).T
         for i in range(run.row, last) if run.curved else ():
             run.x[i] = run.returned(float(run.t[i]), run.x[i])
-        run.which[rows] = len(run.modes) - 1
-        run.row = last
+        run.written(last - run.row)
 
 
 def _failure(solver: Any, message: str | None) -> str:
@@ -374,7 +364,7 @@ def _seen(run: _Run) -> tuple[Array, Array]:
         mine = rows[kind[run.which[rows]] == k]
         if mine.size:
             switched = modes[run.which[mine]]
-            given = (run.x[mine], d[mine], run.t[mine], run.p, switched)
+            given = (run.x[mine, : run.states], d[mine], run.t[mine], run.p, switched)
             function = run.machine.outputs(which)
             y[mine], a[mine] = along(function, given, repeated=(3,), samples=mine.size)
     return a, y

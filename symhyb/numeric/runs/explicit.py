@@ -26,7 +26,8 @@ from symhyb.numeric.kernels.instructions import NOTHING, Program, program
 from symhyb.numeric.kernels.memory import kept
 from symhyb.numeric.kernels.vector_c import processor
 from symhyb.numeric.lowered.dynamics import StateForm
-from symhyb.numeric.runs.explicit_source import SLOPES, WORK, integrator_code, machine_code
+from symhyb.numeric.runs.dormand_prince import SLOPES
+from symhyb.numeric.runs.explicit_source import WORK, integrator_code, machine_code
 
 FLAGS = ("-O3", "-fno-math-errno", "-fno-trapping-math", "-ffp-contract=off")
 STEPS_PART = 100  # a run has at least so many steps: what happens briefly is not stepped over
@@ -39,6 +40,7 @@ REASONS = (
     "a step of no length",
     "growth without bound",
     "a full tape",
+    "something watched may have fallen through zero",
 )
 
 _POINTER = ctypes.c_void_p
@@ -76,7 +78,9 @@ class _List(ctypes.Structure):
     )
 
 
-class _Task(ctypes.Structure):
+class Task(ctypes.Structure):
+    """What the integrator in machine code is given; see :mod:`.explicit_source`."""
+
     _fields_ = (
         *((n, ctypes.c_longlong) for n in ("states", "drives", "nodes", "outputs", "steps_most")),
         *((name, ctypes.c_double) for name in ("relative", "longest")),
@@ -84,10 +88,13 @@ class _Task(ctypes.Structure):
             (name, _POINTER)
             for name in (
                 "node_t", "node_d", "t", "absolute", "bound", "start", "x", "work", "drive",
-                "reach", "count", "tape_x", "tape_t", "tape_i",
+                "reach", "count", "place", "tape_x", "tape_t", "tape_i",
             )
         ),
         ("tape_most", ctypes.c_longlong),
+        *((name, ctypes.c_double) for name in ("begin", "end", "first")),
+        *((name, ctypes.c_longlong) for name in ("row", "watches")),
+        *((name, _POINTER) for name in ("watch", "watch_memory", "seen")),
     )  # fmt: skip
 
 
@@ -99,6 +106,47 @@ class Tape:
         self.steps = steps
         self.stages = np.empty((steps, SLOPES, states))
         self.times, self.places = np.empty((steps, 3)), np.empty((steps, 3), np.int64)
+
+
+class Desk:
+    """What the integrator works on: a task for it, and the arrays that the task points to.
+
+    Outputs at ``t`` (N,) go to ``rows`` (N, X), from ``start`` (X,) at ``t[0]``; the drive runs
+    straight between ``nodes``, times (K,) and values (K, drive); SI. ``count``: rows written, steps
+    accepted and rejected, evaluations; ``reach`` (X,): largest sizes; ``place``: where the last
+    step began and ended, its length, and how long the next wishes to be, all in s."""
+
+    def __init__(
+        self, t: Array, start: Array, nodes: tuple[Array, Array], limits: Tolerances, rows: Array,
+        tape: Tape | None = None,
+    ):  # fmt: skip
+        given: list[NDArray[Any]] = [
+            np.ascontiguousarray(a, float)
+            for a in (*nodes, t, limits.absolute, limits.bound, start)
+        ]  # fmt: skip
+        self.count, self.reach = np.zeros(4, np.int64), np.zeros(start.size)
+        self.place, self.work = np.zeros(4), np.zeros((WORK, start.size))
+        drive = np.zeros(nodes[1].shape[1] + 1)
+        given += [rows, self.work, drive, self.reach, self.count, self.place]
+        taped = [] if tape is None else [tape.stages, tape.times, tape.places]
+        addresses = [a.ctypes.data for a in (*given, *taped)] + [None] * (3 - len(taped))
+        self._alive = given
+        self.task = Task(
+            start.size, nodes[1].shape[1], nodes[0].size, t.size, limits.steps, limits.relative,
+            float(t[-1] - t[0]) / STEPS_PART or 1.0, *addresses, 0 if tape is None else tape.steps,
+            float(t[0]), float(t[-1]), 0.0, 1,
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Prepared:
+    """Rates for certain parameters: the function as C calls it, its memory, what must stay alive
+    with it, and the integrator for these rates alone, if they are compiled."""
+
+    rate: _POINTER
+    memory: _POINTER
+    alive: Any
+    own: ctypes.CDLL | None = None
 
 
 class Field:
@@ -118,20 +166,22 @@ class Field:
         """States at ``t`` (N,) from ``start`` (X,) at ``t[0]``, with parameters ``p`` (P,) and a
         drive that runs straight between ``nodes``, times (K,) and values (K, drive); SI. The
         steps are written down on the ``tape``, if there is one."""
-        if self._done > COMPILING + COMPILING_EACH * len(self.code.steps):
-            self.compile()
         rows = np.full((t.size, start.size), np.nan)
-        task, count, reach, alive = _task(t, start, nodes, limits, rows, tape)
-        rate, memory, more = self._ready(np.ascontiguousarray(p, float))
-        if self._own is None:
-            status = self._library.integrate(rate, memory, ctypes.byref(task))
-        else:
-            status = self._own.integrate(memory, ctypes.byref(task))
-        del alive, more
-        done, accepted, rejected, evaluations = (int(number) for number in count)
+        desk = Desk(t, start, nodes, limits, rows, tape)
+        status = self.advance(desk, self.prepared(p))
+        done, accepted, rejected, evaluations = (int(number) for number in desk.count)
         rows[done:] = np.nan
-        self._done += evaluations * len(self.code.steps)
-        return Steps(rows, REASONS[status], reach, accepted, rejected, evaluations)
+        return Steps(rows, REASONS[status], desk.reach, accepted, rejected, evaluations)
+
+    def advance(self, desk: Desk, ready: Prepared) -> int:
+        """Integrate what lies on a desk; how it ended, a place in ``REASONS``."""
+        task = ctypes.byref(desk.task)
+        if ready.own is None:
+            status = self._library.integrate(ready.rate, ready.memory, task)
+        else:
+            status = ready.own.integrate(ready.memory, task)
+        self._done += int(desk.count[3]) * len(self.code.steps)
+        return int(status)
 
     def pull_back(
         self, tape: "Tape", steps: int, seed: Array, p: Array, t: Array, nodes: tuple[Array, Array]
@@ -141,21 +191,18 @@ class Field:
 
         These rates are not those that were integrated but, for x next to a weight of x', (2X,),
         their slopes by x, drive and free parameters, weighed."""
-        if self._done > COMPILING + COMPILING_EACH * len(self.code.steps):
-            self.compile()
         states, drives = seed.shape[1], nodes[1].shape[1]
         one = np.ones(states)
-        task, count, _, alive = _task(t, one, nodes, Tolerances(1, one, one, 1), seed, tape)
-        count[1] = steps
+        desk = Desk(t, one, nodes, Tolerances(1, one, one, 1), seed, tape)
+        desk.count[1] = steps
         free = self.code.results[0] - states - drives
         back, by_p, by_d = np.zeros(states), np.zeros(free), np.zeros(nodes[1].shape)
         work = np.zeros((2 * SLOPES + 4) * states + drives + free)
-        pull, memory, more = self._ready(np.ascontiguousarray(p, float))
+        pull = self.prepared(p)
         self._library.reverse(
-            pull, memory, ctypes.byref(task), ctypes.c_longlong(free),
+            pull.rate, pull.memory, ctypes.byref(desk.task), ctypes.c_longlong(free),
             *(_address(a) for a in (np.ascontiguousarray(seed), back, by_p, by_d, work)),
         )  # fmt: skip
-        del alive, more
         self._done += 12 * steps * len(self.code.steps)
         return back, by_p, by_d
 
@@ -164,12 +211,12 @@ class Field:
         parameters ``p`` (P,) that are the same for all; SI, (N, results)."""
         made = np.zeros((t.size, self.code.results[0]))
         width = np.array([x.shape[1], d.shape[1], made.shape[1]], np.int64)
-        rate, memory, alive = self._ready(np.ascontiguousarray(p, float))
+        ready = self.prepared(p)
         given = [np.ascontiguousarray(a, float) for a in (t, x, d)]
         self._library.rows(
-            rate, memory, ctypes.c_longlong(t.size), *(_address(a) for a in (width, *given, made))
-        )
-        del alive
+            ready.rate, ready.memory, ctypes.c_longlong(t.size),
+            *(_address(a) for a in (width, *given, made)),
+        )  # fmt: skip
         return made
 
     @property
@@ -185,38 +232,46 @@ class Field:
                 self._own = _library(machine_code(self.code))
         return self._own is not None
 
-    def _ready(self, p: Array) -> tuple[_POINTER, _POINTER, Any]:
-        """The function that computes the rates, its memory, and what must stay alive with it."""
-        if self._own is not None:
-            held = np.zeros(self._own.held() + 1)
-            self._own.prepare(p.ctypes.data_as(_POINTER), held.ctypes.data_as(_POINTER))
-            return ctypes.cast(self._own.rate, _POINTER), held.ctypes.data_as(_POINTER), held
+    def prepared(self, p: Array) -> Prepared:
+        """The rates for parameters ``p`` (P,), SI; compiled, once they have run so long that it
+        pays."""
+        if self._done > COMPILING + COMPILING_EACH * len(self.code.steps):
+            self.compile()
+        own, p = self._own, np.ascontiguousarray(p, float)
+        if own is not None:
+            held = np.zeros(own.held() + 1)
+            own.prepare(_address(p), _address(held))
+            return Prepared(ctypes.cast(own.rate, _POINTER), _address(held), held, own)
         before, inside, loads, stores, constants, fixed = self._arrays
         slots = np.zeros(self.code.size + 1)
         slots[constants[:, 0].astype(int)] = constants[:, 1]
         slots[fixed[:, 0]] = p[fixed[:, 1]]
-        at = slots.ctypes.data_as(_POINTER)
-        self._library.execute(ctypes.c_longlong(len(before)), _address(before), at)
+        self._library.execute(ctypes.c_longlong(len(before)), _address(before), _address(slots))
         listed = _List(
             slots.ctypes.data, *(a.ctypes.data for a in (inside, loads, stores)),
             len(inside), len(loads), len(stores), self.code.results[0],
         )  # fmt: skip
         memory = ctypes.cast(ctypes.byref(listed), _POINTER)
-        return ctypes.cast(self._library.interpret, _POINTER), memory, (slots, listed)
+        return Prepared(ctypes.cast(self._library.interpret, _POINTER), memory, (slots, listed))
 
 
 def field(form: StateForm) -> Field | None:
     """The rates of a machine for the explicit method; None without a compiler that works, or for
     rates that are not made of scalar operations."""
-    if _library(integrator_code()) is None or not form.rates().is_a("SXFunction"):
+    if not integrator_works() or not form.rates().is_a("SXFunction"):
         return None
     return kept(("field", form.key), lambda: field_of(rates_of(form)))
+
+
+def integrator_works() -> bool:
+    """Whether there is a C compiler, and it compiles."""
+    return _library(integrator_code()) is not None
 
 
 def compiler_fails() -> str:
     """A sentence if there is a C compiler that does not compile; else empty."""
     compiler = find_compiler()
-    if compiler is None or _library(integrator_code()) is not None:
+    if compiler is None or integrator_works():
         return ""
     return (
         f"the C compiler {Path(compiler[0]).name} could not compile, or the cache folder cannot be "
@@ -249,28 +304,6 @@ def rates_of(form: StateForm) -> ca.Function:
     f = len(form.free)
     slopes = ca.vertcat(x[f : 2 * f, 0], form.rates()(x, d, t, p, ca.SX.zeros(w.numel())))
     return ca.Function("field", [x, d, t, p], [ca.densify(slopes)], {"cse": True})
-
-
-def _task(
-    t: Array, start: Array, nodes: tuple[Array, Array], limits: Tolerances, rows: Array,
-    tape: Tape | None,
-) -> tuple[_Task, NDArray[np.int64], Array, list[NDArray[Any]]]:  # fmt: skip
-    """What to integrate; where it counts steps and says how far the states went; and the arrays
-    that must stay alive with it."""
-    given: list[NDArray[Any]] = [
-        np.ascontiguousarray(a, float)
-        for a in (*nodes, t, limits.absolute, limits.bound, start)
-    ]  # fmt: skip
-    count, reach = np.zeros(4, np.int64), np.zeros(start.size)
-    drive, work = np.zeros(nodes[1].shape[1] + 1), np.zeros(WORK * start.size)
-    given += [rows, work, drive, reach, count]
-    taped = [] if tape is None else [tape.stages, tape.times, tape.places]
-    addresses = [a.ctypes.data for a in (*given, *taped)] + [None] * (3 - len(taped))
-    task = _Task(
-        start.size, nodes[1].shape[1], nodes[0].size, t.size, limits.steps, limits.relative,
-        float(t[-1] - t[0]) / STEPS_PART or 1.0, *addresses, 0 if tape is None else tape.steps,
-    )  # fmt: skip
-    return task, count, reach, given
 
 
 def _lists(code: Program, same: tuple[bool, ...]) -> tuple[NDArray[Any], ...]:

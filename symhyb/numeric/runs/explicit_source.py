@@ -20,11 +20,14 @@ from symhyb.numeric.kernels.vector_source import (
     formula,
     number,
 )
-from symhyb.numeric.runs.dormand_prince import DENSE, ERRORS, NODES, STAGES
+from symhyb.numeric.runs.dormand_prince import DENSE, ERRORS, NODES, SLOPES, STAGES
+from symhyb.numeric.runs.explicit_reverse import reverse_code
 
-SLOPES = len(NODES)
 INLINE_MOST = 60  # instructions: each stage of a step gets its own copy of rates that are so short
-WORK = SLOPES + 3 + len(DENSE) + 3  # columns of states that the integrator needs to work in
+CURVE = 3 + len(DENSE)  # rows of the polynomial between the ends of a step
+WORK = 4 + SLOPES + CURVE + 1  # columns of states that the integrator needs to work in
+LOOKS = 4  # into a step that is watched
+DIPS = 0.1  # a minimum between looks that may lie below this share of what was seen is looked at
 
 _INTERPRETER = """
 #include <math.h>
@@ -58,76 +61,6 @@ void interpret(void *memory, double t, const double *x, const double *d, double 
 }}
 """
 
-# The steps of a tape backwards: what a change of the states at the outputs, weighed by seed, is in
-# terms of the start (back), the parameters and the nodes of the drive. pull: (x, weights of x'), d,
-# t -> the same weighed by the slopes of the rates by x, d and p. rows: such a function at N points.
-_REVERSE = """
-void rows(rate_type rate, void *memory, long long count, const long long *width, const double *t,
-          const double *x, const double *d, double *out) {{
-  for (long long i = 0; i < count; i++)
-    rate(memory, t[i], x + i * width[0], d + i * width[1], out + i * width[2]);
-}}
-void reverse(rate_type pull, void *memory, const struct task *r, long long parameters,
-             const double *seed, double *back, double *by_p, double *by_d, double *work) {{
-  const long long n = r->states, m = r->drives;
-  static const double c[{slopes}] = {{{nodes}}};
-  static const double a[{slopes}][{slopes}] = {{{rows}}}, dense[{dense}][{slopes}] = {{{upper}}};
-  double *z = work, *out = z + 2 * n, *plain = out + n + m + parameters, *y[{slopes}], *k[{slopes}];
-  for (int s = 0; s < {slopes}; s++) y[s] = plain + (1 + s) * n;
-  for (int s = 0; s < {slopes}; s++) k[s] = y[{slopes} - 1] + (1 + s) * n;
-  for (long long i = 0; i < n; i++) back[i] = 0;
-  for (long long step = r->count[1] - 1; step >= 0; step--) {{
-    const double t = r->tape_t[3 * step], h = r->tape_t[3 * step + 1];
-    const double end = r->tape_t[3 * step + 2];
-    const long long *place = r->tape_i + 3 * step, at = place[0];
-    const double first = m ? r->node_t[at] : 0, length = m ? r->node_t[at + 1] - first : 1;
-    int stages = 12;
-    memset(plain, 0, n * sizeof(double));
-    memset(k[0], 0, {slopes} * n * sizeof(double));
-    for (long long row = place[1]; row < place[2]; row++) {{
-      const double *here = seed + row * n;
-      if (r->t[row] == end) {{
-        for (long long i = 0; i < n; i++) back[i] += here[i];
-        continue;
-      }}
-      stages = {slopes};
-      const double s = (r->t[row] - t) / h, q = 1 - s, p1 = s * q, p2 = p1 * s, p3 = p2 * q;
-      const double p4 = p3 * s, p5 = p4 * q, p6 = p5 * s;
-      for (int j = 0; j < {slopes}; j++) {{
-        double w = a[12][j] * (s - p1 + 2 * p2) + dense[0][j] * p3 + dense[1][j] * p4
-                   + dense[2][j] * p5 + dense[3][j] * p6;
-        w += j == 0 ? p1 - p2 : j == 12 ? -p2 : 0;
-        for (long long i = 0; i < n; i++) k[j][i] += w * here[i];
-      }}
-      for (long long i = 0; i < n; i++) plain[i] += here[i];
-    }}
-    for (int s = 12; s < {slopes}; s++) memset(y[s], 0, n * sizeof(double));
-    if (stages == 12) memcpy(y[12], back, n * sizeof(double));
-    for (int s = stages - 1; s >= 0; s--) {{
-      memcpy(z, r->tape_x + ({slopes} * step + s) * n, n * sizeof(double));
-      for (long long i = 0; i < n; i++) {{
-        double sum = k[s][i];
-        for (int j = s + 1; j < {slopes}; j++) if (a[j][s] != 0) sum += a[j][s] * y[j][i];
-        z[n + i] = h * sum;
-      }}
-      hold(r, at, t + c[s] * h, r->drive);
-      pull(memory, t + c[s] * h, z, r->drive, out);
-      memcpy(y[s], out, n * sizeof(double));
-      if (s == 12) for (long long i = 0; i < n; i++) y[s][i] += back[i];
-      const double share = (t + c[s] * h - first) / length;
-      for (long long j = 0; j < m; j++) {{
-        by_d[at * m + j] += (1 - share) * out[n + j];
-        by_d[(at + 1) * m + j] += share * out[n + j];
-      }}
-      for (long long j = 0; j < parameters; j++) by_p[j] += out[n + m + j];
-    }}
-    memcpy(back, plain, n * sizeof(double));
-    for (int s = 0; s < {slopes}; s++) for (long long i = 0; i < n; i++) back[i] += y[s][i];
-  }}
-  for (long long i = 0; i < n; i++) back[i] += seed[i];
-}}
-"""
-
 # what the integrator calls: a function that it is handed, or the one that stands before it
 _ANY_MACHINE = """
 typedef void (*rate_type)(void *, double, const double *, const double *, double *);
@@ -149,11 +82,17 @@ void rate(void *memory, double t, const double *x, const double *d, double *slop
 
 # Times of outputs increase. The drive runs straight between its nodes, and no step reaches across
 # one: every step sees smooth rates. count: rows written, steps accepted and rejected, evaluations.
+# place: where the last step began and ended, its length, and how long the next wishes to be. Where
+# something is watched, it returns after a step in which that may have fallen through zero, before
+# the rows of that step.
 _INTEGRATOR = """
+typedef void (*watch_type)(void *, double, const double *, const double *, double *);
 struct task {{ long long states, drives, nodes, outputs, steps_most; double relative, longest;
   const double *node_t, *node_d, *t, *absolute, *bound, *start; double *x, *work, *drive,
-  *reach; long long *count; double *tape_x, *tape_t; long long *tape_i, tape_most; }};
-enum {{ DONE, WORK_MOST, STEP_LEAST, GROWN, TAPE_FULL }};
+  *reach; long long *count; double *place; double *tape_x, *tape_t; long long *tape_i, tape_most;
+  double begin, end, first; long long row, watches; watch_type watch; void *watch_memory;
+  double *seen; }};
+enum {{ DONE, WORK_MOST, STEP_LEAST, GROWN, TAPE_FULL, WATCHED }};
 static void hold(const struct task *r, long long k, double t, double *d) {{
   const long long m = DRIVES;
   if (!m) return;
@@ -185,27 +124,57 @@ static double first_step(RATE void *memory, const struct task *r, long long k, d
   h = fmin(100 * h, next);
   return isfinite(h) ? fmin(h, r->longest) : 1e-6;
 }}
+/* the state at a share s of a step from y, whose polynomial has these rows */
+static inline void between(long long n, double s, const double *y, const double *curve,
+                           double *to) {{
+  const double z = 1 - s;
+  const double *a = curve, *b = a + n, *c = b + n, *d = c + n, *e = d + n, *f = e + n, *g = f + n;
+  for (long long i = 0; i < n; i++)
+    to[i] = y[i] + s * (a[i] + z * (b[i] + s * (c[i] + z * (d[i] + s * (e[i]
+          + z * (f[i] + s * g[i]))))));
+}}
+/* whether a watch is not positive in one of the looks into a step, or may be between two */
+static int may_switch(const struct task *r, long long at, double t, double h, const double *y,
+                      const double *curve, double *z) {{
+  const long long w = r->watches;
+  for (int look = 1; look <= {looks}; look++) {{
+    const double s = look / {looks}.0;
+    between(STATES, s, y, curve, z);
+    hold(r, at, t + s * h, r->drive);
+    r->watch(r->watch_memory, t + s * h, z, r->drive, r->seen + look * w);
+  }}
+  for (long long k = w; k < ({looks} + 1) * w; k++) if (!(r->seen[k] > 0)) return 1;
+  for (long long k = w; k < {looks} * w; k++) {{
+    const double left = r->seen[k - w], middle = r->seen[k], right = r->seen[k + w];
+    const double bend = left - 2 * middle + right, slope = (right - left) / 2;
+    if (middle <= left && middle <= right && bend > 0
+        && middle - slope * slope / (2 * bend) < {dips} * middle) return 1;
+  }}
+  memcpy(r->seen, r->seen + {looks} * w, w * sizeof(double));
+  return 0;
+}}
 int integrate(RATE void *memory, const struct task *r) {{
   const long long n = STATES;
-  double *k[{slopes}], *c[{dense}], *y = r->work, *y1 = y + n, *e3 = y1 + n, *e5 = e3 + n;
-  double *p0 = e5 + n, *p1 = p0 + n, *d = r->drive;
-  for (int s = 0; s < {slopes}; s++) k[s] = p1 + (s + 1) * n;
-  for (int s = 0; s < {dense}; s++) c[s] = k[{slopes} - 1] + (s + 1) * n;
-  long long row = 1, at = 0, *count = r->count;
-  const double end = r->t[r->outputs - 1];
-  double t = r->t[0];
+  double *k[{slopes}], *y = r->work, *y1 = y + n, *e3 = y1 + n, *e5 = e3 + n, *d = r->drive;
+  for (int s = 0; s < {slopes}; s++) k[s] = e5 + (s + 1) * n;
+  double *const curve = k[{slopes} - 1] + n, *const looked = curve + {curve} * n;
+  long long row = r->row, at = 0, *count = r->count;
+  const double end = r->end;
+  double t = r->begin;
   memcpy(y, r->start, n * sizeof(double));
-  memcpy(r->x, y, n * sizeof(double));
+  if (row) memcpy(r->x, y, n * sizeof(double));
   for (long long i = 0; i < n; i++) r->reach[i] = fabs(y[i]);
-  count[0] = 1; count[1] = count[2] = 0; count[3] = 2;
+  count[0] = row; count[1] = count[2] = 0; count[3] = 2;
   while (at + 2 < r->nodes && r->node_t[at + 1] <= t) at++;
   hold(r, at, t, d);
   rate(memory, t, y, d, k[0]);
-  double wish = first_step(GIVEN memory, r, at, t, y, k[0], y1, k[1]);
+  double wish = r->first > 0 ? r->first : first_step(GIVEN memory, r, at, t, y, k[0], y1, k[1]);
+  if (r->watches) r->watch(r->watch_memory, t, y, d, r->seen);
   int rejected = 0;
   while (t < end) {{
+    r->place[0] = t;
     /* a tenth of the steps at first, all at the end: a run that crawls is given up soon */
-    const double share = 0.1 + 0.9 * (t - r->t[0]) / (end - r->t[0]);
+    const double share = 0.1 + 0.9 * (t - r->begin) / (end - r->begin);
     if ((double)(count[1] + count[2]) >= share * (double)r->steps_most) return WORK_MOST;
     if (r->tape_x && count[1] >= r->tape_most) return TAPE_FULL;
     const double wall = at + 2 < r->nodes ? fmin(r->node_t[at + 1], end) : end;
@@ -236,29 +205,33 @@ int integrate(RATE void *memory, const struct task *r) {{
       continue;
     }}
     const double next = last ? wall : t + h;
-    const long long first_row = row;
-    int ready = 0;
-    for (; row < r->outputs && r->t[row] <= next; row++, count[0]++) {{
-      double *to = r->x + row * n;
-      if (r->t[row] == next) {{
-        memcpy(to, y1, n * sizeof(double));
-        continue;
-      }}
-      if (!ready) {{
-        ready = 1;
-        count[3] += 3;
+    const double most = rejected ? 1.0 : 6.0;
+    const double grow = error > 0 ? fmin(most, fmax(1.0 / 3, 0.9 / eighth(error))) : most;
+    wish = last && !rejected ? fmax(wish, h * grow) : h * grow; /* a wall makes no step short */
+    rejected = 0;
+    r->place[1] = next;
+    r->place[2] = h;
+    r->place[3] = wish;
+    if (r->watches || (row < r->outputs && r->t[row] < next)) {{
+      double *const p0 = curve, *const p1 = p0 + n, *const p2 = p1 + n, *const c = p2 + n;
+      count[3] += 3;
 {more}
-        for (long long i = 0; i < n; i++) {{
-          p0[i] = y1[i] - y[i];
-          p1[i] = h * k[0][i] - p0[i];
-          e3[i] = 2 * p0[i] - h * (k[12][i] + k[0][i]);
+      for (long long i = 0; i < n; i++) {{
+        p0[i] = y1[i] - y[i];
+        p1[i] = h * k[0][i] - p0[i];
+        p2[i] = 2 * p0[i] - h * (k[12][i] + k[0][i]);
 {dense_rows}
-        }}
       }}
-      const double s = (r->t[row] - t) / h, z = 1 - s;
-      for (long long i = 0; i < n; i++)
-        to[i] = y[i] + s * (p0[i] + z * (p1[i] + s * (e3[i] + z * (c[0][i] + s * (c[1][i]
-              + z * (c[2][i] + s * c[3][i]))))));
+      if (r->watches && may_switch(r, at, t, h, y, curve, looked)) {{
+        count[1]++;
+        return WATCHED;
+      }}
+    }}
+    const long long first_row = row;
+    for (; row < r->outputs && r->t[row] <= next; row++, count[0]++) {{
+      double *const to = r->x + row * n;
+      if (r->t[row] == next) memcpy(to, y1, n * sizeof(double));
+      else between(n, (r->t[row] - t) / h, y, curve, to);
     }}
     if (stage) {{
       memcpy(stage, y, n * sizeof(double));
@@ -269,10 +242,6 @@ int integrate(RATE void *memory, const struct task *r) {{
       memcpy(r->tape_i + 3 * count[1], places, sizeof places);
     }}
     count[1]++;
-    const double most = rejected ? 1.0 : 6.0;
-    const double grow = error > 0 ? fmin(most, fmax(1.0 / 3, 0.9 / eighth(error))) : most;
-    wish = last && !rejected ? fmax(wish, h * grow) : h * grow; /* a wall makes no step short */
-    rejected = 0;
     for (long long i = 0; i < n; i++) {{
       const double far = fabs(y1[i]);
       if (!(far <= r->bound[i])) return GROWN;
@@ -290,13 +259,13 @@ int integrate(RATE void *memory, const struct task *r) {{
 
 def _integrator() -> str:
     stages = "\n".join(_stage(s, "y1") for s in range(1, 13))
-    more = "\n".join("    " + _stage(s, "p0") for s in range(13, SLOPES))
+    more = "\n".join("  " + _stage(s, "e5") for s in range(13, SLOPES))
     dense = "\n".join(
-        f"          c[{j}][i] = h * ({_sum(row)});" for j, row in enumerate(DENSE)
+        f"        c[{j} * n + i] = h * ({_sum(row)});" for j, row in enumerate(DENSE)
     )  # fmt: skip
     return _INTEGRATOR.format(
-        slopes=SLOPES, dense=len(DENSE), stages=stages, more=more, dense_rows=dense,
-        order_3=_sum(ERRORS[0]), order_5=_sum(ERRORS[1]),
+        slopes=SLOPES, curve=CURVE, looks=LOOKS, dips=DIPS, stages=stages, more=more,
+        dense_rows=dense, order_3=_sum(ERRORS[0]), order_5=_sum(ERRORS[1]),
     )  # fmt: skip
 
 
@@ -309,19 +278,7 @@ def integrator_code() -> str:
         for operation, form in sorted(forms.items())
     )
     interpreter = _INTERPRETER.format(tangent=HYPERBOLIC_TANGENT, cases=cases)
-    return interpreter + _ANY_MACHINE + _integrator() + _reverse()
-
-
-def _reverse() -> str:
-    def full(row: Sequence[tuple[int, float]]) -> str:
-        known = dict(row)
-        return ", ".join(repr(known.get(j, 0.0)) for j in range(SLOPES))
-
-    return _REVERSE.format(
-        slopes=SLOPES, dense=len(DENSE), nodes=", ".join(map(repr, NODES)),
-        rows=", ".join(f"{{{full(row)}}}" for row in STAGES),
-        upper=", ".join(f"{{{full(row)}}}" for row in DENSE),
-    )  # fmt: skip
+    return interpreter + _ANY_MACHINE + _integrator() + reverse_code()
 
 
 def _called(name: str) -> str:

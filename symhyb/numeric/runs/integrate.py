@@ -156,7 +156,8 @@ def _bent(scenario: Scenario, machine: Machine) -> Scenario:
 
 def _exact(form: StateForm, scenario: Scenario, drive: Array, start: Array, p: Array) -> Trajectory:
     """The run with located events."""
-    from symhyb.numeric.runs.events import Drive, is_stiff, locate_events
+    from symhyb.numeric.runs.driven import Drive
+    from symhyb.numeric.runs.events import is_stiff, locate_events
 
     if form.machine.constraints:
         text = "an exact run knows no constraints; leave out 'exact'"

@@ -1,0 +1,89 @@
+"""The C text that runs the steps of an explicit run backwards, for the slopes of what it gave."""
+
+from collections.abc import Sequence
+
+from symhyb.numeric.runs.dormand_prince import DENSE, NODES, SLOPES, STAGES
+
+# The steps of a tape backwards: what a change of the states at the outputs, weighed by seed, is in
+# terms of the start (back), the parameters and the nodes of the drive. pull: (x, weights of x'), d,
+# t -> the same weighed by the slopes of the rates by x, d and p. rows: such a function at N points.
+_REVERSE = """
+void rows(rate_type rate, void *memory, long long count, const long long *width, const double *t,
+          const double *x, const double *d, double *out) {{
+  for (long long i = 0; i < count; i++)
+    rate(memory, t[i], x + i * width[0], d + i * width[1], out + i * width[2]);
+}}
+void reverse(rate_type pull, void *memory, const struct task *r, long long parameters,
+             const double *seed, double *back, double *by_p, double *by_d, double *work) {{
+  const long long n = r->states, m = r->drives;
+  static const double c[{slopes}] = {{{nodes}}};
+  static const double a[{slopes}][{slopes}] = {{{rows}}}, dense[{dense}][{slopes}] = {{{upper}}};
+  double *z = work, *out = z + 2 * n, *plain = out + n + m + parameters, *y[{slopes}], *k[{slopes}];
+  for (int s = 0; s < {slopes}; s++) y[s] = plain + (1 + s) * n;
+  for (int s = 0; s < {slopes}; s++) k[s] = y[{slopes} - 1] + (1 + s) * n;
+  for (long long i = 0; i < n; i++) back[i] = 0;
+  for (long long step = r->count[1] - 1; step >= 0; step--) {{
+    const double t = r->tape_t[3 * step], h = r->tape_t[3 * step + 1];
+    const double end = r->tape_t[3 * step + 2];
+    const long long *place = r->tape_i + 3 * step, at = place[0];
+    const double first = m ? r->node_t[at] : 0, length = m ? r->node_t[at + 1] - first : 1;
+    int stages = 12;
+    memset(plain, 0, n * sizeof(double));
+    memset(k[0], 0, {slopes} * n * sizeof(double));
+    for (long long row = place[1]; row < place[2]; row++) {{
+      const double *here = seed + row * n;
+      if (r->t[row] == end) {{
+        for (long long i = 0; i < n; i++) back[i] += here[i];
+        continue;
+      }}
+      stages = {slopes};
+      const double s = (r->t[row] - t) / h, q = 1 - s, p1 = s * q, p2 = p1 * s, p3 = p2 * q;
+      const double p4 = p3 * s, p5 = p4 * q, p6 = p5 * s;
+      for (int j = 0; j < {slopes}; j++) {{
+        double w = a[12][j] * (s - p1 + 2 * p2) + dense[0][j] * p3 + dense[1][j] * p4
+                   + dense[2][j] * p5 + dense[3][j] * p6;
+        w += j == 0 ? p1 - p2 : j == 12 ? -p2 : 0;
+        for (long long i = 0; i < n; i++) k[j][i] += w * here[i];
+      }}
+      for (long long i = 0; i < n; i++) plain[i] += here[i];
+    }}
+    for (int s = 12; s < {slopes}; s++) memset(y[s], 0, n * sizeof(double));
+    if (stages == 12) memcpy(y[12], back, n * sizeof(double));
+    for (int s = stages - 1; s >= 0; s--) {{
+      memcpy(z, r->tape_x + ({slopes} * step + s) * n, n * sizeof(double));
+      for (long long i = 0; i < n; i++) {{
+        double sum = k[s][i];
+        for (int j = s + 1; j < {slopes}; j++) if (a[j][s] != 0) sum += a[j][s] * y[j][i];
+        z[n + i] = h * sum;
+      }}
+      hold(r, at, t + c[s] * h, r->drive);
+      pull(memory, t + c[s] * h, z, r->drive, out);
+      memcpy(y[s], out, n * sizeof(double));
+      if (s == 12) for (long long i = 0; i < n; i++) y[s][i] += back[i];
+      const double share = (t + c[s] * h - first) / length;
+      for (long long j = 0; j < m; j++) {{
+        by_d[at * m + j] += (1 - share) * out[n + j];
+        by_d[(at + 1) * m + j] += share * out[n + j];
+      }}
+      for (long long j = 0; j < parameters; j++) by_p[j] += out[n + m + j];
+    }}
+    memcpy(back, plain, n * sizeof(double));
+    for (int s = 0; s < {slopes}; s++) for (long long i = 0; i < n; i++) back[i] += y[s][i];
+  }}
+  for (long long i = 0; i < n; i++) back[i] += seed[i];
+}}
+"""
+
+
+def reverse_code() -> str:
+    """The C text of ``reverse`` and ``rows``, which stands behind the integrator."""
+
+    def full(row: Sequence[tuple[int, float]]) -> str:
+        known = dict(row)
+        return ", ".join(repr(known.get(j, 0.0)) for j in range(SLOPES))
+
+    return _REVERSE.format(
+        slopes=SLOPES, dense=len(DENSE), nodes=", ".join(map(repr, NODES)),
+        rows=", ".join(f"{{{full(row)}}}" for row in STAGES),
+        upper=", ".join(f"{{{full(row)}}}" for row in DENSE),
+    )  # fmt: skip
