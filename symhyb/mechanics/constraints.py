@@ -1,4 +1,4 @@
-"""What constraints ask for, in SymPy: rows c(q, t) that are zero, SI.
+r"""What constraints ask for, in SymPy: rows c(q, t), or speeds s(q, q', t), that are zero, SI.
 
     pin        b − a, a row for each component
     distance   |b − a| − length
@@ -13,7 +13,17 @@
               ─────────────── track
 
     equation   the expression itself
+    wheel      its lowest point touches the ground, and has no speed:
 
+          ^ n   / e axle          b = (n − (n·e) e) / |n − (n·e) e|     from the lowest point to
+          |    /                                                        the hub, across the axle
+        ( o )  hub, R = radius    0 = n·hub − height − R n·b            a disc with a sharp edge
+    ______v______ ground          0 = v_hub − R ω × b                   along the ground
+
+    ball       the same with b = n
+    nonholonomic   the speed itself, linear in the rates
+
+Source of the last three: Neimark and Fufaev, Dynamics of Nonholonomic Systems, 1972, ch. I.
 Sizes: m rows.
 """
 
@@ -21,7 +31,8 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from symhyb.mechanics.kinematics import Geometry, distance
+from symhyb.mechanics.attitude import ONE, ZERO, along, crossed
+from symhyb.mechanics.kinematics import Geometry, distance, rate_of
 from symhyb.mechanics.symbols import Symbols, to_sympy
 from symhyb.model.constraints import Constraint
 from symhyb.model.types import Model
@@ -33,11 +44,18 @@ AXES = "xyz"
 class Closure:
     """One row: its ``label`` (the name of the constraint, with the axis of a vector), and ``gap``,
     what is zero where the loop closes. λ acts towards a larger gap; ``pulls`` says that its
-    reaction is shown with the other sign, as the tension of a rod."""
+    reaction is shown with the other sign, as the tension of a rod. A nonholonomic row has no gap
+    but a speed that is zero: ``slip`` and the rate of ``path`` together."""
 
     label: str
     gap: sp.Expr
     pulls: bool = False
+    slip: sp.Expr | None = None
+    path: sp.Expr = ZERO
+
+    def speed(self, symbols: Symbols) -> sp.Expr | None:
+        """What a nonholonomic row holds at zero; None of another."""
+        return None if self.slip is None else rate_of(self.path, symbols) + self.slip
 
 
 def closures(model: Model, places: Geometry, symbols: Symbols) -> tuple[Closure, ...]:
@@ -66,7 +84,38 @@ def _rows(
             factor = values["ratio" if item.kind == "gear" else "radius"]
             offset = values.get("offset", _offset(item, model, factor, symbols))
             return (Closure(item.name, first - factor * second - offset),)
+        case "wheel" | "ball":
+            return _touching(item, model, places, values)
+        case "nonholonomic":
+            return (Closure(item.name, ZERO, slip=values["rate"]),)
     return (Closure(item.name, values["zero"]),)
+
+
+def _touching(
+    item: Constraint, model: Model, places: Geometry, values: dict[str, sp.Expr]
+) -> tuple[Closure, ...]:
+    """It touches the ground (one row) and does not slip there (two)."""
+    axes, (hub,) = dict(item.axes), item.names
+    up = AXES.index(axes["up"])
+    body = next(point.body for point in model.points if point.name == hub)
+    attitude = places.attitude(body)
+    normal = tuple(ONE if i == up else ZERO for i in range(3))
+    across = normal
+    if item.kind == "wheel":
+        axle = tuple(row[AXES.index(axes["axle"])] for row in attitude.axes)
+        upright = tuple(n - axle[up] * e for n, e in zip(normal, axle, strict=True))
+        across = tuple(part / sp.sqrt(1 - axle[up] ** 2) for part in upright)
+    radius, at = values["radius"], places.points[hub]
+    turned = crossed(along(attitude.axes, attitude.omega), across)
+    touch = at[up] - values.get("height", ZERO) - radius * across[up]
+    return (
+        Closure(f"{item.name}.touch", touch),
+        *(
+            Closure(f"{item.name}.{AXES[i]}", ZERO, slip=-radius * turned[i], path=at[i])
+            for i in range(3)
+            if i != up
+        ),
+    )
 
 
 def _components(name: str, gaps: list[sp.Expr]) -> tuple[Closure, ...]:

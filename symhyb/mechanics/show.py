@@ -106,7 +106,8 @@ def _matrices(model: Model, derived: Readable) -> Iterator[str]:
 def _held(derived: Readable) -> Iterator[str]:
     text = _Text({"full_prec": False}).doprint
     for row in derived.gaps:
-        yield from _wrapped(f"  {row.label}: 0 = ", text(row.gap))
+        speed = row.speed(derived.symbols)
+        yield from _wrapped(f"  {row.label}: 0 = ", text(row.gap if speed is None else speed))
 
 
 def _inner(derived: Readable) -> Iterator[str]:

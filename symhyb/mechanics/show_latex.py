@@ -40,8 +40,9 @@ def as_latex(model: Model, derived: Readable) -> str:
         for name, rate in derived.inner
     ]
     held = [
-        rf"0 &= {printer.doprint(row.gap)} && \text{{{_escaped(row.label)}}}"
+        rf"0 &= {printer.doprint(held)} && \text{{{_escaped(row.label)}}}"
         for row in derived.gaps
+        for held in (row.gap if row.slip is None else row.speed(derived.symbols),)
     ]
     used = [f"{names[item.symbol]} &= {printer.doprint(item.value)}" for item in derived.names]
     for title, rows in (

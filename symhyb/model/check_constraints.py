@@ -8,12 +8,15 @@ from symhyb.model.expression import Name, Number, names
 from symhyb.model.frames import point_faults
 from symhyb.model.scope import Scope, Use, expression_faults, unit_in
 from symhyb.model.source import Path
+from symhyb.model.space import dimension
 from symhyb.model.tables import Fault, shorten
 from symhyb.model.types import Model, On
 from symhyb.model.vocabulary import force_unit
 from symhyb.units import Unit, parse_unit
 
+TOUCHING = ("wheel", "ball")
 CONDITION = Use("a constraint", 0, False, True, rough=False)
+SPEED = Use("a nonholonomic constraint", 1, False, True, rough=False)
 
 
 def constraint_faults(
@@ -35,11 +38,18 @@ def constraint_faults(
         if unit is not None and not unit.same_dimension(parse_unit("m")):
             text = f"'{constraint.names[0]}' is in {unit}; what rolls goes a length"
             faults.append(((*path, "on"), f"{text}: name the length first, then the angle"))
+    if constraint.kind in TOUCHING and not faults:
+        faults += _touching_faults(constraint, model, path)
     yield from faults
     for key, value in constraint.values:
         needed = None if faults else _needed(constraint, key, scope)
-        yield from expression_faults((*path, key), value, scope, CONDITION, needed)
+        use = SPEED if key == "rate" else CONDITION
+        yield from expression_faults((*path, key), value, scope, use, needed)
     yield from _strength_faults(constraint, model, path)
+    rate = constraint.value("rate")
+    if rate is not None and not any(name.order for name in names(rate)):
+        cure = "a condition on places is an equation, with 'zero'"
+        yield (*path, "rate"), f"'{shorten(rate.text)}' contains no rate; {cure}"
     zero = constraint.value("zero")
     if zero is not None and not {name.name for name in names(zero)} & scope.coordinates:
         yield (*path, "zero"), f"'{shorten(zero.text)}' contains no coordinate; it holds nothing"
@@ -55,18 +65,19 @@ def held_unit(constraint: Constraint, model: Model, scope: Scope) -> Unit:
         return force_unit(model, On(constraint.names[0]))
     if CONSTRAINTS[constraint.kind].section == "points":
         return parse_unit("N")
-    zero = constraint.value("zero")
-    unit = None if zero is None else unit_in(zero, scope)
+    rate, zero = constraint.value("rate"), constraint.value("zero")
+    condition = rate if zero is None else zero
+    unit = None if condition is None else unit_in(condition, scope)
     if unit is None:
         raise LookupError(constraint.name)
-    return model.energy_unit / unit
+    return model.energy_unit / (unit if rate is None else unit * parse_unit("s"))
 
 
 def _needed(constraint: Constraint, key: str, scope: Scope) -> Unit | None:
     """The unit that a key must have; None where any will do, or where it cannot be told."""
-    if key == "length":
+    if key in ("length", "height") or constraint.kind in TOUCHING:
         return parse_unit("m")
-    if key == "zero":
+    if key in ("zero", "rate"):
         return None
     first, second = (scope.units.get(name) for name in constraint.names)
     if first is None or second is None:
@@ -84,8 +95,23 @@ def _strength_faults(constraint: Constraint, model: Model, path: Path) -> Iterat
         if key == "length" and plain is not None and plain <= 0:
             cure = "; two points in one place are a pin" if plain == 0 else ""
             yield (*path, key), f"is {plain:g}; a length must be positive{cure}"
+        elif constraint.kind in TOUCHING:
+            if plain is not None and plain <= 0:
+                yield (*path, key), f"is {plain:g}; the radius of what rolls must be positive"
         elif plain == 0:
             yield (*path, key), f"is 0; then '{constraint.names[1]}' moves nothing"
+
+
+def _touching_faults(constraint: Constraint, model: Model, path: Path) -> Iterator[Fault]:
+    """What rolls on the ground is fixed to a body in space, with an axle across the ground."""
+    if dimension(model) != 3:
+        cure = "in the plane a wheel is 'rolling', on a length and an angle"
+        yield (*path, "kind"), f"a {constraint.kind} rolls in space; {cure}"
+    (name,) = constraint.names
+    point = next(point for point in model.points if point.name == name)
+    if not point.body:
+        text = f"the point '{name}' is fixed to no body; a {constraint.kind} turns with one"
+        yield (*path, "point"), f"{text}: give the point a body"
 
 
 def _plain(tree: object, model: Model) -> float | None:

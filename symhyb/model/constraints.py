@@ -1,7 +1,9 @@
-"""What holds a closed loop together: conditions on positions, as the file says them.
+"""What holds a closed loop together, and what rolls: conditions as the file says them.
 
 A constraint is one or more expressions c(q, t) that are zero: the two components of b − a of a pin,
 the deviation of a distance, of a point from a line, of one coordinate from what another makes it.
+A nonholonomic one is a speed s(q, q', t), linear in the rates, that is zero: of a wheel or a ball
+in space where it touches the ground.
 """
 
 from collections.abc import Mapping
@@ -14,12 +16,14 @@ from symhyb.model.expression import Expression
 class ConstraintKind:
     """A kind of constraint: the keys under which it names places, with how many names each takes
     (1: a plain text) and in which section they are declared, then its keys with expressions; those
-    in ``needs`` must be set."""
+    in ``needs`` must be set; ``axes`` are keys that name an axis, with their defaults (empty: must
+    be set)."""
 
     places: tuple[tuple[str, int], ...]
     section: str
     keys: tuple[str, ...] = ()
     needs: tuple[str, ...] = ()
+    axes: tuple[tuple[str, str], ...] = ()
 
 
 CONSTRAINTS: Mapping[str, ConstraintKind] = {
@@ -29,6 +33,13 @@ CONSTRAINTS: Mapping[str, ConstraintKind] = {
     "gear": ConstraintKind((("on", 2),), "coordinates", ("ratio", "offset"), ("ratio",)),
     "rolling": ConstraintKind((("on", 2),), "coordinates", ("radius", "offset"), ("radius",)),
     "equation": ConstraintKind((), "", ("zero",), ("zero",)),
+    "wheel": ConstraintKind(
+        (("point", 1),), "points", ("radius", "height"), ("radius",), (("axle", ""), ("up", "z"))
+    ),
+    "ball": ConstraintKind(
+        (("point", 1),), "points", ("radius", "height"), ("radius",), (("up", "z"),)
+    ),
+    "nonholonomic": ConstraintKind((), "", ("rate",), ("rate",)),
 }
 """The kinds, in the order of the documentation."""
 
@@ -36,7 +47,8 @@ CONSTRAINTS: Mapping[str, ConstraintKind] = {
 @dataclass(frozen=True, slots=True)
 class Constraint:
     """One condition of ``kind``. ``names`` are the points or coordinates in the order of the kind's
-    places (of a slider the point, then the two of the line), ``values`` its keys with expressions.
+    places (of a slider the point, then the two of the line), ``values`` its keys with expressions,
+    ``axes`` those that name one of x, y and z.
     """
 
     name: str
@@ -44,6 +56,7 @@ class Constraint:
     names: tuple[str, ...]
     values: tuple[tuple[str, Expression], ...] = ()
     about: str = ""
+    axes: tuple[tuple[str, str], ...] = ()
 
     def value(self, key: str) -> Expression | None:
         """The expression under ``key``, or None where the file leaves it unset."""

@@ -4,18 +4,21 @@ from symhyb.errors import did_you_mean
 from symhyb.model.constraints import CONSTRAINTS, Constraint, ConstraintKind
 from symhyb.model.tables import Table, describe, shorten
 
+PLAIN = {"zero": "equation", "rate": "nonholonomic"}  # keys that tell the kind
+
 
 def read_constraint(table: Table) -> Constraint | None:
     """Read one constraint, None if its kind or what it holds together cannot be told."""
-    plain = "zero" in table.entries and table.lacks("kind")
-    name = "equation" if plain else table.text("kind", required=True)
+    plain = next((PLAIN[key] for key in PLAIN if key in table.entries), None)
+    name = plain if plain and table.lacks("kind") else table.text("kind", required=True)
     if name is not None and name not in CONSTRAINTS:
         cure = did_you_mean(name, list(CONSTRAINTS))
         table.fault(f"'{shorten(name)}' is not a known kind of constraint{cure}", "kind")
     if name is None or name not in CONSTRAINTS:
         return None
     kind = CONSTRAINTS[name]
-    table = table.checked(("kind", *(key for key, _ in kind.places), *kind.keys, "about"))
+    keys = (*(key for key, _ in kind.places), *kind.keys, *(key for key, _ in kind.axes))
+    table = table.checked(("kind", *keys, "about"))
     names = _names(table, kind)
     about = table.about()
     values = [(key, table.expression(key)) for key in kind.keys]
@@ -23,9 +26,24 @@ def read_constraint(table: Table) -> Constraint | None:
         if table.lacks(key):
             table.fault(f"'{key}' is missing: a {name} needs it")
     given = {key: value for key, value in values if value is not None}
+    axes = [(key, _axis(table, key, default)) for key, default in kind.axes]
     if names is None or any(key not in given for key in kind.needs):
         return None
-    return Constraint(table.path[-1], name, names, tuple(given.items()), about)
+    told = tuple((key, axis) for key, axis in axes if axis is not None)
+    if len(told) < len(axes):
+        return None
+    return Constraint(table.path[-1], name, names, tuple(given.items()), about, told)
+
+
+def _axis(table: Table, key: str, default: str) -> str | None:
+    """x, y or z, None with a fault where the file says something else, or nothing."""
+    if key not in table.entries and default:
+        return default
+    name = table.text(key, required=True)
+    if name is not None and name not in ("x", "y", "z"):
+        table.fault(f"'{shorten(name)}' is no axis: x, y or z", key)
+        return None
+    return name
 
 
 def _names(table: Table, kind: ConstraintKind) -> tuple[str, ...] | None:

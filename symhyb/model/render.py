@@ -210,6 +210,7 @@ def _constraint_entries(constraint: Constraint) -> Iterator[tuple[str, str]]:
         own = [next(names) for _ in range(count)]
         yield key, _toml(own if count > 1 else own[0])
     yield from ((key, _toml(value)) for key, value in constraint.values)
+    yield from ((key, _toml(axis)) for key, axis in constraint.axes)
     yield "about", _toml(constraint.about)
 
 

@@ -149,8 +149,8 @@ def _fit_faults(path: Path, reading: Reading, model: Model) -> Iterator[Fault]:
                 yield path, f"{text}: write imposed = true in coordinates.{name}"
             elif name not in _coordinates(model):
                 kind = next((c.kind for c in model.constraints if c.name == name), "")
-                if kind == "pin":
-                    text = f"the reaction of the pin '{name}' is a vector"
+                if kind in ("pin", "wheel", "ball"):
+                    text = f"the reaction of the {kind} '{name}' is a vector"
                     yield path, f"{text}; put a sensor of one force there, as a distance has it"
 
 

@@ -38,8 +38,9 @@ SPREAD: dict[str, tuple[tuple[float, ...], float, tuple[float, ...]]] = {
     "maglev": ((2e-3, 1e-2), 1e-2, (1.0,)),
 }
 NAMES = sorted(SPREAD)
-IN_SPACE = {"gyroscope", "furuta_pendulum", "quadrotor", "six_joint_arm"}
-"""Verified in test_models_in_space.py, against MuJoCo and Newton's and Euler's equations."""
+IN_SPACE = {"gyroscope", "furuta_pendulum", "quadrotor", "six_joint_arm", "bicycle"}
+"""Verified in test_models_in_space.py, against MuJoCo and Newton's and Euler's equations; the
+bicycle in numeric/test_rolling.py."""
 PERIODS = 10  # the length of a run, in the times of SPREAD
 INNER = 3e-3  # m: how far the state of the damper on the rig moves
 

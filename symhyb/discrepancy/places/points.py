@@ -82,8 +82,9 @@ def _moving_closed(machine: Machine, q: Array, t: Array) -> tuple[int, ...]:
     still, p = np.zeros_like(q), machine.values
     q = closed(machine, (q, still, still), t, p, machine.imposed).q
     held = tangent(machine, q, still, t, p, machine.imposed)
-    half, free = held.basis.shape[2] // 2, list(machine.free)
-    along_free = held.basis[:, : len(free), :half]
+    free = list(machine.free)
+    first = held.basis.shape[2] - max(len(free) - machine.constraints, 0)
+    along_free = held.basis[:, len(free) :, first:]
     seen = [part[:, None] * part[:, :, None] for part in along_free.swapaxes(0, 1)]
     chosen: list[int] = []
     for i, inertia in enumerate(_inertias(machine, q, t)):

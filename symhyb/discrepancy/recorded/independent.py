@@ -15,7 +15,7 @@ import numpy as np
 
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.lowered.machine import Machine
-from symhyb.numeric.lowered.manifold import closed, gaps_of, inverse_of
+from symhyb.numeric.lowered.manifold import closed, gaps_of, inverse_of, placing
 
 ENLARGED_MOST = 20.0  # of the share of its motion that a coordinate makes another move
 CHOICES_MOST = 300
@@ -63,9 +63,10 @@ class Independent:
 
 def independent(machine: Machine, q: Array, t: Array) -> Independent | None:
     """The coordinates that determine all others along places ``q`` (N, n) at ``t`` (N,), SI; None
-    where no choice does so everywhere."""
+    where no choice does so everywhere: never with a nonholonomic constraint, under which places
+    depend on the way that led there."""
     free, c = list(machine.free), machine.constraints
-    if c > len(free):
+    if c > len(free) or len(placing(machine)) < c:
         return None
     rows = np.unique(np.linspace(0, t.size - 1, min(t.size, ROWS_MOST)).astype(int))
     still = np.zeros_like(q[rows])
@@ -103,6 +104,7 @@ def placed_with(machine: Machine, q: Array, t: Array, shown: Array) -> Array:
     rows = np.unique(np.linspace(0, min(t.size - 1, 50), 5).astype(int))
     still = np.zeros_like(q[rows])
     slope = gaps_of(machine, q[rows], still, still, t[rows], machine.values).slope
+    slope = slope[:, placing(machine)]
     placed = np.zeros(machine.n)
     for both in np.concatenate([shown[rows], slope], axis=1):
         scaled = both / np.maximum(np.linalg.norm(both, axis=1, keepdims=True), 1e-300)

@@ -26,7 +26,7 @@ from symhyb.model.types import Energy
 from symhyb.numeric.kernels.buffers import Array, call, later
 from symhyb.numeric.kernels.vector import along
 from symhyb.numeric.lowered.machine import Machine, build
-from symhyb.numeric.lowered.manifold import closed, gaps_of
+from symhyb.numeric.lowered.manifold import closed, gaps_of, placing
 
 SPACINGS = (1.3, 1.6, 2, 3, 4, 6, 8, 11, 16, 23, 32, 45, 64, 91, 128)  # samples between two knots
 GUIDE_FIRST = 0.01  # of what acts: the force that a model may lack at first, where it must guide
@@ -378,8 +378,11 @@ def _sense(
     shaped = tuple(s.reshape(total, n, m).transpose(0, 2, 1) for s in slopes)
     if machine.constraints and closing:
         gaps = gaps_of(machine, q, v, a, t, machine.values)
-        y, m = np.concatenate([y.reshape(total, m), gaps.gap], axis=1), m + machine.constraints
-        held = gaps.slope, 0 * gaps.slope, 0 * gaps.slope
+        places = np.isin(np.arange(machine.constraints), placing(machine))
+        left = np.where(places, gaps.gap, gaps.rate)
+        y, m = np.concatenate([y.reshape(total, m), left], axis=1), m + machine.constraints
+        on = places[:, None]  # of a nonholonomic row the speed is held, of others the place
+        held = np.where(on, gaps.slope, gaps.turn), np.where(on, 0, gaps.slope), 0 * gaps.slope
         shaped = tuple(np.concatenate(pair, axis=1) for pair in zip(shaped, held, strict=True))
     if not guided:
         return y.reshape(total, m), shaped

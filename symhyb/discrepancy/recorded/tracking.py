@@ -12,13 +12,14 @@ from numpy.typing import NDArray
 
 from symhyb.numeric.kernels.buffers import Array, call
 from symhyb.numeric.lowered.machine import Machine
-from symhyb.numeric.lowered.manifold import gaps_of, shown_at
+from symhyb.numeric.lowered.manifold import gaps_of, placing, shown_at
 
 ROWS_MOST = 3000
 APPROACH = 40  # steps from the declared start to where the recording begins
 ROUNDS = 4
 HOLD = 1e-3  # of a sensor's weight: how much the motion before counts
 SHARE_LEAST = 1e-3  # of what a coordinate moves from sample to sample: its noise at least
+SLIP = 10  # samples over which a speed that should be zero may add up to the noise of a place
 FIRM = 1e3  # how much more a constraint counts than a sensor
 
 
@@ -85,4 +86,6 @@ def firmness(machine: Machine, q: Array, t: Array, noise: Array) -> Array:
     size = np.sqrt(np.mean(slope**2, axis=0))
     least = SHARE_LEAST * np.std(np.diff(q, axis=0), axis=0)
     level = np.max(size * np.maximum(noise, least), axis=1)
+    speeds = np.isin(np.arange(level.size), placing(machine), invert=True)
+    level[speeds] /= SLIP * float(np.median(np.diff(t)))
     return np.asarray(1 / np.where(level > 0, level, 1.0))

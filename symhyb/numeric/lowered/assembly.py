@@ -44,6 +44,15 @@ class _Gaps:
         gap, rate, _, slope, _ = call(self.function, (q, v, 0 * q, 0.0, self.p))
         return gap[0], rate[0], slope.T
 
+    def placing(self) -> list[int]:
+        """The rows that hold places; the others are nonholonomic."""
+        return placing_rows(self.function)
+
+
+def placing_rows(closure: ca.Function) -> list[int]:
+    """The rows of a ``closure`` that hold places; the others are nonholonomic."""
+    return sorted(set(closure.jac_sparsity(0, 0).get_triplet()[0]))
+
 
 def constraints_key(model: Model) -> tuple[object, ...]:
     """What the functions of constraints depend on, beside names: the starts that a gear without an
@@ -170,10 +179,11 @@ def _newton(gaps: _Gaps, q: Array, movable: NDArray[np.bool_]) -> tuple[Array, A
     """Places (n,) moved by shortest Newton steps until c (m,) is 0 or no step makes it smaller."""
     q, still = q.copy(), np.zeros_like(q)
     gap, _, slope = gaps.at(q, still)
+    rows = gaps.placing()
     for _ in range(STEPS_MOST if movable.any() else 0):
         if _small(gap, q) or not np.isfinite(slope).all():
             break
-        step = np.linalg.lstsq(slope[:, movable], gap, rcond=1e-8)[0]
+        step = np.linalg.lstsq(slope[rows][:, movable], gap[rows], rcond=1e-8)[0]
         for share in SHARES:
             trial = q.copy()
             trial[movable] -= share * step
@@ -254,8 +264,20 @@ def _beside(gaps: _Gaps, q: Array) -> list[Array]:
 
 
 def _require_hold(gaps: _Gaps, q: Array, free: NDArray[np.bool_]) -> None:
-    """Every row must depend on something that is free to move."""
-    slope = gaps.function.jac_sparsity(0, 0)
+    """Every row must depend on something that is free to move; speeds linearly on rates."""
+    bent = sorted(set(gaps.function.jac_sparsity(3, 1).get_triplet()[0]))
+    problems = [
+        Problem(
+            "is not linear in the rates: a nonholonomic constraint is a sum of rates, each times a "
+            "factor of places, parameters and time",
+            f"constraints.{gaps.labels[row % len(gaps.labels)]}",
+            gaps.model.file,
+        )
+        for row in bent
+    ]
+    if problems:
+        raise InputError(dict.fromkeys(problems))
+    slope = gaps.function.jac_sparsity(1, 1)
     held = {int(row) for row, column in zip(*slope.get_triplet(), strict=True) if free[column]}
     idle = [label for i, label in enumerate(gaps.labels) if i not in held]
     gap = gaps.at(q, 0 * q)[0]

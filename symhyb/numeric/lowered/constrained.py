@@ -1,7 +1,7 @@
 """Constraints in the equations of motion: closed loops by a stabilised formulation of index 1.
 
-    M a + k_c = k_e + ΔF + Jᵀλ        J = ∂c/∂q
-    J a + γ   = −2α ċ − α² c          c̈ = J a + γ
+    M a + k_c = k_e + ΔF + Jᵀλ        J = ∂ċ/∂q', which is ∂c/∂q where there is a c
+    J a + γ   = −2α ċ − α² c          c̈ = J a + γ;   nonholonomic: −α ċ
 
 The reactions λ follow from the Schur complement J M⁻¹ Jᵀ by LDLᵀ, as M itself; the right-hand side
 of the second line pulls what rounding and the integrator leave of c back to 0 (Baumgarte, Computer
@@ -27,7 +27,8 @@ PULL = 20.0  # α, 1/s: what a step leaves of c is gone within a tenth of a seco
 @dataclass(frozen=True, slots=True)
 class Loops:
     """The rows of constraints as SX: ``gap`` c, ``rate`` ċ and ``turn`` γ (m each), ``slope`` J
-    (m, n), with their ``labels`` and the ``signs`` of their reactions as sensors show them."""
+    (m, n), with their ``labels`` and the ``signs`` of their reactions as sensors show them. Of a
+    nonholonomic row (``speeds``) ċ is the speed that it holds at zero, and c is 0."""
 
     gap: ca.SX
     rate: ca.SX
@@ -35,11 +36,14 @@ class Loops:
     turn: ca.SX
     labels: tuple[str, ...]
     signs: ca.DM
+    speeds: tuple[int, ...] = ()
 
     def wanted(self, pulled: bool) -> ca.SX:
         """What J a has to be (m,)."""
-        pull = 2 * PULL * self.rate + PULL**2 * self.gap if pulled else 0
-        return -self.turn - pull
+        if not pulled:
+            return -self.turn
+        damped = [PULL if row in self.speeds else 2 * PULL for row in range(self.gap.numel())]
+        return -self.turn - ca.DM(damped) * self.rate - PULL**2 * self.gap
 
 
 def loops_of(
@@ -50,10 +54,14 @@ def loops_of(
     if not kept:
         return None
     gap = low.column([row.gap for row in kept])
-    rate = low.rate(gap)
+    rate = low.rate(low.column([row.gap if row.slip is None else row.path for row in kept]))
+    slips = [(i, row.slip) for i, row in enumerate(kept) if row.slip is not None]
+    for (i, _), slip in zip(slips, ca.vertsplit(low.column([s for _, s in slips])), strict=True):
+        rate[i] += slip
     signs = ca.DM([-1.0 if row.pulls else 1.0 for row in kept])
     labels = tuple(row.label for row in kept)
-    return Loops(gap, rate, ca.jacobian(gap, low.q), low.rate(rate), labels, signs)
+    slope, turn, speeds = ca.jacobian(rate, low.v), low.rate(rate), tuple(i for i, _ in slips)
+    return Loops(gap, rate, slope, turn, labels, signs, speeds)
 
 
 def lowered_closure(low: "Lowered", loops: Loops) -> dict[str, ca.Function]:

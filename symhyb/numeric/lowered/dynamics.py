@@ -23,6 +23,7 @@ from symhyb.model.types import Input, Sensor
 from symhyb.numeric.kernels.buffers import Array, resampled
 from symhyb.numeric.kernels.memory import kept
 from symhyb.numeric.lowered.machine import Machine, structure_of
+from symhyb.numeric.lowered.manifold import placing
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +49,8 @@ class StateForm:
     def moving(self) -> int:
         """How many directions places and speeds have: twice the free coordinates, less what
         constraints hold."""
-        return 2 * max(len(self.free) - self.machine.constraints, 0)
+        f, m = len(self.free), self.machine.constraints
+        return max(f - len(placing(self.machine)), 0) + max(f - m, 0)
 
     @property
     def inputs(self) -> int:

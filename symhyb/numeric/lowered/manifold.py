@@ -1,6 +1,6 @@
 """Motion that meets the constraints of a machine: projected onto them, and free directions.
 
-    c(q, t) = 0,   J v + ∂c/∂t = 0,   J a + γ = 0        J = ∂c/∂q
+    c(q, t) = 0,   J v + ∂c/∂t = 0,   J a + γ = 0        J = ∂c/∂q, or nonholonomic: no c
 
 Places are projected by Newton steps, speeds and accelerations by one each, along W Jᵀ (W: how
 easily each coordinate moves; 1 by default). Coordinates that are given stay. Sizes: N rows, n
@@ -16,6 +16,7 @@ import numpy as np
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.kernels.memory import kept
 from symhyb.numeric.kernels.vector import along
+from symhyb.numeric.lowered.assembly import placing_rows
 from symhyb.numeric.lowered.machine import Machine, structure_of
 
 STEPS = 12
@@ -33,6 +34,14 @@ class Gaps:
     bend: Array
     slope: Array
     turn: Array
+
+
+def placing(machine: Machine) -> list[int]:
+    """The rows of constraints that hold places; the others, nonholonomic, hold speeds alone."""
+    closure = machine.closure
+    if closure is None:
+        return []
+    return kept(("placing", structure_of(machine.model)), lambda: placing_rows(closure))
 
 
 def gaps_of(machine: Machine, q: Array, v: Array, a: Array, t: Array, p: Array) -> Gaps:
@@ -55,8 +64,8 @@ class Closed:
 
 
 def shown_at(machine: Machine) -> ca.Function:
-    """(q, u, t, p) -> what sensors of places show (m,), its slopes (m, n), what constraints leave
-    open (c,), its slopes J (c, n)."""
+    """(q, u, t, p) -> what sensors of places show (m,), its slopes (m, n), what constraints of
+    places leave open (c,), its slopes J (c, n)."""
     return kept(("shown", structure_of(machine.model)), lambda: _shown_at(machine))
 
 
@@ -67,6 +76,8 @@ def _shown_at(machine: Machine) -> ca.Function:
     still, z = ca.SX.zeros(machine.n), ca.SX.zeros(machine.inner_states)
     y = machine.outputs(q, still, still, z, u, t, p)
     gap, _, _, slope, _ = machine.closure(q, still, still, t, p)
+    rows = placing_rows(machine.closure)
+    gap, slope = gap[rows], slope[rows, :]
     parts = [ca.densify(part) for part in (y, ca.jacobian(y, q), gap, slope)]
     return ca.Function("shown", [q, u, t, p], parts, {"cse": True})
 
@@ -81,12 +92,12 @@ def closed(
     q, v, a = (part.copy() for part in motion)
     free = [i for i in range(machine.n) if i not in given]
     weight = np.ones(len(free)) if ease is None else ease[free]
-    now = gaps_of(machine, q, v, a, t, p)
+    now, rows = gaps_of(machine, q, v, a, t, p), placing(machine)
     for _ in range(STEPS):
         size = 1 + np.abs(q).max(axis=1, keepdims=True, initial=0.0)
         if np.all(np.abs(now.gap) <= CLOSED * size):
             break
-        q[:, free] -= _back(now.slope[:, :, free], now.gap, weight)
+        q[:, free] -= _back(now.slope[:, rows][:, :, free], now.gap[:, rows], weight)
         now = gaps_of(machine, q, v, a, t, p)
     inverse = _inverse(now.slope[:, :, free], weight)
     v[:, free] -= (inverse @ now.rate[..., None])[..., 0]
@@ -136,8 +147,9 @@ def free_part(machine: Machine, q: Array, t: Array, p: Array, forces: Array) -> 
 
 @dataclass(frozen=True, slots=True)
 class Tangent:
-    """Free directions at states on the constraints, SI: ``basis`` (N, 2f, 2(f − m)) of (q, v), and
-    ``by_p`` (N, 2f, F): how the nearest state moves with parameters."""
+    """Free directions at states on the constraints, SI: ``basis`` (N, 2f, 2f − m − h) of (q, v),
+    where h of the m rows hold places, and ``by_p`` (N, 2f, F): how the nearest state moves with
+    parameters. The first f − h directions move places."""
 
     basis: Array
     by_p: Array
@@ -152,18 +164,20 @@ def tangent(
     J δq + c_p δp = 0,   J δv + (∂ċ/∂q) δq + ċ_p δp = 0
     """
     assert machine.closure_slopes is not None
-    total, m = t.size, machine.constraints
+    total, m, rows = t.size, machine.constraints, placing(machine)
     free = [i for i in range(machine.n) if i not in given]
     f = len(free)
     now = gaps_of(machine, q, v, 0 * v, t, p)
     slope, turn = now.slope[:, :, free], now.turn[:, :, free]
     slope = np.where(np.isfinite(slope), slope, 0.0)
     inverse = inverse_of(slope)
-    null = np.linalg.svd(slope)[2][:, min(m, f) :].swapaxes(1, 2)
-    r = null.shape[2]
-    basis = np.zeros((total, 2 * f, 2 * r))
-    basis[:, :f, :r] = null
-    basis[:, f:, :r] = -inverse @ (turn @ null)
+    moves = null = np.linalg.svd(slope)[2][:, min(m, f) :].swapaxes(1, 2)
+    if len(rows) < m:  # places may move where speeds may not
+        moves = np.linalg.svd(slope[:, rows])[2][:, min(len(rows), f) :].swapaxes(1, 2)
+    r = moves.shape[2]
+    basis = np.zeros((total, 2 * f, r + null.shape[2]))
+    basis[:, :f, :r] = moves
+    basis[:, f:, :r] = -inverse @ (turn @ moves)
     basis[:, f:, r:] = null
     by_p = np.zeros((total, 2 * f, len(chosen)))
     if chosen:
@@ -171,6 +185,7 @@ def tangent(
         gap, rate = (
             part.reshape(total, -1, m).swapaxes(1, 2)[:, :, list(chosen)] for part in parts
         )
-        by_p[:, :f] = -inverse @ gap
+        placed = inverse_of(slope[:, rows]) if len(rows) < m else inverse
+        by_p[:, :f] = -placed @ gap[:, rows]
         by_p[:, f:] = -inverse @ (rate + turn @ by_p[:, :f])
     return Tangent(basis, by_p)

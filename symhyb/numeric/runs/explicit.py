@@ -25,6 +25,7 @@ from symhyb.numeric.kernels.compiled import find_compiler, shared_library
 from symhyb.numeric.kernels.instructions import NOTHING, Program, program
 from symhyb.numeric.kernels.memory import kept
 from symhyb.numeric.kernels.vector_c import processor
+from symhyb.numeric.lowered.constrained import PULL
 from symhyb.numeric.lowered.dynamics import StateForm
 from symhyb.numeric.runs.dormand_prince import SLOPES
 from symhyb.numeric.runs.explicit_source import WORK, integrator_code, machine_code
@@ -33,6 +34,7 @@ FLAGS = ("-O3", "-fno-math-errno", "-fno-trapping-math", "-ffp-contract=off")
 STEPS_PART = 100  # a run has at least so many steps: what happens briefly is not stepped over
 COMPILING, COMPILING_EACH = 50_000_000, 100_000  # what compiling costs, in instructions run
 INSTRUCTIONS_MOST = 20_000  # above, compiling takes minutes
+STABLE = 3.0  # a decay times the longest step; twice that is stable
 COLLINEAR = 1e-12  # of the range of a drive: a bend that is rounding
 REASONS = (
     "",
@@ -161,13 +163,14 @@ class Field:
 
     def integrate(
         self, t: Array, start: Array, p: Array, nodes: tuple[Array, Array], limits: Tolerances,
-        tape: "Tape | None" = None,
+        tape: "Tape | None" = None, longest: float = np.inf,
     ) -> Steps:  # fmt: skip
         """States at ``t`` (N,) from ``start`` (X,) at ``t[0]``, with parameters ``p`` (P,) and a
-        drive that runs straight between ``nodes``, times (K,) and values (K, drive); SI. The
-        steps are written down on the ``tape``, if there is one."""
+        drive that runs straight between ``nodes``, times (K,) and values (K, drive), in steps that
+        are at most ``longest`` s; SI. They are written down on the ``tape``, if there is one."""
         rows = np.full((t.size, start.size), np.nan)
         desk = Desk(t, start, nodes, limits, rows, tape)
+        desk.task.longest = min(desk.task.longest, longest)
         status = self.advance(desk, self.prepared(p))
         done, accepted, rejected, evaluations = (int(number) for number in desk.count)
         rows[done:] = np.nan
@@ -266,6 +269,12 @@ def field(form: StateForm) -> Field | None:
 def integrator_works() -> bool:
     """Whether there is a C compiler, and it compiles."""
     return _library(integrator_code()) is not None
+
+
+def longest_step(form: StateForm) -> float:
+    """What no step of an explicit run may exceed, s: stabilised constraints decay within a tenth of
+    a second, and where a step barely follows that, outputs between its ends do not."""
+    return STABLE / PULL if form.machine.constraints else np.inf
 
 
 def compiler_fails() -> str:

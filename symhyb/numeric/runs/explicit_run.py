@@ -27,13 +27,15 @@ GROWN = 1e6  # scales
 @dataclass(frozen=True, slots=True)
 class Course:
     """What to integrate, SI: outputs ``t`` (N,), ``start`` (X,), parameters ``p`` (P,), and the
-    drive (K, drive) at times ``t_u`` (K,), straight between them."""
+    drive (K, drive) at times ``t_u`` (K,), straight between them; no step is longer than
+    ``longest`` s."""
 
     t: Array
     start: Array
     p: Array
     t_u: Array
     drive: Array
+    longest: float = np.inf
 
 
 def explicit_states(
@@ -72,7 +74,7 @@ def _run(
 ) -> Steps:  # fmt: skip
     relative, absolute = tolerances
     limits = Tolerances(relative, absolute * scales, GROWN * scales, steps)
-    return field.integrate(course.t, course.start, course.p, nodes, limits)
+    return field.integrate(course.t, course.start, course.p, nodes, limits, longest=course.longest)
 
 
 def _rough_scales(

@@ -36,7 +36,7 @@ from symhyb.numeric.runs.cvodes import (
     held_drive,
     jumps_of,
 )
-from symhyb.numeric.runs.explicit import compiler_fails, field
+from symhyb.numeric.runs.explicit import compiler_fails, field, longest_step
 from symhyb.numeric.runs.explicit_run import Course, explicit_states
 from symhyb.numeric.runs.scenario import Scenario
 from symhyb.numeric.runs.settling import Event
@@ -138,7 +138,7 @@ def _explicit(
     rates = None if culprits(form.machine.model) else field(form)
     if rates is None:
         return None
-    course = Course(scenario.t, start, p, scenario.t_u, drive)
+    course = Course(scenario.t, start, p, scenario.t_u, drive, longest_step(form))
     tolerances = (RELATIVE_TOLERANCE, ABSOLUTE_TOLERANCE)
     return explicit_states(rates, course, scenario.scales, tolerances, stiff)
 

@@ -23,7 +23,15 @@ from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.kernels.memory import kept
 from symhyb.numeric.lowered.dynamics import StateForm, state_form
 from symhyb.numeric.lowered.machine import Machine
-from symhyb.numeric.runs.explicit import Field, Steps, Tape, Tolerances, field_of, rates_of
+from symhyb.numeric.runs.explicit import (
+    Field,
+    Steps,
+    Tape,
+    Tolerances,
+    field_of,
+    longest_step,
+    rates_of,
+)
 from symhyb.numeric.runs.integrate import simulate
 from symhyb.numeric.runs.scenario import Scenario
 
@@ -95,6 +103,7 @@ class Rollout:
         self.shape = (scenario.t.size, len(machine.model.sensors))
         reach = np.abs(x).max(axis=0, initial=0.0)
         scales = np.where(reach > 0, reach, 1.0)
+        self._longest = longest_step(self.form)
         self._limits = Tolerances(
             tolerance, 1e-2 * tolerance * scales, np.full(x.shape[1], np.inf), STEPS_MOST
         )
@@ -165,8 +174,9 @@ class Rollout:
             np.full(2 * start.size, np.inf), STEPS_MOST,
         )  # fmt: skip
         run = self._parts.pushed.integrate(
-            self.t, np.concatenate([start, by.start]), both, (self.t_u, moved), limits
-        )
+            self.t, np.concatenate([start, by.start]), both, (self.t_u, moved), limits,
+            longest=self._longest,
+        )  # fmt: skip
         y = self._parts.sensed_pushed.along(self.t, run.x, self._at(moved), both)
         return y, run.x[:, start.size :]
 
@@ -211,7 +221,9 @@ class Rollout:
     ) -> tuple[Steps, Array, Array]:
         p, drive = self._values(theta), self._drive(inputs)
         nodes = (self.t_u, drive)
-        run = self._parts.rates.integrate(self.t, start, p, nodes, self._limits, tape)
+        run = self._parts.rates.integrate(
+            self.t, start, p, nodes, self._limits, tape, self._longest
+        )
         return run, p, drive
 
 
