@@ -1,6 +1,7 @@
 """C of an export: the core that an FMU wraps, and plain C with a header and a check of itself."""
 
 import hashlib
+import re
 from collections.abc import Iterable
 from importlib.resources import files
 
@@ -14,9 +15,16 @@ SAMPLES = 20
 TOLERANCE = 1e-13  # of the largest value: other C libraries round tanh and exp differently
 
 
-def part(name: str) -> str:
-    """A C file of this package."""
-    return (files("symhyb.export") / name).read_text(encoding="utf-8")
+def part(name: str, events: bool = False) -> str:
+    """A C file of this package. What stands under ``#ifdef EVENTS`` is there with ``events``
+    alone: code that can do without is the same as if there were no such thing."""
+    text = (files("symhyb.export") / name).read_text(encoding="utf-8")
+    return re.sub(
+        r"#ifdef EVENTS\n(.*?)(?:#else\n(.*?))?#endif\n",
+        lambda found: (found[1] if events else found[2]) or "",
+        text,
+        flags=re.DOTALL,
+    )
 
 
 def model_code(spec: Spec) -> str:
@@ -26,6 +34,7 @@ def model_code(spec: Spec) -> str:
     sizes = {
         "N_U": len(exported.inputs), "N_Y": len(exported.outputs), "N_X": len(exported.states),
         "N_Z": exported.inner, "N_P": len(exported.parameters),
+        **({"N_I": exported.indicators, "N_M": len(exported.ways)} if exported.ways else {}),
         "SZ_ARG": max(5, *(f.sz_arg() for f in made)),
         "SZ_RES": max(2, *(f.sz_res() for f in made)),
         "SZ_IW": max(1, *(f.sz_iw() for f in made)),
@@ -58,8 +67,9 @@ def fmu_code(spec: Spec, fmi: int, token: str) -> str:
             f"#define STAMP {stamp}.0",
             _array("START", (v.start for v in spec.variables)),
             _array("NOMINAL", nominal),
-            part("core.c"),
-            part(f"fmi{fmi}.c"),
+            *([_array("WAYS", spec.exported.ways)] if spec.events else []),
+            part("core.c", spec.events),
+            part(f"fmi{fmi}.c", spec.events),
         )
     )
 

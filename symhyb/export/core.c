@@ -16,6 +16,11 @@ enum {
   N_V = V_P + N_P,
   S_T = 0, S_X = 1, S_U = S_X + N_X, S_P = S_U + N_U, N_S = S_P + N_P /* of a seed */
 };
+#ifdef EVENTS
+/* Of the outputs the last N_I are indicators of events, of the parameters the last N_M are modes,
+   each of WAYS (2: 0 or 1; 3: -1, 0 or 1) and told by one indicator less than that. */
+enum { V_I = V_X - N_I, V_M = N_V - N_M };
+#endif
 enum { FRESH = 1, INITIAL = 2, EVENT = 4, CONTINUOUS = 8, STEP = 16, ENDED = 32, BROKEN = 64 };
 enum { ANY = 127, LIVE = INITIAL | EVENT | CONTINUOUS | STEP };
 
@@ -54,6 +59,22 @@ static void begin(Memory *m) {
   for (int i = 0; i < N_V; ++i) m->v[i] = START[i];
 }
 
+#ifdef EVENTS
+/* Whether another mode belongs to the indicators; it is taken if that is wanted. */
+static int turned(Memory *m, int take) {
+  const double *indicator = m->v + V_I;
+  int turned = 0;
+  for (int i = 0; i < N_M; ++i) {
+    double mode = indicator[0] > 0;
+    if (WAYS[i] == 3 && mode == 0 && indicator[1] <= 0) mode = -1;
+    if (mode != m->v[V_M + i]) turned = 1;
+    if (take) m->v[V_M + i] = mode;
+    indicator += (int)WAYS[i] - 1;
+  }
+  return turned;
+}
+
+#endif
 /* Brings outputs and rates up to date; 0 if a number is not finite. Until initialisation ends, inner
    states are those of a machine that stood still at the given place. */
 static int refresh(Memory *m) {
@@ -61,8 +82,20 @@ static int refresh(Memory *m) {
   if (m->stale == 0) return 1;
   if (((int)m->phase & (FRESH | INITIAL)) && N_Z > 0)
     run(model_rest, v, v + V_X, v + V_U, v + V_P, 0, v + V_X + N_X - N_Z, 0);
+#ifdef EVENTS
+  if ((int)m->phase & (FRESH | INITIAL)) memset(v + V_M, 0, N_M * sizeof *v);
+#endif
   run(model_value, v, v + V_X, v + V_U, v + V_P, 0, v + V_D, v + V_Y);
   if (!finite_all(v, N_V)) return 0;
+#ifdef EVENTS
+  /* Modes stay between events and after the end. One may depend on others, but none on itself:
+     each time round at least one more is right. */
+  if ((int)m->phase & (FRESH | INITIAL | EVENT))
+    for (int i = 0; i < N_M && turned(m, 1); ++i) {
+      run(model_value, v, v + V_X, v + V_U, v + V_P, 0, v + V_D, v + V_Y);
+      if (!finite_all(v, N_V)) return 0;
+    }
+#endif
   m->stale = 0;
   return 1;
 }
@@ -203,6 +236,9 @@ static const char *advance(Memory *m, double length, double end) {
 
 /* Where a value stands in a seed, -1 for outputs and rates. */
 static int seed_of(unsigned reference) {
+#ifdef EVENTS
+  if (reference >= V_M) return -1;
+#endif
   if (reference == V_T) return S_T;
   if (reference < V_Y) return S_U + (int)reference - V_U;
   if (reference >= V_X && reference < V_D) return S_X + (int)reference - V_X;
@@ -223,6 +259,9 @@ static void forward(const Memory *m, double *seed, double *along) {
    a solver too, which the standard leaves to events: optimisers that read an FMU need it. */
 static int may_set(const Memory *m, unsigned reference) {
   int early = ((int)m->phase & (FRESH | INITIAL)) != 0;
+#ifdef EVENTS
+  if (reference >= V_M) return 0;
+#endif
   if (reference >= V_U && reference < V_Y) return 1;
   if (reference >= V_X && reference < V_D) /* an importer's solver may set any state */
     return early ? reference < V_D - N_Z : ((int)m->phase & (EVENT | CONTINUOUS)) != 0;

@@ -7,7 +7,7 @@ from pathlib import Path
 from symhyb.errors import InputError, Problem
 from symhyb.export.adams import adams_files
 from symhyb.export.c_code import c_files
-from symhyb.export.fmu import fmu
+from symhyb.export.fmu import fmu, kinds_of
 from symhyb.export.latex import latex
 from symhyb.export.pack import require_writable, write_file, write_folder
 from symhyb.export.spec import C_WORDS, Role, Spec, spec_of
@@ -20,15 +20,17 @@ FOLDERS = ("c", "adams")  # what consists of several files
 
 @dataclass(frozen=True, slots=True)
 class Order:
-    """What a person asks for: ``elements`` alone (none: those found) or the ``whole`` model."""
+    """What a person asks for: ``elements`` alone (none: those found) or the ``whole`` model;
+    ``kinds`` None for those that are usual."""
 
     to: str
     elements: tuple[str, ...] = ()
     whole: bool = False
     name: str = ""
     fmi: int = 2
-    kinds: tuple[str, ...] = ("cs", "me")
+    kinds: tuple[str, ...] | None = None
     platforms: tuple[str, ...] = ()
+    events: bool = False
 
 
 def deliver(model: Model, order: Order, output: Path) -> tuple[str, ...]:
@@ -40,18 +42,23 @@ def deliver(model: Model, order: Order, output: Path) -> tuple[str, ...]:
     """
     if order.to not in TARGETS:
         raise InputError(Problem(f"'{order.to}' cannot be written; known: {', '.join(TARGETS)}"))
+    if order.events and order.to != "fmu":
+        text = f"only an FMU tells of events, not '{order.to}'; use --to fmu, or leave out --events"
+        raise InputError(Problem(text))
+    kinds = kinds_of(order.events, order.kinds)
     require_writable(output / "x" if order.to in FOLDERS else output)
     if order.to not in FOLDERS and output.is_dir():
         raise InputError(Problem("is a folder; name a file in it", file=str(output)))
     if order.to == "latex":
         write_file(output, latex(model))
         return (f"{output}: the equations of the whole model",)
-    spec = spec_of(model, order.name or _identifier(order, output), order.elements, order.whole)
+    name = order.name or _identifier(order, output)
+    spec = spec_of(model, name, order.elements, order.whole, order.events)
     match order.to:
         case "fmu":
-            packed = fmu(spec, order.fmi, order.kinds, order.platforms)
+            packed = fmu(spec, order.fmi, kinds, order.platforms)
             write_file(output, packed)
-            said = f"{output}: FMI {order.fmi}.0, {' and '.join(order.kinds)}, {len(packed)} bytes"
+            said = f"{output}: FMI {order.fmi}.0, {' and '.join(kinds)}, {len(packed)} bytes"
         case "c":
             write_folder(output, c_files(spec))
             said = f"{output}: {', '.join(c_files(spec))}"
@@ -74,6 +81,9 @@ def _interface(spec: Spec) -> tuple[str, ...]:
     for role in roles:
         listed = [f"{v.name} [{v.unit.text}]" for v in spec.of_role(role)]
         lines.append(f"  {role}s: {', '.join(listed) or 'none'}")
+    if spec.events:
+        names = ", ".join(v.name.removeprefix("mode.") for v in spec.of_role("mode"))
+        lines.append(f"  event indicators: {spec.exported.indicators}, of {names}")
     if not spec.whole:
         lines.append("  the host adds +dF to its applied forces")
     return tuple(lines)

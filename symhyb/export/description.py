@@ -20,6 +20,7 @@ _SI = ("m", "kg", "s", "A", "K", "mol", "cd")
 
 def model_description(spec: Spec, fmi: int, token: str, kinds: Sequence[str]) -> str:
     """The description as XML text."""
+    counted = {"numberOfEventIndicators": str(spec.exported.indicators)}
     root = ET.Element(
         "fmiModelDescription",
         {
@@ -29,6 +30,7 @@ def model_description(spec: Spec, fmi: int, token: str, kinds: Sequence[str]) ->
             "description": spec.title,
             "generationTool": f"symhyb {_version()}",
             "variableNamingConvention": "structured",
+            **(counted if fmi == 2 and spec.events else {}),
         },
     )
     for kind in sorted(kinds, key=["me", "cs"].index):
@@ -75,6 +77,7 @@ def _interface(root: ET.Element, spec: Spec, fmi: int, kind: str) -> None:
     if fmi == 3:
         can += ["canGetAndSetFMUState", "canSerializeFMUState"]
         can += ["providesDirectionalDerivatives", "providesAdjointDerivatives"]
+        can += ["needsCompletedIntegratorStep"] if spec.events else []
     else:
         can += ["canInterpolateInputs"] if kind == "cs" else []
         can += ["canNotUseMemoryManagementFunctions", "canGetAndSetFMUstate"]
@@ -112,7 +115,9 @@ def _traits(spec: Spec, variable: Variable) -> dict[str, str]:
             return {"causality": "parameter", "variability": "tunable", "initial": "exact"}
         case "time":
             return {"causality": "independent", "variability": "continuous"}
-        case "rate":
+        case "mode":
+            return {"causality": "local", "variability": "discrete", "initial": "calculated"}
+        case "rate" | "indicator":
             return {"causality": "local", "variability": "continuous", "initial": "calculated"}
     inner = variable in spec.inner
     return {
@@ -182,17 +187,24 @@ def _structure(structure: ET.Element, spec: Spec, fmi: int) -> None:
     ):  # fmt: skip
         for variable in group:
             entry(structure, tag, variable, table[variable.reference])
+    for variable in spec.of_role("indicator"):
+        entry(structure, "EventIndicator", variable, running[variable.reference])
 
 
 def _running(spec: Spec) -> dict[int, list[int]]:
-    """Of outputs, rates and states: the inputs and states they depend on, by reference."""
+    """Of what is computed, and of states: the inputs and states they depend on, by reference."""
     by_x, by_u, _ = spec.exported.dependencies()
     states, inputs = spec.of_role("state"), spec.of_role("input")
     made = {}
-    for row, variable in enumerate([*spec.of_role("rate"), *spec.of_role("output")]):
+    for row, variable in enumerate(_computed(spec)):
         known = [*_named(inputs, by_u[row]), *_named(states, by_x[row])]
         made[variable.reference] = sorted(known)
     return made | {state.reference: [state.reference] for state in states}
+
+
+def _computed(spec: Spec) -> tuple[Variable, ...]:
+    """The rows of what is computed from states and inputs."""
+    return (*spec.of_role("rate"), *spec.of_role("output"), *spec.of_role("indicator"))
 
 
 def _starting(spec: Spec) -> dict[int, list[int]]:
@@ -202,7 +214,7 @@ def _starting(spec: Spec) -> dict[int, list[int]]:
     exact = states[: len(states) - inner]
     by_z = here[0][:, len(exact) :].astype(int)
     groups = (exact, spec.of_role("input"), spec.of_role("parameter"))
-    rows = [*spec.of_role("rate"), *spec.of_role("output"), *spec.inner]
+    rows = [*_computed(spec), *spec.inner]
     made: dict[int, list[int]] = {v.reference: [] for v in rows}
     for group, direct, rest in zip(groups, here, resting, strict=True):
         size = len(group)

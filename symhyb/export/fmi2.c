@@ -54,6 +54,13 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid,
     free(self);
     return 0;
   }
+#ifdef EVENTS
+  if (type != fmi2ModelExchange) {
+    complain(self, "fmi2Instantiate", "a model with events is for model exchange alone");
+    free(self);
+    return 0;
+  }
+#endif
   if (!name || !*name) {
     complain(self, "fmi2Instantiate", "the instance has no name");
     free(self);
@@ -233,6 +240,9 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
 fmi2Status fmi2EnterEventMode(fmi2Component c) {
   SELF(EVENT | CONTINUOUS, "fmi2EnterEventMode");
   self->m.phase = EVENT;
+#ifdef EVENTS
+  self->m.stale = 1;
+#endif
   return fmi2OK;
 }
 
@@ -240,11 +250,17 @@ fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *info) {
   SELF(EVENT, "fmi2NewDiscreteStates");
   REQUIRE(info, "fmi2NewDiscreteStates", "a pointer is missing");
   memset(info, 0, sizeof *info);
+#ifdef EVENTS
+  REQUIRE(refresh(&self->m), "fmi2NewDiscreteStates", "a value is not finite");
+#endif
   return fmi2OK;
 }
 
 fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c) {
   SELF(EVENT, "fmi2EnterContinuousTimeMode");
+#ifdef EVENTS
+  REQUIRE(refresh(&self->m), "fmi2EnterContinuousTimeMode", "a value is not finite");
+#endif
   self->m.phase = CONTINUOUS;
   return fmi2OK;
 }
@@ -255,6 +271,13 @@ fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean settled, fmi
   REQUIRE(event && terminate, "fmi2CompletedIntegratorStep", "a pointer is missing");
   (void)settled;
   *event = *terminate = fmi2False;
+#ifdef EVENTS
+  if (!refresh(&self->m)) {
+    complain(self, "fmi2CompletedIntegratorStep", "a value is not finite");
+    return fmi2Discard;
+  }
+  if (turned(&self->m, 0)) *event = fmi2True; /* for importers that do not watch the indicators */
+#endif
   return fmi2OK;
 }
 
@@ -288,8 +311,17 @@ fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real d[], size_t n) {
 
 fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real indicators[], size_t n) {
   SELF(LIVE | ENDED, "fmi2GetEventIndicators");
+#ifdef EVENTS
+  REQUIRE(n == N_I && indicators, "fmi2GetEventIndicators", "the number of indicators is another");
+  if (!refresh(&self->m)) {
+    complain(self, "fmi2GetEventIndicators", "a value is not finite");
+    return fmi2Discard;
+  }
+  memcpy(indicators, self->m.v + V_I, n * sizeof *indicators);
+#else
   (void)indicators;
   REQUIRE(n == 0, "fmi2GetEventIndicators", "the model has none");
+#endif
   return fmi2OK;
 }
 

@@ -1,5 +1,8 @@
 /* FMI 3.0.1 around the model: co-simulation and model exchange. Of types only Float64 is used, there
    are no clocks, no arrays and no events. */
+#ifdef EVENTS
+/* With one exception: the events of state that switch modes. */
+#endif
 #if !defined(DISABLE_PREFIX) && defined(FMI3_FUNCTION_PREFIX_WANTED)
 #define FMI3_FUNCTION_PREFIX FMI3_FUNCTION_PREFIX_WANTED
 #endif
@@ -46,6 +49,9 @@ static fmi3Instance create(fmi3String name, fmi3String token, fmi3InstanceEnviro
   self->environment = environment;
   if (!token || strcmp(token, TOKEN)) wrong = "the instantiation token is not that of this model";
   if (!name || !*name) wrong = "the instance has no name";
+#ifdef EVENTS
+  if (!exchange) wrong = "a model with events is for model exchange alone";
+#endif
   if (wrong) {
     complain(self, "fmi3Instantiate", wrong);
     free(self);
@@ -116,6 +122,9 @@ fmi3Status fmi3ExitInitializationMode(fmi3Instance instance) {
 fmi3Status fmi3EnterEventMode(fmi3Instance instance) {
   SELF(EVENT | CONTINUOUS, "fmi3EnterEventMode");
   self->m.phase = EVENT;
+#ifdef EVENTS
+  self->m.stale = 1;
+#endif
   return fmi3OK;
 }
 
@@ -373,6 +382,9 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *again,
           "a pointer is missing");
   *again = *terminate = *nominals = *values = *defined = fmi3False;
   *next = 0;
+#ifdef EVENTS
+  REQUIRE(refresh(&self->m), "fmi3UpdateDiscreteStates", "a value is not finite");
+#endif
   return fmi3OK;
 }
 
@@ -380,6 +392,9 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *again,
 
 fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance instance) {
   SELF(EVENT, "fmi3EnterContinuousTimeMode");
+#ifdef EVENTS
+  REQUIRE(refresh(&self->m), "fmi3EnterContinuousTimeMode", "a value is not finite");
+#endif
   self->m.phase = CONTINUOUS;
   return fmi3OK;
 }
@@ -390,6 +405,13 @@ fmi3Status fmi3CompletedIntegratorStep(fmi3Instance instance, fmi3Boolean settle
   REQUIRE(event && terminate, "fmi3CompletedIntegratorStep", "a pointer is missing");
   (void)settled;
   *event = *terminate = fmi3False;
+#ifdef EVENTS
+  if (!refresh(&self->m)) {
+    complain(self, "fmi3CompletedIntegratorStep", "a value is not finite");
+    return fmi3Discard;
+  }
+  if (turned(&self->m, 0)) *event = fmi3True; /* for importers that do not watch the indicators */
+#endif
   return fmi3OK;
 }
 
@@ -424,8 +446,17 @@ fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance instance, fmi3Float64 
 
 fmi3Status fmi3GetEventIndicators(fmi3Instance instance, fmi3Float64 indicators[], size_t n) {
   SELF(LIVE | ENDED, "fmi3GetEventIndicators");
+#ifdef EVENTS
+  REQUIRE(n == N_I && indicators, "fmi3GetEventIndicators", "the number of indicators is another");
+  if (!refresh(&self->m)) {
+    complain(self, "fmi3GetEventIndicators", "a value is not finite");
+    return fmi3Discard;
+  }
+  memcpy(indicators, self->m.v + V_I, n * sizeof *indicators);
+#else
   (void)indicators;
   REQUIRE(n == 0, "fmi3GetEventIndicators", "the model has none");
+#endif
   return fmi3OK;
 }
 
@@ -448,7 +479,11 @@ fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance instance, fmi3Float64 
 fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance instance, size_t *n) {
   SELF(ANY, "fmi3GetNumberOfEventIndicators");
   REQUIRE(n, "fmi3GetNumberOfEventIndicators", "a pointer is missing");
+#ifdef EVENTS
+  *n = N_I;
+#else
   *n = 0;
+#endif
   return fmi3OK;
 }
 

@@ -16,16 +16,22 @@ VERSIONS = (2, 3)
 
 
 def fmu(
-    spec: Spec, fmi: int = 2, kinds: Sequence[str] = ("cs", "me"), platforms: Sequence[str] = ()
+    spec: Spec,
+    fmi: int = 2,
+    kinds: Sequence[str] | None = None,
+    platforms: Sequence[str] = (),
 ) -> bytes:
-    """The archive of an FMU for co-simulation (``cs``) and model exchange (``me``), with libraries
-    for the ``platforms`` (default: all that can be compiled for here) and the sources.
+    """The archive of an FMU for co-simulation (``cs``) and model exchange (``me``, with events that
+    alone), with libraries for the ``platforms`` (default: all that can be compiled for here) and
+    the sources.
 
     The same export gives the same bytes, with the same compilers.
 
     Raises:
-        InputError: a version, kind or platform that is not known, or no compiler.
+        InputError: a version, kind or platform that is not known, no compiler, or a kind that
+            cannot have events.
     """
+    kinds = kinds_of(spec.events, kinds)
     _require(fmi, kinds)
     chosen = require_platforms(platforms)
     headers()
@@ -42,6 +48,23 @@ def fmu(
         folder = at.fmi2 if fmi == 2 else at.fmi3
         files[f"binaries/{folder}/{name}{at.suffix}"] = shared_library(code, name, target)
     return archive(files)
+
+
+def kinds_of(events: bool, kinds: Sequence[str] | None) -> Sequence[str]:
+    """The kinds of an FMU: those asked for, else all that there can be.
+
+    Raises:
+        InputError: co-simulation with events.
+    """
+    if kinds is None:
+        return ("me",) if events else ("cs", "me")
+    if events and "cs" in kinds:
+        text = (
+            "events are located by the solver of an importer, in model exchange; co-simulation "
+            "brings its own and needs none: ask for --kinds me, or leave out --events"
+        )
+        raise InputError(Problem(text))
+    return kinds
 
 
 def _require(fmi: int, kinds: Sequence[str]) -> None:

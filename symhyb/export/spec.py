@@ -1,7 +1,8 @@
 """What is exported, said for other programs: variables with names, units, starts and numbers.
 
 A name is a kind and a name of the model, ``q.x``, ``v.x`` (q'), ``a.x`` (q''), ``u.f``, ``z.rub``,
-``dF.x``, ``y.laser``, ``trust.rest``, ``p.k``, so that no two are equal. Everything is in SI.
+``dF.x``, ``y.laser``, ``trust.rest``, ``p.k``, ``mode.rub``, ``event.rub.upper``, so that no two
+are equal. Everything is in SI.
 
     wall |--/\\/\\--[ m ]--> q.x        dF.x > 0 pushes the mass along +q.x: the host adds +dF.x
                  ΔF ──▶
@@ -18,7 +19,7 @@ from symhyb.model.types import Model
 from symhyb.numeric.lowered.exported import Exported, export_elements, export_machine
 from symhyb.units import ONE, Unit, parse_unit
 
-Role = Literal["time", "input", "output", "state", "rate", "parameter"]
+Role = Literal["time", "input", "output", "indicator", "state", "rate", "parameter", "mode"]
 
 C_WORDS = frozenset(
     {"auto", "break", "case", "char", "const", "continue", "default", "do", "double", "else",
@@ -47,9 +48,9 @@ class Variable:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Spec:
-    """An export with the variables in the order of their references: t, inputs, outputs, states,
-    rates, parameters. ``identifier`` names the files and is a C name; ``whole`` is false for force
-    elements alone."""
+    """An export with the variables in the order of their references: t, inputs, outputs,
+    indicators of events, states, rates, parameters, modes. ``identifier`` names the files and is a
+    C name; ``whole`` is false for force elements alone."""
 
     identifier: str
     title: str
@@ -62,6 +63,11 @@ class Spec:
         return tuple(v for v in self.variables if v.role == role)
 
     @property
+    def events(self) -> bool:
+        """Whether laws that jump are in modes, which indicators tell of."""
+        return bool(self.exported.ways)
+
+    @property
     def inner(self) -> tuple[Variable, ...]:
         """The states that begin at rest instead of at a value of their own."""
         states = self.of_role("state")
@@ -69,25 +75,36 @@ class Spec:
 
 
 def spec_of(
-    model: Model, identifier: str, elements: Sequence[str] = (), whole: bool = False
+    model: Model,
+    identifier: str,
+    elements: Sequence[str] = (),
+    whole: bool = False,
+    events: bool = False,
 ) -> Spec:
     """Say what to export: the whole ``model``, or the forces of ``elements`` (default: those that a
-    diagnosis found).
+    diagnosis found). With ``events``, what jumps is in modes that an importer switches.
 
     Raises:
-        InputError: names that are not valid in C, elements that are missing or cannot be exported.
+        InputError: names that are not valid in C, elements that are missing or cannot be exported,
+            or nothing that switches.
     """
     _require_c_names(model, identifier)
     if whole:
         if elements:
             text = "name elements or export the whole model, not both"
             raise InputError(Problem(text, file=model.file))
-        exported = export_machine(model)
+        exported = export_machine(model, events)
     else:
-        exported = export_elements(model, _chosen(model, elements))
+        exported = export_elements(model, _chosen(model, elements), events)
         if not exported.outputs:
             text = "the elements exert no force; name others with --element"
             raise InputError(Problem(text, "elements", model.file))
+    if events and not exported.ways:
+        text = (
+            "nothing in what is exported switches: no friction along one direction, no gap, no "
+            "sign(...); export it without events"
+        )
+        raise InputError(Problem(text, "elements", model.file))
     return Spec(identifier, model.title, exported, _variables(exported), whole)
 
 
@@ -141,7 +158,8 @@ def _variables(exported: Exported) -> tuple[Variable, ...]:
     for (kind, name), start in zip(exported.inputs, exported.u, strict=True):
         add("input", f"{kind}.{name}", float(start), _said(model, kind, name))
     for kind, name in exported.outputs:
-        add("output", f"{kind}.{name}", 0.0, _said(model, kind, name))
+        role: Role = "indicator" if kind == "event" else "output"
+        add(role, f"{kind}.{name}", 0.0, _said(model, kind, name))
     first = len(made)
     for (kind, name), start in zip(exported.states, exported.x, strict=True):
         add("state", f"{kind}.{name}", float(start), _said(model, kind, name))
@@ -150,7 +168,8 @@ def _variables(exported: Exported) -> tuple[Variable, ...]:
         what = (si_unit(unit / parse_unit("s")), f"rate of {about}")
         add("rate", f"der({kind}.{name})", 0.0, what, first + i)
     for (kind, name), value in zip(exported.parameters, exported.p, strict=True):
-        add("parameter", f"{kind}.{name}", float(value), _said(model, kind, name))
+        role = "mode" if kind == "mode" else "parameter"
+        add(role, f"{kind}.{name}", float(value), _said(model, kind, name))
     return tuple(made)
 
 
@@ -179,6 +198,10 @@ def _said(model: Model, kind: str, name: str) -> tuple[Unit, str]:
             return si_unit(sensor.unit), (sensor.about or f"what {name} records") + late
         case "trust":
             return ONE, f"1 where the network {name} was trained, falling to 0 outside"
+        case "event":
+            return ONE, f"its sign tells when the mode of {name.removesuffix('.lower')} changes"
+        case "mode":
+            return ONE, f"of {name}: -1, 0 (turning) or 1; of a stop 1 where it acts, else 0"
         case "z":
             return _inner_unit(model, name), f"inner state of {name}"
     if name == "smoothing":

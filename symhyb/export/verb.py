@@ -26,11 +26,23 @@ def export(
     name: Annotated[str, typer.Option(metavar="NAME", help="Name of the C code, else OUT's.")] = "",
     fmi: Annotated[int, typer.Option(metavar="2|3", help="Version of FMI.")] = 2,
     kinds: Annotated[
-        str, typer.Option(metavar="KINDS", help="Co-simulation, model exchange, or both.")
-    ] = "cs,me",
+        str | None,
+        typer.Option(
+            metavar="KINDS",
+            help="cs (co-simulation), me (model exchange), or both: cs,me; default: all there are.",
+        ),
+    ] = None,
     platforms: Annotated[
         str, typer.Option(metavar="NAMES", help="linux64,win64; default: all that can be compiled.")
     ] = "",
+    events: Annotated[
+        bool,
+        typer.Option(
+            "--events",
+            help="Model exchange with event indicators: the importer locates where friction turns, "
+            "stops touch and sign(...) jumps.",
+        ),
+    ] = False,
 ) -> None:
     """Write a correction, or a whole model, for another program.
 
@@ -45,6 +57,7 @@ def export(
     from symhyb.export.deliver import Order, deliver
     from symhyb.model.read import read_model
 
-    chosen, targets = ([one for one in text.split(",") if one] for text in (kinds, platforms))
-    order = Order(to, tuple(elements or ()), whole, name, fmi, tuple(chosen), tuple(targets))
+    targets = tuple(one for one in platforms.split(",") if one)
+    chosen = None if kinds is None else tuple(one for one in kinds.split(",") if one)
+    order = Order(to, tuple(elements or ()), whole, name, fmi, chosen, targets, events)
     print(*deliver(read_model(model), order, output), sep="\n")

@@ -81,8 +81,13 @@ def _drag(_: Element, at: Motion, values: Values) -> Law:
 
 
 def _friction(_: Element, at: Motion, values: Values) -> Law:
-    transition = values.get("transition", sp.Float(DEFAULT_TRANSITION * SPEED_SCALE))
-    return Law(friction_level(at.r, values) * sp.tanh(at.r / transition) * _sided(at, values))
+    turning = sp.tanh(at.r / transition(values))
+    return Law(friction_level(at.r, values) * turning * _sided(at, values))
+
+
+def transition(values: Values) -> sp.Expr:
+    """The speed within which friction turns, m/s."""
+    return values.get("transition", sp.Float(DEFAULT_TRANSITION * SPEED_SCALE))
 
 
 def friction_level(rate: sp.Expr, values: Values) -> sp.Expr:

@@ -11,27 +11,37 @@ Behind the inputs u of the model come the *switches*, one after the other:
 
 Behind the sensors come the *watches*: the levels at which a friction breaks away forwards and
 backwards (F pairs), and the depth of each stop and the force it would press with (S pairs).
+
+*Banded* equations are for solvers of other programs, which know neither forces that hold nor jumps:
+a friction turns within its ``transition`` w along a straight line, and what is an input is the
+*mode*. Behind the sensors comes, for each mode, the argument by which it is told:
+
+    friction      F = sigma·g(s')·(1 + sigma·asymmetry), sigma = mode + (1 − mode²)·s'/w
+                  mode −1, 0, +1 by s'/w: below −1, between, above +1
+    stop          F = ±touches·presses·(stiffness·depth + damping·depth'), modes 0 and 1
+                  touches by depth, presses (with damping) by its force, in m
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import sympy as sp
 
-from symhyb.mechanics.equations import Equations, Term
-from symhyb.mechanics.laws import ZERO, Law, Values, friction_level
+from symhyb.mechanics.equations import Couple, Equations, Term, Vectorial
+from symhyb.mechanics.laws import TINY, ZERO, Law, Values, friction_level, transition
 from symhyb.mechanics.symbols import to_sympy
-from symhyb.model.switching import Stop, frictions, stops
+from symhyb.model.switching import Stop, frictions, rubbing, stops
 from symhyb.model.types import Model
 
 
 def opened(model: Model, equations: Equations) -> Equations:
     """The same with the switches as further inputs and the watches as further outputs."""
-    rubbing, touching = frictions(model), stops(model)
-    sigma = [sp.Symbol(f"sigma({model.elements[i].name})", real=True) for i in rubbing]
-    hold = [sp.Symbol(f"hold({model.elements[i].name})", real=True) for i in rubbing]
+    holding, touching = frictions(model), stops(model)
+    sigma = [sp.Symbol(f"sigma({model.elements[i].name})", real=True) for i in holding]
+    hold = [sp.Symbol(f"hold({model.elements[i].name})", real=True) for i in holding]
     on = [sp.Symbol(f"on({model.elements[s.element].name}.{s.side})", real=True) for s in touching]
     terms, watches = list(equations.terms), list[sp.Expr]()
-    for i, way, force in zip(rubbing, sigma, hold, strict=True):
+    for i, way, force in zip(holding, sigma, hold, strict=True):
         term, values = _term(equations, i), _values(model, equations, i)
         lean = values.get("asymmetry", ZERO)
         slides = way * friction_level(term.r, values) * (1 + way * lean)
@@ -45,13 +55,49 @@ def opened(model: Model, equations: Equations) -> Equations:
         force = sum((stop.sign * mark * press for stop, mark, _, press in parts), ZERO)
         terms[i] = replace(term, law=Law(force, term.law.stored))
         watches += [value for _, _, depth, press in parts for value in (depth, press)]
-    symbols = replace(equations.symbols, u=(*equations.symbols.u, *sigma, *hold, *on))
-    return replace(
-        equations,
-        symbols=symbols,
-        terms=tuple(terms),
-        outputs=(*equations.outputs, *watches),
-    )
+    return _with(equations, [*sigma, *hold, *on], terms, watches)
+
+
+def banded(model: Model, equations: Equations) -> Equations:
+    """The same with modes as further inputs and their arguments as further outputs, in the order
+    of :func:`symhyb.model.switching.modes`."""
+    terms, marks, arguments = list(equations.terms), list[sp.Symbol](), list[sp.Expr]()
+
+    def mode(of: sp.Expr) -> sp.Symbol:
+        marks.append(sp.Symbol(f"mode({len(marks)})", real=True))
+        arguments.append(of)
+        return marks[-1]
+
+    for i in rubbing(model):
+        term, values = _term(equations, i), _values(model, equations, i)
+        share = term.r / transition(values)
+        held = mode(share)
+        sigma = held + (1 - held**2) * share
+        sides = 1 + sigma * values.get("asymmetry", ZERO)
+        terms[i] = replace(term, law=Law(friction_level(term.r, values) * sigma * sides))
+    pressed: dict[int, sp.Expr] = {}
+    for stop in stops(model):
+        i = stop.element
+        term, values = _term(equations, i), _values(model, equations, i)
+        depth, press = _press(term, values, stop)
+        on = mode(depth)
+        if stop.damped:
+            stiff = sum((values.get(key, ZERO) for key in ("stiffness", "damping")), ZERO)
+            on *= mode(on * press / sp.Max(stiff, TINY) + 1 - on)
+        pressed[i] = pressed.get(i, ZERO) + stop.sign * on * press
+        terms[i] = replace(term, law=Law(pressed[i], term.law.stored))
+    return _with(equations, marks, terms, arguments)
+
+
+def _with(
+    equations: Equations,
+    inputs: Sequence[sp.Symbol],
+    terms: Sequence[Term | Vectorial | Couple],
+    outputs: Sequence[sp.Expr],
+) -> Equations:
+    symbols = replace(equations.symbols, u=(*equations.symbols.u, *inputs))
+    told = (*equations.outputs, *outputs)
+    return replace(equations, symbols=symbols, terms=tuple(terms), outputs=told)
 
 
 def _term(equations: Equations, i: int) -> Term:

@@ -41,6 +41,27 @@ def stops(model: Model) -> tuple[Stop, ...]:
     )
 
 
+def rubbing(model: Model) -> tuple[int, ...]:
+    """Indices of the elements whose dry friction turns with one rate, on imposed motion too."""
+    return tuple(
+        i
+        for i, element in enumerate(model.elements)
+        if element.kind == "friction" and not isinstance(element.place, At)
+    )
+
+
+def modes(model: Model) -> tuple[tuple[str, int], ...]:
+    """What is in one mode at a time where nothing holds exactly, by name, and in how many modes it
+    can be: a friction in 3, the sides of stops in 2, and with a damper once more in 2."""
+    named = [(model.elements[i].name, 3) for i in rubbing(model)]
+    sides = [stop.element for stop in stops(model)]
+    for stop in stops(model):
+        name = model.elements[stop.element].name
+        name += f".{stop.side}" if sides.count(stop.element) > 1 else ""
+        named += [(name, 2), *([(f"{name}.press", 2)] if stop.damped else [])]
+    return tuple(named)
+
+
 def left_smooth(model: Model) -> tuple[str, ...]:
     """One sentence for each law with a corner that an exact simulation leaves as it is written."""
     told = []

@@ -141,14 +141,14 @@ class StateForm:
         machine = self.machine
         parts = [machine.inner(q, v, z, u, t, p)]
         if self.free:
-            a = self._accelerations(q, v, z, u, t, p, w, b)
+            a = self.accelerations(q, v, z, u, t, p, w, b)
             parts.insert(0, a[list(self.free)])
         return ca.Function("rates", [x, d, t, p, w], [ca.densify(ca.vertcat(*parts))])
 
     def _outputs(self) -> ca.Function:
         x, d, t, p, w = self.symbols()
         q, v, z, u, b = self.unpack(x, d, p)
-        a = self._accelerations(q, v, z, u, t, p, w, b)
+        a = self.accelerations(q, v, z, u, t, p, w, b)
         y = self.machine.sensed(q, v, a, z, u, t, p, w)
         for j, sensor in self._channels(1):
             if sensor.name in self.late:
@@ -156,16 +156,17 @@ class StateForm:
                 slope = d[self.inputs + 3 * len(self.given) :][: self.inputs]
                 u_half, u_then = (u - h * slope if self.inputs else u for h in (lag / 2, lag))
                 q_half, v_half = q - lag / 2 * v + lag**2 / 8 * a, v - lag / 2 * a
-                a_half = self._accelerations(q_half, v_half, z, u_half, t - lag / 2, p, w, b)
+                a_half = self.accelerations(q_half, v_half, z, u_half, t - lag / 2, p, w, b)
                 q_then, v_then = q - lag * v + lag**2 / 2 * a, v - lag * a_half
-                a_then = self._accelerations(q_then, v_then, z, u_then, t - lag, p, w, b)
+                a_then = self.accelerations(q_then, v_then, z, u_then, t - lag, p, w, b)
                 then = (q_then, v_then, a_then, z, u_then, t - lag, p, w)
                 y[j] = self.machine.sensed(*then)[j]
         return ca.Function("outputs", [x, d, t, p, w], [ca.densify(y), ca.densify(a)])
 
-    def _accelerations(
+    def accelerations(
         self, q: ca.SX, v: ca.SX, z: ca.SX, u: ca.SX, t: ca.SX, p: ca.SX, w: ca.SX, b: ca.SX
     ) -> ca.SX:
+        """q'' (n) under an extra generalized force w (n), SI; b are the given accelerations."""
         if len(self.given) == self.machine.n:
             order = np.argsort(self.given)
             return ca.vertcat(*(b[int(i)] for i in order))

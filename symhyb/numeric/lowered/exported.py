@@ -4,6 +4,9 @@
 
 of elements:     u = q, q' and the recorded inputs that matter, x = z, y = +ΔF: what a host *adds*
 of the machine:  u = recorded inputs and imposed motion, x = (q, q', z), y = what the sensors record
+
+With ``events``, laws that jump are in modes (:mod:`symhyb.numeric.lowered.modes`): these are the
+last of p, and what tells them is the last of y.
 """
 
 from collections.abc import Sequence
@@ -16,15 +19,14 @@ from numpy.typing import NDArray
 
 from symhyb.errors import InputError, Problem
 from symhyb.model.expression import readings
+from symhyb.model.switching import modes as modes_of
 from symhyb.model.types import Model
 from symhyb.numeric.kernels.buffers import Array, call
-from symhyb.numeric.kernels.instructions import NOTHING, UNARY, program
-from symhyb.numeric.lowered.dynamics import state_form
+from symhyb.numeric.lowered.dynamics import StateForm, state_form
 from symhyb.numeric.lowered.holes import Hole, filled, parts_of
-from symhyb.numeric.lowered.machine import Machine, build
+from symhyb.numeric.lowered.machine import Machine, build, functions_of
+from symhyb.numeric.lowered.modes import Modes, Names, calmed
 
-SMOOTHING = 1e-3  # SI: width over which a jump of sgn is passed
-Names = tuple[tuple[str, str], ...]
 Flags = NDArray[np.bool_]
 
 
@@ -33,7 +35,8 @@ class Exported:
     """What is exported, as functions of (t, x, u, p), SI.
 
     ``states`` (X), ``inputs`` (U), ``outputs`` (Y) and ``parameters`` (P) say what each entry is:
-    (kind, name), kind one of ``q v a u z y dF trust p``. The last ``inner`` states begin at rest.
+    (kind, name), kind one of ``q v a u z y dF trust p``, and with events ``event`` (the last of
+    the outputs) and ``mode`` (the last of the parameters). The last ``inner`` states begin at rest.
 
     Attributes:
         value: (t, x, u, p) -> x' (X) and y (Y).
@@ -44,6 +47,7 @@ class Exported:
         x: where the states start (X,), SI.
         u: where the inputs start (U,), SI.
         p: values of the parameters (P,), SI.
+        ways: in how many modes each of the last parameters can be: 2 or 3.
     """
 
     model: Model
@@ -60,6 +64,12 @@ class Exported:
     x: Array
     u: Array
     p: Array
+    ways: tuple[int, ...] = ()
+
+    @property
+    def indicators(self) -> int:
+        """How many of the outputs, the last ones, tell when a mode has to change."""
+        return sum(ways - 1 for ways in self.ways)
 
     def evaluate(self, t: float, x: Array, u: Array, p: Array) -> tuple[Array, Array]:
         """x' (X,) and y (Y,) at states x (X,), inputs u (U,) and parameters p (P,), SI."""
@@ -83,8 +93,9 @@ def _flags(function: ca.Function, output: int, argument: int) -> Flags:
     return np.asarray(pattern != 0)
 
 
-def export_elements(model: Model, names: Sequence[str]) -> Exported:
-    """The forces of these elements alone, added up for each coordinate.
+def export_elements(model: Model, names: Sequence[str], events: bool = False) -> Exported:
+    """The forces of these elements alone, added up for each coordinate; laws that jump are smoothed
+    or, with ``events``, in modes.
 
     Raises:
         InputError: an element whose force cannot be given by positions, speeds and inputs; or what
@@ -92,7 +103,8 @@ def export_elements(model: Model, names: Sequence[str]) -> Exported:
     """
     _require_force_elements(model, names)
     machine = build(model)
-    parts = parts_of(machine)
+    parts = parts_of(machine, events)
+    modes = _modes(model, parts.modes, parts.arguments) if events else None
     chosen = [i for i, element in enumerate(model.elements) if element.name in names]
     owners = _owners(model)
     memory = [i for i, name in enumerate(owners) if name in names]
@@ -101,7 +113,8 @@ def export_elements(model: Model, names: Sequence[str]) -> Exported:
     rows = [i for i in range(machine.n) if not forces[i].is_zero()]
     rates, rest = parts.inner[memory], parts.rest[memory]
     y = ca.vertcat(forces[rows], *(hole.trust() for hole in holes))
-    drawn = ca.vertcat(y, rates, rest, *(hole.inputs for hole in holes))
+    told = [] if modes is None else [modes.that_matter(ca.vertcat(y, rates)).arguments]
+    drawn = ca.vertcat(y, rates, rest, *(hole.inputs for hole in holes), *told)
     coordinates, recorded = _names(model)
     where = [("q", parts.q, coordinates), ("v", parts.v, coordinates), ("u", parts.u, recorded)]
     inputs, pieces, starts = _used(where, drawn, _starts(machine))
@@ -109,12 +122,18 @@ def export_elements(model: Model, names: Sequence[str]) -> Exported:
     return _exported(
         machine, parts.p, parts.t, parts.z[memory], ca.vertcat(*pieces), rates, y, rest, holes,
         tuple(("z", owners[i]) for i in memory), inputs, tuple(outputs),
-        np.zeros(len(memory)), np.array(starts),
+        np.zeros(len(memory)), np.array(starts), modes,
     )  # fmt: skip
 
 
-def export_machine(model: Model) -> Exported:
-    """The whole machine: recorded inputs in, what the sensors record out.
+def _modes(model: Model, symbols: ca.SX, arguments: ca.SX) -> Modes:
+    named = modes_of(model)
+    return Modes(symbols, arguments, tuple(n for n, _ in named), tuple(ways for _, ways in named))
+
+
+def export_machine(model: Model, events: bool = False) -> Exported:
+    """The whole machine: recorded inputs in, what the sensors record out; laws that jump as with
+    :func:`export_elements`.
 
     Raises:
         InputError: an input with a delay; or what
@@ -137,8 +156,12 @@ def export_machine(model: Model) -> Exported:
         learnt = [i for i, element in enumerate(model.elements) if element.network is not None]
         pushed = ca.sum2(parts.forces[:, learnt])
     names, (free, given) = _names(model), (form.free, form.given)
-    rates = ca.vertcat(x[len(free) : 2 * len(free), 0], form.rates()(x, d, t, p[among], pushed))
-    y, _a = form.outputs()(x, d, t, p[among], pushed)
+    modes = None
+    if events:
+        rates, y, modes = _in_modes(form, x, d, t, p[among], pushed)
+    else:
+        rates = ca.vertcat(x[len(free) : 2 * len(free), 0], form.rates()(x, d, t, p[among], pushed))
+        y, _a = form.outputs()(x, d, t, p[among], pushed)
     starts, still = _starts(machine), np.zeros(len(given))
     at = [(kind, names[0][i]) for kind in "qv" for i in free]
     inputs = [("u", name) for name in names[1]] + [(k, names[0][i]) for k in "qva" for i in given]
@@ -149,8 +172,25 @@ def export_machine(model: Model) -> Exported:
         machine, p, t, x, d, rates, ca.vertcat(y, *(hole.trust() for hole in holes)),
         bare.inner_rest(q, t, p[among]), holes,
         (*at, *(("z", name) for name in _owners(model))), tuple(inputs), tuple(outputs),
-        np.concatenate(begin), np.concatenate(driven),
+        np.concatenate(begin), np.concatenate(driven), modes,
     )  # fmt: skip
+
+
+def _in_modes(
+    form: StateForm, x: ca.SX, d: ca.SX, t: ca.SX, p: ca.SX, w: ca.SX
+) -> tuple[ca.SX, ca.SX, Modes]:
+    """x', y and the modes of a machine under extra generalized forces w (n)."""
+    model = form.machine.model
+    banded: dict[str, Any] = {**functions_of(model, opening="banded")}
+    machine = replace(form.machine, **banded)
+    held = ca.SX.sym("mode", len(modes_of(model)))
+    q, v, z, u, b = form.unpack(x, d, p)
+    u = ca.vertcat(u, held)
+    a = replace(form, machine=machine).accelerations(q, v, z, u, t, p, w, b)
+    seen, f = machine.sensed(q, v, a, z, u, t, p, w), list(form.free)
+    rates = ca.vertcat(x[len(f) : 2 * len(f), 0], a[f], machine.inner(q, v, z, u, t, p))
+    m = len(model.sensors)
+    return rates, seen[:m, 0], _modes(model, held, seen[m:, 0])
 
 
 def _without_networks(machine: Machine) -> tuple[Machine, list[int]]:
@@ -197,25 +237,25 @@ def serialised(exported: Exported) -> str:
 def _exported(
     machine: Machine, p: ca.SX, t: ca.SX, x: ca.SX, u: ca.SX, rates: ca.SX, y: ca.SX, rest: ca.SX,
     holes: Sequence[Hole], states: Names, inputs: Names, outputs: Names, x0: Array, u0: Array,
+    modes: Modes | None,
 ) -> Exported:  # fmt: skip
-    """The functions, with only those parameters that matter; jumps of sgn are smoothed."""
+    """The functions, with only those parameters that matter; what jumps is smoothed or in modes."""
     x, u, rates, y, rest = (ca.reshape(part, part.numel(), 1) for part in (x, u, rates, y, rest))
     seen = [hole.inputs for hole in holes]
     paths = [item.path for item in machine.model.all_parameters()]
+    if modes is not None:
+        modes = modes.that_matter(ca.vertcat(rates, y))
+        seen.append(modes.arguments)
     used = _columns(ca.vertcat(rates, y, rest, *seen), p)
     kept, names = ca.reshape(p[used], len(used), 1), [("p", paths[i]) for i in used]
     fixed = [i for i in range(len(paths)) if i not in used]
     if fixed:
         held = ca.DM(machine.values[fixed])
         rates, y, rest = ca.substitute([rates, y, rest], [p[fixed]], [held])
-    values, width = list(machine.values[used]), ca.SX.sym("width")
     forces = ca.vertcat(*(hole.force for hole in holes)) if holes else ca.SX(0, 1)
-    before = [t, x, u, kept, forces]
-    smooth = _smoothed(ca.Function("f", before, [rates, y], {"cse": True}), before, width)
-    if smooth is not None:
-        (rates, y), kept = smooth, ca.vertcat(kept, width)
-        names.append(("p", "smoothing"))
-        values.append(SMOOTHING)
+    calm = calmed([t, x, u, kept, forces], rates, y, modes)
+    rates, y, kept = calm.rates, calm.y, ca.vertcat(kept, calm.more)
+    values = [*machine.values[used], *calm.values]
     here = [t, x, u, kept]
     around = ca.Function("around", [*here, forces], [ca.vertcat(rates, y)], {"cse": True})
     if holes:
@@ -226,9 +266,9 @@ def _exported(
     rested = ca.Function("rest", [ca.vertcat(*here)], [rest])
     resting = _derived(rested, rest.numel(), [part.numel() for part in here])
     return Exported(
-        machine.model, states, inputs, outputs, tuple(names), rest.numel(),
+        machine.model, states, inputs, (*outputs, *calm.told), (*names, *calm.names), rest.numel(),
         made["value"], made["forward"], made["adjoint"], _first(resting["value"], "rest"),
-        _first(resting["forward"], "rest_forward"), x0, u0, np.array(values),
+        _first(resting["forward"], "rest_forward"), x0, u0, np.array(values), calm.ways,
     )  # fmt: skip
 
 
@@ -258,29 +298,6 @@ def _first(function: ca.Function, name: str) -> ca.Function:
     """The function with its first result alone."""
     arguments = function.sx_in()
     return ca.Function(f"model_{name}", arguments, [function(*arguments)[0]], {"cse": True})
-
-
-def _smoothed(function: ca.Function, arguments: list[ca.SX], width: ca.SX) -> list[ca.SX] | None:
-    """The results with tanh(x/width) for sgn x, None where no sgn occurs; width 0 is exact.
-
-    A solver that meets a jump makes its steps smaller and smaller and stops."""
-    steps = program(function)
-    if steps is None or ca.OP_SIGN not in steps.operations():
-        return None
-    held: dict[int, ca.SX] = {value: arguments[a][e] for value, a, e in steps.loads}
-    held |= {value: ca.SX(number) for value, number in steps.constants}
-    for value, operation, left, right in steps.steps:
-        if operation == ca.OP_SIGN:
-            soft = ca.tanh(held[left] / ca.fmax(width, 1e-300))
-            held[value] = ca.if_else(width > 0, soft, ca.sign(held[left]))
-        elif operation in UNARY or right == NOTHING:
-            held[value] = ca.SX.unary(operation, held[left])
-        else:
-            held[value] = ca.SX.binary(operation, held[left], held[right])
-    results = [ca.SX(size, 1) for size in steps.results]
-    for output, entry, value in steps.stores:
-        results[output][entry] = held[value]
-    return [ca.densify(result) for result in results]
 
 
 def _require_force_elements(model: Model, names: Sequence[str]) -> None:

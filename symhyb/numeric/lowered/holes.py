@@ -6,7 +6,7 @@ together from  inputs → network → the rest.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Any
 
@@ -51,6 +51,8 @@ class Parts:
     inner: ca.SX
     rest: ca.SX
     holes: tuple[Hole, ...]
+    modes: ca.SX = field(default_factory=lambda: ca.SX(0, 1))
+    arguments: ca.SX = field(default_factory=lambda: ca.SX(0, 1))
 
     def at(self, q: ca.SX, v: ca.SX, u: ca.SX, t: ca.SX, p: ca.SX) -> "Parts":
         """The same on other symbols; the inner states stay."""
@@ -62,10 +64,11 @@ class Parts:
         return Parts(q, v, self.z, u, t, p, made[0], made[1], made[2], tuple(holes))
 
 
-def parts_of(machine: Machine) -> Parts:
-    """The elements of a machine; its networks as holes."""
-    if any(element.network for element in machine.model.elements):
-        return _opened(machine.model)
+def parts_of(machine: Machine, modes: bool = False) -> Parts:
+    """The elements of a machine; its networks as holes, and its ``modes`` if they are wanted, with
+    what tells them (:func:`symhyb.mechanics.opened.banded`)."""
+    if modes or any(element.network for element in machine.model.elements):
+        return _opened(machine.model, modes)
     n, k = machine.n, len(machine.model.inputs)
     q, v, u = (ca.SX.sym(name, size) for name, size in (("q", n), ("v", n), ("u", k)))
     z, t, p = ca.SX.sym("z", machine.inner_states), ca.SX.sym("t"), ca.SX.sym("p", _count(machine))
@@ -78,8 +81,9 @@ def _count(machine: Machine) -> int:
     return int(machine.values.size)
 
 
-def _opened(model: Model) -> Parts:
+def _opened(model: Model, modes: bool) -> Parts:
     from symhyb.mechanics.equations import derive  # SymPy takes half a second to import
+    from symhyb.mechanics.opened import banded
     from symhyb.numeric.lowered.translate import Lowered
 
     holes: dict[str, Hole] = {}
@@ -92,10 +96,14 @@ def _opened(model: Model) -> Parts:
         return fill
 
     fills = {e.name: catching(e.name, e.network) for e in model.elements if e.network is not None}
-    low = Lowered(derive(model), fills)
+    equations = derive(model)
+    told = banded(model, equations) if modes else equations
+    low = Lowered(told, fills)
     forces = ca.densify(ca.horzcat(*low.forces))
-    return Parts(low.q, low.v, low.z, low.u, low.t, low.p, forces, ca.densify(low.inner),
-                 ca.densify(low.rest), tuple(holes.values()))  # fmt: skip
+    k = len(model.inputs)
+    return Parts(low.q, low.v, low.z, low.u[:k, 0], low.t, low.p, forces, ca.densify(low.inner),
+                 ca.densify(low.rest), tuple(holes.values()), low.u[k:, 0],
+                 low.column(told.outputs[len(equations.outputs) :]))  # fmt: skip
 
 
 def filled(

@@ -7,7 +7,7 @@ p = ∂T/∂v, see docs/design.md.
 """
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import casadi as ca
 import numpy as np
@@ -23,6 +23,8 @@ from symhyb.numeric.lowered.sound import require_sound
 
 if TYPE_CHECKING:
     from symhyb.numeric.lowered.translate import Lowered
+
+Opening = Literal["closed", "switched", "banded"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -145,29 +147,31 @@ def build(model: Model, keep: bool = True) -> Machine:
     return Machine(model=model, values=values, **{"input_matrix": None, **functions})  # type: ignore[arg-type]
 
 
-def functions_of(model: Model, keep: bool = True, switched: bool = False) -> dict[str, ca.Function]:
+def functions_of(
+    model: Model, keep: bool = True, opening: Opening = "closed"
+) -> dict[str, ca.Function]:
     """The functions of a :class:`Machine` by name, SI; with what switches as inputs and outputs of
-    its own if ``switched`` (:mod:`symhyb.mechanics.opened`)."""
+    its own if it is opened (:mod:`symhyb.mechanics.opened`)."""
     structure = structure_of(model)
-    return kept(("machine", structure, switched), lambda: _from_cache(model, keep, switched))
+    return kept(("machine", structure, opening), lambda: _from_cache(model, keep, opening))
 
 
-def _from_cache(model: Model, keep: bool, switched: bool) -> dict[str, ca.Function]:
+def _from_cache(model: Model, keep: bool, opening: Opening) -> dict[str, ca.Function]:
     """The functions of a model: those on disk, else lowered, and kept there if that is wanted."""
     if not keep:
-        return _lowered(model, switched)
-    key = cache.key(structure_of(model), *(["switched"] if switched else []))
+        return _lowered(model, opening)
+    key = cache.key(structure_of(model), *([] if opening == "closed" else [opening]))
     found = cache.load(key)
     if found is None:
-        found = _lowered(model, switched)
+        found = _lowered(model, opening)
         cache.store(key, found)
     return found
 
 
-def _lowered(model: Model, switched: bool = False) -> dict[str, ca.Function]:
+def _lowered(model: Model, opening: Opening = "closed") -> dict[str, ca.Function]:
     from symhyb.mechanics.constraints import closures
     from symhyb.mechanics.equations import derive  # SymPy takes half a second to import
-    from symhyb.mechanics.opened import opened
+    from symhyb.mechanics.opened import banded, opened
     from symhyb.numeric.lowered.translate import Lowered
 
     fills = {
@@ -176,7 +180,8 @@ def _lowered(model: Model, switched: bool = False) -> dict[str, ca.Function]:
         if element.network is not None
     }
     equations = derive(model)
-    low = Lowered(opened(model, equations) if switched else equations, fills)
+    change = {"switched": opened, "banded": banded}.get(opening)
+    low = Lowered(equations if change is None else change(model, equations), fills)
     q, v, a, z, u, t, p = low.q, low.v, low.a, low.z, low.u, low.t, low.p
     n, imposed = q.numel(), [i for i, c in enumerate(model.coordinates) if c.imposed]
     momentum = ca.gradient(low.kinetic, v)

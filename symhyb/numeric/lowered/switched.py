@@ -127,7 +127,7 @@ class _Place:
     """What the functions of a switched machine are made of, at one symbolic state."""
 
     def __init__(self, owner: Switched, x: ca.SX, d: ca.SX, t: ca.SX, p: ca.SX, mode: ca.SX):
-        self.functions = functions_of(owner.form.machine.model, switched=True)
+        self.functions = functions_of(owner.form.machine.model, opening="switched")
         self.q, self.v, self.z, self.u, self.given = owner.form.unpack(x, d, p)
         self._t, self._p = t, p
         self._elements, self._owner = list(owner.frictions), owner
