@@ -55,6 +55,18 @@ def whole() -> Spec:
     return spec_of(machine(), "machine", whole=True)
 
 
+@cache
+def events_alone() -> Spec:
+    """The three laws with their friction in modes."""
+    return spec_of(machine(), "correction", FOUND, events=True)
+
+
+@cache
+def events_whole() -> Spec:
+    """The machine with its friction in modes."""
+    return spec_of(machine(), "machine", whole=True, events=True)
+
+
 def network(folder: Path) -> Spec:
     """A network of place and speed with two layers of 64 units, trained to ±3 in both."""
     rng, layers = np.random.default_rng(0), []
