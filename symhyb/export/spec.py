@@ -102,7 +102,7 @@ def spec_of(
     if events and not exported.ways:
         text = (
             "nothing in what is exported switches: no friction along one direction, no gap, no "
-            "sign(...); export it without events"
+            "sign(...); export it without --events"
         )
         raise InputError(Problem(text, "elements", model.file))
     return Spec(identifier, model.title, exported, _variables(exported), whole)
