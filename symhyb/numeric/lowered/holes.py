@@ -39,7 +39,8 @@ class Hole:
 @dataclass(frozen=True, slots=True, eq=False)
 class Parts:
     """Symbols of a model, on them the generalized ``forces`` (n, E) of its elements with a hole for
-    each network, the rates of the inner states and their values at rest. SI."""
+    each network, the rates of the inner states and their values at rest; where modes are wanted,
+    these (M, 1) and the ``arguments`` (M, 1) by which they are told. SI."""
 
     q: ca.SX
     v: ca.SX
