@@ -8,7 +8,6 @@ from symhyb.errors import InputError, Problem
 from symhyb.export.adams import adams_files
 from symhyb.export.c_code import c_files
 from symhyb.export.fmu import fmu, kinds_of
-from symhyb.export.latex import latex
 from symhyb.export.pack import require_writable, write_file, write_folder
 from symhyb.export.spec import C_WORDS, Role, Spec, spec_of
 from symhyb.model.types import Model
@@ -50,6 +49,8 @@ def deliver(model: Model, order: Order, output: Path) -> tuple[str, ...]:
     if order.to not in FOLDERS and output.is_dir():
         raise InputError(Problem("is a folder; name a file in it", file=str(output)))
     if order.to == "latex":
+        from symhyb.export.latex import latex  # it imports SymPy, which takes a third of a second
+
         write_file(output, latex(model))
         return (f"{output}: the equations of the whole model",)
     name = order.name or _identifier(order, output)

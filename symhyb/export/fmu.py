@@ -4,6 +4,7 @@ Source: FMI 2.0.4 and 3.0.1, https://fmi-standard.org.
 """
 
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 
 from symhyb.errors import InputError, Problem
 from symhyb.export.build import PLATFORMS, headers, require_platforms, shared_library
@@ -43,10 +44,12 @@ def fmu(
     }
     if fmi == 3:
         files["sources/buildDescription.xml"] = build_description(spec)
-    for target in chosen:
+    with ThreadPoolExecutor(max(len(chosen), 1)) as side_by_side:
+        made = side_by_side.map(lambda target: shared_library(code, name, target), chosen)
+    for target, library in zip(chosen, made, strict=True):
         at = PLATFORMS[target]
         folder = at.fmi2 if fmi == 2 else at.fmi3
-        files[f"binaries/{folder}/{name}{at.suffix}"] = shared_library(code, name, target)
+        files[f"binaries/{folder}/{name}{at.suffix}"] = library
     return archive(files)
 
 
