@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from mechanisms import MECHANISMS, slider_crank
+from scipy.integrate import solve_ivp
 
 from symhyb.errors import InputError
 from symhyb.model.read import parse_model, read_model
@@ -354,3 +355,53 @@ def test_a_reaction_that_cannot_be_told_is_refused() -> None:
     gauge = '[sensors]\ngauge = { measures = "reaction(right)", unit = "N" }\n'
     with pytest.raises(InputError, match=r"sensors.gauge.measures: constraints.right repeats"):
         build(parse_model(PARALLELOGRAM + gauge))
+
+
+def four_bars(count: int) -> str:
+    """The N-four-bar benchmark: N squares of rods of 1 m and 1 kg side by side, upright, whose top
+    starts with 1 m/s to the right."""
+    lines = ["symhyb = 1", 'gravity = ["0", "-g"]', "[parameters]"]
+    lines += ['g = { value = 9.81, unit = "m/s^2" }', 'a = { value = 1.0, unit = "m" }']
+    lines += ['m = { value = 1.0, unit = "kg" }', "[coordinates]"]
+    for i in range(count + 1):
+        lines += [f't{i} = {{ unit = "deg", start = 90, start_rate = -57.29577951308232 }}']
+    lines += [f'c{i} = {{ unit = "deg" }}' for i in range(1, count + 1)]
+    lines += [
+        "[points]",
+        *(f'b{i} = {{ body = "r{i}", at = ["a", "0"] }}' for i in range(count + 1)),
+    ]
+    lines += [f'e{i} = {{ body = "k{i}", at = ["a", "0"] }}' for i in range(1, count + 1)]
+    rod = ['mass = "m"', 'at = ["a/2", "0"]', 'inertia = "m*a**2/12"']
+    for i in range(count + 1):
+        lines += [f"[bodies.r{i}]", f'joint = ["{i}*a", "0"]', f'angle = "t{i}"', *rod]
+    for i in range(1, count + 1):
+        lines += [f"[bodies.k{i}]", f'parent = "r{i - 1}"', 'joint = ["a", "0"]', *rod]
+        lines += [f'angle = "c{i} - t{i - 1}"']
+        lines += [f"[constraints.pin{i}]", 'kind = "pin"', f'points = ["e{i}", "b{i}"]']
+    return "\n".join(lines) + "\n"
+
+
+def test_four_bars_side_by_side_and_where_they_can_fold_over() -> None:
+    """The benchmark of the IFToMM library, A02: as long as they move as parallelograms, one angle
+    says it all; lying flat they have three freedoms, and that is told."""
+    machine = build(parse_model(four_bars(2), "four_bars.toml"))
+    found = run(machine, 4.0, 401)
+    t = found.t
+    inertia, weight = 3 / 3 + 2, 3 / 2 + 2  # over m l² and m l: rods that turn, rods that go along
+
+    def rate(_: float, y: np.ndarray) -> list[float]:
+        return [y[1], -9.81 * weight * np.cos(y[0]) / inertia]
+
+    angle = solve_ivp(rate, (0, 4), [np.pi / 2, -1.0], "DOP853", t, rtol=1e-12, atol=1e-13).y[0]
+    flat = int(np.flatnonzero(angle < 0)[0])
+    assert found.q[:flat, :3] == pytest.approx(np.tile(angle[:flat, None], 3), abs=1e-5)
+    assert np.abs(found.q[:flat, 3:]).max() < 1e-5
+    # whether the integrator gets past it hangs on the last digit too
+    told = f"between {t[flat - 1]:.6g} and {t[flat]:.6g} s", f"after {t[flat - 1]:.6g} s"
+    assert found.note.startswith(told)
+    assert "fold over" in found.note
+
+
+@pytest.mark.parametrize("name", ["four_bar", "slider_crank", "five_bar"])
+def test_loops_that_cannot_fold_over_are_not_said_to(name: str) -> None:
+    assert run(machine_of(name), 5.0, 1001).note == ""

@@ -9,10 +9,11 @@ import numpy as np
 
 from symhyb.numeric.kernels.buffers import Array, on_lines
 from symhyb.numeric.lowered.dynamics import StateForm
-from symhyb.numeric.lowered.manifold import closed, gaps_of
+from symhyb.numeric.lowered.manifold import closed, gaps_of, placing
 from symhyb.numeric.runs.scenario import Scenario
 
 OPEN_MOST = 1e-8  # of the size of the motion: more is a loop that does not close
+FOLDS_MOST = 2000  # rows of a run that are looked at for positions in which loops fold over
 NEAR_LOCK = 1e-2  # smallest over largest singular value of J, scaled: a loop about to lock
 
 
@@ -58,6 +59,38 @@ def closed_rows(
         return rows, reason
     said = _worst(form, x[last], d[last], float(t[last]), p)
     return rows, f"the loop locks after {t[last]:.6g} s: {said}"
+
+
+def folded(form: StateForm, scenario: Scenario, drive: Array, x: Array, p: Array) -> str:
+    """Where the states (N, X), SI, NaN from where a run ended, pass a position in which the loops
+    can fold over, as a sentence; empty if nowhere.
+
+    The smallest singular value of J, its rows over their largest length, falls to 0 there: before
+    an output towards which it falls so steeply that it would be negative."""
+    rows, count = placing(form.machine), int(np.isfinite(x).all(axis=1).sum())
+    if not rows or len(rows) > len(form.free) or count < 4:
+        return ""
+    some = np.unique(np.linspace(0, count - 1, min(count, FOLDS_MOST)).astype(int))
+    t = scenario.t[some]
+    q, v = form.motion(x[some], on_lines(scenario.t_u, drive, t))
+    slope = gaps_of(form.machine, q, v, 0 * v, t, p).slope[:, rows][:, :, list(form.free)]
+    size = np.linalg.norm(slope, axis=2, keepdims=True).max(axis=0)
+    unit = slope / np.maximum(size, 1e-300)
+    least = np.sqrt(np.maximum(np.linalg.eigvalsh(unit @ unit.swapaxes(1, 2))[:, 0], 0.0))
+    steep = np.flatnonzero(2 * least[1:-1] < least[:-2])
+    passed = 1 + steep[np.diff(steep, prepend=-2) > 1]
+    if passed.size:
+        first = int(passed[0])
+        more = f", and {passed.size - 1} times more" if passed.size > 1 else ""
+        where = f"between {t[first]:.6g} and {t[first + 1]:.6g} s{more}"
+    elif count < len(x) and 2 * least[-1] < least[-2]:
+        where = f"after {t[-1]:.6g} s"
+    else:
+        return ""
+    return (
+        f"{where} the machine passes a position in which its loops can fold over: which way it "
+        "goes on hangs on the last digit"
+    )
 
 
 def _moved(form: StateForm, x: Array, d: Array, t: Array, p: Array) -> tuple[Array, Array]:

@@ -25,7 +25,7 @@ from symhyb.numeric.lowered.linear import free_slope
 from symhyb.numeric.lowered.machine import Machine
 from symhyb.numeric.lowered.switched import switched
 from symhyb.numeric.runs.between import finer, smooth_columns
-from symhyb.numeric.runs.closing import closed_rows, closed_start
+from symhyb.numeric.runs.closing import closed_rows, closed_start, folded
 from symhyb.numeric.runs.cvodes import (
     ABSOLUTE_TOLERANCE,
     GROWN,
@@ -58,8 +58,8 @@ class Trajectory:
 
     ``reason`` is empty, or says why the integration stopped; rows from there on are NaN. ``method``
     integrated: *explicit* (Runge–Kutta of order 8), or CVODES by *bdf* or *adams*; ``note`` says
-    what stood in the way of another, if anything did. Of an exact run it is DOP853 or Radau,
-    between the located ``events``.
+    what stood in the way of another, or where loops can fold over. Of an exact run it is DOP853 or
+    Radau, between the located ``events``.
     """
 
     t: Array
@@ -116,7 +116,8 @@ def simulate(
     if explicit is not None:
         x, reason = closed_rows(form, scenario, drive, explicit, values, "")
         if not reason:
-            return _observe(form, scenario, drive, x, values, "", "explicit")
+            run = _observe(form, scenario, drive, x, values, "", "explicit")
+            return replace(run, note=folded(form, scenario, drive, x, values))
     for method in ("bdf",) if stiff else ("adams", "bdf"):
         scales = scenario.scales
         if scales is None:
@@ -128,7 +129,8 @@ def simulate(
         if not reason:
             break
     run = _observe(form, scenario, drive, x, values, reason, method)
-    return replace(run, note=compiler_fails())
+    notes = compiler_fails(), folded(form, scenario, drive, x, values)
+    return replace(run, note="; ".join(filter(None, notes)))
 
 
 def _explicit(
