@@ -4,7 +4,7 @@ r"""The same on a machine with two coordinates: a pole on a driven cart, in both
                       \
                        o phi           M(q) is full: a law of forces is no simple law of rates
 
-    python studies/force_level_paper/cart_pole.py --seeds 20-24
+    python studies/force_level_paper/cart_pole.py --seeds 30-34
 """
 
 import argparse
@@ -233,7 +233,7 @@ def in_hosts(
 def main() -> None:
     """Run some seeds and keep all of them in one file."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
-    parser.add_argument("--seeds", default="20-24")
+    parser.add_argument("--seeds", default="30-34")
     parser.add_argument("--results", type=Path, default=KEPT)
     options = parser.parse_args()
     first, _, last = options.seeds.partition("-")

@@ -138,7 +138,8 @@ class Alternative:
     """What the data cannot rule out; exactly one of ``place``, ``channel``, ``parameter`` is set.
 
     ``evidence`` is the difference of the criterion to the winner (0: as good; larger: worse);
-    ``options`` are words of an element, the side of a gap.
+    ``options`` are words of an element, the side of a gap. Alternatives with the same number
+    ``together``, above 0, are one: each holds only beside the others.
     """
 
     instead_of: str | None
@@ -149,6 +150,7 @@ class Alternative:
     channel: str | None = None
     parameter: str | None = None
     options: tuple[tuple[str, str], ...] = ()
+    together: int = 0
 
 
 @dataclass(frozen=True, slots=True)

@@ -180,6 +180,7 @@ def _alternative(rival: Alternative) -> dict[str, Any]:
         "kind": rival.kind,
         **{key: value for key, value in where.items() if value is not None},
         **_options(rival.options),
+        **({"together": rival.together} if rival.together else {}),
         "parameters": _estimates(rival.estimates),
         "evidence": _bounded(rival.evidence),
     }

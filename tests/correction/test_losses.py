@@ -8,6 +8,7 @@ import pytest
 from builders import model_of, recording
 from scipy.integrate import solve_ivp
 
+from symhyb.correction.search.conventions import exchange
 from symhyb.correction.search.evidence import NEAR_NOISE
 from symhyb.correction.search.losses import two_for_one
 from symhyb.correction.search.preparing import prepare, settle
@@ -16,7 +17,8 @@ from symhyb.correction.search.setting import along_motion
 from symhyb.correction.search.trajectory import Refined, grouped
 from symhyb.correction.search.trials import Trials
 from symhyb.data.recording import Recording
-from symhyb.model.types import Model
+from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.model.types import Model, On
 
 WEIGHT, NOISE, STEP = 64.0, 2e-5, 0.01
 Loss = Callable[[float], float]
@@ -111,6 +113,18 @@ def test_they_do_so_where_the_damping_alone_comes_down_to_the_noise() -> None:
     values = dict(zip((cause.kind for cause in found.causes), grouped(found), strict=True))
     assert values["friction"]["coulomb"] == pytest.approx(level, rel=0.15)
     assert values["drag"]["drag"] == pytest.approx(b, rel=0.15)
+
+
+def test_friction_and_drag_are_a_rival_of_the_damping_that_imitates_them() -> None:
+    def law(kind: str, on: str = "x", numbers: int = 1) -> Hypothesis:
+        return Hypothesis(kind, On(on), ("damping",) * numbers, (True,) * numbers)
+
+    both = (law("friction"), law("drag"))
+    assert not exchange(both, (law("damper"),)).grows
+    assert exchange((*both, law("spring")), (law("damper"),)).grows
+    assert exchange((law("friction", "y"), law("drag")), (law("damper"),)).grows
+    assert exchange((law("friction"), law("drag")), (law("spring"),)).grows
+    assert exchange((law("friction", numbers=2), law("drag")), (law("damper"),)).grows
 
 
 def test_viscous_damping_stays_where_something_else_is_left() -> None:

@@ -20,6 +20,7 @@ from symhyb.discrepancy.words.wording import (
 )
 from symhyb.model.types import At, Between, Element, On, Place
 from symhyb.model.vocabulary import KINDS
+from symhyb.report.contract import _alternative
 
 NAN, INFINITE = math.nan, math.inf
 
@@ -426,6 +427,22 @@ def test_undecided_names_the_rivals_or_says_that_there_are_none() -> None:
     )
     assert alternative_phrase(rivals[3]) == "parameter k"
     assert "no cause that symhyb knows" in verdict_sentence("undecided")
+
+
+def test_causes_that_hold_only_together_are_one_alternative() -> None:
+    drag = Estimate("b", 0.4, 0.1, "N*s^2/m^2", "drag")
+    dry = Estimate("R", 2.0, 0.1, "N", "coulomb")
+    rivals = (
+        Alternative(None, "damper", (DAMPING,), 0.0, place=On("x")),
+        Alternative(None, "drag", (drag,), 1.0, place=On("x"), together=1),
+        Alternative(None, "friction", (dry,), 1.0, place=On("x"), together=1),
+    )
+    assert verdict_sentence("undecided", alternatives=rivals).endswith(
+        "(1) viscous damping of 203.5 ± 1.3 N·s/m on x or (2) drag quadratic in speed "
+        "(0.40 ± 0.10 N·s²/m²) on x and dry (Coulomb) friction of 2.00 ± 0.10 N on x together."
+    )
+    told = [_alternative(rival) for rival in rivals]
+    assert [row.get("together") for row in told] == [None, 1, 1]
 
 
 def test_nothing_missing_says_so() -> None:

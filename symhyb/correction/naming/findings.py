@@ -266,11 +266,12 @@ def alternatives_of(
     for first, second in decision.twins:
         if first in winner.causes:
             rows.append(_alternative(model, second, {}, names.get(first), 0.0))
-    for change, evidence, trial in rivals_of(decision):
+    for number, (change, evidence, trial) in enumerate(rivals_of(decision), 1):
         instead_of = names.get(change.lost[0])
         for cause in change.fresh:
             values = _told_values(trial, cause)
-            rows.append(_alternative(model, cause, values, instead_of, max(evidence, 0.0)))
+            row = _alternative(model, cause, values, instead_of, max(evidence, 0.0))
+            rows.append(replace(row, together=number if len(change.fresh) > 1 else 0))
     rows += _sided(model, winner, names)
     return tuple(sorted(rows, key=lambda row: row.evidence))
 

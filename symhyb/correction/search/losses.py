@@ -11,12 +11,11 @@ and thousands of samples tell it from the two all the same.
 
 from collections.abc import Iterator, Sequence
 
+from symhyb.correction.search.conventions import OUTER
 from symhyb.correction.search.evidence import SIGNIFICANT, criterion, unit_of
 from symhyb.correction.search.selection import Problem, solve
 from symhyb.correction.search.trajectory import Refined
 from symhyb.correction.search.trials import Trials, first_guess
-
-OUTER = ("friction", "drag")
 
 
 def two_for_one(trials: Trials, winner: Refined, problem: Problem) -> Iterator[Refined]:

@@ -136,11 +136,20 @@ def _undecided(alternatives: Sequence[Alternative]) -> str:
             "Model and recordings differ by more than the noise, "
             "but no cause that symhyb knows accounts for it."
         )
-    rivals = [alternative_phrase(rival) for rival in alternatives[:_RIVALS_NAMED]]
+    groups: dict[object, list[Alternative]] = {}
+    for i, rival in enumerate(alternatives):
+        groups.setdefault(rival.together or (i,), []).append(rival)
+    rivals = [_at_once(group) for group in list(groups.values())[:_RIVALS_NAMED]]
     return (
         "Model and recordings differ by more than the noise, but these recordings "
         f"cannot tell the causes apart: {_listed(rivals, 'or')}."
     )
+
+
+def _at_once(group: Sequence[Alternative]) -> str:
+    """One alternative, or several that hold only together."""
+    phrases = [alternative_phrase(rival) for rival in group]
+    return phrases[0] if len(phrases) == 1 else f"{joined(phrases)} together"
 
 
 def _lacking(found: Sequence[Found]) -> str:
