@@ -291,7 +291,8 @@ def _leap(run: _Run) -> Leap | None:
     if modes not in run.leaps:
         both = fields(run.machine, modes.held)
         p, outputs = np.concatenate([run.p, modes.vector()]), (run.t, run.x)
-        given = (run.nodes, p, outputs, RELATIVE_TOLERANCE, run.longest, 10 * STEPS_MOST)
+        steps = 10 * (STEPS_MOST + 1)  # a tenth of them at once
+        given = (run.nodes, p, outputs, RELATIVE_TOLERANCE, run.longest, steps)
         run.leaps[modes] = None if both is None else Leap(both, *given)
         if len(run.leaps) > MODES_MOST:
             run.leaps.pop(next(iter(run.leaps)))
