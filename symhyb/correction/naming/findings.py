@@ -308,7 +308,8 @@ def rivals_of(decision: Decision) -> list[tuple[Exchange, float, Refined]]:
         change = exchange(trial.causes, decision.winner.causes)
         if {cause.family for cause in change.fresh} == {cause.family for cause in change.lost}:
             continue  # the same law, begun at other values: no rival of itself
-        if change.fresh and change.lost and evidence < RIVAL and not change.grows:
+        rival = change.imitated or not change.grows
+        if change.fresh and change.lost and evidence < RIVAL and rival:
             rivals.append((change, evidence, trial))
     return rivals
 

@@ -32,13 +32,14 @@ class Exchange:
 
     @property
     def grows(self) -> bool:
-        """Whether more numbers come than go: an extension rather than a rival. Dry friction and
-        drag extend no damper: they are what it imitates (:mod:`~.losses`)."""
+        """Whether more numbers come than go: an extension rather than a rival."""
         fresh, lost = (sum(cause.numbers for cause in side) for side in (self.fresh, self.lost))
-        return fresh > lost and not self._imitated
+        return fresh > lost
 
     @property
-    def _imitated(self) -> bool:
+    def imitated(self) -> bool:
+        """Whether dry friction and drag come for the damper that imitates them: no extension of it,
+        but another answer (:mod:`~.losses`)."""
         kinds = tuple(sorted(cause.kind for cause in self.fresh))
         if kinds != OUTER or [cause.kind for cause in self.lost] != ["damper"]:
             return False
