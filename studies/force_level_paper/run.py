@@ -1,6 +1,6 @@
 """One parameter set after the other: draw, record, learn, simulate in every host, keep as JSON.
 
-    python studies/force_level_paper/run.py --seeds 60-79
+    python studies/force_level_paper/run.py --seeds 80-99
 
 A set that has its file in ``results`` is left as it is. Errors are those of displacement and
 velocity, [m, m/s], against the exact reference, and null where a run was not finite.
@@ -224,7 +224,7 @@ def keep(seed: int, folder: Path) -> str:
 def main() -> None:
     """Run some sets."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
-    parser.add_argument("--seeds", default="60-79")
+    parser.add_argument("--seeds", default="80-99")
     parser.add_argument("--workers", type=int, default=1)
     parser.add_argument("--results", type=Path, default=KEPT)
     options = parser.parse_args()
