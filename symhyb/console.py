@@ -18,6 +18,7 @@ from symhyb.data.datasets import listing
 from symhyb.discrepancy.results import Diagnosis, Found
 from symhyb.discrepancy.words.effects import amount_text
 from symhyb.discrepancy.words.wording import (
+    grouped_alternatives,
     measurement_phrase,
     parameter_phrase,
     percent_text,
@@ -62,7 +63,8 @@ def print_result(result: "StudyResult", directory: Path) -> None:
     for line in _effects(diagnosis):
         print(f"  {line}")
     _print_list(
-        "Not ruled out by these recordings:", map(alternative_sentence, diagnosis.alternatives)
+        "Not ruled out by these recordings:",
+        (alternative_sentence(*group) for group in grouped_alternatives(diagnosis.alternatives)),
     )
     if diagnosis.record_next:
         print(f"Record next: {diagnosis.record_next}")

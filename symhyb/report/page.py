@@ -12,6 +12,7 @@ from symhyb.discrepancy.checks.first_checks import FirstChecks
 from symhyb.discrepancy.results import Cloud, Diagnosis, Trace, Verdict
 from symhyb.discrepancy.words.occurrence_words import place_words
 from symhyb.discrepancy.words.wording import (
+    grouped_alternatives,
     measurement_phrase,
     parameter_phrase,
 )
@@ -73,7 +74,9 @@ def render_page(
         diagnosis=diagnosis,
         verdict=verdict,
         besides=[f"{phrase}." for phrase in _besides(diagnosis)],
-        alternatives=[alternative_sentence(rival) for rival in diagnosis.alternatives],
+        alternatives=[
+            alternative_sentence(*group) for group in grouped_alternatives(diagnosis.alternatives)
+        ],
         scores=score_sentences(verdict, {name: unit.text for name, unit in units.items()}),
         remainder=remainder_sentence(diagnosis.remainder),
         methods=method_sentences(verdict),

@@ -83,10 +83,11 @@ def method_sentences(verdict: Verdict) -> tuple[str, ...]:
     )
 
 
-def alternative_sentence(rival: Alternative) -> str:
-    """Say a rival, what it would replace and by how much it is worse."""
+def alternative_sentence(rival: Alternative, *others: Alternative) -> str:
+    """Say a rival (with ``others`` that hold only together with it), what it would replace and by
+    how much it is worse."""
     instead = f", instead of {rival.instead_of}" if rival.instead_of else ""
-    said = f"{alternative_phrase(rival)}{instead}"
+    said = f"{alternative_phrase(rival, *others)}{instead}"
     said = f"{said[:1].upper()}{said[1:]}"
     if not math.isfinite(rival.evidence):
         return f"{said}."

@@ -91,6 +91,8 @@ def test_rivals_say_what_they_replace_and_how_much_worse_they_are() -> None:
     assert alternative_sentence(replace(alone, evidence=math.inf)) == f"{opening}."
     on_place = replace(alone, channel=None, place=On("x"), kind="damper", estimates=())
     assert alternative_sentence(on_place).startswith("Viscous damping on x: worse")
+    both = alternative_sentence(on_place, on_place)
+    assert both.startswith("Viscous damping on x and viscous damping on x together: worse")
 
 
 def test_the_remainder_is_said_or_its_absence() -> None:

@@ -90,8 +90,11 @@ def measurement_phrase(fault: Measurement) -> str:
     return f"{fault.channel} has {article} {fault.kind} of {amount}"
 
 
-def alternative_phrase(rival: Alternative) -> str:
-    """Say a rival explanation: an effect at its place, a channel's fault or a parameter."""
+def alternative_phrase(rival: Alternative, *others: Alternative) -> str:
+    """Say a rival explanation: an effect at its place, a channel's fault or a parameter; with
+    ``others`` that hold only together with it."""
+    if others:
+        return f"{joined([alternative_phrase(one) for one in (rival, *others)])} together"
     if rival.place is not None:
         named = effect_phrase(rival.kind, rival.estimates, rival.options)
         return f"{named} {place_text(rival.place)}"
@@ -136,20 +139,21 @@ def _undecided(alternatives: Sequence[Alternative]) -> str:
             "Model and recordings differ by more than the noise, "
             "but no cause that symhyb knows accounts for it."
         )
-    groups: dict[object, list[Alternative]] = {}
-    for i, rival in enumerate(alternatives):
-        groups.setdefault(rival.together or (i,), []).append(rival)
-    rivals = [_at_once(group) for group in list(groups.values())[:_RIVALS_NAMED]]
+    groups = grouped_alternatives(alternatives)[:_RIVALS_NAMED]
+    rivals = [alternative_phrase(*group) for group in groups]
     return (
         "Model and recordings differ by more than the noise, but these recordings "
         f"cannot tell the causes apart: {_listed(rivals, 'or')}."
     )
 
 
-def _at_once(group: Sequence[Alternative]) -> str:
-    """One alternative, or several that hold only together."""
-    phrases = [alternative_phrase(rival) for rival in group]
-    return phrases[0] if len(phrases) == 1 else f"{joined(phrases)} together"
+def grouped_alternatives(alternatives: Sequence[Alternative]) -> list[tuple[Alternative, ...]]:
+    """Each alternative by itself, those that hold only together as one, in the same order."""
+    groups: dict[object, tuple[Alternative, ...]] = {}
+    for i, rival in enumerate(alternatives):
+        key = rival.together or (i,)
+        groups[key] = (*groups.get(key, ()), rival)
+    return list(groups.values())
 
 
 def _lacking(found: Sequence[Found]) -> str:
