@@ -304,8 +304,9 @@ def rivals_of(decision: Decision) -> list[tuple[Exchange, float, Refined]]:
     difference of the criterion, the trial."""
     rivals = []
     for trial in decision.trials:
-        evidence = decision.evidence(trial)
         change = exchange(trial.causes, decision.winner.causes)
+        # an answer of more numbers has to be as good by itself, not by luck
+        evidence = decision.criterion(trial) if change.imitated else decision.evidence(trial)
         if {cause.family for cause in change.fresh} == {cause.family for cause in change.lost}:
             continue  # the same law, begun at other values: no rival of itself
         rival = change.imitated or not change.grows
