@@ -309,8 +309,8 @@ def rivals_of(decision: Decision) -> list[tuple[Exchange, float, Refined]]:
         evidence = decision.criterion(trial) if change.imitated else decision.evidence(trial)
         if {cause.family for cause in change.fresh} == {cause.family for cause in change.lost}:
             continue  # the same law, begun at other values: no rival of itself
-        rival = change.imitated or not change.grows
-        if change.fresh and change.lost and evidence < RIVAL and rival:
+        extends = change.grows and not change.imitated
+        if change.fresh and change.lost and evidence < RIVAL and not extends:
             rivals.append((change, evidence, trial))
     return rivals
 

@@ -265,32 +265,20 @@ def _beside(gaps: _Gaps, q: Array) -> list[Array]:
 
 def _require_hold(gaps: _Gaps, q: Array, free: NDArray[np.bool_]) -> None:
     """Every row must depend on something that is free to move; speeds linearly on rates."""
-    bent = sorted(set(gaps.function.jac_sparsity(3, 1).get_triplet()[0]))
-    problems = [
-        Problem(
-            "is not linear in the rates: a nonholonomic constraint is a sum of rates, each times a "
-            "factor of places, parameters and time",
-            f"constraints.{gaps.labels[row % len(gaps.labels)]}",
-            gaps.model.file,
-        )
-        for row in bent
-    ]
-    if problems:
-        raise InputError(dict.fromkeys(problems))
+    bent = sorted({row % len(gaps.labels) for row in gaps.function.jac_sparsity(3, 1).row()})
+    _refuse(
+        gaps, [gaps.labels[row] for row in bent],
+        "is not linear in the rates: a nonholonomic constraint is a sum of rates, each times a "
+        "factor of places, parameters and time",
+    )  # fmt: skip
     slope = gaps.function.jac_sparsity(1, 1)
     held = {int(row) for row, column in zip(*slope.get_triplet(), strict=True) if free[column]}
     idle = [label for i, label in enumerate(gaps.labels) if i not in held]
     gap = gaps.at(q, 0 * q)[0]
-    problems = [
-        Problem(
-            "holds nothing that is free to move: it contains no coordinate, or only imposed ones",
-            f"constraints.{label.split('.')[0]}",
-            gaps.model.file,
-        )
-        for label in idle
-    ]
-    if problems:
-        raise InputError(dict.fromkeys(problems))
+    _refuse(
+        gaps, idle,
+        "holds nothing that is free to move: it contains no coordinate, or only imposed ones",
+    )  # fmt: skip
     bad = [label for label, value in zip(gaps.labels, gap, strict=True) if not np.isfinite(value)]
     if bad:
         text = (
@@ -299,6 +287,13 @@ def _require_hold(gaps: _Gaps, q: Array, free: NDArray[np.bool_]) -> None:
         )
         name = bad[0].split(".")[0]
         raise InputError(Problem(text, f"constraints.{name}", gaps.model.file))
+
+
+def _refuse(gaps: _Gaps, labels: Sequence[str], text: str) -> None:
+    """Raise, if there are any, what is wrong with the constraints of these rows, each once."""
+    names = dict.fromkeys(label.split(".")[0] for label in labels)
+    if names:
+        raise InputError([Problem(text, f"constraints.{name}", gaps.model.file) for name in names])
 
 
 def _impossible(gaps: _Gaps, q: Array, gap: Array) -> Problem:

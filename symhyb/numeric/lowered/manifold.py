@@ -55,12 +55,14 @@ def gaps_of(machine: Machine, q: Array, v: Array, a: Array, t: Array, p: Array) 
 
 @dataclass(frozen=True, slots=True)
 class Closed:
-    """A motion on the constraints: q, v, a (N, n), and what is ``left`` open of each (N, m). SI."""
+    """A motion on the constraints: q, v, a (N, n), what is ``left`` open of each (N, m), and their
+    ``slope`` J there (N, m, n). SI."""
 
     q: Array
     v: Array
     a: Array
     left: Array
+    slope: Array
 
 
 def shown_at(machine: Machine) -> ca.Function:
@@ -101,9 +103,9 @@ def closed(
         now = gaps_of(machine, q, v, a, t, p)
     inverse = _inverse(now.slope[:, :, free], weight)
     v[:, free] -= (inverse @ now.rate[..., None])[..., 0]
-    bend = gaps_of(machine, q, v, a, t, p).bend
-    a[:, free] -= (inverse @ bend[..., None])[..., 0]
-    return Closed(q, v, a, now.gap)
+    last = gaps_of(machine, q, v, a, t, p)
+    a[:, free] -= (inverse @ last.bend[..., None])[..., 0]
+    return Closed(q, v, a, now.gap, last.slope)
 
 
 def _back(slope: Array, gap: Array, weight: Array) -> Array:

@@ -25,7 +25,7 @@ def closed_start(
         return start, ""
     begin = scenario.t[:1]
     first = on_lines(scenario.t_u, drive, begin)
-    rows, left = _moved(form, start[None], first, begin, p)
+    rows, left, _ = _moved(form, start[None], first, begin, p)
     if left[0] <= OPEN_MOST:
         return rows[0], ""
     said = _worst(form, rows[0], first[0], float(begin[0]), p)
@@ -34,21 +34,23 @@ def closed_start(
 
 def closed_rows(
     form: StateForm, scenario: Scenario, drive: Array, x: Array, p: Array, reason: str
-) -> tuple[Array, str]:
-    """States (N, X) of a run on the constraints, SI, and why it ended: what CVODES says, else where
-    the loop no longer closes, from where on rows are NaN."""
+) -> tuple[Array, str, str]:
+    """States (N, X) of a run on the constraints, SI, why it ended (what CVODES says, else where
+    the loop no longer closes, from where on rows are NaN), and where its loops can fold over."""
     if not form.machine.constraints:
-        return x, reason
+        return x, reason, ""
     d = on_lines(scenario.t_u, drive, scenario.t)
     whole = np.isfinite(x).all(axis=1)
     rows, left = x.copy(), np.full(len(x), np.inf)
-    if whole.any():
-        rows[whole], left[whole] = _moved(form, x[whole], d[whole], scenario.t[whole], p)
+    if not whole.any():
+        return rows, reason, ""
+    rows[whole], left[whole], slope = _moved(form, x[whole], d[whole], scenario.t[whole], p)
     torn = np.flatnonzero(whole & ~(left <= OPEN_MOST))
-    if not torn.size and not reason:
-        return rows, ""
     end = int(torn[0]) if torn.size else int(whole.sum())
     last, t = max(end - 1, 0), scenario.t
+    note = _folded(t[:end], slope[:end], end < len(x))
+    if not torn.size and not reason:
+        return rows, "", note
     before, slack = (
         _slack(form, rows[row], d[row], float(t[row]), p) for row in (max(last - 1, 0), last)
     )
@@ -56,24 +58,23 @@ def closed_rows(
     # towards a lock the square of the slack falls linearly: here it would be 0 within two rows
     locks = slack < NEAR_LOCK or before**2 - slack**2 > 0.5 * slack**2
     if not torn.size and not locks:
-        return rows, reason
+        return rows, reason, note
     said = _worst(form, x[last], d[last], float(t[last]), p)
-    return rows, f"the loop locks after {t[last]:.6g} s: {said}"
+    return rows, f"the loop locks after {t[last]:.6g} s: {said}", note
 
 
-def folded(form: StateForm, scenario: Scenario, drive: Array, x: Array, p: Array) -> str:
-    """Where the states (N, X), SI, NaN from where a run ended, pass a position in which the loops
-    can fold over, as a sentence; empty if nowhere.
+def _folded(t: Array, slope: Array, ended: bool) -> str:
+    """Where a run passes a position in which its loops can fold over, as a sentence; empty if
+    nowhere. ``slope`` (N, h, f) is J of the rows that hold places, at ``t`` (N,) s, after which the
+    run had ``ended`` early.
 
     The smallest singular value of J, its rows over their largest length, falls to 0 there: before
     an output towards which it falls so steeply that it would be negative."""
-    rows, count = placing(form.machine), int(np.isfinite(x).all(axis=1).sum())
-    if not rows or len(rows) > len(form.free) or count < 4:
+    count, held, free = slope.shape
+    if not 0 < held <= free or count < 4:
         return ""
     some = np.unique(np.linspace(0, count - 1, min(count, FOLDS_MOST)).astype(int))
-    t = scenario.t[some]
-    q, v = form.motion(x[some], on_lines(scenario.t_u, drive, t))
-    slope = gaps_of(form.machine, q, v, 0 * v, t, p).slope[:, rows][:, :, list(form.free)]
+    t, slope = t[some], slope[some]
     size = np.linalg.norm(slope, axis=2, keepdims=True).max(axis=0)
     unit = slope / np.maximum(size, 1e-300)
     least = np.sqrt(np.maximum(np.linalg.eigvalsh(unit @ unit.swapaxes(1, 2))[:, 0], 0.0))
@@ -83,7 +84,7 @@ def folded(form: StateForm, scenario: Scenario, drive: Array, x: Array, p: Array
         first = int(passed[0])
         more = f", and {passed.size - 1} times more" if passed.size > 1 else ""
         where = f"between {t[first]:.6g} and {t[first + 1]:.6g} s{more}"
-    elif count < len(x) and 2 * least[-1] < least[-2]:
+    elif ended and 2 * least[-1] < least[-2]:
         where = f"after {t[-1]:.6g} s"
     else:
         return ""
@@ -93,13 +94,15 @@ def folded(form: StateForm, scenario: Scenario, drive: Array, x: Array, p: Array
     )
 
 
-def _moved(form: StateForm, x: Array, d: Array, t: Array, p: Array) -> tuple[Array, Array]:
-    """States (N, X) on the constraints, and what is left open (N,), of the size of the motion."""
+def _moved(form: StateForm, x: Array, d: Array, t: Array, p: Array) -> tuple[Array, Array, Array]:
+    """States (N, X) on the constraints, what is left open (N,), of the size of the motion, and J of
+    the rows that hold places (N, h, f)."""
     q, v = form.motion(x, d)
     on = closed(form.machine, (q, v, np.zeros_like(q)), t, p, form.given)
     size = 1 + np.abs(on.q).max(axis=1, initial=0.0)
     left = np.abs(on.left).max(axis=1, initial=0.0) / size
-    return form.state(on.q, on.v, x[:, 2 * len(form.free) :]), left
+    slope = on.slope[:, placing(form.machine)][:, :, list(form.free)]
+    return form.state(on.q, on.v, x[:, 2 * len(form.free) :]), left, slope
 
 
 def _slope(form: StateForm, x: Array, d: Array, t: float, p: Array) -> tuple[Array, Array]:

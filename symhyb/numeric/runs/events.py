@@ -256,20 +256,19 @@ def _until_event(
             solver.f = run.ready("rates")(solver.t, solver.y)
             before = watch(solver.t, solver.y)
         if solver.status == "finished":
-            run.step = None if solver.step_size is None else solver.step_size
+            run.step = solver.step_size
             return end, solver.y, [], ""
 
 
 def _solver(run: _Run, now: float, end: float, y: Array) -> Any:
     first = None if run.step is None else max(min(run.step, run.longest, end - now), 1e-300)
-    options: dict[str, Any] = {
-        "rtol": RELATIVE_TOLERANCE, "atol": 1.0, "max_step": run.longest, "first_step": first,
-    }  # fmt: skip
     run.size = _sizes(run, y)
-    options["atol"] = _tolerances(run)
-    leap = _leap(run)
+    leap, atol = _leap(run), _tolerances(run)
     if leap is not None:
-        return leap.begin((now, end), run.row, y, run.size, _tolerances(run), first)
+        return leap.begin((now, end), run.row, y, run.size, atol, first)
+    options: dict[str, Any] = {
+        "rtol": RELATIVE_TOLERANCE, "atol": atol, "max_step": run.longest, "first_step": first,
+    }  # fmt: skip
     right = run.ready("rates")
     if not run.stiff:
         return DOP853(right, now, y, end, **options)

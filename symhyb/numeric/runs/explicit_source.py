@@ -25,7 +25,8 @@ from symhyb.numeric.runs.explicit_reverse import reverse_code
 
 INLINE_MOST = 60  # instructions: each stage of a step gets its own copy of rates that are so short
 CURVE = 3 + len(DENSE)  # rows of the polynomial between the ends of a step
-WORK = 4 + SLOPES + CURVE + 1  # columns of states that the integrator needs to work in
+CURVE_AT = 4 + SLOPES  # where they lie in what the integrator works in
+WORK = CURVE_AT + CURVE + 1  # columns of states that the integrator needs to work in
 LOOKS = 4  # into a step that is watched
 DIPS = 0.1  # a minimum between looks that may lie below this share of what was seen is looked at
 

@@ -25,7 +25,7 @@ from symhyb.numeric.lowered.linear import free_slope
 from symhyb.numeric.lowered.machine import Machine
 from symhyb.numeric.lowered.switched import switched
 from symhyb.numeric.runs.between import finer, smooth_columns
-from symhyb.numeric.runs.closing import closed_rows, closed_start, folded
+from symhyb.numeric.runs.closing import closed_rows, closed_start
 from symhyb.numeric.runs.cvodes import (
     ABSOLUTE_TOLERANCE,
     GROWN,
@@ -114,10 +114,10 @@ def simulate(
     stiff = _stiff(form, scenario, drive, start, values)
     explicit = _explicit(form, scenario, drive, start, values, stiff)
     if explicit is not None:
-        x, reason = closed_rows(form, scenario, drive, explicit, values, "")
+        x, reason, note = closed_rows(form, scenario, drive, explicit, values, "")
         if not reason:
             run = _observe(form, scenario, drive, x, values, "", "explicit")
-            return replace(run, note=folded(form, scenario, drive, x, values))
+            return replace(run, note=note)
     for method in ("bdf",) if stiff else ("adams", "bdf"):
         scales = scenario.scales
         if scales is None:
@@ -125,12 +125,11 @@ def simulate(
         x, reason = _integrate(
             form, scenario, drive, start, values, scales, method, RELATIVE_TOLERANCE
         )
-        x, reason = closed_rows(form, scenario, drive, x, values, reason)
+        x, reason, note = closed_rows(form, scenario, drive, x, values, reason)
         if not reason:
             break
     run = _observe(form, scenario, drive, x, values, reason, method)
-    notes = compiler_fails(), folded(form, scenario, drive, x, values)
-    return replace(run, note="; ".join(filter(None, notes)))
+    return replace(run, note="; ".join(filter(None, (compiler_fails(), note))))
 
 
 def _explicit(

@@ -18,7 +18,6 @@ import numpy as np
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.kernels.memory import kept
 from symhyb.numeric.lowered.switched import Held, Switched
-from symhyb.numeric.runs.dormand_prince import SLOPES
 from symhyb.numeric.runs.explicit import (
     REASONS,
     Desk,
@@ -27,7 +26,7 @@ from symhyb.numeric.runs.explicit import (
     field_of,
     integrator_works,
 )
-from symhyb.numeric.runs.explicit_source import CURVE, LOOKS
+from symhyb.numeric.runs.explicit_source import CURVE, CURVE_AT, LOOKS
 
 DONE, TIRED, NO_STEP, GROWN, _, WATCHED = range(len(REASONS))  # how the integrator ends
 WIDER = 2.0  # what has grown so many times asks for another absolute tolerance
@@ -142,8 +141,8 @@ class Leap:
 
     def dense_output(self) -> Callable[[Array | float], Array]:
         """The states at times t in the last step, s: (Y,) at one, (Y, T) at many, SI."""
-        first, begun, length = 4 + SLOPES, self.t_old, self._length
-        before, curve = self.y_old, self._desk.work[first : first + CURVE].copy()
+        begun, length, before = self.t_old, self._length, self.y_old
+        curve = self._desk.work[CURVE_AT : CURVE_AT + CURVE].copy()
 
         def dense(t: Array | float) -> Array:
             s = (t - begun) / length
