@@ -33,13 +33,37 @@ _HOME = {name: module for module, names in _HOMES.items() for name in names}
 
 __version__ = "0.1.0"
 __all__ = (
-    "Diagnosis", "Discrepancy", "Found", "InputError", "Machine", "Model", "NumericsError",
-    "Objective", "Problem", "Recording", "Rollout", "Scenario", "Verdict", "apply",
-    "build", "compare", "diagnose", "diff", "finished", "judge", "read_model", "read_recording",
-    "remainder", "run_study", "simulate", "train_network", "write_diagnosis", "write_model",
+    "Diagnosis",
+    "Discrepancy",
+    "Found",
+    "InputError",
+    "Machine",
+    "Model",
+    "NumericsError",
+    "Objective",
+    "Problem",
+    "Recording",
+    "Rollout",
+    "Scenario",
+    "Verdict",
+    "apply",
+    "build",
+    "compare",
+    "diagnose",
+    "diff",
+    "finished",
+    "judge",
+    "read_model",
+    "read_recording",
+    "remainder",
+    "run_study",
+    "simulate",
+    "train_network",
+    "write_diagnosis",
+    "write_model",
     "write_report",
     "write_simulation",
-)  # fmt: skip
+)
 
 
 def __getattr__(name: str) -> Any:

@@ -146,8 +146,11 @@ def discrepancy_facts(gap: "Discrepancy") -> dict[str, Any]:
         unit = force_unit(gap.model, On(coordinate.name))
         force, noise, applied = (finite(float(size[i]) / unit.factor) for size in sizes)
         forces[coordinate.name] = {
-            "force": force, "noise": noise, "applied": applied, "unit": unit.text,
-        }  # fmt: skip
+            "force": force,
+            "noise": noise,
+            "applied": applied,
+            "unit": unit.text,
+        }
     return {
         "recording": gap.recording,
         "rms": forces,
@@ -180,7 +183,9 @@ def check_facts(checks: "FirstChecks") -> dict[str, Any]:
     timing, balance = checks.timing, checks.balance
     return {
         "sampling": {
-            "rate": timing.rate, "jitter": timing.jitter, "held": timing.held,
+            "rate": timing.rate,
+            "jitter": timing.jitter,
+            "held": timing.held,
             "missing": timing.missing,
         },
         "delays": [
@@ -195,14 +200,17 @@ def check_facts(checks: "FirstChecks") -> dict[str, Any]:
         "response": [_response_facts(one) for one in checks.responses],
         "energy": {**asdict(balance), "sentence": balance.sentence} if balance else None,
         "skipped": dict(checks.skipped),
-    }  # fmt: skip
+    }
 
 
 def _mode_facts(mode: "Mode") -> dict[str, Any]:
     shape = {name: [part.real, part.imag] for name, part in mode.shape}
     return {
-        "frequency": mode.frequency, "damping": mode.damping, "rate": mode.rate, "shape": shape,
-    }  # fmt: skip
+        "frequency": mode.frequency,
+        "damping": mode.damping,
+        "rate": mode.rate,
+        "shape": shape,
+    }
 
 
 def _response_facts(one: "Response") -> dict[str, Any]:
@@ -284,9 +292,13 @@ def require_files(output: Path, events: Path | None) -> None:
 
 
 def leave_run(
-    machine: "Machine", scenario: "Scenario", run: "Trajectory", output: Path,
-    events: Path | None, exact: bool,
-) -> None:  # fmt: skip
+    machine: "Machine",
+    scenario: "Scenario",
+    run: "Trajectory",
+    output: Path,
+    events: Path | None,
+    exact: bool,
+) -> None:
     """Write a simulated run, and its events if a file is named, and say so."""
     from symhyb.simulation import events_sentence, events_table, run_table, told
     from symhyb.study import staged

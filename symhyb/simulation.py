@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from symhyb.data.recording import Recording, read_recording
-from symhyb.discrepancy.recorded.motion import acting, given_motion
+from symhyb.discrepancy.recorded.motion import given_motion
 from symhyb.discrepancy.recorded.sampling import as_sampled
+from symhyb.discrepancy.recorded.signals import acting
 from symhyb.errors import InputError, NumericsError, Problem
 from symhyb.model.expression import Name, parse_expression
 from symhyb.model.types import Model, Sensor

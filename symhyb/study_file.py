@@ -42,8 +42,17 @@ FORMAT = 1
 """The version of the study file that is read."""
 
 SECTIONS = (
-    "symhyb", "title", "about", "model", "map", "own", "train", "holdout", "score", "finish"
-)  # fmt: skip
+    "symhyb",
+    "title",
+    "about",
+    "model",
+    "map",
+    "own",
+    "train",
+    "holdout",
+    "score",
+    "finish",
+)
 
 
 @dataclass(frozen=True, slots=True)

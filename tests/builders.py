@@ -134,9 +134,17 @@ def cart_pole(
         gravity=["0", "-g"],
         coordinates={name: units[name] for name in order},
         parameters={
-            "g": (9.81, "m/s^2"), "m_c": (0.6, "kg"), "m_p": (0.25, "kg"), "a": (0.3, "m"),
-            "J": (7.5e-3, "kg*m^2"), "d": (0.02, "N*m*s/rad"), "k": (25.0, "N/m"),
-            "rest": (0.35, "m"), "c": (0.8, "N"), "w": (0.05, "m/s"), "b": (0.3, "N*s^2/m^2"),
+            "g": (9.81, "m/s^2"),
+            "m_c": (0.6, "kg"),
+            "m_p": (0.25, "kg"),
+            "a": (0.3, "m"),
+            "J": (7.5e-3, "kg*m^2"),
+            "d": (0.02, "N*m*s/rad"),
+            "k": (25.0, "N/m"),
+            "rest": (0.35, "m"),
+            "c": (0.8, "N"),
+            "w": (0.05, "m/s"),
+            "b": (0.3, "N*s^2/m^2"),
         },
         inputs={"pull": {"unit": "N"}},
         points={
@@ -152,8 +160,12 @@ def cart_pole(
         elements={
             "motor": push("pull"),
             "bearing": damper("d", on="phi"),
-            "band": {"kind": "spring", "between": ["post", "tip"], "stiffness": "k",
-                     "length": "rest"},
+            "band": {
+                "kind": "spring",
+                "between": ["post", "tip"],
+                "stiffness": "k",
+                "length": "rest",
+            },
             "rail": {"kind": "friction", "on": "x", "coulomb": "c", "transition": "w"},
             "air": {"kind": "drag", "on": "x", "drag": "b"},
         },
@@ -162,7 +174,7 @@ def cart_pole(
             "pole": {"measures": "phi", "unit": "rad", "sd": 1e-3},
             "accel": {"measures": "x''", "unit": "m/s^2", "sd": 1e-2},
         },
-    )  # fmt: skip
+    )
 
 
 def double_pendulum() -> Model:
@@ -171,7 +183,10 @@ def double_pendulum() -> Model:
         gravity=["0", "-g"],
         coordinates={"alpha": {"unit": "rad", "start": 0.3}, "beta": {"unit": "rad"}},
         parameters={
-            "g": (9.81, "m/s^2"), "l1": (0.7, "m"), "l2": (0.4, "m"), "m1": (1.3, "kg"),
+            "g": (9.81, "m/s^2"),
+            "l1": (0.7, "m"),
+            "l2": (0.4, "m"),
+            "m1": (1.3, "kg"),
             "m2": (0.6, "kg"),
         },
         points={
@@ -179,7 +194,7 @@ def double_pendulum() -> Model:
             "hand": ["l1*sin(alpha) + l2*sin(beta)", "-l1*cos(alpha) - l2*cos(beta)"],
         },
         bodies={"upper": {"mass": "m1", "at": "elbow"}, "lower": {"mass": "m2", "at": "hand"}},
-    )  # fmt: skip
+    )
 
 
 def value(function: ca.Function, *arguments: ArrayLike) -> Array:

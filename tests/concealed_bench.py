@@ -9,10 +9,33 @@ from typing import Any
 
 FOLDER = Path(__file__).parents[1] / "studies" / "concealed"
 NAMES = (
-    "laws", "systems", "chains", "arm", "plant", "hidden", "oracle", "effects", "plans", "conceal",
-    "truth", "claims", "draw", "bars", "tables", "results", "report", "score", "run",
-    "peer_library", "peer_motion", "peer_regression", "peers", "peer_tuning", "figure", "fleets",
-)  # fmt: skip
+    "laws",
+    "systems",
+    "chains",
+    "arm",
+    "plant",
+    "hidden",
+    "oracle",
+    "effects",
+    "plans",
+    "conceal",
+    "truth",
+    "claims",
+    "draw",
+    "bars",
+    "tables",
+    "results",
+    "report",
+    "score",
+    "run",
+    "peer_library",
+    "peer_motion",
+    "peer_regression",
+    "peers",
+    "peer_tuning",
+    "figure",
+    "fleets",
+)
 Study = Mapping[str, ModuleType]
 
 
@@ -39,9 +62,12 @@ def run(study: Study, seeds: Sequence[int], folder: Path, errors: bool = False) 
 def score(study: Study, seeds: Sequence[int], folder: Path, errors: bool = False) -> Any:
     """Score cases that were diagnosed."""
     options = study["score"].argparse.Namespace(
-        seeds=",".join(map(str, seeds)), output=folder, results=folder / "results",
-        peers=folder / "peers", errors=errors,
-    )  # fmt: skip
+        seeds=",".join(map(str, seeds)),
+        output=folder,
+        results=folder / "results",
+        peers=folder / "peers",
+        errors=errors,
+    )
     return study["score"].read(options)
 
 
@@ -49,9 +75,13 @@ def answer_of(**changes: Any) -> dict[str, Any]:
     """An opened answer: drag on x, or what is changed of it."""
     effect = {"kind": "drag", "place": "x", "side": "both", "keys": {"drag": 0.8}, "share": 0.1}
     plain = {
-        "kind": "drag", "noise": 0.01, "effects": [effect], "parameters": {}, "faults": [],
+        "kind": "drag",
+        "noise": 0.01,
+        "effects": [effect],
+        "parameters": {},
+        "faults": [],
         "rivals": [],
-    }  # fmt: skip
+    }
     return {**plain, **changes}
 
 
@@ -60,7 +90,10 @@ def told(kind: str, place: str, term: str, value: float, sd: float) -> dict[str,
     parameters = {"b": {"value": value, "sd": sd, "unit": "1", "term": term}}
     found = {"kind": kind, "place": {"on": place}, "parameters": parameters}
     diagnosis = {
-        "verdict": "missing physics", "found": [found], "parameters": [], "measurement": [],
+        "verdict": "missing physics",
+        "found": [found],
+        "parameters": [],
+        "measurement": [],
         "alternatives": [],
-    }  # fmt: skip
+    }
     return {"seconds": 1.0, "diagnosis": diagnosis}

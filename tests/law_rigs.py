@@ -97,13 +97,21 @@ def driven(
         f = push(time)
         force, drift = law(x, v, z[0] if inner == 1 else z, f)
         return [
-            v, (f + hum(time) - STIFFNESS * x - DAMPING * v - force) / MASS, *np.atleast_1d(drift)
-        ]  # fmt: skip
+            v,
+            (f + hum(time) - STIFFNESS * x - DAMPING * v - force) / MASS,
+            *np.atleast_1d(drift),
+        ]
 
     run = solve_ivp(
-        rate, (0, duration), [0] * (2 + inner), t_eval=t, method="LSODA", rtol=1e-8, atol=1e-10,
+        rate,
+        (0, duration),
+        [0] * (2 + inner),
+        t_eval=t,
+        method="LSODA",
+        rtol=1e-8,
+        atol=1e-10,
         max_step=0.005,
-    )  # fmt: skip
+    )
     x = run.y[0]
     measured = x + noise * x.std() * random.standard_normal(t.size)
     return Recording(

@@ -37,21 +37,32 @@ def pendulum_model(gravity: float = 9.81, gyro: bool = False) -> Model:
     return model_of(
         gravity=["0", "-g"],
         coordinates={"phi": {"unit": "rad"}},
-        parameters={"g": (gravity, "m/s^2"), "m": (0.5, "kg"), "l": (0.4, "m"),
-                    "d": (0.05, "N*m*s/rad")},
+        parameters={
+            "g": (gravity, "m/s^2"),
+            "m": (0.5, "kg"),
+            "l": (0.4, "m"),
+            "d": (0.05, "N*m*s/rad"),
+        },
         inputs={"motor": {"unit": "N*m"}},
         points={"bob": ["l*sin(phi)", "-l*cos(phi)"]},
         bodies={"bob": {"mass": "m", "at": "bob"}},
-        elements={"bearing": damper("d", on="phi"),
-                  "drive": {"kind": "torque", "on": "phi", "torque": "motor"}},
+        elements={
+            "bearing": damper("d", on="phi"),
+            "drive": {"kind": "torque", "on": "phi", "torque": "motor"},
+        },
         sensors=sensors,
-    )  # fmt: skip
+    )
 
 
 def pendulum_recording(
-    seed: int, hidden: Mapping[str, float] | None = None, *, noise: float = 0.01,
-    duration: float = 15.0, size: float = 1.2, gyro: bool = False,
-) -> Recording:  # fmt: skip
+    seed: int,
+    hidden: Mapping[str, float] | None = None,
+    *,
+    noise: float = 0.01,
+    duration: float = 15.0,
+    size: float = 1.2,
+    gyro: bool = False,
+) -> Recording:
     """The pendulum of :func:`pendulum_model` under a multisine; ``hidden`` are coulomb, drag and
     stiffness, SI."""
     random, lacks = np.random.default_rng(seed), hidden or {}
@@ -74,24 +85,40 @@ def chain_model(stiffness: float = 150.0, damping: float = 0.6) -> Model:
     r"""wall o--k--[1 kg]--150 N/m--[2 kg], a force on the first; both places are measured."""
     return model_of(
         coordinates={"x": {"unit": "m"}, "y": {"unit": "m"}},
-        parameters={"k": (stiffness, "N/m"), "c": (150.0, "N/m"), "d": (damping, "N*s/m"),
-                    "a": (1.0, "kg"), "b": (2.0, "kg"), "gap": (1.0, "m")},
+        parameters={
+            "k": (stiffness, "N/m"),
+            "c": (150.0, "N/m"),
+            "d": (damping, "N*s/m"),
+            "a": (1.0, "kg"),
+            "b": (2.0, "kg"),
+            "gap": (1.0, "m"),
+        },
         inputs={"f": {"unit": "N"}},
         points={"wall": ["-gap", "0"], "first": ["x", "0"], "second": ["gap + y", "0"]},
         bodies={"first": {"mass": "a", "at": "first"}, "second": {"mass": "b", "at": "second"}},
-        elements={"left": spring("k", on="x"), "loss": damper("d", on="x"),
-                  "loss_y": damper("d", on="y"),
-                  "link": {"kind": "spring", "between": ["first", "second"], "stiffness": "c",
-                           "length": "gap"},
-                  "shaker": push("f", on="x")},
+        elements={
+            "left": spring("k", on="x"),
+            "loss": damper("d", on="x"),
+            "loss_y": damper("d", on="y"),
+            "link": {
+                "kind": "spring",
+                "between": ["first", "second"],
+                "stiffness": "c",
+                "length": "gap",
+            },
+            "shaker": push("f", on="x"),
+        },
         sensors={"near": {"measures": "x", "unit": "m"}, "far": {"measures": "y", "unit": "m"}},
-    )  # fmt: skip
+    )
 
 
 def chain_recording(
-    seed: int, hidden: Mapping[str, float] | None = None, *, noise: float = 0.01,
+    seed: int,
+    hidden: Mapping[str, float] | None = None,
+    *,
+    noise: float = 0.01,
     duration: float = 15.0,
-) -> Recording:  # fmt: skip
+) -> Recording:
     """The chain of :func:`chain_model`; ``hidden`` are coulomb, drag and stiffness on y, SI."""
     random, lacks = np.random.default_rng(seed), hidden or {}
     force, t = multisine(random, 6.0, 3.5), np.arange(0, duration, STEP)

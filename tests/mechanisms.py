@@ -35,9 +35,13 @@ class Reduced:
 
 
 def _reduced(
-    q: Array, slope: Array, curve: Array, parts: list[tuple[float, float, float]],
-    heights: list[tuple[float, float, float]], spring: tuple[float, float, float, float] | None,
-) -> Reduced:  # fmt: skip
+    q: Array,
+    slope: Array,
+    curve: Array,
+    parts: list[tuple[float, float, float]],
+    heights: list[tuple[float, float, float]],
+    spring: tuple[float, float, float, float] | None,
+) -> Reduced:
     """``parts``: (inertia or mass, first, second derivative of what it moves with); ``heights``:
     (mass, height, slope); ``spring``: (stiffness, stretch, its slope, 0)."""
     mass = sum(m * one**2 for m, one, _ in parts)
@@ -66,9 +70,13 @@ def slider_crank(phi: float) -> Reduced:
     cy_2 = -r * s + rod * (sp * psi_1**2 - cp * psi_2)
     parts = [(J_1, 1.0, 0.0), (m_2, cx_1, cx_2), (m_2, cy_1, cy_2), (J_2, psi_1, psi_2)]
     return _reduced(
-        np.array([phi, psi, x]), np.array([1.0, psi_1, x_1]), np.array([0.0, psi_2, x_2]),
-        [*parts, (m_3, x_1, x_2)], [(m_2, cy, cy_1)], (k, x - x_0, x_1, 0.0),
-    )  # fmt: skip
+        np.array([phi, psi, x]),
+        np.array([1.0, psi_1, x_1]),
+        np.array([0.0, psi_2, x_2]),
+        [*parts, (m_3, x_1, x_2)],
+        [(m_2, cy, cy_1)],
+        (k, x - x_0, x_1, 0.0),
+    )
 
 
 def four_bar(alpha: float) -> Reduced:
@@ -97,18 +105,25 @@ def four_bar(alpha: float) -> Reduced:
     cx_2 = -a * np.cos(alpha) - b / 2 * (np.cos(theta) * t_1**2 + np.sin(theta) * t_2)
     cy_2 = -a * np.sin(alpha) + b / 2 * (np.cos(theta) * t_2 - np.sin(theta) * t_1**2)
     parts = [
-        (J_1 + m_1 * a**2 / 4, 1.0, 0.0), (m_2, cx_1, cx_2), (m_2, cy_1, cy_2), (J_2, t_1, t_2),
+        (J_1 + m_1 * a**2 / 4, 1.0, 0.0),
+        (m_2, cx_1, cx_2),
+        (m_2, cy_1, cy_2),
+        (J_2, t_1, t_2),
         (J_3 + m_3 * c**2 / 4, g_1, g_2),
-    ]  # fmt: skip
+    ]
     heights = [
         (m_1, a / 2 * np.sin(alpha), a / 2 * np.cos(alpha)),
         (m_2, pin[1] + b / 2 * np.sin(theta), cy_1),
         (m_3, c / 2 * np.sin(gamma), c / 2 * np.cos(gamma) * g_1),
     ]
     return _reduced(
-        np.array([alpha, theta - alpha, gamma]), np.array([1.0, t_1 - 1.0, g_1]),
-        np.array([0.0, t_2, g_2]), parts, heights, None,
-    )  # fmt: skip
+        np.array([alpha, theta - alpha, gamma]),
+        np.array([1.0, t_1 - 1.0, g_1]),
+        np.array([0.0, t_2, g_2]),
+        parts,
+        heights,
+        None,
+    )
 
 
 MECHANISMS: dict[str, Callable[[float], Reduced]] = {

@@ -146,9 +146,13 @@ def test_less_than_a_period_is_said_and_names_nothing() -> None:
     run = spring_recording(3, {"coulomb": 1.0})
     rows = slice(0, 50)
     short = Recording(
-        "short.csv", run.t[rows], {"f": run.inputs["f"][rows]},
-        {"laser": run.sensors["laser"][rows]}, (), "",
-    )  # fmt: skip
+        "short.csv",
+        run.t[rows],
+        {"f": run.inputs["f"][rows]},
+        {"laser": run.sensors["laser"][rows]},
+        (),
+        "",
+    )
     diagnosis = sh.diagnose(spring_model(), short)
     assert diagnosis.verdict == "undecided"
     assert diagnosis.found == ()
@@ -161,10 +165,13 @@ def test_a_machine_at_rest_half_of_the_time_still_tells_its_friction() -> None:
     size = run.t.size
     rest = 3e-4 * random.standard_normal(size)
     both = Recording(
-        "rest.csv", 0.005 * np.arange(2 * size),
+        "rest.csv",
+        0.005 * np.arange(2 * size),
         {"f": np.concatenate([0 * run.t, run.inputs["f"]])},
-        {"laser": np.concatenate([rest, run.sensors["laser"]])}, (), "",
-    )  # fmt: skip
+        {"laser": np.concatenate([rest, run.sensors["laser"]])},
+        (),
+        "",
+    )
     diagnosis = sh.diagnose(spring_model(), both)
     assert [found.element.kind for found in diagnosis.found] == ["friction"]
 
@@ -186,9 +193,7 @@ def test_a_regression_with_identical_columns_takes_one_of_them() -> None:
     )
     gram = rows.T @ rows
     free = np.full(2, np.inf)
-    problem = Problem(
-        gram, gram, causes, ((0,), (1,)), (), np.zeros(2), -free, free, np.zeros(2)
-    )  # fmt: skip
+    problem = Problem(gram, gram, causes, ((0,), (1,)), (), np.zeros(2), -free, free, np.zeros(2))
     assert solve(problem, (0, 1)) is None
     sizes = best_subsets(problem)
     assert len(sizes) == 2

@@ -17,10 +17,17 @@ from symhyb.numeric.kernels.compiled import find_compiler
 
 FOLDER = Path(__file__).parents[1] / "studies" / "benchmarks"
 NAMES = (
-    "bench", "compiled", "forces", "links", "oscillators", "regression", "starting", "sticking",
+    "bench",
+    "compiled",
+    "forces",
+    "links",
+    "oscillators",
+    "regression",
+    "starting",
+    "sticking",
     "timing",
     "trajectories",
-)  # fmt: skip
+)
 
 
 @pytest.fixture(scope="module")

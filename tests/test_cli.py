@@ -23,9 +23,17 @@ OSCILLATOR = str(ROOT / "models" / "oscillator.toml")
 TRAIN, HOLDOUT = (str(ROOT / "studies" / "oscillator" / f"{n}.csv") for n in ("train", "holdout"))
 SCHEMA = ROOT / "symhyb" / "report" / "diagnosis.schema.json"
 VERBS = (
-    "check", "equations", "simulate", "compare", "diagnose", "diff", "run",
-    "data list", "data show", "data fetch",
-)  # fmt: skip
+    "check",
+    "equations",
+    "simulate",
+    "compare",
+    "diagnose",
+    "diff",
+    "run",
+    "data list",
+    "data show",
+    "data fetch",
+)
 FILES = {"corrected.toml", "diagnosis.json", "report.html", "simulation.csv"}
 
 FREE = """\
@@ -150,8 +158,11 @@ def test_each_verb_has_one_page_of_help_with_an_example(symhyb: Call, verb: str)
 def test_python_runs_the_package_as_the_command() -> None:
     done = subprocess.run(
         [sys.executable, "-m", "symhyb", "check", OSCILLATOR],
-        capture_output=True, text=True, check=False, cwd=ROOT,
-    )  # fmt: skip
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=ROOT,
+    )
     assert done.returncode == 0, done.stderr
 
 
@@ -260,8 +271,9 @@ def test_a_pipe_that_does_not_know_every_letter_still_gets_its_sentences() -> No
     model = str(ROOT / "models" / "cartpole.toml")
     done = subprocess.run(
         [sys.executable, "-c", "from symhyb.cli import main; main()", "check", model],
-        capture_output=True, env={**os.environ, "PYTHONIOENCODING": "ascii"},
-    )  # fmt: skip
+        capture_output=True,
+        env={**os.environ, "PYTHONIOENCODING": "ascii"},
+    )
     assert (done.returncode, done.stderr) == (0, b"")
     assert b"g = 9.81 m/s? (held)" in done.stdout
 

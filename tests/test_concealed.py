@@ -77,9 +77,11 @@ def test_a_concealed_law_is_that_of_the_vocabulary(study: Study, kind: str) -> N
     random = np.random.default_rng(2)
     plans, effect = study["plans"], study["laws"].Effect
     for system, place in (
-        (plans.CARTPOLE, "s"), (plans.CARTPOLE, "post-tip"), (plans.THREE_MASSES, "p2-p3"),
+        (plans.CARTPOLE, "s"),
+        (plans.CARTPOLE, "post-tip"),
+        (plans.THREE_MASSES, "p2-p3"),
         (plans.ARM, "post-tip"),
-    ):  # fmt: skip
+    ):
         theirs, ours = accelerations(study, system, (effect(kind, place, FORCES[kind]),), random)
         near = 1e-5 if kind == "friction" else 1e-6  # that of the model file is a steep tanh
         assert theirs == pytest.approx(ours, rel=near), (system.name, place)

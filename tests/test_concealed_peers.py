@@ -48,7 +48,7 @@ def exact(study: Study, name: str, effects: tuple[Any, ...], seed: int) -> tuple
         ("cartpole", "s", "added_mass", {"mass": 0.05}),
         ("table", "y", "constant", {"constant": 0.7}),
     ],
-)  # fmt: skip
+)
 def test_exact_motion_gives_exact_claims(
     study: Study, name: str, place: str, kind: str, keys: dict[str, float]
 ) -> None:
@@ -110,8 +110,13 @@ def test_claims_of_peers_are_scored_like_all_others(study: Study) -> None:
     terms = list(library._plain("x", True))
     value = np.array([0.8 if (t.kind, t.key) == ("drag", "drag") else 0.0 for t in terms])
     found = library.spoken(terms, value, np.full(len(terms), 0.01))
-    said = {"verdict": "missing physics", "found": found, "parameters": [], "measurement": [],
-            "alternatives": []}  # fmt: skip
+    said = {
+        "verdict": "missing physics",
+        "found": found,
+        "parameters": [],
+        "measurement": [],
+        "alternatives": [],
+    }
     told = {"seconds": 0.2, "diagnosis": said, "fit": 0.4}
     row = peer("00002-duffing", told, answer_of(), 1)
     assert (row.place, row.name, row.structure, row.wrong) == (1, 1, True, ())
@@ -126,9 +131,10 @@ def test_claims_of_peers_are_scored_like_all_others(study: Study) -> None:
 
 def test_generators_and_peers_share_no_code_with_symhyb() -> None:
     using = {
-        path.name for path in FOLDER.glob("*.py")
+        path.name
+        for path in FOLDER.glob("*.py")
         if re.search(r"^\s*(import|from) symhyb", path.read_text(encoding="utf-8"), re.M)
-    }  # fmt: skip
+    }
     assert using == {"fleets.py", "run.py", "score.py"}
 
 
@@ -139,8 +145,13 @@ def test_tuning_takes_the_best_f1_and_the_best_quiet_setting(study: Study) -> No
 
     def rows(hits: int, alarms: int) -> list[Any]:
         def one(found: list[Any], answer: dict[str, Any]) -> Any:
-            said = {"verdict": "", "found": found, "parameters": [], "measurement": [],
-                    "alternatives": []}  # fmt: skip
+            said = {
+                "verdict": "",
+                "found": found,
+                "parameters": [],
+                "measurement": [],
+                "alternatives": [],
+            }
             return peer(
                 "00000-x", {"seconds": 1.0, "fit": 0.1 * hits, "diagnosis": said}, answer, 1
             )

@@ -85,8 +85,18 @@ def test_a_picture_is_drawn_of_the_same_rows(study: Study, tmp_path: Path) -> No
         tmp_path / "set.json", study["results"].Scored("2", rows, {"weak": peer})
     )
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("sys.argv", ["figure.py", "--of", "set", "--from", str(tmp_path), "-o",
-                                   str(tmp_path / "picture.png")])  # fmt: skip
+        patch.setattr(
+            "sys.argv",
+            [
+                "figure.py",
+                "--of",
+                "set",
+                "--from",
+                str(tmp_path),
+                "-o",
+                str(tmp_path / "picture.png"),
+            ],
+        )
         figure.main()
     assert (tmp_path / "picture.png").stat().st_size > 10_000
 
@@ -114,9 +124,16 @@ def test_the_page_holds_what_the_files_say(study: Study) -> None:
 
 def test_runs_choose_by_counts_and_turns(study: Study, tmp_path: Path) -> None:
     options = argparse.Namespace(
-        seeds="0-199", systems="", kinds="", concealed=5, nulls=3, turns="1,1,1", limit=0,
-        output=tmp_path, results=tmp_path,
-    )  # fmt: skip
+        seeds="0-199",
+        systems="",
+        kinds="",
+        concealed=5,
+        nulls=3,
+        turns="1,1,1",
+        limit=0,
+        output=tmp_path,
+        results=tmp_path,
+    )
     wanted = study["run"].wanted
     assert wanted(options) == [0, 1, 2, 3, 4, 5, 6, 8]
     given_up = study["plans"].folder_of(2, tmp_path)

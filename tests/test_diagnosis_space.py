@@ -53,9 +53,15 @@ def recording(seed: int, coulomb: float) -> sh.Recording:
 
     t = np.arange(0, END, STEP)
     run = solve_ivp(
-        rate, (0, END), [0, 1.0, 0, 0], t_eval=t, method="LSODA", rtol=1e-8, atol=1e-10,
+        rate,
+        (0, END),
+        [0, 1.0, 0, 0],
+        t_eval=t,
+        method="LSODA",
+        rtol=1e-8,
+        atol=1e-10,
         max_step=STEP,
-    )  # fmt: skip
+    )
     alpha, arm = run.y[1], run.y[2]
     seen = {"arm": run.y[0], "swing": alpha, "turn_z": np.cos(alpha) * arm}
     noise = {"arm": 1e-3, "swing": 1e-3, "turn_z": 0.02}
@@ -123,9 +129,9 @@ def swung(damping: float) -> sh.Recording:
         cross = np.array([[0, -w[2], w[1]], [w[2], 0, -w[0]], [-w[1], w[0], 0]])
         torque = np.cross(centre, turned.T @ [0, 0, -9.81])
         torque = torque - damping * np.cross(tip, np.cross(w, tip))
-        return np.concatenate([
-            (turned @ cross).ravel(), (torque - np.cross(w, inertia * w)) / inertia
-        ])  # fmt: skip
+        return np.concatenate(
+            [(turned @ cross).ravel(), (torque - np.cross(w, inertia * w)) / inertia]
+        )
 
     t = np.arange(0, 6, 0.02)
     start = np.concatenate([np.eye(3).ravel(), [2.4, 1.2, 1.8]])

@@ -118,9 +118,18 @@ def test_a_time_column_in_milliseconds_is_told_and_put_right() -> None:
         (spring_model(), spring_recording(11, {"coulomb": 5.0}, duration=8.0)),
         (spring_model(stiffness=10.0), spring_recording(12, {}, duration=8.0)),
     ],
-    ids=["noise", "friction", "spring", "no gravity", "friction seen twice", "chain friction",
-         "chain spring", "oscillator friction", "oscillator spring"],
-)  # fmt: skip
+    ids=[
+        "noise",
+        "friction",
+        "spring",
+        "no gravity",
+        "friction seen twice",
+        "chain friction",
+        "chain spring",
+        "oscillator friction",
+        "oscillator spring",
+    ],
+)
 def test_large_missing_forces_are_no_lies(model: Model, run: Recording) -> None:
     assert told(model, run) == ()
 

@@ -95,9 +95,15 @@ def test_a_result_is_kept_and_drawn(page: ModuleType, fake: Fake, tmp_path: Path
     assert str(ROOT) not in path.read_text(encoding="utf-8")
     page.draw(result, tmp_path / "recordings-null.png")
     assert (tmp_path / "recordings-null.png").stat().st_size < page.LARGEST
-    said = Published("somebody", "", {
-        "q.coulomb": Reference(491.0, "mN", 5.0, "Fc"), "q.drag": Reference(0.8, "N*s^2/m^2"),
-    }, {"holdout.after.window_rmse.speed": Reference(1.0, "mm/s")})  # fmt: skip
+    said = Published(
+        "somebody",
+        "",
+        {
+            "q.coulomb": Reference(491.0, "mN", 5.0, "Fc"),
+            "q.drag": Reference(0.8, "N*s^2/m^2"),
+        },
+        {"holdout.after.window_rmse.speed": Reference(1.0, "mm/s")},
+    )
     study = page.kept.read_study(file)
     expected = replace(page.kept.Expected(), published=said)
     text = page.page_text([page.Case("null", study, expected, kept)], tmp_path)

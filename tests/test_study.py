@@ -350,8 +350,10 @@ def test_where_neither_is_met_the_nearer_one_is_told() -> None:
     lacking = replace(UNDECIDED, alternatives=UNDECIDED.alternatives[:1])
     checks = check(EITHER, to_json(lacking, verdict()))
     assert [(one.got, one.passed) for one in checks[1:]] == [
-        ("among the alternatives", True), ("q.drag", False), ("q.drag", False),
-    ]  # fmt: skip
+        ("among the alternatives", True),
+        ("q.drag", False),
+        ("q.drag", False),
+    ]
 
 
 def test_numbers_of_alternatives_may_be_expected() -> None:
@@ -419,9 +421,11 @@ def test_parameters_channels_and_own_numbers_may_be_expected() -> None:
         verdict(),
     )
     wanted = {
-        "q.coulomb@b": (0.7, 0.01), "parameter.c": (104.0, 0.01), "parameter.c@b": (90.0, 0.01),
+        "q.coulomb@b": (0.7, 0.01),
+        "parameter.c": (104.0, 0.01),
+        "parameter.c@b": (90.0, 0.01),
         "f.offset": (0.1, 0.01),
-    }  # fmt: skip
+    }
     assert all(one.passed for one in check(Expected(found=wanted, nothing_else=True), content))
     (one,) = check(Expected(found={"q.coulomb@c": (0.7, 0.01)}), content)
     assert one.got == "not found"
@@ -599,10 +603,13 @@ def test_no_drag_is_claimed_of_a_bowling_ball(
 
 
 BALLS = {  # ounces and centimetres around, as published with the recordings
-    "Bowling Ball": (81, 67.0), "Tennis Ball": (2, 20.75), "Whiffle Ball 1": (1, 22.8),
-    "Whiffle Ball 2": (1, 22.8), "Yellow Whiffle Ball": (1.5, 29.0),
+    "Bowling Ball": (81, 67.0),
+    "Tennis Ball": (2, 20.75),
+    "Whiffle Ball 1": (1, 22.8),
+    "Whiffle Ball 2": (1, 22.8),
+    "Yellow Whiffle Ball": (1.5, 29.0),
     "Orange Whiffle Ball": (1.5, 29.0),
-}  # fmt: skip
+}
 AIR = 1.2  # kg/m^3
 OUNCE = 0.02835  # kg
 

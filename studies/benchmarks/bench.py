@@ -24,8 +24,16 @@ HERE = Path(__file__).parent
 PAGE = HERE.parents[1] / "docs" / "performance.md"
 BEGIN, END = "<!-- measured -->", "<!-- /measured -->"
 PARTS = (
-    "links", "runs", "events", "forces", "sweep", "starting", "regression", "matching", "compiled"
-)  # fmt: skip
+    "links",
+    "runs",
+    "events",
+    "forces",
+    "sweep",
+    "starting",
+    "regression",
+    "matching",
+    "compiled",
+)
 
 
 def measure(part: str) -> list[Row]:

@@ -51,10 +51,13 @@ def cvodes(machine: Machine, t: Array, size: Array, relative: float = 1e-8) -> C
     x, time, p = ca.SX.sym("x", 2), ca.SX.sym("t"), ca.SX.sym("p", machine.values.size)
     slopes = state_form(machine).rates()(x * size, ca.SX(0, 1), time, p, ca.SX.zeros(1))
     run = ca.integrator(
-        "run", "cvodes",
+        "run",
+        "cvodes",
         {"x": x, "t": time, "p": p, "ode": ca.vertcat(x[1] * size[1], slopes) / size},
-        t[0], t[1:].tolist(), {"reltol": relative, "abstol": 1e-2 * relative},
-    )  # fmt: skip
+        t[0],
+        t[1:].tolist(),
+        {"reltol": relative, "abstol": 1e-2 * relative},
+    )
 
     def states() -> Array:
         later = run(x0=np.zeros(2), p=machine.values)["xf"].full().T * size
@@ -75,20 +78,38 @@ def run_rows(duration: float = 60.0, outputs: int = 60_001, repeats: int = 9) ->
     alike = oscillators.as_accurate(
         lambda relative: cvodes(machine, scenario.t, size, relative)(), truth, wrong
     )
-    times = middle(in_turns({
-        "ours": lambda: simulate(machine, scenario), "cvodes": theirs,
-        "as accurate": cvodes(machine, scenario.t, size, alike),
-    }, repeats))  # fmt: skip
+    times = middle(
+        in_turns(
+            {
+                "ours": lambda: simulate(machine, scenario),
+                "cvodes": theirs,
+                "as accurate": cvodes(machine, scenario.t, size, alike),
+            },
+            repeats,
+        )
+    )
     name = f"{duration:.0f} s, {outputs} outputs, compiled"
     return [
-        Row(name, "time of CasADi's CVODES over ours by the explicit method, both at rtol 1e-8",
-            times["cvodes"] / times["ours"], 15, True, "×",
+        Row(
+            name,
+            "time of CasADi's CVODES over ours by the explicit method, both at rtol 1e-8",
+            times["cvodes"] / times["ours"],
+            15,
+            True,
+            "×",
             f"{milliseconds(times['cvodes'])}, {milliseconds(times['ours'])}; NRMSE of x: CVODES "
-            f"{others:.1e}, ours {wrong:.1e} ({found.method})"),
-        Row(name, "the same with CVODES at the loosest rtol of 1, 2, 5·10ⁿ that is as accurate as "
-            "ours", times["as accurate"] / times["ours"], None, True, "×",
-            f"{milliseconds(times['as accurate'])}, rtol {alike:.0e}"),
-    ]  # fmt: skip
+            f"{others:.1e}, ours {wrong:.1e} ({found.method})",
+        ),
+        Row(
+            name,
+            "the same with CVODES at the loosest rtol of 1, 2, 5·10ⁿ that is as accurate as ours",
+            times["as accurate"] / times["ours"],
+            None,
+            True,
+            "×",
+            f"{milliseconds(times['as accurate'])}, rtol {alike:.0e}",
+        ),
+    ]
 
 
 def articulated(n: int, p: dict[str, float]) -> Callable[[Array, Array, Array], Array]:
@@ -131,8 +152,9 @@ def right_sides(n: int, calls: int = 20_000, repeats: int = 7) -> tuple[dict[str
             theirs(q[i], v[i], forces)
 
     contenders: dict[str, Work] = {
-        "ours": lambda: rates.along(t, x, u, machine.values), "aba": called,
-    }  # fmt: skip
+        "ours": lambda: rates.along(t, x, u, machine.values),
+        "aba": called,
+    }
     return {k: s / calls for k, s in middle(in_turns(contenders, repeats)).items()}, apart
 
 
@@ -146,11 +168,17 @@ def side_rows(sizes: tuple[tuple[int, float], ...] = ((8, 0.2), (20, 0.5))) -> l
     for n, bar in sizes:
         times, apart = right_sides(n)
         result.append(
-            Row(f"right-hand side of {n} links on a cart", "our time over pinocchio's aba, called "
-                "from Python", times["ours"] / times["aba"], bar, False, "×",
+            Row(
+                f"right-hand side of {n} links on a cart",
+                "our time over pinocchio's aba, called from Python",
+                times["ours"] / times["aba"],
+                bar,
+                False,
+                "×",
                 f"{1e6 * times['ours']:.2g} µs, {1e6 * times['aba']:.2g} µs; accelerations differ "
-                f"by {apart:.0e}")
-        )  # fmt: skip
+                f"by {apart:.0e}",
+            )
+        )
     return result
 
 
@@ -164,14 +192,26 @@ def gradient_rows(values: int = 200, outputs: int = 2001, repeats: int = 9) -> l
     goal = Objective(run, squares(0 * run(), np.ones(run.shape[1])), ("inputs",))
     for _ in range(20):
         goal(goal.begin)  # both are compiled by now
-    times = middle(in_turns({
-        "value": lambda: goal.value(goal.begin), "gradient": lambda: goal(goal.begin),
-    }, repeats))  # fmt: skip
+    times = middle(
+        in_turns(
+            {
+                "value": lambda: goal.value(goal.begin),
+                "gradient": lambda: goal(goal.begin),
+            },
+            repeats,
+        )
+    )
     return [
-        Row(f"gradient by {values} numbers", "time of value and gradient by the adjoint over that "
-            "of one run", times["gradient"] / times["value"], 5, False, "×",
-            f"{milliseconds(times['gradient'])}, {milliseconds(times['value'])}"),
-    ]  # fmt: skip
+        Row(
+            f"gradient by {values} numbers",
+            "time of value and gradient by the adjoint over that of one run",
+            times["gradient"] / times["value"],
+            5,
+            False,
+            "×",
+            f"{milliseconds(times['gradient'])}, {milliseconds(times['value'])}",
+        ),
+    ]
 
 
 def seen(machine: Machine) -> Machine:
@@ -199,10 +239,16 @@ def matching_rows(samples: int = 100_000, repeats: int = 1) -> list[Row]:
     fast = matched_apart(samples, repeats)
     slow = matched_apart(samples, repeats, SYMHYB_CC="")
     return [
-        Row(f"4 parameters, {samples} samples, compiled", "time of our matching without a compiler "
-            "over that with one", slow / fast, 5, True, "×",
-            f"{milliseconds(slow)}, {milliseconds(fast)}"),
-    ]  # fmt: skip
+        Row(
+            f"4 parameters, {samples} samples, compiled",
+            "time of our matching without a compiler over that with one",
+            slow / fast,
+            5,
+            True,
+            "×",
+            f"{milliseconds(slow)}, {milliseconds(fast)}",
+        ),
+    ]
 
 
 def rows() -> list[Row]:

@@ -146,31 +146,77 @@ def rows(samples: int = 10_000_000, repeats: int = 9) -> list[Row]:
     small = apart("oscillator", samples, repeats, SYMHYB_CC="", NUMPY_MADVISE_HUGEPAGE="0")
     times = milliseconds(fast["ours"]), milliseconds(fast["copy"])
     result = [
-        Row(name, "oscillator, with a compiler: rate over the rate of a copy",
-            fast["copy"] / fast["ours"], 0.5, True, "×", f"{times[0]}; copy {times[1]}"),
-        Row(name, "the same over the rate of a copy into new memory, which is what a result is",
-            fast["copy to new"] / fast["ours"], None, True, "×", milliseconds(fast["copy to new"])),
+        Row(
+            name,
+            "oscillator, with a compiler: rate over the rate of a copy",
+            fast["copy"] / fast["ours"],
+            0.5,
+            True,
+            "×",
+            f"{times[0]}; copy {times[1]}",
+        ),
+        Row(
+            name,
+            "the same over the rate of a copy into new memory, which is what a result is",
+            fast["copy to new"] / fast["ours"],
+            None,
+            True,
+            "×",
+            milliseconds(fast["copy to new"]),
+        ),
         Row(name, "peak of memory over inputs and output", fast["memory"], 2, False, "×"),
-        Row(name, "oscillator, without a compiler: time of NumPy, the same instructions on whole "
-            "arrays, over ours", slow["numpy"] / slow["ours"], 4, True, "×",
-            f"{milliseconds(slow['numpy'])}, {milliseconds(slow['ours'])}"),
-        Row(name, "the same with the law written by hand in NumPy",
-            slow["written"] / slow["ours"], None, True, "×", milliseconds(slow["written"])),
-        Row(name, "the first of these over ours in two threads",
-            slow["numpy"] / slow["two threads"], None, True, "×",
-            milliseconds(slow["two threads"])),
-        Row(name, "the first of these where NumPy gets no huge pages of memory",
-            small["numpy"] / small["ours"], None, True, "×",
-            f"{milliseconds(small['numpy'])}, {milliseconds(small['ours'])}"),
-    ]  # fmt: skip
+        Row(
+            name,
+            "oscillator, without a compiler: time of NumPy, the same instructions on whole "
+            "arrays, over ours",
+            slow["numpy"] / slow["ours"],
+            4,
+            True,
+            "×",
+            f"{milliseconds(slow['numpy'])}, {milliseconds(slow['ours'])}",
+        ),
+        Row(
+            name,
+            "the same with the law written by hand in NumPy",
+            slow["written"] / slow["ours"],
+            None,
+            True,
+            "×",
+            milliseconds(slow["written"]),
+        ),
+        Row(
+            name,
+            "the first of these over ours in two threads",
+            slow["numpy"] / slow["two threads"],
+            None,
+            True,
+            "×",
+            milliseconds(slow["two threads"]),
+        ),
+        Row(
+            name,
+            "the first of these where NumPy gets no huge pages of memory",
+            small["numpy"] / small["ours"],
+            None,
+            True,
+            "×",
+            f"{milliseconds(small['numpy'])}, {milliseconds(small['ours'])}",
+        ),
+    ]
     fewer = samples // 10
     for case in ("pendulum", "double_pendulum", "pendulum_on_cart", "quarter_car"):
         other = apart(case, fewer, repeats, SYMHYB_CC="")
         result.append(
-            Row(name, f"{case.replace('_', ' ')}, the same over a tenth of the samples",
-                other["numpy"] / other["ours"], 1, True, "×",
-                f"{milliseconds(other['numpy'])}, {milliseconds(other['ours'])}")
-        )  # fmt: skip
+            Row(
+                name,
+                f"{case.replace('_', ' ')}, the same over a tenth of the samples",
+                other["numpy"] / other["ours"],
+                1,
+                True,
+                "×",
+                f"{milliseconds(other['numpy'])}, {milliseconds(other['ours'])}",
+            )
+        )
     return result
 
 

@@ -168,16 +168,37 @@ def _compared(n: int, relative: bool, name: str, times: dict[str, float]) -> lis
     part, ours, hand = f"{n} links, {name} angles", times[name], times[f"{name} by hand"]
     sizes = [f.n_instructions() for f in (lowered(model_of(n, relative)), by_hand(n, relative))]
     result = [
-        Row(part, f"time of SymPy's {title} over ours", times[other] / ours, bar, True, "×",
-            f"{milliseconds(times[other])} (absolute angles), {milliseconds(ours)}")
+        Row(
+            part,
+            f"time of SymPy's {title} over ours",
+            times[other] / ours,
+            bar,
+            True,
+            "×",
+            f"{milliseconds(times[other])} (absolute angles), {milliseconds(ours)}",
+        )
         for other, bar, title in (("lagrange", 200, "LagrangesMethod"), ("kane", 30, "KanesMethod"))
-    ]  # fmt: skip
+    ]
     result += [
-        Row(part, "our time over hand-written CasADi", ours / hand, 4, False, "×",
-            f"{milliseconds(ours)}, {milliseconds(hand)}"),
-        Row(part, "instructions of (M, k) over hand-written CasADi", sizes[0] / sizes[1], 1.6,
-            False, "×", f"{sizes[0]}, {sizes[1]}; M and k differ by {apart(n, relative):.0e}"),
-    ]  # fmt: skip
+        Row(
+            part,
+            "our time over hand-written CasADi",
+            ours / hand,
+            4,
+            False,
+            "×",
+            f"{milliseconds(ours)}, {milliseconds(hand)}",
+        ),
+        Row(
+            part,
+            "instructions of (M, k) over hand-written CasADi",
+            sizes[0] / sizes[1],
+            1.6,
+            False,
+            "×",
+            f"{sizes[0]}, {sizes[1]}; M and k differ by {apart(n, relative):.0e}",
+        ),
+    ]
     return result
 
 
@@ -193,9 +214,21 @@ def _alone(n: int, repeats: int) -> list[Row]:
         times = middle(in_turns(contenders, repeats, clear_cache))
         bar = 0.5 if n >= 20 else None
         result += [
-            Row(f"{n} links, {name} angles", "M and k derived and lowered", times["derive"], bar,
-                False, " s"),
-            Row(f"{n} links, {name} angles", "from the text of the file to all 16 functions",
-                times["build"], None, False, " s"),
-        ]  # fmt: skip
+            Row(
+                f"{n} links, {name} angles",
+                "M and k derived and lowered",
+                times["derive"],
+                bar,
+                False,
+                " s",
+            ),
+            Row(
+                f"{n} links, {name} angles",
+                "from the text of the file to all 16 functions",
+                times["build"],
+                None,
+                False,
+                " s",
+            ),
+        ]
     return result

@@ -102,10 +102,13 @@ def one_step_loop(machine: Machine, t: Array, size: Array) -> Callable[[], Array
     full = x * size
     slopes = rates(full, ca.SX(0, 1), start + time, p, ca.SX.zeros(1))
     step = ca.integrator(
-        "step", "cvodes",
+        "step",
+        "cvodes",
         {"x": x, "t": time, "p": ca.vertcat(start, p), "ode": ca.vertcat(full[1], slopes) / size},
-        0.0, t[1] - t[0], {"reltol": 1e-8, "abstol": 1e-10},
-    )  # fmt: skip
+        0.0,
+        t[1] - t[0],
+        {"reltol": 1e-8, "abstol": 1e-10},
+    )
 
     def loop() -> Array:
         state, states = ca.DM.zeros(2), np.zeros((t.size, 2))
@@ -130,26 +133,51 @@ def run_rows(duration: float = 60.0, outputs: int = 60_001, repeats: int = 9) ->
     truth, found = reference(rate, t), simulate(machine, scenario)
     part = t[: 1 + (t.size - 1) // 10]
     loop = one_step_loop(machine, part, np.abs(truth).max(axis=0))
-    many = middle(in_turns({
-        "ours": lambda: simulate(machine, scenario),
-        "lsoda": lambda: lsoda(rate, t, 1e-8, 1e-10),
-        "loop": loop,
-    }, repeats))  # fmt: skip
+    many = middle(
+        in_turns(
+            {
+                "ours": lambda: simulate(machine, scenario),
+                "lsoda": lambda: lsoda(rate, t, 1e-8, 1e-10),
+                "loop": loop,
+            },
+            repeats,
+        )
+    )
     errors = [error(found.q, truth), error(lsoda(rate, t, 1e-8, 1e-10), truth)]
     alike = as_accurate(lambda tol: lsoda(rate, t, tol, 1e-2 * tol), truth, errors[0])
     equal = middle(in_turns({"lsoda": lambda: lsoda(rate, t, alike, 1e-2 * alike)}, 3))["lsoda"]
     stepped = many["loop"] * (t.size - 1) / (part.size - 1)
     name = f"{duration:.0f} s, {outputs} outputs"
     return [
-        Row(name, "time of SciPy's LSODA with numba over ours, both at rtol 1e-8",
-            many["lsoda"] / many["ours"], 2.5, True, "×",
+        Row(
+            name,
+            "time of SciPy's LSODA with numba over ours, both at rtol 1e-8",
+            many["lsoda"] / many["ours"],
+            2.5,
+            True,
+            "×",
             f"{milliseconds(many['lsoda'])}, {milliseconds(many['ours'])}; NRMSE of x against "
-            f"DOP853 at 1e-12: LSODA {errors[1]:.1e}, ours {errors[0]:.1e}"),
-        Row(name, "the same with LSODA at the loosest rtol of 1, 2, 5·10ⁿ that is as accurate as "
-            "ours", equal / many["ours"], None, True, "×", f"rtol {alike:.0e}"),
-        Row(name, "time of a loop of one-step integrations over ours", stepped / many["ours"], 50,
-            True, "×", milliseconds(stepped)),
-    ]  # fmt: skip
+            f"DOP853 at 1e-12: LSODA {errors[1]:.1e}, ours {errors[0]:.1e}",
+        ),
+        Row(
+            name,
+            "the same with LSODA at the loosest rtol of 1, 2, 5·10ⁿ that is as accurate as ours",
+            equal / many["ours"],
+            None,
+            True,
+            "×",
+            f"rtol {alike:.0e}",
+        ),
+        Row(
+            name,
+            "time of a loop of one-step integrations over ours",
+            stepped / many["ours"],
+            50,
+            True,
+            "×",
+            milliseconds(stepped),
+        ),
+    ]
 
 
 def as_accurate(run: Callable[[float], Array], truth: Array, wanted: float) -> float:
@@ -178,8 +206,22 @@ def sweep_rows(
     part = f"{sets} parameter sets"
     note = f"{milliseconds(times['one'])}, {milliseconds(times['two'])}; {outputs} outputs each"
     return [
-        Row(part, "time in one process over time in two", times["one"] / times["two"], 1.7, True,
-            "×", note),
-        Row(part, "the same with the processes started anew", times["one"] / first, None, True,
-            "×", milliseconds(first)),
-    ]  # fmt: skip
+        Row(
+            part,
+            "time in one process over time in two",
+            times["one"] / times["two"],
+            1.7,
+            True,
+            "×",
+            note,
+        ),
+        Row(
+            part,
+            "the same with the processes started anew",
+            times["one"] / first,
+            None,
+            True,
+            "×",
+            milliseconds(first),
+        ),
+    ]

@@ -129,16 +129,26 @@ def _rows(count: int, chunk: int, draws: int, repeats: int) -> list[Row]:
     matrix, right = stored(candidates)
     width, chunks = matrix.shape[1], count // chunk
     anew = np.random.default_rng(0).multinomial(chunks, np.full(chunks, 1 / chunks))
-    many = middle(in_turns({
-        "plain": lambda: plain(matrix, right),
-        "ours": lambda: regress(candidates, optimizer()),
-        "both": lambda: plain(*stored(candidates)),
-        "factor": lambda: factor_of(candidates.blocks(), candidates.names),
-    }, repeats))  # fmt: skip
-    drawn = middle(in_turns({
-        "plain": lambda: redrawn(matrix, right, chunk, anew),
-        "ours": lambda: resampled(candidates, optimizer(), chunk, draws),
-    }, max(repeats // 2, 1)))  # fmt: skip
+    many = middle(
+        in_turns(
+            {
+                "plain": lambda: plain(matrix, right),
+                "ours": lambda: regress(candidates, optimizer()),
+                "both": lambda: plain(*stored(candidates)),
+                "factor": lambda: factor_of(candidates.blocks(), candidates.names),
+            },
+            repeats,
+        )
+    )
+    drawn = middle(
+        in_turns(
+            {
+                "plain": lambda: redrawn(matrix, right, chunk, anew),
+                "ours": lambda: resampled(candidates, optimizer(), chunk, draws),
+            },
+            max(repeats // 2, 1),
+        )
+    )
     theirs, ours = plain(matrix, right), regress(candidates, optimizer())
     apart = float(np.abs(ours - theirs).max() / np.abs(theirs).max())
     share = peak(lambda: regress(candidates, optimizer())) / matrix.nbytes
@@ -147,17 +157,44 @@ def _rows(count: int, chunk: int, draws: int, repeats: int) -> list[Row]:
     off = float(np.abs(mine - once).max() / np.abs(once).max())
     name = f"regression, {count:.0e} × {width}".replace("e+0", "e")
     return [
-        Row(name, "time of PySINDy's STLSQ over ours, each from the signals to the coefficients",
-            many["both"] / many["ours"], 20, True, "×",
+        Row(
+            name,
+            "time of PySINDy's STLSQ over ours, each from the signals to the coefficients",
+            many["both"] / many["ours"],
+            20,
+            True,
+            "×",
             f"{milliseconds(many['both'])}, {milliseconds(many['ours'])}, of which reduction "
             f"{milliseconds(many['factor'])}; coefficients of the {np.count_nonzero(ours)} terms "
-            f"differ by {apart:.0e}"),
-        Row(name, "the same with its candidate matrix there already",
-            many["plain"] / many["ours"], None, True, "×", milliseconds(many["plain"])),
-        Row(name, "peak of memory over that of the candidate matrix", share, 0.05, False, "×",
-            f"{matrix.nbytes / 1e6:.0f} MB, tracemalloc"),
-        Row(name, f"{draws} fits of drawn chunks: time of PySINDy's STLSQ, one of them "
-            f"{draws} times, over ours", draws * drawn["plain"] / drawn["ours"], 200, True, "×",
+            f"differ by {apart:.0e}",
+        ),
+        Row(
+            name,
+            "the same with its candidate matrix there already",
+            many["plain"] / many["ours"],
+            None,
+            True,
+            "×",
+            milliseconds(many["plain"]),
+        ),
+        Row(
+            name,
+            "peak of memory over that of the candidate matrix",
+            share,
+            0.05,
+            False,
+            "×",
+            f"{matrix.nbytes / 1e6:.0f} MB, tracemalloc",
+        ),
+        Row(
+            name,
+            f"{draws} fits of drawn chunks: time of PySINDy's STLSQ, one of them "
+            f"{draws} times, over ours",
+            draws * drawn["plain"] / drawn["ours"],
+            200,
+            True,
+            "×",
             f"{milliseconds(draws * drawn['plain'])}, {milliseconds(drawn['ours'])}; coefficients "
-            f"differ by {off:.0e}"),
-    ]  # fmt: skip
+            f"differ by {off:.0e}",
+        ),
+    ]

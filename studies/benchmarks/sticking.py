@@ -54,8 +54,17 @@ def automaton(push: float, t: Array) -> tuple[Array, list[float]]:
 
         event: Any = ends
         event.terminal, event.direction = True, -1
-        run = solve_ivp(rate, (now, t[-1]), y, method="DOP853", rtol=1e-12, atol=1e-14,
-                        events=event, dense_output=True, max_step=0.02)  # fmt: skip
+        run = solve_ivp(
+            rate,
+            (now, t[-1]),
+            y,
+            method="DOP853",
+            rtol=1e-12,
+            atol=1e-14,
+            events=event,
+            dense_output=True,
+            max_step=0.02,
+        )
         rows = (t >= now) & (t <= run.t[-1])
         out[rows] = run.sol(t[rows]).T
         if run.status == 0:
@@ -74,22 +83,43 @@ def rows(duration: float = 60.0, outputs: int = 60_001, repeats: int = 9) -> lis
         machine = build(parse_model(text, "oscillator.toml"))
         truth, times = automaton(push, scenario.t)
         exact, smooth = simulate(machine, scenario, exact=True), simulate(machine, scenario)
-        spent = middle(in_turns({
-            "exact": lambda m=machine: simulate(m, scenario, exact=True),
-            "smooth": lambda m=machine: simulate(m, scenario),
-        }, repeats))  # fmt: skip
+        spent = middle(
+            in_turns(
+                {
+                    "exact": lambda m=machine: simulate(m, scenario, exact=True),
+                    "smooth": lambda m=machine: simulate(m, scenario),
+                },
+                repeats,
+            )
+        )
         part = f"dry friction by events, {name}"
         located = np.array([event.time for event in exact.events])
         apart = np.abs(located - times).max() if located.size == len(times) else math.inf
         found += [
-            Row(part, "time of the exact run over smoothing, both for all outputs",
-                spent["exact"] / spent["smooth"], 5.0, False, "×",
+            Row(
+                part,
+                "time of the exact run over smoothing, both for all outputs",
+                spent["exact"] / spent["smooth"],
+                5.0,
+                False,
+                "×",
                 f"{milliseconds(spent['exact'])}, {milliseconds(spent['smooth'])}; {outputs} "
-                "outputs"),
-            Row(part, "NRMSE of x against an automaton by hand", error(exact.q, truth), 1e-6,
-                note=f"smoothed over 1 mm/s: {error(smooth.q, truth):.1e}"),
-            Row(part, "share of its transitions that are located",
-                located.size / len(times), 1.0, True,
-                note=f"{located.size} of {len(times)}; times differ by at most {apart:.0e} s"),
-        ]  # fmt: skip
+                "outputs",
+            ),
+            Row(
+                part,
+                "NRMSE of x against an automaton by hand",
+                error(exact.q, truth),
+                1e-6,
+                note=f"smoothed over 1 mm/s: {error(smooth.q, truth):.1e}",
+            ),
+            Row(
+                part,
+                "share of its transitions that are located",
+                located.size / len(times),
+                1.0,
+                True,
+                note=f"{located.size} of {len(times)}; times differ by at most {apart:.0e} s",
+            ),
+        ]
     return found

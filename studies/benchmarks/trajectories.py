@@ -23,7 +23,8 @@ from threadpoolctl import threadpool_limits
 from timing import Row, in_turns, middle, milliseconds
 
 from symhyb.data.recording import Recording
-from symhyb.discrepancy.fitting.matching import TRIAL_DECREASE, TRIAL_ITERATIONS, Fit, Task, fit
+from symhyb.discrepancy.fitting.matching import TRIAL_DECREASE, TRIAL_ITERATIONS, fit
+from symhyb.discrepancy.fitting.task import Fit, Task
 from symhyb.discrepancy.recorded.motion import Motion
 from symhyb.discrepancy.recorded.windows import lay
 from symhyb.model.read import parse_model
@@ -162,9 +163,12 @@ def _solver(
     curve = weight * ca.triu(slope.T @ slope)
     size = gaps.size1()
     hessian = ca.Function(
-        "hessian", [unknown, ca.MX.sym("p", 0), weight, ca.MX.sym("lam", size)], [curve],
-        ["x", "p", "lam_f", "lam_g"], ["hess_gamma_x_x"],
-    )  # fmt: skip
+        "hessian",
+        [unknown, ca.MX.sym("p", 0), weight, ca.MX.sym("lam", size)],
+        [curve],
+        ["x", "p", "lam_f", "lam_g"],
+        ["hess_gamma_x_x"],
+    )
     quiet = {"hess_lag": hessian, "print_time": False, "ipopt.print_level": 0, "ipopt.sb": "yes"}
     nlp = {"x": unknown, "f": 0.5 * ca.dot(miss, miss), "g": gaps}
     solver = ca.nlpsol("solver", "ipopt", nlp, quiet)
@@ -200,13 +204,26 @@ def rows(sizes: tuple[int, ...] = (10_000, 30_000, 100_000), repeats: int = 3) -
     told = ", ".join(f"{size} samples {milliseconds(times[str(size)])}" for size in sizes)
     name, best = f"4 parameters, {large} samples", ours[large]()
     return [
-        Row(name, "time of IPOPT's multiple shooting over ours", times["ipopt"] / times[str(large)],
-            3, True, "×", f"{milliseconds(times['ipopt'])}, {milliseconds(times[str(large)])}; "
-            f"largest relative error: IPOPT {off(theirs()):.1e}, ours {off(best.values):.1e}"),
-        Row(name, f"our time a sample over that with {small} samples",
-            times[str(large)] / large / (times[str(small)] / small), 1.5, False, "×",
-            f"{told}; time grows with the power {slope:.2f} of the samples"),
-    ]  # fmt: skip
+        Row(
+            name,
+            "time of IPOPT's multiple shooting over ours",
+            times["ipopt"] / times[str(large)],
+            3,
+            True,
+            "×",
+            f"{milliseconds(times['ipopt'])}, {milliseconds(times[str(large)])}; "
+            f"largest relative error: IPOPT {off(theirs()):.1e}, ours {off(best.values):.1e}",
+        ),
+        Row(
+            name,
+            f"our time a sample over that with {small} samples",
+            times[str(large)] / large / (times[str(small)] / small),
+            1.5,
+            False,
+            "×",
+            f"{told}; time grows with the power {slope:.2f} of the samples",
+        ),
+    ]
 
 
 def _first(given: Record, samples: int) -> Record:

@@ -93,7 +93,14 @@ def _band(p: Values, q: Array) -> tuple[Array, Array]:
 
 
 ARM = System(
-    "arm", ("a", "b", "c"), _mass, _forces, Drive((0.3, 3.0), 0.35),
-    inputs=("shoulder", "elbow", "wrist"), between={"post-tip": _band}, start=(0.2, -0.1, 0.1),
-    rate=150.0, duration=12.0,
-)  # fmt: skip
+    "arm",
+    ("a", "b", "c"),
+    _mass,
+    _forces,
+    Drive((0.3, 3.0), 0.35),
+    inputs=("shoulder", "elbow", "wrist"),
+    between={"post-tip": _band},
+    start=(0.2, -0.1, 0.1),
+    rate=150.0,
+    duration=12.0,
+)

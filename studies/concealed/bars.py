@@ -42,20 +42,31 @@ def bars(rows: Sequence[Row]) -> str:
     wanted = sum(row.wanted for row in one)
     missed = [row for row in hidden if row.name < row.wanted]
     lines = [
-        "| bar | asked for | measured | |", "|---|---|---|---|",
+        "| bar | asked for | measured | |",
+        "|---|---|---|---|",
         _share("place, 1 % noise", sum(row.place for row in one), wanted, 0.98),
         _share("name, 1 % noise", sum(row.name for row in one), wanted, 0.95),
-        _share("complete structure, no wrong claim, 1 % noise",
-               sum(row.structure for row in one), len(one), 0.9),
-        _share("±2 sd, 1 % noise", sum(row.covered for row in one),
-               sum(row.counted for row in one), 0.9),
+        _share(
+            "complete structure, no wrong claim, 1 % noise",
+            sum(row.structure for row in one),
+            len(one),
+            0.9,
+        ),
+        _share(
+            "±2 sd, 1 % noise",
+            sum(row.covered for row in one),
+            sum(row.counted for row in one),
+            0.9,
+        ),
         _unseen(one),
-        _share("name, 5 % noise", sum(row.name for row in five),
-               sum(row.wanted for row in five), 0.85),
-        _share("a miss is a refusal, all noise", sum(not row.wrong for row in missed),
-               len(missed), 0.8),
+        _share(
+            "name, 5 % noise", sum(row.name for row in five), sum(row.wanted for row in five), 0.85
+        ),
+        _share(
+            "a miss is a refusal, all noise", sum(not row.wrong for row in missed), len(missed), 0.8
+        ),
         _quiet([row for row in rows if not row.wanted]),
-    ]  # fmt: skip
+    ]
     for size, (words, most) in enumerate(zip(SIZES, LIMITS_S, strict=True)):
         own = [row for row in rows if size_of(row.coordinates) == size]
         lines.append(_fast(words, own, most))

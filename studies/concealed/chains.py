@@ -63,14 +63,18 @@ def _car_forces(p: Values, q: Array, v: Array, u: Array) -> Array:
 
 
 QUARTER_CAR = System(  # z body, w wheel, both from their rest; the road is the input
-    "quarter_car", ("z", "w"),
+    "quarter_car",
+    ("z", "w"),
     lambda p, q: constant_mass(p, q, (p["m_b"], 0.0), (0.0, p["m_w"])),
-    _car_forces, Drive((0.4, 12.0), 0.012), inputs=("road",),
+    _car_forces,
+    Drive((0.4, 12.0), 0.012),
+    inputs=("road",),
     between={
         "hub-top": lambda p, q: (q[0] - q[1], np.stack([np.ones_like(q[0]), -np.ones_like(q[0])]))
     },
-    rate=500.0, duration=10.0,
-)  # fmt: skip
+    rate=500.0,
+    duration=10.0,
+)
 
 
 def _rotor_mass(p: Values, q: Array) -> Array:
@@ -83,13 +87,20 @@ def _rotor_mass(p: Values, q: Array) -> Array:
 
 def _rotor_forces(p: Values, q: Array, v: Array, u: Array) -> Array:
     return parts(
-        (u[0], 0.0, 0.0), (-p["k0"] * q[0], 0.0, 0.0), (-p["d0"] * v[0], 0.0, 0.0),
-        (0.0, -p["k1"] * q[1], 0.0), (0.0, 0.0, -p["k2"] * q[2]),
+        (u[0], 0.0, 0.0),
+        (-p["k0"] * q[0], 0.0, 0.0),
+        (-p["d0"] * v[0], 0.0, 0.0),
+        (0.0, -p["k1"] * q[1], 0.0),
+        (0.0, 0.0, -p["k2"] * q[2]),
         (0.0, -p["d1"] * v[1], -p["d2"] * v[2]),
-    )  # fmt: skip
+    )
 
 
 ROTOR = System(
-    "rotor", ("theta", "twist1", "twist2"), _rotor_mass, _rotor_forces, Drive((0.4, 6.0), 0.5),
+    "rotor",
+    ("theta", "twist1", "twist2"),
+    _rotor_mass,
+    _rotor_forces,
+    Drive((0.4, 6.0), 0.5),
     inputs=("torque",),
-)  # fmt: skip
+)

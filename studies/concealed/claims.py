@@ -72,10 +72,14 @@ class Row:
 def concealed(answer: dict[str, Any]) -> list[Claim]:
     """The causes of a case in the order of the oracle's targets."""
     claims = [
-        Claim(e["place"], e["kind"], {k: (v, 0.0) for k, v in e["keys"].items()},
-              e["side"] if e["kind"] == "gap" else "")
+        Claim(
+            e["place"],
+            e["kind"],
+            {k: (v, 0.0) for k, v in e["keys"].items()},
+            e["side"] if e["kind"] == "gap" else "",
+        )
         for e in answer["effects"]
-    ]  # fmt: skip
+    ]
     claims += [
         Claim(f"parameter {name}", "parameter", {"value": (value, 0.0)})
         for name, value in answer["parameters"].items()
@@ -135,10 +139,11 @@ def _stand_ins(answer: dict[str, Any], truth: Sequence[Claim]) -> list[StandIns]
     return [
         {
             _rival(rival["instead"]): rival["apart"] < 1e-6
-            for rival in answer["rivals"] if rival["of"] in mine
+            for rival in answer["rivals"]
+            if rival["of"] in mine
         }
         for mine in rows
-    ]  # fmt: skip
+    ]
 
 
 def score_case(name: str, result: dict[str, Any], answer: dict[str, Any], n: int) -> Row:
@@ -147,17 +152,27 @@ def score_case(name: str, result: dict[str, Any], answer: dict[str, Any], n: int
     told = result.get("diagnosis")
     shares = [effect["share"] for effect in answer["effects"]]
     row = Row(
-        name, answer["kind"], answer["noise"], n, len(truth), min(shares) if shares else None,
-        result["seconds"], cpu=result.get("cpu_seconds"), fit=result.get("fit"),
-        rates=answer.get("complete", False), hits=(0,) * len(truth),
+        name,
+        answer["kind"],
+        answer["noise"],
+        n,
+        len(truth),
+        min(shares) if shares else None,
+        result["seconds"],
+        cpu=result.get("cpu_seconds"),
+        fit=result.get("fit"),
+        rates=answer.get("complete", False),
+        hits=(0,) * len(truth),
         shares=(*shares, *[None] * (len(truth) - len(shares))),
-    )  # fmt: skip
+    )
     if told is None:
         return replace(
-            row, verdict="crash" if "crash" in result else "refused", structure=not truth,
+            row,
+            verdict="crash" if "crash" in result else "refused",
+            structure=not truth,
             missed=tuple(map(_words, truth)),
             failed=result.get("sentence") or result.get("crash", ""),
-        )  # fmt: skip
+        )
     rest, whole = claimed(told), True
     pairs = list(zip(truth, _stand_ins(answer, truth), strict=True))
     placed = _placed(pairs, rest)

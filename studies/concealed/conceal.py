@@ -108,9 +108,14 @@ def start_of(system: System, random: np.random.Generator) -> Array:
 
 
 def recorded(
-    plan: Plan, hidden: Hidden, signal: Signal, start: Array, duration: float,
-    names: tuple[str, ...], sd: Array | None,
-) -> Run:  # fmt: skip
+    plan: Plan,
+    hidden: Hidden,
+    signal: Signal,
+    start: Array,
+    duration: float,
+    names: tuple[str, ...],
+    sd: Array | None,
+) -> Run:
     """One exact run; without ``sd`` the noise is ``plan.noise`` of the RMS of each channel."""
     system = plan.system
     t = np.arange(round(duration * system.rate) + 1) / system.rate

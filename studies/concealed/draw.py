@@ -25,10 +25,12 @@ def measured(case: Case, index: int) -> tuple[list[str], Array]:
     run = case.runs[index]
     late = {name: run.hidden.fault(name, "delay") for name in run.names}
     y = seen(run.plant, run.motion, run.hidden, run.names)
-    y = np.array([
-        np.interp(run.motion.t - late[name], run.motion.t, row)
-        for name, row in zip(run.names, y, strict=True)
-    ])  # fmt: skip
+    y = np.array(
+        [
+            np.interp(run.motion.t - late[name], run.motion.t, row)
+            for name, row in zip(run.names, y, strict=True)
+        ]
+    )
     random = np.random.default_rng([case.plan.seed, 3, index])
     y = y + run.sd[:, None] * _noise(random, y.shape, case.colour)
     given = [run.motion.t, *run.inputs]

@@ -15,21 +15,46 @@ from plant import Motion, Plant
 from systems import System
 
 FORCES = (
-    "spring.stiffness", "spring.quadratic", "spring.cubic", "damper", "damper.asymmetry", "drag",
-    "friction", "friction.stribeck", "gap.upper", "gap.lower", "gap.both", "hysteresis",
-    "friction_dynamic", "relaxation", "constant", "harmonic", "ripple", "added_mass",
-)  # fmt: skip
+    "spring.stiffness",
+    "spring.quadratic",
+    "spring.cubic",
+    "damper",
+    "damper.asymmetry",
+    "drag",
+    "friction",
+    "friction.stribeck",
+    "gap.upper",
+    "gap.lower",
+    "gap.both",
+    "hysteresis",
+    "friction_dynamic",
+    "relaxation",
+    "constant",
+    "harmonic",
+    "ripple",
+    "added_mass",
+)
 DULL = (
-    "parameter", "gain.input", "gain.sensor", "offset.input", "offset.sensor", "delay.input",
+    "parameter",
+    "gain.input",
+    "gain.sensor",
+    "offset.input",
+    "offset.sensor",
+    "delay.input",
     "delay.sensor",
-)  # fmt: skip
+)
 NULLS = ("null.white", "null.coloured")
 ON_ONLY = ("ripple", "added_mass", "harmonic")
 STRENGTH = {
-    "spring.stiffness": "stiffness", "spring.quadratic": "quadratic", "spring.cubic": "cubic",
-    "drag": "drag", "constant": "constant", "harmonic": "amplitude", "ripple": "amplitude",
+    "spring.stiffness": "stiffness",
+    "spring.quadratic": "quadratic",
+    "spring.cubic": "cubic",
+    "drag": "drag",
+    "constant": "constant",
+    "harmonic": "amplitude",
+    "ripple": "amplitude",
     "added_mass": "mass",
-}  # fmt: skip
+}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -91,9 +116,14 @@ def draw_effect(kind: str, place: Place, share: float, random: np.random.Generat
     if name == "relaxation":
         unit = Effect(name, place.name, {"stiffness": 1.0, "damping": shape["time"]})
         strength = wanted / _rms(unit, place)
-        return Effect(name, place.name, {
-            "stiffness": strength, "damping": strength * shape["time"],
-        })  # fmt: skip
+        return Effect(
+            name,
+            place.name,
+            {
+                "stiffness": strength,
+                "damping": strength * shape["time"],
+            },
+        )
     key = STRENGTH.get(kind, "damping" if name == "damper" else "stiffness")
     unit = Effect(name, place.name, {key: 1.0, **shape}, **words)
     sign = 1.0
@@ -158,9 +188,12 @@ def along(effect: Effect, place: Place) -> Array:
 
 
 def draw_dull(
-    kind: str, system: System, sizes: dict[str, float], names: tuple[str, ...],
+    kind: str,
+    system: System,
+    sizes: dict[str, float],
+    names: tuple[str, ...],
     random: np.random.Generator,
-) -> Hidden:  # fmt: skip
+) -> Hidden:
     """One dull cause; ``sizes`` are the standard deviations of the channels.
 
     Raises:

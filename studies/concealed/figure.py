@@ -29,9 +29,11 @@ def rates(rows: Sequence[Row]) -> tuple[list[float], list[tuple[float, float]], 
     middle, spread, count = [], [], []
     for low, high in pairwise(EDGES):
         hits = [
-            hit for row in rows for share, hit in zip(row.shares, row.hits, strict=True)
+            hit
+            for row in rows
+            for share, hit in zip(row.shares, row.hits, strict=True)
             if share is not None and low <= share < high
-        ]  # fmt: skip
+        ]
         named, whole = sum(hit == 2 for hit in hits), len(hits)
         middle.append(named / whole if whole else np.nan)
         low_end = beta.ppf(0.05, named, whole - named + 1) if named else 0.0
@@ -46,8 +48,9 @@ def shown(scored: Scored) -> dict[str, Sequence[Row]]:
     everybody = {"symhyb": scored.rows, **scored.peers}
     return {
         name: [row for row in rows if row.wanted]
-        for name, rows in everybody.items() if name not in WORDLESS and "quiet" not in name
-    }  # fmt: skip
+        for name, rows in everybody.items()
+        if name not in WORDLESS and "quiet" not in name
+    }
 
 
 def sizes(axes: Any, scored: Scored) -> None:
@@ -59,8 +62,11 @@ def sizes(axes: Any, scored: Scored) -> None:
         y = np.array([middle[i] for i in used])
         reach = np.abs(np.array([spread[i] for i in used]).T - y)
         axes.errorbar(x, 100 * y, 100 * reach, fmt="o-", color=COLOURS[name], label=name, lw=1.5)
-    axes.set_xticks(range(len(BINS)), [words.replace(" %", "").replace(" to ", "–")
-                                       for words in BINS], fontsize=8)  # fmt: skip
+    axes.set_xticks(
+        range(len(BINS)),
+        [words.replace(" %", "").replace(" to ", "–") for words in BINS],
+        fontsize=8,
+    )
     axes.set_xlabel("RMS of the concealed force, % of the known force")
     axes.set_ylabel("forces named, %")
     axes.set_ylim(-3, 103)
@@ -98,8 +104,9 @@ def main() -> None:
         axes.spines[["top", "right"]].set_visible(False)
         axes.grid(alpha=0.25)
         axes.set_axisbelow(True)
-    figure.legend(*left.get_legend_handles_labels(), loc="outside upper center", ncols=4,
-                  frameon=False)  # fmt: skip
+    figure.legend(
+        *left.get_legend_handles_labels(), loc="outside upper center", ncols=4, frameon=False
+    )
     figure.savefig(options.output, dpi=110)
 
 

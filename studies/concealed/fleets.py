@@ -29,9 +29,13 @@ RUNS = 4  # and the unseen one
 ODD, MORE = 2, 1.5  # the run that differs, and by how much
 NOISES = (0.01, 0.05)
 KEYS = {
-    "spring.stiffness": "stiffness", "spring.cubic": "cubic", "damper": "damping", "drag": "drag",
-    "friction": "coulomb", "constant": "constant",
-}  # fmt: skip
+    "spring.stiffness": "stiffness",
+    "spring.cubic": "cubic",
+    "damper": "damping",
+    "drag": "drag",
+    "friction": "coulomb",
+    "constant": "constant",
+}
 LOW, HIGH = 0.03, 0.3  # the concealed force over the largest known one, RMS
 
 
@@ -101,8 +105,10 @@ def one(seed: int, build: Path) -> str:
                 both = {}
                 break
             both[arm] = said(case, build / f"{seed:05d}-{arm}") | {
-                "system": case.plan.system.name, "kind": case.plan.kind, "noise": case.plan.noise,
-            }  # fmt: skip
+                "system": case.plan.system.name,
+                "kind": case.plan.kind,
+                "noise": case.plan.noise,
+            }
         part = target.with_suffix(".part")
         part.write_text(json.dumps(both, indent=1) + "\n", encoding="utf-8")
         part.replace(target)

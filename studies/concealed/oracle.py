@@ -24,9 +24,11 @@ QUICK = ("friction_dynamic", "hysteresis", "relaxation", "gap")  # two Runge-Kut
 ROUNDED = 0.02  # of the RMS rate: the width of smooth friction
 STEP = 1e-4
 LINEAR = (
-    ("spring", "stiffness"), ("damper", "damping"), ("constant", "constant"),
+    ("spring", "stiffness"),
+    ("damper", "damping"),
+    ("constant", "constant"),
     ("added_mass", "mass"),
-)  # fmt: skip
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -264,9 +266,10 @@ def rivals(run: Run, sight: Sight, known: dict[str, float]) -> list[dict[str, ob
     """
     stated = run.system.values()
     singles = [
-        (row, goal) for row, goal in enumerate(targets(run.hidden))
+        (row, goal)
+        for row, goal in enumerate(targets(run.hidden))
         if goal.sort != "effect" or len(run.hidden.effects[goal.index].keys) == 1
-    ]  # fmt: skip
+    ]
     if not singles:
         return []
     found = []
@@ -279,9 +282,14 @@ def rivals(run: Run, sight: Sight, known: dict[str, float]) -> list[dict[str, ob
             rho = float(planted @ column) ** 2 / max(size * power, 1e-300)
             evidence = 0.5 * size * (1 - rho)
             if 1 - rho < 1e-6 or evidence < 6.0:
-                found.append({
-                    "of": row, "instead": name, "apart": 1 - rho, "evidence": evidence,
-                })  # fmt: skip
+                found.append(
+                    {
+                        "of": row,
+                        "instead": name,
+                        "apart": 1 - rho,
+                        "evidence": evidence,
+                    }
+                )
     return found
 
 

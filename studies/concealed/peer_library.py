@@ -82,8 +82,9 @@ def _wide(place: str, s: Array, r: Array, t: Array, left: Array | None) -> Itera
         edges = np.quantile(inside, STOPS)
         width = float(edges[-1] - edges[0]) / (2 * (len(STOPS) - 1) * np.sqrt(3))
         for edge in map(float, edges):
-            yield Term(place, "gap", "stiffness", _stop(edge, side), side,
-                       {"clearance": (edge, width)})  # fmt: skip
+            yield Term(
+                place, "gap", "stiffness", _stop(edge, side), side, {"clearance": (edge, width)}
+            )
     if left is None:
         return
     half = float(np.ptp(s)) / 2

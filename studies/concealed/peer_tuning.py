@@ -97,8 +97,11 @@ def main() -> None:
     if not cases:
         raise SystemExit("no case has the answers of all settings: run peers.py --every first")
     told = {
-        "seeds": options.seeds, "cases": cases, "tried": len(rows), "chosen": choose(rows),
-    }  # fmt: skip
+        "seeds": options.seeds,
+        "cases": cases,
+        "tried": len(rows),
+        "chosen": choose(rows),
+    }
     options.write.parent.mkdir(parents=True, exist_ok=True)
     options.write.write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
     print(json.dumps(told, indent=1))

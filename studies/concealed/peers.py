@@ -65,8 +65,10 @@ def grid() -> list[Setting]:
     found = [
         Setting(peer, library, window, threshold)
         for peer, windows in (("pysindy", WINDOWS), ("weak", HALVES), ("deltaf", WINDOWS))
-        for library in LIBRARIES for window in windows for threshold in THRESHOLDS
-    ]  # fmt: skip
+        for library in LIBRARIES
+        for window in windows
+        for threshold in THRESHOLDS
+    ]
     return found + [Setting("mlp", window=w, hidden=h) for w in WINDOWS[1:3] for h in HIDDEN]
 
 
@@ -101,10 +103,13 @@ def diagnoses(folder: Path, settings: list[Setting], fits: bool = True) -> dict[
         said[one.name] = {
             "seconds": time.process_time() - begin + shared,
             "diagnosis": {
-                "verdict": verdict, "found": found, "parameters": [], "measurement": [],
+                "verdict": verdict,
+                "found": found,
+                "parameters": [],
+                "measurement": [],
                 "alternatives": [],
             },
-        }  # fmt: skip
+        }
         if fits:
             said[one.name]["fit"] = fit_of(terms, value, train, unseen)
     return said
@@ -120,9 +125,12 @@ def network(train: Recorded, unseen: Recorded, setting: Setting) -> dict[str, An
     most = max(float(np.sqrt(np.mean((wanted / scale) ** 2))), 1e-300)
     rows = np.linspace(0, len(x) - 1, min(len(x), 1500)).astype(int)
     model = MLPRegressor(
-        hidden_layer_sizes=setting.hidden, early_stopping=True, max_iter=150, random_state=0,
+        hidden_layer_sizes=setting.hidden,
+        early_stopping=True,
+        max_iter=150,
+        random_state=0,
         learning_rate_init=5e-3,
-    )  # fmt: skip
+    )
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # that it might still improve
         y = (wanted / scale / most).T[rows]
@@ -160,9 +168,10 @@ def main() -> None:
         target = options.results / f"{folder.name}.json"
         said = json.loads(target.read_text()) if target.exists() else {}
         wanted = [
-            one for one in settings
+            one
+            for one in settings
             if one.name not in said or not (options.every or "fit" in said[one.name])
-        ]  # fmt: skip
+        ]
         if wanted:
             begin = time.perf_counter()
             try:

@@ -223,9 +223,15 @@ def _rate(plant: Plant, y: Array, place: str) -> float:
 
 
 def _segment(
-    plant: Plant, now: float, end: float, y: Array, modes: tuple[int, ...], t: Array,
-    out: Array, accelerations: Array,
-) -> tuple[float, Array, int | None]:  # fmt: skip
+    plant: Plant,
+    now: float,
+    end: float,
+    y: Array,
+    modes: tuple[int, ...],
+    t: Array,
+    out: Array,
+    accelerations: Array,
+) -> tuple[float, Array, int | None]:
     """Solve to the next event and fill in what lies before it; which friction it was, or None."""
     step = 1.0 / plant.system.rate
 
@@ -237,9 +243,16 @@ def _segment(
         return np.concatenate([y[n : 2 * n], a, inner])
 
     found = solve_ivp(
-        rate, (now, end), y, method="DOP853", rtol=1e-8, atol=1e-10, max_step=2 * step,
-        events=_events(plant, modes, now) or None, dense_output=True,
-    )  # fmt: skip
+        rate,
+        (now, end),
+        y,
+        method="DOP853",
+        rtol=1e-8,
+        atol=1e-10,
+        max_step=2 * step,
+        events=_events(plant, modes, now) or None,
+        dense_output=True,
+    )
     if not found.success:
         raise UnboundedError(found.message)
     later = float(found.t[-1])
@@ -285,9 +298,15 @@ def _imposed(plant: Plant, t: Array) -> Motion:
             return np.array([drift(e, s, r, x) for e, x in zip(memory, inner, strict=True)])
 
         found = solve_ivp(
-            rate, (t[0] - BEFORE, t[-1]), np.zeros(len(memory)), method="DOP853", t_eval=t,
-            rtol=1e-8, atol=1e-10, max_step=2 / plant.system.rate,
-        )  # fmt: skip
+            rate,
+            (t[0] - BEFORE, t[-1]),
+            np.zeros(len(memory)),
+            method="DOP853",
+            t_eval=t,
+            rtol=1e-8,
+            atol=1e-10,
+            max_step=2 / plant.system.rate,
+        )
         if not found.success:
             raise UnboundedError(found.message)
         z = found.y

@@ -61,21 +61,23 @@ def section(scored: Scored, level: str = "###") -> str:
 
 def _concealed(hidden: Sequence[Row]) -> list[str]:
     keys: tuple[tuple[str, Key], ...] = (
-        ("kind", lambda row: row.kind), ("noise", by_noise), ("coordinates", by_size),
-        ("sensing", by_sensing), ("system", by_system),
-    )  # fmt: skip
+        ("kind", lambda row: row.kind),
+        ("noise", by_noise),
+        ("coordinates", by_size),
+        ("sensing", by_sensing),
+        ("system", by_system),
+    )
     return [refusals(hidden), *(table(hidden, title, key) for title, key in keys)]
 
 
 def _peers(scored: Scored, hidden: Sequence[Row]) -> list[str]:
     talking = {
         name: [row for row in rows if row.wanted]
-        for name, rows in scored.peers.items() if name not in WORDLESS
-    }  # fmt: skip
+        for name, rows in scored.peers.items()
+        if name not in WORDLESS
+    }
     chosen = "; ".join(f"{k}: `{v}`" for k, v in scored.about.get("settings", {}).items())
-    return [
-        f"Settings: {chosen}.", against(scored.rows, scored.peers), detection(hidden, talking)
-    ]  # fmt: skip
+    return [f"Settings: {chosen}.", against(scored.rows, scored.peers), detection(hidden, talking)]
 
 
 def docs_text(folder: Path = HERE) -> str:
@@ -92,9 +94,12 @@ def docs_text(folder: Path = HERE) -> str:
 
 def _tuning(path: Path) -> str:
     tuned = json.loads(path.read_text(encoding="utf-8"))
-    lines = [f"On {tuned['cases']} drawn cases of the development seeds {tuned['seeds']}, "
-             f"{tuned['tried']} settings.", "",
-             header("peer", "chosen setting", "F1", "named", "wrong on null cases")]  # fmt: skip
+    lines = [
+        f"On {tuned['cases']} drawn cases of the development seeds {tuned['seeds']}, "
+        f"{tuned['tried']} settings.",
+        "",
+        header("peer", "chosen setting", "F1", "named", "wrong on null cases"),
+    ]
     for name, row in tuned["chosen"].items():
         f1 = f"{row['f1']:.2f}" if row["f1"] is not None else "–"
         lines.append(f"| {name} | `{row['setting']}` | {f1} | {row['named']} | {row['nulls']} |")

@@ -10,10 +10,26 @@ from claims import Row
 
 HERE = Path(__file__).resolve().parent / "results"
 COLUMNS = (
-    "case", "kind", "noise", "coordinates", "rates", "verdict", "shares", "hits", "twins",
-    "structure", "wrong", "missed", "covered", "counted", "error", "seconds", "cpu", "fit",
+    "case",
+    "kind",
+    "noise",
+    "coordinates",
+    "rates",
+    "verdict",
+    "shares",
+    "hits",
+    "twins",
+    "structure",
+    "wrong",
+    "missed",
+    "covered",
+    "counted",
+    "error",
+    "seconds",
+    "cpu",
+    "fit",
     "failed",
-)  # fmt: skip
+)
 OF_PEER = ("hits", "twins", "structure", "wrong", "covered", "counted", "cpu", "fit")
 DIGITS = {"error": 4, "seconds": 3, "cpu": 3, "fit": 3}
 
@@ -50,10 +66,14 @@ def _line(row: Row, columns: Sequence[str]) -> list[Any]:
 def write(path: Path, scored: Scored) -> None:
     """Write scored cases: a head, then one line a case with the peers' lines at its end."""
     head = {
-        "seeds": scored.seeds, **scored.about, "discarded": scored.discarded,
-        "given_up": scored.given_up, "columns": COLUMNS, "columns_of_peers": OF_PEER,
+        "seeds": scored.seeds,
+        **scored.about,
+        "discarded": scored.discarded,
+        "given_up": scored.given_up,
+        "columns": COLUMNS,
+        "columns_of_peers": OF_PEER,
         "peers": list(scored.peers),
-    }  # fmt: skip
+    }
     lines = []
     for i, row in enumerate(scored.rows):
         others = [_line(rows[i], OF_PEER) for rows in scored.peers.values()]
@@ -74,10 +94,13 @@ def read(path: Path) -> Scored:
             peers[name].append(_of_peer(row, dict(zip(OF_PEER, part, strict=True))))
     known = {"seeds", "discarded", "given_up", "columns", "columns_of_peers", "peers", "cases"}
     return Scored(
-        whole["seeds"], tuple(rows), {name: tuple(own) for name, own in peers.items()},
-        whole["discarded"], whole["given_up"],
+        whole["seeds"],
+        tuple(rows),
+        {name: tuple(own) for name, own in peers.items()},
+        whole["discarded"],
+        whole["given_up"],
         {key: value for key, value in whole.items() if key not in known},
-    )  # fmt: skip
+    )
 
 
 def _row(said: dict[str, Any]) -> Row:
@@ -86,18 +109,36 @@ def _row(said: dict[str, Any]) -> Row:
     words = {key: tuple(said.pop(key)) for key in ("wrong", "missed")}
     flags = {key: bool(said.pop(key)) for key in ("rates", "structure")}
     return Row(
-        **said, **words, **flags, hits=hits, shares=shares, wanted=len(hits),
-        share=min(forces) if forces else None, place=sum(h > 0 for h in hits),
+        **said,
+        **words,
+        **flags,
+        hits=hits,
+        shares=shares,
+        wanted=len(hits),
+        share=min(forces) if forces else None,
+        place=sum(h > 0 for h in hits),
         name=sum(h == 2 for h in hits),
-    )  # fmt: skip
+    )
 
 
 def _of_peer(row: Row, said: dict[str, Any]) -> Row:
     hits = tuple(said["hits"])
     wrong = ("?",) * said["wrong"]
     return replace(
-        row, hits=hits, twins=said["twins"], structure=bool(said["structure"]), wrong=wrong,
-        covered=said["covered"], counted=said["counted"], cpu=said["cpu"], fit=said["fit"],
-        seconds=said["cpu"], error=None, failed="", missed=(), verdict="",
-        place=sum(h > 0 for h in hits), name=sum(h == 2 for h in hits),
-    )  # fmt: skip
+        row,
+        hits=hits,
+        twins=said["twins"],
+        structure=bool(said["structure"]),
+        wrong=wrong,
+        covered=said["covered"],
+        counted=said["counted"],
+        cpu=said["cpu"],
+        fit=said["fit"],
+        seconds=said["cpu"],
+        error=None,
+        failed="",
+        missed=(),
+        verdict="",
+        place=sum(h > 0 for h in hits),
+        name=sum(h == 2 for h in hits),
+    )

@@ -43,8 +43,10 @@ def commit() -> str:
         )
         changed = subprocess.run(
             [*git, "status", "--porcelain", "--", str(here)],
-            capture_output=True, text=True, check=True,
-        )  # fmt: skip
+            capture_output=True,
+            text=True,
+            check=True,
+        )
     except (OSError, subprocess.CalledProcessError):
         return "unknown"
     return name.stdout.strip() + "+" * bool(changed.stdout.strip())
@@ -94,8 +96,16 @@ def one(seed: int, build: Path, results: Path) -> str:
 
 def _apart(seed: int, options: argparse.Namespace) -> None:
     """One case in a process of its own, so that no crash takes the others along."""
-    command = [sys.executable, __file__, "--one", str(seed), "-o", str(options.output),
-               "--results", str(options.results)]  # fmt: skip
+    command = [
+        sys.executable,
+        __file__,
+        "--one",
+        str(seed),
+        "-o",
+        str(options.output),
+        "--results",
+        str(options.results),
+    ]
     environment = {**os.environ, "OMP_NUM_THREADS": "1"}
     try:
         done = subprocess.run(
@@ -137,9 +147,10 @@ def _most(count: int | None) -> float:
 def waiting(options: argparse.Namespace) -> list[int]:
     """The wanted seeds that have no result yet."""
     return [
-        seed for seed in wanted(options)
+        seed
+        for seed in wanted(options)
         if not (options.results / f"{folder_of(seed, options.output).name}.json").exists()
-    ]  # fmt: skip
+    ]
 
 
 def main() -> None:
@@ -150,8 +161,12 @@ def main() -> None:
     parser.add_argument("--kinds", default="", help="beginnings of kinds, with commas")
     parser.add_argument("--concealed", type=int, default=None, help="so many with something in it")
     parser.add_argument("--nulls", type=int, default=None, help="so many with nothing concealed")
-    parser.add_argument("--turns", default="1,1,1", help="share of the null cases that is run, of "
-                        "systems with one, two or three, and more coordinates")  # fmt: skip
+    parser.add_argument(
+        "--turns",
+        default="1,1,1",
+        help="share of the null cases that is run, of "
+        "systems with one, two or three, and more coordinates",
+    )
     parser.add_argument("--limit", type=int, default=0)
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--one", type=int, default=None, help=argparse.SUPPRESS)

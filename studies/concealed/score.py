@@ -49,9 +49,7 @@ def unseen_error(folder: Path, told: dict[str, Any], answer: dict[str, Any], kee
         keep.write_text(json.dumps({"window_s": verdict.window_s, "rmse": dict(scores)}) + "\n")
     oracle = json.loads(keep.read_text())["rmse"]
     found = told["scores"]["holdout"]["after"]["window_rmse"]
-    ratios = [
-        found[k] / oracle[k] for k in oracle if oracle[k] and found.get(k) is not None
-    ]  # fmt: skip
+    ratios = [found[k] / oracle[k] for k in oracle if oracle[k] and found.get(k) is not None]
     return float(np.sqrt(np.mean(np.square(ratios)))) if ratios else float("nan")
 
 

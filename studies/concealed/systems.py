@@ -117,48 +117,61 @@ def parts(*rows: tuple[Any, ...]) -> Array:
 
 
 OSCILLATOR = System(
-    "oscillator", ("x",),
+    "oscillator",
+    ("x",),
     lambda p, q: constant_mass(p, q, (p["m"],)),
     lambda p, q, v, u: parts((-p["k"] * q[0],), (-p["d"] * v[0],), (u[0],)),
     Drive((0.3, 5.0), 8.0),
-)  # fmt: skip
+)
 
 DUFFING = System(
-    "duffing", ("x",),
+    "duffing",
+    ("x",),
     lambda p, q: constant_mass(p, q, (p["m"],)),
     lambda p, q, v, u: parts((-(p["k"] + p["c"] * q[0] ** 2) * q[0],), (-p["d"] * v[0],), (u[0],)),
     Drive((0.3, 4.0), 9.0),
-)  # fmt: skip
+)
 
 VOLTS = System(
-    "volts", ("y",),
+    "volts",
+    ("y",),
     lambda p, q: constant_mass(p, q, (p["m"],)),
     lambda p, q, v, u: parts((-p["k"] * q[0],), (-p["d"] * v[0],), (u[0],)),
-    Drive((4.0, 45.0), 0.25), rate=2000.0, duration=1.5,
-)  # fmt: skip
+    Drive((4.0, 45.0), 0.25),
+    rate=2000.0,
+    duration=1.5,
+)
 
 PENDULUM = System(
-    "pendulum", ("phi",),
+    "pendulum",
+    ("phi",),
     lambda p, q: constant_mass(p, q, (p["m"] * p["l"] ** 2 + p["J"],)),
     lambda p, q, v, u: parts(
         (-p["m"] * p["g"] * p["l"] * np.sin(q[0]),), (-p["d"] * v[0],), (u[0],)
     ),
-    Drive((0.2, 2.5), 0.25), inputs=("torque",), start=(0.3,), duration=20.0,
-)  # fmt: skip
+    Drive((0.2, 2.5), 0.25),
+    inputs=("torque",),
+    start=(0.3,),
+    duration=20.0,
+)
 
 SLED = System(  # a free mass under a controller, the recorded force is what the controller asks for
-    "sled", ("x",),
+    "sled",
+    ("x",),
     lambda p, q: constant_mass(p, q, (p["m"],)),
     lambda p, q, v, u: parts((u[0],)),
     Drive((0.1, 1.5), 0.08, stiffness=6000.0, damping=900.0),
-)  # fmt: skip
+)
 
 RIG = System(  # the rig imposes x; forces are what the model knows, the cell reads the rest
-    "rig", ("x",),
+    "rig",
+    ("x",),
     lambda p, q: constant_mass(p, q, (p["m"],)),
     lambda p, q, v, u: parts((-p["k"] * q[0],), (-p["d"] * v[0],)),
-    Drive((0.2, 3.0), 0.02), inputs=(), imposed=True,
-)  # fmt: skip
+    Drive((0.2, 3.0), 0.02),
+    inputs=(),
+    imposed=True,
+)
 
 
 def _cart_mass(p: Values, q: Array) -> Array:
@@ -188,9 +201,15 @@ def _cart_forces(p: Values, q: Array, v: Array, u: Array) -> Array:
 
 
 CARTPOLE = System(
-    "cartpole", ("s", "phi"), _cart_mass, _cart_forces, Drive((0.2, 2.5), 1.0),
-    between={"post-tip": _band}, start=(0.0, 0.3), duration=18.0,
-)  # fmt: skip
+    "cartpole",
+    ("s", "phi"),
+    _cart_mass,
+    _cart_forces,
+    Drive((0.2, 2.5), 1.0),
+    between={"post-tip": _band},
+    start=(0.0, 0.3),
+    duration=18.0,
+)
 
 
 def _arm_mass(p: Values, q: Array) -> Array:
@@ -215,9 +234,14 @@ def _arm_forces(p: Values, q: Array, v: Array, u: Array) -> Array:
 
 
 DOUBLE_PENDULUM = System(
-    "double_pendulum", ("a", "b"), _arm_mass, _arm_forces, Drive((0.3, 3.0), 0.2),
-    inputs=("shoulder", "elbow"), start=(0.2, -0.1),
-)  # fmt: skip
+    "double_pendulum",
+    ("a", "b"),
+    _arm_mass,
+    _arm_forces,
+    Drive((0.3, 3.0), 0.2),
+    inputs=("shoulder", "elbow"),
+    start=(0.2, -0.1),
+)
 
 
 def _drive_mass(p: Values, q: Array) -> Array:
@@ -229,9 +253,13 @@ def _drive_forces(p: Values, q: Array, v: Array, u: Array) -> Array:
 
 
 TWO_INERTIAS = System(
-    "two_inertias", ("theta", "twist"), _drive_mass, _drive_forces,
-    Drive((0.2, 4.0), 0.9, stiffness=5.0, damping=0.35), inputs=("torque",),
-)  # fmt: skip
+    "two_inertias",
+    ("theta", "twist"),
+    _drive_mass,
+    _drive_forces,
+    Drive((0.2, 4.0), 0.9, stiffness=5.0, damping=0.35),
+    inputs=("torque",),
+)
 
 
 def _springs_of_table(p: Values, q: Array) -> list[tuple[Array, Array]]:
@@ -249,16 +277,23 @@ def _table_forces(p: Values, q: Array, v: Array, u: Array) -> Array:
     (s_1, n_1), (s_2, n_2) = _springs_of_table(p, q)
     left, right = -p["k"] * s_1 * n_1, -p["k"] * s_2 * n_2
     return parts(
-        (u[0], 0.0), (0.0, u[1]), (left[0], left[1]), (right[0], right[1]),
+        (u[0], 0.0),
+        (0.0, u[1]),
+        (left[0], left[1]),
+        (right[0], right[1]),
         (-p["d"] * v[0], -p["d"] * v[1]),
-    )  # fmt: skip
+    )
 
 
 TABLE = System(
-    "table", ("x", "y"),
+    "table",
+    ("x", "y"),
     lambda p, q: constant_mass(p, q, (p["m"], 0.0), (0.0, p["m"])),
-    _table_forces, Drive((0.3, 4.0), 2.5), inputs=("f_x", "f_y"),
+    _table_forces,
+    Drive((0.3, 4.0), 2.5),
+    inputs=("f_x", "f_y"),
     between={
-        "left-puck": lambda p, q: _post(p, q, -1.0), "right-puck": lambda p, q: _post(p, q, 1.0)
+        "left-puck": lambda p, q: _post(p, q, -1.0),
+        "right-puck": lambda p, q: _post(p, q, 1.0),
     },
-)  # fmt: skip
+)

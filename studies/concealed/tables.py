@@ -33,9 +33,19 @@ def seconds(value: float) -> str:
 def table(rows: Sequence[Row], title: str, key: Key) -> str:
     """One line for every value of ``key``; a value that is a pair sorts by its first part."""
     lines = [
-        header(title, "cases", "place", "name", "complete", "wrong claims", "refused", "±2 sd",
-               "unseen error", "time s"),
-    ]  # fmt: skip
+        header(
+            title,
+            "cases",
+            "place",
+            "name",
+            "complete",
+            "wrong claims",
+            "refused",
+            "±2 sd",
+            "unseen error",
+            "time s",
+        ),
+    ]
     for value in sorted({key(row) for row in rows}):
         words = value[1] if isinstance(value, tuple) else value
         lines.append(f"| {words} | " + _line([row for row in rows if key(row) == value]))
@@ -99,9 +109,11 @@ def detection(rows: Sequence[Row], peers: Mapping[str, Sequence[Row]]) -> str:
         counts = []
         for own in (rows, *peers.values()):
             hits = [
-                hit for row in own for share, hit in zip(row.shares, row.hits, strict=True)
+                hit
+                for row in own
+                for share, hit in zip(row.shares, row.hits, strict=True)
                 if share is not None and low <= share < high
-            ]  # fmt: skip
+            ]
             counts.append(hits)
         ours, whole = counts[0], len(counts[0])
         if whole:
@@ -139,9 +151,19 @@ def against(rows: Sequence[Row], peers: Mapping[str, Sequence[Row]]) -> str:
     """Everybody on the same cases, then who names which kind and at which noise."""
     everybody = {"symhyb": rows, **peers}
     lines = [
-        header("", "place", "name", "complete", "wrong claims", "misses refused", "±2 sd",
-               "wrong on null cases", "unseen force error", "time s"),
-    ]  # fmt: skip
+        header(
+            "",
+            "place",
+            "name",
+            "complete",
+            "wrong claims",
+            "misses refused",
+            "±2 sd",
+            "wrong on null cases",
+            "unseen force error",
+            "time s",
+        ),
+    ]
     for name, own in everybody.items():
         lines.append(f"| {name} | " + _everything(own, words=name not in WORDLESS))
     talking = {k: own for k, own in everybody.items() if k not in WORDLESS}
@@ -174,7 +196,7 @@ def _everything(rows: Sequence[Row], words: bool) -> str:
         percent(sum(not row.wrong for row in missed), len(missed)),
         percent(sum(row.covered for row in hidden), counted),
         f"{wrong} of {len(nulls)}",
-    ]  # fmt: skip
+    ]
     fit = f"{np.median(fits):.2f}" if fits else "–"
     time = seconds(median_time(rows)[0]) if rows else "–"
     return " | ".join([*(told if words else ["–"] * len(told)), fit, time]) + " |"

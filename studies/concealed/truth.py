@@ -7,12 +7,25 @@ from hidden import Hidden
 from laws import Effect
 
 DIMENSIONS = {  # powers of force, stretch and time
-    "stiffness": (1, -1, 0), "quadratic": (1, -2, 0), "cubic": (1, -3, 0), "damping": (1, -1, 1),
-    "micro_damping": (1, -1, 1), "asymmetry": (0, 0, 0), "drag": (1, -2, 2), "coulomb": (1, 0, 0),
-    "static": (1, 0, 0), "stribeck": (0, 1, -1), "clearance": (0, 1, 0), "beta": (0, -1, 0),
-    "gamma": (0, -1, 0), "constant": (1, 0, 0), "amplitude": (1, 0, 0), "frequency": (0, 0, -1),
-    "phase": (0, 0, 0), "period": (0, 1, 0),
-}  # fmt: skip
+    "stiffness": (1, -1, 0),
+    "quadratic": (1, -2, 0),
+    "cubic": (1, -3, 0),
+    "damping": (1, -1, 1),
+    "micro_damping": (1, -1, 1),
+    "asymmetry": (0, 0, 0),
+    "drag": (1, -2, 2),
+    "coulomb": (1, 0, 0),
+    "static": (1, 0, 0),
+    "stribeck": (0, 1, -1),
+    "clearance": (0, 1, 0),
+    "beta": (0, -1, 0),
+    "gamma": (0, -1, 0),
+    "constant": (1, 0, 0),
+    "amplitude": (1, 0, 0),
+    "frequency": (0, 0, -1),
+    "phase": (0, 0, 0),
+    "period": (0, 1, 0),
+}
 
 
 def truth_text(text: str, hidden: Hidden) -> str:
@@ -70,6 +83,9 @@ def _unit(effect: Effect, key: str, stretch: str) -> str:
         return {"m": "kg", "rad": "kg*m^2", "V": "s^2"}[stretch]
     force, length, time = DIMENSIONS[key]
     own = {"m": "N", "rad": "N*m", "V": "V"}[stretch]
-    factors = [f"({unit})^{power}" for unit, power in ((own, force), (stretch, length), ("s", time))
-               if power]  # fmt: skip
+    factors = [
+        f"({unit})^{power}"
+        for unit, power in ((own, force), (stretch, length), ("s", time))
+        if power
+    ]
     return "*".join(factors) or "1"

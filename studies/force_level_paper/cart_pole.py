@@ -35,9 +35,18 @@ COULOMB, DRAG = 0.4, 0.03  # N, N m s²
 DRIVE = Drive(4.0, 0.7)
 UNSEEN = Drive(6.0, 0.5)
 LIBRARY = (
-    "x", "x'", "phi'", "abs(x')*x'", "abs(phi')*phi'", "tanh(x'/0.001)", "sin(phi)",
-    "cos(phi)*phi'", "cos(phi)*x'", "cos(phi)*abs(phi')*phi'", "cos(phi)*tanh(x'/0.001)",
-)  # fmt: skip
+    "x",
+    "x'",
+    "phi'",
+    "abs(x')*x'",
+    "abs(phi')*phi'",
+    "tanh(x'/0.001)",
+    "sin(phi)",
+    "cos(phi)*phi'",
+    "cos(phi)*x'",
+    "cos(phi)*abs(phi')*phi'",
+    "cos(phi)*tanh(x'/0.001)",
+)
 
 TEXT = """symhyb = 1
 title = "Pole on a driven cart"
@@ -102,14 +111,23 @@ def model_of(drive: Drive, data: Data) -> sh.Model:
     """The model file, without friction and drag."""
     names, units = ("x", "phi"), ("m", "rad")
     lines = [
-        f"{name}{order} = {{ measures = \"{name}{chr(39) * order}\", "
+        f'{name}{order} = {{ measures = "{name}{chr(39) * order}", '
         f'unit = "{unit}{("", "/s", "/s^2")[order]}", sd = {float(data.sd[order, i])!r} }}'
-        for i, (name, unit) in enumerate(zip(names, units, strict=True)) for order in range(3)
-    ]  # fmt: skip
-    return parse_model(TEXT.format(
-        m=M, mp=MP, l=L, j=J, k=K, amplitude=drive.amplitude, frequency=drive.frequency,
-        sensors="\n".join(lines),
-    ))  # fmt: skip
+        for i, (name, unit) in enumerate(zip(names, units, strict=True))
+        for order in range(3)
+    ]
+    return parse_model(
+        TEXT.format(
+            m=M,
+            mp=MP,
+            l=L,
+            j=J,
+            k=K,
+            amplitude=drive.amplitude,
+            frequency=drive.frequency,
+            sensors="\n".join(lines),
+        )
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,28 +143,40 @@ class ExudynCartPole:
         kept, drive = hosts.Kept(law, 2, h), self.drive
         system = exu.SystemContainer()
         mbs = system.AddSystem()
-        node = mbs.AddNode(items.NodeGenericODE2(
-            referenceCoordinates=[0, 0], initialCoordinates=START.tolist(),
-            initialCoordinates_t=[0, 0], numberOfODE2Coordinates=2,
-        ))  # fmt: skip
+        node = mbs.AddNode(
+            items.NodeGenericODE2(
+                referenceCoordinates=[0, 0],
+                initialCoordinates=START.tolist(),
+                initialCoordinates_t=[0, 0],
+                numberOfODE2Coordinates=2,
+            )
+        )
 
         def forces(mbs: Any, t: float, number: int, q: Any, v: Any) -> list[float]:
             added = kept.now(t, q, v)
             return [drive(t) + added[0], added[1]]
 
         eye, zero = np.eye(3), [0.0, 0.0, 0.0]
-        mbs.AddObject(items.ObjectKinematicTree(
-            nodeNumber=node, gravity=[0, -truth.G, 0],
-            jointTypes=[exu.JointType.PrismaticX, exu.JointType.RevoluteZ], linkParents=[-1, 0],
-            jointTransformations=exu.Matrix3DList([eye, eye]),
-            linkInertiasCOM=exu.Matrix3DList([eye, J * eye]),
-            linkCOMs=exu.Vector3DList([zero, [0.0, -L, 0.0]]),
-            jointOffsets=exu.Vector3DList([zero, zero]), linkForces=exu.Vector3DList([zero] * 2),
-            linkTorques=exu.Vector3DList([zero] * 2), linkMasses=[M, MP],
-            jointPControlVector=[K, 0.0], jointDControlVector=[0.0, 0.0],
-            jointPositionOffsetVector=[0.0, 0.0], jointVelocityOffsetVector=[0.0, 0.0],
-            forceUserFunction=forces,
-        ))  # fmt: skip
+        mbs.AddObject(
+            items.ObjectKinematicTree(
+                nodeNumber=node,
+                gravity=[0, -truth.G, 0],
+                jointTypes=[exu.JointType.PrismaticX, exu.JointType.RevoluteZ],
+                linkParents=[-1, 0],
+                jointTransformations=exu.Matrix3DList([eye, eye]),
+                linkInertiasCOM=exu.Matrix3DList([eye, J * eye]),
+                linkCOMs=exu.Vector3DList([zero, [0.0, -L, 0.0]]),
+                jointOffsets=exu.Vector3DList([zero, zero]),
+                linkForces=exu.Vector3DList([zero] * 2),
+                linkTorques=exu.Vector3DList([zero] * 2),
+                linkMasses=[M, MP],
+                jointPControlVector=[K, 0.0],
+                jointDControlVector=[0.0, 0.0],
+                jointPositionOffsetVector=[0.0, 0.0],
+                jointVelocityOffsetVector=[0.0, 0.0],
+                forceUserFunction=forces,
+            )
+        )
         mbs.Assemble()
 
         def state() -> tuple[Array, Array]:
@@ -189,9 +219,10 @@ def one(seed: int, steps: tuple[float, ...] = STEPS) -> dict[str, Any]:
     }
     rates = {
         "default": learn.default_networks(machine, course, "rates", seed),
-        "sparse": sparse_law(machine, course, lacking(machine, course, "rates"), LIBRARY,
-                             learn.THRESHOLD),
-    }  # fmt: skip
+        "sparse": sparse_law(
+            machine, course, lacking(machine, course, "rates"), LIBRARY, learn.THRESHOLD
+        ),
+    }
     told: dict[str, Any] = {"seed": seed, "said": diagnosis.sentence, "simulated": {}, "hosts": {}}
     for name, drive in (("as recorded", DRIVE), ("unseen", UNSEEN)):
         here, scenario = model_of(drive, data), scenario_of()
@@ -201,21 +232,29 @@ def one(seed: int, steps: tuple[float, ...] = STEPS) -> dict[str, Any]:
         for row, own in elements.items():
             corrected = append_elements(here, list(own)) if own else here
             force = simulate_corrected(sh.build(corrected), scenario)
-            rate = simulate_corrected(machine if name == "as recorded" else sh.build(here),
-                                      scenario, Correction("rates", (rates[row],)))  # fmt: skip
+            rate = simulate_corrected(
+                machine if name == "as recorded" else sh.build(here),
+                scenario,
+                Correction("rates", (rates[row],)),
+            )
             told["simulated"][name][row] = {
-                "force": error(force.q, force.v, exact), "rates": error(rate.q, rate.v, exact)
-            }  # fmt: skip
+                "force": error(force.q, force.v, exact),
+                "rates": error(rate.q, rate.v, exact),
+            }
             if name == "as recorded" and own:
-                told["hosts"][row] = in_hosts(corrected, tuple(e.name for e in own), exact,
-                                              (force.q, force.v), steps)  # fmt: skip
+                told["hosts"][row] = in_hosts(
+                    corrected, tuple(e.name for e in own), exact, (force.q, force.v), steps
+                )
     return told
 
 
 def in_hosts(
-    model: sh.Model, names: tuple[str, ...], exact: truth.Run, cvodes: tuple[Array, Array],
+    model: sh.Model,
+    names: tuple[str, ...],
+    exact: truth.Run,
+    cvodes: tuple[Array, Array],
     steps: tuple[float, ...],
-) -> dict[str, Any]:  # fmt: skip
+) -> dict[str, Any]:
     """Errors and coupling errors by host, coupling and step."""
     table: dict[str, Any] = {}
     with tempfile.TemporaryDirectory() as folder:

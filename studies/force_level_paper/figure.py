@@ -31,8 +31,11 @@ HERE = Path(__file__).resolve().parent
 SHOWN = 10.0  # s
 COLOURS = {"default": "#c9722b", "sparse": "#1b5e8c", "chosen": "#8d5fa8", "alone": "#b9c0c7"}
 INK = "#1f2933"
-NAMES = {"default": "default network", "sparse": "sparse (drag and friction)",
-         "chosen": "chosen network"}  # fmt: skip
+NAMES = {
+    "default": "default network",
+    "sparse": "sparse (drag and friction)",
+    "chosen": "chosen network",
+}
 
 
 def discrepancy(axes: Any, it: truth.Oscillator, data: truth.Data, learned: Any) -> None:
@@ -43,8 +46,10 @@ def discrepancy(axes: Any, it: truth.Oscillator, data: truth.Data, learned: Any)
     order = np.argsort(data.v[:, 0])
     for ax, form, unit in zip(axes, ("rates", "force"), ("Δq'', m/s²", "ΔF, N"), strict=True):
         wanted = lacking(machine, course, form)[:, -1]
-        for rows, colour, name in ((data.train, "#9aa5b1", "measured, trained on"),
-                                   (~data.train, "#d5a6bd", "measured, kept back")):  # fmt: skip
+        for rows, colour, name in (
+            (data.train, "#9aa5b1", "measured, trained on"),
+            (~data.train, "#d5a6bd", "measured, kept back"),
+        ):
             ax.plot(data.v[rows, 0], wanted[rows], ".", ms=2, color=colour, label=name)
         for row in ("default", "sparse"):
             if form == "rates":
@@ -96,10 +101,12 @@ def simulated(axes: Any, it: truth.Oscillator, data: truth.Data, learned: Any) -
         off.set_ylabel(f"|error| of {unit}")
         off.set_xlabel("t, s")
         off.axhline(run_noise(data, i), color="#9aa5b1", lw=0.8, ls=":")
-    axes[0][0].legend(frameon=False, fontsize=7.5, ncols=2, loc="lower left",
-                      bbox_to_anchor=(0, 1.0))  # fmt: skip
-    axes[1][0].legend(frameon=False, fontsize=7.5, ncols=2, loc="lower left",
-                      bbox_to_anchor=(0, 1.0))  # fmt: skip
+    axes[0][0].legend(
+        frameon=False, fontsize=7.5, ncols=2, loc="lower left", bbox_to_anchor=(0, 1.0)
+    )
+    axes[1][0].legend(
+        frameon=False, fontsize=7.5, ncols=2, loc="lower left", bbox_to_anchor=(0, 1.0)
+    )
 
 
 def run_noise(data: truth.Data, i: int) -> float:

@@ -69,9 +69,11 @@ def law_of(spec: Spec, path: Path, coupling: str) -> Iterator[Law]:
     description = read_model_description(str(path))
     with tempfile.TemporaryDirectory() as folder:
         made = (FMU2Model if coupling == "me" else FMU2Slave)(
-            guid=description.guid, unzipDirectory=extract(str(path), folder),
-            modelIdentifier=description.modelName, instanceName="law",
-        )  # fmt: skip
+            guid=description.guid,
+            unzipDirectory=extract(str(path), folder),
+            modelIdentifier=description.modelName,
+            instanceName="law",
+        )
         made.instantiate()
         made.setupExperiment(startTime=0.0)
         made.enterInitializationMode()
@@ -163,8 +165,11 @@ class ExudynOscillator:
         system = exu.SystemContainer()
         mbs = system.AddSystem()
         ground = mbs.AddNode(items.NodePointGround())
-        node = mbs.AddNode(items.Node1D(referenceCoordinates=[0], initialCoordinates=[self.it.q0],
-                                       initialVelocities=[0]))  # fmt: skip
+        node = mbs.AddNode(
+            items.Node1D(
+                referenceCoordinates=[0], initialCoordinates=[self.it.q0], initialVelocities=[0]
+            )
+        )
         mbs.AddObject(items.ObjectMass1D(mass=self.it.m, nodeNumber=node))
         wall, mass = (
             mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=n, coordinate=0))

@@ -80,10 +80,15 @@ def model_of(it: Oscillator, drive: Drive, data: Data, only_place: bool = False)
         kind = 'kind = "harmonic"\namplitude = "F"\nfrequency = "f"'
     return parse_model(
         TEXT.format(
-            q0=it.q0, m=it.m, c=it.c, amplitude=drive.amplitude, frequency=frequency, drive=kind,
+            q0=it.q0,
+            m=it.m,
+            c=it.c,
+            amplitude=drive.amplitude,
+            frequency=frequency,
+            drive=kind,
             sensors="\n".join(lines[:1] if only_place else lines),
         )
-    )  # fmt: skip
+    )
 
 
 def recording_of(data: Data, only_place: bool = False) -> sh.Recording:
@@ -91,8 +96,9 @@ def recording_of(data: Data, only_place: bool = False) -> sh.Recording:
     columns = {"place": data.q, "tacho": data.v, "pull": data.a}
     sensors = {
         name: column[data.train, 0]
-        for name, column in columns.items() if name == "place" or not only_place
-    }  # fmt: skip
+        for name, column in columns.items()
+        if name == "place" or not only_place
+    }
     return sh.Recording("recording", data.t[data.train], {}, sensors, (), "")
 
 
@@ -148,9 +154,11 @@ def learn_model(
     rates = _of_rates(machine, course, seed)
     regression = sparse_law(machine, course, lacking(machine, course, "force"), LIBRARY, THRESHOLD)
     said = {
-        "default": "", "chosen": "" if chosen is None else chosen.sentence,
-        "sparse": diagnosis.sentence, "combined": "" if rest is None else rest.sentence,
-    }  # fmt: skip
+        "default": "",
+        "chosen": "" if chosen is None else chosen.sentence,
+        "sparse": diagnosis.sentence,
+        "combined": "" if rest is None else rest.sentence,
+    }
     learned = {name: Learned(forces[name], rates[name], said[name]) for name in ROWS}
     plain = Correction("force", (regression,))
     return {**learned, REGRESSION: Learned((), plain, said_of(regression))}
@@ -192,9 +200,15 @@ def default_networks(
 
 def _default(seen: Array, wanted: Array, seed: int) -> Weights:
     mlp = MLPRegressor(
-        hidden_layer_sizes=(10,), activation="relu", solver="lbfgs", alpha=0.0, max_iter=1000,
-        tol=1e-6, max_fun=50_000, random_state=seed,
-    )  # fmt: skip
+        hidden_layer_sizes=(10,),
+        activation="relu",
+        solver="lbfgs",
+        alpha=0.0,
+        max_iter=1000,
+        tol=1e-6,
+        max_fun=50_000,
+        random_state=seed,
+    )
     with warnings.catch_warnings(), threadpool_limits(1):
         warnings.simplefilter("ignore", ConvergenceWarning)  # the default has its limit, too
         mlp.fit(seen, wanted)

@@ -43,11 +43,21 @@ def one(seed: int, steps: tuple[float, ...] = STEPS, excitations: int = 99) -> d
     place = dict(learn.learn(it, data, seed, only_place=True))
     tried = list(truth.drives(it.drive).items())[:excitations]
     return {
-        "seed": seed, "discarded": drawn.discarded,
-        "machine": {"m": it.m, "c": it.c, "d": it.d, "mu": it.mu, "q0": it.q0,
-                    "coulomb": it.coulomb, "F": it.drive.amplitude, "f": it.drive.frequency},
+        "seed": seed,
+        "discarded": drawn.discarded,
+        "machine": {
+            "m": it.m,
+            "c": it.c,
+            "d": it.d,
+            "mu": it.mu,
+            "q0": it.q0,
+            "coulomb": it.coulomb,
+            "F": it.drive.amplitude,
+            "f": it.drive.frequency,
+        },
         "noise": data.sd[:, 0].tolist(),
-        "learned": said(full), "learned from place": said(place),
+        "learned": said(full),
+        "learned from place": said(place),
         "nrmse": discrepancies(it, data, full),
         "simulated": {name: simulated(it, drive, data, full) for name, drive in tried},
         "simulated from place": {
@@ -55,16 +65,20 @@ def one(seed: int, steps: tuple[float, ...] = STEPS, excitations: int = 99) -> d
         },
         "hosts": in_hosts(it, data, full, steps),
         "seconds": time.time() - began,
-    }  # fmt: skip
+    }
 
 
 def said(learned: Learned) -> dict[str, Any]:
     """Laws by row: kinds and values of the elements, and the sentence."""
     return {
-        row: {"elements": {e.name: [e.kind, {p.name: p.value for p in e.parameters}]
-                           for e in found.elements}, "said": found.said}
+        row: {
+            "elements": {
+                e.name: [e.kind, {p.name: p.value for p in e.parameters}] for e in found.elements
+            },
+            "said": found.said,
+        }
         for row, found in learned.items()
-    }  # fmt: skip
+    }
 
 
 def discrepancies(it: Oscillator, data: Data, learned: Learned) -> dict[str, Any]:
@@ -81,15 +95,18 @@ def discrepancies(it: Oscillator, data: Data, learned: Learned) -> dict[str, Any
     table = {"noise": {"force": both(it.missing(data.exact[1])[:, 0], force[:, 0])}}
     for row, found in learned.items():
         corrected = sh.build(found.on(model))
-        left = lacking(corrected, measured_course(
-            corrected, data.t, (data.q, data.v, data.a), no), "force")  # fmt: skip
+        left = lacking(
+            corrected, measured_course(corrected, data.t, (data.q, data.v, data.a), no), "force"
+        )
         laws = [values_along(machine, course, law) for law in found.correction.laws]
         total = np.sum(laws, axis=0)[:, -1]
         if row == learn.REGRESSION:
             table[row] = {"force": both(total, force[:, 0])}
         else:
-            table[row] = {"force": both((force - left)[:, 0], force[:, 0]),
-                          "rates": both(total, rates[:, 1])}  # fmt: skip
+            table[row] = {
+                "force": both((force - left)[:, 0], force[:, 0]),
+                "rates": both(total, rates[:, 1]),
+            }
     return table
 
 
@@ -145,8 +162,10 @@ def simulated(
         if force is None:
             corrected = sh.build(found.on(model))
             force = same[names] = simulate_corrected(corrected, scenario) if names else alone
-        table[row] = {"force": error(force.q, force.v, exact),
-                      "lag": lags(it, (force.q, force.v), exact)}  # fmt: skip
+        table[row] = {
+            "force": error(force.q, force.v, exact),
+            "lag": lags(it, (force.q, force.v), exact),
+        }
         if row == "sparse" or not few:
             rates = simulate_corrected(machine, scenario, found.correction)
             table[row]["rates"] = error(rates.q, rates.v, exact)
@@ -170,25 +189,36 @@ def in_hosts(
             with tempfile.TemporaryDirectory() as folder:
                 spec, path = hosts.written(corrected, names, Path(folder))
                 known[names] = {
-                    host: {coupling: _by_step(it, host, coupling, (spec, path), steps, exact,
-                                              (cvodes.q, cvodes.v))
-                           for coupling in hosts.COUPLINGS}
+                    host: {
+                        coupling: _by_step(
+                            it, host, coupling, (spec, path), steps, exact, (cvodes.q, cvodes.v)
+                        )
+                        for coupling in hosts.COUPLINGS
+                    }
                     for host in hosts.HOSTS
-                }  # fmt: skip
+                }
         table[row] = known.get(names, {})
     return table
 
 
 def _by_step(
-    it: Oscillator, host: str, coupling: str, made: tuple[Any, Path], steps: tuple[float, ...],
-    exact: Run, cvodes: tuple[Array, Array],
-) -> dict[str, Any]:  # fmt: skip
+    it: Oscillator,
+    host: str,
+    coupling: str,
+    made: tuple[Any, Path],
+    steps: tuple[float, ...],
+    exact: Run,
+    cvodes: tuple[Array, Array],
+) -> dict[str, Any]:
     table, t = {}, truth.times(SIMULATED)
     for h in steps:
         with hosts.law_of(*made, coupling) as law:
             q, v = hosts.oscillator_in(host, it, it.drive).run(law, t, h)
-        table[f"{h:g}"] = {"error": error(q, v, exact), "coupling": error(q, v, cvodes),
-                           "lag": lags(it, (q, v), exact)}  # fmt: skip
+        table[f"{h:g}"] = {
+            "error": error(q, v, exact),
+            "coupling": error(q, v, cvodes),
+            "lag": lags(it, (q, v), exact),
+        }
     return table
 
 

@@ -16,10 +16,13 @@ README = HERE / "README.md"
 BEGIN, END = "<!-- results: tables.py writes them -->", "<!-- end of the results -->"
 ROWS = ("default", "chosen", "sparse", "combined")
 WORDS = {
-    "default": "default network", "chosen": "chosen network", "sparse": "sparse",
-    "combined": "sparse and network", "regression": "regression (STLSQ)",
+    "default": "default network",
+    "chosen": "chosen network",
+    "sparse": "sparse",
+    "combined": "sparse and network",
+    "regression": "regression (STLSQ)",
     "alone": "no correction",
-}  # fmt: skip
+}
 COMPARED = (("alone", "force"), *((row, "force") for row in ROWS), ("sparse", "rates"))
 FEW = tuple(pair for pair in COMPARED if pair[0] not in ("chosen", "combined"))
 KNOWN = "as recorded"
@@ -91,9 +94,16 @@ def about(sets: Sets) -> str:
     ranges = ", ".join(
         f"{key} {min(it[key] for it in machine):.3g} to "
         f"{max(it[key] for it in machine):.3g} {unit}".strip()
-        for key, unit in (("m", "kg"), ("c", "N/m³"), ("d", "N·s²/m²"), ("mu", ""), ("F", "N"),
-                          ("f", "Hz"), ("q0", "m"))
-    )  # fmt: skip
+        for key, unit in (
+            ("m", "kg"),
+            ("c", "N/m³"),
+            ("d", "N·s²/m²"),
+            ("mu", ""),
+            ("F", "N"),
+            ("f", "Hz"),
+            ("q0", "m"),
+        )
+    )
     return (
         f"{len(sets)} parameter sets, seeds {min(seeds)} to {max(seeds)}; {ranges}; "
         f"{sum(one['discarded'] for one in sets)} draws were discarded because a perturbation of "
@@ -117,16 +127,19 @@ def paper_table(sets: Sets) -> str:
                 if row not in ROWS:
                     cells.append("–")
                     continue
-                cells.append(spread(hosted(one, row, host, "me", "0.001", "error")[i]
-                                    for one in sets))  # fmt: skip
+                cells.append(
+                    spread(hosted(one, row, host, "me", "0.001", "error")[i] for one in sets)
+                )
             lines.append(cells)
     quoted = "; ".join(f"{what} {said}" for what, said in PAPER)
     return (
-        table(("correction", "continuous, CVODES", "force, CVODES", "force, Exudyn",
-               "force, MuJoCo"), lines)
+        table(
+            ("correction", "continuous, CVODES", "force, CVODES", "force, Exudyn", "force, MuJoCo"),
+            lines,
+        )
         + f"\n\nThe three columns of the paper's table: {quoted} (default network; its parameters "
         "are not printed, so that nothing but the size can be compared)."
-    )  # fmt: skip
+    )
 
 
 def hosted(
@@ -168,24 +181,41 @@ def separated(sets: Sets) -> str:
         for coupling, h in (("casadi", "0.001"), ("me", "0.001"), ("cs", "0.001"), ("cs", "0.01")):
             found = [
                 100 * share(one, hosted(one, row, host, coupling, h, "coupling")[0])
-                for one in sets for host in ("Exudyn", "MuJoCo")
-            ]  # fmt: skip
+                for one in sets
+                for host in ("Exudyn", "MuJoCo")
+            ]
             cells.append(f"{shown(middle(found))} (≤ {shown(max(found))})")
         lines.append(cells)
-    return table(("correction", "learning error", "CasADi, 1 ms", "model exchange, 1 ms",
-                  "co-simulation, 1 ms", "co-simulation, 10 ms"), lines)  # fmt: skip
+    return table(
+        (
+            "correction",
+            "learning error",
+            "CasADi, 1 ms",
+            "model exchange, 1 ms",
+            "co-simulation, 1 ms",
+            "co-simulation, 10 ms",
+        ),
+        lines,
+    )
 
 
 def by_host(sets: Sets) -> str:
     """Coupling errors host by host, over all corrections."""
     lines = []
-    for coupling, name in (("casadi", "CasADi function"), ("me", "FMU, model exchange"),
-                           ("cs", "FMU, co-simulation")):  # fmt: skip
+    for coupling, name in (
+        ("casadi", "CasADi function"),
+        ("me", "FMU, model exchange"),
+        ("cs", "FMU, co-simulation"),
+    ):
         for h in ("0.01", "0.001"):
             cells = [name, f"{1000 * float(h):g} ms"]
             for host in ("Exudyn", "MuJoCo"):
-                found = [100 * share(one, hosted(one, row, host, coupling, h, "coupling")[0])
-                         for one in sets for row in ROWS if one["hosts"][row]]  # fmt: skip
+                found = [
+                    100 * share(one, hosted(one, row, host, coupling, h, "coupling")[0])
+                    for one in sets
+                    for row in ROWS
+                    if one["hosts"][row]
+                ]
                 cells.append(f"{shown(middle(found))} % (≤ {shown(max(found))} %)")
             lines.append(cells)
     return table(("coupling", "step", "Exudyn", "MuJoCo"), lines)
@@ -197,14 +227,19 @@ def excitations(sets: Sets, key: str = "simulated") -> str:
     for name in sets[0][key]:
         cells = [name]
         for row, level in columns:
-            cells.append(spread(
-                None if (error := one[key][name][row][level][0]) is None
-                else error / one["noise"][0] for one in sets
-            ))  # fmt: skip
+            cells.append(
+                spread(
+                    None
+                    if (error := one[key][name][row][level][0]) is None
+                    else error / one["noise"][0]
+                    for one in sets
+                )
+            )
         cells.append(shown(middle(ratio(one, name, key) for one in sets)))
         lines.append(cells)
-    names = [WORDS[row] if level == "force" else "sparse, of rates (STLSQ)"
-             for row, level in columns]  # fmt: skip
+    names = [
+        WORDS[row] if level == "force" else "sparse, of rates (STLSQ)" for row, level in columns
+    ]
     return table(("excitation", *names, "default / sparse"), lines)
 
 
@@ -254,21 +289,49 @@ def bars(sets: Sets) -> str:
     fine = [share_of_noise(one, name) for one in named for name in one["simulated"]]
     worst = max(
         share(one, hosted(one, row, host, "me", "0.001", "coupling")[0])
-        for one in sets for row in ROWS for host in ("Exudyn", "MuJoCo")
-    )  # fmt: skip
+        for one in sets
+        for row in ROWS
+        for host in ("Exudyn", "MuJoCo")
+    )
     lines = [
-        judged("sparse: displacement RMSE over the noise of the recording, median over sets and "
-               "excitations", "≤ 1", middle(floor), lambda x: x <= 1, within(floor)),
-        judged("the same where the diagnosis named drag and friction "
-               f"({len(named)} of {len(sets)} sets)", "≤ 1", middle(fine), lambda x: x <= 1,
-               within(fine)),
-        judged("default network over sparse, unseen excitations, median", f"≥ {BETTER:g}",
-               middle(ratios), lambda x: x >= BETTER, beyond(ratios)),
-        judged("the same where the diagnosis named drag and friction", f"≥ {BETTER:g}",
-               middle(good), lambda x: x >= BETTER, beyond(good)),
-        judged("model exchange at 1 ms against CVODES, of the uncorrected RMSE, worst",
-               f"≤ {100 * ACCURATE:g} %", 100 * worst, lambda x: x <= 100 * ACCURATE, "%"),
-    ]  # fmt: skip
+        judged(
+            "sparse: displacement RMSE over the noise of the recording, median over sets and "
+            "excitations",
+            "≤ 1",
+            middle(floor),
+            lambda x: x <= 1,
+            within(floor),
+        ),
+        judged(
+            "the same where the diagnosis named drag and friction "
+            f"({len(named)} of {len(sets)} sets)",
+            "≤ 1",
+            middle(fine),
+            lambda x: x <= 1,
+            within(fine),
+        ),
+        judged(
+            "default network over sparse, unseen excitations, median",
+            f"≥ {BETTER:g}",
+            middle(ratios),
+            lambda x: x >= BETTER,
+            beyond(ratios),
+        ),
+        judged(
+            "the same where the diagnosis named drag and friction",
+            f"≥ {BETTER:g}",
+            middle(good),
+            lambda x: x >= BETTER,
+            beyond(good),
+        ),
+        judged(
+            "model exchange at 1 ms against CVODES, of the uncorrected RMSE, worst",
+            f"≤ {100 * ACCURATE:g} %",
+            100 * worst,
+            lambda x: x <= 100 * ACCURATE,
+            "%",
+        ),
+    ]
     return table(("bar", "asked", "measured", ""), lines)
 
 
@@ -311,12 +374,21 @@ def cart_pole(folder: Path = HERE / "results") -> str:
                     continue
                 whole = [one["simulated"][KNOWN]["alone"]["force"][0] for one in told]
                 for coupling in ("me", "cs"):
-                    lost = max(100 * numbers([m[host][coupling]["0.001"]["coupling"][0]])[0] / w
-                               for m, w in zip(made, whole, strict=True))  # fmt: skip
+                    lost = max(
+                        100 * numbers([m[host][coupling]["0.001"]["coupling"][0]])[0] / w
+                        for m, w in zip(made, whole, strict=True)
+                    )
                     cells.append(f"{shown(lost)} %")
             lines.append([*cells, *["–"] * (7 - len(cells))][:7])
-    head = ("RMSE of x and φ", "continuous", "force, CVODES", "Exudyn, me", "Exudyn, cs",
-            "MuJoCo, me", "MuJoCo, cs")  # fmt: skip
+    head = (
+        "RMSE of x and φ",
+        "continuous",
+        "force, CVODES",
+        "Exudyn, me",
+        "Exudyn, cs",
+        "MuJoCo, me",
+        "MuJoCo, cs",
+    )
     named = "; ".join(f"seed {one['seed']}: {one['said']}" for one in told)
     return (
         f"Seeds of the noise: {len(told)}. The diagnosis, {named}\n\n"

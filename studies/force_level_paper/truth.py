@@ -103,11 +103,18 @@ def simulate(plant: Plant, t: Array, q: Array, v: Array, tolerance: float = TOLE
 
         turns.terminal, turns.direction = True, -1  # type: ignore[attr-defined]
         run = solve_ivp(
-            rate, (now, float(t[-1])), here, "DOP853", dense_output=True, rtol=tolerance,
-            atol=tolerance, events=turns if plant.coulomb else None, max_step=0.02,
+            rate,
+            (now, float(t[-1])),
+            here,
+            "DOP853",
+            dense_output=True,
+            rtol=tolerance,
+            atol=tolerance,
+            events=turns if plant.coulomb else None,
+            max_step=0.02,
             # a reversal right after one must not fall into the same step
             first_step=min(FIRST, float(t[-1]) - now) if float(t[-1]) > now else None,
-        )  # fmt: skip
+        )
         if run.t[-1] <= now and first < t.size - 1:
             raise RuntimeError(f"no progress at {now:.9g} s")
         last = int(np.searchsorted(t, run.t[-1], "right"))

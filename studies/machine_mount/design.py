@@ -94,11 +94,14 @@ def by_slsqp(run: sh.Rollout, start: Array | None = None, room: float = ROOM) ->
         return -np.sign(travel[worst])[:, None] * slopes / room
 
     found = minimize(
-        felt, goal.begin if start is None else start / goal.scale, jac=True, method="SLSQP",
+        felt,
+        goal.begin if start is None else start / goal.scale,
+        jac=True,
+        method="SLSQP",
         bounds=list(zip(LOW / goal.scale, HIGH / goal.scale, strict=True)),
         constraints={"type": "ineq", "fun": spare, "jac": spare_slopes},
         options={"ftol": 1e-9, "maxiter": 200},
-    )  # fmt: skip
+    )
     if not found.success:
         raise RuntimeError(found.message)
     slopes = asked["force"] + asked["slopes"]
@@ -147,9 +150,15 @@ def by_evolution(run: sh.Rollout, seed: int = 1) -> Design:
         return values(goal, at.T, threads=2)
 
     found = differential_evolution(
-        generation, list(zip(LOW / goal.scale, HIGH / goal.scale, strict=True)), rng=seed,
-        vectorized=True, updating="deferred", polish=False, tol=1e-8, maxiter=300,
-    )  # fmt: skip
+        generation,
+        list(zip(LOW / goal.scale, HIGH / goal.scale, strict=True)),
+        rng=seed,
+        vectorized=True,
+        updating="deferred",
+        polish=False,
+        tol=1e-8,
+        maxiter=300,
+    )
     return _told(run, found.x * goal.scale, asked, 0, begun)
 
 
@@ -271,9 +280,13 @@ def picture(
     )
     for room, mount in curve:
         axes.annotate(
-            f"{1e-3 * mount.k:.0f} N/mm, {1e-3 * mount.d:.2f} N·s/mm", (1e3 * room, mount.felt),
-            xytext=(7, 4), textcoords="offset points", fontsize=7, clip_on=False,
-        )  # fmt: skip
+            f"{1e-3 * mount.k:.0f} N/mm, {1e-3 * mount.d:.2f} N·s/mm",
+            (1e3 * room, mount.felt),
+            xytext=(7, 4),
+            textcoords="offset points",
+            fontsize=7,
+            clip_on=False,
+        )
     axes.set(
         xlabel="largest travel [mm]", ylabel="RMS of the force to the floor [N]", ylim=(0, None)
     )
@@ -298,18 +311,21 @@ def main() -> None:
     run, record = rig(), excitation()
     delivered = _told(run, run.theta, 1, 0, time.perf_counter())
     ways = {
-        "as delivered": replace(delivered, seconds=0.0), "SLSQP, adjoint": by_slsqp(run),
-        "casadi.Opti, IPOPT": by_opti(run), "differential evolution": by_evolution(run),
+        "as delivered": replace(delivered, seconds=0.0),
+        "SLSQP, adjoint": by_slsqp(run),
+        "casadi.Opti, IPOPT": by_opti(run),
+        "differential evolution": by_evolution(run),
         "without symhyb": by_filter(record),
-    }  # fmt: skip
+    }
     curve = trade_off(run)
     told = {
-        "room_m": ROOM, "ways": {name: asdict(design) for name, design in ways.items()},
+        "room_m": ROOM,
+        "ways": {name: asdict(design) for name, design in ways.items()},
         "trade_off": [
             {"room_m": room, **asdict(design), "without symhyb": asdict(by_filter(record, room))}
             for room, design in curve
         ],
-    }  # fmt: skip
+    }
     for name, design in ways.items():
         print(f"{name:24} {design}")
     for room, design in curve:

@@ -68,9 +68,13 @@ def recorded(seed: int = SEED) -> Array:
 def main() -> None:
     """Write the recording."""
     np.savetxt(
-        HERE / "excitation.csv", recorded(), fmt=("%.4f", "%.4f", "%.2f"), delimiter=",",
-        header="t,floor,force", comments="",
-    )  # fmt: skip
+        HERE / "excitation.csv",
+        recorded(),
+        fmt=("%.4f", "%.4f", "%.2f"),
+        delimiter=",",
+        header="t,floor,force",
+        comments="",
+    )
 
 
 if __name__ == "__main__":

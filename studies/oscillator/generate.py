@@ -132,9 +132,13 @@ def _segment(
     event = reversal if direction else release
     event.terminal, event.direction = True, -1
     found = solve_ivp(
-        slide if direction else stick, (start, end), state, dense_output=True,
-        events=event if law.coulomb else None, **TOLERANCES,
-    )  # fmt: skip
+        slide if direction else stick,
+        (start, end),
+        state,
+        dense_output=True,
+        events=event if law.coulomb else None,
+        **TOLERANCES,
+    )
     if not found.success:
         raise RuntimeError(f"{run.file}: {found.message}")
     last = found.y[:, -1].copy()
@@ -176,9 +180,13 @@ def write(law: Oscillator, runs: tuple[Run, ...], folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     for run in runs:
         np.savetxt(
-            folder / run.file, record(law, run), fmt="%.8g", delimiter=",",
-            header="t,f,position,speed", comments="",
-        )  # fmt: skip
+            folder / run.file,
+            record(law, run),
+            fmt="%.8g",
+            delimiter=",",
+            header="t,f,position,speed",
+            comments="",
+        )
     sealed = seal(answer(law))
     (folder / "sealed.json").write_text(sealed, encoding="ascii", newline="\n")
     print(f"{folder.name}/sealed.json has SHA-256 {hashlib.sha256(sealed.encode()).hexdigest()}")

@@ -70,10 +70,11 @@ def main() -> None:
     laws = {
         "viscous, published": ("#d9812e", lambda rate: PUBLISHED * rate),
         "found: dry friction and drag": (
-            "#b3261e", lambda rate: found["phi.coulomb"] + found["phi.drag"] * rate**2
+            "#b3261e",
+            lambda rate: found["phi.coulomb"] + found["phi.drag"] * rate**2,
         ),
         "dry friction that falls with speed, and drag": ("#1f6fb2", falls),
-    }  # fmt: skip
+    }
     figure, (left, right) = plt.subplots(1, 2, figsize=(9.4, 3.7), layout="constrained")
     amplitude, torque = losses(found["encoder.offset"])
     left.plot(amplitude, 1e3 * torque, ".", color="#1f2933", ms=4, label="recorded")

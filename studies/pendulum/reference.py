@@ -36,9 +36,13 @@ FIRST = {"c0": 0.15, "c1": 0.03, "c2": 5e-3, "cs": 0.05, "vs": 2.0}
 ALONE = 0.07  # c1, where it is the only loss
 SLOWEST = 0.5  # rad/s: a Stribeck speed below that is passed within a few samples
 SINGLE = (
-    ("c1",), ("c0", "c1"), ("c1", "c2"), ("c0", "c2"), ("c0", "c1", "c2"),
+    ("c1",),
+    ("c0", "c1"),
+    ("c1", "c2"),
+    ("c0", "c2"),
+    ("c0", "c1", "c2"),
     ("c0", "cs", "vs", "c2"),
-)  # fmt: skip
+)
 
 
 @dataclass(frozen=True)
@@ -98,10 +102,16 @@ def simulated(p: dict[str, float], t: Array) -> tuple[Array, Array]:
 
         reversal.terminal, reversal.direction = True, -side  # type: ignore[attr-defined]
         run = solve_ivp(
-            lambda _, z, side=side: rates(z, side), (now, t[-1]), z, "DOP853", rtol=1e-9,
-            atol=1e-10, events=reversal, dense_output=True,
+            lambda _, z, side=side: rates(z, side),
+            (now, t[-1]),
+            z,
+            "DOP853",
+            rtol=1e-9,
+            atol=1e-10,
+            events=reversal,
+            dense_output=True,
             first_step=min(0.02, (t[-1] - now) / 2),
-        )  # fmt: skip
+        )
         end = int(np.searchsorted(t, run.t[-1], side="right"))
         if end > done:
             out[done:end] = run.sol(t[done:end])[shown].T
@@ -169,10 +179,15 @@ LINKS = {"J1": 1e-5, "J2": 1e-5, "E": 1e-3, "C": 1e-3, "zero1": 1e-3, "zero2": 1
 LOSSES = {"viscous": 1e-5, "dry": 2e-5, "drag": 1e-6}  # both with steps for slopes
 BEGIN = {"viscous": 1e-4, "dry": 3e-4, "drag": 5e-6}
 DOUBLE = (
-    ("viscous1", "viscous2"), ("dry1", "viscous2"), ("dry1", "dry2"), ("dry1", "dry2", "viscous1"),
-    ("dry1", "dry2", "drag1"), ("dry1", "dry2", "drag3"), ("dry1", "dry2", "viscous3"),
+    ("viscous1", "viscous2"),
+    ("dry1", "viscous2"),
+    ("dry1", "dry2"),
+    ("dry1", "dry2", "viscous1"),
+    ("dry1", "dry2", "drag1"),
+    ("dry1", "dry2", "drag3"),
+    ("dry1", "dry2", "viscous3"),
     ("dry1", "dry2", "viscous1", "drag1", "viscous3", "drag3"),
-)  # fmt: skip
+)
 
 
 def published() -> dict[str, float]:

@@ -44,11 +44,9 @@ CASES = {
     "delay": Case({"delay": 0.02}, 0.3, 4.0, 0.03, ("delay:f", "delay:laser")),
     "mass": Case({"mass": 0.2}, 0.8, 4.0, 0.03, ("added_mass:x",)),
     "drag": Case({"drag": 6.0}, 1.0, 4.0, 0.06, ("drag:x",)),
-    "relaxation": Case(
-        {"stiffness": 60.0, "time": 0.03}, 0.4, 4.0, 0.03, ("relaxation:x",)
-    ),
+    "relaxation": Case({"stiffness": 60.0, "time": 0.03}, 0.4, 4.0, 0.03, ("relaxation:x",)),
     "friction": Case({"coulomb": 0.15}, 1.0, 4.0, 0.06, ("friction:x",)),
-}  # fmt: skip
+}
 
 
 def first_recording(case: Case, seed: int) -> tuple[Recording, float]:
@@ -133,17 +131,23 @@ def followed(name: str, seed: int) -> dict[str, object]:
     first, sd = first_recording(case, seed)
     before = sh.diagnose(model, first)
     row: dict[str, object] = {
-        "case": name, "seed": seed, "verdict": before.verdict, "named": claims(before),
-        "not ruled out": rivals(before), "record_next": before.record_next,
-    }  # fmt: skip
+        "case": name,
+        "seed": seed,
+        "verdict": before.verdict,
+        "named": claims(before),
+        "not ruled out": rivals(before),
+        "record_next": before.record_next,
+    }
     if before.manoeuvre is None:
         return row
     after = sh.diagnose(model, [first, next_recording(case, before.manoeuvre, sd, seed)])
     named = claims(after)
     row |= {
-        "then": after.verdict, "then named": named, "then not ruled out": rivals(after),
+        "then": after.verdict,
+        "then named": named,
+        "then not ruled out": rivals(after),
         "right": len(named) == 1 and named[0] in case.right,
-    }  # fmt: skip
+    }
     return row
 
 

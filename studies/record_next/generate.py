@@ -54,9 +54,16 @@ def simulate(
         if events and way:
             reversed_.direction = -way  # type: ignore[attr-defined]
         run = solve_ivp(
-            rates, (now, t[-1]), state, args=(way,), events=events, dense_output=True,
-            rtol=1e-9, atol=1e-11, max_step=0.02,
-        )  # fmt: skip
+            rates,
+            (now, t[-1]),
+            state,
+            args=(way,),
+            events=events,
+            dense_output=True,
+            rtol=1e-9,
+            atol=1e-11,
+            max_step=0.02,
+        )
         inside = (t > now) & (t <= run.t[-1])
         if inside.any():
             positions[inside] = run.sol(t[inside])[0]

@@ -129,8 +129,10 @@ def _tables(case: Case) -> Iterator[str]:
         yield "\n".join([*head, *rows])
     scores = score_rows(case)
     if scores:
-        head = ["| error on the unseen recordings | before | after | published |",
-                "|---|---|---|---|"]  # fmt: skip
+        head = [
+            "| error on the unseen recordings | before | after | published |",
+            "|---|---|---|---|",
+        ]
         rows = [
             f"| {row.words} | {short(row.before, row.unit)} | {short(row.after, row.unit)} "
             f"| {row.published or '–'} |"

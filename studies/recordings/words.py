@@ -66,8 +66,9 @@ def knows(case: Case) -> str:
 def told(case: Case) -> Iterator[tuple[str, str]]:
     """Which recordings it learned from and was proved on."""
     for role, sources in (
-        ("Learned from", case.study.train), ("Proved on", case.study.holdout),
-    ):  # fmt: skip
+        ("Learned from", case.study.train),
+        ("Proved on", case.study.holdout),
+    ):
         if sources:
             yield role, joined(list(dict.fromkeys(map(_source, sources))))
 

@@ -91,8 +91,11 @@ class Machine:
             way = self.way(state, force(now))
             run = solve_ivp(
                 lambda s, y: self.rates(y, force(s), way),  # noqa: B023  # used at once
-                (now, h), state, events=self._event(way, force), **TOLERANCES,
-            )  # fmt: skip
+                (now, h),
+                state,
+                events=self._event(way, force),
+                **TOLERANCES,
+            )
             now, state = float(run.t[-1]), run.y[:, -1].copy()
             if run.status == 1 and way:
                 state[2] = 0.0  # the event says so, to rounding

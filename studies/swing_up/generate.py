@@ -29,8 +29,9 @@ def steps(t: float) -> float:
     return 0.1 * float(np.sign(np.sin(2 * np.pi * t / 3.4)))
 
 
-def record(machine: Machine, asked: Callable[[float], float], angle: float, duration: float,
-           seed: int) -> Array:  # fmt: skip
+def record(
+    machine: Machine, asked: Callable[[float], float], angle: float, duration: float, seed: int
+) -> Array:
     """t [s], push [N], cart [m], pole [rad] (N, 4); noise on the last two."""
     h = 1 / RATE
     t = h * np.arange(round(duration * RATE) + 1)
@@ -58,9 +59,13 @@ def write(folder: Path, seed: int = SEED) -> None:
     for name in ("train.csv", "holdout.csv"):
         rows = recording(Machine(), name, seed)
         np.savetxt(
-            folder / name, rows, fmt=("%.2f", "%.6g", "%.6g", "%.6g"), delimiter=",",
-            header="t,push,cart,pole", comments="",
-        )  # fmt: skip
+            folder / name,
+            rows,
+            fmt=("%.2f", "%.6g", "%.6g", "%.6g"),
+            delimiter=",",
+            header="t,push,cart,pole",
+            comments="",
+        )
 
 
 if __name__ == "__main__":

@@ -128,9 +128,10 @@ def _plain(played: dict[str, Played]) -> dict[str, object]:
 def _compare() -> None:
     given = sh.read_model(HERE / "machine.toml")
     models = {
-        "as given": given, "corrected": sh.read_model(HERE / "corrected.toml"),
+        "as given": given,
+        "corrected": sh.read_model(HERE / "corrected.toml"),
         "concealed values": parse_model(given.text + CONCEALED),
-    }  # fmt: skip
+    }
     plans = {name: planned(model) for name, model in models.items()}
     runs = {name: play(plan) for name, plan in plans.items()}
     for name, (played, _) in runs.items():
@@ -139,10 +140,13 @@ def _compare() -> None:
     _keep({name: {"effort_N2s": effort[name], **_plain(runs[name][0])} for name in runs})
     t = STEP * np.arange(plans["as given"].push.size)
     np.savetxt(
-        HERE / "plans.csv", np.column_stack([t, *(plan.push for plan in plans.values())]),
-        fmt=("%.2f", *["%.12g"] * len(plans)), delimiter=",",
-        header=",".join(["t", *(name.replace(" ", "_") for name in plans)]), comments="",
-    )  # fmt: skip
+        HERE / "plans.csv",
+        np.column_stack([t, *(plan.push for plan in plans.values())]),
+        fmt=("%.2f", *["%.12g"] * len(plans)),
+        delimiter=",",
+        header=",".join(["t", *(name.replace(" ", "_") for name in plans)]),
+        comments="",
+    )
     picture(plans, {name: states for name, (_, states) in runs.items()})
 
 
@@ -160,9 +164,14 @@ def picture(plans: dict[str, Plan], runs: dict[str, Array]) -> None:
     import matplotlib.pyplot as plt
 
     figure, panels = plt.subplots(
-        3, 2, figsize=(9.5, 6.4), sharex=True, sharey="row", layout="constrained",
+        3,
+        2,
+        figsize=(9.5, 6.4),
+        sharex=True,
+        sharey="row",
+        layout="constrained",
         height_ratios=(2, 1.2, 1),
-    )  # fmt: skip
+    )
     for column, name in zip(panels.T, ("as given", "corrected"), strict=True):
         plan, real = plans[name], runs[name]
         t, late = STEP * np.arange(len(plan.push)), STEP * np.arange(len(real))

@@ -13,7 +13,8 @@ import numpy as np
 
 from symhyb.correction.search.preparing import last_windows, prepare
 from symhyb.data.recording import Recording
-from symhyb.discrepancy.fitting.matching import Task, fit
+from symhyb.discrepancy.fitting.matching import fit
+from symhyb.discrepancy.fitting.task import Task
 from symhyb.errors import NumericsError
 from symhyb.model.types import Model, Parameter
 from symhyb.model.write import replace_parameters
@@ -51,9 +52,10 @@ def finished(model: Model, recordings: Recording | Sequence[Recording]) -> Finis
     prepared = prepare(model, recordings)
     found = {element.name for element in model.elements if element.found}
     free = [
-        item for item in model.all_parameters()
+        item
+        for item in model.all_parameters()
         if item.sd is not None and (item.owner in found or not item.owner)
-    ]  # fmt: skip
+    ]
     if not free:
         return Finished(model, float("nan"))
     machine = prepared.machine

@@ -61,11 +61,15 @@ DATASETS: tuple[Dataset, ...] = (
         title="Electro-mechanical positioning system: a linear ball-screw drive",
         files=(
             _github(
-                *_EMPS, "examples/EMPS/data/DATA_EMPS.mat", 626039,
+                *_EMPS,
+                "examples/EMPS/data/DATA_EMPS.mat",
+                626039,
                 "6cf6814ae14618795da0101aae2bb97ff0c6351b0501b5492751b02b07facf7e",
             ),
             _github(
-                *_EMPS, "examples/EMPS/data/DATA_EMPS_PULSES.mat", 630990,
+                *_EMPS,
+                "examples/EMPS/data/DATA_EMPS_PULSES.mat",
+                630990,
                 "0eab75bb1f6b16228ee78791343a88bf9bfd9a51036ac9807d7b5fc11c0e1704",
             ),
         ),
@@ -85,7 +89,9 @@ DATASETS: tuple[Dataset, ...] = (
         title="Silverbox: an electronic Duffing oscillator",
         files=(
             _github(
-                *_SILVERBOX, "examples/statespace/silverbox/SilverboxFiles/SNLS80mV.csv", 2649634,
+                *_SILVERBOX,
+                "examples/statespace/silverbox/SilverboxFiles/SNLS80mV.csv",
+                2649634,
                 "ae62d5a91230c10f76e6dd02c8a4fac3c9d4d8a95fbf50e87cb0c4885003e0f1",
             ),
         ),
@@ -102,15 +108,21 @@ DATASETS: tuple[Dataset, ...] = (
         title="Roll decay of a tanker model (KVLCC2) in a towing tank",
         files=(
             _github(
-                *_ROLL_REST, "data/processed/model_test_21337.csv", 1270451,
+                *_ROLL_REST,
+                "data/processed/model_test_21337.csv",
+                1270451,
                 "ae63c90498fcc502d28f4408721d5c5490437b3d7ed9767d78a393ea9ecd2168",
             ),
             _github(
-                *_ROLL_REST, "data/processed/model_test_21338.csv", 2771595,
+                *_ROLL_REST,
+                "data/processed/model_test_21338.csv",
+                2771595,
                 "ba59c8527f9fdd9f5031a3bb45345fe9d419def59a163a47c9c3ec7eea8bbc80",
             ),
             _github(
-                *_ROLL_SPEED, "data/processed/roll decay KVLCC2/model_test_21340.csv", 1250987,
+                *_ROLL_SPEED,
+                "data/processed/roll decay KVLCC2/model_test_21340.csv",
+                1250987,
                 "031dddff3b7c5d49c612a17076e83e6adcdcae6fadb8b2d4a7d93c518132bdd1",
             ),
         ),
@@ -132,22 +144,26 @@ DATASETS: tuple[Dataset, ...] = (
             _github(
                 *_ARM_ONE,
                 "ParameterEstimation/SinglePendulum/SinglePendulumDataForParameterEstimation.mat",
-                998011, "f3b8cdda4a6e86405ec37ff32b98be76fd37806a609cba7870628c1e40377a98",
+                998011,
+                "f3b8cdda4a6e86405ec37ff32b98be76fd37806a609cba7870628c1e40377a98",
             ),
             _github(
                 *_ARM_ONE,
                 "ParameterEstimation/SinglePendulum/EstimatedParameters_SinglePendulum.mat",
-                235, "64108f0f69a202f8893a376bd87b69cd54ed13664aed33db085766639a5b0962",
+                235,
+                "64108f0f69a202f8893a376bd87b69cd54ed13664aed33db085766639a5b0962",
             ),
             _github(
                 *_ARM_TWO,
                 "ParameterEstimation/DoublePendulum/DoublePendulumDataForParameterEstimation.mat",
-                2664305, "4bf9e4006aa83b2b003295ac1b1946717eec87d76873834d6248683aca419902",
+                2664305,
+                "4bf9e4006aa83b2b003295ac1b1946717eec87d76873834d6248683aca419902",
             ),
             _github(
                 *_ARM_TWO,
                 "ParameterEstimation/DoublePendulum/EstimatedParameters_DoublePendulum.mat",
-                278, "786fb808d6ecfd770cf89d770778cb473a66223a5e63790bbc94277f2e5b3517",
+                278,
+                "786fb808d6ecfd770cf89d770778cb473a66223a5e63790bbc94277f2e5b3517",
             ),
         ),
         licence="MIT",
@@ -166,11 +182,15 @@ DATASETS: tuple[Dataset, ...] = (
         title="Eleven kinds of balls dropped from a bridge of 45 m",
         files=(
             _github(
-                *_BALLS, "Data/Ball_drops_data.xls", 58550,
+                *_BALLS,
+                "Data/Ball_drops_data.xls",
+                58550,
                 "942b2d68abfff3828ca323de491435d4ec27c3a22e62cee0cbdf52c2e8d1c0ed",
             ),
             _github(
-                *_BALLS, "Data/balls.txt", 443,
+                *_BALLS,
+                "Data/balls.txt",
+                443,
                 "7cc282a6559ef636ce30cad53aae5bf825ce6200a94dd54f668af9797c584585",
             ),
         ),
@@ -193,12 +213,14 @@ DATASETS: tuple[Dataset, ...] = (
             _github(
                 *_DAMPER,
                 "data/dataset-2/characterization datasets/0.5Hz30lbtension1amplitude.json",
-                1665902, "3d58d0f71296a6221974c14454352fa29a27d536295fd5cb05e6d946a7cf30db",
+                1665902,
+                "3d58d0f71296a6221974c14454352fa29a27d536295fd5cb05e6d946a7cf30db",
             ),
             _github(
                 *_DAMPER,
                 "data/dataset-2/characterization datasets/1Hz30lbtension1.5amplitude.json",
-                826508, "1a894d5857486ee56f363343c3216d2fb300c2fc8777439cca8ee2d02a7dd35c",
+                826508,
+                "1a894d5857486ee56f363343c3216d2fb300c2fc8777439cca8ee2d02a7dd35c",
             ),
         ),
         licence="CC BY-SA 4.0",
@@ -211,7 +233,7 @@ DATASETS: tuple[Dataset, ...] = (
             " [in/s], data.5 and data.6 actuator forces [lbf]; 1024 Hz; the motion is imposed"
         ),
     ),
-)  # fmt: skip
+)
 
 
 def named(name: str) -> Dataset | None:

@@ -105,10 +105,16 @@ def _columns(
 
     try:
         frame = pd.read_csv(
-            io.StringIO(body), sep=delimiter, decimal=decimal, header=None,
-            names=list(range(len(header))), index_col=False, engine="c",
-            skipinitialspace=True, low_memory=False,
-        )  # fmt: skip
+            io.StringIO(body),
+            sep=delimiter,
+            decimal=decimal,
+            header=None,
+            names=list(range(len(header))),
+            index_col=False,
+            engine="c",
+            skipinitialspace=True,
+            low_memory=False,
+        )
     except pd.errors.ParserError as error:
         raise refusal(file, f"cannot be read as a table: {error}") from error
     columns = []

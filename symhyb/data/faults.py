@@ -98,10 +98,11 @@ def dropouts(values: Signal) -> Flags:
     usual = float(np.quantile(steps, 0.98))
     line = np.interp(np.arange(values.size), rest, values[rest])
     fallen = [
-        run for run in blocks(at)
+        run
+        for run in blocks(at)
         if np.abs(values[run.first : run.last + 1] - line[run.first : run.last + 1]).min()
         > 3 * usual * (1 + run.size / 2)
-    ]  # fmt: skip
+    ]
     if len(fallen) >= DROPOUT_LEAST:
         for run in fallen:
             flags[run.first : run.last + 1] = True

@@ -59,7 +59,12 @@ def _is_numeric(kind: Any, arrow: Any) -> bool:
     return any(
         test(kind)
         for test in (
-            types.is_integer, types.is_floating, types.is_boolean, types.is_decimal,
-            types.is_timestamp, types.is_duration, types.is_null,
+            types.is_integer,
+            types.is_floating,
+            types.is_boolean,
+            types.is_decimal,
+            types.is_timestamp,
+            types.is_duration,
+            types.is_null,
         )
-    )  # fmt: skip
+    )

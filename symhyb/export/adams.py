@@ -34,10 +34,15 @@ def adams_files(spec: Spec) -> dict[str, str]:
     turning = [f"{int(n in angles)}" for kind, n in exported.outputs]
     text = part("adams.c")
     for key, value in {
-        "NAME": name, "READS": "\n".join(reads), "MARKERS": markers, "FORCES": ", ".join(forces),
-        "WHICH": str(2 * len(coordinates)), "TURNING": ", ".join(turning),
-        "INPUTS": str(max(1, len(exported.inputs))), "OUTPUTS": str(len(exported.outputs)),
-    }.items():  # fmt: skip
+        "NAME": name,
+        "READS": "\n".join(reads),
+        "MARKERS": markers,
+        "FORCES": ", ".join(forces),
+        "WHICH": str(2 * len(coordinates)),
+        "TURNING": ", ".join(turning),
+        "INPUTS": str(max(1, len(exported.inputs))),
+        "OUTPUTS": str(len(exported.outputs)),
+    }.items():
         text = text.replace(f"@{key}@", value)
     return {**c_files(spec), f"{name}_adams.c": text}
 

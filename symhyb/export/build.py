@@ -47,10 +47,13 @@ PLATFORMS: Mapping[str, Platform] = {
     ),
     # Windows libraries carry the time of linking unless told otherwise
     "win64": Platform(
-        "win64", "x86_64-windows", "x86_64-windows-gnu", ".dll",
+        "win64",
+        "x86_64-windows",
+        "x86_64-windows-gnu",
+        ".dll",
         ("-static-libgcc", "-Wl,--no-insert-timestamp"),
     ),
-}  # fmt: skip
+}
 
 
 def headers() -> Path:
@@ -107,10 +110,22 @@ def shared_library(code: str, name: str, target: str) -> bytes:
         Path(work, f"{name}.c").write_text(code, encoding="utf-8")
         library = Path(work, f"{name}{chosen.suffix}")
         done = subprocess.run(
-            [*command, level, *FLAGS, *chosen.flags, f"-I{headers()}", f"{name}.c", "-o",
-             library.name, "-lm"],
-            cwd=work, capture_output=True, text=True, check=False,
-        )  # fmt: skip
+            [
+                *command,
+                level,
+                *FLAGS,
+                *chosen.flags,
+                f"-I{headers()}",
+                f"{name}.c",
+                "-o",
+                library.name,
+                "-lm",
+            ],
+            cwd=work,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
         if done.returncode != 0 or not library.exists():
             said = next((line for line in done.stderr.splitlines() if "error" in line), "no reason")
             text = f"the C compiler for {target} ({command[0]}) failed: {said.strip()}"

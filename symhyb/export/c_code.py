@@ -32,14 +32,17 @@ def model_code(spec: Spec) -> str:
     exported = spec.exported
     made = functions(exported)
     sizes = {
-        "N_U": len(exported.inputs), "N_Y": len(exported.outputs), "N_X": len(exported.states),
-        "N_Z": exported.inner, "N_P": len(exported.parameters),
+        "N_U": len(exported.inputs),
+        "N_Y": len(exported.outputs),
+        "N_X": len(exported.states),
+        "N_Z": exported.inner,
+        "N_P": len(exported.parameters),
         **({"N_I": exported.indicators, "N_M": len(exported.ways)} if exported.ways else {}),
         "SZ_ARG": max(5, *(f.sz_arg() for f in made)),
         "SZ_RES": max(2, *(f.sz_res() for f in made)),
         "SZ_IW": max(1, *(f.sz_iw() for f in made)),
         "SZ_W": max(1, *(f.sz_w() for f in made)),
-    }  # fmt: skip
+    }
     lines = [
         f"/* {spec.identifier}: {_comment(spec.title)}. Everything is in SI. */",
         "#define CASADI_SYMBOL_EXPORT static inline /* no warnings about what is not called */",

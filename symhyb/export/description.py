@@ -173,18 +173,20 @@ def _structure(structure: ET.Element, spec: Spec, fmi: int) -> None:
 
     if fmi == 2:
         for tag, group, table in (
-            ("Outputs", outputs, running), ("Derivatives", rates, running),
+            ("Outputs", outputs, running),
+            ("Derivatives", rates, running),
             ("InitialUnknowns", first, starting),
-        ):  # fmt: skip
+        ):
             if group:
                 inside = ET.SubElement(structure, tag)
                 for variable in group:
                     entry(inside, "Unknown", variable, table[variable.reference])
         return
     for tag, group, table in (
-        ("Output", outputs, running), ("ContinuousStateDerivative", rates, running),
+        ("Output", outputs, running),
+        ("ContinuousStateDerivative", rates, running),
         ("InitialUnknown", first, starting),
-    ):  # fmt: skip
+    ):
         for variable in group:
             entry(structure, tag, variable, table[variable.reference])
     for variable in spec.of_role("indicator"):

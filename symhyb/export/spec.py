@@ -22,12 +22,45 @@ from symhyb.units import ONE, Unit, parse_unit
 Role = Literal["time", "input", "output", "indicator", "state", "rate", "parameter", "mode"]
 
 C_WORDS = frozenset(
-    {"auto", "break", "case", "char", "const", "continue", "default", "do", "double", "else",
-     "enum", "extern", "float", "for", "goto", "if", "inline", "int", "long", "main", "register",
-     "restrict", "return", "short", "signed", "sizeof", "static", "struct", "switch", "typedef",
-     "union", "unsigned", "void", "volatile", "while",
-     "model"}  # begins the names of our own functions
-)  # fmt: skip
+    {
+        "auto",
+        "break",
+        "case",
+        "char",
+        "const",
+        "continue",
+        "default",
+        "do",
+        "double",
+        "else",
+        "enum",
+        "extern",
+        "float",
+        "for",
+        "goto",
+        "if",
+        "inline",
+        "int",
+        "long",
+        "main",
+        "register",
+        "restrict",
+        "return",
+        "short",
+        "signed",
+        "sizeof",
+        "static",
+        "struct",
+        "switch",
+        "typedef",
+        "union",
+        "unsigned",
+        "void",
+        "volatile",
+        "while",
+        "model",
+    }  # begins the names of our own functions
+)
 _BASE = ("m", "kg", "s", "A", "K", "mol", "cd")
 _NAMED = ("N", "N*m", "V")
 

@@ -29,9 +29,12 @@ def named_pathways(model: Model, equations: Equations, slopes: Slopes) -> tuple[
 
 
 def _names_of(
-    model: Model, element: Element, term: Term | Vectorial | Couple, equations: Equations,
+    model: Model,
+    element: Element,
+    term: Term | Vectorial | Couple,
+    equations: Equations,
     slopes: Slopes,
-) -> Iterator[Named]:  # fmt: skip
+) -> Iterator[Named]:
     match element.place, term:
         case Between(first, second), Term():
             value = stretch_of(model, element.place, equations.places, equations.symbols)

@@ -132,9 +132,13 @@ def _wrapped(label: str, text: str) -> list[str]:
     """Break a long expression between its summands, below where it began."""
     whole = re.sub(r"\|(\w+) - (\w+)\|", "|\\1\N{NO-BREAK SPACE}-\N{NO-BREAK SPACE}\\2|", text)
     rows = textwrap.wrap(
-        whole, max(WIDTH, len(label) + 40), initial_indent=label, break_on_hyphens=False,
-        subsequent_indent=" " * len(label), break_long_words=False,
-    )  # fmt: skip
+        whole,
+        max(WIDTH, len(label) + 40),
+        initial_indent=label,
+        break_on_hyphens=False,
+        subsequent_indent=" " * len(label),
+        break_long_words=False,
+    )
     return [row.replace("\N{NO-BREAK SPACE}", " ") for row in rows]
 
 

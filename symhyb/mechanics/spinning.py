@@ -50,11 +50,14 @@ def spinning_bodies(equations: Equations, slopes: Slopes) -> tuple[Spinning, ...
         omega = tuple(part.xreplace(rates) for part in mass.omega)
         found.append(
             Spinning(
-                mass.body, mass.tensor, omega,
+                mass.body,
+                mass.tensor,
+                omega,
                 tuple(tuple(map(by, omega)) for by in by_rate),
-                tuple(map(with_pull, omega)), tuple(map(slopes.rate, omega)),
+                tuple(map(with_pull, omega)),
+                tuple(map(slopes.rate, omega)),
             )
-        )  # fmt: skip
+        )
     return tuple(found)
 
 

@@ -34,10 +34,25 @@ from symhyb.model.trees import (
 )
 
 __all__ = [
-    "DEEPEST", "FUNCTIONS", "LONGEST", "READINGS", "RESERVED", "Expression", "ExpressionError",
-    "Name", "Node", "Number", "Operation", "Reading", "evaluate", "names", "parse_expression",
-    "readings", "show", "unit_of",
-]  # fmt: skip
+    "DEEPEST",
+    "FUNCTIONS",
+    "LONGEST",
+    "READINGS",
+    "RESERVED",
+    "Expression",
+    "ExpressionError",
+    "Name",
+    "Node",
+    "Number",
+    "Operation",
+    "Reading",
+    "evaluate",
+    "names",
+    "parse_expression",
+    "readings",
+    "show",
+    "unit_of",
+]
 
 LONGEST = 2000
 DEEPEST = 60
@@ -48,8 +63,12 @@ RESERVED = frozenset({"t", "pi", *FUNCTIONS, *_ALIASES, *keyword.kwlist})
 _PRIME = "\u02b9"  # a letter for Python's parser, and outside the characters a file may use
 _ALLOWED = re.compile(r"[A-Za-z0-9_ .,+\-*/()'\t\r\n]")
 _BINARY: Mapping[type[ast.operator], str] = {
-    ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Pow: "**",
-}  # fmt: skip
+    ast.Add: "+",
+    ast.Sub: "-",
+    ast.Mult: "*",
+    ast.Div: "/",
+    ast.Pow: "**",
+}
 
 
 def parse_expression(text: str | float | int) -> Expression:

@@ -26,9 +26,20 @@ LARGEST = 1_000_000
 """Bytes; a model file is written by hand."""
 
 SECTIONS = (
-    "symhyb", "title", "about", "gravity", "coordinates", "parameters", "inputs", "points",
-    "bodies", "energy", "constraints", "elements", "sensors",
-)  # fmt: skip
+    "symhyb",
+    "title",
+    "about",
+    "gravity",
+    "coordinates",
+    "parameters",
+    "inputs",
+    "points",
+    "bodies",
+    "energy",
+    "constraints",
+    "elements",
+    "sensors",
+)
 _CHANNEL_KEYS = ("unit", "about", "gain", "offset", "delay")
 BETWEEN = ("line", "smooth")  # how an input runs between its samples
 

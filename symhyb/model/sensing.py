@@ -16,11 +16,20 @@ from symhyb.model.vocabulary import force_unit
 from symhyb.units import Unit, parse_unit
 
 _UNITS = {
-    "position_x": "m", "position_y": "m", "position_z": "m", "distance": "m",
-    "direction": "rad", "orientation": "rad", "gyroscope": "rad/s",
-    "gyroscope_x": "rad/s", "gyroscope_y": "rad/s", "gyroscope_z": "rad/s",
-    "accelerometer_x": "m/s^2", "accelerometer_y": "m/s^2", "accelerometer_z": "m/s^2",
-}  # fmt: skip
+    "position_x": "m",
+    "position_y": "m",
+    "position_z": "m",
+    "distance": "m",
+    "direction": "rad",
+    "orientation": "rad",
+    "gyroscope": "rad/s",
+    "gyroscope_x": "rad/s",
+    "gyroscope_y": "rad/s",
+    "gyroscope_z": "rad/s",
+    "accelerometer_x": "m/s^2",
+    "accelerometer_y": "m/s^2",
+    "accelerometer_z": "m/s^2",
+}
 _IN_PLANE: Mapping[str, str] = {
     "direction": "in space a direction is no angle; measure positions of the points",
     "orientation": "in space no single angle tells it; measure a coordinate, or positions",

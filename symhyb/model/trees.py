@@ -7,19 +7,41 @@ import numpy as np
 from numpy.typing import NDArray
 
 FUNCTIONS: Mapping[str, int] = {
-    "sin": 1, "cos": 1, "tan": 1, "asin": 1, "acos": 1, "atan": 1, "atan2": 2,
-    "sinh": 1, "cosh": 1, "tanh": 1, "exp": 1, "log": 1, "sqrt": 1, "abs": 1, "sign": 1,
-    "min": 2, "max": 2,
-}  # fmt: skip
+    "sin": 1,
+    "cos": 1,
+    "tan": 1,
+    "asin": 1,
+    "acos": 1,
+    "atan": 1,
+    "atan2": 2,
+    "sinh": 1,
+    "cosh": 1,
+    "tanh": 1,
+    "exp": 1,
+    "log": 1,
+    "sqrt": 1,
+    "abs": 1,
+    "sign": 1,
+    "min": 2,
+    "max": 2,
+}
 READINGS: Mapping[str, tuple[str, ...]] = {
-    "position_x": ("point",), "position_y": ("point",), "position_z": ("point",),
-    "distance": ("point", "point"), "direction": ("point", "point"),
-    "orientation": ("body",), "gyroscope": ("body",),
-    "gyroscope_x": ("body",), "gyroscope_y": ("body",), "gyroscope_z": ("body",),
-    "accelerometer_x": ("point", "body"), "accelerometer_y": ("point", "body"),
+    "position_x": ("point",),
+    "position_y": ("point",),
+    "position_z": ("point",),
+    "distance": ("point", "point"),
+    "direction": ("point", "point"),
+    "orientation": ("body",),
+    "gyroscope": ("body",),
+    "gyroscope_x": ("body",),
+    "gyroscope_y": ("body",),
+    "gyroscope_z": ("body",),
+    "accelerometer_x": ("point", "body"),
+    "accelerometer_y": ("point", "body"),
     "accelerometer_z": ("point", "body"),
-    "force": ("element",), "reaction": ("coordinate",),
-}  # fmt: skip
+    "force": ("element",),
+    "reaction": ("coordinate",),
+}
 """What sensors may measure besides expressions, and of what: names of those sections. As they are
 called with parentheses, a parameter may have the same name."""
 
@@ -105,12 +127,30 @@ def readings(expression: Expression | Node) -> tuple[Reading, ...]:
 
 
 _NUMPY: Mapping[str, Callable[..., NDArray[np.float64]]] = {
-    "+": np.add, "-": np.subtract, "*": np.multiply, "/": np.divide, "**": np.power,
-    "neg": np.negative, "sin": np.sin, "cos": np.cos, "tan": np.tan, "asin": np.arcsin,
-    "acos": np.arccos, "atan": np.arctan, "atan2": np.arctan2, "sinh": np.sinh, "cosh": np.cosh,
-    "tanh": np.tanh, "exp": np.exp, "log": np.log, "sqrt": np.sqrt, "abs": np.abs,
-    "sign": np.sign, "min": np.minimum, "max": np.maximum,
-}  # fmt: skip
+    "+": np.add,
+    "-": np.subtract,
+    "*": np.multiply,
+    "/": np.divide,
+    "**": np.power,
+    "neg": np.negative,
+    "sin": np.sin,
+    "cos": np.cos,
+    "tan": np.tan,
+    "asin": np.arcsin,
+    "acos": np.arccos,
+    "atan": np.arctan,
+    "atan2": np.arctan2,
+    "sinh": np.sinh,
+    "cosh": np.cosh,
+    "tanh": np.tanh,
+    "exp": np.exp,
+    "log": np.log,
+    "sqrt": np.sqrt,
+    "abs": np.abs,
+    "sign": np.sign,
+    "min": np.minimum,
+    "max": np.maximum,
+}
 
 
 def evaluate(

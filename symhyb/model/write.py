@@ -91,8 +91,9 @@ def _path_of(model: Model, path: str) -> Path:
         if element.name == owner and any(own.name == name for own in element.parameters):
             return ("elements", owner, "parameters", name)
     sections: tuple[tuple[str, tuple[Input | Sensor, ...]], ...] = (
-        ("inputs", model.inputs), ("sensors", model.sensors),
-    )  # fmt: skip
+        ("inputs", model.inputs),
+        ("sensors", model.sensors),
+    )
     for section, channels in sections:
         if name in ("gain", "offset", "delay") and owner in [channel.name for channel in channels]:
             return (section, owner, name)

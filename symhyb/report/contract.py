@@ -247,8 +247,10 @@ def _memory(memory: Memory | None) -> dict[str, Any] | None:
     if memory is None:
         return None
     return {
-        "state": finite(memory.state), "past": finite(memory.past), "sentence": memory.sentence,
-    }  # fmt: skip
+        "state": finite(memory.state),
+        "past": finite(memory.past),
+        "sentence": memory.sentence,
+    }
 
 
 def _scores(verdict: Verdict) -> dict[str, Any]:

@@ -202,9 +202,15 @@ def _cloud(
     if len(chosen) > _POINTS:  # at random: every k-th would beat against a periodic signal
         chosen = np.random.default_rng(0).choice(chosen, _POINTS, replace=False)
     points = panel.scatter(
-        x[chosen], force[chosen], c=colored[0][chosen] / scale_c,
-        s=5.0, lw=0.0, alpha=0.55, cmap="viridis", rasterized=True,
-    )  # fmt: skip
+        x[chosen],
+        force[chosen],
+        c=colored[0][chosen] / scale_c,
+        s=5.0,
+        lw=0.0,
+        alpha=0.55,
+        cmap="viridis",
+        rasterized=True,
+    )
     opaque = ScalarMappable(points.norm, points.cmap)
     bar = panel.figure.colorbar(opaque, ax=panel, pad=0.02, aspect=18)
     bar.outline.set_visible(False)

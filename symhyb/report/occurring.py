@@ -39,9 +39,13 @@ def _when(panel: "Axes", told: Occurrence) -> None:
     if told.change is not None:
         panel.axvline(told.change.time_s, color=LAW)
         panel.annotate(
-            f"{told.change.kind} ", (told.change.time_s, 0.97),
-            xycoords=panel.get_xaxis_transform(), color=LAW, ha="right", va="top",
-        )  # fmt: skip
+            f"{told.change.kind} ",
+            (told.change.time_s, 0.97),
+            xycoords=panel.get_xaxis_transform(),
+            color=LAW,
+            ha="right",
+            va="top",
+        )
     legend(panel)
     panel.set_xlabel("time [s]")
 

@@ -46,13 +46,21 @@ def cart_and_pole(rubs: bool = False) -> Model:
     return model_of(
         gravity=["0", "-g"],
         coordinates={"x": {"unit": "m", "start": 0.1}, "phi": {"unit": "rad", "start": 1.2}},
-        parameters={"g": (9.81, "m/s^2"), "M": (1.0, "kg"), "m": (0.5, "kg"), "l": (0.4, "m"),
-                    "k": (30.0, "N/m"), "d": (0.02, "N*m*s")},
-        bodies={"cart": {"mass": "M", "at": ["x", "0"]},
-                "bob": {"mass": "m", "at": ["x + l*sin(phi)", "-l*cos(phi)"]}},
+        parameters={
+            "g": (9.81, "m/s^2"),
+            "M": (1.0, "kg"),
+            "m": (0.5, "kg"),
+            "l": (0.4, "m"),
+            "k": (30.0, "N/m"),
+            "d": (0.02, "N*m*s"),
+        },
+        bodies={
+            "cart": {"mass": "M", "at": ["x", "0"]},
+            "bob": {"mass": "m", "at": ["x + l*sin(phi)", "-l*cos(phi)"]},
+        },
         elements=elements,
         sensors={"x": {"measures": "x", "unit": "m"}, "pull": {"measures": "x''", "unit": "m/s^2"}},
-    )  # fmt: skip
+    )
 
 
 def swung(machine: Machine, end: float = 8.0) -> tuple[Scenario, Trajectory]:
@@ -122,8 +130,9 @@ def test_noisy_samples_at_either_level(formulation: Formulation) -> None:
     model, truth = build(parse_model(DRIVEN_MASS)), build(parse_model(DRIVEN_MASS + DRAG))
     scenario, run = shaken(truth, 1)
     rng = np.random.default_rng(2)
-    noisy = [x + 0.01 * np.abs(x).max() * rng.standard_normal(x.shape) for x in
-             (run.q, run.v, run.a)]  # fmt: skip
+    noisy = [
+        x + 0.01 * np.abs(x).max() * rng.standard_normal(x.shape) for x in (run.q, run.v, run.a)
+    ]
     course = measured_course(model, run.t, (noisy[0], noisy[1], noisy[2]), scenario.u)
     wanted = lacking(model, course, formulation)
     terms = sparse_law(model, course, wanted, ("x", "x'", "x**2", "x**3", "abs(x')*x'"), 0.2)

@@ -65,8 +65,9 @@ def fitted(
     variants = {i for i, cause in enumerate(setting.hypotheses) if cause.variant}
     trials = Trials(setting, variants, lambda line: None)
     known = setting.hypotheses
-    chosen = [next(i for i, c in enumerate(known) if c.kind == kind and c.numbers == 1) 
-              for kind in kinds]  # fmt: skip
+    chosen = [
+        next(i for i, c in enumerate(known) if c.kind == kind and c.numbers == 1) for kind in kinds
+    ]
     problem = along_motion(setting, setting.stages[-1])
     first = {"damper": "damping", "friction": "coulomb", "drag": "drag"}
     rows = [{first[kind]: 0.02} for kind in kinds]
@@ -97,16 +98,21 @@ def test_they_do_so_where_the_damping_alone_comes_down_to_the_noise() -> None:
     t = np.arange(0, 14, STEP)
     x, v = solve_ivp(rate, (0, 14), [0.4, 0], "DOP853", t, rtol=1e-8, atol=1e-10, max_step=5e-3).y
     random = np.random.default_rng(3)
-    noisy = (y + 0.025 * np.abs(y).max() * random.standard_normal(t.size)
-             for y in (x, v, acceleration(t, x, v)))  # fmt: skip
+    noisy = (
+        y + 0.025 * np.abs(y).max() * random.standard_normal(t.size)
+        for y in (x, v, acceleration(t, x, v))
+    )
     shaken = model_of(
         coordinates={"q": {"unit": "m"}},
         parameters={"m": (m, "kg"), "c": (c, "N/m^3"), "F": (push, "N"), "f": (f, "Hz")},
         energy={"kinetic": "m*q'**2/2", "potential": "c*q**4/4"},
         elements={"s": {"kind": "harmonic", "on": "q", "amplitude": "F", "frequency": "f"}},
-        sensors={"x": {"measures": "q", "unit": "m"}, "v": {"measures": "q'", "unit": "m/s"},
-                 "a": {"measures": "q''", "unit": "m/s^2"}},
-    )  # fmt: skip
+        sensors={
+            "x": {"measures": "q", "unit": "m"},
+            "v": {"measures": "q'", "unit": "m/s"},
+            "a": {"measures": "q''", "unit": "m/s^2"},
+        },
+    )
     one = recording(t, **dict(zip("xva", noisy, strict=True)))
     assert fitted(("damper",), one, shaken)[1].fit.scale < NEAR_NOISE
     (found,) = instead_of(("damper",), one, shaken)

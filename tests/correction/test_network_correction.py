@@ -81,8 +81,14 @@ def test_a_regressor_is_lowered_exactly(activation: str) -> None:
     mean, scale, gain, offset = np.array([0.3, -2.0]), np.array([0.05, 4.0]), 7.0, -1.5
     x = mean + scale * rng.standard_normal((200, 2))
     standard = (x - mean) / scale
-    mlp = MLPRegressor(hidden_layer_sizes=(7, 5), activation=activation, max_iter=20, tol=10,
-                       n_iter_no_change=5, random_state=1)  # fmt: skip
+    mlp = MLPRegressor(
+        hidden_layer_sizes=(7, 5),
+        activation=activation,
+        max_iter=20,
+        tol=10,
+        n_iter_no_change=5,
+        random_state=1,
+    )
     mlp.fit(standard, np.sin(standard[:, 0]) * standard[:, 1])
     weights = parsed(stored(lowered(mlp, mean, scale, gain, offset)), "file")
     wanted = gain * mlp.predict(standard) + offset
@@ -191,8 +197,19 @@ def test_held_windows_have_no_part_in_the_training(
     other = seen.force.copy()
     other[~seen.fitted] = 1e6
     first = _trained(seen, 4, 1, 0)
-    changed = Seen(seen.on, seen.inputs, seen.x, other, seen.laws, seen.q, seen.v, seen.t,
-                   seen.run, seen.fitted, seen.names)  # fmt: skip
+    changed = Seen(
+        seen.on,
+        seen.inputs,
+        seen.x,
+        other,
+        seen.laws,
+        seen.q,
+        seen.v,
+        seen.t,
+        seen.run,
+        seen.fitted,
+        seen.names,
+    )
     assert stored(_trained(changed, 4, 1, 0)[0]) == stored(first[0])
     assert 0.2 < np.mean(~seen.fitted) < 0.5
 

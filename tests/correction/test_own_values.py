@@ -7,7 +7,7 @@ from symhyb.correction.search.evidence import cost, weak
 from symhyb.correction.search.selection import Problem, solve
 from symhyb.correction.search.trajectory import Refined
 from symhyb.data.recording import Recording
-from symhyb.discrepancy.fitting.matching import Fit
+from symhyb.discrepancy.fitting.task import Fit
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.model.types import On
 from symhyb.numeric.lowered.machine import build
@@ -32,9 +32,17 @@ def fleet(strengths: list[float], own: bool) -> Problem:
     count = columns.shape[1]
     gram = joined.T @ joined
     return Problem(
-        gram, gram, (DRAG,), (tuple(range(count)),), (), np.zeros(count), np.zeros(count),
-        np.full(count, np.inf), np.zeros(count), tuple("abcd"[:size]),
-    )  # fmt: skip
+        gram,
+        gram,
+        (DRAG,),
+        (tuple(range(count)),),
+        (),
+        np.zeros(count),
+        np.zeros(count),
+        np.full(count, np.inf),
+        np.zeros(count),
+        tuple("abcd"[:size]),
+    )
 
 
 def test_a_machine_of_the_wrong_sign_lacks_the_cause_and_the_others_keep_theirs() -> None:
@@ -56,9 +64,14 @@ def structure(values: list[float], sd: float) -> Refined:
     t = np.linspace(0, 1, 5)
     names = [Recording(f"{i}.csv", t, {}, {}, (), "") for i in range(size)]
     fit = Fit(
-        np.array(values), sd**2 * np.eye(size), np.full(size, 100.0), np.full(size, 100),
-        np.zeros(size, bool), 1.0, (),
-    )  # fmt: skip
+        np.array(values),
+        sd**2 * np.eye(size),
+        np.full(size, 100.0),
+        np.full(size, 100),
+        np.zeros(size, bool),
+        1.0,
+        (),
+    )
     each = tuple((name, MACHINE.values) for name in names)
     owned = tuple((i,) for i in range(size))
     return Refined((DRAG,), MACHINE, ("cause0.drag",), MACHINE.values, fit, 0.0, each, owned)

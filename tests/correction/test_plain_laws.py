@@ -15,10 +15,12 @@ from symhyb.model.types import Model, On
 def swing(sd: float | None = None) -> Model:
     k = (6.0, "N/m") if sd is None else (6.0, "N/m", sd)
     return model_of(
-        coordinates={"x": {"unit": "m"}}, parameters={"m": (1.0, "kg"), "k": k},
-        energy={"kinetic": "m*x'**2/2"}, elements={"spring": spring("k")},
+        coordinates={"x": {"unit": "m"}},
+        parameters={"m": (1.0, "kg"), "k": k},
+        energy={"kinetic": "m*x'**2/2"},
+        elements={"spring": spring("k")},
         sensors={"place": {"measures": "x", "unit": "m"}},
-    )  # fmt: skip
+    )
 
 
 def decaying(samples: int, seed: int = 0) -> Recording:

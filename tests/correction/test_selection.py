@@ -63,16 +63,24 @@ def test_sets_that_are_solved_side_by_side_are_those_that_are_solved_alone() -> 
     columns = random.standard_normal((300, 12)) * np.exp(random.normal(size=12))
     columns[:, 11] = 3 * columns[:, 10]
     right = columns @ random.normal(size=12) + random.standard_normal(300)
-    joined, other = (np.column_stack([part, rest]) for part, rest in (
-        (columns[:200], right[:200]), (columns[200:], right[200:])))  # fmt: skip
+    joined, other = (
+        np.column_stack([part, rest])
+        for part, rest in ((columns[:200], right[:200]), (columns[200:], right[200:]))
+    )
     law = [Hypothesis("law", On(f"x{i}"), (TERMS[i % 6],), (i % 3 == 0,)) for i in range(7)]
     pair = Hypothesis("law", On("y"), ("stiffness", "damping"), (False, False))
     reduced = Problem(
-        gram=joined.T @ joined, held=other.T @ other, hypotheses=(*law, pair, law[0]),
-        columns=(*((i,) for i in (0, 1, 2, 3, 4, 10, 11)), (5, 6), (7, 8)), always=(9,),
-        prior=random.uniform(0, 3, 12), lower=np.where(np.arange(12) % 3, -np.inf, 0.0),
-        upper=np.full(12, 5.0), least=np.full(12, 0.05), recordings=("a", "b"),
-    )  # fmt: skip
+        gram=joined.T @ joined,
+        held=other.T @ other,
+        hypotheses=(*law, pair, law[0]),
+        columns=(*((i,) for i in (0, 1, 2, 3, 4, 10, 11)), (5, 6), (7, 8)),
+        always=(9,),
+        prior=random.uniform(0, 3, 12),
+        lower=np.where(np.arange(12) % 3, -np.inf, 0.0),
+        upper=np.full(12, 5.0),
+        least=np.full(12, 0.05),
+        recordings=("a", "b"),
+    )
     sizes = best_subsets(reduced, largest=4)
     for size, subsets in enumerate(sizes):
         alone = {}
@@ -130,9 +138,16 @@ def test_a_prior_holds_a_coefficient_back() -> None:
     column = np.ones((100, 1))
     reduced = problem(column, np.ones(100))
     held = Problem(
-        reduced.gram, reduced.held, reduced.hypotheses, reduced.columns, (),
-        np.array([100.0]), reduced.lower, reduced.upper, reduced.least,
-    )  # fmt: skip
+        reduced.gram,
+        reduced.held,
+        reduced.hypotheses,
+        reduced.columns,
+        (),
+        np.array([100.0]),
+        reduced.lower,
+        reduced.upper,
+        reduced.least,
+    )
     subset = solve(held, (0,))
     assert subset is not None
     assert subset.values == pytest.approx([0.5])
@@ -141,9 +156,16 @@ def test_a_prior_holds_a_coefficient_back() -> None:
 def test_a_coefficient_too_small_for_a_name_is_refused() -> None:
     reduced = problem(np.ones((100, 1)), np.full(100, 1e-4))
     small = Problem(
-        reduced.gram, reduced.held, reduced.hypotheses, reduced.columns, (),
-        reduced.prior, reduced.lower, reduced.upper, np.array([1e-3]),
-    )  # fmt: skip
+        reduced.gram,
+        reduced.held,
+        reduced.hypotheses,
+        reduced.columns,
+        (),
+        reduced.prior,
+        reduced.lower,
+        reduced.upper,
+        np.array([1e-3]),
+    )
     assert solve(reduced, (0,)) is not None
     assert solve(small, (0,)) is None
 

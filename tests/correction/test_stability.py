@@ -7,7 +7,7 @@ import pytest
 from symhyb.correction.naming.stability import STABLE, stabilities, unstable, weakest
 from symhyb.correction.search.decide import Decision
 from symhyb.correction.search.trajectory import Refined
-from symhyb.discrepancy.fitting.matching import Fit
+from symhyb.discrepancy.fitting.task import Fit
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.model.types import On
 from symhyb.numeric.lowered.machine import build

@@ -98,14 +98,16 @@ def test_nothing_is_added_where_nothing_is_left() -> None:
 
 def test_a_mass_without_a_spring_does_not_forget_where_it_began() -> None:
     free = model_of(
-        coordinates={"x": {"unit": "m"}}, parameters={"m": (1.0, "kg"), "d": (0.5, "N*s/m")},
-        energy={"kinetic": "m*x'**2/2"}, inputs={"f": {"unit": "N"}},
+        coordinates={"x": {"unit": "m"}},
+        parameters={"m": (1.0, "kg"), "d": (0.5, "N*s/m")},
+        energy={"kinetic": "m*x'**2/2"},
+        inputs={"f": {"unit": "N"}},
         elements={
             "push": {"kind": "force", "on": "x", "force": "f"},
             "oil": {"kind": "damper", "on": "x", "damping": "d"},
         },
         sensors={"x": {"measures": "x", "unit": "m"}},
-    )  # fmt: skip
+    )
     t = np.arange(0, 30, STEP)
     f = np.sin(2 * t)
     at = -0.4 * np.exp(-0.5 * t) - (4 * np.sin(2 * t) + np.cos(2 * t)) / 17

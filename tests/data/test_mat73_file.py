@@ -90,10 +90,22 @@ def test_structures_cells_and_matrices_are_called_as_in_version_5(write, archive
     savemat(older, nested | {"angles": boxed, "both": both, "dt": 0.01})
     new = read_table(write("new.mat", newer))
     old = read_table(write("old.mat", older.getvalue()))
-    assert sorted(new.names()) == sorted(old.names()) == [
-        "angles.1", "angles.2.1", "angles.2.2", "angles.3.1", "angles.3.2",
-        "both.1", "both.2", "dt", "run.in.f", "run.t",
-    ]  # fmt: skip
+    assert (
+        sorted(new.names())
+        == sorted(old.names())
+        == [
+            "angles.1",
+            "angles.2.1",
+            "angles.2.2",
+            "angles.3.1",
+            "angles.3.2",
+            "both.1",
+            "both.2",
+            "dt",
+            "run.in.f",
+            "run.t",
+        ]
+    )
     for column in new.columns:
         (twin,) = old.find(column.header)
         np.testing.assert_array_equal(column.values, twin.values)

@@ -47,10 +47,14 @@ def test_what_is_no_vector_of_numbers_is_said_and_left_out(model, write, content
     path = write(
         "run.mat",
         content(
-            text="hello", big=np.ones((100, 70)), z=np.ones(100) * 1j,
-            nothing=np.empty((0, 0)), struct={"a": "b"}, sparse=csc_array(np.eye(3)),
+            text="hello",
+            big=np.ones((100, 70)),
+            z=np.ones(100) * 1j,
+            nothing=np.empty((0, 0)),
+            struct={"a": "b"},
+            sparse=csc_array(np.eye(3)),
         ),
-    )  # fmt: skip
+    )
     assert set(read_recording(path, model).notes) == {
         "variable text is text: left out",
         "variable big is a matrix (100 x 70), not a vector: left out",

@@ -22,9 +22,12 @@ def fast_and_slow(period=10, offset=0.0, count=100):
     t = np.arange(count) / 1000
     slow = np.arange(0, count, period) / 1000 + offset
     return {
-        "t": t, "laser": np.sin(40 * t), "f": np.cos(40 * t),
-        "t_acc": slow, "acc": np.cos(30 * slow),
-    }  # fmt: skip
+        "t": t,
+        "laser": np.sin(40 * t),
+        "f": np.cos(40 * t),
+        "t_acc": slow,
+        "acc": np.cos(30 * slow),
+    }
 
 
 def test_times_of_its_own_are_named_behind_the_at_sign(model, write):

@@ -21,9 +21,14 @@ def content_of(table):
 
 
 def test_numbers_flags_and_units_of_fields(model, write, signals):
-    fields = [arrow.field(name, arrow.float32() if name == "laser" else arrow.float64(),
-                          metadata={"unit": "um"} if name == "laser" else None)
-              for name in signals]  # fmt: skip
+    fields = [
+        arrow.field(
+            name,
+            arrow.float32() if name == "laser" else arrow.float64(),
+            metadata={"unit": "um"} if name == "laser" else None,
+        )
+        for name in signals
+    ]
     columns = [arrow.array(v * (1e3 if n == "laser" else 1)) for n, v in signals.items()]
     columns = [c.cast(f.type) for c, f in zip(columns, fields, strict=True)]
     path = write("run.parquet", content_of(arrow.table(columns, schema=arrow.schema(fields))))

@@ -88,11 +88,14 @@ def two_masses() -> Model:
         elements={
             "first": spring("k"),
             "second": {
-                "kind": "spring", "between": ["a", "b"], "stiffness": "k", "length": "far",
+                "kind": "spring",
+                "between": ["a", "b"],
+                "stiffness": "k",
+                "length": "far",
             },
         },
         sensors={"x": {"measures": "x", "unit": "m"}},
-    )  # fmt: skip
+    )
 
 
 def test_modes_of_two_masses_have_the_golden_shapes() -> None:

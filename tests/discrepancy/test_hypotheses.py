@@ -143,14 +143,21 @@ def test_channels_that_state_gain_and_offset_do_not_change_the_machine() -> None
 def test_a_found_element_is_written_and_read_like_one_a_person_wrote() -> None:
     model = cart_pole(length="mm", angle="deg")
     hypothesis = Hypothesis(
-        "friction", On("phi"), ("coulomb", "static"), (True, True),
-        (("stribeck", 0.3), ("transition", 1e-3)), ("stribeck",),
-    )  # fmt: skip
+        "friction",
+        On("phi"),
+        ("coulomb", "static"),
+        (True, True),
+        (("stribeck", 0.3), ("transition", 1e-3)),
+        ("stribeck",),
+    )
     element = hypothesis.element(model, "found_friction", {"coulomb": 0.02, "static": 0.05})
     units = {item.name: item.unit.text for item in element.parameters}
     assert units == {
-        "stribeck": "rad/s", "transition": "rad/s", "coulomb": "N*m", "static": "N*m",
-    }  # fmt: skip
+        "stribeck": "rad/s",
+        "transition": "rad/s",
+        "coulomb": "N*m",
+        "static": "N*m",
+    }
     corrected = append_elements(model, [element])
     again = parse_model(text_of(corrected)).elements[-1]
     assert {item.name: item.si for item in again.parameters} == pytest.approx(
@@ -171,8 +178,9 @@ def everything() -> tuple[Hypothesis, ...]:
         place: reach(1.5, centre, 0.3 * np.sin(40 * T))
         for place, centre in ((On("x"), 0.0), (On("phi"), 0.0), (BAND, 0.5))
     }
-    ripple = Hypothesis("ripple", On("phi"), ("sine", "cosine"), (False, False),
-                        (("period", 0.21),), ("period",))  # fmt: skip
+    ripple = Hypothesis(
+        "ripple", On("phi"), ("sine", "cosine"), (False, False), (("period", 0.21),), ("period",)
+    )
     return (*force_hypotheses(cart_pole(), places), ripple)
 
 

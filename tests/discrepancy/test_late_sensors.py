@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from symhyb.data.recording import Recording
-from symhyb.discrepancy.fitting.matching import Fit, Task, fit
+from symhyb.discrepancy.fitting.matching import fit
+from symhyb.discrepancy.fitting.task import Fit, Task
 from symhyb.discrepancy.recorded.motion import motion_of
 from symhyb.discrepancy.recorded.windows import Laid, lay
 from symhyb.numeric.lowered.machine import Machine, build
@@ -40,9 +41,11 @@ def recorded() -> Recording:
     )
     noise = np.random.default_rng(3).normal(size=(2, T.size)) * SD[:, None]
     return recording(
-        T, {"f": np.array([force(t) for t in T])},
-        place=run.sol(T)[0] + noise[0], speed=run.sol(T - LATE)[1] + noise[1],
-    )  # fmt: skip
+        T,
+        {"f": np.array([force(t) for t in T])},
+        place=run.sol(T)[0] + noise[0],
+        speed=run.sol(T - LATE)[1] + noise[1],
+    )
 
 
 @cache
@@ -53,10 +56,14 @@ def rig(*free: str) -> tuple[Machine, WindowModel]:
         inputs={"f": {"unit": "N"}},
         sensors={
             "place": {"measures": "x", "unit": "m"},
-            "speed": {"measures": "x'", "unit": "m/s", "delay": STATED,
-                      "gain": {"unit": "1", "value": 1.0}},
+            "speed": {
+                "measures": "x'",
+                "unit": "m/s",
+                "delay": STATED,
+                "gain": {"unit": "1", "value": 1.0},
+            },
         },
-    )  # fmt: skip
+    )
     machine = build(model)
     return machine, WindowModel(machine, tuple(machine.column(name) for name in free))
 
@@ -110,9 +117,13 @@ def test_nothing_is_taken_across_a_gap() -> None:
     gone = (T > 5) & (T < 6)
     run = recorded()
     short = Recording(
-        "gap.csv", T[~gone], {"f": run.inputs["f"][~gone]},
-        {name: values[~gone] for name, values in run.sensors.items()}, (), "",
-    )  # fmt: skip
+        "gap.csv",
+        T[~gone],
+        {"f": run.inputs["f"][~gone]},
+        {name: values[~gone] for name, values in run.sensors.items()},
+        (),
+        "",
+    )
     machine, model = rig("speed.delay")
     p = machine.values.copy()
     p[machine.column("speed.delay")] = LATE

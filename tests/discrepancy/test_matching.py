@@ -10,7 +10,8 @@ from builders import damper, oscillator, push, recording, spring
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from symhyb.discrepancy.fitting.matching import Fit, Task, fit
+from symhyb.discrepancy.fitting.matching import fit
+from symhyb.discrepancy.fitting.task import Fit, Task
 from symhyb.discrepancy.recorded.motion import motion_of
 from symhyb.discrepancy.recorded.windows import Laid, lay
 from symhyb.numeric.lowered.machine import Machine, build
@@ -67,9 +68,11 @@ def laid(seed: int, sd: float = SD, length_s: float = 0.8, coloured: float = 0.0
 
 def task(windows: Laid, size: int, **more: object) -> Task:
     unbounded = {
-        "lower": np.full(size, -np.inf), "upper": np.full(size, np.inf),
-        "mean": np.zeros(size), "spread": np.full(size, np.inf),
-    }  # fmt: skip
+        "lower": np.full(size, -np.inf),
+        "upper": np.full(size, np.inf),
+        "mean": np.zeros(size),
+        "spread": np.full(size, np.inf),
+    }
     return Task((windows,), **{"sd": np.array([SD]), **unbounded, **more})  # type: ignore[arg-type]
 
 

@@ -34,8 +34,11 @@ def sines(t: Array) -> tuple[Array, Array, Array]:
     parts = ((0.03, 2 * np.pi * 0.7, 0.2), (0.01, 2 * np.pi * 1.6, 1.1))
     x = sum(a * np.sin(w * t + p) for a, w, p in parts)
     v = sum(a * w * np.cos(w * t + p) for a, w, p in parts)
-    return np.asarray(x), np.asarray(v), np.asarray(-sum(
-        a * w**2 * np.sin(w * t + p) for a, w, p in parts))  # fmt: skip
+    return (
+        np.asarray(x),
+        np.asarray(v),
+        np.asarray(-sum(a * w**2 * np.sin(w * t + p) for a, w, p in parts)),
+    )
 
 
 def noisy(values: Array, sd: float, seed: int) -> Array:
@@ -57,19 +60,26 @@ def with_holes(values: Array) -> Array:
 CASES: Mapping[str, tuple[Array, dict[str, Entries], Callable[[int], dict[str, Array]]]] = {
     "position": (EVEN, {"p": PLACE}, lambda s: {"p": noisy(sines(EVEN)[0], 3e-4, s)}),
     "missing samples": (
-        EVEN, {"p": PLACE}, lambda s: {"p": with_holes(noisy(sines(EVEN)[0], 3e-4, s))},
+        EVEN,
+        {"p": PLACE},
+        lambda s: {"p": with_holes(noisy(sines(EVEN)[0], 3e-4, s))},
     ),
     "uneven samples": (UNEVEN, {"p": PLACE}, lambda s: {"p": noisy(sines(UNEVEN)[0], 3e-4, s)}),
     "position and speed": (
-        EVEN, {"p": PLACE, "v": SPEED},
+        EVEN,
+        {"p": PLACE, "v": SPEED},
         lambda s: {"p": noisy(sines(EVEN)[0], 3e-4, s), "v": noisy(sines(EVEN)[1], 3e-3, s + 50)},
     ),
     "all three": (
-        EVEN, {"p": PLACE, "v": SPEED, "a": PULL},
-        lambda s: {"p": noisy(sines(EVEN)[0], 3e-4, s), "v": noisy(sines(EVEN)[1], 3e-3, s + 50),
-                   "a": noisy(sines(EVEN)[2], 3e-2, s + 90)},
+        EVEN,
+        {"p": PLACE, "v": SPEED, "a": PULL},
+        lambda s: {
+            "p": noisy(sines(EVEN)[0], 3e-4, s),
+            "v": noisy(sines(EVEN)[1], 3e-3, s + 50),
+            "a": noisy(sines(EVEN)[2], 3e-2, s + 90),
+        },
     ),
-}  # fmt: skip
+}
 
 
 @cache
@@ -160,9 +170,11 @@ def two_coordinates() -> tuple[Machine, dict[str, Array], Array]:
         coordinates={"x": {"unit": "m"}, "y": {"unit": "m"}},
         parameters={"m": (1.0, "kg")},
         bodies={"one": {"mass": "m", "at": ["x", "0"]}, "two": {"mass": "m", "at": ["y", "0"]}},
-        sensors={"sum": {"measures": "x + y", "unit": "m"},
-                 "gap": {"measures": "x - y", "unit": "m"}},
-    )  # fmt: skip
+        sensors={
+            "sum": {"measures": "x + y", "unit": "m"},
+            "gap": {"measures": "x - y", "unit": "m"},
+        },
+    )
     x, y = np.sin(3 * EVEN), 0.5 * np.cos(5 * EVEN)
     data = {"sum": noisy(x + y, 2e-3, 1), "gap": noisy(x - y, 2e-3, 2)}
     return build(model), data, np.array([x, y])

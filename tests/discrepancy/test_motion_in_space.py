@@ -25,8 +25,9 @@ def test_the_attitude_of_a_quadrotor_follows_from_its_inertial_unit_and_a_camera
     machine, random = build(model), np.random.default_rng(3)
     t = np.arange(0, 3, 0.02)
     swing = np.sin(2 * np.pi * 1.2 * t + random.uniform(0, 6, 4)[:, None]).T
-    u = 1.6 + swing @ np.array([[0.2, 0, -0.2, 0], [0, 0.15, 0, -0.15], [0.1, -0.1, 0.1, -0.1],
-                                [0.2, 0.2, 0.2, 0.2]])  # fmt: skip
+    u = 1.6 + swing @ np.array(
+        [[0.2, 0, -0.2, 0], [0, 0.15, 0, -0.15], [0.1, -0.1, 0.1, -0.1], [0.2, 0.2, 0.2, 0.2]]
+    )
     start = np.array([c.start for c in model.coordinates])
     run = simulate(machine, Scenario(t, start, 0 * start, t, u))
     assert run.complete, run.reason

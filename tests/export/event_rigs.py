@@ -23,12 +23,20 @@ def swung(band: float = BAND, **more: Entries) -> Model:
             **more,
         },
         parameters={
-            "k": (40.0, "N/m"), "A": (0.8, "N"), "f": (0.3, "Hz"), "fc": (0.5, "N"),
-            "vt": (band, "m/s"), "ks": (2e4, "N/m"), "ds": (30.0, "N*s/m"), "c": (0.04, "m"),
-            "fs": (0.8, "N"), "vs": (0.01, "m/s"), "lean": (0.3, "1"),
+            "k": (40.0, "N/m"),
+            "A": (0.8, "N"),
+            "f": (0.3, "Hz"),
+            "fc": (0.5, "N"),
+            "vt": (band, "m/s"),
+            "ks": (2e4, "N/m"),
+            "ds": (30.0, "N*s/m"),
+            "c": (0.04, "m"),
+            "fs": (0.8, "N"),
+            "vs": (0.01, "m/s"),
+            "lean": (0.3, "1"),
         },
         start=0.1,
-    )  # fmt: skip
+    )
 
 
 def whole(model: Model) -> Spec:

@@ -35,12 +35,17 @@ def machine() -> Model:
             "drive": push("f"),
         },
         parameters={
-            "k": (40.0, "N/m"), "c": (200.0, "N/m^3"), "fc": (0.5, "N"), "vt": (1.0, "mm/s"),
-            "b": (0.4, "N*s^2/m^2"), "kr": (20.0, "N/m"), "d": (3.0, "N*s/m"),
+            "k": (40.0, "N/m"),
+            "c": (200.0, "N/m^3"),
+            "fc": (0.5, "N"),
+            "vt": (1.0, "mm/s"),
+            "b": (0.4, "N*s^2/m^2"),
+            "kr": (20.0, "N/m"),
+            "d": (3.0, "N*s/m"),
         },
         inputs={"f": {"unit": "N"}},
         start=0.1,
-    )  # fmt: skip
+    )
 
 
 @cache
@@ -74,13 +79,25 @@ def network(folder: Path) -> Spec:
         weights = rng.normal(size=(narrow, wide)) / np.sqrt(wide)
         layer = {"weights": weights.tolist(), "bias": rng.normal(size=narrow).tolist()}
         layers.append({**layer, "activation": activation})
-    text = json.dumps({"symhyb-network": 1, "mean": [0, 0], "scale": [1, 1], "gain": 2.0,
-                       "offset": 0.1, "layers": layers})  # fmt: skip
+    text = json.dumps(
+        {
+            "symhyb-network": 1,
+            "mean": [0, 0],
+            "scale": [1, 1],
+            "gain": 2.0,
+            "offset": 0.1,
+            "layers": layers,
+        }
+    )
     (folder / "net.json").write_text(text, encoding="utf-8")
     learnt = {
-        "kind": "network", "on": "x", "weights": "net.json", "inputs": ["x/w0", "x'/w1"],
-        "sha256": hashlib.sha256(text.encode()).hexdigest(), "trust": [[-3, 3], [-3, 3]],
-    }  # fmt: skip
+        "kind": "network",
+        "on": "x",
+        "weights": "net.json",
+        "inputs": ["x/w0", "x'/w1"],
+        "sha256": hashlib.sha256(text.encode()).hexdigest(),
+        "trust": [[-3, 3], [-3, 3]],
+    }
     model = model_of(
         coordinates={"x": {"unit": "m"}},
         parameters={"m": (1.2, "kg"), "w0": (1.0, "m"), "w1": (1.0, "m/s")},
@@ -108,9 +125,11 @@ def loaded(path: Path, fmi: int, kind: str = "cs") -> Iterator[Any]:
     folder = extract(str(path), tempfile.mkdtemp(dir=path.parent))
     known = {(2, "cs"): FMU2Slave, (2, "me"): FMU2Model, (3, "cs"): FMU3Slave, (3, "me"): FMU3Model}
     instance = known[fmi, kind](
-        guid=description.guid, unzipDirectory=folder, instanceName="it",
+        guid=description.guid,
+        unzipDirectory=folder,
+        instanceName="it",
         modelIdentifier=description.modelName,
-    )  # fmt: skip
+    )
     instance.instantiate()
     yield instance
     instance.freeInstance()

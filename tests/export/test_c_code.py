@@ -45,8 +45,11 @@ def compiled(folder: Path, *sources: str) -> str:
     """Compile and run; what the program prints."""
     done = subprocess.run(
         ["cc", *WARNINGS, "-ffp-contract=off", *sources, "-o", "program", "-lm"],
-        cwd=folder, capture_output=True, text=True, check=False,
-    )  # fmt: skip
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     assert done.returncode == 0, done.stderr
     run = subprocess.run(["./program"], cwd=folder, capture_output=True, text=True, check=False)
     return f"{run.returncode} {run.stdout}"

@@ -42,9 +42,14 @@ def rate(t: float, y: np.ndarray, force: float) -> np.ndarray:
 @cache
 def reference(corrected: bool = True) -> np.ndarray:
     run = solve_ivp(
-        lambda t, y: rate(t, y, missing(y[1]) if corrected else 0.0), (0, END), [0.5, 0.0],
-        "Radau", np.linspace(0, END, 501), rtol=1e-10, atol=1e-12,
-    )  # fmt: skip
+        lambda t, y: rate(t, y, missing(y[1]) if corrected else 0.0),
+        (0, END),
+        [0.5, 0.0],
+        "Radau",
+        np.linspace(0, END, 501),
+        rtol=1e-10,
+        atol=1e-12,
+    )
     return run.y.T
 
 

@@ -26,8 +26,10 @@ b = { value = 0.8, sd = 0.03, unit = "N*s^2/m^2", about = "drag quadratic in spe
 def symhyb(*arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [sys.executable, "-c", "from symhyb.cli import main; main()", *arguments],
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
+        capture_output=True,
+        text=True,
+        check=False,
+    )
 
 
 def test_the_found_elements_are_exported_from_the_command_line(tmp_path: Path) -> None:
@@ -38,8 +40,10 @@ def test_the_found_elements_are_exported_from_the_command_line(tmp_path: Path) -
     assert "inputs: v.q [m/s]" in done.stdout
     assert "outputs: dF.q [N]" in done.stdout
     assert sorted(file.name for file in (tmp_path / "drag").iterdir()) == [
-        "drag.c", "drag.h", "drag_check.c",
-    ]  # fmt: skip
+        "drag.c",
+        "drag.h",
+        "drag_check.c",
+    ]
 
 
 def test_a_mistake_is_one_sentence_and_leaves_no_file(tmp_path: Path) -> None:

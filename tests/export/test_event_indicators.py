@@ -62,8 +62,9 @@ def test_a_mode_stays_until_event_mode_and_is_settled_at_the_start(
         put(instance, fmi, [at["v.x"]], [0.3])  # along the straight line, far beyond the band
         assert get(instance, fmi, asked) == pytest.approx([force(0.3, 300), 0], rel=1e-14)
         assert instance.completedIntegratorStep()[0]
-        slope = instance.getDirectionalDerivative([at["dF.x"], at["event.rub.upper"]], [at["v.x"]],
-                                                  [1.0])  # fmt: skip
+        slope = instance.getDirectionalDerivative(
+            [at["dF.x"], at["event.rub.upper"]], [at["v.x"]], [1.0]
+        )
         assert slope == pytest.approx([-0.5 / 1e-3 - 0.8 * 0.3, 1 / 1e-3], rel=1e-13)
         updated(instance, fmi)
         assert get(instance, fmi, asked) == pytest.approx([force(0.3, 1), 1], rel=1e-14)
@@ -90,8 +91,14 @@ def test_a_sign_in_a_law_is_a_mode_with_a_width_of_its_own() -> None:
     mode = {"sign[1]": 1.0}
     assert told(spec, [-0.3], **mode)["dF.x"] == -2.0  # frozen
     here = told(spec, [4e-4])
-    assert here == pytest.approx({"dF.x": -0.8, "event.sign[1].upper": 0.4 - 1 - BAND_PLAY,
-                                  "event.sign[1].lower": 1.4 + BAND_PLAY}, rel=1e-14)  # fmt: skip
+    assert here == pytest.approx(
+        {
+            "dF.x": -0.8,
+            "event.sign[1].upper": 0.4 - 1 - BAND_PLAY,
+            "event.sign[1].lower": 1.4 + BAND_PLAY,
+        },
+        rel=1e-14,
+    )
     sliding = told(spec, [4e-4], **mode)
     assert sliding["event.sign[1].upper"] == pytest.approx(0.4 - 1 + BAND_PLAY, rel=1e-14)
     narrow = told(spec, [1e-10], smoothing=0.0)

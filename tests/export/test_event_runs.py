@@ -43,9 +43,14 @@ def imported(path: Path, spec: Spec, tolerance: float = 1e-8) -> NDArray[Any]:
 
     names = [v.name for role in ("state", "indicator", "mode") for v in spec.of_role(role)]
     return simulate_fmu(
-        str(path), fmi_type="ModelExchange", stop_time=END, output_interval=0.01, output=names,
-        relative_tolerance=tolerance, record_events=True,
-    )  # fmt: skip
+        str(path),
+        fmi_type="ModelExchange",
+        stop_time=END,
+        output_interval=0.01,
+        output=names,
+        relative_tolerance=tolerance,
+        record_events=True,
+    )
 
 
 def apart(run: NDArray[Any], told: Trajectory) -> tuple[float, float]:
@@ -90,8 +95,11 @@ def test_a_run_with_located_events_is_the_exact_one_within_the_band(fmus, fmi: i
     place, speed = apart(run, told)
     assert place < BAND  # m: the band's speed held for a second
     assert speed < 3 * BAND
-    turns = [(float(b["time"]), b["mode.rub"]) for a, b in pairwise(run)
-             if a["mode.rub"] != b["mode.rub"]]  # fmt: skip
+    turns = [
+        (float(b["time"]), b["mode.rub"])
+        for a, b in pairwise(run)
+        if a["mode.rub"] != b["mode.rub"]
+    ]
     assert set(run["mode.rub"]) == {-1.0, 0.0, 1.0}
     signs = {"slides +": 1.0, "slides -": -1.0}
     slides = [event for event in told.events if event.transition in signs]
@@ -154,9 +162,11 @@ def test_every_event_is_where_an_indicator_changes_sign(fmus) -> None:
         for side, positive in rising.items():
             assert (after[f"event.rub.{side}"] > 0) == positive
             assert after[f"event.rub.{side}"] != 0
-        signs = [np.sign(b[f"event.rub.{s}"]) * np.sign(run[i][f"event.rub.{s}"])
-                 for i, b in [(int(np.flatnonzero(run["time"] < before["time"])[-1]), after)]
-                 for s in rising]  # fmt: skip
+        signs = [
+            np.sign(b[f"event.rub.{s}"]) * np.sign(run[i][f"event.rub.{s}"])
+            for i, b in [(int(np.flatnonzero(run["time"] < before["time"])[-1]), after)]
+            for s in rising
+        ]
         assert min(signs) == -1
 
 
@@ -177,8 +187,14 @@ def test_an_importer_that_does_not_watch_gets_it_wrong(fmus, tmp_path: Path) -> 
     path.write_bytes(archive({**files, "modelDescription.xml": blind}))
     from fmpy import simulate_fmu
 
-    run = simulate_fmu(str(path), fmi_type="ModelExchange", stop_time=END, output_interval=0.01,
-                       output=["q.x", "v.x"], relative_tolerance=1e-8)  # fmt: skip
+    run = simulate_fmu(
+        str(path),
+        fmi_type="ModelExchange",
+        stop_time=END,
+        output_interval=0.01,
+        output=["q.x", "v.x"],
+        relative_tolerance=1e-8,
+    )
     assert apart(run, exact(swung(rub=RUB)))[0] > 20 * BAND
 
 
@@ -279,8 +295,9 @@ def test_events_are_taken_again_from_a_saved_state_bit_by_bit(fmus, fmi: int) ->
         updated(instance, fmi)
         master.run(0.0, 0.8, 1e-3)
         assert np.array_equal(master.run(0.8, 2.5, 1e-3), once)
-    place, speed = once[:2] - np.array([exact(swung(rub=RUB)).q[250, 0],
-                                        exact(swung(rub=RUB)).v[250, 0]])  # fmt: skip
+    place, speed = once[:2] - np.array(
+        [exact(swung(rub=RUB)).q[250, 0], exact(swung(rub=RUB)).v[250, 0]]
+    )
     assert abs(place) < BAND
     assert abs(speed) < 3 * BAND
 
@@ -294,9 +311,14 @@ def test_an_element_in_a_host_that_gives_its_speed_tells_where_it_turns(tmp_path
     signal = np.zeros(t.size, dtype=[("time", float), ("v.x", float)])
     signal["time"], signal["v.x"] = t, np.cos(2 * np.pi * t)
     run = simulate_fmu(
-        str(written(tmp_path, spec, 2)), fmi_type="ModelExchange", stop_time=1.0, input=signal,
-        output=["dF.x", "mode.rub"], output_interval=0.05, record_events=True,
-    )  # fmt: skip
+        str(written(tmp_path, spec, 2)),
+        fmi_type="ModelExchange",
+        stop_time=1.0,
+        input=signal,
+        output=["dF.x", "mode.rub"],
+        output_interval=0.05,
+        record_events=True,
+    )
     turns = [float(b["time"]) for a, b in pairwise(run) if a["mode.rub"] != b["mode.rub"]]
     early = np.arccos(1e-3) / (2 * np.pi)
     assert turns == pytest.approx([early, 0.5 - early, 0.5 + early, 1 - early], abs=1e-6)

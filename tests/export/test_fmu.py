@@ -131,10 +131,13 @@ def test_the_whole_machine_moves_as_its_equations_say(
 
     t = np.linspace(0, 2, 201)
     run = simulate_fmu(
-        str(fmus["whole", fmi]), fmi_type=kind, stop_time=2.0, output_interval=0.01,
-        relative_tolerance=1e-8, input=np.array([(0.0, 2.0), (2.0, 2.0)],
-                                                dtype=[("time", float), ("u.f", float)]),
-    )  # fmt: skip
+        str(fmus["whole", fmi]),
+        fmi_type=kind,
+        stop_time=2.0,
+        output_interval=0.01,
+        relative_tolerance=1e-8,
+        input=np.array([(0.0, 2.0), (2.0, 2.0)], dtype=[("time", float), ("u.f", float)]),
+    )
 
     def rate(_: float, y: np.ndarray) -> list[float]:
         x, v, z = y

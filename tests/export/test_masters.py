@@ -34,11 +34,14 @@ def host() -> Spec:
             "missing": push("dF"),
         },
         parameters={
-            "m": (1.0, "kg"), "c": (5.0, "N/m^3"), "a": (5.0, "N"), "f": (1.0, "Hz"),
+            "m": (1.0, "kg"),
+            "c": (5.0, "N/m^3"),
+            "a": (5.0, "N"),
+            "f": (1.0, "Hz"),
         },
         inputs={"dF": {"unit": "N"}},
         start=0.5,
-    )  # fmt: skip
+    )
     return spec_of(model, "host", whole=True)
 
 

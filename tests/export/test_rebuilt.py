@@ -43,9 +43,12 @@ def test_its_own_sources_make_it_again(fmi: int, tmp_path: Path) -> None:
     beside = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"  # cmake is there
     done = subprocess.run(
         [sys.executable, "-m", "fmpy", "compile", str(path)],
-        cwd=tmp_path, env={**os.environ, **flags, "PATH": beside}, capture_output=True, text=True,
+        cwd=tmp_path,
+        env={**os.environ, **flags, "PATH": beside},
+        capture_output=True,
+        text=True,
         check=False,
-    )  # fmt: skip
+    )
     assert done.returncode == 0, done.stderr
     with zipfile.ZipFile(path) as packed:
         assert any(name.startswith("binaries/") for name in packed.namelist())
@@ -101,8 +104,9 @@ def test_wine_computes_the_same_force(tmp_path: Path) -> None:
     (tmp_path / "driver.c").write_text(WINDOWS, encoding="utf-8")
     subprocess.run(
         ["x86_64-w64-mingw32-gcc", "driver.c", f"-I{headers()}", "-o", "driver.exe"],
-        cwd=tmp_path, check=True,
-    )  # fmt: skip
+        cwd=tmp_path,
+        check=True,
+    )
     t, _, u = samples(spec, 2000, seed=13)
     told = "".join(f"{a:.17g} {b:.17g}\n" for a, b in u)
     run = subprocess.run(

@@ -20,16 +20,37 @@ def checked(code: str, folder: Path) -> tuple[int, str]:
     freed is an error, too."""
     (folder / "driver.c").write_text(code, encoding="utf-8")
     done = subprocess.run(
-        ["cc", "-std=c99", "-Wall", "-Wextra", "-Wno-unused-parameter", "-Werror", "-g",
-         "-fsanitize=address,undefined", "-fno-sanitize-recover", "-DDISABLE_PREFIX",
-         f"-I{headers()}", "driver.c", "-o", "driver", "-lm"],
-        cwd=folder, capture_output=True, text=True, check=False,
-    )  # fmt: skip
+        [
+            "cc",
+            "-std=c99",
+            "-Wall",
+            "-Wextra",
+            "-Wno-unused-parameter",
+            "-Werror",
+            "-g",
+            "-fsanitize=address,undefined",
+            "-fno-sanitize-recover",
+            "-DDISABLE_PREFIX",
+            f"-I{headers()}",
+            "driver.c",
+            "-o",
+            "driver",
+            "-lm",
+        ],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     assert done.returncode == 0, done.stderr
     run = subprocess.run(
-        ["./driver"], cwd=folder, env={"ASAN_OPTIONS": "detect_leaks=1"},
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
+        ["./driver"],
+        cwd=folder,
+        env={"ASAN_OPTIONS": "detect_leaks=1"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     return run.returncode, run.stdout + run.stderr
 
 
@@ -52,14 +73,20 @@ def test_no_check_of_the_compiler_finds_anything(
 @pytest.mark.parametrize(
     ("right", "wrong", "said"),
     [
-        ("void fmi3FreeInstance(fmi3Instance instance) { free(instance); }",
-         "void fmi3FreeInstance(fmi3Instance instance) { (void)instance; }", "memory leaks"),
-        ("  if (n) memcpy(d, self->m.v + V_D, n * sizeof *d);",
-         "  if (n) memcpy(d, self->m.v + V_D, (n + 8) * sizeof *d);", "stack-buffer-overflow"),
+        (
+            "void fmi3FreeInstance(fmi3Instance instance) { free(instance); }",
+            "void fmi3FreeInstance(fmi3Instance instance) { (void)instance; }",
+            "memory leaks",
+        ),
+        (
+            "  if (n) memcpy(d, self->m.v + V_D, n * sizeof *d);",
+            "  if (n) memcpy(d, self->m.v + V_D, (n + 8) * sizeof *d);",
+            "stack-buffer-overflow",
+        ),
         ("self->m.phase = self->exchange ? EVENT : STEP;", "self->m.phase = STEP;", "line "),
         ("  *state = 0;\n", "", "double-free"),
     ],
-)  # fmt: skip
+)
 def test_what_is_wrong_is_found(right: str, wrong: str, said: str, tmp_path: Path) -> None:
     code = fmu_code(element(), 3, "{it}")
     assert code.count(right) == 1

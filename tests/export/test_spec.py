@@ -103,8 +103,16 @@ def learnt(folder: Path) -> Model:
         {"weights": [[2.0]], "bias": [0.0], "activation": "tanh"},
         {"weights": [[1.0]], "bias": [0.0], "activation": "identity"},
     ]
-    text = json.dumps({"symhyb-network": 1, "mean": [0.0], "scale": [1.0], "gain": 3.0,
-                       "offset": 0.0, "layers": layers})  # fmt: skip
+    text = json.dumps(
+        {
+            "symhyb-network": 1,
+            "mean": [0.0],
+            "scale": [1.0],
+            "gain": 3.0,
+            "offset": 0.0,
+            "layers": layers,
+        }
+    )
     (folder / "net.json").write_text(text, encoding="utf-8")
     digest = hashlib.sha256(text.encode()).hexdigest()
     source = f"""
@@ -131,8 +139,9 @@ def test_a_network_says_whether_it_was_trained_there(tmp_path: Path) -> None:
     spec = spec_of(learnt(tmp_path), "net", ("rest",))
     assert spec.exported.outputs == (("dF", "x"), ("trust", "rest"))
     assert told(spec, u=[0.4]) == {
-        "dF.x": pytest.approx(3 * math.tanh(0.8), rel=1e-14), "trust.rest": 1.0,
-    }  # fmt: skip
+        "dF.x": pytest.approx(3 * math.tanh(0.8), rel=1e-14),
+        "trust.rest": 1.0,
+    }
     edge = told(spec, u=[1 + FADE])  # half of the way out: FADE is a share of a box 2 m wide
     assert edge["trust.rest"] == pytest.approx(0.5, rel=1e-12)
     assert edge["dF.x"] == pytest.approx(1.5 * math.tanh(2 * (1 + FADE)), rel=1e-12)
@@ -165,8 +174,11 @@ def test_weights_that_were_changed_are_not_exported(tmp_path: Path) -> None:
 
 
 def test_a_mass_cannot_be_a_force_element_but_part_of_the_whole() -> None:
-    model = oscillator({"water": {"kind": "added_mass", "on": "x", "mass": "mw"}, "d": push("f")},
-                       {"mw": (0.3, "kg")}, inputs={"f": {"unit": "N"}})  # fmt: skip
+    model = oscillator(
+        {"water": {"kind": "added_mass", "on": "x", "mass": "mw"}, "d": push("f")},
+        {"mw": (0.3, "kg")},
+        inputs={"f": {"unit": "N"}},
+    )
     with pytest.raises(InputError, match=r"acceleration.*--whole"):
         spec_of(model, "water", ("water",))
     e = spec_of(model, "all", whole=True).exported

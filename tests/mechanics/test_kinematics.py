@@ -104,12 +104,23 @@ def arm(parent: str = "upper") -> Model:
             "hand": {"body": "lower", "at": ["l", "o"]},
         },
         bodies={
-            "lower": {"parent": parent, "joint": "elbow", "angle": "beta", "mass": "m",
-                      "inertia": "J", "at": ["o", "0"]},
-            "upper": {"joint": ["o", "-o"], "angle": "alpha", "mass": "m", "inertia": "J",
-                      "at": ["o", "0"]},
+            "lower": {
+                "parent": parent,
+                "joint": "elbow",
+                "angle": "beta",
+                "mass": "m",
+                "inertia": "J",
+                "at": ["o", "0"],
+            },
+            "upper": {
+                "joint": ["o", "-o"],
+                "angle": "alpha",
+                "mass": "m",
+                "inertia": "J",
+                "at": ["o", "0"],
+            },
         },
-    )  # fmt: skip
+    )
 
 
 def turned(angle: float, x: float, y: float) -> np.ndarray:
@@ -124,9 +135,13 @@ def test_a_chain_of_bodies_is_the_product_of_its_turns() -> None:
     alpha, beta, length, off = 0.4, -1.3, 0.5, 0.2
     found = sp.lambdify(
         [s.q, s.p],
-        [places.points["hand"], places.centres["lower"], places.centres["upper"],
-         places.frames["lower"].angle],
-    )([alpha, beta], p)  # fmt: skip
+        [
+            places.points["hand"],
+            places.centres["lower"],
+            places.centres["upper"],
+            places.frames["lower"].angle,
+        ],
+    )([alpha, beta], p)
     elbow = np.array([off, -off]) + turned(alpha, length, 0)
     assert found[0] == pytest.approx(elbow + turned(alpha + beta, length, off))
     assert found[1] == pytest.approx(elbow + turned(alpha + beta, off, 0))

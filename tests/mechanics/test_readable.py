@@ -130,8 +130,15 @@ class Evaluated:
         self.q, self.v, self.a = rng.normal(size=(3, len(s.q)))
         self.z, self.u = rng.normal(size=len(s.z)), rng.normal(size=len(s.u))
         self.t, self.p = rng.normal(), machine.values
-        rows = ((s.q, self.q), (s.v, self.v), (s.a, self.a), (tuple(s.z.values()), self.z),
-                (s.u, self.u), (s.p, self.p), ((s.t,), [self.t]))  # fmt: skip
+        rows = (
+            (s.q, self.q),
+            (s.v, self.v),
+            (s.a, self.a),
+            (tuple(s.z.values()), self.z),
+            (s.u, self.u),
+            (s.p, self.p),
+            ((s.t,), [self.t]),
+        )
         self.known = {x: float(n) for names, row in rows for x, n in zip(names, row, strict=True)}
         for item in derived.names:
             self.known[item.symbol] = self(item.value)
@@ -268,9 +275,13 @@ def test_a_network_is_shown_with_what_it_sees() -> None:
 def test_the_derivative_along_a_direction_is_that_of_sympy() -> None:
     x, y, t = sp.symbols("x y t", real=True)
     expression = (
-        sp.sin(x + y) ** 3 * sp.atan2(y, x) + sp.exp(x * t) ** y + sp.sqrt(x**2 + y**2)
-        + sp.Max(x, y) * sp.tanh(x / t) + sp.Abs(x - y) + sp.sign(x)
-    )  # fmt: skip
+        sp.sin(x + y) ** 3 * sp.atan2(y, x)
+        + sp.exp(x * t) ** y
+        + sp.sqrt(x**2 + y**2)
+        + sp.Max(x, y) * sp.tanh(x / t)
+        + sp.Abs(x - y)
+        + sp.sign(x)
+    )
     ways = {x: sp.Float(0.3), y: sp.Float(-1.2), t: sp.Float(0.7)}
     plain = expression - sp.sign(x)  # SymPy's slope of a step is a Dirac impulse
     expected = sum(sp.diff(plain, symbol) * way for symbol, way in ways.items())

@@ -223,9 +223,11 @@ def test_latex_has_dots_for_rates_and_the_element_beside_its_force() -> None:
 
 def test_latex_escapes_names_and_keeps_the_signs_of_sums() -> None:
     law = {
-        "kind": "law", "on": "theta_1", "torque": "-b*theta_1 - c*theta_1**3",
+        "kind": "law",
+        "on": "theta_1",
+        "torque": "-b*theta_1 - c*theta_1**3",
         "parameters": {"b": (2.0, "N*m/rad"), "c": (4.0, "N*m/rad^3")},
-    }  # fmt: skip
+    }
     model = model_of(
         coordinates={"theta_1": {"unit": "rad"}},
         parameters={"J": (0.2, "kg*m^2"), "k": (3.0, "N*m/rad")},

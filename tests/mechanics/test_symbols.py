@@ -9,11 +9,20 @@ from symhyb.mechanics.symbols import reading_symbol, symbols_of, to_sympy
 from symhyb.model.expression import evaluate, parse_expression, readings
 
 TEXTS = [
-    "a + b*c - x/2", "-a**2 + 2**-c", "(a*b)**3/c", "x'**2 - x''", "sqrt(c) + exp(a) - log(c)",
-    "sin(a)*cos(b) + tan(x)", "asin(a) + acos(a) + atan(b) + atan2(b, c)",
-    "sinh(a) - cosh(b)*tanh(c)", "abs(b)*sign(b)", "min(a, b, c) - max(a, b, 0.25)", "2*pi*a",
-    "1e-3*a + 12345.678*b + 70", "c**0.5 - c**-1.5",
-]  # fmt: skip
+    "a + b*c - x/2",
+    "-a**2 + 2**-c",
+    "(a*b)**3/c",
+    "x'**2 - x''",
+    "sqrt(c) + exp(a) - log(c)",
+    "sin(a)*cos(b) + tan(x)",
+    "asin(a) + acos(a) + atan(b) + atan2(b, c)",
+    "sinh(a) - cosh(b)*tanh(c)",
+    "abs(b)*sign(b)",
+    "min(a, b, c) - max(a, b, 0.25)",
+    "2*pi*a",
+    "1e-3*a + 12345.678*b + 70",
+    "c**0.5 - c**-1.5",
+]
 VALUES = {"a": 0.3, "b": -1.7, "c": 2.5, ("x", 0): 0.4, ("x", 1): -0.6, ("x", 2): 1.1}
 
 
@@ -74,8 +83,10 @@ def test_readings_of_instruments_are_symbols_until_they_are_lowered() -> None:
     tree = parse_expression("2*force(oil) - reaction(x)*sin(orientation(arm))")
     found = readings(tree)
     assert [str(reading_symbol(r)) for r in found] == [
-        "force(oil)", "reaction(x)", "orientation(arm)",
-    ]  # fmt: skip
+        "force(oil)",
+        "reaction(x)",
+        "orientation(arm)",
+    ]
     force, reaction, angle = map(reading_symbol, found)
     assert to_sympy(tree, {}) == 2 * force - reaction * sp.sin(angle)
     assert not readings(parse_expression("a*b"))

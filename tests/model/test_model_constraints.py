@@ -63,20 +63,32 @@ kind = "equation"
 zero = "x**2 - l**2*(1 + sin(phi)**2)"
 """
 FAULTS = {
-    "kind": ('kind = "gear"', 'kind = "gaer"', "constraints.teeth.kind: 'gaer' is not a known kind "
-             "of constraint; did you mean 'gear'?"),
+    "kind": (
+        'kind = "gear"',
+        'kind = "gaer"',
+        "constraints.teeth.kind: 'gaer' is not a known kind of constraint; did you mean 'gear'?",
+    ),
     "no kind": ('kind = "gear"\n', "", "constraints.teeth: 'kind' is missing"),
     "key": ('ratio = "1/3"', 'ration = "1/3"', "'ration' is not a key here; did you mean 'ratio'?"),
     "no length": ('length = "2*l"\n', "", "'length' is missing: a distance needs it"),
-    "point": ('between = ["p", "q"]', 'between = ["p", "oo"]', "constraints.rod.between: 'oo' is "
-              "not a known point; did you mean 'o'?"),
+    "point": (
+        'between = ["p", "q"]',
+        'between = ["p", "oo"]',
+        "constraints.rod.between: 'oo' is not a known point; did you mean 'o'?",
+    ),
     "itself": ('between = ["p", "q"]', 'between = ["p", "p"]', "names 'p' twice"),
-    "one point": ('points = ["p", "q"]', 'points = ["p"]', "must be a list of two points, not a "
-                  "list of 1"),
+    "one point": (
+        'points = ["p", "q"]',
+        'points = ["p"]',
+        "must be a list of two points, not a list of 1",
+    ),
     "no points": ('points = ["p", "q"]\n', "", "'points' is missing: a list of two points"),
     "slider point": ('point = "q"', "point = 3", "constraints.rail.point: must be text in quotes"),
-    "coordinate": ('on = ["phi", "psi"]', 'on = ["phi", "pis"]', "'pis' is not a known coordinate;"
-                   " did you mean 'psi'?"),
+    "coordinate": (
+        'on = ["phi", "psi"]',
+        'on = ["phi", "pis"]',
+        "'pis' is not a known coordinate; did you mean 'psi'?",
+    ),
     "rolls an angle": ('on = ["x", "phi"]', 'on = ["psi", "phi"]', "what rolls goes a length"),
     "unit of a length": ('length = "2*l"', 'length = "2*m"', "'2*m' is kg, needs m"),
     "unit of a ratio": ('ratio = "1/3"', 'ratio = "l"', "constraints.teeth.ratio: 'l' is m, needs"),
@@ -86,17 +98,24 @@ FAULTS = {
     "ratio 0": ('ratio = "1/3"', "ratio = 0", "is 0; then 'psi' moves nothing"),
     "speed": ('zero = "x**2', "zero = \"x'*x", "x' is a speed, on which a constraint"),
     "kink": ('zero = "x**2', 'zero = "abs(x)*x', "has no smooth speed"),
-    "nothing moves": ('zero = "x**2 - l**2*(1 + sin(phi)**2)"', 'zero = "l"',
-                      "contains no coordinate; it holds nothing"),
-}  # fmt: skip
+    "nothing moves": (
+        'zero = "x**2 - l**2*(1 + sin(phi)**2)"',
+        'zero = "l"',
+        "contains no coordinate; it holds nothing",
+    ),
+}
 
 
 def test_every_kind_is_read() -> None:
     found = {item.name: item for item in read().constraints}
     assert [(item.kind, item.names) for item in found.values()] == [
-        ("distance", ("p", "q")), ("slider", ("q", "o", "e")), ("gear", ("phi", "psi")),
-        ("rolling", ("x", "phi")), ("pin", ("p", "q")), ("equation", ()),
-    ]  # fmt: skip
+        ("distance", ("p", "q")),
+        ("slider", ("q", "o", "e")),
+        ("gear", ("phi", "psi")),
+        ("rolling", ("x", "phi")),
+        ("pin", ("p", "q")),
+        ("equation", ()),
+    ]
     assert [key for key, _ in found["teeth"].values] == ["ratio", "offset"]
     assert found["rod"].about == "a light rod"
 

@@ -102,7 +102,7 @@ MEASURES = {
     "names": ("distance(wall)", "'distance' takes 2 names, not 1; write distance(<point>,"),
     "sum": ("x + force(rail)", "adds 'x' in mm and 'force(rail)' in N"),
     "name": ("force(rail)*xx", "'xx' is not a known name"),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize(("text", "sentence"), MEASURES.values(), ids=MEASURES)
@@ -119,11 +119,17 @@ ELSEWHERE = {
     "point": ('wall = ["0", "0"]', 'wall = ["distance(wall, tip)", "0"]', "a position"),
     "mass": ('mass = "m"', 'mass = "force(rail)"', "a mass or inertia"),
     "force": ('coulomb = "force"', 'coulomb = "force(rail)"', "a coefficient"),
-    "law": ("[elements.rail]", '[elements.servo]\nkind = "law"\non = "y"\n'
-            'force = "-reaction(x)"\n[elements.rail]', "a force"),
-    "energy": ("[sensors]", '[energy]\npotential = "k*distance(wall, tip)**2"\n[sensors]',
-               "a potential energy"),
-}  # fmt: skip
+    "law": (
+        "[elements.rail]",
+        '[elements.servo]\nkind = "law"\non = "y"\nforce = "-reaction(x)"\n[elements.rail]',
+        "a force",
+    ),
+    "energy": (
+        "[sensors]",
+        '[energy]\npotential = "k*distance(wall, tip)**2"\n[sensors]',
+        "a potential energy",
+    ),
+}
 
 
 @pytest.mark.parametrize(("old", "new", "words"), ELSEWHERE.values(), ids=ELSEWHERE)

@@ -87,8 +87,10 @@ def test_how_a_body_is_turned_is_kept() -> None:
     (top,), (bird,) = parse_model(TOP).bodies, parse_model(BIRD).bodies
     assert isinstance(top.turned, Rotations)
     assert [(axis, str(angle)) for axis, angle in top.turned.steps] == [
-        ("z", "psi"), ("x", "theta"), ("z", "phi"),
-    ]  # fmt: skip
+        ("z", "psi"),
+        ("x", "theta"),
+        ("z", "phi"),
+    ]
     assert bird.turned == Quaternion(("qw", "qx", "qy", "qz"))
     assert [str(part) for part in bird.tensor] == ["J", "J", "J", "J/4", "0", "0"]
     assert [str(part) for part in top.tensor] == ["A", "A", "C"]
@@ -106,28 +108,48 @@ def test_a_difference_is_said_in_words() -> None:
 
 ONE_FAULT = {
     "mixture": (
-        TOP, 'foot = ["0", "0", "0"]', 'foot = ["0", "0"]',
-        "points.foot: has two components, but gravity has three; a model is in the plane (two)"
+        TOP,
+        'foot = ["0", "0", "0"]',
+        'foot = ["0", "0"]',
+        "points.foot: has two components, but gravity has three; a model is in the plane (two)",
     ),
     "mixed force": (
-        TOP, '["m*g", "0", "0"]', '["m*g", "0"]', "has two components; the vectors of this model"
+        TOP,
+        '["m*g", "0", "0"]',
+        '["m*g", "0"]',
+        "has two components; the vectors of this model",
     ),
     "four": (TOP, '["0", "0", "l"]', '["0", "0", "0", "l"]', "a list of two expressions"),
     "units": (TOP, '["0", "0", "l"]', '["0", "m", "l"]', "its three components differ: kg and m"),
     "angle": (TOP, "rotations = [", 'angle = "psi"\nrotations = [', "turns a body in the plane"),
     "axis": (TOP, '["x", "theta"]', '["w", "theta"]', "turns about 'x', 'y' or 'z'"),
     "step": (TOP, '["x", "theta"]', '["x"]', "one of its items is a list of 1"),
-    "no list": (TOP, 'rotations = [["z", "psi"], ["x", "theta"], ["z", "phi"]]',
-                'rotations = "psi"', "must be a list of [axis, angle]"),
+    "no list": (
+        TOP,
+        'rotations = [["z", "psi"], ["x", "theta"], ["z", "phi"]]',
+        'rotations = "psi"',
+        "must be a list of [axis, angle]",
+    ),
     "angle unit": (TOP, '["x", "theta"]', '["x", "l*theta"]', "'l*theta' is m*rad, needs 1"),
     "rough": (TOP, '["x", "theta"]', '["x", "abs(theta)"]', "has no smooth speed"),
-    "both": (TOP, "rotations = [", 'quaternion = ["a", "b", "c", "d"]\nrotations = [',
-             "is turned by 'rotations' and by 'quaternion'"),
-    "no turn": (TOP.replace("gyroscope_z(top)", "psi'"),
-                'rotations = [["z", "psi"], ["x", "theta"], ["z", "phi"]]\n', "",
-                "has 'inertia' but no 'rotations' or 'quaternion'"),
-    "no inertia": (BIRD, 'inertia = ["J", "J", "J", "J/4", "0", "0"]\n', "",
-                   "has 'quaternion' but no 'inertia'"),
+    "both": (
+        TOP,
+        "rotations = [",
+        'quaternion = ["a", "b", "c", "d"]\nrotations = [',
+        "is turned by 'rotations' and by 'quaternion'",
+    ),
+    "no turn": (
+        TOP.replace("gyroscope_z(top)", "psi'"),
+        'rotations = [["z", "psi"], ["x", "theta"], ["z", "phi"]]\n',
+        "",
+        "has 'inertia' but no 'rotations' or 'quaternion'",
+    ),
+    "no inertia": (
+        BIRD,
+        'inertia = ["J", "J", "J", "J/4", "0", "0"]\n',
+        "",
+        "has 'quaternion' but no 'inertia'",
+    ),
     "two inertias": (TOP, '["A", "A", "C"]', '["A", "C"]', "one value, three principal"),
     "negative": (TOP, '["A", "A", "C"]', '["A", "-A/10", "C"]', "is not positive definite"),
     "product": (BIRD, '"J/4"', '"1.01*J"', "the principal values are -1e-05"),
@@ -137,18 +159,30 @@ ONE_FAULT = {
     "twice": (BIRD, '"qy", "qz"]', '"qy", "qy"]', "'qy' is used twice"),
     "three": (BIRD, '["qw", "qx", "qy", "qz"]', '["qx", "qy", "qz"]', "a list of four coordinates"),
     "part unit": (BIRD, 'qy = { unit = "1" }', 'qy = { unit = "m" }', "'qy' is in m, needs 1"),
-    "length": (BIRD, "start = 0.6", "start = 1.5",
-               "begins at (1.5, 0.8, 0, 0), whose length is 1.7; it must be 1: divide each start"),
-    "no length": (BIRD.replace("start = 0.8", "start = 0"), "start = 0.6", "start = 0",
-                  "start = 1.0 of the first part means: not turned"),
+    "length": (
+        BIRD,
+        "start = 0.6",
+        "start = 1.5",
+        "begins at (1.5, 0.8, 0, 0), whose length is 1.7; it must be 1: divide each start",
+    ),
+    "no length": (
+        BIRD.replace("start = 0.8", "start = 0"),
+        "start = 0.6",
+        "start = 0",
+        "start = 1.0 of the first part means: not turned",
+    ),
     "axes": (TOP, 'axes = "top"', 'axes = "tip"', "'tip' is not a known body; did you mean 'top'?"),
-    "no body": (TOP, 'kind = "torque"\nat = "tip"', 'kind = "torque"\nat = "foot"',
-                "is fixed to no body, so a torque there turns nothing"),
+    "no body": (
+        TOP,
+        'kind = "torque"\nat = "tip"',
+        'kind = "torque"\nat = "foot"',
+        "is fixed to no body, so a torque there turns nothing",
+    ),
     "torque unit": (TOP, '"m*g*l"]', '"m*g"]', "needs N*m"),
     "gyroscope": (TOP, "gyroscope_z(top)", "gyroscope(top)", "in space it has three axes"),
     "orientation": (TOP, "gyroscope_z(top)", "orientation(top)", "no single angle tells it"),
     "direction": (TOP, "gyroscope_z(top)", "direction(foot, tip)", "in space a direction is"),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize(("text", "old", "new", "sentence"), ONE_FAULT.values(), ids=ONE_FAULT)
@@ -183,12 +217,15 @@ w = { measures = "gyroscope(block)", unit = "rad/s" }
 IN_PLANE = {
     "turned": ('angle = "phi"', 'rotations = [["z", "phi"]]', "is for a body in space"),
     "tensor": ('inertia = "J"', 'inertia = ["J", "J", "J"]', "is for a body in space"),
-    "torque": ('kind = "force"\nat = "tip"\nforce', 'kind = "torque"\nat = "tip"\ntorque',
-               "kind 'torque' cannot stand 'at'; it needs 'on'"),
+    "torque": (
+        'kind = "force"\nat = "tip"\nforce',
+        'kind = "torque"\nat = "tip"\ntorque',
+        "kind 'torque' cannot stand 'at'; it needs 'on'",
+    ),
     "axes": ('at = "tip"', 'at = "tip"\naxes = "block"', "is for forces in space"),
     "gyroscope": ("gyroscope(block)", "gyroscope_z(block)", "in the plane write gyroscope(body)"),
     "three": ('at = ["x", "0"]', 'at = ["x", "0", "0"]', "has three components, but"),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize(("old", "new", "sentence"), IN_PLANE.values(), ids=IN_PLANE)

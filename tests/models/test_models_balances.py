@@ -109,11 +109,24 @@ def test_the_energy_of_a_run_is_the_work_that_was_done(name: str) -> None:
 # --- what must not matter -----------------------------------------------------------------------
 
 OTHER = {
-    "kg": ("g", 1e3), "g": ("kg", 1e-3), "m": ("mm", 1e3), "mm": ("m", 1e-3), "um": ("mm", 1e-3),
-    "s": ("ms", 1e3), "rad": ("deg", 180 / np.pi), "deg": ("rad", np.pi / 180),
-    "N": ("kN", 1e-3), "kN": ("N", 1e3), "V": ("mV", 1e3), "A": ("mA", 1e3), "C": ("mC", 1e3),
-    "ohm": ("V/A", 1.0), "mH": ("H", 1e-3), "rpm": ("rad/s", np.pi / 30), "1": ("1", 1.0),
-}  # fmt: skip
+    "kg": ("g", 1e3),
+    "g": ("kg", 1e-3),
+    "m": ("mm", 1e3),
+    "mm": ("m", 1e-3),
+    "um": ("mm", 1e-3),
+    "s": ("ms", 1e3),
+    "rad": ("deg", 180 / np.pi),
+    "deg": ("rad", np.pi / 180),
+    "N": ("kN", 1e-3),
+    "kN": ("N", 1e3),
+    "V": ("mV", 1e3),
+    "A": ("mA", 1e3),
+    "C": ("mC", 1e3),
+    "ohm": ("V/A", 1.0),
+    "mH": ("H", 1e-3),
+    "rpm": ("rad/s", np.pi / 30),
+    "1": ("1", 1.0),
+}
 
 
 def other_unit(text: str) -> tuple[str, float]:
@@ -160,12 +173,14 @@ def answers(machine: Machine, name: str) -> tuple[Array, ...]:
     back, rows = np.argsort(order), []
     for q, v, z, u, t in zip(s.q[:, order], s.v[:, order], s.z, s.u, s.t, strict=True):
         a = 10 * v
-        rows.append((
-            call(machine.M, (q, t, p))[0][np.ix_(back, back)],
-            call(machine.k_c, (q, v, t, p))[0][0, back],
-            call(machine.k_e, (q, v, z, u, t, p))[0][0, back],
-            call(machine.outputs, (q, v, a, z, u, t, p))[0][0],
-        ))  # fmt: skip
+        rows.append(
+            (
+                call(machine.M, (q, t, p))[0][np.ix_(back, back)],
+                call(machine.k_c, (q, v, t, p))[0][0, back],
+                call(machine.k_e, (q, v, z, u, t, p))[0][0, back],
+                call(machine.outputs, (q, v, a, z, u, t, p))[0][0],
+            )
+        )
     return tuple(np.array(column) for column in zip(*rows, strict=True))
 
 

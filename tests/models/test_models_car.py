@@ -35,8 +35,9 @@ def by_hand() -> ca.Function:
     up = ca.vertcat(ca.sin(p["slope"]), ca.cos(p["slope"]))
     potential = p["m_b"] * p["g"] * ca.dot(centre, up) + p["m_w"] * p["g"] * x * up[0]
     potential += p["k"] / 2 * twist**2 + p["k_p"] / 2 * theta**2
-    loss = ca.vertcat(p["c_a"] * ca.fabs(rate[0]) * rate[0] + p["f_r"], p["d"] * rate[1],
-                      p["d_p"] * rate[2])  # fmt: skip
+    loss = ca.vertcat(
+        p["c_a"] * ca.fabs(rate[0]) * rate[0] + p["f_r"], p["d"] * rate[1], p["d_p"] * rate[2]
+    )
     drive = torque * ca.gradient(q[2], free)
     momentum = ca.gradient(kinetic, rate)
     mass = ca.jacobian(momentum, rate)

@@ -113,11 +113,13 @@ def test_a_rotor_stays_on_the_orbit_of_its_imbalance() -> None:
 
 def test_a_loudspeaker_is_a_linear_circuit_with_a_cone() -> None:
     p, volts = numbers("loudspeaker"), 2.0
-    matrix = np.array([  # x, x', i
-        [0, 1, 0],
-        [-p["k"] / p["m"], -p["d"] / p["m"], p["Bl"] / p["m"]],
-        [0, -p["Bl"] / p["L_e"], -p["R_e"] / p["L_e"]],
-    ])  # fmt: skip
+    matrix = np.array(
+        [  # x, x', i
+            [0, 1, 0],
+            [-p["k"] / p["m"], -p["d"] / p["m"], p["Bl"] / p["m"]],
+            [0, -p["Bl"] / p["L_e"], -p["R_e"] / p["L_e"]],
+        ]
+    )
     rest = np.linalg.solve(matrix, [0, 0, -volts / p["L_e"]])
     done = run("loudspeaker", 0.05, [0.0, 0.0], [0.0, 0.0], [volts])
     wanted = np.array([rest - expm(matrix * t) @ rest for t in done.t])
@@ -133,11 +135,13 @@ def test_a_levitating_ball_leaves_its_balance_as_the_linearised_equations_say() 
     far = gap + p["a"]
     current = np.sqrt(2 * p["m"] * p["g"] / p["K"]) * far
     whole, pull = p["L_c"] + p["K"] / far, p["K"] * current / far**2
-    matrix = np.array([
-        [0, 1, 0],
-        [2 * p["g"] / far, 0, -pull / p["m"]],
-        [0, pull / whole, -p["R_e"] / whole],
-    ])  # fmt: skip
+    matrix = np.array(
+        [
+            [0, 1, 0],
+            [2 * p["g"] / far, 0, -pull / p["m"]],
+            [0, pull / whole, -p["R_e"] / whole],
+        ]
+    )
     away = np.array([1e-7, 0, 0])
     done = run("maglev", 0.05, [gap + away[0], 0.0], [0.0, current], [p["R_e"] * current])
     wanted = np.array([expm(matrix * t) @ away for t in done.t])

@@ -73,6 +73,10 @@ def test_a_run_under_torques_stays_closed_and_takes_up_their_work() -> None:
     power = np.sum(u * run.v[:, :2], axis=1)
     work = np.concatenate([[0], np.cumsum((power[1:] + power[:-1]) / 2 * np.diff(t))])
     assert np.array(energy) == pytest.approx(work, abs=1e-5 * max(energy))
-    by_angles = np.array([np.array(by_hand()(q[:2], v[:2], [0, 0])[0]).ravel() for q, v in
-                          zip(run.q, run.v, strict=True)])  # fmt: skip
+    by_angles = np.array(
+        [
+            np.array(by_hand()(q[:2], v[:2], [0, 0])[0]).ravel()
+            for q, v in zip(run.q, run.v, strict=True)
+        ]
+    )
     assert np.abs(run.q - by_angles).max() < 1e-8

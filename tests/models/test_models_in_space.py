@@ -90,14 +90,20 @@ def six_joint_arm() -> mujoco.MjModel:
     fore = (j[3] / 6, j[3], j[3], 0, j[3] / 20, 0)
     solids = [
         Solid("z", ZERO, p["m_1"], (p["e"] / 3, 0, p["h"] / 2), column, d[0]),
-        Solid("y", (p["e"], 0, p["h"]), p["m_2"], (0, 0, 0.45 * p["l_2"]),
-              (j[2], j[2], j[2] / 8), d[1]),
+        Solid(
+            "y",
+            (p["e"], 0, p["h"]),
+            p["m_2"],
+            (0, 0, 0.45 * p["l_2"]),
+            (j[2], j[2], j[2] / 8),
+            d[1],
+        ),
         Solid("y", (0, 0, p["l_2"]), p["m_3"], (0.3 * l_3, 0, 0.05 * l_3), fore, d[2]),
         Solid("x", (0.6 * l_3, 0, 0), p["m_4"], (0.2 * l_3, 0, 0), (j[4] / 2, j[4], j[4]), d[3]),
         Solid("y", (0.4 * l_3, 0, 0), p["m_5"], ZERO, (j[5], j[5], j[5] / 2), d[4]),
         Solid("x", (p["l_6"] / 2, 0, 0), p["m_6"], ZERO, (j[6], j[6] / 2, j[6] / 2), d[5]),
         Solid("", (p["l_6"] / 2, 0, 0), p["load"], ZERO, (1e-14,) * 3),
-    ]  # fmt: skip
+    ]
     return engine(solids, (6, ZERO))
 
 
@@ -246,10 +252,15 @@ def test_a_tumbling_body_keeps_its_angular_momentum_and_the_length_of_its_quater
     lengths = np.linalg.norm(run.q[:, 3:], axis=1)
     assert np.abs(lengths - 1).max() < 1e-8
     inertia = np.array([p["J_x"], p["J_y"], p["J_z"]])
-    spins = 2 * np.array([multiplied(q * [1, -1, -1, -1], v)[1:]
-                          for q, v in zip(run.q[:, 3:], run.v[:, 3:], strict=True)])  # fmt: skip
-    momentum = np.array([axes_of(q) @ (inertia * w)
-                         for q, w in zip(run.q[:, 3:], spins, strict=True)])  # fmt: skip
+    spins = 2 * np.array(
+        [
+            multiplied(q * [1, -1, -1, -1], v)[1:]
+            for q, v in zip(run.q[:, 3:], run.v[:, 3:], strict=True)
+        ]
+    )
+    momentum = np.array(
+        [axes_of(q) @ (inertia * w) for q, w in zip(run.q[:, 3:], spins, strict=True)]
+    )
     size = np.linalg.norm(momentum[0])
     assert np.abs(momentum - momentum[0]).max() < 1e-6 * size
     assert np.ptp(spins[:, 1]) > 9.0  # it did tip over
@@ -319,8 +330,10 @@ def test_the_energy_of_the_top_is_lost_in_its_bearing_alone() -> None:
     idle = Scenario(t, np.array([0.0, 0.9, 0.0]), v, t[[0, -1]], np.zeros((2, 0)))
     run = simulate(machine, idle)
     assert run.complete, run.reason
-    rows = [call(machine.energy, (q, v, np.zeros(0), 0, machine.values))[:2]
-            for q, v in zip(run.q, run.v, strict=True)]  # fmt: skip
+    rows = [
+        call(machine.energy, (q, v, np.zeros(0), 0, machine.values))[:2]
+        for q, v in zip(run.q, run.v, strict=True)
+    ]
     energy = np.array([kinetic.item() + potential.item() for kinetic, potential in rows])
     power = -p["d"] * run.v[:, 2] ** 2
     lost = np.concatenate([[0], np.cumsum((power[1:] + power[:-1]) / 2 * np.diff(t))])

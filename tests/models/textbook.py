@@ -25,13 +25,41 @@ DEGREE, RPM = np.pi / 180, np.pi / 30
 
 # Every unit that the shipped models give a parameter, an input or a coordinate, by hand.
 SI = {
-    "1": 1.0, "1/mm": 1e3, "C": 1.0, "N*m": 1.0, "N*m*s/rad": 1.0, "N*m/rad": 1.0, "N*s/m": 1.0,
-    "N*s^2/m^2": 1.0, "N/A": 1.0, "N/m": 1.0, "N/m^3": 1.0, "N/mm": 1e3, "N": 1.0, "V": 1.0,
-    "deg": DEGREE, "g": 1e-3, "kN*s/m": 1e3, "kN/m": 1e3, "kN/mm": 1e6, "kg": 1.0, "kg*m^2": 1.0,
-    "kg/m^3": 1.0, "m": 1.0, "m/s": 1.0, "m/s^2": 1.0, "mH": 1e-3, "mH*m": 1e-3,
-    "mm": 1e-3, "ohm": 1.0,
-    "rad": 1.0, "rpm": RPM, "s": 1.0, "s^2": 1.0, "um": 1e-6,
-}  # fmt: skip
+    "1": 1.0,
+    "1/mm": 1e3,
+    "C": 1.0,
+    "N*m": 1.0,
+    "N*m*s/rad": 1.0,
+    "N*m/rad": 1.0,
+    "N*s/m": 1.0,
+    "N*s^2/m^2": 1.0,
+    "N/A": 1.0,
+    "N/m": 1.0,
+    "N/m^3": 1.0,
+    "N/mm": 1e3,
+    "N": 1.0,
+    "V": 1.0,
+    "deg": DEGREE,
+    "g": 1e-3,
+    "kN*s/m": 1e3,
+    "kN/m": 1e3,
+    "kN/mm": 1e6,
+    "kg": 1.0,
+    "kg*m^2": 1.0,
+    "kg/m^3": 1.0,
+    "m": 1.0,
+    "m/s": 1.0,
+    "m/s^2": 1.0,
+    "mH": 1e-3,
+    "mH*m": 1e-3,
+    "mm": 1e-3,
+    "ohm": 1.0,
+    "rad": 1.0,
+    "rpm": RPM,
+    "s": 1.0,
+    "s^2": 1.0,
+    "um": 1e-6,
+}
 
 
 def entries(name: str, section: str) -> dict[str, dict[str, object]]:
@@ -295,9 +323,27 @@ def maglev(q: Symbols, p: Names, u: Symbols, _: sp.Symbol) -> Energies:
 WRITTEN: Mapping[str, Callable[[Symbols, Names, Symbols, sp.Symbol], Energies]] = {
     written.__name__: written
     for written in (
-        oscillator, duffing, emps, silverbox, ship_roll, pendulum, double_pendulum,
-        triple_pendulum, pendulum_on_cart, cartpole, two_link_arm, quarter_car, half_car,
-        chain_of_masses, two_inertia_backlash, rotor_imbalance, falling_ball, damper_rig,
-        dropped_ball, rig_alone, loudspeaker, maglev,
+        oscillator,
+        duffing,
+        emps,
+        silverbox,
+        ship_roll,
+        pendulum,
+        double_pendulum,
+        triple_pendulum,
+        pendulum_on_cart,
+        cartpole,
+        two_link_arm,
+        quarter_car,
+        half_car,
+        chain_of_masses,
+        two_inertia_backlash,
+        rotor_imbalance,
+        falling_ball,
+        damper_rig,
+        dropped_ball,
+        rig_alone,
+        loudspeaker,
+        maglev,
     )
-}  # fmt: skip
+}

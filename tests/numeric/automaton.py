@@ -66,9 +66,16 @@ def automaton(
         event = turns if way else breaks
         event.terminal, event.direction = True, -1  # type: ignore[attr-defined]
         run = solve_ivp(
-            rate, (now, t[-1]), y, "DOP853", rtol=1e-12, atol=1e-14, events=event,
-            dense_output=True, max_step=longest,
-        )  # fmt: skip
+            rate,
+            (now, t[-1]),
+            y,
+            "DOP853",
+            rtol=1e-12,
+            atol=1e-14,
+            events=event,
+            dense_output=True,
+            max_step=longest,
+        )
         rows = (t >= now) & (t <= run.t[-1])
         out[rows] = run.sol(t[rows]).T
         if run.status == 0:

@@ -14,8 +14,10 @@ from symhyb.numeric.kernels.chains import Chains
 from symhyb.numeric.kernels.chains_source import JOINED, LANES
 
 PAIRS: dict[int, Callable[[ca.SX, ca.SX], ca.SX]] = {
-    ca.OP_ADD: lambda a, b: a + b, ca.OP_SUB: lambda a, b: a - b, ca.OP_MUL: lambda a, b: a * b,
-}  # fmt: skip
+    ca.OP_ADD: lambda a, b: a + b,
+    ca.OP_SUB: lambda a, b: a - b,
+    ca.OP_MUL: lambda a, b: a * b,
+}
 
 
 def function(*results: ca.SX, symbols: tuple[ca.SX, ...]) -> ca.Function:
@@ -88,14 +90,50 @@ def test_every_operation_of_casadi_means_the_same() -> None:
     x, d, p = symbols(1, 2, 1)
     a, b = d[0], d[1]
     forms = [
-        -a, ca.exp(a), ca.log(b), ca.sqrt(b), a**2, a + a, ca.sin(a), ca.cos(a), ca.tan(a),
-        ca.asin(a / 9), ca.acos(a / 9), ca.atan(a), ca.floor(a), ca.ceil(a), ca.fabs(a),
-        ca.sign(a), ca.erf(a), 1 / b, ca.sinh(a), ca.cosh(a), ca.tanh(a), ca.asinh(a),
-        ca.acosh(1 + b), ca.atanh(a / 9), ca.log1p(b), ca.expm1(a), a / b, b**a, a < b, a <= b,
-        ca.eq(a, b), ca.ne(a, b), ca.logic_and(a > 0, b > 1), ca.logic_or(a > 0, b > 1),
-        ca.logic_not(a > 0), ca.fmod(a, b), ca.copysign(b, a), ca.if_else(a > 0, b, a),
-        ca.fmin(a, b), ca.fmax(a, b), ca.atan2(a, b), ca.hypot(a, b), ca.remainder(a, b),
-    ]  # fmt: skip
+        -a,
+        ca.exp(a),
+        ca.log(b),
+        ca.sqrt(b),
+        a**2,
+        a + a,
+        ca.sin(a),
+        ca.cos(a),
+        ca.tan(a),
+        ca.asin(a / 9),
+        ca.acos(a / 9),
+        ca.atan(a),
+        ca.floor(a),
+        ca.ceil(a),
+        ca.fabs(a),
+        ca.sign(a),
+        ca.erf(a),
+        1 / b,
+        ca.sinh(a),
+        ca.cosh(a),
+        ca.tanh(a),
+        ca.asinh(a),
+        ca.acosh(1 + b),
+        ca.atanh(a / 9),
+        ca.log1p(b),
+        ca.expm1(a),
+        a / b,
+        b**a,
+        a < b,
+        a <= b,
+        ca.eq(a, b),
+        ca.ne(a, b),
+        ca.logic_and(a > 0, b > 1),
+        ca.logic_or(a > 0, b > 1),
+        ca.logic_not(a > 0),
+        ca.fmod(a, b),
+        ca.copysign(b, a),
+        ca.if_else(a > 0, b, a),
+        ca.fmin(a, b),
+        ca.fmax(a, b),
+        ca.atan2(a, b),
+        ca.hypot(a, b),
+        ca.remainder(a, b),
+    ]
     step = function(x + 1, ca.vertcat(*forms), symbols=(x, d, p))
     rng = np.random.default_rng(1)
     drives = np.stack([rng.normal(size=(9, 4)), rng.uniform(0.1, 3, (9, 4))], axis=2)

@@ -126,9 +126,16 @@ def test_andrews_squeezing_mechanism_reaches_the_published_solution() -> None:
     assert machine.notes == ()
     found = run(machine, 0.03, 31)
     published = np.array(
-        [15.81077119629904, -15.75637105984298, 0.04082224013073101, -0.5347301163226948,
-         0.5244099658805304, 0.5347301163226948, 1.048080741042263]
-    )  # fmt: skip
+        [
+            15.81077119629904,
+            -15.75637105984298,
+            0.04082224013073101,
+            -0.5347301163226948,
+            0.5244099658805304,
+            0.5347301163226948,
+            1.048080741042263,
+        ]
+    )
     assert np.abs(found.q[-1] - published).max() < 1e-7 * published[0]
 
 
@@ -200,8 +207,9 @@ def test_a_constraint_of_imposed_motion_alone_is_refused() -> None:
     with pytest.raises(InputError) as caught:
         build(parse_model(text))
     assert [problem.place for problem in caught.value.problems] == [
-        "constraints.first", "constraints.second",
-    ]  # fmt: skip
+        "constraints.first",
+        "constraints.second",
+    ]
     assert "holds nothing that is free to move" in str(caught.value)
 
 

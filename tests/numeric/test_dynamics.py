@@ -114,20 +114,27 @@ def shaken(rig: bool = True) -> Model:
     return model_of(
         coordinates={"base": {"unit": "m", "imposed": rig}, "x": {"unit": "m"}},
         parameters={
-            "m": (1.2, "kg"), "m_b": (0.5, "kg"), "k": (90.0, "N/m"), "d": (2.0, "N*s/m"),
+            "m": (1.2, "kg"),
+            "m_b": (0.5, "kg"),
+            "k": (90.0, "N/m"),
+            "d": (2.0, "N*s/m"),
             "far": (1.0, "m"),
         },
         inputs={} if rig else {"f": {"unit": "N"}},
         points={"foot": ["base", "0"], "head": ["far + x", "0"]},
         bodies={"table": {"mass": "m_b", "at": "foot"}, "block": {"mass": "m", "at": "head"}},
         elements={
-            "hold": {"kind": "spring", "between": ["foot", "head"], "stiffness": "k",
-                     "length": "far"},
+            "hold": {
+                "kind": "spring",
+                "between": ["foot", "head"],
+                "stiffness": "k",
+                "length": "far",
+            },
             "oil": {"kind": "damper", "between": ["foot", "head"], "damping": "d"},
             **({} if rig else {"rig": push("f", on="base")}),
         },
         sensors=sensors if rig else {},
-    )  # fmt: skip
+    )
 
 
 def moved(machine: Machine, t: Array = T) -> Trajectory:
@@ -200,8 +207,12 @@ def test_a_given_motion_must_cover_the_simulation() -> None:
     machine = build(shaken())
     short = T[:-5]
     scenario = Scenario(
-        T, np.zeros(2), np.zeros(2), short, np.empty((short.size, 0)),
+        T,
+        np.zeros(2),
+        np.zeros(2),
+        short,
+        np.empty((short.size, 0)),
         given=np.zeros((short.size, 3)),
-    )  # fmt: skip
+    )
     with pytest.raises(ValueError, match=r"runs from 0 to 3 s"):
         simulate(machine, scenario)

@@ -30,9 +30,17 @@ def free(model: Model, t: Array, q: list[float], v: list[float], exact: bool = T
 
 def rig(o: Oscillator, rail: Entries | None = None, **more: Entries) -> Model:
     """The oscillator of the automaton as a model."""
-    values = {"m": (o.m, "kg"), "c": (o.c, "N/m"), "d": (o.d, "N*s/m"), "R": (o.R, "N"),
-              "P": (o.P, "N"), "f": (o.f, "Hz"), "R0": (o.R0, "N"), "vs": (o.vs or 1.0, "m/s"),
-              "e": (o.e, "1")}  # fmt: skip
+    values = {
+        "m": (o.m, "kg"),
+        "c": (o.c, "N/m"),
+        "d": (o.d, "N*s/m"),
+        "R": (o.R, "N"),
+        "P": (o.P, "N"),
+        "f": (o.f, "Hz"),
+        "R0": (o.R0, "N"),
+        "vs": (o.vs or 1.0, "m/s"),
+        "e": (o.e, "1"),
+    }
     elements = {
         "spring": spring("c"),
         "damper": {"kind": "damper", "on": "x", "damping": "d"},
@@ -95,11 +103,13 @@ STRIBECK = {"kind": "friction", "on": "x", "coulomb": "R", "static": "R0", "stri
     [
         (Oscillator(P=2.0, R0=0.8, vs=0.05), STRIBECK),
         (Oscillator(P=2.0, R0=0.8, vs=0.002), STRIBECK),
-        (Oscillator(P=1.2, e=0.3), {"kind": "friction", "on": "x", "coulomb": "R",
-                                    "asymmetry": "e"}),
+        (
+            Oscillator(P=1.2, e=0.3),
+            {"kind": "friction", "on": "x", "coulomb": "R", "asymmetry": "e"},
+        ),
     ],
     ids=["Stribeck", "breakaway", "asymmetry"],
-)  # fmt: skip
+)
 def test_levels_of_friction(o: Oscillator, rail: Entries) -> None:
     agree(free(rig(o, rail), np.linspace(0, 4, 1001), [0.0], [0.0]), o)
 
@@ -138,8 +148,14 @@ def stacked(rub: str, ground: str, ramp: str) -> Model:
     """A block y on a block x on the ground, pulled by a force that grows with time."""
     return model_of(
         coordinates={"x": {"unit": "m"}, "y": {"unit": "m"}},
-        parameters={"m1": (2.0, "kg"), "m2": (0.5, "kg"), "far": (9.0, "m"), "R": (rub, "N"),
-                    "G": (ground, "N"), "s": (ramp, "N/s")},
+        parameters={
+            "m1": (2.0, "kg"),
+            "m2": (0.5, "kg"),
+            "far": (9.0, "m"),
+            "R": (rub, "N"),
+            "G": (ground, "N"),
+            "s": (ramp, "N/s"),
+        },
         points={"lower": ["x", "0"], "upper": ["y + far", "0"]},
         bodies={"one": {"mass": "m1", "at": "lower"}, "two": {"mass": "m2", "at": "upper"}},
         elements={
@@ -147,7 +163,7 @@ def stacked(rub: str, ground: str, ramp: str) -> Model:
             "ground": {"kind": "friction", "on": "x", "coulomb": "G"},
             "pull": push("s*t"),
         },
-    )  # fmt: skip
+    )
 
 
 def test_stacked_blocks_against_their_closed_form() -> None:
@@ -177,19 +193,32 @@ def coupled(**levels: float) -> Model:
     }
     return model_of(
         coordinates={"x": {"unit": "m"}, "y": {"unit": "m"}},
-        parameters={"m1": (1.3, "kg"), "m2": (0.6, "kg"), "w": (1e-6, "m/s"), "k": (40.0, "N/m"),
-                    "l": (60.0, "N/m"), "F": (2.0, "N"), "f": (0.7, "Hz"), "far": (1.0, "m"),
-                    **{name: (value, "N") for name, value in levels.items()}},
+        parameters={
+            "m1": (1.3, "kg"),
+            "m2": (0.6, "kg"),
+            "w": (1e-6, "m/s"),
+            "k": (40.0, "N/m"),
+            "l": (60.0, "N/m"),
+            "F": (2.0, "N"),
+            "f": (0.7, "Hz"),
+            "far": (1.0, "m"),
+            **{name: (value, "N") for name, value in levels.items()},
+        },
         points={"one": ["x", "0"], "two": ["y + far", "0"]},
         bodies={"u": {"mass": "m1", "at": "one"}, "l": {"mass": "m2", "at": "two"}},
         elements={
             **rails,
-            "R3": {"kind": "friction", "between": ["one", "two"], "coulomb": "R3",
-                   "transition": "w"},
-            "s": spring("k"), "r": spring("l", on="y"),
+            "R3": {
+                "kind": "friction",
+                "between": ["one", "two"],
+                "coulomb": "R3",
+                "transition": "w",
+            },
+            "s": spring("k"),
+            "r": spring("l", on="y"),
             "h": {"kind": "harmonic", "on": "x", "amplitude": "F", "frequency": "f"},
         },
-    )  # fmt: skip
+    )
 
 
 def test_frictions_on_and_between_against_smoothing() -> None:
@@ -220,16 +249,33 @@ def test_a_held_distance_does_not_drift() -> None:
     model = model_of(
         gravity=["0", "-g"],
         coordinates={"a": {"unit": "rad"}, "b": {"unit": "rad"}},
-        parameters={"g": (9.81, "m/s^2"), "l1": (0.7, "m"), "l2": (0.4, "m"), "m1": (1.3, "kg"),
-                    "m2": (0.6, "kg"), "R": (3.0, "N"), "w": (1e-6, "m/s"), "px": (1.0, "m"),
-                    "py": (0.2, "m")},
-        points={"elbow": ["l1*sin(a)", "-l1*cos(a)"], "post": ["px", "py"],
-                "hand": ["l1*sin(a) + l2*sin(b)", "-l1*cos(a) - l2*cos(b)"]},
+        parameters={
+            "g": (9.81, "m/s^2"),
+            "l1": (0.7, "m"),
+            "l2": (0.4, "m"),
+            "m1": (1.3, "kg"),
+            "m2": (0.6, "kg"),
+            "R": (3.0, "N"),
+            "w": (1e-6, "m/s"),
+            "px": (1.0, "m"),
+            "py": (0.2, "m"),
+        },
+        points={
+            "elbow": ["l1*sin(a)", "-l1*cos(a)"],
+            "post": ["px", "py"],
+            "hand": ["l1*sin(a) + l2*sin(b)", "-l1*cos(a) - l2*cos(b)"],
+        },
         bodies={"u": {"mass": "m1", "at": "elbow"}, "l": {"mass": "m2", "at": "hand"}},
-        elements={"rod": {"kind": "friction", "between": ["post", "hand"], "coulomb": "R",
-                          "transition": "w"}},
+        elements={
+            "rod": {
+                "kind": "friction",
+                "between": ["post", "hand"],
+                "coulomb": "R",
+                "transition": "w",
+            }
+        },
         sensors={"d": {"measures": "distance(post, hand)", "unit": "m", "sd": 1e-3}},
-    )  # fmt: skip
+    )
     t = np.linspace(0, 5, 501)
     run, smooth = (free(model, t, [1.2, 0.3], [0.0, 0.0], exact) for exact in (True, False))
     assert run.complete
@@ -246,17 +292,26 @@ def test_a_held_distance_does_not_drift() -> None:
 
 
 def stop(damping: float | None = None, side: str = "both") -> Model:
-    gap: dict[str, object] = {"kind": "gap", "on": "x", "stiffness": "k", "clearance": "c",
-                              "side": side}  # fmt: skip
+    gap: dict[str, object] = {
+        "kind": "gap",
+        "on": "x",
+        "stiffness": "k",
+        "clearance": "c",
+        "side": side,
+    }
     if damping is not None:
         gap["damping"] = "d"
     return model_of(
         coordinates={"x": {"unit": "m"}},
-        parameters={"m": (2.0, "kg"), "k": (800.0, "N/m"), "c": (0.1, "m"),
-                    "d": (damping or 0.0, "N*s/m")},
+        parameters={
+            "m": (2.0, "kg"),
+            "k": (800.0, "N/m"),
+            "c": (0.1, "m"),
+            "d": (damping or 0.0, "N*s/m"),
+        },
         bodies={"block": {"mass": "m", "at": ["x", "0"]}},
         elements={"stop": gap},
-    )  # fmt: skip
+    )
 
 
 def test_a_mass_between_two_stops_against_its_closed_form() -> None:
@@ -266,9 +321,11 @@ def test_a_mass_between_two_stops_against_its_closed_form() -> None:
     times = [0.2, 0.2 + swing, 0.2 + swing + flight, 0.2 + 2 * swing + flight]
     assert [event.time for event in run.events] == pytest.approx(times, abs=1e-9)
     assert [(event.element, event.transition) for event in run.events] == [
-        ("stop.upper", "touches"), ("stop.upper", "leaves"),
-        ("stop.lower", "touches"), ("stop.lower", "leaves"),
-    ]  # fmt: skip
+        ("stop.upper", "touches"),
+        ("stop.upper", "leaves"),
+        ("stop.lower", "touches"),
+        ("stop.lower", "leaves"),
+    ]
     pressed = (t > times[0]) & (t < times[1])
     depth = 0.5 / 20 * np.sin(20 * (t[pressed] - times[0]))
     assert run.q[pressed, 0] == pytest.approx(0.1 + depth, abs=1e-9)
@@ -327,16 +384,24 @@ def test_a_stiff_machine_is_run_implicitly() -> None:
     o = Oscillator(P=2.0)
     model = model_of(
         coordinates={"x": {"unit": "m"}, "y": {"unit": "m"}},
-        parameters={"m": (1.0, "kg"), "c": (100.0, "N/m"), "d": (0.5, "N*s/m"), "R": (0.4905, "N"),
-                    "P": (2.0, "N"), "f": (0.5, "Hz"), "big": (1e6, "N*s/m")},
+        parameters={
+            "m": (1.0, "kg"),
+            "c": (100.0, "N/m"),
+            "d": (0.5, "N*s/m"),
+            "R": (0.4905, "N"),
+            "P": (2.0, "N"),
+            "f": (0.5, "Hz"),
+            "big": (1e6, "N*s/m"),
+        },
         bodies={"one": {"mass": "m", "at": ["x", "0"]}, "two": {"mass": "m", "at": ["y", "0"]}},
         elements={
-            "spring": spring("c"), "damper": {"kind": "damper", "on": "x", "damping": "d"},
+            "spring": spring("c"),
+            "damper": {"kind": "damper", "on": "x", "damping": "d"},
             "rail": {"kind": "friction", "on": "x", "coulomb": "R"},
             "shaker": {"kind": "harmonic", "on": "x", "amplitude": "P", "frequency": "f"},
             "oil": {"kind": "damper", "on": "y", "damping": "big"},
         },
-    )  # fmt: skip
+    )
     run = free(model, t := np.linspace(0, 3, 301), [0.0, 0.0], [0.0, 1.0])
     assert (run.reason, run.method) == ("", "radau")
     assert nrmse(run.q[:, 0], automaton(o, t)[0][:, 0]) < 1e-6
@@ -394,9 +459,11 @@ def test_growth_without_bound_is_told() -> None:
         coordinates={"x": {"unit": "m"}},
         parameters={"m": (1.0, "kg"), "k": (-50.0, "N/m^3"), "R": (0.1, "N")},
         bodies={"block": {"mass": "m", "at": ["x", "0"]}},
-        elements={"spring": {"kind": "spring", "on": "x", "cubic": "k"},
-                  "rail": {"kind": "friction", "on": "x", "coulomb": "R"}},
-    )  # fmt: skip
+        elements={
+            "spring": {"kind": "spring", "on": "x", "cubic": "k"},
+            "rail": {"kind": "friction", "on": "x", "coulomb": "R"},
+        },
+    )
     run = free(model, np.linspace(0, 10, 101), [1.0], [0.0])
     assert "without bound" in run.reason
     assert [event.transition for event in run.events] == ["slides +"] or run.events == ()
@@ -420,6 +487,10 @@ def test_laws_that_stay_as_written_are_told() -> None:
     )
     told = left_smooth(model)
     assert [sentence.split(" ")[0] for sentence in told] == [
-        "elements.hand", "elements.wire", "elements.bristle", "elements.floor", "elements.belt",
-    ]  # fmt: skip
+        "elements.hand",
+        "elements.wire",
+        "elements.bristle",
+        "elements.floor",
+        "elements.belt",
+    ]
     assert "kind 'friction'" in told[0]

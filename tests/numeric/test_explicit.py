@@ -46,9 +46,7 @@ def steps_of(
     limits = Tolerances(
         relative, np.full(start.size, relative / 100), np.full(start.size, 1e9), 10**6
     )
-    return rates.integrate(
-        t, start, machine.values, (t[[0, -1]], np.zeros((2, 0))), limits
-    )  # fmt: skip
+    return rates.integrate(t, start, machine.values, (t[[0, -1]], np.zeros((2, 0))), limits)
 
 
 def test_the_coefficients_fulfil_the_conditions_of_their_order() -> None:
@@ -147,11 +145,15 @@ MACHINES = {
     "cart and pole, driven, with dry friction": (cart_pole(), [0.0, 0.4], 2.0),
     "slow relaxation": (
         oscillator(
-            {"it": {"kind": "relaxation", "on": "x", "stiffness": "k", "damping": "d"},
-             "motor": push("f")},
-            {"k": (60.0, "N/m"), "d": (6.0, "N*s/m")}, inputs=INPUT,
+            {
+                "it": {"kind": "relaxation", "on": "x", "stiffness": "k", "damping": "d"},
+                "motor": push("f"),
+            },
+            {"k": (60.0, "N/m"), "d": (6.0, "N*s/m")},
+            inputs=INPUT,
         ),
-        [0.05], 3.0,
+        [0.05],
+        3.0,
     ),
     "a stop": (
         model_of(
@@ -161,9 +163,10 @@ MACHINES = {
             bodies={"ball": {"mass": "m", "at": ["0", "y"]}},
             elements={"floor": {"kind": "gap", "on": "y", "stiffness": "k", "side": "lower"}},
         ),
-        [0.4], 3.0,
+        [0.4],
+        3.0,
     ),
-}  # fmt: skip
+}
 
 
 @needs_compiler
@@ -200,8 +203,9 @@ def test_a_drive_is_straight_between_its_bends() -> None:
 @pytest.mark.parametrize(("damping", "method"), [(1e3, "explicit"), (1e8, "bdf")])
 def test_a_machine_that_is_too_stiff_is_left_to_bdf(damping: float, method: str) -> None:
     """A decay within 10 ns would take more steps than cost less than CVODES."""
-    model = oscillator({"oil": damper("d"), "motor": push("f")}, {"d": (damping, "N*s/m")},
-                       inputs=INPUT)  # fmt: skip
+    model = oscillator(
+        {"oil": damper("d"), "motor": push("f")}, {"d": (damping, "N*s/m")}, inputs=INPUT
+    )
     t = np.linspace(0, 1, 11)
     result = run(model, t, 0.0, 0.0, np.full(11, 5.0))
     assert (result.method, result.reason, result.note) == (method, "", "")

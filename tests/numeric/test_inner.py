@@ -102,9 +102,12 @@ def test_presliding_against_the_closed_form_of_dahl() -> None:
 
 
 BRISTLES: Keys = {
-    "coulomb": (0.8, "N"), "static": (1.2, "N"), "stribeck": (0.02, "m/s"),
-    "stiffness": (4000.0, "N/m"), "micro_damping": (20.0, "N*s/m"),
-}  # fmt: skip
+    "coulomb": (0.8, "N"),
+    "static": (1.2, "N"),
+    "stribeck": (0.02, "m/s"),
+    "stiffness": (4000.0, "N/m"),
+    "micro_damping": (20.0, "N*s/m"),
+}
 
 
 def test_presliding_friction_breaks_away_at_its_static_level() -> None:
@@ -169,8 +172,9 @@ def test_a_machine_that_does_not_remember_has_no_inner_states() -> None:
 def test_inner_states_along_a_motion_are_those_of_the_simulation() -> None:
     """The same element in a simulation, and along the motion that this simulation shows."""
     model = rig("hysteresis", bent(1.5))
-    model = replace(model, elements=(*model.elements, *_spring().elements),
-                    parameters=_spring().parameters)  # fmt: skip
+    model = replace(
+        model, elements=(*model.elements, *_spring().elements), parameters=_spring().parameters
+    )
     machine, t = build(model), np.linspace(0, 2, 801)
     result = run(machine, t, 0.0, 3.0)
     u = np.empty((t.size, 0))
@@ -204,8 +208,11 @@ def some(random: np.random.Generator, kind: str) -> tuple[Keys, dict[str, object
     u = random.uniform
     k = (float(10 ** u(1, 3)), "N/m")
     d = (float(10 ** u(-1, 1)), "N*s/m")
-    slip = {"coulomb": (c := float(u(0.2, 2)), "N"), "static": (c * float(u(1, 2)), "N"),
-            "stribeck": (float(u(0.01, 0.5)), "m/s")}  # fmt: skip
+    slip = {
+        "coulomb": (c := float(u(0.2, 2)), "N"),
+        "static": (c * float(u(1, 2)), "N"),
+        "stribeck": (float(u(0.01, 0.5)), "m/s"),
+    }
     sided = {"asymmetry": (float(u(-0.9, 0.9)), "1")}
     beta = float(u(1, 20))
     gamma = beta * float(u(-1, 1))
@@ -231,8 +238,16 @@ def some(random: np.random.Generator, kind: str) -> tuple[Keys, dict[str, object
     return {"stiffness": k, "cubic": (k[0], "N/m^3")}, {}
 
 
-PASSIVE = ("spring", "damper", "drag", "friction", "gap", "hysteresis", "friction_dynamic",
-           "relaxation")  # fmt: skip
+PASSIVE = (
+    "spring",
+    "damper",
+    "drag",
+    "friction",
+    "gap",
+    "hysteresis",
+    "friction_dynamic",
+    "relaxation",
+)
 
 
 @pytest.mark.parametrize("kind", PASSIVE)

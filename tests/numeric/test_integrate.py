@@ -236,13 +236,17 @@ def test_conservative_springs_keep_energy() -> None:
         gravity=["0", "-g"],
         coordinates={"x": {"unit": "m"}, "y": {"unit": "m"}},
         parameters={
-            "m": (1.2, "kg"), "g": (9.81, "m/s^2"), "l": (0.5, "m"), "k": (60.0, "N/m"),
-            "k2": (20.0, "N/m^2"), "k3": (90.0, "N/m^3"),
+            "m": (1.2, "kg"),
+            "g": (9.81, "m/s^2"),
+            "l": (0.5, "m"),
+            "k": (60.0, "N/m"),
+            "k2": (20.0, "N/m^2"),
+            "k3": (90.0, "N/m^3"),
         },
         points={"post": ["0", "l"], "tip": ["x", "y"]},
         bodies={"ball": {"mass": "m", "at": "tip"}},
         elements=elements,
-    )  # fmt: skip
+    )
     machine = build(model)
     result = run(machine, np.linspace(0, 4, 200), [0.2, -0.3], [0.5, 0.0])
     kinetic = 0.6 * np.sum(result.v**2, axis=1)

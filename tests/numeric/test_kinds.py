@@ -35,8 +35,15 @@ def sliders() -> Model:
     return model_of(
         coordinates={"x": {"unit": "m"}, "y": {"unit": "m"}},
         parameters={
-            "m": (M, "kg"), "k": (K, "N/m"), "c": (C, "N*s/m"), "l": (1.0, "m"), "h": (0.8, "m"),
-            "w": (W[0], "1/s"), "o": (W[1], "1/s"), "f": (PUSH[0], "N"), "g": (PUSH[1], "N"),
+            "m": (M, "kg"),
+            "k": (K, "N/m"),
+            "c": (C, "N*s/m"),
+            "l": (1.0, "m"),
+            "h": (0.8, "m"),
+            "w": (W[0], "1/s"),
+            "o": (W[1], "1/s"),
+            "f": (PUSH[0], "N"),
+            "g": (PUSH[1], "N"),
         },
         points={"A": ["l + x", "0"], "B": ["0", "h + y"], "C": ["l + x", "h + y"]},
         bodies={"a": {"mass": "m", "at": "A"}, "b": {"mass": "m", "at": "B"}},
@@ -44,7 +51,7 @@ def sliders() -> Model:
             "left": {"kind": "law", "on": "x", "force": "f*sin(w*t) - k*x - c*x'"},
             "down": {"kind": "law", "on": "y", "force": "g*cos(o*t) - k*y - c*y'"},
         },
-    )  # fmt: skip
+    )
 
 
 def element(
@@ -102,32 +109,65 @@ GAP = {"stiffness": 300.0, "clearance": 0.05, "damping": 4.0}
 BENT = {"stiffness": 60.0, "beta": 6.0, "gamma": 3.0}
 SLIP = {"coulomb": 0.8, "static": 1.2, "stribeck": 0.2, "transition": 0.05, "asymmetry": -0.2}
 CASES = [
-    Case("spring", {"stiffness": 80.0, "quadratic": 50.0, "cubic": 300.0},
-         lambda s, r, z, t: (80 * s + 50 * s**2 + 300 * s**3, 0)),
+    Case(
+        "spring",
+        {"stiffness": 80.0, "quadratic": 50.0, "cubic": 300.0},
+        lambda s, r, z, t: (80 * s + 50 * s**2 + 300 * s**3, 0),
+    ),
     Case("damper", {"damping": 3.0}, lambda s, r, z, t: (3 * r, 0)),
-    Case("damper", {"damping": 3.0, "asymmetry": 0.3},
-         lambda s, r, z, t: (3.9 * r if r > 0 else 2.1 * r, 0), name="sided"),
+    Case(
+        "damper",
+        {"damping": 3.0, "asymmetry": 0.3},
+        lambda s, r, z, t: (3.9 * r if r > 0 else 2.1 * r, 0),
+        name="sided",
+    ),
     Case("drag", {"drag": 4.0}, lambda s, r, z, t: (4 * abs(r) * r, 0)),
-    Case("friction", SLIP, lambda s, r, z, t: (
-        hand_level(r, 0.8, 1.2, 0.2) * np.tanh(r / 0.05) * (0.8 if r > 0 else 1.2), 0)),
+    Case(
+        "friction",
+        SLIP,
+        lambda s, r, z, t: (
+            hand_level(r, 0.8, 1.2, 0.2) * np.tanh(r / 0.05) * (0.8 if r > 0 else 1.2),
+            0,
+        ),
+    ),
     Case("gap", GAP, lambda s, r, z, t: (hand_gap(s, r), 0), name="both stops"),
     Case("gap", GAP, lambda s, r, z, t: (hand_gap(s, r, lower=False), 0), "upper", "upper stop"),
     Case("gap", GAP, lambda s, r, z, t: (hand_gap(s, r, upper=False), 0), "lower", "lower stop"),
     Case("hysteresis", BENT, lambda s, r, z, t: hand_bend(r, z, 1, 0), name="bend, n = 1"),
-    Case("hysteresis", {**BENT, "exponent": 2.0}, lambda s, r, z, t: hand_bend(r, z, 2, 0),
-         name="bend, n = 2"),
-    Case("hysteresis", {**BENT, "exponent": 1.5, "play": 0.03},
-         lambda s, r, z, t: hand_bend(r, z, 1.5, 0.03), name="bend, n = 1.5, play"),
-    Case("friction_dynamic", {"coulomb": 0.8, "static": 1.1, "stribeck": 0.1, "stiffness": 400.0,
-                              "micro_damping": 2.0}, lambda s, r, z, t: hand_bristle(r, z)),
-    Case("relaxation", {"stiffness": 60.0, "damping": 6.0},
-         lambda s, r, z, t: (60 * (s - z), 10 * (s - z))),
+    Case(
+        "hysteresis",
+        {**BENT, "exponent": 2.0},
+        lambda s, r, z, t: hand_bend(r, z, 2, 0),
+        name="bend, n = 2",
+    ),
+    Case(
+        "hysteresis",
+        {**BENT, "exponent": 1.5, "play": 0.03},
+        lambda s, r, z, t: hand_bend(r, z, 1.5, 0.03),
+        name="bend, n = 1.5, play",
+    ),
+    Case(
+        "friction_dynamic",
+        {"coulomb": 0.8, "static": 1.1, "stribeck": 0.1, "stiffness": 400.0, "micro_damping": 2.0},
+        lambda s, r, z, t: hand_bristle(r, z),
+    ),
+    Case(
+        "relaxation",
+        {"stiffness": 60.0, "damping": 6.0},
+        lambda s, r, z, t: (60 * (s - z), 10 * (s - z)),
+    ),
     Case("constant", {"constant": 1.5}, lambda s, r, z, t: (1.5, 0)),
-    Case("harmonic", {"amplitude": 2.0, "frequency": 1.3, "phase": 0.4},
-         lambda s, r, z, t: (2 * np.sin(2 * np.pi * 1.3 * t + 0.4), 0)),
-    Case("ripple", {"amplitude": 1.5, "period": 0.21, "phase": 0.3},
-         lambda s, r, z, t: (1.5 * np.sin(2 * np.pi * s / 0.21 + 0.3), 0)),
-]  # fmt: skip
+    Case(
+        "harmonic",
+        {"amplitude": 2.0, "frequency": 1.3, "phase": 0.4},
+        lambda s, r, z, t: (2 * np.sin(2 * np.pi * 1.3 * t + 0.4), 0),
+    ),
+    Case(
+        "ripple",
+        {"amplitude": 1.5, "period": 0.21, "phase": 0.3},
+        lambda s, r, z, t: (1.5 * np.sin(2 * np.pi * s / 0.21 + 0.3), 0),
+    ),
+]
 PUSHING = ("constant", "harmonic", "ripple")
 MASS = 0.7
 LENGTH = 1.25
@@ -192,10 +232,16 @@ def test_a_kind_is_its_law_in_the_equations_of_motion(case: Case, where: str) ->
 
 
 @pytest.mark.parametrize(
-    "case", [c for c in CASES if "at" in KINDS[c.kind].placements and c.label not in
-             ("constant", "harmonic", "sided") and c.kind != "friction"],
+    "case",
+    [
+        c
+        for c in CASES
+        if "at" in KINDS[c.kind].placements
+        and c.label not in ("constant", "harmonic", "sided")
+        and c.kind != "friction"
+    ],
     ids=lambda case: case.label,
-)  # fmt: skip
+)
 def test_at_a_point_a_kind_acts_against_the_velocity(case: Case) -> None:
     """F = −F(|v|) v/|v|; C moves with x and y, so Q is the force itself."""
 

@@ -30,9 +30,14 @@ FAR = 2.0  # the wall stands at −FAR
 def force_on(element: Entries, x: float, v: float, f: float = 0.0) -> float:
     """The generalized force of one element on the coordinate of the oscillator."""
     parameters = {
-        "k": (3.0, "N/m"), "k2": (3.0, "N/m^2"), "k3": (3.0, "N/m^3"), "d": (2.0, "N*s/m"),
-        "b": (2.0, "N*s^2/m^2"), "c": (1.5, "N"), "w": (0.01, "m/s"),
-    }  # fmt: skip
+        "k": (3.0, "N/m"),
+        "k2": (3.0, "N/m^2"),
+        "k3": (3.0, "N/m^3"),
+        "d": (2.0, "N*s/m"),
+        "b": (2.0, "N*s^2/m^2"),
+        "c": (1.5, "N"),
+        "w": (0.01, "m/s"),
+    }
     machine = build(oscillator({"it": element}, parameters, inputs={"f": {"unit": "N"}}))
     k_e = value(machine.k_e, x, v, [], f, 0, machine.values)
     each = value(machine.elements, x, v, [], f, 0, machine.values)
@@ -78,9 +83,13 @@ def test_a_spring_between_points_counts_from_its_length() -> None:
 
 
 @pytest.mark.parametrize(
-    "on", [{"kind": "constant", "constant": "c"}, {"kind": "force", "force": "c + f - f"},
-           {"kind": "law", "force": "c"}],
-)  # fmt: skip
+    "on",
+    [
+        {"kind": "constant", "constant": "c"},
+        {"kind": "force", "force": "c + f - f"},
+        {"kind": "law", "force": "c"},
+    ],
+)
 def test_active_elements_push_along_the_coordinate_and_pull_points_together(on: Entries) -> None:
     assert force_on({**on, **ON}, 0.2, 0.3, 0.7) == pytest.approx(1.5)
     tension = {key.replace("force", "tension"): text for key, text in on.items()}
@@ -260,9 +269,15 @@ def test_gain_and_offset_of_channels() -> None:
     model = oscillator(
         {"motor": push("f")},
         inputs={"f": {"unit": "N", "gain": 1.5, "offset": {"value": 0.25, "unit": "N"}}},
-        sensors={"laser": {"measures": "x", "unit": "mm", "gain": 0.9,
-                           "offset": {"value": 2.0, "unit": "mm"}}},
-    )  # fmt: skip
+        sensors={
+            "laser": {
+                "measures": "x",
+                "unit": "mm",
+                "gain": 0.9,
+                "offset": {"value": 2.0, "unit": "mm"},
+            }
+        },
+    )
     machine = build(model)
     assert value(machine.k_e, 0, 0, [], 4.0, 0, machine.values) == pytest.approx([6.25])
     y = value(machine.outputs, 0.3, 0, 0, [], 4.0, 0, machine.values)

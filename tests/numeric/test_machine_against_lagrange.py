@@ -53,15 +53,21 @@ def swing() -> Model:
         gravity=["0", "-g"],
         coordinates={"x": {"unit": "m"}, "phi": {"unit": "rad"}},
         parameters={
-            "g": (9.81, "m/s^2"), "m": (0.4, "kg"), "n": (0.7, "kg"), "l": (0.6, "m"),
-            "s": (0.1, "m"), "w": (3.0, "1/s"), "c": (0.2, "1/s"),
+            "g": (9.81, "m/s^2"),
+            "m": (0.4, "kg"),
+            "n": (0.7, "kg"),
+            "l": (0.6, "m"),
+            "s": (0.1, "m"),
+            "w": (3.0, "1/s"),
+            "c": (0.2, "1/s"),
         },
-        points={"support": ["x", "s*sin(w*t)"],
-                "bob": ["x + l*(1 - c*t)*sin(phi)", "s*sin(w*t) - l*(1 - c*t)*cos(phi)"]},
-        bodies={"cart": {"mass": "n", "at": "support"},
-                "bob": {"mass": "m", "at": "bob"}},
+        points={
+            "support": ["x", "s*sin(w*t)"],
+            "bob": ["x + l*(1 - c*t)*sin(phi)", "s*sin(w*t) - l*(1 - c*t)*cos(phi)"],
+        },
+        bodies={"cart": {"mass": "n", "at": "support"}, "bob": {"mass": "m", "at": "bob"}},
         energy={"kinetic": "m*l**2*(1 + c*t)*phi'**2"},
-    )  # fmt: skip
+    )
 
 
 def swing_energies() -> tuple[list[sp.Expr], sp.Expr, sp.Expr]:

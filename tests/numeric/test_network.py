@@ -117,8 +117,12 @@ def test_outside_its_trust_the_force_fades_to_zero(tmp_path: Path, axis: int, si
 
 @pytest.mark.parametrize("name", ["identity", "tanh", "relu", "logistic"])
 def test_activations(tmp_path: Path, name: str) -> None:
-    curves = {"identity": lambda x: x, "tanh": np.tanh, "relu": lambda x: np.maximum(x, 0),
-              "logistic": lambda x: 1 / (1 + np.exp(-x))}  # fmt: skip
+    curves = {
+        "identity": lambda x: x,
+        "tanh": np.tanh,
+        "relu": lambda x: np.maximum(x, 0),
+        "logistic": lambda x: 1 / (1 + np.exp(-x)),
+    }
     layers = [{"weights": [[2.0, 0.0]], "bias": [0.1], "activation": name}]
     plain = {"mean": [0, 0], "scale": [1, 1], "gain": 1, "offset": 0}
     model = written(tmp_path, {**WEIGHTS, **plain, "layers": layers})

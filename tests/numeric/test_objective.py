@@ -27,9 +27,10 @@ def shaken() -> Rollout:
     machine = build(
         oscillator(
             {"hold": spring("k"), "oil": damper("d"), "motor": push("f")},
-            {"k": (300.0, "N/m"), "d": (1.5, "N*s/m")}, inputs={"f": {"unit": "N"}},
+            {"k": (300.0, "N/m"), "d": (1.5, "N*s/m")},
+            inputs={"f": {"unit": "N"}},
         )
-    )  # fmt: skip
+    )
     t = np.linspace(0, 2, 101)
     scenario = Scenario(t, np.array([0.02]), np.zeros(1), t, np.sin(5 * t)[:, None])
     return Rollout(machine, scenario, ["k", "d"])

@@ -24,13 +24,28 @@ def arm(sensors: Mapping[str, Entries], gravity: bool = True) -> Model:
         gravity=["0", "-g"] if gravity else None,
         coordinates={"x": {"unit": "m"}, "phi": {"unit": "rad"}},
         parameters={
-            "m": (0.8, "kg"), "J": (0.02, "kg*m^2"), "l": (LENGTH, "m"), "o": (OFFSET, "m"),
-            "g": (G, "m/s^2"), "k": (30.0, "N/m"), "d": (2.0, "N*s/m"),
+            "m": (0.8, "kg"),
+            "J": (0.02, "kg*m^2"),
+            "l": (LENGTH, "m"),
+            "o": (OFFSET, "m"),
+            "g": (G, "m/s^2"),
+            "k": (30.0, "N/m"),
+            "d": (2.0, "N*s/m"),
         },
-        points={"pivot": ["x", "0"], "tip": {"body": "arm", "at": ["l", "o"]},
-                "post": ["2*l", "3*l"]},
-        bodies={"arm": {"joint": "pivot", "angle": "phi", "mass": "m", "inertia": "J",
-                        "at": ["l/2", "0"]}},
+        points={
+            "pivot": ["x", "0"],
+            "tip": {"body": "arm", "at": ["l", "o"]},
+            "post": ["2*l", "3*l"],
+        },
+        bodies={
+            "arm": {
+                "joint": "pivot",
+                "angle": "phi",
+                "mass": "m",
+                "inertia": "J",
+                "at": ["l/2", "0"],
+            }
+        },
         elements={
             "band": {"kind": "spring", "between": ["post", "tip"], "stiffness": "k", "length": "l"},
             "oil": {"kind": "damper", "on": "x", "damping": "d"},
@@ -38,7 +53,7 @@ def arm(sensors: Mapping[str, Entries], gravity: bool = True) -> Model:
             "fluid": {"kind": "added_mass", "on": "x", "mass": "m/4"},
         },
         sensors=sensors,
-    )  # fmt: skip
+    )
 
 
 ACCELERATION = {
@@ -103,8 +118,15 @@ def test_an_accelerometer_turns_with_the_body_whose_axes_it_has() -> None:
 
 
 def test_orientation_turning_rate_and_places() -> None:
-    names = ("orientation(arm)", "gyroscope(arm)", "position_x(tip)", "position_y(tip)",
-             "distance(post, tip)", "direction(post, tip)", "direction(tip, post)")  # fmt: skip
+    names = (
+        "orientation(arm)",
+        "gyroscope(arm)",
+        "position_x(tip)",
+        "position_y(tip)",
+        "distance(post, tip)",
+        "direction(post, tip)",
+        "direction(tip, post)",
+    )
     units = ("rad", "rad/s", "m", "m", "m", "rad", "rad")
     sensors = {
         f"s{i}": {"measures": name, "unit": unit}
@@ -114,8 +136,14 @@ def test_orientation_turning_rate_and_places() -> None:
     tip = np.array([x + LENGTH * c - OFFSET * s, LENGTH * s + OFFSET * c])
     way = tip - [2 * LENGTH, 3 * LENGTH]
     found = shown(arm(sensors), ([x, phi], [0.5, -1.5], [0, 0]))
-    expected = [phi, -1.5, *tip, np.hypot(*way), np.arctan2(way[1], way[0]),
-                np.arctan2(-way[1], -way[0])]  # fmt: skip
+    expected = [
+        phi,
+        -1.5,
+        *tip,
+        np.hypot(*way),
+        np.arctan2(way[1], way[0]),
+        np.arctan2(-way[1], -way[0]),
+    ]
     assert found == pytest.approx(expected)
 
 
@@ -126,12 +154,19 @@ def test_the_angle_of_a_hanging_body_adds_up_along_its_chain() -> None:
         parameters={"m": (1.0, "kg"), "J": (0.1, "kg*m^2"), "l": (1.0, "m")},
         bodies={
             "upper": {"joint": ["0", "0"], "angle": "a", "at": ["l", "0"], **hinged},
-            "lower": {"parent": "upper", "joint": ["l", "0"], "angle": "b", "at": ["l", "0"],
-                      **hinged},
+            "lower": {
+                "parent": "upper",
+                "joint": ["l", "0"],
+                "angle": "b",
+                "at": ["l", "0"],
+                **hinged,
+            },
         },
-        sensors={"o": {"measures": "orientation(lower)", "unit": "rad"},
-                 "g": {"measures": "gyroscope(lower)", "unit": "rad/s"}},
-    )  # fmt: skip
+        sensors={
+            "o": {"measures": "orientation(lower)", "unit": "rad"},
+            "g": {"measures": "gyroscope(lower)", "unit": "rad/s"},
+        },
+    )
     assert shown(model, ([0.3, 0.5], [2, -3], [0, 0])) == pytest.approx([0.8, -1.0])
 
 
@@ -148,9 +183,13 @@ def test_a_force_cell_shows_the_force_of_its_element() -> None:
 
 def test_readings_enter_expressions_with_gain_and_offset() -> None:
     sensors = {
-        "a": {"measures": "2*gyroscope(arm) + phi'", "unit": "rad/s", "gain": 0.5,
-              "offset": {"value": 0.25, "unit": "rad/s"}},
-    }  # fmt: skip
+        "a": {
+            "measures": "2*gyroscope(arm) + phi'",
+            "unit": "rad/s",
+            "gain": 0.5,
+            "offset": {"value": 0.25, "unit": "rad/s"},
+        },
+    }
     assert shown(arm(sensors), ([0, 0], [0, 1.5], [0, 0])) == pytest.approx([0.5 * 4.5 + 0.25])
 
 

@@ -269,25 +269,56 @@ def test_a_wheel_that_is_held_twice_is_held_once() -> None:
     [
         (ROLLING, 'axle = "y"\n', "", "constraints.ground: 'axle' is missing"),
         (ROLLING, 'axle = "y"', 'axle = "w"', "constraints.ground.axle: 'w' is no axis: x, y or z"),
-        (ROLLING, 'point = "hub"', 'point = "rim"',
-         "constraints.ground.point: the point 'rim' is fixed to no body; a wheel turns with one"),
-        (ROLLING, 'radius = "r"', 'radius = "slope"',
-         "constraints.ground.radius: 'slope' is deg, needs m"),
-        (ROLLING, 'radius = "r"', 'radius = "r"\nheight = "m"',
-         "constraints.ground.height: 'm' is kg, needs m"),
-        (ROLLING, "r = { value = 0.3", "r = { value = -0.3",
-         "constraints.ground.radius: is -0.3; the radius of what rolls must be positive"),
-        (ROLLING, "[points]",
-         '[sensors]\nside = { measures = "reaction(ground)", unit = "N" }\n[points]',
-         "the reaction of the wheel 'ground' is a vector"),
-        (SKATE, """rate = "x'*sin(a) - y'*cos(a)\"""", 'rate = "x*sin(a)"',
-         "constraints.edge.rate: 'x*sin(a)' contains no rate; a condition on places"),
-        (SKATE, """rate = "x'*sin(a) - y'*cos(a)\"""", """rate = "x'*y'\"""",
-         "constraints.edge: is not linear in the rates"),
-        (SKATE, """rate = "x'*sin(a) - y'*cos(a)\"""", """rate = "x'*sin(a) - a'\"""",
-         "constraints.edge.rate: subtracts"),
+        (
+            ROLLING,
+            'point = "hub"',
+            'point = "rim"',
+            "constraints.ground.point: the point 'rim' is fixed to no body; a wheel turns with one",
+        ),
+        (
+            ROLLING,
+            'radius = "r"',
+            'radius = "slope"',
+            "constraints.ground.radius: 'slope' is deg, needs m",
+        ),
+        (
+            ROLLING,
+            'radius = "r"',
+            'radius = "r"\nheight = "m"',
+            "constraints.ground.height: 'm' is kg, needs m",
+        ),
+        (
+            ROLLING,
+            "r = { value = 0.3",
+            "r = { value = -0.3",
+            "constraints.ground.radius: is -0.3; the radius of what rolls must be positive",
+        ),
+        (
+            ROLLING,
+            "[points]",
+            '[sensors]\nside = { measures = "reaction(ground)", unit = "N" }\n[points]',
+            "the reaction of the wheel 'ground' is a vector",
+        ),
+        (
+            SKATE,
+            """rate = "x'*sin(a) - y'*cos(a)\"""",
+            'rate = "x*sin(a)"',
+            "constraints.edge.rate: 'x*sin(a)' contains no rate; a condition on places",
+        ),
+        (
+            SKATE,
+            """rate = "x'*sin(a) - y'*cos(a)\"""",
+            """rate = "x'*y'\"""",
+            "constraints.edge: is not linear in the rates",
+        ),
+        (
+            SKATE,
+            """rate = "x'*sin(a) - y'*cos(a)\"""",
+            """rate = "x'*sin(a) - a'\"""",
+            "constraints.edge.rate: subtracts",
+        ),
     ],
-)  # fmt: skip
+)
 def test_what_is_refused(text: str, old: str, new: str, sentence: str) -> None:
     assert old in text
     with pytest.raises(InputError) as found:

@@ -42,9 +42,10 @@ def remembering() -> tuple[Rollout, Scenario]:
     machine = build(
         oscillator(
             {"it": slow, "hold": spring("s"), "motor": push("f")},
-            {"k": (60.0, "N/m"), "d": (6.0, "N*s/m"), "s": (90.0, "N/m")}, inputs=INPUT,
+            {"k": (60.0, "N/m"), "d": (6.0, "N*s/m"), "s": (90.0, "N/m")},
+            inputs=INPUT,
         )
-    )  # fmt: skip
+    )
     scenario = driven(machine, 2.0, 101, [0.03])
     return Rollout(machine, scenario, ["k", "d", "m"]), scenario
 

@@ -19,8 +19,9 @@ def scenario(x: float, v: float, k: int = 0) -> Scenario:
 
 def test_slopes_by_the_start_of_a_spring_are_its_swing() -> None:
     """x = x0 cos wt + v0/w sin wt."""
-    machine = build(oscillator({"bar": {"kind": "spring", "on": "x", "stiffness": "k"}},
-                               {"k": (50.0, "N/m")}))  # fmt: skip
+    machine = build(
+        oscillator({"bar": {"kind": "spring", "on": "x", "stiffness": "k"}}, {"k": (50.0, "N/m")})
+    )
     u = len(machine.model.inputs)
     found = sensitivities(machine, scenario(0.1, 0.0, u), ())
     mass = float(np.asarray(machine.M([0.1], 0.0, machine.values)).item())
@@ -33,10 +34,12 @@ def test_slopes_by_the_start_of_a_spring_are_its_swing() -> None:
 def test_slopes_by_parameters_agree_with_differences() -> None:
     """A hardening spring with drag: nonlinear in state and parameters."""
     model = oscillator(
-        {"bar": {"kind": "spring", "on": "x", "stiffness": "k", "cubic": "c"},
-         "air": {"kind": "drag", "on": "x", "drag": "b"}},
+        {
+            "bar": {"kind": "spring", "on": "x", "stiffness": "k", "cubic": "c"},
+            "air": {"kind": "drag", "on": "x", "drag": "b"},
+        },
         {"k": (50.0, "N/m"), "c": (900.0, "N/m^3"), "b": (0.7, "N*s^2/m^2")},
-    )  # fmt: skip
+    )
     machine = build(model)
     case = scenario(0.2, -0.3, len(machine.model.inputs))
     free = [machine.column(name) for name in ("k", "c", "b")]

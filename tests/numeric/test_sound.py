@@ -58,8 +58,9 @@ def test_every_infinite_law_is_named() -> None:
         {"one": odd, "fine": push("c"), "two": odd}, {"c": (2.0, "N"), "l": (1.0, "m")}
     )
     assert [problem.split(": ")[1] for problem in refused(model)] == [
-        "elements.one", "elements.two",
-    ]  # fmt: skip
+        "elements.one",
+        "elements.two",
+    ]
 
 
 def test_an_input_may_stand_in_a_denominator() -> None:

@@ -60,12 +60,17 @@ def driven() -> Machine:
                 "wind": push("F*sin(w*t)*cos(x/l) + f*x'/s"),
             },
             {
-                "k": (40.0, "N/m"), "c": (500.0, "N/m^3"), "d": (0.8, "N*s/m"), "F": (3.0, "N"),
-                "w": (5.0, "1/s"), "l": (0.3, "m"), "s": (1.0, "m/s"),
+                "k": (40.0, "N/m"),
+                "c": (500.0, "N/m^3"),
+                "d": (0.8, "N*s/m"),
+                "F": (3.0, "N"),
+                "w": (5.0, "1/s"),
+                "l": (0.3, "m"),
+                "s": (1.0, "m/s"),
             },
             inputs=INPUT,
         )
-    )  # fmt: skip
+    )
 
 
 def test_order_on_smooth_machines() -> None:
@@ -78,14 +83,21 @@ def test_order_with_two_coordinates() -> None:
         gravity=["0", "-g"],
         coordinates={"x": {"unit": "m"}, "phi": {"unit": "rad"}},
         parameters={
-            "g": (9.81, "m/s^2"), "m": (0.6, "kg"), "a": (0.3, "m"), "k": (25.0, "N/m"),
-            "d": (0.02, "N*m*s/rad"), "A": (0.02, "m"), "w": (4.0, "1/s"),
+            "g": (9.81, "m/s^2"),
+            "m": (0.6, "kg"),
+            "a": (0.3, "m"),
+            "k": (25.0, "N/m"),
+            "d": (0.02, "N*m*s/rad"),
+            "A": (0.02, "m"),
+            "w": (4.0, "1/s"),
         },
-        points={"pivot": ["x + A*sin(w*t)", "0"],
-                "tip": ["x + A*sin(w*t) + a*sin(phi)", "-a*cos(phi)"]},
+        points={
+            "pivot": ["x + A*sin(w*t)", "0"],
+            "tip": ["x + A*sin(w*t) + a*sin(phi)", "-a*cos(phi)"],
+        },
         bodies={"cart": {"mass": "m", "at": "pivot"}, "ball": {"mass": "m", "at": "tip"}},
         elements={"hold": spring("k"), "bearing": damper("d", on="phi")},
-    )  # fmt: skip
+    )
     assert order(build(smooth), [0.1, 1.0, -0.2, 2.0], 0.8, 40) > 3.7
 
 

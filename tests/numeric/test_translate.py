@@ -12,11 +12,36 @@ from symhyb.model.expression import evaluate, parse_expression
 from symhyb.numeric.lowered.translate import Lowered, Lowering
 
 TEXTS = [
-    "sin(a)", "cos(a)", "tan(a)", "asin(a)", "acos(a)", "atan(a)", "atan2(b, a)", "sinh(a)",
-    "cosh(a)", "tanh(a)", "exp(a)", "log(a)", "sqrt(a)", "abs(b)", "sign(b)", "min(a, b, 0.1)",
-    "max(a, b, 0.1)", "a**b", "a**-1", "1/sqrt(a)", "a**3", "a**-3", "a**9", "a**2.5", "2**a",
-    "a - b/a*0.7", "pi*a", "-b", "a**0.5*b + a*b + 3",
-]  # fmt: skip
+    "sin(a)",
+    "cos(a)",
+    "tan(a)",
+    "asin(a)",
+    "acos(a)",
+    "atan(a)",
+    "atan2(b, a)",
+    "sinh(a)",
+    "cosh(a)",
+    "tanh(a)",
+    "exp(a)",
+    "log(a)",
+    "sqrt(a)",
+    "abs(b)",
+    "sign(b)",
+    "min(a, b, 0.1)",
+    "max(a, b, 0.1)",
+    "a**b",
+    "a**-1",
+    "1/sqrt(a)",
+    "a**3",
+    "a**-3",
+    "a**9",
+    "a**2.5",
+    "2**a",
+    "a - b/a*0.7",
+    "pi*a",
+    "-b",
+    "a**0.5*b + a*b + 3",
+]
 
 
 @pytest.mark.parametrize("text", TEXTS)

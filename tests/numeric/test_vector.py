@@ -87,8 +87,12 @@ def test_all_outputs_of_all_shapes(engine: str, total: int, held: tuple[int, ...
     results = along(function, arguments, held)
     expected = reference(function, arguments, held)
     assert [r.shape for r in results] == [
-        (2 * total, 2), (2 * total, 2), (total, 5), (total, 0), (2 * total, 2)
-    ]  # fmt: skip
+        (2 * total, 2),
+        (2 * total, 2),
+        (total, 5),
+        (total, 0),
+        (2 * total, 2),
+    ]
     for found, wanted in zip(results, expected, strict=True):
         assert found.flags.c_contiguous
         np.testing.assert_allclose(found, wanted.reshape(found.shape), rtol=1e-14, atol=1e-15)
@@ -335,9 +339,12 @@ print(vector.along(f, [np.linspace(0, 1, 4000).reshape(-1, 2)])[0].sum().hex())
     said = set()
     for _ in range(2):
         done = subprocess.run(
-            [sys.executable, "-c", script], capture_output=True, text=True, check=True,
+            [sys.executable, "-c", script],
+            capture_output=True,
+            text=True,
+            check=True,
             env={**os.environ, "XDG_CACHE_HOME": str(tmp_path), "HOME": str(tmp_path)},
-        )  # fmt: skip
+        )
         said.add(done.stdout)
         libraries = list(tmp_path.rglob("*.so"))
         assert len(libraries) == 1

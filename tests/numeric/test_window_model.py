@@ -185,15 +185,17 @@ def linear_model() -> Model:
         points={"a": ["x", "0"], "b": ["far + y", "0"]},
         bodies={"one": {"mass": "m", "at": "a"}, "two": {"mass": "m", "at": "b"}},
         elements={
-            "hold": spring("k"), "oil": damper("d", on="y"),
+            "hold": spring("k"),
+            "oil": damper("d", on="y"),
             "link": {"kind": "spring", "between": ["a", "b"], "stiffness": "3*k", "length": "far"},
-            "motor": push("f"), "other": push("g", on="y"),
+            "motor": push("f"),
+            "other": push("g", on="y"),
         },
         sensors={
             "place": {"measures": "x + 2*y", "unit": "m"},
             "accel": {"measures": "y''", "unit": "m/s^2"},
         },
-    )  # fmt: skip
+    )
 
 
 @pytest.mark.parametrize("parts", [1, 3])

@@ -22,8 +22,14 @@ def remembering() -> Model:
     return oscillator(
         {
             "hold": spring("k"),
-            "bend": {"kind": "hysteresis", "on": "x", "stiffness": "k", "beta": "b", "gamma": "b/2",
-                     "exponent": 2},
+            "bend": {
+                "kind": "hysteresis",
+                "on": "x",
+                "stiffness": "k",
+                "beta": "b",
+                "gamma": "b/2",
+                "exponent": 2,
+            },
             "slow": {"kind": "relaxation", "on": "x", "stiffness": "k", "damping": "d"},
             "motor": push("f"),
         },
@@ -33,7 +39,7 @@ def remembering() -> Model:
             "cell": {"measures": "force(bend) + force(slow)", "unit": "N"},
         },
         {"f": {"unit": "N"}},
-    )  # fmt: skip
+    )
 
 
 def excited(seed: int = 1) -> tuple[Machine, Block, Array]:
@@ -90,15 +96,19 @@ def moved_base(block_free: bool = True) -> Model:
         points={"foot": ["base", "0"], "head": ["far + x", "0"]},
         bodies={"table": {"mass": "m", "at": "foot"}, "block": {"mass": "m", "at": "head"}},
         elements={
-            "hold": {"kind": "spring", "between": ["foot", "head"], "stiffness": "k",
-                     "length": "far"},
+            "hold": {
+                "kind": "spring",
+                "between": ["foot", "head"],
+                "stiffness": "k",
+                "length": "far",
+            },
             "oil": {"kind": "damper", "between": ["foot", "head"], "damping": "d"},
         },
         sensors={
             "place": {"measures": "x", "unit": "m"},
             "cell": {"measures": "reaction(base)", "unit": "N"},
         },
-    )  # fmt: skip
+    )
 
 
 def shaken(t: Array) -> Array:
@@ -174,10 +184,12 @@ def late() -> tuple[Machine, Block, Array]:
             "motor": push("f"),
         },
         {"k": (120.0, "N/m"), "c": (1.5, "N"), "w": (0.2, "m/s")},
-        sensors={"place": {"measures": "x", "unit": "m", "delay": stated},
-                 "speed": {"measures": "x'", "unit": "m/s", "delay": stated}},
+        sensors={
+            "place": {"measures": "x", "unit": "m", "delay": stated},
+            "speed": {"measures": "x'", "unit": "m/s", "delay": stated},
+        },
         inputs={"f": {"unit": "N", "delay": stated}},
-    )  # fmt: skip
+    )
     machine = build(model)
     record = np.linspace(-1, 3, 4001)
     t = np.linspace(0, 1, 101)[None] + np.array([[0.2], [1.4]])

@@ -99,19 +99,31 @@ def missing() -> tuple[Diagnosis, Verdict]:
     q = On("q")
     effects = (
         found(
-            "found_friction", "friction", q, "coulomb*tanh(s'/transition)", 0.871,
+            "found_friction",
+            "friction",
+            q,
+            "coulomb*tanh(s'/transition)",
+            0.871,
             Estimate("F_c", 20.41, 0.12, "N", "coulomb"),
             Estimate("v_t", 5.3e-4, 1.1e-4, "m/s", "transition"),
         ),
         found(
-            "found_damper", "damper", q, "damping*s'", 0.41,
+            "found_damper",
+            "damper",
+            q,
+            "damping*s'",
+            0.41,
             Estimate("b", 203.4, 1.34, "N*s/m", "damping"),
         ),
         found(
-            "found_constant", "constant", q, "constant", 0.012,
+            "found_constant",
+            "constant",
+            q,
+            "constant",
+            0.012,
             Estimate("F_0", 3.16, 0.06, "N", "constant"),
         ),
-    )  # fmt: skip
+    )
     active = Activity((0.02, 0.24), (-0.16, 0.16), ((0.4, 5.6), (6.4, 11.6)))
     diagnosis = Diagnosis(
         "missing physics",
@@ -119,11 +131,17 @@ def missing() -> tuple[Diagnosis, Verdict]:
         effects,
         alternatives=(
             Alternative(
-                "found_constant", "offset", (Estimate("o", 3.16, 0.06, "N", "offset"),), 0.0,
+                "found_constant",
+                "offset",
+                (Estimate("o", 3.16, 0.06, "N", "offset"),),
+                0.0,
                 channel="motor",
             ),
             Alternative(
-                "found_damper", "drag", (Estimate("d", 1203.0, 22.0, "N*s^2/m^2", "drag"),), 1540.2,
+                "found_damper",
+                "drag",
+                (Estimate("d", 1203.0, 22.0, "N*s^2/m^2", "drag"),),
+                1540.2,
                 place=q,
             ),
         ),
@@ -145,7 +163,7 @@ def missing() -> tuple[Diagnosis, Verdict]:
         notes=("DATA_EMPS.mat: 12 samples of encoder are missing and were left out.",),
         misfits=(Misfit("c.csv", "Coulomb friction on q", 2.1, 0.1, 1.1, 0.1, "N", 1e-9, "c."),),
         repeats=(Repeats(("a.csv", "b.csv"), {"encoder": 0.01}, {"encoder": 0.02}, "Both."),),
-    )  # fmt: skip
+    )
     verdict = Verdict(
         0.25,
         "fitted in every window, on unseen recordings too",
@@ -176,7 +194,10 @@ def null() -> tuple[Diagnosis, Verdict]:
 def undecided() -> tuple[Diagnosis, Verdict]:
     rivals = (
         Alternative(
-            None, "damper", (Estimate("b", 0.31, 0.02, "N*m*s/rad", "damping"),), 0.0,
+            None,
+            "damper",
+            (Estimate("b", 0.31, 0.02, "N*m*s/rad", "damping"),),
+            0.0,
             place=On("phi"),
         ),
         Alternative(
@@ -185,7 +206,7 @@ def undecided() -> tuple[Diagnosis, Verdict]:
         Alternative(
             None, "parameter", (Estimate("k", 1012.0, 5.2, "N*m/rad", "k"),), 3.25, parameter="k"
         ),
-    )  # fmt: skip
+    )
     _, verdict = missing()
     said = verdict_sentence("undecided", alternatives=rivals)
     diagnosis = Diagnosis("undecided", said, alternatives=rivals, record_next="A slower sine.")
@@ -213,12 +234,18 @@ def failed() -> tuple[Diagnosis, Verdict]:
     measured[40:90] = NAN
     before = np.where(stopped, NAN, old.before["encoder"] * np.exp(old.t))
     stopped_trace = Trace(
-        "run.csv", "holdout", t, {"encoder": measured}, {"encoder": before},
-        {"encoder": np.full_like(t, NAN)}, ("It stopped at 12 s: step size too small.",),
-    )  # fmt: skip
+        "run.csv",
+        "holdout",
+        t,
+        {"encoder": measured},
+        {"encoder": before},
+        {"encoder": np.full_like(t, NAN)},
+        ("It stopped at 12 s: step size too small.",),
+    )
     empty = np.empty(0)
-    nothing = Trace("empty.csv", "train", empty, {"encoder": empty}, {"encoder": empty},
-                    {"encoder": empty})  # fmt: skip
+    nothing = Trace(
+        "empty.csv", "train", empty, {"encoder": empty}, {"encoder": empty}, {"encoder": empty}
+    )
     unknown = replace(
         diagnosis,
         remainder=NAN,
@@ -227,19 +254,23 @@ def failed() -> tuple[Diagnosis, Verdict]:
         clouds=(replace(cloud(On("q"), 200), force=np.full(200, NAN), band=np.full(200, NAN)),),
         found=tuple(
             replace(
-                effect, share=None,
+                effect,
+                share=None,
                 estimates=tuple(replace(number, sd=INFINITE) for number in effect.estimates),
                 active=Activity((NAN, INFINITE), (-0.1, 0.1), ()),
             )
             for effect in diagnosis.found
         ),
         alternatives=tuple(replace(rival, evidence=INFINITE) for rival in diagnosis.alternatives),
-    )  # fmt: skip
+    )
     scores = Comparison(score(INFINITE), score(None))
     return unknown, replace(
-        verdict, train=scores, holdout=Comparison(score(None), score(NAN)),
-        force_band_hz=None, traces=(stopped_trace, nothing),
-    )  # fmt: skip
+        verdict,
+        train=scores,
+        holdout=Comparison(score(None), score(NAN)),
+        force_band_hz=None,
+        traces=(stopped_trace, nothing),
+    )
 
 
 def hostile() -> tuple[Diagnosis, Verdict]:
@@ -247,26 +278,44 @@ def hostile() -> tuple[Diagnosis, Verdict]:
     diagnosis, verdict = missing()
     place = Between(HOSTILE, "tip")
     effects = tuple(
-        replace(effect, element=replace(effect.element, name=HOSTILE, place=place), law=HOSTILE,
-                sentence=HOSTILE)
+        replace(
+            effect,
+            element=replace(effect.element, name=HOSTILE, place=place),
+            law=HOSTILE,
+            sentence=HOSTILE,
+        )
         for effect in diagnosis.found
-    )  # fmt: skip
+    )
     nasty = replace(
-        diagnosis, sentence=HOSTILE, found=effects, record_next=HOSTILE, log=(HOSTILE,),
-        notes=(HOSTILE,), remainder_notes=(HOSTILE,), noise={HOSTILE: 1.0},
-        places=(PlaceShare(place, 0.5),), clouds=(replace(cloud(place, 400), recording=HOSTILE),),
-    )  # fmt: skip
+        diagnosis,
+        sentence=HOSTILE,
+        found=effects,
+        record_next=HOSTILE,
+        log=(HOSTILE,),
+        notes=(HOSTILE,),
+        remainder_notes=(HOSTILE,),
+        noise={HOSTILE: 1.0},
+        places=(PlaceShare(place, 0.5),),
+        clouds=(replace(cloud(place, 400), recording=HOSTILE),),
+    )
     return nasty, replace(
-        verdict, carries=HOSTILE, initial_states=HOSTILE,
+        verdict,
+        carries=HOSTILE,
+        initial_states=HOSTILE,
         train=Comparison(score(0.1, sensor=HOSTILE, on=HOSTILE), score(0.01, sensor=HOSTILE)),
         traces=(replace(trace("train", HOSTILE, 500, HOSTILE), failures=(HOSTILE,)),),
-    )  # fmt: skip
+    )
 
 
 _CASES: dict[str, Callable[[], tuple[Diagnosis, Verdict]]] = {
-    "missing": missing, "null": null, "undecided": undecided, "parameters": parameters,
-    "measurement": measurement, "failed": failed, "hostile": hostile,
-}  # fmt: skip
+    "missing": missing,
+    "null": null,
+    "undecided": undecided,
+    "parameters": parameters,
+    "measurement": measurement,
+    "failed": failed,
+    "hostile": hostile,
+}
 
 
 @pytest.fixture(params=ALL_VERDICTS)

@@ -61,8 +61,9 @@ def test_the_schema_says_every_key_that_is_written(cases: Cases) -> None:
     content = to_json(*rich(cases))
     assert list(unsaid(content, SCHEMA)) == []
     assert list(unsaid(content | {"new": 1, "memory": {"more": 1}}, SCHEMA)) == [
-        ".memory.more", ".new",
-    ]  # fmt: skip
+        ".memory.more",
+        ".new",
+    ]
     jsonschema.validate(content, SCHEMA, jsonschema.Draft202012Validator)
     assert content["channels"][0]["rivals"] == [{"kind": "sign", "channels": ["motor"]}]
     assert content["memory"]["past"] is None
@@ -88,8 +89,11 @@ def test_found_effects_say_place_terms_and_numbers(cases: Cases) -> None:
     friction, _, constant = content["found"]
     assert friction["place"] == {"on": "q"}
     assert friction["parameters"]["F_c"] == {
-        "value": 20.41, "sd": 0.12, "unit": "N", "term": "coulomb",
-    }  # fmt: skip
+        "value": 20.41,
+        "sd": 0.12,
+        "unit": "N",
+        "term": "coulomb",
+    }
     assert constant["law"] == "constant"
     assert content["places"][1]["place"] == {"between": ["anchor", "tip"]}
     assert content["places"][0]["active"]["time"] == [[0.4, 5.6], [6.4, 11.6]]
@@ -117,9 +121,13 @@ def test_scores_hold_every_kind_before_and_after(cases: Cases) -> None:
     assert scores["carries"].startswith("The errors over windows")
     assert scores["holdout"]["before"]["window_nrmse"] == {"encoder": 0.024}
     assert set(scores["train"]["after"]) == {
-        "force_nrmse", "window_nrmse", "free_run_nrmse",
-        "force_residual", "window_rmse", "free_run_rmse",
-    }  # fmt: skip
+        "force_nrmse",
+        "window_nrmse",
+        "free_run_nrmse",
+        "force_residual",
+        "window_rmse",
+        "free_run_rmse",
+    }
 
 
 def test_what_could_not_be_computed_is_null_or_unbounded(cases: Cases) -> None:
@@ -138,8 +146,10 @@ def test_alternatives_name_exactly_one_cause(cases: Cases) -> None:
     place, channel, parameter = to_json(*cases["undecided"]())["alternatives"]
     named = {"place", "channel", "parameter"}
     assert [named & set(rival) for rival in (place, channel, parameter)] == [
-        {"place"}, {"channel"}, {"parameter"},
-    ]  # fmt: skip
+        {"place"},
+        {"channel"},
+        {"parameter"},
+    ]
     assert place["instead_of"] is None
 
 

@@ -205,16 +205,22 @@ def test_a_law_that_remembers_is_drawn_as_loops(cases: Cases) -> None:
     law = -30.0 * (stretch - 0.02 * np.tanh(rate))
     band = np.full_like(t, 0.1)
     cloud = replace(
-        cases["missing"]()[0].clouds[0], t=t, stretch=stretch, rate=rate, force=law, law=law,
+        cases["missing"]()[0].clouds[0],
+        t=t,
+        stretch=stretch,
+        rate=rate,
+        force=law,
+        law=law,
         band=band,
-    )  # fmt: skip
+    )
     loops = texts(figures.cloud_figure(cloud, UNITS, remembers=True))
     assert "found law, a few cycles" in loops
     assert "± one sd" not in loops  # a band about a median over loops would mean nothing
     lines = texts(figures.cloud_figure(cloud, UNITS))
     assert "a few cycles" not in lines
-    empty = replace(cloud, **{name: np.empty(0) for name in
-                              ("t", "stretch", "rate", "force", "band", "law")})  # fmt: skip
+    empty = replace(
+        cloud, **{name: np.empty(0) for name in ("t", "stretch", "rate", "force", "band", "law")}
+    )
     assert texts(figures.cloud_figure(empty, UNITS, remembers=True))
 
 

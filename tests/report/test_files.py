@@ -44,10 +44,16 @@ def test_simulation_is_in_the_unit_of_the_sensor(
     with path.open(encoding="utf-8", newline="") as file:
         header, *rows = csv.reader(file)
     assert header == [
-        "recording", "role", "t",
-        "encoder_measured [mm]", "encoder_before [mm]", "encoder_after [mm]",
-        "tacho_measured [rad/s]", "tacho_before [rad/s]", "tacho_after [rad/s]",
-    ]  # fmt: skip
+        "recording",
+        "role",
+        "t",
+        "encoder_measured [mm]",
+        "encoder_before [mm]",
+        "encoder_after [mm]",
+        "tacho_measured [rad/s]",
+        "tacho_before [rad/s]",
+        "tacho_after [rad/s]",
+    ]
     trace = verdict.traces[0]
     assert len(rows) == len(trace.t)
     assert {row[0] for row in rows} == {"run.csv"}

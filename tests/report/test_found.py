@@ -18,7 +18,7 @@ from symhyb.correction.naming.findings import Named, found_of, named, symbol_of
 from symhyb.correction.naming.formulas import law_text
 from symhyb.correction.naming.textbook import critical_share
 from symhyb.correction.search.trajectory import Refined
-from symhyb.discrepancy.fitting.matching import Fit
+from symhyb.discrepancy.fitting.task import Fit
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.results import Alternative, Diagnosis, Found, Verdict
 from symhyb.discrepancy.words.wording import verdict_sentence
@@ -152,15 +152,23 @@ def test_springs_join_and_stops_stay_apart() -> None:
     springs = [Hypothesis("spring", x, (key,), (False,)) for key in ("stiffness", "cubic")]
     stops = [
         Hypothesis(
-            "gap", x, ("stiffness",), (True,), (("clearance", 0.05),), ("clearance",),
+            "gap",
+            x,
+            ("stiffness",),
+            (True,),
+            (("clearance", 0.05),),
+            ("clearance",),
             options=(("side", side),),
-        ) for side in ("upper", "lower")
-    ]  # fmt: skip
+        )
+        for side in ("upper", "lower")
+    ]
     items = named(settled(model, (springs[0], stops[0], springs[1], stops[1])))
     assert items[0].values == {"stiffness": (1.0, 0.1), "cubic": (4.0, 0.1)}
     assert [(item.kind, item.causes) for item in items] == [
-        ("spring", (0, 2)), ("gap", (1,)), ("gap", (3,)),
-    ]  # fmt: skip
+        ("spring", (0, 2)),
+        ("gap", (1,)),
+        ("gap", (3,)),
+    ]
     assert [item.options for item in items[1:]] == [(("side", "upper"),), (("side", "lower"),)]
     told = [
         found_of(model, item, f"found_{i}", PROVENANCE, None, None) for i, item in enumerate(items)

@@ -82,12 +82,24 @@ def test_every_verdict_is_accessible(case: tuple[Diagnosis, Verdict], model: Mod
 def test_sentences_come_first_then_pictures_then_tables(cases: Cases, model: Model) -> None:
     html, page = rendered(cases["missing"](), model)
     order = [
-        "Missing physics", "On q the model lacks", "What was found",
-        "cannot tell apart", "Record next", "How well the model simulates", "What is left",
-        "Measured and simulated", "The force that the model leaves over", "Numbers",
-        "Found effects", "Scores before and after", "Map of the mismatch",
-        "What changes in the model file", "What was handled", "How it was decided", "Made from",
-    ]  # fmt: skip
+        "Missing physics",
+        "On q the model lacks",
+        "What was found",
+        "cannot tell apart",
+        "Record next",
+        "How well the model simulates",
+        "What is left",
+        "Measured and simulated",
+        "The force that the model leaves over",
+        "Numbers",
+        "Found effects",
+        "Scores before and after",
+        "Map of the mismatch",
+        "What changes in the model file",
+        "What was handled",
+        "How it was decided",
+        "Made from",
+    ]
     text = page.text[page.text.index("Slide & rail", 20) :]
     positions = [text.index(words) for words in order]
     assert positions == sorted(positions)

@@ -119,33 +119,48 @@ DAMPING = Estimate("b", 203.5, 1.34, "N*s/m", "damping")
     ("kind", "place", "estimates", "share", "sentence"),
     [
         (
-            "friction", On("x"), [COULOMB, Estimate("v", 0.0123, 0.0021, "m/s", "transition")],
+            "friction",
+            On("x"),
+            [COULOMB, Estimate("v", 0.0123, 0.0021, "m/s", "transition")],
             0.871,
             "On x, dry (Coulomb) friction of 20.4 ± 0.2 N resists the motion, with transition "
             "speed 0.012 ± 0.002 m/s; without it 87 % of the squared error on unseen data comes "
             "back.",
         ),
         (
-            "damper", On("phi"), [Estimate("d", 0.31, 0.02, "N*m*s/rad", "damping")], None,
+            "damper",
+            On("phi"),
+            [Estimate("d", 0.31, 0.02, "N*m*s/rad", "damping")],
+            None,
             "On phi, viscous damping of 0.31 ± 0.02 N·m·s/rad resists the rotation.",
         ),
         (
-            "friction", On("phi"), [Estimate("d", 0.31, 0.02, "N*m", "coulomb")], -0.01,
+            "friction",
+            On("phi"),
+            [Estimate("d", 0.31, 0.02, "N*m", "coulomb")],
+            -0.01,
             "On phi, dry (Coulomb) friction torque of 0.31 ± 0.02 N·m resists the rotation; "
             "without it the squared error on unseen data does not grow.",
         ),
         (
-            "drag", Between("anchor", "tip"), [Estimate("d", 0.8, 0.03, "N*s^2/m^2", "drag")], 1.5,
+            "drag",
+            Between("anchor", "tip"),
+            [Estimate("d", 0.8, 0.03, "N*s^2/m^2", "drag")],
+            1.5,
             "Between anchor and tip, drag quadratic in speed (0.80 ± 0.03 N·s²/m²) resists the "
             "relative motion; without it the squared error on unseen data grows by 1.5 times what "
             "it was uncorrected.",
         ),
         (
-            "spring", On("x"), [Estimate("c", 1200.0, 30.0, "N/m^3", "cubic")], None,
+            "spring",
+            On("x"),
+            [Estimate("c", 1200.0, 30.0, "N/m^3", "cubic")],
+            None,
             "On x, cubic stiffness of 1200 ± 30 N/m³ (hardening) acts.",
         ),
         (
-            "spring", On("x"),
+            "spring",
+            On("x"),
             [
                 Estimate("k", -3.0, 0.3, "N/m", "stiffness"),
                 Estimate("c", -9.0, 3.0, "N/m^3", "cubic"),
@@ -155,28 +170,43 @@ DAMPING = Estimate("b", 203.5, 1.34, "N*s/m", "damping")
             "of −9 ± 3 N/m³ (softening) act.",
         ),
         (
-            "constant", On("q"), [Estimate("c", -3.16, 0.06, "N", "constant")], None,
+            "constant",
+            On("q"),
+            [Estimate("c", -3.16, 0.06, "N", "constant")],
+            None,
             "On q, a constant force of −3.16 ± 0.06 N acts towards negative q.",
         ),
         (
-            "constant", On("phi"), [Estimate("c", 3.16, 0.06, "N*m", "constant")], None,
+            "constant",
+            On("phi"),
+            [Estimate("c", 3.16, 0.06, "N*m", "constant")],
+            None,
             "On phi, a constant torque of 3.16 ± 0.06 N·m acts towards positive phi.",
         ),
         (
-            "constant", Between("a", "b"), [Estimate("c", 3.16, 0.06, "N", "constant")], None,
+            "constant",
+            Between("a", "b"),
+            [Estimate("c", 3.16, 0.06, "N", "constant")],
+            None,
             "Between a and b, a constant force of 3.16 ± 0.06 N acts, pulling the two points "
             "together.",
         ),
         (
-            "damper", On("x"), [Estimate("b", -2.0, 0.3, "N*s/m", "damping")], None,
+            "damper",
+            On("x"),
+            [Estimate("b", -2.0, 0.3, "N*s/m", "damping")],
+            None,
             "On x, viscous damping of −2.0 ± 0.3 N·s/m drives the motion instead of resisting it.",
         ),
         (
-            "added_mass", At("tip"), [Estimate("m", 0.2, 0.03, "kg", "mass")], None,
+            "added_mass",
+            At("tip"),
+            [Estimate("m", 0.2, 0.03, "kg", "mass")],
+            None,
             "At tip, added mass of 0.20 ± 0.03 kg resists the acceleration.",
         ),
     ],
-)  # fmt: skip
+)
 def test_effect_is_said_from_its_numbers(
     kind: str, place: Place, estimates: list[Estimate], share: float | None, sentence: str
 ) -> None:
@@ -241,83 +271,126 @@ SIDED = [
     ("kind", "place", "estimates", "options", "sentence"),
     [
         (
-            "gap", On("x"), [STIFF, CLEARANCE], "upper",
+            "gap",
+            On("x"),
+            [STIFF, CLEARANCE],
+            "upper",
             "On x, an elastic stop of 900 ± 2 N/m acts beyond a clearance of 50.00 ± 0.10 mm on "
             "the upper side.",
         ),
         (
-            "gap", On("x"), [STIFF, CLEARANCE, Estimate("d", 3.0, 0.2, "N*s/m", "damping")], "both",
+            "gap",
+            On("x"),
+            [STIFF, CLEARANCE, Estimate("d", 3.0, 0.2, "N*s/m", "damping")],
+            "both",
             "On x, an elastic stop of 900 ± 2 N/m acts beyond a clearance of 50.00 ± 0.10 mm on "
             "both sides, 100 mm apart (damping 3.0 ± 0.2 N·s/m).",
         ),
         (
-            "gap", On("phi"), WIDE_STOP, "lower",
+            "gap",
+            On("phi"),
+            WIDE_STOP,
+            "lower",
             "On phi, an elastic stop of 40 ± 2 N·m/rad acts beyond a clearance of 0.2000 ± 0.0010 "
             "rad (11.46 ± 0.06°) on the lower side.",
         ),
         (
-            "hysteresis", On("x"), BOUC_WEN, "",
+            "hysteresis",
+            On("x"),
+            BOUC_WEN,
+            "",
             "On x, hysteresis (Bouc–Wen) resists the motion with a stiffness of 120.0 ± 0.3 N/m "
             "that saturates at about 2 N (beta 40.0 ± 0.4 1/m, gamma 20.0 ± 0.3 1/m).",
         ),
         (
-            "hysteresis", On("phi"), SQUARE, "",
+            "hysteresis",
+            On("phi"),
+            SQUARE,
+            "",
             "On phi, hysteresis (Bouc–Wen) resists the rotation with a stiffness of 120.0 ± 0.3 "
             "N·m/rad that saturates at about 6 N·m behind a play of 0.0500 ± 0.0010 rad "
             "(2.86 ± 0.06°) (beta 80.0 ± 0.4 1/rad², gamma 20.0 ± 0.3 1/rad², exponent 2.00 ± "
             "0.05).",
         ),
         (
-            "friction_dynamic", On("x"), LUGRE, "",
+            "friction_dynamic",
+            On("x"),
+            LUGRE,
+            "",
             "On x, dry friction of 1.200 ± 0.010 N that yields elastically over about 4 mm before "
             "it slides (LuGre) resists the motion, with stiffness 300 ± 3 N/m.",
         ),
         (
-            "relaxation", On("x"),
-            [Estimate("k", 150.0, 1.4, "N/m", "stiffness"),
-             Estimate("d", 15.0, 0.2, "N*s/m", "damping")],
+            "relaxation",
+            On("x"),
+            [
+                Estimate("k", 150.0, 1.4, "N/m", "stiffness"),
+                Estimate("d", 15.0, 0.2, "N*s/m", "damping"),
+            ],
             "",
             "On x, a spring of 150.0 ± 1.4 N/m that relaxes with the time constant 0.1 s (Maxwell) "
             "acts, with damping 15.0 ± 0.2 N·s/m.",
         ),
         (
-            "harmonic", On("x"), SINE, "",
+            "harmonic",
+            On("x"),
+            SINE,
+            "",
             "On x, a harmonic force of 1.200 ± 0.010 N at 3.700 ± 0.007 Hz acts, with phase "
             "0.60 ± 0.03 rad.",
         ),
         (
-            "ripple", On("x"),
-            [Estimate("F_a", 1.5, 0.01, "N", "amplitude"), Estimate("l", 0.03, 2e-4, "m", "period"),
-             Estimate("phi_0", 0.4, 0.02, "1", "phase")],
+            "ripple",
+            On("x"),
+            [
+                Estimate("F_a", 1.5, 0.01, "N", "amplitude"),
+                Estimate("l", 0.03, 2e-4, "m", "period"),
+                Estimate("phi_0", 0.4, 0.02, "1", "phase"),
+            ],
             "",
             "On x, a force of 1.500 ± 0.010 N that repeats every 30.0 ± 0.2 mm of travel acts, "
             "with phase 0.40 ± 0.02 rad.",
         ),
         (
-            "ripple", On("phi"), COGGING, "",
+            "ripple",
+            On("phi"),
+            COGGING,
+            "",
             "On phi, a torque of 0.300 ± 0.010 N·m that repeats 24.00 ± 0.02 times a turn "
             "(every 15.000 ± 0.015°) acts.",
         ),
         (
-            "added_mass", On("phi"), [Estimate("m_a", 0.25, 0.02, "kg*m^2", "mass")], "",
+            "added_mass",
+            On("phi"),
+            [Estimate("m_a", 0.25, 0.02, "kg*m^2", "mass")],
+            "",
             "On phi, added inertia of 0.25 ± 0.02 kg·m² resists the acceleration.",
         ),
         (
-            "added_mass", Between("a", "b"), [Estimate("m_a", 0.25, 0.02, "kg", "mass")], "",
+            "added_mass",
+            Between("a", "b"),
+            [Estimate("m_a", 0.25, 0.02, "kg", "mass")],
+            "",
             "Between a and b, added mass of 0.25 ± 0.02 kg resists the relative acceleration.",
         ),
         (
-            "friction", On("x"), STRIBECK, "",
+            "friction",
+            On("x"),
+            STRIBECK,
+            "",
             "On x, dry (Coulomb) friction of 0.500 ± 0.010 N (1.30 ± 0.02 N at breakaway, Stribeck "
             "speed 0.100 ± 0.003 m/s) resists the motion.",
         ),
         (
-            "damper", On("x"), SIDED, "",
+            "damper",
+            On("x"),
+            SIDED,
+            "",
             "On x, viscous damping of 0.700 ± 0.010 N·s/m (0.8 N·s/m forward, 0.6 N·s/m backward) "
             "resists the motion, with asymmetry 0.14 ± 0.02.",
         ),
     ],
-)  # fmt: skip
+)
 def test_laws_with_shape_and_memory_are_said_as_an_engineer_would(
     kind: str, place: Place, estimates: list[Estimate], options: str, sentence: str
 ) -> None:
@@ -360,8 +433,10 @@ def found(kind: str, place: Place, *estimates: Estimate) -> Found:
 def test_missing_physics_is_grouped_by_place() -> None:
     tip = Between("anchor", "tip")
     effects = (
-        found("friction", On("x"), COULOMB), found("drag", tip), found("damper", On("x"), DAMPING)
-    )  # fmt: skip
+        found("friction", On("x"), COULOMB),
+        found("drag", tip),
+        found("damper", On("x"), DAMPING),
+    )
     assert verdict_sentence("missing physics", effects) == (
         "On x the model lacks dry (Coulomb) friction of 20.4 ± 0.2 N and viscous damping of "
         "203.5 ± 1.3 N·s/m; between anchor and tip it lacks drag quadratic in speed."
@@ -370,9 +445,12 @@ def test_missing_physics_is_grouped_by_place() -> None:
 
 def test_long_phrases_are_numbered() -> None:
     stop = Found(
-        Element("found", "gap", On("x"), (), options=(("side", "upper"),)), "",
-        (STIFF, CLEARANCE), None, "",
-    )  # fmt: skip
+        Element("found", "gap", On("x"), (), options=(("side", "upper"),)),
+        "",
+        (STIFF, CLEARANCE),
+        None,
+        "",
+    )
     effects = (stop, found("damper", On("x"), DAMPING), found("friction", On("y"), *STRIBECK))
     assert verdict_sentence("missing physics", effects) == (
         "On x the model lacks (1) an elastic stop of 900 ± 2 N/m beyond a clearance of "
@@ -381,10 +459,9 @@ def test_long_phrases_are_numbered() -> None:
         "speed 0.100 ± 0.003 m/s)."
     )
     rivals = [
-        Alternative(
-            None, "gap", (STIFF,), 0.0, place=On("x"), options=(("side", side),)
-        ) for side in ("upper", "both")
-    ]  # fmt: skip
+        Alternative(None, "gap", (STIFF,), 0.0, place=On("x"), options=(("side", side),))
+        for side in ("upper", "both")
+    ]
     assert verdict_sentence("undecided", alternatives=rivals).endswith(
         "an elastic stop of 900 ± 2 N/m on the upper side on x or an elastic stop of 900 ± 2 N/m "
         "on both sides on x."

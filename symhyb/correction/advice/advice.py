@@ -133,8 +133,11 @@ def better_recording(prepared: Prepared) -> str:
     for j, sensor in enumerate(model.sensors):
         ratio, spread = _signal(prepared, j)
         if ratio < SIGNAL_LEAST:
-            wanted = quantity_text(spread / max(ratio, 1e-9) * SIGNAL_WANTED / sensor.unit.factor,
-                                   sensor.unit.text, digits=2)  # fmt: skip
+            wanted = quantity_text(
+                spread / max(ratio, 1e-9) * SIGNAL_WANTED / sensor.unit.factor,
+                sensor.unit.text,
+                digits=2,
+            )
             wishes.append(
                 f"a drive under which {sensor.name} spreads by at least {wanted} (standard "
                 f"deviation), {SIGNAL_WANTED:g} times its noise; now it is "

@@ -49,8 +49,12 @@ def isolability(setting: Setting, decision: Decision) -> Isolability | None:
         return None
     space, doubt = _Space(setting, decision), doubtful(decision)
     chosen = list(space.own)
-    rivals = {cause.family for trial in decision.trials for cause in trial.causes
-              if decision.criterion(trial) < RIVAL}  # fmt: skip
+    rivals = {
+        cause.family
+        for trial in decision.trials
+        for cause in trial.causes
+        if decision.criterion(trial) < RIVAL
+    }
     for mine in space.own:
         near = [other for _, other in space.others(mine)]
         near.sort(key=lambda other: other.hypothesis.family not in rivals)
@@ -114,8 +118,10 @@ class _Space:
 
     def _own(self, setting: Setting) -> "list[_Cause]":
         problem, winner = self.problem, self.winner
-        dull = {cause.path: problem.columns[len(problem.columns) - len(setting.dull) + i][0]
-                for i, cause in enumerate(setting.dull)}  # fmt: skip
+        dull = {
+            cause.path: problem.columns[len(problem.columns) - len(setting.dull) + i][0]
+            for i, cause in enumerate(setting.dull)
+        }
         rest = iter(problem.always)
         found, row = [], 0
         for i, (cause, values) in enumerate(zip(winner.causes, grouped(winner), strict=True)):
@@ -160,8 +166,13 @@ class _Space:
     def _imitated(self, true: _Cause, columns: Sequence[int]) -> tuple[float, Array]:
         """|rest|² of an effect that ``columns`` imitate, and their coefficients; the winner's other
         causes may move too. What physics forbids imitates nothing."""
-        beside = [c for other in self.own if other.stands != true.stands
-                  for c in other.shapes[0] if c not in columns]  # fmt: skip
+        beside = [
+            c
+            for other in self.own
+            if other.stands != true.stands
+            for c in other.shapes[0]
+            if c not in columns
+        ]
         joined = [*columns, *beside]
         rest, values = self._rest(true.effect, joined)
         own = values[: len(columns)]

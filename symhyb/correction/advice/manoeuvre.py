@@ -108,9 +108,12 @@ def needed_evidence(pair: Rivals, samples: float) -> float:
 
 
 def expected(
-    prepared: Prepared, setting: Setting, made: tuple[Recording, Motion], truth: Refined,
+    prepared: Prepared,
+    setting: Setting,
+    made: tuple[Recording, Motion],
+    truth: Refined,
     rival: Refined,
-) -> float:  # fmt: skip
+) -> float:
     """What a recording of the ``truth`` says against the ``rival``; 0 if that cannot be said."""
     recording, motion = made
     first = prepared.runs[0]
@@ -171,8 +174,9 @@ def played(prepared: Prepared, truth: Refined, plan: Manoeuvre) -> tuple[Recordi
     motion = replace(own, t=t, q=q, v=v, a=np.gradient(v, t, axis=0), blind=())
     imposed = {names[i]: given[:, i] for i in machine.imposed}
     seen = {ADDED}.union(*(run.recording.sensors for run in prepared.runs))
-    sensors = {s.name: column for s, column in zip(model.sensors, y.T, strict=True)
-               if s.name in seen}  # fmt: skip
+    sensors = {
+        s.name: column for s, column in zip(model.sensors, y.T, strict=True) if s.name in seen
+    }
     return Recording("next", t, {**inputs, **imposed}, sensors, (), ""), motion
 
 

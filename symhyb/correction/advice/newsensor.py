@@ -59,13 +59,15 @@ def _seen(trial: Refined, sensor: Sensor) -> Refined:
 def _sensors(prepared: Prepared) -> Iterator[tuple[str, Sensor, float]]:
     """Sensors of the free coordinates that may be added: words, the sensor, its noise in SI."""
     relative = min(
-        (float(sd / np.nanstd(values))
-         for run in prepared.runs
-         for sensor, sd in zip(prepared.model.sensors, prepared.sd, strict=True)
-         if (values := run.recording.sensors.get(sensor.name)) is not None
-         and np.nanstd(values) > 0),
+        (
+            float(sd / np.nanstd(values))
+            for run in prepared.runs
+            for sensor, sd in zip(prepared.model.sensors, prepared.sd, strict=True)
+            if (values := run.recording.sensors.get(sensor.name)) is not None
+            and np.nanstd(values) > 0
+        ),
         default=1.0,
-    )  # fmt: skip
+    )
     for i in prepared.machine.free:
         coordinate = prepared.model.coordinates[i]
         name, unit = coordinate.name, coordinate.unit

@@ -83,10 +83,20 @@ def _driven(prepared: Prepared, machine: Machine, pace: Pace) -> Iterator[tuple[
             for signal, lo, hi, duration in pace.signals():
                 if channel in imposed and signal not in SMOOTH:
                     continue
-                yield duration * EXERTION[factor], Manoeuvre(
-                    channel, signal, rounded(factor * peak), unit, duration, pace.step, (lo, hi),
-                    level, beyond=factor > 1,
-                )  # fmt: skip
+                yield (
+                    duration * EXERTION[factor],
+                    Manoeuvre(
+                        channel,
+                        signal,
+                        rounded(factor * peak),
+                        unit,
+                        duration,
+                        pace.step,
+                        (lo, hi),
+                        level,
+                        beyond=factor > 1,
+                    ),
+                )
 
 
 def _released(
@@ -100,10 +110,18 @@ def _released(
         for factor in FACTORS:
             size = rounded(factor * float(reach[i]) / 2 / item.unit.factor)
             if size > 0:
-                yield duration * EXERTION[factor], Manoeuvre(
-                    item.name, "release", size, item.unit.text, duration, pace.step,
-                    beyond=factor > 1,
-                )  # fmt: skip
+                yield (
+                    duration * EXERTION[factor],
+                    Manoeuvre(
+                        item.name,
+                        "release",
+                        size,
+                        item.unit.text,
+                        duration,
+                        pace.step,
+                        beyond=factor > 1,
+                    ),
+                )
 
 
 def pace_of(prepared: Prepared, machine: Machine) -> Pace:

@@ -93,9 +93,15 @@ def sparse_law(
 
 
 def network_law(
-    machine: Machine, course: Course, wanted: Array, inputs: Sequence[str], *,
-    width: int = WIDTH, members: int = MEMBERS, seed: int = 0,
-) -> Networks:  # fmt: skip
+    machine: Machine,
+    course: Course,
+    wanted: Array,
+    inputs: Sequence[str],
+    *,
+    width: int = WIDTH,
+    members: int = MEMBERS,
+    seed: int = 0,
+) -> Networks:
     """A network a row for ``wanted`` (N, R), SI, trained as :func:`train_network` does
     (standardised, stopped early on blocks of time, the mean of ``members``), but not refined by
     simulation error. It fades outside of what the course shows of its ``inputs``, expressions.

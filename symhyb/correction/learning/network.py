@@ -133,9 +133,15 @@ def train_network(
     apart = np.std([evaluated(one, seen.x) for one in trained], axis=0)
     spread = float(np.sqrt(np.mean(apart**2) / max(np.mean(mean**2), 1e-300)))
     return Trained(
-        append_elements(model, [element]), element, weights, trained, held, refined, spread,
+        append_elements(model, [element]),
+        element,
+        weights,
+        trained,
+        held,
+        refined,
+        spread,
         energy_of(weights, seen),
-    )  # fmt: skip
+    )
 
 
 def lowered(mlp: "MLPRegressor", mean: Array, scale: Array, gain: float, offset: float) -> Weights:
@@ -175,10 +181,13 @@ def members_of(
         return tuple(
             lowered(
                 _fitted(standard, scaled, blocks % FOLDS == k % FOLDS, width, seed + k),
-                mean, scale, gain, offset,
+                mean,
+                scale,
+                gain,
+                offset,
             )
             for k in range(members)
-        )  # fmt: skip
+        )
 
 
 def _fitted(
@@ -190,9 +199,13 @@ def _fitted(
     from sklearn.neural_network import MLPRegressor
 
     mlp = MLPRegressor(
-        hidden_layer_sizes=(width,), activation="tanh", solver="lbfgs", max_iter=CHUNK,
-        warm_start=True, random_state=seed,
-    )  # fmt: skip
+        hidden_layer_sizes=(width,),
+        activation="tanh",
+        solver="lbfgs",
+        max_iter=CHUNK,
+        warm_start=True,
+        random_state=seed,
+    )
     best, since = np.inf, 0
     state: tuple[list[Array], list[Array]] = ([], [])
     with warnings.catch_warnings():

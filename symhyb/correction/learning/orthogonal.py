@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symhyb.discrepancy.fitting.matching import fit, starts_only
+from symhyb.discrepancy.fitting.matching import fit
+from symhyb.discrepancy.fitting.task import starts_only
 from symhyb.discrepancy.recorded.course import Course
 from symhyb.discrepancy.recorded.residual import discrepancy
 from symhyb.discrepancy.recorded.windows import Laid, correlation_time, merge, reduce

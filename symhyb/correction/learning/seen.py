@@ -70,10 +70,13 @@ def see(prepared: Prepared, laid: Sequence[Laid], on: str | None, inputs: Sequen
                 np.column_stack([_column(model, course, name) for name in names])[rows],
                 discrepancy(machine, course, machine.values)[rows, index],
                 named_forces(machine, course)[rows, index],
-                course.q[rows, index], course.v[rows, index], t,
-                np.full(rows.size, run), inside & ~held,
+                course.q[rows, index],
+                course.v[rows, index],
+                t,
+                np.full(rows.size, run),
+                inside & ~held,
             )
-        )  # fmt: skip
+        )
     x, force, laws, q, v, t, run_of, fitted = map(np.concatenate, zip(*parts, strict=True))
     recordings = tuple(item.source[0].name for item in laid)
     seen = Seen(place, names, x, force, laws, q, v, t, run_of, fitted, recordings)

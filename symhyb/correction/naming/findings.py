@@ -21,7 +21,7 @@ from symhyb.discrepancy.results import (
     Found,
     Measurement,
     Reestimated,
-)  # fmt: skip
+)
 from symhyb.discrepancy.words.formula import LAW, WARNING, law_element, law_unit
 from symhyb.discrepancy.words.formula import law_text as law_text_of
 from symhyb.discrepancy.words.wording import alternative_phrase, effect_sentence, percent_text
@@ -30,17 +30,36 @@ from symhyb.model.types import At, Between, ChannelKind, Element, Model, On, Par
 from symhyb.model.vocabulary import KINDS, key_unit
 
 SYMBOLS = {
-    "stiffness": "k", "quadratic": "k_2", "cubic": "k_3", "damping": "d", "drag": "b",
-    "coulomb": "F_c", "static": "F_s", "stribeck": "v_s", "transition": "v_t", "constant": "F_0",
-    "length": "l_0", "clearance": "s_c", "play": "s_p", "exponent": "n", "micro_damping": "d_m",
-    "amplitude": "F_a", "frequency": "f_0", "phase": "phi_0", "period": "l_p", "mass": "m_a",
-    "asymmetry": "a_s", "coefficient": "c",
-}  # fmt: skip
+    "stiffness": "k",
+    "quadratic": "k_2",
+    "cubic": "k_3",
+    "damping": "d",
+    "drag": "b",
+    "coulomb": "F_c",
+    "static": "F_s",
+    "stribeck": "v_s",
+    "transition": "v_t",
+    "constant": "F_0",
+    "length": "l_0",
+    "clearance": "s_c",
+    "play": "s_p",
+    "exponent": "n",
+    "micro_damping": "d_m",
+    "amplitude": "F_a",
+    "frequency": "f_0",
+    "phase": "phi_0",
+    "period": "l_p",
+    "mass": "m_a",
+    "asymmetry": "a_s",
+    "coefficient": "c",
+}
 
 
 _CHANNEL_KINDS: Mapping[str, ChannelKind] = {
-    "gain": "gain", "offset": "offset", "delay": "delay",
-}  # fmt: skip
+    "gain": "gain",
+    "offset": "offset",
+    "delay": "delay",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,11 +91,15 @@ def named(final: Refined) -> tuple[Named, ...]:
             groups.setdefault((cause.kind, cause.place, alone), []).append(i)
     return tuple(
         Named(
-            kind, place, tuple(rows), _values(final, rows), final.causes[rows[0]].options,
+            kind,
+            place,
+            tuple(rows),
+            _values(final, rows),
+            final.causes[rows[0]].options,
             final.causes[rows[0]].path,
         )
         for (kind, place, _), rows in groups.items()
-    )  # fmt: skip
+    )
 
 
 def _values(final: Refined, rows: Sequence[int]) -> dict[str, tuple[float, float]]:

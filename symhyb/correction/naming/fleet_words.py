@@ -20,11 +20,15 @@ from symhyb.model.vocabulary import key_unit
 from symhyb.units import ONE, Unit
 
 WORDS = {
-    ("friction", "coulomb"): "Coulomb friction", ("friction", "static"): "static friction",
-    ("damper", "damping"): "viscous damping", ("drag", "drag"): "drag coefficient",
-    ("spring", "quadratic"): "quadratic stiffness", ("spring", "cubic"): "cubic stiffness",
-    ("constant", "constant"): "constant force", ("added_mass", "mass"): "added mass",
-}  # fmt: skip
+    ("friction", "coulomb"): "Coulomb friction",
+    ("friction", "static"): "static friction",
+    ("damper", "damping"): "viscous damping",
+    ("drag", "drag"): "drag coefficient",
+    ("spring", "quadratic"): "quadratic stiffness",
+    ("spring", "cubic"): "cubic stiffness",
+    ("constant", "constant"): "constant force",
+    ("added_mass", "mass"): "added mass",
+}
 
 
 def misfit(final: Refined, stranger: Stranger, recordings: Sequence[Recording]) -> Misfit:

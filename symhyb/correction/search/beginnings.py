@@ -8,7 +8,8 @@ from symhyb.correction.search.evidence import SIGNIFICANT, unit_of
 from symhyb.correction.search.preparing import WINDOWS_LEAST
 from symhyb.correction.search.setting import Setting, Stage
 from symhyb.correction.search.trajectory import Refined
-from symhyb.discrepancy.fitting.matching import fit, starts_only
+from symhyb.discrepancy.fitting.matching import fit
+from symhyb.discrepancy.fitting.task import starts_only
 from symhyb.discrepancy.recorded.windows import Laid
 from symhyb.discrepancy.results import Change, Diagnosis, PlaceShare
 from symhyb.discrepancy.words.occurrence_words import change_words

@@ -75,9 +75,10 @@ def drifting(setting: Setting, again: Again) -> Lie | None:
     if not DRIFT_LEAST < abs(begun.drift) < DRIFT_MOST or not begun.takes(begun, PROMISES):
         return None
     limit = max(
-        ALIKE * (begun.left - begun.floor), NOISE_SHARE * (begun.constant - begun.floor),
+        ALIKE * (begun.left - begun.floor),
+        NOISE_SHARE * (begun.constant - begun.floor),
         NOISE_SHARE * begun.floor,
-    )  # fmt: skip
+    )
     near = [i for i, fit in enumerate(first) if fit.left - fit.floor < limit]
     # stretching the time of one channel or of the other differs in second order: try them
     found = [(i, *_followed(names[i], i, first[i], again)) for i in near[:TWINS_MOST]]
@@ -136,10 +137,14 @@ def _fitted(grams: Array, held: NDArray[np.bool_], times: Array, count: NDArray[
         return float((power - 2 * d * cross + d**2 * inner)[rows].sum())
 
     return _Fit(
-        drift, left(constant, 0, ~held), left(delay, drift, ~held),
-        left(constant, 0, held), left(delay, drift, held),
-        float(count[~held].sum()), float(count[held].sum()),
-    )  # fmt: skip
+        drift,
+        left(constant, 0, ~held),
+        left(delay, drift, ~held),
+        left(constant, 0, held),
+        left(delay, drift, held),
+        float(count[~held].sum()),
+        float(count[held].sum()),
+    )
 
 
 def _windows(

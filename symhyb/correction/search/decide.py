@@ -32,7 +32,7 @@ from symhyb.correction.search.evidence import (
     excess,
     named,
     price,
-)  # fmt: skip
+)
 from symhyb.correction.search.losses import two_for_one
 from symhyb.correction.search.merging import one_for_two, one_law
 from symhyb.correction.search.moves import (
@@ -151,10 +151,11 @@ def _climb(
             break  # what is left, if anything, shows only along the winner's own simulation
         sized = sorted((s for s in pool if len(s.causes) == size), key=lambda s: s.chi2)
         promising = [
-            s for s in _distinct(problem, sized)
+            s
+            for s in _distinct(problem, sized)
             if left - s.chi2 > max(PROMISE * (left - floor), HOPE * _price(trials, winner, s))
             and s.held <= held
-        ]  # fmt: skip
+        ]
         tried = [trials.refined(s.causes, first_guess(problem, s)) for s in promising[:TRIALS]]
         kept = [winner.fit.train - trial.fit.train for trial in tried]
         if tried and max(kept) < VOID * (left - promising[0].chi2):

@@ -191,9 +191,14 @@ def _unexplained(final: Refined, stage: Stage) -> Stranger | None:
         if worst is None or mine > worst.value[0]:
             distance = ((mine - rest) / deviation) ** 2
             worst = Stranger(
-                i, -1, "", (mine, float(sd[0])), (rest, float(sd[1])), distance,
+                i,
+                -1,
+                "",
+                (mine, float(sd[0])),
+                (rest, float(sd[1])),
+                distance,
                 float(chdtrc(1, distance)),
-            )  # fmt: skip
+            )
     return worst
 
 

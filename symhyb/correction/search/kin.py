@@ -117,8 +117,13 @@ def _unsymmetric(cause: Hypothesis, row: Row) -> Iterator[tuple[Hypothesis, dict
     first = {"stiffness": row["stiffness"], "beta": 0.7 * both, "gamma": 0.3 * both}
     shape = tuple((key, first[key]) for key in ("beta", "gamma"))
     plain = Hypothesis(
-        "hysteresis", cause.place, ("stiffness",), (True,), shape, ("beta", "gamma"),
-    )  # fmt: skip
+        "hysteresis",
+        cause.place,
+        ("stiffness",),
+        (True,),
+        shape,
+        ("beta", "gamma"),
+    )
     yield plain, first
     yield from _hysteresis(plain, first)
 
@@ -133,9 +138,12 @@ def _more(
     shape |= {key: first[key] for key in cause.refined if key not in cause.tied}
     grows = tuple(key for key in added if tied and key != "stribeck")
     variant = replace(
-        cause, shape=tuple(shape.items()), refined=(*cause.refined, *added),
-        tied=(*cause.tied, *grows), added=(*cause.added, *added),
-    )  # fmt: skip
+        cause,
+        shape=tuple(shape.items()),
+        refined=(*cause.refined, *added),
+        tied=(*cause.tied, *grows),
+        added=(*cause.added, *added),
+    )
     return variant, {key: first[key] for key in variant.keys}
 
 
@@ -150,6 +158,7 @@ def pace_of(setting: Setting, place: Place) -> Pace:
     rate = np.concatenate([r[:, index] for _, r in parts])
     typical = float(np.sqrt(np.mean(rate**2)))
     return Pace(
-        typical, float(np.quantile(np.abs(rate), 0.99)),
+        typical,
+        float(np.quantile(np.abs(rate), 0.99)),
         float(np.std(stretch)) / typical if typical > 0 else 0.0,
-    )  # fmt: skip
+    )

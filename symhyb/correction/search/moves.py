@@ -26,8 +26,12 @@ def additions(trials: Trials, winner: Refined) -> Iterator[Refined]:
     base = solve(problem, ())
     if base is None:
         return
-    more = [s for c in range(len(problem.hypotheses)) if c not in taken
-            if (s := solve(problem, (c,))) is not None]  # fmt: skip
+    more = [
+        s
+        for c in range(len(problem.hypotheses))
+        if c not in taken
+        if (s := solve(problem, (c,))) is not None
+    ]
     for subset in sorted(more, key=lambda s: s.chi2)[:TRIALS]:
         gain = (base.chi2 - subset.chi2) / unit_of(winner)
         needed = SIGNIFICANT + price(winner, subset.numbers, 1, trials.count)

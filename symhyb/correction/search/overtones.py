@@ -23,9 +23,14 @@ def overtones(setting: Setting, winner: Refined) -> list[tuple[tuple[Hypothesis,
     book = library(setting.windows.machine.model, (), offered)
     columns = tuple(winner.machine.column(path) for path in winner.paths)
     problem = screen(
-        book, WindowModel(winner.machine, columns), (), setting.stages[-1].laid, winner.p,
-        setting.sd, winner.fit.starts,
-    )  # fmt: skip
+        book,
+        WindowModel(winner.machine, columns),
+        (),
+        setting.stages[-1].laid,
+        winner.p,
+        setting.sd,
+        winner.fit.starts,
+    )
     empty = solve(problem, ())
     found = []
     for many in (1, 2):

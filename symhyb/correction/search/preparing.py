@@ -19,13 +19,13 @@ from symhyb.discrepancy.places.candidates import (
     joined,
     lacking,
     transition_share,
-)  # fmt: skip
+)
 from symhyb.discrepancy.places.hypotheses import (
     dull_hypotheses,
     library,
     places_of,
     with_channels,
-)  # fmt: skip
+)
 from symhyb.discrepancy.places.points import point_hypotheses
 from symhyb.discrepancy.recorded.course import course_of
 from symhyb.discrepancy.recorded.motion import motion_of
@@ -142,9 +142,14 @@ def settle(prepared: Prepared, own: Sequence[str] = ()) -> Setting:
     windows = WindowModel(machine, tuple(machine.column(cause.path) for cause in dull))
     sag = _sag(prepared)
     return Setting(
-        causes, dull, windows, _stages(prepared), prepared.sd,
-        gain_floor=max(GAIN_LEAST, sag), accuracy=max(ACCURACY, sag),
-    )  # fmt: skip
+        causes,
+        dull,
+        windows,
+        _stages(prepared),
+        prepared.sd,
+        gain_floor=max(GAIN_LEAST, sag),
+        accuracy=max(ACCURACY, sag),
+    )
 
 
 def _relative_noise(prepared: Prepared) -> float:
@@ -180,9 +185,10 @@ def _reaches(prepared: Prepared, places: Sequence[Place]) -> Mapping[Place, Reac
         course = course_of(run.recording, gauge.machine, run.motion)
         stretch, rate = gauge.motion(course)
         missing = discrepancy(
-            prepared.machine, course_of(run.recording, prepared.machine, run.motion),
+            prepared.machine,
+            course_of(run.recording, prepared.machine, run.motion),
             prepared.machine.values,
-        )  # fmt: skip
+        )
         directions = gauge.directions(course)
         for i, part in enumerate(parts):
             force = lacking(missing, directions, i)

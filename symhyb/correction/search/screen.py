@@ -137,10 +137,14 @@ def _probe_forces(library: Library, item: Laid, simulated: Array | None) -> Arra
     form = state_form(machine)
     q, v = form.motion(simulated, item.block.d)
     flat = Course(
-        item.block.t.reshape(-1), q.reshape(rows.size, -1), v.reshape(rows.size, -1),
-        course.a[rows].reshape(rows.size, -1), course.z[rows].reshape(rows.size, -1),
-        course.u[rows].reshape(rows.size, -1), *(np.empty((0, 0)) for _ in range(3)),
-    )  # fmt: skip
+        item.block.t.reshape(-1),
+        q.reshape(rows.size, -1),
+        v.reshape(rows.size, -1),
+        course.a[rows].reshape(rows.size, -1),
+        course.z[rows].reshape(rows.size, -1),
+        course.u[rows].reshape(rows.size, -1),
+        *(np.empty((0, 0)) for _ in range(3)),
+    )
     return library.forces(flat).reshape(*rows.shape, machine.n, -1)
 
 

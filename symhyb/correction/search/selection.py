@@ -147,11 +147,14 @@ def _side_by_side(problem: Problem, sets: Sequence[tuple[int, ...]]) -> list[Sub
     chi2 = chi2 + np.sum(problem.prior[columns] * values**2, axis=1)
     return [
         Subset(
-            sets[i], row[:count], float(fitted), float(apart),
+            sets[i],
+            row[:count],
+            float(fitted),
+            float(apart),
             sum(problem.hypotheses[cause].numbers for cause in sets[i]),
         )
         for i, row, fitted, apart in zip(able.tolist(), values, chi2, held, strict=True)
-    ]  # fmt: skip
+    ]
 
 
 def reach(problem: Problem, *causes: int) -> float:

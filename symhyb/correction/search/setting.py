@@ -55,6 +55,14 @@ def around(setting: Setting, winner: Refined) -> Problem:
     laid = setting.stages[-1].laid
     starts, floor = winner.fit.starts, setting.gain_floor
     return screen(
-        setting.library, model, setting.dull, laid, winner.p, setting.sd, starts, floor,
-        each=[winner.of(item.source[0]) for item in laid], own=winner.own_columns,
-    )  # fmt: skip
+        setting.library,
+        model,
+        setting.dull,
+        laid,
+        winner.p,
+        setting.sd,
+        starts,
+        floor,
+        each=[winner.of(item.source[0]) for item in laid],
+        own=winner.own_columns,
+    )

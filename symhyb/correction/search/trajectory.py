@@ -10,7 +10,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symhyb.data.recording import Recording
-from symhyb.discrepancy.fitting.matching import TRIAL_DECREASE, TRIAL_ITERATIONS, Fit, Task, fit
+from symhyb.discrepancy.fitting.matching import TRIAL_DECREASE, TRIAL_ITERATIONS, fit
+from symhyb.discrepancy.fitting.task import Fit, Task
 from symhyb.discrepancy.places.hypotheses import GAIN_REACH, Hypothesis
 from symhyb.discrepancy.recorded.windows import Laid
 from symhyb.model.types import Element, Model
@@ -201,8 +202,9 @@ def own_values(trial: Refined, item: Laid, sd: Array) -> Array:
     if not own:
         return trial.p
     step = float(np.median(np.diff(item.block.t, axis=1)))
-    limits = dict(zip(trial.paths, zip(*_limits(trial.machine, trial.causes, step), strict=True),
-                      strict=True))  # fmt: skip
+    limits = dict(
+        zip(trial.paths, zip(*_limits(trial.machine, trial.causes, step), strict=True), strict=True)
+    )
     chosen = [path for path in trial.paths if trial.machine.column(path) in own]
     lower, upper, mean, spread = np.array([limits[path] for path in chosen]).T
     task = Task((item,), sd, lower, upper, mean, spread, everything=True)

@@ -42,9 +42,13 @@ def choose(prepared: Prepared, setting: Setting, say: Say) -> Choice:
     proposals = propose(prepared.machine, setting.library, middle.laid, 5 / prepared.shortest)
     say("mapping the places")
     places = locate(
-        setting.library, setting.windows, middle.laid, prepared.machine.values, setting.sd,
+        setting.library,
+        setting.windows,
+        middle.laid,
+        prepared.machine.values,
+        setting.sd,
         setting.stages[0].laid,
-    )  # fmt: skip
+    )
     setting, decision, change = _where_it_acts(setting, proposals, places, say)
     odd: tuple[Stranger, ...] = ()
     laid = setting.stages[-1].laid

@@ -13,7 +13,7 @@ from symhyb.correction.naming.findings import (
     element_names,
     found_of,
     reestimated,
-)  # fmt: skip
+)
 from symhyb.correction.naming.fleet_words import with_own
 from symhyb.correction.naming.stability import stabilities, weakest
 from symhyb.correction.search.decide import Decision
@@ -43,7 +43,7 @@ from symhyb.discrepancy.results import (
     Found,
     PlaceShare,
     VerdictName,
-)  # fmt: skip
+)
 from symhyb.discrepancy.words.formula import LAW, WARNING, law_text
 from symhyb.discrepancy.words.wording import verdict_sentence
 from symhyb.model.types import Model, On
@@ -71,8 +71,9 @@ def concluded(
     faults = channel_faults(final, known.doubt)
     titles = {cause: _title(cause, found) for cause in decision.winner.causes}
     alternatives = (
-        *added_alternatives(model, known.completed), *alternatives_of(model, decision, titles)
-    )  # fmt: skip
+        *added_alternatives(model, known.completed),
+        *alternatives_of(model, decision, titles),
+    )
     verdict = _verdict(decision, found, bool(faults), bool(parameters))
     coloured = verdict == "undecided" and _only_coloured(prepared, decision, choice.places)
     if coloured:
@@ -86,7 +87,12 @@ def concluded(
         sentence = f"These recordings cannot tell: {poor}. Nothing in them contradicts the model."
     noise = _measured_noise(model, prepared)
     return Diagnosis(
-        verdict, sentence, found, parameters, faults, alternatives,
+        verdict,
+        sentence,
+        found,
+        parameters,
+        faults,
+        alternatives,
         record_next=better_recording(prepared) if poor and verdict == "undecided" else None,
         remainder=1.0 if verdict == "undecided" and not poor else shown.remainder,
         remainder_notes=left,
@@ -95,7 +101,7 @@ def concluded(
         clouds=tuple(cloud for run in prepared.runs for cloud in _clouds(prepared, final, run)),
         log=(*decision.log, *(known.completed.log if known.completed else ())),
         notes=(*_run_notes(prepared), *noise_notes(model, noise), *_warnings(found)),
-    )  # fmt: skip
+    )
 
 
 def _run_notes(prepared: Prepared) -> tuple[str, ...]:
@@ -189,11 +195,17 @@ def _only_coloured(prepared: Prepared, decision: Decision, places: Sequence[Plac
     left = prepared.sd * np.sqrt(decision.nothing.fit.scale)
     spreads = np.array(
         [
-            max((float(np.nanstd(y)) for run in prepared.runs
-                 if (y := run.recording.sensors.get(sensor.name)) is not None), default=np.inf)
+            max(
+                (
+                    float(np.nanstd(y))
+                    for run in prepared.runs
+                    if (y := run.recording.sensors.get(sensor.name)) is not None
+                ),
+                default=np.inf,
+            )
             for sensor in prepared.model.sensors
         ]
-    )  # fmt: skip
+    )
     return bool(np.all(left < COLOURED_MOST * spreads))
 
 
@@ -207,8 +219,14 @@ def _clouds(prepared: Prepared, final: Refined, run: Run) -> list[Cloud]:
     law = forces[:, :, len(prepared.model.elements) :].sum(axis=2)
     return [
         Cloud(
-            On(c.name), run.recording.name, motion.t, motion.q[:, i], motion.v[:, i],
-            force[:, i], band[:, i], law[:, i],
+            On(c.name),
+            run.recording.name,
+            motion.t,
+            motion.q[:, i],
+            motion.v[:, i],
+            force[:, i],
+            band[:, i],
+            law[:, i],
         )
         for i, c in enumerate(prepared.model.coordinates)
-    ]  # fmt: skip
+    ]

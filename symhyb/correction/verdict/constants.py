@@ -66,9 +66,12 @@ def wrong_constant(
     best: tuple[Refined, float] | None = None
     for cause, change in _promising(setting, nothing):
         trial = refine(
-            setting.windows.machine.model, (cause,), [{"value": change}], setting.stages[-1].laid,
+            setting.windows.machine.model,
+            (cause,),
+            [{"value": change}],
+            setting.stages[-1].laid,
             setting.sd,
-        )  # fmt: skip
+        )
         if trial.fit.reason or not trial.fit.scale < NEAR_NOISE or not earns(trial, nothing)[0]:
             continue
         evidence = criterion(trial, trial) - criterion(winner, trial)

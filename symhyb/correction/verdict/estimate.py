@@ -76,9 +76,13 @@ def estimate_completed(prepared: Prepared, choice: Choice, completed: Completed)
     final, more, moved = _drifted(choice, final, drift)
     said = (added_sentence(prepared.model, completed), *moved)
     seen = refine(
-        prepared.model, final.causes, grouped(final), stage.laid, choice.setting.sd,
+        prepared.model,
+        final.causes,
+        grouped(final),
+        stage.laid,
+        choice.setting.sd,
         choice.decision.winner.fit.starts,
-    )  # fmt: skip
+    )
     return Estimated(final, stage, doubt | more, said, completed, seen)
 
 
@@ -104,9 +108,15 @@ def valued(setting: Setting, winner: Refined, prepared: Prepared) -> tuple[Refin
     for stage in reversed(setting.stages):
         starts = winner.fit.starts if stage is setting.stages[-1] else None
         trial = refine(
-            prepared.model, winner.causes, grouped(winner), stage.laid, setting.sd, starts,
-            everything=True, careful=True,
-        )  # fmt: skip
+            prepared.model,
+            winner.causes,
+            grouped(winner),
+            stage.laid,
+            setting.sd,
+            starts,
+            everything=True,
+            careful=True,
+        )
         spread = np.sqrt(np.diag(trial.fit.covariance))
         width = float(np.sum(np.log(np.maximum(spread, 1e-300)))) if spread.size else 0.0
         if not trial.fit.reason and (best is None or width < best[0] or not spread.size):

@@ -25,9 +25,14 @@ def with_what_is_held(model: Model, setting: Setting, final: Refined, stage: Sta
         return final
     start = [*grouped(final), *({"value": 0.0} for _ in held)]
     freed = refine(
-        model, (*final.causes, *held), start, stage.laid, setting.sd, final.fit.starts,
+        model,
+        (*final.causes, *held),
+        start,
+        stage.laid,
+        setting.sd,
+        final.fit.starts,
         everything=True,
-    )  # fmt: skip
+    )
     if freed.fit.reason:
         return final
     rows = _rows(final, len(held))
@@ -44,9 +49,11 @@ def _uncertain(model: Model, dull: Sequence[Hypothesis], final: Refined) -> tupl
     return tuple(
         cause
         for cause in dull
-        if cause.kind == "parameter" and not cause.own
-        and spread.get(cause.path) is not None and cause.path not in chosen
-    )  # fmt: skip
+        if cause.kind == "parameter"
+        and not cause.own
+        and spread.get(cause.path) is not None
+        and cause.path not in chosen
+    )
 
 
 def _rows(final: Refined, more: int) -> list[int]:

@@ -9,13 +9,8 @@ from symhyb.correction.naming.findings import Named
 from symhyb.correction.search.preparing import Prepared
 from symhyb.correction.search.setting import Setting, Stage
 from symhyb.correction.search.trajectory import Refined, grouped, own_values, refine
-from symhyb.discrepancy.fitting.matching import (
-    TRIAL_DECREASE,
-    TRIAL_ITERATIONS,
-    Task,
-    fit,
-    starts_only,
-)
+from symhyb.discrepancy.fitting.matching import TRIAL_DECREASE, TRIAL_ITERATIONS, fit
+from symhyb.discrepancy.fitting.task import Task, starts_only
 from symhyb.discrepancy.recorded.runs import laid_within
 from symhyb.discrepancy.recorded.windows import Laid
 from symhyb.numeric.kernels.buffers import Array

@@ -27,7 +27,7 @@ from symhyb.correction.search.evidence import (
     part_taken,
     price,
     unit_of,
-)  # fmt: skip
+)
 from symhyb.correction.search.moves import PROMISE
 from symhyb.correction.search.preparing import SAMPLES_MOST, Prepared
 from symhyb.correction.search.selection import Problem, Subset, solve, without
@@ -82,8 +82,11 @@ def completed_over_all(prepared: Prepared, choice: Choice, say: Say) -> Complete
     if base.fit.reason or not forgets(base, stage):
         return None
     log: list[str] = []
-    found = [trial for trial in _tried(choice, setting, base)
-             if _stands(setting, winner, base, trial, log)]  # fmt: skip
+    found = [
+        trial
+        for trial in _tried(choice, setting, base)
+        if _stands(setting, winner, base, trial, log)
+    ]
     if not found:
         return None
     best = min(found, key=lambda trial: criterion(trial, base))
@@ -181,9 +184,7 @@ def _stands(
     if not earned or not winner.fit.held.any():
         return earned
     model, laid = setting.windows.machine.model, setting.stages[-2].laid
-    larger = refine(
-        model, trial.causes, grouped(trial), laid, setting.sd, winner.fit.starts
-    ).fit  # fmt: skip
+    larger = refine(model, trial.causes, grouped(trial), laid, setting.sd, winner.fit.starts).fit
     held = (winner.fit.validation - larger.validation) / (larger.scale * larger.correlation)
     agreed = not larger.reason and held > SIGNIFICANT
     said = "agree" if agreed else "do not agree"
@@ -200,9 +201,15 @@ def _over_all(
 ) -> Refined:
     """Causes fitted over whole recordings, from values ``rows``, SI."""
     return refine(
-        setting.windows.machine.model, causes, rows, setting.stages[-1].laid, setting.sd,
-        starts or None, everything=True, careful=True,
-    )  # fmt: skip
+        setting.windows.machine.model,
+        causes,
+        rows,
+        setting.stages[-1].laid,
+        setting.sd,
+        starts or None,
+        everything=True,
+        careful=True,
+    )
 
 
 def _silent(line: str) -> None:

@@ -118,8 +118,10 @@ def balance_of(machine: Machine, motion: Motion, course: Course) -> Balance | st
         {name: work / unit for name, work in rig.items()},
         measured,
         {name: work / unit for name, work in dissipated.items()},
-        stored / unit, closes / unit, _sd(machine, c, motion, pulls) / unit,
-    )  # fmt: skip
+        stored / unit,
+        closes / unit,
+        _sd(machine, c, motion, pulls) / unit,
+    )
 
 
 def _inside(course: Course, motion: Motion) -> Course:
@@ -128,8 +130,9 @@ def _inside(course: Course, motion: Motion) -> Course:
     cut = int(np.ceil(ENDS * motion.spacing_s / step))
     if course.t.size < 10 * cut:
         return course
-    parts = {item.name: getattr(course, item.name)[cut : course.t.size - cut]
-             for item in fields(course)}  # fmt: skip
+    parts = {
+        item.name: getattr(course, item.name)[cut : course.t.size - cut] for item in fields(course)
+    }
     return Course(**parts)
 
 

@@ -27,8 +27,9 @@ from symhyb.discrepancy.checks.response import Response, driven, response_of
 from symhyb.discrepancy.checks.standstill import Standstill, standstill_of
 from symhyb.discrepancy.checks.timing import Timing, timing_of
 from symhyb.discrepancy.recorded.course import Course, course_of
-from symhyb.discrepancy.recorded.motion import Motion, acting, measured, motion_of
+from symhyb.discrepancy.recorded.motion import Motion, motion_of
 from symhyb.discrepancy.recorded.runs import Run
+from symhyb.discrepancy.recorded.signals import acting, measured
 from symhyb.discrepancy.results import Repeats
 from symhyb.discrepancy.words.wording import joined
 from symhyb.model.types import Model
@@ -209,10 +210,15 @@ def _free_run(
     form = state_form(machine)
     size = np.abs(course.states).max(axis=0, initial=0.0)
     scenario = Scenario(
-        recording.t, course.q[0], course.v[0], recording.t, course.u,
-        np.where(size > 0, size, 1.0), z=course.z[0],
+        recording.t,
+        course.q[0],
+        course.v[0],
+        recording.t,
+        course.u,
+        np.where(size > 0, size, 1.0),
+        z=course.z[0],
         given=course.drive[:, form.inputs :] if form.given else None,
-    )  # fmt: skip
+    )
     run = simulate(machine, scenario)
     names = [sensor.name for sensor in machine.model.sensors]
     return {"model": {name: run.y[:, j] for j, name in enumerate(names)}}

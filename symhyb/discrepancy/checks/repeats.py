@@ -13,8 +13,9 @@ from itertools import combinations
 import numpy as np
 
 from symhyb.data.recording import Recording
-from symhyb.discrepancy.recorded.motion import Motion, noise_level
+from symhyb.discrepancy.recorded.motion import Motion
 from symhyb.discrepancy.recorded.runs import Run
+from symhyb.discrepancy.recorded.signals import noise_level
 from symhyb.discrepancy.results import Repeats
 from symhyb.discrepancy.words.wording import joined, small_text
 from symhyb.model.types import Model
@@ -79,8 +80,9 @@ def told_repeats(
             noise[sensor.name] = float(np.sqrt(np.mean(np.square(spreads)))) / sensor.unit.factor
             between[sensor.name] = float(group.between[j]) / sensor.unit.factor
             if between[sensor.name] > 0:
-                text = [small_text(x[sensor.name], sensor.unit.text, digits=2)
-                        for x in (between, noise)]  # fmt: skip
+                text = [
+                    small_text(x[sensor.name], sensor.unit.text, digits=2) for x in (between, noise)
+                ]
                 parts.append(f"{text[0]} in {sensor.name} (noise {text[1]})")
         said = f"{joined(names)} repeat one manoeuvre"
         if parts:

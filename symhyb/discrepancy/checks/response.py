@@ -65,9 +65,11 @@ class Response:
     def _parts(self, split: Split) -> str:
         """The split in words, RMS in the sensor's unit."""
         named = {
-            "linear": split.linear, "noise": split.noise, "nonlinear": split.nonlinear,
+            "linear": split.linear,
+            "noise": split.noise,
+            "nonlinear": split.nonlinear,
             "transient": split.transient,
-        }  # fmt: skip
+        }
         parts = [
             f"{name} {small_text(value, self.unit, digits=2)}" for name, value in named.items()
         ]
@@ -130,11 +132,17 @@ def response_of(
     measured, others = spectra.gains[0], dict(zip(runs, spectra.gains[1:], strict=True))
     size = max(spectra.weight(measured), 1e-300)
     return Response(
-        name, by.names, spectra.frequency, measured, others, spectra.coherence,
+        name,
+        by.names,
+        spectra.frequency,
+        measured,
+        others,
+        spectra.coherence,
         spectra.unexplained,
         {run: spectra.weight(one - measured) / size for run, one in others.items()},
-        unit, split,
-    )  # fmt: skip
+        unit,
+        split,
+    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -166,10 +174,12 @@ def _periodic(by: Driven, outputs: Sequence[Array], period: int) -> _Spectra:
     whole = np.maximum(power + noise, 1e-300)
     linear = float(np.sum(power[excited[1:]]))
     return _Spectra(
-        frequency[excited], [gain[:, None] for gain in gains],
+        frequency[excited],
+        [gain[:, None] for gain in gains],
         (np.abs(drive[excited]) ** 2 + 0j)[:, None, None],
-        (power / whole)[excited[1:]], 1 - linear / float(np.sum(whole)),
-    )  # fmt: skip
+        (power / whole)[excited[1:]],
+        1 - linear / float(np.sum(whole)),
+    )
 
 
 def _spectra(by: Driven, outputs: Sequence[Array]) -> _Spectra | None:

@@ -40,10 +40,41 @@ SAMPLES_PERIOD = 80  # of the shortest period, that are kept
 LIE_LEAST = 1.5  # a factor closer to 1 is a gain
 
 UNITS = (
-    "m", "mm", "cm", "um", "inch", "rad", "deg", "turn", "mrad", "m/s", "mm/s", "cm/s", "km/h",
-    "rad/s", "deg/s", "turn/s", "rpm", "m/s^2", "mm/s^2", "g", "rad/s^2", "deg/s^2",
-    "N", "kN", "mN", "kgf", "lbf", "N*m", "mN*m", "kN*m", "V", "mV", "A", "mA",
-)  # fmt: skip
+    "m",
+    "mm",
+    "cm",
+    "um",
+    "inch",
+    "rad",
+    "deg",
+    "turn",
+    "mrad",
+    "m/s",
+    "mm/s",
+    "cm/s",
+    "km/h",
+    "rad/s",
+    "deg/s",
+    "turn/s",
+    "rpm",
+    "m/s^2",
+    "mm/s^2",
+    "g",
+    "rad/s^2",
+    "deg/s^2",
+    "N",
+    "kN",
+    "mN",
+    "kgf",
+    "lbf",
+    "N*m",
+    "mN*m",
+    "kN*m",
+    "V",
+    "mV",
+    "A",
+    "mA",
+)
 """Units that recordings come in; of a channel, those of its dimension are tried."""
 TOGETHER = ("mm", "cm", "deg", "turn")  # lengths or angles, their speeds and accelerations
 NAMED = {"g": (9.80665, "m/s^2"), "kgf": (9.80665, "N"), "lbf": (4.4482216, "N")}
@@ -216,10 +247,11 @@ def _shortened(run: Run) -> Recording:
     first = max(firsts, key=moves)
     rows = slice(first, first + SAMPLES_MOST)
     return replace(
-        recording, t=recording.t[rows],
+        recording,
+        t=recording.t[rows],
         inputs={name: values[rows] for name, values in recording.inputs.items()},
         sensors={name: values[rows] for name, values in recording.sensors.items()},
-    )  # fmt: skip
+    )
 
 
 def lies_of(model: Model, recordings: Sequence[Recording]) -> Iterator[Lie]:

@@ -15,8 +15,9 @@ import numpy as np
 
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.course import Course
-from symhyb.discrepancy.recorded.motion import Motion, acting, measured, motion_of
+from symhyb.discrepancy.recorded.motion import Motion, motion_of
 from symhyb.discrepancy.recorded.residual import discrepancy, force_band
+from symhyb.discrepancy.recorded.signals import acting, measured
 from symhyb.discrepancy.recorded.windows import correlation_time
 from symhyb.discrepancy.words.wording import number_text, percent_text, small_text
 from symhyb.errors import InputError
@@ -108,11 +109,12 @@ def timing_of(
     late = [*_inputs(machine, motion, course), *_sensors(machine, thin, motion)]
     middle = float(np.median(steps))
     return Timing(
-        1 / middle, float(np.std(steps)) / middle,
+        1 / middle,
+        float(np.std(steps)) / middle,
         {name: count for name, count in held.items() if count > 1},
         {name: share for name, share in gaps.items() if share > 0},
         tuple(late),
-    )  # fmt: skip
+    )
 
 
 def hold_of(values: Array) -> int:

@@ -11,10 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symhyb.data.recording import Recording
-from symhyb.discrepancy.fitting.matching import fit, starts_only
-from symhyb.discrepancy.recorded.motion import acting, measured, motion_of
+from symhyb.discrepancy.fitting.matching import fit
+from symhyb.discrepancy.fitting.task import starts_only
+from symhyb.discrepancy.recorded.motion import motion_of
 from symhyb.discrepancy.recorded.runs import Run, laid_on, noise_sd, with_noise
 from symhyb.discrepancy.recorded.sampling import as_sampled
+from symhyb.discrepancy.recorded.signals import acting, measured
 from symhyb.errors import InputError, Problem
 from symhyb.model.types import Model
 from symhyb.numeric.kernels.buffers import Array
@@ -80,6 +82,9 @@ def _whole(recording: Recording, machine: Machine, steps: int) -> Block:
     raw = [recording.inputs[item.name] for item in inputs]
     record = recording.t, np.column_stack(raw) if raw else u
     return Block(
-        recording.t[None], u[None], measured(recording, machine)[None],
-        np.full((1, recording.t.size - 1), steps), finer(*record, smooth_columns(inputs)),
-    )  # fmt: skip
+        recording.t[None],
+        u[None],
+        measured(recording, machine)[None],
+        np.full((1, recording.t.size - 1), steps),
+        finer(*record, smooth_columns(inputs)),
+    )

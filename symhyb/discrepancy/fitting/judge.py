@@ -7,9 +7,10 @@ import numpy as np
 
 from symhyb.data.recording import Recording, several
 from symhyb.discrepancy.fitting.scores import Errors, errors, score, yardstick
-from symhyb.discrepancy.recorded.motion import measured, motion_of
+from symhyb.discrepancy.recorded.motion import motion_of
 from symhyb.discrepancy.recorded.runs import Run, noise_sd, with_noise
 from symhyb.discrepancy.recorded.sampling import as_sampled
+from symhyb.discrepancy.recorded.signals import measured
 from symhyb.discrepancy.results import Comparison, Score, Trace, Verdict
 from symhyb.discrepancy.words.wording import percent_text
 from symhyb.model.types import Model
@@ -62,9 +63,14 @@ def judge(
     carries = _carries(comparisons["holdout"] or comparisons["train"], window, bool(unseen), same)
     empty = Comparison(*(Score({}, {}, {}, {}, {}, {}) for _ in range(2)))
     return Verdict(
-        window, STARTS, band, comparisons["train"] or empty, comparisons["holdout"], carries,
+        window,
+        STARTS,
+        band,
+        comparisons["train"] or empty,
+        comparisons["holdout"],
+        carries,
         tuple(traces),
-    )  # fmt: skip
+    )
 
 
 def _runs(machine: Machine, recordings: Sequence[Recording]) -> tuple[Run, ...]:
@@ -88,11 +94,15 @@ def _traces(
         kind: Literal["train", "holdout"] = "train" if role == "train" else "holdout"
         traces.append(
             Trace(
-                run.recording.name, kind, run.recording.t,
+                run.recording.name,
+                kind,
+                run.recording.t,
                 table(measured(run.recording, machine), present),
-                table(first.y, present), table(second.y, present), tuple(failures),
+                table(first.y, present),
+                table(second.y, present),
+                tuple(failures),
             )
-        )  # fmt: skip
+        )
     return traces
 
 

@@ -16,12 +16,11 @@ from numpy.typing import NDArray
 from symhyb.discrepancy.fitting.anchors import anchored
 from symhyb.discrepancy.fitting.normal import bounded_step, inverse_of
 from symhyb.discrepancy.fitting.squares import best_of, squares
+from symhyb.discrepancy.fitting.task import Fit, Task
 from symhyb.discrepancy.recorded.windows import Laid, correlation_time
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.runs.windows import WindowModel
 
-DECREASE = 1e-5  # of the cost, predicted: stop
-ITERATIONS = 15
 TRIAL_DECREASE = 1e-4
 TRIAL_ITERATIONS = 7  # a structure that needs more is not close
 DAMPING_MOST = 1e8
@@ -32,77 +31,6 @@ HELD_ROUNDS = 2  # of steps for the initial states alone, when the parameters st
 ROUNDS = 3  # of both
 LATE_ROUNDS = 3  # more, where the delay of a sensor moves by samples
 SETTLED = 0.01  # of the cost: if settling takes more, the parameters move again
-
-
-@dataclass(frozen=True, slots=True)
-class Fit:
-    """Fitted parameters and how well the windows are met.
-
-    ``values`` (F,) SI; ``covariance`` (F, F), widened for coloured residuals; ``chi2`` of each
-    window (W,) in the order of the recordings, ``count`` (W,) its samples less its initial states,
-    ``held`` (W,); ``correlation`` c ≥ 1 of the fitted windows; ``starts`` the fitted initial
-    states of each recording (W, X); ``prior`` the χ² of the values against what was known of them
-    before. ``reason`` is empty, or says why the fit failed. ``floor`` is
-    the χ² per sample by which repeated runs differ: a smaller difference proves nothing.
-    """
-
-    values: Array
-    covariance: Array
-    chi2: Array
-    count: NDArray[np.int64]
-    held: NDArray[np.bool_]
-    correlation: float
-    starts: tuple[Array, ...]
-    reason: str = ""
-    prior: float = 0.0
-    floor: float = 0.0
-
-    @property
-    def train(self) -> float:
-        """χ² of the windows that were fitted."""
-        return float(self.chi2[~self.held].sum())
-
-    @property
-    def validation(self) -> float:
-        """χ² of the windows that were held out."""
-        return float(self.chi2[self.held].sum())
-
-    @property
-    def scale(self) -> float:
-        """χ² per sample of the fitted windows; below 1 where the noise was measured too large, but
-        never below what repeated runs differ by."""
-        return max(self.train / max(float(self.count[~self.held].sum()), 1.0), self.floor, 1e-30)
-
-
-@dataclass(frozen=True, slots=True)
-class Task:
-    """What to fit, SI: windows, noise ``sd`` (m,), bounds ``lower`` and ``upper`` (F,), priors
-    ``mean`` and ``spread`` (F,; one sd, inf for none).
-
-    With ``everything`` the held windows are fitted too. Steps end where one is predicted to lower
-    the cost by less than ``decrease`` of it, or after ``iterations``.
-
-    Where recordings have numbers of their own, ``own`` says for each of them which of the fitted
-    numbers its free parameters are; ``first`` is then where all these numbers begin.
-    """
-
-    laid: tuple[Laid, ...]
-    sd: Array
-    lower: Array
-    upper: Array
-    mean: Array
-    spread: Array
-    everything: bool = False
-    decrease: float = DECREASE
-    iterations: int = ITERATIONS
-    own: tuple[tuple[int, ...], ...] = ()
-    first: Array | None = None
-
-    def filled(self, which: int, p: Array, free: Sequence[int], values: Array) -> Array:
-        """The parameters (P,) of one recording."""
-        full = p.copy()
-        full[list(free)] = values[list(self.own[which])] if self.own else values
-        return full
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,13 +48,6 @@ class _Part:
     def lifted(self, step: Array) -> Array:
         """A step of the initial states (W, X) from one along their free directions."""
         return step if self.lift is None else (self.lift @ step[..., None])[..., 0]
-
-
-def starts_only(laid: Laid, sd: Array) -> Task:
-    """The task for windows of one recording, noise ``sd`` (m,) in SI, in which nothing but initial
-    states is to be fitted."""
-    none = np.zeros(0)
-    return Task((laid,), sd, none, none, none, none)
 
 
 def fit(model: WindowModel, task: Task, p: Array, starts: Sequence[Array] | None = None) -> Fit:
@@ -387,9 +308,16 @@ def _finish(
     scale = max(float(chi2[~held].sum()) / degrees, floor)
     covariance = inverse_of(gram) * scale * correlation
     return Fit(
-        values, covariance, chi2, seen - states, held, correlation, tuple(starts), floor=floor,
+        values,
+        covariance,
+        chi2,
+        seen - states,
+        held,
+        correlation,
+        tuple(starts),
+        floor=floor,
         prior=_prior(task, values),
-    )  # fmt: skip
+    )
 
 
 def _failed(task: Task, starts: list[Array], values: Array) -> Fit:

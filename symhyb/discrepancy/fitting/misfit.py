@@ -14,9 +14,9 @@ import numpy as np
 
 from symhyb.discrepancy.places.hypotheses import GAIN_REACH
 from symhyb.discrepancy.recorded.course import Course, course_of
-from symhyb.discrepancy.recorded.motion import noise_level
 from symhyb.discrepancy.recorded.residual import discrepancy, force_band
 from symhyb.discrepancy.recorded.runs import Run
+from symhyb.discrepancy.recorded.signals import noise_level
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.kernels.vector import along
 from symhyb.numeric.lowered.machine import Machine

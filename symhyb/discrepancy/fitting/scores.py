@@ -10,11 +10,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symhyb.data.thin import coarsest, thinned
-from symhyb.discrepancy.fitting.matching import fit, starts_only
+from symhyb.discrepancy.fitting.matching import fit
+from symhyb.discrepancy.fitting.task import starts_only
 from symhyb.discrepancy.recorded.course import course_of
-from symhyb.discrepancy.recorded.motion import measured
 from symhyb.discrepancy.recorded.residual import applied_force, discrepancy
 from symhyb.discrepancy.recorded.runs import Run, laid_on
+from symhyb.discrepancy.recorded.signals import measured
 from symhyb.discrepancy.recorded.windows import Laid
 from symhyb.discrepancy.results import Score
 from symhyb.numeric.kernels.buffers import Array
@@ -95,9 +96,15 @@ def free_run(model: WindowModel, run: Run) -> Trajectory:
     start, f = _fitted_start(model, run), len(form.free)
     q, v = form.motion(start, course.drive[0])
     scenario = Scenario(
-        recording.t, q, v, recording.t, course.u, np.where(scales > 0, scales, 1.0),
-        z=start[2 * f :], given=course.drive[:, form.inputs :] if form.given else None,
-    )  # fmt: skip
+        recording.t,
+        q,
+        v,
+        recording.t,
+        course.u,
+        np.where(scales > 0, scales, 1.0),
+        z=start[2 * f :],
+        given=course.drive[:, form.inputs :] if form.given else None,
+    )
     return simulate(machine, scenario)
 
 

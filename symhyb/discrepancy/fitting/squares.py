@@ -22,9 +22,13 @@ def squares(model: WindowModel, item: Laid, p: Array, start: Array, sd: Array) -
 
 
 def best_of(
-    model: WindowModel, item: Laid, p: Array, begins: Sequence[Array], sd: Array,
+    model: WindowModel,
+    item: Laid,
+    p: Array,
+    begins: Sequence[Array],
+    sd: Array,
     known: tuple[Array, Array] | None = None,
-) -> tuple[Array, Array]:  # fmt: skip
+) -> tuple[Array, Array]:
     """Of several initial states (W, X) the best of each window, and its squares (W,), inf where
     none stays bounded. ``known`` are more, whose squares (W,) are at hand; in SI."""
     windows = len(item.start)

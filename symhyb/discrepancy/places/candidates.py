@@ -100,10 +100,14 @@ def _stops(
         for clearance in np.quantile(travel, CLEARANCE_SHARES):
             if clearance > 0:
                 yield Hypothesis(
-                    "gap", place, ("stiffness",), (True,),
-                    (("clearance", float(clearance)), *length), ("clearance",),
+                    "gap",
+                    place,
+                    ("stiffness",),
+                    (True,),
+                    (("clearance", float(clearance)), *length),
+                    ("clearance",),
                     options=(("side", side),),
-                )  # fmt: skip
+                )
 
 
 def _remembering(place: Place, reach: Reach) -> Iterator[Hypothesis]:
@@ -112,21 +116,35 @@ def _remembering(place: Place, reach: Reach) -> Iterator[Hypothesis]:
     for share in YIELD_SHARES:
         half = 0.5 / (share * reach.amplitude)
         yield Hypothesis(
-            "hysteresis", place, ("stiffness",), (True,),
-            (("beta", half), ("gamma", half)), ("beta", "gamma"),
-        )  # fmt: skip
+            "hysteresis",
+            place,
+            ("stiffness",),
+            (True,),
+            (("beta", half), ("gamma", half)),
+            ("beta", "gamma"),
+        )
     for share in PRESLIDING_SHARES:
         shape = (("stiffness", 1 / (share * reach.amplitude)),)
         yield Hypothesis(
-            "friction_dynamic", place, ("coulomb",), (True,), shape, ("stiffness",),
+            "friction_dynamic",
+            place,
+            ("coulomb",),
+            (True,),
+            shape,
+            ("stiffness",),
             tied=("stiffness",),
-        )  # fmt: skip
+        )
     pace = float(np.sqrt(np.mean(reach.rate**2))) / max(float(np.std(reach.stretch)), 1e-300)
     for share in RELAXATION_SHARES:
         yield Hypothesis(
-            "relaxation", place, ("stiffness",), (True,), (("damping", share / pace),),
-            ("damping",), tied=("damping",),
-        )  # fmt: skip
+            "relaxation",
+            place,
+            ("stiffness",),
+            (True,),
+            (("damping", share / pace),),
+            ("damping",),
+            tied=("damping",),
+        )
 
 
 def _periodic(place: Place, reach: Reach) -> Iterator[Hypothesis]:

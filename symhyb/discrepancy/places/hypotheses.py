@@ -30,7 +30,7 @@ from symhyb.model.types import (
     Place,
     Sensor,
     place_text,
-)  # fmt: skip
+)
 from symhyb.model.vocabulary import key_unit
 from symhyb.numeric.kernels.buffers import Array, call
 from symhyb.numeric.kernels.vector import along

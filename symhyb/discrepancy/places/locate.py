@@ -156,9 +156,16 @@ def _occurrence(
     shown = power > 0.003 * power.max(initial=0.0)
     last = int(np.flatnonzero(shown)[-1]) + 1 if shown.any() else 0
     return Occurrence(
-        change, band, beyond, placed.t[mine].mean(axis=1), before, after, lines[:last],
-        power[:last] / max(power.max(initial=0.0), 1e-300), said,
-    )  # fmt: skip
+        change,
+        band,
+        beyond,
+        placed.t[mine].mean(axis=1),
+        before,
+        after,
+        lines[:last],
+        power[:last] / max(power.max(initial=0.0), 1e-300),
+        said,
+    )
 
 
 def activity(t: Array, stretch: Array, rate: Array, force: Array) -> Activity | None:

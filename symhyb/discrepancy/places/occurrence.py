@@ -178,6 +178,8 @@ def beyond_of(stretch: Array, missing: Array) -> float | None:
     threshold = float(edges[first])
     if threshold < BEYOND_LEAST * most:
         return None
-    inner, outer = (float(np.sqrt(np.mean(missing[rows] ** 2)))
-                    for rows in (size < threshold, size >= threshold))  # fmt: skip
+    inner, outer = (
+        float(np.sqrt(np.mean(missing[rows] ** 2)))
+        for rows in (size < threshold, size >= threshold)
+    )
     return threshold if inner < LOUDER * outer else None

@@ -27,9 +27,7 @@ def products(model: Model, transitions: Mapping[str, float]) -> tuple[Hypothesis
         shape = (("transition", transitions[name]),)
         for formula in formulas(name, names, [item.name for item in model.inputs]):
             own = shape if "transition" in formula else ()
-            found.append(
-                Hypothesis(LAW, On(name), ("coefficient",), (False,), own, path=formula)
-            )  # fmt: skip
+            found.append(Hypothesis(LAW, On(name), ("coefficient",), (False,), own, path=formula))
     return tuple(found)
 
 
@@ -37,13 +35,28 @@ def formulas(x: str, coordinates: Sequence[str], inputs: Sequence[str]) -> tuple
     """The products on the coordinate ``x``."""
     slides = f"tanh({x}'/transition)"
     own = (
-        f"{x}*{x}'", f"abs({x})*{x}'", f"{x}**2*{x}'", f"{x}'**3",
-        f"{x}*{slides}", f"abs({x})*{slides}", f"{x}**2*{slides}",
-    )  # fmt: skip
+        f"{x}*{x}'",
+        f"abs({x})*{x}'",
+        f"{x}**2*{x}'",
+        f"{x}'**3",
+        f"{x}*{slides}",
+        f"abs({x})*{slides}",
+        f"{x}**2*{slides}",
+    )
     others = [y for y in coordinates if y != x]
-    coupled = [product for y in others for product in (
-        f"{y}", f"{y}'", f"{x}*{y}", f"{x}*{y}'", f"{y}*{x}'", f"{y}**2", f"{y}'**2",
-    )]  # fmt: skip
+    coupled = [
+        product
+        for y in others
+        for product in (
+            f"{y}",
+            f"{y}'",
+            f"{x}*{y}",
+            f"{x}*{y}'",
+            f"{y}*{x}'",
+            f"{y}**2",
+            f"{y}'**2",
+        )
+    ]
     driven = [
         product for u in inputs for product in (f"{u}*{x}", f"{u}*{x}'", f"abs({u})*{slides}")
     ]

@@ -6,7 +6,8 @@ from functools import lru_cache
 import numpy as np
 
 from symhyb.data.recording import Recording
-from symhyb.discrepancy.recorded.motion import Motion, acting, measured
+from symhyb.discrepancy.recorded.motion import Motion
+from symhyb.discrepancy.recorded.signals import acting, measured
 from symhyb.model.expression import Reading
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.lowered.dynamics import state_form
@@ -38,11 +39,16 @@ def course_of(recording: Recording, machine: Machine, motion: Motion) -> Course:
     u, form = acting(recording, machine), state_form(machine)
     z = inner_along(machine, motion.t, (motion.q, motion.v, motion.a), u, machine.values)
     return Course(
-        motion.t, motion.q, motion.v, motion.a, z, u,
+        motion.t,
+        motion.q,
+        motion.v,
+        motion.a,
+        z,
+        u,
         states=form.state(motion.q, motion.v, z),
         drive=form.driven(u, motion.q, motion.v, motion.a),
         reaction=_reaction(recording, machine),
-    )  # fmt: skip
+    )
 
 
 def _reaction(recording: Recording, machine: Machine) -> Array:

@@ -18,12 +18,13 @@ from scipy.sparse.linalg import splu
 
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.independent import Independent, independent, placed_with
+from symhyb.discrepancy.recorded.signals import acting, measured, noise_level
 from symhyb.discrepancy.recorded.splines import bands, design, ridge, spline_basis, swings
 from symhyb.discrepancy.recorded.tracking import firmness, tracked
 from symhyb.discrepancy.recorded.watching import watching_model
 from symhyb.errors import InputError, Problem
 from symhyb.model.types import Energy
-from symhyb.numeric.kernels.buffers import Array, call, later
+from symhyb.numeric.kernels.buffers import Array, call
 from symhyb.numeric.kernels.vector import along
 from symhyb.numeric.lowered.machine import Machine, build
 from symhyb.numeric.lowered.manifold import closed, gaps_of, placing
@@ -71,51 +72,6 @@ class Motion:
         return replace(self, t=self.t[rows], q=self.q[rows], v=self.v[rows], a=self.a[rows])
 
 
-def measured(recording: Recording, machine: Machine) -> Array:
-    """The measurements (N, m), SI, in the order of the model's sensors, NaN where missing; a delay
-    that the model states is taken back."""
-    missing = np.full(recording.t.size, np.nan)
-    columns = []
-    for sensor in machine.model.sensors:
-        column = recording.sensors.get(sensor.name, missing)
-        if sensor.delay is not None and sensor.delay.si != 0:
-            later = recording.t + sensor.delay.si
-            column = np.interp(later, recording.t, column, left=np.nan, right=np.nan)
-        columns.append(column)
-    return np.column_stack(columns) if columns else np.empty((recording.t.size, 0))
-
-
-def acting(recording: Recording, machine: Machine) -> Array:
-    """The recorded inputs (N, k), SI, in the order of the model's inputs, delays applied."""
-    columns = []
-    for item in machine.model.inputs:
-        column = recording.inputs[item.name]
-        if item.delay is not None and item.delay.si != 0:
-            column = later(recording.t, column, item.delay.si)
-        columns.append(column)
-    return np.column_stack(columns) if columns else np.empty((recording.t.size, 0))
-
-
-def noise_level(values: Array) -> float:
-    """Standard deviation of the noise of an evenly sampled signal, from high differences.
-
-    The d-th difference of white noise has variance σ²·C(2d, d), that of a smooth signal vanishes as
-    d grows; the smallest estimate over d = 2 … 10 is taken (Gasser, Sroka, Jennen-Steinmetz,
-    Biometrika 73, 1986, for d = 2). ``values`` (N,), missing samples NaN, and the result have the
-    same unit; NaN if fewer than 20 differences are left.
-    """
-    from scipy.special import comb
-
-    estimates = []
-    for order in range(2, 11):
-        difference = np.diff(values, n=order)
-        difference = difference[np.isfinite(difference)]
-        if difference.size < 20:
-            break
-        estimates.append(np.sqrt(np.mean(difference**2) / comb(2 * order, order)))
-    return float(min(estimates)) if estimates else float("nan")
-
-
 def motion_of(
     recording: Recording, machine: Machine, spacings_s: Sequence[float] | None = None
 ) -> Motion:
@@ -145,9 +101,16 @@ def given_motion(recording: Recording, machine: Machine) -> Array:
     model = machine.model
     imposed = tuple(c for c in model.coordinates if c.imposed)
     alone = replace(
-        model, coordinates=imposed, points=(), bodies=(), elements=(), sensors=(), energy=Energy(),
-        constraints=(), assembly=None,
-    )  # fmt: skip
+        model,
+        coordinates=imposed,
+        points=(),
+        bodies=(),
+        elements=(),
+        sensors=(),
+        energy=Energy(),
+        constraints=(),
+        assembly=None,
+    )
     watching, shown = watching_model(alone, recording)
     motion = _smoothed(shown, build(watching, keep=False))
     return np.concatenate([motion.q, motion.v, motion.a], axis=1)
@@ -234,9 +197,14 @@ def _unplaced(recording: Recording, machine: Machine, y: Array, u: Array) -> tup
 
 
 def _guide(
-    machine: Machine, t: Array, u: Array, y: Array, weights: Array, step: float,
+    machine: Machine,
+    t: Array,
+    u: Array,
+    y: Array,
+    weights: Array,
+    step: float,
     first: Array | None = None,
-) -> Array:  # fmt: skip
+) -> Array:
     """How much the model counts where sensors do not show a place: 1/sd (f,) of the force that it
     may lack on each free coordinate, SI.
 
@@ -301,9 +269,14 @@ def _spread(order: int, fit: _Fit, narrower: _Fit) -> Array:
 
 
 def _fit(
-    machine: Machine, t: Array, u: Array, y: Array, weights: Array, spacing: float,
+    machine: Machine,
+    t: Array,
+    u: Array,
+    y: Array,
+    weights: Array,
+    spacing: float,
     first: Array | Independent | None = None,
-) -> _Fit:  # fmt: skip
+) -> _Fit:
     """Splines fitted to measurements, from the declared start or from places ``first`` (N, n); of
     the independent coordinates alone where these are told."""
     basis = spline_basis(t, spacing)
@@ -345,9 +318,13 @@ def _fit(
 
 
 def _seen(
-    machine: Machine, motion: tuple[Array, Array, Array], u: Array, t: Array, guided: bool,
+    machine: Machine,
+    motion: tuple[Array, Array, Array],
+    u: Array,
+    t: Array,
+    guided: bool,
     few: Independent | None,
-) -> tuple[Array, tuple[Array, ...]]:  # fmt: skip
+) -> tuple[Array, tuple[Array, ...]]:
     """What :func:`_sense` says of the coordinates that have splines."""
     if few is None:
         return _sense(machine, *motion, u, t, guided)
@@ -365,9 +342,15 @@ def _weights(y: Array, sd: Array) -> Array:
 
 
 def _sense(
-    machine: Machine, q: Array, v: Array, a: Array, u: Array, t: Array, guided: bool = False,
+    machine: Machine,
+    q: Array,
+    v: Array,
+    a: Array,
+    u: Array,
+    t: Array,
+    guided: bool = False,
     closing: bool = True,
-) -> tuple[Array, tuple[Array, ...]]:  # fmt: skip
+) -> tuple[Array, tuple[Array, ...]]:
     """Sensors (N, m) and their slopes by q, v and a (N, m, n); ``closing``, also what constraints
     leave open; ``guided``, also the force that the model lacks on the free coordinates."""
     total, m, n = t.size, len(machine.model.sensors), machine.n

@@ -74,9 +74,15 @@ def compare(machine: Machine, recording: Recording) -> Discrepancy:
         *noise_notes(machine.model, noise),
     )
     return Discrepancy(
-        machine.model, recording.name, motion, force, force_band(machine, motion, course), applied,
-        noise, notes,
-    )  # fmt: skip
+        machine.model,
+        recording.name,
+        motion,
+        force,
+        force_band(machine, motion, course),
+        applied,
+        noise,
+        notes,
+    )
 
 
 def discrepancy(machine: Machine, course: Course, p: Array) -> Array:

@@ -31,8 +31,9 @@ def tracked(machine: Machine, y: Array, u: Array, t: Array, weights: Array) -> A
     y = y[rows].copy()
     y[:, np.logical_not(_of_places(machine, start, u[0], float(t[0])))] = np.nan
     first = call(shown_at(machine), (start, u[0], float(t[0]), machine.values))[0][0]
-    begin = np.array([column[np.isfinite(column)][0] if np.isfinite(column).any() else np.nan
-                      for column in y.T])  # fmt: skip
+    begin = np.array(
+        [column[np.isfinite(column)][0] if np.isfinite(column).any() else np.nan for column in y.T]
+    )
     q = start
     for share in np.linspace(0, 1, APPROACH):
         goal = first + share * (begin - first)

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.course import Course, course_of
-from symhyb.discrepancy.recorded.motion import Motion, measured
+from symhyb.discrepancy.recorded.motion import Motion
+from symhyb.discrepancy.recorded.signals import measured
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.lowered.dynamics import state_form
 from symhyb.numeric.lowered.machine import Machine
@@ -56,13 +57,22 @@ class Laid:
         """Some of the windows; of these every third validates."""
         whole = self.block
         block = replace(
-            whole, t=whole.t[rows], d=whole.d[rows], y=whole.y[rows],
+            whole,
+            t=whole.t[rows],
+            d=whole.d[rows],
+            y=whole.y[rows],
             substeps=whole.substeps[rows],
-        )  # fmt: skip
+        )
         return Laid(
-            block, self.start[rows], self.states[rows], np.arange(rows.size) % 3 == 2,
-            self.rows[rows], self.source, self.floor, self.steps,
-        )  # fmt: skip
+            block,
+            self.start[rows],
+            self.states[rows],
+            np.arange(rows.size) % 3 == 2,
+            self.rows[rows],
+            self.source,
+            self.floor,
+            self.steps,
+        )
 
     def suited(self, machine: Machine) -> "Laid":
         """The windows for another machine with the same coordinates: with its inner states, and

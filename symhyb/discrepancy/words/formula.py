@@ -16,9 +16,14 @@ WARNING = "an empirical term, not a law of physics that is known by name"
 
 
 def law_element(
-    model: Model, name: str, place: On, formula: str, values: Mapping[str, float],
-    symbols: Mapping[str, str] | None = None, spreads: Mapping[str, float] | None = None,
-) -> Element:  # fmt: skip
+    model: Model,
+    name: str,
+    place: On,
+    formula: str,
+    values: Mapping[str, float],
+    symbols: Mapping[str, str] | None = None,
+    spreads: Mapping[str, float] | None = None,
+) -> Element:
     """The element −coefficient·formula with ``values`` in SI by key (``coefficient``,
     ``transition``); ``symbols`` rename them, ``spreads`` are standard deviations in SI."""
     called = dict(symbols or {})
@@ -28,10 +33,13 @@ def law_element(
         sd = (spreads or {}).get(key)
         own.append(
             Parameter(
-                called.get(key, key), value / unit.factor, unit,
-                None if sd is None else sd / unit.factor, owner=name,
+                called.get(key, key),
+                value / unit.factor,
+                unit,
+                None if sd is None else sd / unit.factor,
+                owner=name,
             )
-        )  # fmt: skip
+        )
     text = law_text(formula, called.get("coefficient", "coefficient"))
     if "transition" in values:
         text = text.replace("transition", called.get("transition", "transition"))

@@ -30,10 +30,21 @@ from symhyb.discrepancy.words.formula import LAW, law_text
 from symhyb.model.types import Place, place_text
 
 __all__ = [
-    "UNKNOWN", "alternative_phrase", "effect_phrase", "effect_sentence", "joined",
-    "measurement_phrase", "number_text", "parameter_phrase", "percent_text", "power_text",
-    "quantity_text", "small_text", "unit_text", "verdict_sentence",
-]  # fmt: skip
+    "UNKNOWN",
+    "alternative_phrase",
+    "effect_phrase",
+    "effect_sentence",
+    "joined",
+    "measurement_phrase",
+    "number_text",
+    "parameter_phrase",
+    "percent_text",
+    "power_text",
+    "quantity_text",
+    "small_text",
+    "unit_text",
+    "verdict_sentence",
+]
 
 _RIVALS_NAMED = 3
 _INVOLVED = (", ", " and ", " that ", " beyond ")  # a phrase with these is numbered in a list

@@ -114,20 +114,32 @@ class _Engine:
         return made
 
     def _advance(
-        self, registers: Array, given: Sequence[Array], made: Sequence[Array], chains: range,
+        self,
+        registers: Array,
+        given: Sequence[Array],
+        made: Sequence[Array],
+        chains: range,
         steps: int,
-    ) -> None:  # fmt: skip
+    ) -> None:
         address, widths = ctypes.c_void_p, [*self._code.arguments[:-1], *self._code.results]
         self._run(
-            chains.start, chains.stop, steps, registers.ctypes.data,
-            len(self._before), self._before.ctypes.data,
-            len(self._inside), self._inside.ctypes.data,
-            len(self._loads), self._loads.ctypes.data,
-            len(self._stores), self._stores.ctypes.data,
+            chains.start,
+            chains.stop,
+            steps,
+            registers.ctypes.data,
+            len(self._before),
+            self._before.ctypes.data,
+            len(self._inside),
+            self._inside.ctypes.data,
+            len(self._loads),
+            self._loads.ctypes.data,
+            len(self._stores),
+            self._stores.ctypes.data,
             (address * len(given))(*(a.ctypes.data for a in given)),
             (address * len(made))(*(a.ctypes.data for a in made)),
-            (ctypes.c_longlong * len(widths))(*widths), len(given),
-        )  # fmt: skip
+            (ctypes.c_longlong * len(widths))(*widths),
+            len(given),
+        )
 
 
 def _aligned(registers: Array | int) -> Array:
@@ -220,8 +232,6 @@ def _machine() -> Callable[..., None] | None:
         return None
     run = ctypes.CDLL(str(path)).run
     number, address = ctypes.c_longlong, ctypes.c_void_p
-    run.argtypes = (
-        *(number,) * 3, address, *(number, address) * 4, *(address,) * 3, number
-    )  # fmt: skip
+    run.argtypes = (*(number,) * 3, address, *(number, address) * 4, *(address,) * 3, number)
     run.restype = None
     return run

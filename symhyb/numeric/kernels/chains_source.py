@@ -18,9 +18,15 @@ from symhyb.numeric.kernels.vector_source import (
 
 LANES = 8  # numbers of a vector register, or of two
 PLAIN = {
-    ca.OP_ADD: "A + B", ca.OP_SUB: "A - B", ca.OP_MUL: "A * B", ca.OP_DIV: "A / B",
-    ca.OP_NEG: "-A", ca.OP_SQ: "A * A", ca.OP_TWICE: "A + A", ca.OP_INV: "1.0 / A",
-}  # fmt: skip
+    ca.OP_ADD: "A + B",
+    ca.OP_SUB: "A - B",
+    ca.OP_MUL: "A * B",
+    ca.OP_DIV: "A / B",
+    ca.OP_NEG: "-A",
+    ca.OP_SQ: "A * A",
+    ca.OP_TWICE: "A + A",
+    ca.OP_INV: "1.0 / A",
+}
 
 _FIRST = {ca.OP_ADD: "(A + B)", ca.OP_SUB: "(A - B)", ca.OP_MUL: "(A * B)"}
 _SECOND = {ca.OP_ADD: "+", ca.OP_SUB: "-", ca.OP_MUL: "*"}
@@ -105,6 +111,8 @@ def machine_code() -> str:
         cases[number] = f"SET({parts[0]} {_SECOND[second]} {parts[1]})"
     known = [f"&&at{i}" if i in cases else "&&unknown" for i in range(max(cases) + 1)]
     return _MACHINE.format(
-        lanes=LANES, tangent=HYPERBOLIC_TANGENT, labels=", ".join(known),
+        lanes=LANES,
+        tangent=HYPERBOLIC_TANGENT,
+        labels=", ".join(known),
         cases="\n".join(f"  at{i}: {case}" for i, case in sorted(cases.items())),
-    )  # fmt: skip
+    )

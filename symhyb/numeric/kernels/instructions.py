@@ -17,19 +17,60 @@ NOTHING = -1  # in place of the right operand of an operation with one operand
 
 UNARY = frozenset(
     (
-        ca.OP_NEG, ca.OP_EXP, ca.OP_LOG, ca.OP_SQRT, ca.OP_SQ, ca.OP_TWICE, ca.OP_SIN, ca.OP_COS,
-        ca.OP_TAN, ca.OP_ASIN, ca.OP_ACOS, ca.OP_ATAN, ca.OP_NOT, ca.OP_FLOOR, ca.OP_CEIL,
-        ca.OP_FABS, ca.OP_SIGN, ca.OP_ERF, ca.OP_ERFINV, ca.OP_INV, ca.OP_SINH, ca.OP_COSH,
-        ca.OP_TANH, ca.OP_ASINH, ca.OP_ACOSH, ca.OP_ATANH, ca.OP_LOG1P, ca.OP_EXPM1,
+        ca.OP_NEG,
+        ca.OP_EXP,
+        ca.OP_LOG,
+        ca.OP_SQRT,
+        ca.OP_SQ,
+        ca.OP_TWICE,
+        ca.OP_SIN,
+        ca.OP_COS,
+        ca.OP_TAN,
+        ca.OP_ASIN,
+        ca.OP_ACOS,
+        ca.OP_ATAN,
+        ca.OP_NOT,
+        ca.OP_FLOOR,
+        ca.OP_CEIL,
+        ca.OP_FABS,
+        ca.OP_SIGN,
+        ca.OP_ERF,
+        ca.OP_ERFINV,
+        ca.OP_INV,
+        ca.OP_SINH,
+        ca.OP_COSH,
+        ca.OP_TANH,
+        ca.OP_ASINH,
+        ca.OP_ACOSH,
+        ca.OP_ATANH,
+        ca.OP_LOG1P,
+        ca.OP_EXPM1,
     )
-)  # fmt: skip
+)
 BINARY = frozenset(
     (
-        ca.OP_ADD, ca.OP_SUB, ca.OP_MUL, ca.OP_DIV, ca.OP_POW, ca.OP_CONSTPOW, ca.OP_LT, ca.OP_LE,
-        ca.OP_EQ, ca.OP_NE, ca.OP_AND, ca.OP_OR, ca.OP_FMOD, ca.OP_COPYSIGN, ca.OP_IF_ELSE_ZERO,
-        ca.OP_FMIN, ca.OP_FMAX, ca.OP_ATAN2, ca.OP_HYPOT, ca.OP_REMAINDER,
+        ca.OP_ADD,
+        ca.OP_SUB,
+        ca.OP_MUL,
+        ca.OP_DIV,
+        ca.OP_POW,
+        ca.OP_CONSTPOW,
+        ca.OP_LT,
+        ca.OP_LE,
+        ca.OP_EQ,
+        ca.OP_NE,
+        ca.OP_AND,
+        ca.OP_OR,
+        ca.OP_FMOD,
+        ca.OP_COPYSIGN,
+        ca.OP_IF_ELSE_ZERO,
+        ca.OP_FMIN,
+        ca.OP_FMAX,
+        ca.OP_ATAN2,
+        ca.OP_HYPOT,
+        ca.OP_REMAINDER,
     )
-)  # fmt: skip
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,7 +168,10 @@ def program(function: ca.Function) -> Program | None:
             return None
     return Program(
         tuple((value, *entry) for entry, value in sorted(loads.items())),
-        tuple(constants), tuple(steps), tuple(sorted(stores)), size,
+        tuple(constants),
+        tuple(steps),
+        tuple(sorted(stores)),
+        size,
         tuple(function.numel_in(i) for i in range(function.n_in())),
         tuple(function.numel_out(i) for i in range(function.n_out())),
-    )  # fmt: skip
+    )

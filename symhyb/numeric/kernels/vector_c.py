@@ -96,15 +96,18 @@ class Kernel:
         outputs: Sequence[NDArray[np.float64]],
     ) -> None:
         """Fill ``outputs``, views into C-contiguous arrays (N, rows), one column (N,) a store, from
-        columns (N,) in the order of ``varying`` and the numbers ``fixed``."""  # fmt: skip
+        columns (N,) in the order of ``varying`` and the numbers ``fixed``."""
         if not outputs:
             return
         steps = np.array([column.strides[0] // 8 for column in inputs], dtype=np.int64)
         given, made = _addresses(inputs), _addresses(outputs)
         self._run(
-            outputs[0].size, fixed.ctypes.data, given.ctypes.data, steps.ctypes.data,
+            outputs[0].size,
+            fixed.ctypes.data,
+            given.ctypes.data,
+            steps.ctypes.data,
             made.ctypes.data,
-        )  # fmt: skip
+        )
 
 
 def packed(columns: Sequence[NDArray[np.float64]]) -> bool:

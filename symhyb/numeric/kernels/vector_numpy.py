@@ -46,20 +46,53 @@ def _error_function(value: Any, out: Any = None) -> Any:
 
 
 WORK: dict[int, Work] = {
-    ca.OP_ADD: np.add, ca.OP_SUB: np.subtract, ca.OP_MUL: np.multiply, ca.OP_DIV: np.divide,
-    ca.OP_NEG: np.negative, ca.OP_EXP: np.exp, ca.OP_LOG: np.log, ca.OP_POW: np.power,
-    ca.OP_CONSTPOW: np.power, ca.OP_SQRT: np.sqrt, ca.OP_SQ: np.square, ca.OP_TWICE: _twice,
-    ca.OP_SIN: np.sin, ca.OP_COS: np.cos, ca.OP_TAN: np.tan, ca.OP_ASIN: np.arcsin,
-    ca.OP_ACOS: np.arccos, ca.OP_ATAN: np.arctan, ca.OP_LT: np.less, ca.OP_LE: np.less_equal,
-    ca.OP_EQ: np.equal, ca.OP_NE: np.not_equal, ca.OP_NOT: np.logical_not,
-    ca.OP_AND: np.logical_and, ca.OP_OR: np.logical_or, ca.OP_FLOOR: np.floor,
-    ca.OP_CEIL: np.ceil, ca.OP_FMOD: np.fmod, ca.OP_FABS: np.fabs, ca.OP_SIGN: np.sign,
-    ca.OP_COPYSIGN: np.copysign, ca.OP_IF_ELSE_ZERO: _chosen, ca.OP_ERF: _error_function,
-    ca.OP_FMIN: np.fmin, ca.OP_FMAX: np.fmax, ca.OP_INV: _one_over, ca.OP_SINH: np.sinh,
-    ca.OP_COSH: np.cosh, ca.OP_TANH: np.tanh, ca.OP_ASINH: np.arcsinh, ca.OP_ACOSH: np.arccosh,
-    ca.OP_ATANH: np.arctanh, ca.OP_ATAN2: np.arctan2,
-    ca.OP_LOG1P: np.log1p, ca.OP_EXPM1: np.expm1, ca.OP_HYPOT: np.hypot,
-}  # fmt: skip
+    ca.OP_ADD: np.add,
+    ca.OP_SUB: np.subtract,
+    ca.OP_MUL: np.multiply,
+    ca.OP_DIV: np.divide,
+    ca.OP_NEG: np.negative,
+    ca.OP_EXP: np.exp,
+    ca.OP_LOG: np.log,
+    ca.OP_POW: np.power,
+    ca.OP_CONSTPOW: np.power,
+    ca.OP_SQRT: np.sqrt,
+    ca.OP_SQ: np.square,
+    ca.OP_TWICE: _twice,
+    ca.OP_SIN: np.sin,
+    ca.OP_COS: np.cos,
+    ca.OP_TAN: np.tan,
+    ca.OP_ASIN: np.arcsin,
+    ca.OP_ACOS: np.arccos,
+    ca.OP_ATAN: np.arctan,
+    ca.OP_LT: np.less,
+    ca.OP_LE: np.less_equal,
+    ca.OP_EQ: np.equal,
+    ca.OP_NE: np.not_equal,
+    ca.OP_NOT: np.logical_not,
+    ca.OP_AND: np.logical_and,
+    ca.OP_OR: np.logical_or,
+    ca.OP_FLOOR: np.floor,
+    ca.OP_CEIL: np.ceil,
+    ca.OP_FMOD: np.fmod,
+    ca.OP_FABS: np.fabs,
+    ca.OP_SIGN: np.sign,
+    ca.OP_COPYSIGN: np.copysign,
+    ca.OP_IF_ELSE_ZERO: _chosen,
+    ca.OP_ERF: _error_function,
+    ca.OP_FMIN: np.fmin,
+    ca.OP_FMAX: np.fmax,
+    ca.OP_INV: _one_over,
+    ca.OP_SINH: np.sinh,
+    ca.OP_COSH: np.cosh,
+    ca.OP_TANH: np.tanh,
+    ca.OP_ASINH: np.arcsinh,
+    ca.OP_ACOSH: np.arccosh,
+    ca.OP_ATANH: np.arctanh,
+    ca.OP_ATAN2: np.arctan2,
+    ca.OP_LOG1P: np.log1p,
+    ca.OP_EXPM1: np.expm1,
+    ca.OP_HYPOT: np.hypot,
+}
 
 
 def supported(program: Program) -> bool:
@@ -152,13 +185,18 @@ def plan(program: Program, repeated: frozenset[int]) -> Plan:
     place.update({value: bottom + registers + i for i, value in enumerate(numbers)})
     copies = [(place[value], target) for value, target in stored]
     return Plan(
-        varying, fixed,
+        varying,
+        fixed,
         tuple(_placed(program, place, (v for v in range(program.size) if same[v]))),
-        tuple(_placed(program, place, computed)), tuple(copies),
+        tuple(_placed(program, place, computed)),
+        tuple(copies),
         tuple((place[value], number) for value, number in program.constants),
-        tuple(place[load[0]] for load in fixed), program.stores, program.full(), registers,
+        tuple(place[load[0]] for load in fixed),
+        program.stores,
+        program.full(),
+        registers,
         bottom + registers + len(numbers),
-    )  # fmt: skip
+    )
 
 
 def _allocate(program: Program, computed: set[int], place: dict[int, int], bottom: int) -> int:

@@ -22,22 +22,50 @@ SHUFFLED = frozenset(
 
 # Functions of the mathematical library, and what is plain arithmetic. {0} and {1} are operands.
 CALLED = {
-    ca.OP_EXP: "exp", ca.OP_LOG: "log", ca.OP_POW: "pow", ca.OP_CONSTPOW: "pow", ca.OP_SIN: "sin",
-    ca.OP_COS: "cos", ca.OP_TAN: "tan", ca.OP_ASIN: "asin", ca.OP_ACOS: "acos", ca.OP_ATAN: "atan",
-    ca.OP_SINH: "sinh", ca.OP_COSH: "cosh", ca.OP_ASINH: "asinh", ca.OP_ACOSH: "acosh",
-    ca.OP_ATANH: "atanh", ca.OP_LOG1P: "log1p", ca.OP_EXPM1: "expm1", ca.OP_ATAN2: "atan2",
-    ca.OP_HYPOT: "hypot", ca.OP_FMOD: "fmod", ca.OP_REMAINDER: "remainder", ca.OP_ERF: "erf",
-}  # fmt: skip
+    ca.OP_EXP: "exp",
+    ca.OP_LOG: "log",
+    ca.OP_POW: "pow",
+    ca.OP_CONSTPOW: "pow",
+    ca.OP_SIN: "sin",
+    ca.OP_COS: "cos",
+    ca.OP_TAN: "tan",
+    ca.OP_ASIN: "asin",
+    ca.OP_ACOS: "acos",
+    ca.OP_ATAN: "atan",
+    ca.OP_SINH: "sinh",
+    ca.OP_COSH: "cosh",
+    ca.OP_ASINH: "asinh",
+    ca.OP_ACOSH: "acosh",
+    ca.OP_ATANH: "atanh",
+    ca.OP_LOG1P: "log1p",
+    ca.OP_EXPM1: "expm1",
+    ca.OP_ATAN2: "atan2",
+    ca.OP_HYPOT: "hypot",
+    ca.OP_FMOD: "fmod",
+    ca.OP_REMAINDER: "remainder",
+    ca.OP_ERF: "erf",
+}
 TWO_ARGUMENTS = frozenset({"pow", "atan2", "hypot", "fmod", "remainder"})
 WRITTEN = {
-    ca.OP_ADD: "{0} + {1}", ca.OP_SUB: "{0} - {1}", ca.OP_MUL: "{0} * {1}", ca.OP_DIV: "{0} / {1}",
-    ca.OP_NEG: "-{0}", ca.OP_SQ: "{0} * {0}", ca.OP_TWICE: "{0} + {0}", ca.OP_INV: "1.0 / {0}",
-    ca.OP_SQRT: "__builtin_sqrt({0})", ca.OP_FABS: "__builtin_fabs({0})",
-    ca.OP_FLOOR: "__builtin_floor({0})", ca.OP_CEIL: "__builtin_ceil({0})",
-    ca.OP_COPYSIGN: "__builtin_copysign({0}, {1})", ca.OP_TANH: "hyperbolic_tangent({0})",
+    ca.OP_ADD: "{0} + {1}",
+    ca.OP_SUB: "{0} - {1}",
+    ca.OP_MUL: "{0} * {1}",
+    ca.OP_DIV: "{0} / {1}",
+    ca.OP_NEG: "-{0}",
+    ca.OP_SQ: "{0} * {0}",
+    ca.OP_TWICE: "{0} + {0}",
+    ca.OP_INV: "1.0 / {0}",
+    ca.OP_SQRT: "__builtin_sqrt({0})",
+    ca.OP_FABS: "__builtin_fabs({0})",
+    ca.OP_FLOOR: "__builtin_floor({0})",
+    ca.OP_CEIL: "__builtin_ceil({0})",
+    ca.OP_COPYSIGN: "__builtin_copysign({0}, {1})",
+    ca.OP_TANH: "hyperbolic_tangent({0})",
     ca.OP_SIGN: "{0} < 0 ? -1.0 : {0} > 0 ? 1.0 : {0}",
-    ca.OP_LT: "{0} < {1} ? 1.0 : 0.0", ca.OP_LE: "{0} <= {1} ? 1.0 : 0.0",
-    ca.OP_EQ: "{0} == {1} ? 1.0 : 0.0", ca.OP_NE: "{0} != {1} ? 1.0 : 0.0",
+    ca.OP_LT: "{0} < {1} ? 1.0 : 0.0",
+    ca.OP_LE: "{0} <= {1} ? 1.0 : 0.0",
+    ca.OP_EQ: "{0} == {1} ? 1.0 : 0.0",
+    ca.OP_NE: "{0} != {1} ? 1.0 : 0.0",
     ca.OP_NOT: "{0} != 0 ? 0.0 : 1.0",
     ca.OP_AND: "({0} != 0) & ({1} != 0) ? 1.0 : 0.0",
     ca.OP_OR: "({0} != 0) | ({1} != 0) ? 1.0 : 0.0",
@@ -45,7 +73,7 @@ WRITTEN = {
     # as fmin and fmax of C: a NaN gives way to the other number
     ca.OP_FMIN: "({0} < {1}) | ({1} != {1}) ? {0} : {1}",
     ca.OP_FMAX: "({0} > {1}) | ({1} != {1}) ? {0} : {1}",
-}  # fmt: skip
+}
 
 # tanh|x| = e/(e + 2) with e = exp(2|x|) − 1; 2|x| = k·ln 2 + r, and exp(r) − 1 by its Taylor series
 # up to r¹⁴, whose rest is below 1e-17 of it. Plain arithmetic becomes part of the loop, which a
@@ -128,12 +156,13 @@ def source(
     direct = _direct(program)
     block = BUFFER // 8 // max(len(varying) + len(program.stores), 1) // 64 * 64
     run = _RUN.format(
-        inputs=len(varying), outputs=len(program.stores),
+        inputs=len(varying),
+        outputs=len(program.stores),
         block=min(max(block, BLOCK_LEAST), BLOCK_MOST),
         packed="".join(f"{int(load[1] in packed)}, " for load in varying) + "0",
         direct="".join(f"{int(store[0] in direct)}, " for store in program.stores) + "0",
         rows="".join(f"{program.results[store[0]]}, " for store in program.stores) + "0",
-    )  # fmt: skip
+    )
     tangent = [HYPERBOLIC_TANGENT] if ca.OP_TANH in program.operations() else []
     declared = [_declaration(name, name in vector) for name in names]
     return "\n".join((*tangent, *declared, *_kernel(program, repeated, packed), run))

@@ -115,9 +115,12 @@ def _gaps_of(model: Model) -> _Gaps:
         model, elements=(), sensors=(), inputs=(), energy=Energy(), gravity=None, assembly=None
     )
     parts = (
-        [c.name for c in bare.coordinates], [p.path for p in bare.parameters], bare.points,
-        [replace(body, about="") for body in bare.bodies], constraints_key(bare),
-    )  # fmt: skip
+        [c.name for c in bare.coordinates],
+        [p.path for p in bare.parameters],
+        bare.points,
+        [replace(body, about="") for body in bare.bodies],
+        constraints_key(bare),
+    )
     key = cache.key("closure", repr(parts))
     function, labels = kept(("closure", key), lambda: _from_cache(bare, key))
     p = np.array([item.si for item in bare.all_parameters()])
@@ -267,18 +270,20 @@ def _require_hold(gaps: _Gaps, q: Array, free: NDArray[np.bool_]) -> None:
     """Every row must depend on something that is free to move; speeds linearly on rates."""
     bent = sorted({row % len(gaps.labels) for row in gaps.function.jac_sparsity(3, 1).row()})
     _refuse(
-        gaps, [gaps.labels[row] for row in bent],
+        gaps,
+        [gaps.labels[row] for row in bent],
         "is not linear in the rates: a nonholonomic constraint is a sum of rates, each times a "
         "factor of places, parameters and time",
-    )  # fmt: skip
+    )
     slope = gaps.function.jac_sparsity(1, 1)
     held = {int(row) for row, column in zip(*slope.get_triplet(), strict=True) if free[column]}
     idle = [label for i, label in enumerate(gaps.labels) if i not in held]
     gap = gaps.at(q, 0 * q)[0]
     _refuse(
-        gaps, idle,
+        gaps,
+        idle,
         "holds nothing that is free to move: it contains no coordinate, or only imposed ones",
-    )  # fmt: skip
+    )
     bad = [label for label, value in zip(gaps.labels, gap, strict=True) if not np.isfinite(value)]
     if bad:
         text = (

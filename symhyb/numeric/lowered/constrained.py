@@ -90,9 +90,13 @@ class Solved:
 
 
 def solve(
-    mass: ca.SX, force: ca.SX, imposed: Sequence[int], given: ca.SX, loops: Loops | None,
+    mass: ca.SX,
+    force: ca.SX,
+    imposed: Sequence[int],
+    given: ca.SX,
+    loops: Loops | None,
     pulled: bool = True,
-) -> Solved:  # fmt: skip
+) -> Solved:
     """M a = f + Jᵀλ for the free coordinates, J a as the ``loops`` want it; those ``imposed`` have
     the accelerations ``given``."""
     n = mass.shape[0]

@@ -23,6 +23,7 @@ from symhyb.model.switching import modes as modes_of
 from symhyb.model.types import Model
 from symhyb.numeric.kernels.buffers import Array, call
 from symhyb.numeric.lowered.dynamics import StateForm, state_form
+from symhyb.numeric.lowered.exportable import owners, require_force_elements
 from symhyb.numeric.lowered.holes import Hole, filled, parts_of
 from symhyb.numeric.lowered.machine import Machine, build, functions_of
 from symhyb.numeric.lowered.modes import Modes, Names, calmed
@@ -101,13 +102,13 @@ def export_elements(model: Model, names: Sequence[str], events: bool = False) ->
         InputError: an element whose force cannot be given by positions, speeds and inputs; or what
             :func:`symhyb.numeric.lowered.machine.build` refuses.
     """
-    _require_force_elements(model, names)
+    require_force_elements(model, names)
     machine = build(model)
     parts = parts_of(machine, events)
     modes = _modes(model, parts.modes, parts.arguments) if events else None
     chosen = [i for i, element in enumerate(model.elements) if element.name in names]
-    owners = _owners(model)
-    memory = [i for i, name in enumerate(owners) if name in names]
+    belongs = owners(model)
+    memory = [i for i, name in enumerate(belongs) if name in names]
     holes = [hole for hole in parts.holes if hole.name in names]
     forces = ca.sum2(parts.forces[:, chosen])
     rows = [i for i in range(machine.n) if not forces[i].is_zero()]
@@ -120,10 +121,22 @@ def export_elements(model: Model, names: Sequence[str], events: bool = False) ->
     inputs, pieces, starts = _used(where, drawn, _starts(machine))
     outputs = [("dF", coordinates[i]) for i in rows] + [("trust", hole.name) for hole in holes]
     return _exported(
-        machine, parts.p, parts.t, parts.z[memory], ca.vertcat(*pieces), rates, y, rest, holes,
-        tuple(("z", owners[i]) for i in memory), inputs, tuple(outputs),
-        np.zeros(len(memory)), np.array(starts), modes,
-    )  # fmt: skip
+        machine,
+        parts.p,
+        parts.t,
+        parts.z[memory],
+        ca.vertcat(*pieces),
+        rates,
+        y,
+        rest,
+        holes,
+        tuple(("z", belongs[i]) for i in memory),
+        inputs,
+        tuple(outputs),
+        np.zeros(len(memory)),
+        np.array(starts),
+        modes,
+    )
 
 
 def _modes(model: Model, symbols: ca.SX, arguments: ca.SX) -> Modes:
@@ -169,11 +182,22 @@ def export_machine(model: Model, events: bool = False) -> Exported:
     begin = [starts["q"][list(free)], starts["v"][list(free)], np.zeros(machine.inner_states)]
     driven = [starts["u"], starts["q"][list(given)], starts["v"][list(given)], still]
     return _exported(
-        machine, p, t, x, d, rates, ca.vertcat(y, *(hole.trust() for hole in holes)),
-        bare.inner_rest(q, t, p[among]), holes,
-        (*at, *(("z", name) for name in _owners(model))), tuple(inputs), tuple(outputs),
-        np.concatenate(begin), np.concatenate(driven), modes,
-    )  # fmt: skip
+        machine,
+        p,
+        t,
+        x,
+        d,
+        rates,
+        ca.vertcat(y, *(hole.trust() for hole in holes)),
+        bare.inner_rest(q, t, p[among]),
+        holes,
+        (*at, *(("z", name) for name in owners(model))),
+        tuple(inputs),
+        tuple(outputs),
+        np.concatenate(begin),
+        np.concatenate(driven),
+        modes,
+    )
 
 
 def _in_modes(
@@ -225,8 +249,12 @@ def c_source(exported: Exported, identifier: str) -> str:
 def functions(exported: Exported) -> tuple[ca.Function, ...]:
     """The functions of an export in the order in which C code holds them."""
     return (
-        exported.value, exported.forward, exported.adjoint, exported.rest, exported.rest_forward
-    )  # fmt: skip
+        exported.value,
+        exported.forward,
+        exported.adjoint,
+        exported.rest,
+        exported.rest_forward,
+    )
 
 
 def serialised(exported: Exported) -> str:
@@ -235,10 +263,22 @@ def serialised(exported: Exported) -> str:
 
 
 def _exported(
-    machine: Machine, p: ca.SX, t: ca.SX, x: ca.SX, u: ca.SX, rates: ca.SX, y: ca.SX, rest: ca.SX,
-    holes: Sequence[Hole], states: Names, inputs: Names, outputs: Names, x0: Array, u0: Array,
+    machine: Machine,
+    p: ca.SX,
+    t: ca.SX,
+    x: ca.SX,
+    u: ca.SX,
+    rates: ca.SX,
+    y: ca.SX,
+    rest: ca.SX,
+    holes: Sequence[Hole],
+    states: Names,
+    inputs: Names,
+    outputs: Names,
+    x0: Array,
+    u0: Array,
     modes: Modes | None,
-) -> Exported:  # fmt: skip
+) -> Exported:
     """The functions, with only those parameters that matter; what jumps is smoothed or in modes."""
     x, u, rates, y, rest = (ca.reshape(part, part.numel(), 1) for part in (x, u, rates, y, rest))
     seen = [hole.inputs for hole in holes]
@@ -266,10 +306,22 @@ def _exported(
     rested = ca.Function("rest", [ca.vertcat(*here)], [rest])
     resting = _derived(rested, rest.numel(), [part.numel() for part in here])
     return Exported(
-        machine.model, states, inputs, (*outputs, *calm.told), (*names, *calm.names), rest.numel(),
-        made["value"], made["forward"], made["adjoint"], _first(resting["value"], "rest"),
-        _first(resting["forward"], "rest_forward"), x0, u0, np.array(values), calm.ways,
-    )  # fmt: skip
+        machine.model,
+        states,
+        inputs,
+        (*outputs, *calm.told),
+        (*names, *calm.names),
+        rest.numel(),
+        made["value"],
+        made["forward"],
+        made["adjoint"],
+        _first(resting["value"], "rest"),
+        _first(resting["forward"], "rest_forward"),
+        x0,
+        u0,
+        np.array(values),
+        calm.ways,
+    )
 
 
 def _derived(whole: ca.Function, first: int, sizes: Sequence[int]) -> dict[str, ca.Function]:
@@ -298,36 +350,6 @@ def _first(function: ca.Function, name: str) -> ca.Function:
     """The function with its first result alone."""
     arguments = function.sx_in()
     return ca.Function(f"model_{name}", arguments, [function(*arguments)[0]], {"cse": True})
-
-
-def _require_force_elements(model: Model, names: Sequence[str]) -> None:
-    problems = []
-    for element in model.elements:
-        if element.name in names and element.kind == "added_mass":
-            text = (
-                "an added_mass cannot be exported as a force element: its force depends on the "
-                "acceleration, which the force itself changes; give the mass to a body of the "
-                "host, or export the whole model (--whole)"
-            )
-            problems.append(Problem(text, f"elements.{element.name}", model.file))
-    late = [i.name for i in model.inputs if i.delay is not None and i.delay.si != 0]
-    for element in model.elements:
-        if element.name not in names:
-            continue
-        said = repr([value.tree for _, value in element.values]) + repr(element.network)
-        for name in late:
-            if f"Name(name={name!r}" in said:
-                text = f"uses the input {name}, which has a delay; let the host delay the signal"
-                problems.append(Problem(text, f"elements.{element.name}", model.file))
-    if problems:
-        raise InputError(problems)
-
-
-def _owners(model: Model) -> list[str]:
-    """The element that each inner state belongs to."""
-    from symhyb.mechanics.symbols import symbols_of  # SymPy takes half a second to import
-
-    return list(symbols_of(model).z)
 
 
 def _names(model: Model) -> tuple[list[str], list[str]]:

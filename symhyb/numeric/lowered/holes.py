@@ -74,8 +74,9 @@ def parts_of(machine: Machine, modes: bool = False) -> Parts:
     q, v, u = (ca.SX.sym(name, size) for name, size in (("q", n), ("v", n), ("u", k)))
     z, t, p = ca.SX.sym("z", machine.inner_states), ca.SX.sym("t"), ca.SX.sym("p", _count(machine))
     here = (q, v, z, u, t, p)
-    return Parts(*here, machine.elements(*here), machine.inner(*here), machine.inner_rest(q, t, p),
-                 ())  # fmt: skip
+    return Parts(
+        *here, machine.elements(*here), machine.inner(*here), machine.inner_rest(q, t, p), ()
+    )
 
 
 def _count(machine: Machine) -> int:
@@ -102,9 +103,20 @@ def _opened(model: Model, modes: bool) -> Parts:
     low = Lowered(told, fills)
     forces = ca.densify(ca.horzcat(*low.forces))
     k = len(model.inputs)
-    return Parts(low.q, low.v, low.z, low.u[:k, 0], low.t, low.p, forces, ca.densify(low.inner),
-                 ca.densify(low.rest), tuple(holes.values()), low.u[k:, 0],
-                 low.column(told.outputs[len(equations.outputs) :]))  # fmt: skip
+    return Parts(
+        low.q,
+        low.v,
+        low.z,
+        low.u[:k, 0],
+        low.t,
+        low.p,
+        forces,
+        ca.densify(low.inner),
+        ca.densify(low.rest),
+        tuple(holes.values()),
+        low.u[k:, 0],
+        low.column(told.outputs[len(equations.outputs) :]),
+    )
 
 
 def filled(

@@ -226,7 +226,10 @@ def _lowered(model: Model, opening: Opening = "closed") -> dict[str, ca.Function
         "k_c": function("k_c", [q, v, t, p], [k_c], "q v t p"),
         "k_e": function("k_e", here, [k_e], "q v z u t p"),
         "acceleration": function(
-            "acceleration", [*here, w, b], [acceleration], "q v z u t p w b",
+            "acceleration",
+            [*here, w, b],
+            [acceleration],
+            "q v z u t p w b",
         ),
         "inner": function("inner", here, [ca.densify(low.inner)], "q v z u t p"),
         "inner_rest": function("inner_rest", [q, t, p], [ca.densify(low.rest)], "q t p"),
@@ -240,7 +243,8 @@ def _lowered(model: Model, opening: Opening = "closed") -> dict[str, ca.Function
             "discrepancy_slopes", moving, [ca.jacobian(rest, by) for by in (q, v, a)]
         ),
         "weak": function(
-            "weak", here,
+            "weak",
+            here,
             [ca.densify(momentum), ca.densify(ca.gradient(low.kinetic, q) + k_e)],
         ),
         "energy": function(
@@ -249,7 +253,7 @@ def _lowered(model: Model, opening: Opening = "closed") -> dict[str, ca.Function
         "elements": function("elements", here, [ca.densify(forces)]),
         "carried": function("carried", [q, v, a, t, p], [_carried(low, n)]),
         "pathways": function("pathways", [q, v, t, p], _pathways(low, n)),
-    }  # fmt: skip
+    }
 
 
 def _carried(low: "Lowered", n: int) -> ca.SX:
@@ -279,12 +283,15 @@ def structure_of(model: Model) -> str:
         [p.path for p in model.all_parameters()],
         [(i.name, i.gain is None, i.offset is None) for i in model.inputs],
         [(s.measures.tree, s.gain is None, s.offset is None) for s in model.sensors],
-        model.points, [replace(body, about="") for body in model.bodies],
+        model.points,
+        [replace(body, about="") for body in model.bodies],
         [
             (e.name, e.kind, e.place, [(k, x.tree) for k, x in e.values], e.options, e.network)
             for e in model.elements
         ],
-        model.energy, model.gravity, constraints_key(model),
+        model.energy,
+        model.gravity,
+        constraints_key(model),
         model.file if any(e.network for e in model.elements) else "",
-    )  # fmt: skip
+    )
     return repr(parts)

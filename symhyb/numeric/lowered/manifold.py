@@ -85,9 +85,13 @@ def _shown_at(machine: Machine) -> ca.Function:
 
 
 def closed(
-    machine: Machine, motion: tuple[Array, Array, Array], t: Array, p: Array,
-    given: Sequence[int] = (), ease: Array | None = None,
-) -> Closed:  # fmt: skip
+    machine: Machine,
+    motion: tuple[Array, Array, Array],
+    t: Array,
+    p: Array,
+    given: Sequence[int] = (),
+    ease: Array | None = None,
+) -> Closed:
     """The motion (q, v and a, (N, n) each, at ``t`` (N,)) moved onto the constraints under ``p``
     (P,), SI; the ``given`` coordinates stay. ``ease`` (n,) says how easily a coordinate moves (the
     variance of an estimate)."""
@@ -158,9 +162,14 @@ class Tangent:
 
 
 def tangent(
-    machine: Machine, q: Array, v: Array, t: Array, p: Array, given: Sequence[int] = (),
+    machine: Machine,
+    q: Array,
+    v: Array,
+    t: Array,
+    p: Array,
+    given: Sequence[int] = (),
     chosen: Sequence[int] = (),
-) -> Tangent:  # fmt: skip
+) -> Tangent:
     """The free directions at q, v (N, n) and t (N,), with slopes by the ``chosen`` parameters:
 
     J δq + c_p δp = 0,   J δv + (∂ċ/∂q) δq + ċ_p δp = 0

@@ -102,12 +102,14 @@ def calmed(arguments: list[ca.SX], rates: ca.SX, y: ca.SX, modes: Modes | None) 
     indicators, labels = modes.indicators()
     jumps = len(modes.names) > known
     return Calmed(
-        rates, ca.vertcat(y, indicators),
+        rates,
+        ca.vertcat(y, indicators),
         ca.vertcat(width, modes.symbols) if jumps else modes.symbols,
         (*((("p", "smoothing"),) if jumps else ()), *(("mode", name) for name in modes.names)),
         (*((SMOOTHING,) if jumps else ()), *(0.0 for _ in modes.names)),
-        tuple(("event", label) for label in labels), modes.ways,
-    )  # fmt: skip
+        tuple(("event", label) for label in labels),
+        modes.ways,
+    )
 
 
 def _smoothed(function: ca.Function, arguments: list[ca.SX], width: ca.SX) -> list[ca.SX] | None:
@@ -142,9 +144,11 @@ def _in_modes(
     *results, before = _rewritten(steps, arguments, banded)
     names = tuple(f"sign[{i + 1}]" for i in range(len(symbols)))
     return results, Modes(
-        ca.vertcat(known.symbols, *symbols), ca.vertcat(before, *told),
-        (*known.names, *names), (*known.ways, *(3 for _ in names)),
-    )  # fmt: skip
+        ca.vertcat(known.symbols, *symbols),
+        ca.vertcat(before, *told),
+        (*known.names, *names),
+        (*known.ways, *(3 for _ in names)),
+    )
 
 
 def _rewritten(

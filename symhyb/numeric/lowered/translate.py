@@ -23,10 +23,21 @@ Fill = Callable[[ca.SX], ca.SX]
 """What fills the hole of a network: the force (SI) from its inputs."""
 
 _UNARY: Mapping[type[sp.Basic], Callable[[ca.SX], ca.SX]] = {
-    sp.sin: ca.sin, sp.cos: ca.cos, sp.tan: ca.tan, sp.asin: ca.asin, sp.acos: ca.acos,
-    sp.atan: ca.atan, sp.sinh: ca.sinh, sp.cosh: ca.cosh, sp.tanh: ca.tanh, sp.exp: ca.exp,
-    sp.log: ca.log, sp.Abs: ca.fabs, sp.sign: ca.sign, sp.Heaviside: lambda x: x > 0,
-}  # fmt: skip
+    sp.sin: ca.sin,
+    sp.cos: ca.cos,
+    sp.tan: ca.tan,
+    sp.asin: ca.asin,
+    sp.acos: ca.acos,
+    sp.atan: ca.atan,
+    sp.sinh: ca.sinh,
+    sp.cosh: ca.cosh,
+    sp.tanh: ca.tanh,
+    sp.exp: ca.exp,
+    sp.log: ca.log,
+    sp.Abs: ca.fabs,
+    sp.sign: ca.sign,
+    sp.Heaviside: lambda x: x > 0,
+}
 
 
 class Lowering:
@@ -126,9 +137,13 @@ class Lowered:
         self.t = ca.SX.sym("t")
         pairs: dict[sp.Symbol, ca.SX] = {s.t: self.t}
         rows = (
-            (s.q, self.q), (s.v, self.v), (s.a, self.a), (tuple(s.z.values()), self.z),
-            (s.u, self.u), (s.p, self.p),
-        )  # fmt: skip
+            (s.q, self.q),
+            (s.v, self.v),
+            (s.a, self.a),
+            (tuple(s.z.values()), self.z),
+            (s.u, self.u),
+            (s.p, self.p),
+        )
         for names, column in rows:
             pairs.update({name: column[i] for i, name in enumerate(names)})
         self._lower = Lowering(pairs)

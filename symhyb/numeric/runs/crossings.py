@@ -86,7 +86,10 @@ def _crossing(watch: Watch, dense: Any, times: Array, values: Array, k: int) -> 
     if values[later] == 0.0:
         return float(times[later]), True
     found = brentq(
-        lambda t: watch(t, dense(t))[k], times[later - 1], times[later],
-        xtol=1e-300, rtol=4 * np.finfo(float).eps,
-    )  # fmt: skip
+        lambda t: watch(t, dense(t))[k],
+        times[later - 1],
+        times[later],
+        xtol=1e-300,
+        rtol=4 * np.finfo(float).eps,
+    )
     return float(found), True

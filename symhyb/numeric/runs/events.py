@@ -160,14 +160,30 @@ def is_stiff(machine: Switched, t: Array, start: Array, drive: Drive, p: Array) 
 
 
 def locate_events(
-    machine: Switched, t: Array, start: Array, drive: Drive, p: Array, jumps: Array, stiff: bool,
-    longest: float, most: int = STEPS_MOST,
-) -> Located:  # fmt: skip
+    machine: Switched,
+    t: Array,
+    start: Array,
+    drive: Drive,
+    p: Array,
+    jumps: Array,
+    stiff: bool,
+    longest: float,
+    most: int = STEPS_MOST,
+) -> Located:
     """Integrate from ``start`` (X,) over output times ``t`` (N,) s, restarting at ``jumps`` (J,) s,
     with no step longer than ``longest`` s and at most ``most`` steps; all SI."""
     wide = start.size + len(machine.frictions)
-    run = _Run(machine, drive, p, t, stiff, longest, np.full((t.size, wide), np.nan),
-               start.size, len(machine.form.free))  # fmt: skip
+    run = _Run(
+        machine,
+        drive,
+        p,
+        t,
+        stiff,
+        longest,
+        np.full((t.size, wide), np.nan),
+        start.size,
+        len(machine.form.free),
+    )
     run.which, run.nodes = np.zeros(t.size, dtype=int), bends(drive.t, drive.d)
     reason, y = "", start
     try:
@@ -267,8 +283,11 @@ def _solver(run: _Run, now: float, end: float, y: Array) -> Any:
     if leap is not None:
         return leap.begin((now, end), run.row, y, run.size, atol, first)
     options: dict[str, Any] = {
-        "rtol": RELATIVE_TOLERANCE, "atol": atol, "max_step": run.longest, "first_step": first,
-    }  # fmt: skip
+        "rtol": RELATIVE_TOLERANCE,
+        "atol": atol,
+        "max_step": run.longest,
+        "first_step": first,
+    }
     right = run.ready("rates")
     if not run.stiff:
         return DOP853(right, now, y, end, **options)

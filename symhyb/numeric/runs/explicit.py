@@ -28,6 +28,7 @@ from symhyb.numeric.kernels.vector_c import processor
 from symhyb.numeric.lowered.constrained import PULL
 from symhyb.numeric.lowered.dynamics import StateForm
 from symhyb.numeric.runs.dormand_prince import SLOPES
+from symhyb.numeric.runs.explicit_call import POINTER, List, Task
 from symhyb.numeric.runs.explicit_source import WORK, integrator_code, machine_code
 
 FLAGS = ("-O3", "-fno-math-errno", "-fno-trapping-math", "-ffp-contract=off")
@@ -44,8 +45,6 @@ REASONS = (
     "a full tape",
     "something watched may have fallen through zero",
 )
-
-_POINTER = ctypes.c_void_p
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,33 +72,6 @@ class Steps:
     evaluations: int
 
 
-class _List(ctypes.Structure):
-    _fields_ = (
-        *((name, _POINTER) for name in ("slots", "steps", "loads", "stores")),
-        *((name, ctypes.c_longlong) for name in ("n_steps", "n_loads", "n_stores", "n_slopes")),
-    )
-
-
-class Task(ctypes.Structure):
-    """What the integrator in machine code is given; see :mod:`.explicit_source`."""
-
-    _fields_ = (
-        *((n, ctypes.c_longlong) for n in ("states", "drives", "nodes", "outputs", "steps_most")),
-        *((name, ctypes.c_double) for name in ("relative", "longest")),
-        *(
-            (name, _POINTER)
-            for name in (
-                "node_t", "node_d", "t", "absolute", "bound", "start", "x", "work", "drive",
-                "reach", "count", "place", "tape_x", "tape_t", "tape_i",
-            )
-        ),
-        ("tape_most", ctypes.c_longlong),
-        *((name, ctypes.c_double) for name in ("begin", "end", "first")),
-        *((name, ctypes.c_longlong) for name in ("row", "watches")),
-        *((name, _POINTER) for name in ("watch", "watch_memory", "seen")),
-    )  # fmt: skip
-
-
 class Tape:
     """Room for the steps of a run: the states of their stages, where they began and ended, how
     long they were, and which outputs lie in them. One run at a time."""
@@ -119,13 +91,18 @@ class Desk:
     step began and ended, its length, and how long the next wishes to be, all in s."""
 
     def __init__(
-        self, t: Array, start: Array, nodes: tuple[Array, Array], limits: Tolerances, rows: Array,
+        self,
+        t: Array,
+        start: Array,
+        nodes: tuple[Array, Array],
+        limits: Tolerances,
+        rows: Array,
         tape: Tape | None = None,
-    ):  # fmt: skip
+    ):
         given: list[NDArray[Any]] = [
             np.ascontiguousarray(a, float)
             for a in (*nodes, t, limits.absolute, limits.bound, start)
-        ]  # fmt: skip
+        ]
         self.count, self.reach = np.zeros(4, np.int64), np.zeros(start.size)
         self.place, self.work = np.zeros(4), np.zeros((WORK, start.size))
         drive = np.zeros(nodes[1].shape[1] + 1)
@@ -134,10 +111,20 @@ class Desk:
         addresses = [a.ctypes.data for a in (*given, *taped)] + [None] * (3 - len(taped))
         self._alive = given
         self.task = Task(
-            start.size, nodes[1].shape[1], nodes[0].size, t.size, limits.steps, limits.relative,
-            float(t[-1] - t[0]) / STEPS_PART or 1.0, *addresses, 0 if tape is None else tape.steps,
-            float(t[0]), float(t[-1]), 0.0, 1,
-        )  # fmt: skip
+            start.size,
+            nodes[1].shape[1],
+            nodes[0].size,
+            t.size,
+            limits.steps,
+            limits.relative,
+            float(t[-1] - t[0]) / STEPS_PART or 1.0,
+            *addresses,
+            0 if tape is None else tape.steps,
+            float(t[0]),
+            float(t[-1]),
+            0.0,
+            1,
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,8 +132,8 @@ class Prepared:
     """Rates for certain parameters: the function as C calls it, its memory, what must stay alive
     with it, and the integrator for these rates alone, if they are compiled."""
 
-    rate: _POINTER
-    memory: _POINTER
+    rate: POINTER
+    memory: POINTER
     alive: Any
     own: ctypes.CDLL | None = None
 
@@ -162,9 +149,15 @@ class Field:
         self._arrays = _lists(code, self._same)
 
     def integrate(
-        self, t: Array, start: Array, p: Array, nodes: tuple[Array, Array], limits: Tolerances,
-        tape: "Tape | None" = None, longest: float = np.inf,
-    ) -> Steps:  # fmt: skip
+        self,
+        t: Array,
+        start: Array,
+        p: Array,
+        nodes: tuple[Array, Array],
+        limits: Tolerances,
+        tape: "Tape | None" = None,
+        longest: float = np.inf,
+    ) -> Steps:
         """States at ``t`` (N,) from ``start`` (X,) at ``t[0]``, with parameters ``p`` (P,) and a
         drive that runs straight between ``nodes``, times (K,) and values (K, drive), in steps that
         are at most ``longest`` s; SI. They are written down on the ``tape``, if there is one."""
@@ -203,9 +196,12 @@ class Field:
         work = np.zeros((2 * SLOPES + 4) * states + drives + free)
         pull = self.prepared(p)
         self._library.reverse(
-            pull.rate, pull.memory, ctypes.byref(desk.task), ctypes.c_longlong(free),
+            pull.rate,
+            pull.memory,
+            ctypes.byref(desk.task),
+            ctypes.c_longlong(free),
             *(_address(a) for a in (np.ascontiguousarray(seed), back, by_p, by_d, work)),
-        )  # fmt: skip
+        )
         self._done += 12 * steps * len(self.code.steps)
         return back, by_p, by_d
 
@@ -217,9 +213,11 @@ class Field:
         ready = self.prepared(p)
         given = [np.ascontiguousarray(a, float) for a in (t, x, d)]
         self._library.rows(
-            ready.rate, ready.memory, ctypes.c_longlong(t.size),
+            ready.rate,
+            ready.memory,
+            ctypes.c_longlong(t.size),
             *(_address(a) for a in (width, *given, made)),
-        )  # fmt: skip
+        )
         return made
 
     @property
@@ -244,18 +242,22 @@ class Field:
         if own is not None:
             held = np.zeros(own.held() + 1)
             own.prepare(_address(p), _address(held))
-            return Prepared(ctypes.cast(own.rate, _POINTER), _address(held), held, own)
+            return Prepared(ctypes.cast(own.rate, POINTER), _address(held), held, own)
         before, inside, loads, stores, constants, fixed = self._arrays
         slots = np.zeros(self.code.size + 1)
         slots[constants[:, 0].astype(int)] = constants[:, 1]
         slots[fixed[:, 0]] = p[fixed[:, 1]]
         self._library.execute(ctypes.c_longlong(len(before)), _address(before), _address(slots))
-        listed = _List(
-            slots.ctypes.data, *(a.ctypes.data for a in (inside, loads, stores)),
-            len(inside), len(loads), len(stores), self.code.results[0],
-        )  # fmt: skip
-        memory = ctypes.cast(ctypes.byref(listed), _POINTER)
-        return Prepared(ctypes.cast(self._library.interpret, _POINTER), memory, (slots, listed))
+        listed = List(
+            slots.ctypes.data,
+            *(a.ctypes.data for a in (inside, loads, stores)),
+            len(inside),
+            len(loads),
+            len(stores),
+            self.code.results[0],
+        )
+        memory = ctypes.cast(ctypes.byref(listed), POINTER)
+        return Prepared(ctypes.cast(self._library.interpret, POINTER), memory, (slots, listed))
 
 
 def field(form: StateForm) -> Field | None:
@@ -332,8 +334,8 @@ def _lists(code: Program, same: tuple[bool, ...]) -> tuple[NDArray[Any], ...]:
     )
 
 
-def _address(values: NDArray[Any]) -> _POINTER:
-    return values.ctypes.data_as(_POINTER)
+def _address(values: NDArray[Any]) -> POINTER:
+    return values.ctypes.data_as(POINTER)
 
 
 @lru_cache(maxsize=200)
@@ -351,9 +353,9 @@ def _library(code: str) -> ctypes.CDLL | None:
     if "long long held" in code:
         library.held.restype = ctypes.c_longlong
         library.prepare.restype = None
-        library.integrate.argtypes = (_POINTER,) * 2
+        library.integrate.argtypes = (POINTER,) * 2
     else:
         library.execute.restype = None
-        library.integrate.argtypes = (_POINTER,) * 3
+        library.integrate.argtypes = (POINTER,) * 3
         library.reverse.restype = library.rows.restype = None
     return library

@@ -83,7 +83,9 @@ def reverse_code() -> str:
         return ", ".join(repr(known.get(j, 0.0)) for j in range(SLOPES))
 
     return _REVERSE.format(
-        slopes=SLOPES, dense=len(DENSE), nodes=", ".join(map(repr, NODES)),
+        slopes=SLOPES,
+        dense=len(DENSE),
+        nodes=", ".join(map(repr, NODES)),
         rows=", ".join(f"{{{full(row)}}}" for row in STAGES),
         upper=", ".join(f"{{{full(row)}}}" for row in DENSE),
-    )  # fmt: skip
+    )

@@ -39,9 +39,12 @@ class Course:
 
 
 def explicit_states(
-    field: Field, course: Course, scales: Array | None, tolerances: tuple[float, float],
+    field: Field,
+    course: Course,
+    scales: Array | None,
+    tolerances: tuple[float, float],
     stiff: bool,
-) -> Array | None:  # fmt: skip
+) -> Array | None:
     """States (N, X) of a run, SI; None if it took more steps than worth it, or did not reach its
     end.
 
@@ -69,18 +72,25 @@ def explicit_states(
 
 
 def _run(
-    field: Field, course: Course, nodes: tuple[Array, Array], scales: Array,
-    tolerances: tuple[float, float], steps: int,
-) -> Steps:  # fmt: skip
+    field: Field,
+    course: Course,
+    nodes: tuple[Array, Array],
+    scales: Array,
+    tolerances: tuple[float, float],
+    steps: int,
+) -> Steps:
     relative, absolute = tolerances
     limits = Tolerances(relative, absolute * scales, GROWN * scales, steps)
     return field.integrate(course.t, course.start, course.p, nodes, limits, longest=course.longest)
 
 
 def _rough_scales(
-    field: Field, course: Course, nodes: tuple[Array, Array], tolerances: tuple[float, float],
+    field: Field,
+    course: Course,
+    nodes: tuple[Array, Array],
+    tolerances: tuple[float, float],
     steps: int,
-) -> Array | None:  # fmt: skip
+) -> Array | None:
     """Largest size of each state (X,) in a rough run over the first part, or over all where a
     state still rests then; 1 where it stands still. None if the run fails."""
     unit = np.maximum(np.abs(course.start), 1e-3)

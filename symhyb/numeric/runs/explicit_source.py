@@ -261,13 +261,18 @@ int integrate(RATE void *memory, const struct task *r) {{
 def _integrator() -> str:
     stages = "\n".join(_stage(s, "y1") for s in range(1, 13))
     more = "\n".join("  " + _stage(s, "e5") for s in range(13, SLOPES))
-    dense = "\n".join(
-        f"        c[{j} * n + i] = h * ({_sum(row)});" for j, row in enumerate(DENSE)
-    )  # fmt: skip
+    dense = "\n".join(f"        c[{j} * n + i] = h * ({_sum(row)});" for j, row in enumerate(DENSE))
     return _INTEGRATOR.format(
-        slopes=SLOPES, curve=CURVE, looks=LOOKS, dips=DIPS, stages=stages, more=more,
-        dense_rows=dense, order_3=_sum(ERRORS[0]), order_5=_sum(ERRORS[1]),
-    )  # fmt: skip
+        slopes=SLOPES,
+        curve=CURVE,
+        looks=LOOKS,
+        dips=DIPS,
+        stages=stages,
+        more=more,
+        dense_rows=dense,
+        order_3=_sum(ERRORS[0]),
+        order_5=_sum(ERRORS[1]),
+    )
 
 
 @lru_cache(maxsize=1)
@@ -328,19 +333,26 @@ def machine_code(code: Program) -> str:
     loads = [(v, given[a].format(entry)) for v, a, entry in code.loads if a != 3]
     stored = {entry: f"v{value}" for _, entry, value in code.stores}
     inline = "inline __attribute__((always_inline))" if len(inside) <= INLINE_MOST else ""
-    return "\n".join([
-        "#include <math.h>\n#include <string.h>", HYPERBOLIC_TANGENT,
-        f"long long held(void) {{ return {len(kept)}; }}",
-        "void prepare(const double *p, double *memory) {", *constants,
-        *(f"const double v{value} = p[{entry}];" for value, entry in fixed.items()),
-        *(f"const double v{v} = {formula(o, left, right)};" for v, o, left, right in before),
-        *(f"memory[{j}] = v{value};" for j, value in enumerate(kept)), "}",
-        f"static {inline} void rates(",
-        "void *memory, double t, const double *x, const double *d, double *slope) {",
-        "const double *const held = memory;", *constants,
-        *(f"const double v{value} = held[{j}];" for j, value in enumerate(kept)),
-        *(f"const double v{value} = {text};" for value, text in loads),
-        *(f"const double v{v} = {formula(o, left, right)};" for v, o, left, right in inside),
-        *(f"slope[{i}] = {stored.get(i, '0')};" for i in range(code.results[0])), "}",
-        _ONE_MACHINE.format(states=code.arguments[0], drives=code.arguments[1]) + _integrator(),
-    ])  # fmt: skip
+    return "\n".join(
+        [
+            "#include <math.h>\n#include <string.h>",
+            HYPERBOLIC_TANGENT,
+            f"long long held(void) {{ return {len(kept)}; }}",
+            "void prepare(const double *p, double *memory) {",
+            *constants,
+            *(f"const double v{value} = p[{entry}];" for value, entry in fixed.items()),
+            *(f"const double v{v} = {formula(o, left, right)};" for v, o, left, right in before),
+            *(f"memory[{j}] = v{value};" for j, value in enumerate(kept)),
+            "}",
+            f"static {inline} void rates(",
+            "void *memory, double t, const double *x, const double *d, double *slope) {",
+            "const double *const held = memory;",
+            *constants,
+            *(f"const double v{value} = held[{j}];" for j, value in enumerate(kept)),
+            *(f"const double v{value} = {text};" for value, text in loads),
+            *(f"const double v{v} = {formula(o, left, right)};" for v, o, left, right in inside),
+            *(f"slope[{i}] = {stored.get(i, '0')};" for i in range(code.results[0])),
+            "}",
+            _ONE_MACHINE.format(states=code.arguments[0], drives=code.arguments[1]) + _integrator(),
+        ]
+    )

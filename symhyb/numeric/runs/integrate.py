@@ -234,9 +234,15 @@ def _rough_scales(
 
 
 def _integrate(
-    form: StateForm, scenario: Scenario, drive: Array, start: Array, p: Array, scales: Array,
-    method: str, tolerance: float,
-) -> tuple[Array, str]:  # fmt: skip
+    form: StateForm,
+    scenario: Scenario,
+    drive: Array,
+    start: Array,
+    p: Array,
+    scales: Array,
+    method: str,
+    tolerance: float,
+) -> tuple[Array, str]:
     """States (N, X) and the reason why they end early; one integration between jumps of inputs."""
     t = scenario.t
     jumps = jumps_of(scenario.t_u, drive, t)
@@ -308,9 +314,14 @@ def _rate(form: StateForm, scenario: Scenario, drive: Array, scales: Array) -> d
 
 
 def _observe(
-    form: StateForm, scenario: Scenario, drive: Array, x: Array, values: Array, reason: str,
+    form: StateForm,
+    scenario: Scenario,
+    drive: Array,
+    x: Array,
+    values: Array,
+    reason: str,
     method: str,
-) -> Trajectory:  # fmt: skip
+) -> Trajectory:
     t, total = scenario.t, scenario.t.size
     d = on_lines(scenario.t_u, drive, t)
     q, v = at_unit_length(form.machine.model, *form.motion(x, d))

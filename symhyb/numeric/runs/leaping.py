@@ -82,9 +82,15 @@ class Leap:
     written: int
 
     def __init__(
-        self, both: Fields, nodes: tuple[Array, Array], p: Array, outputs: tuple[Array, Array],
-        relative: float, longest: float, steps: int,
-    ):  # fmt: skip
+        self,
+        both: Fields,
+        nodes: tuple[Array, Array],
+        p: Array,
+        outputs: tuple[Array, Array],
+        relative: float,
+        longest: float,
+        steps: int,
+    ):
         self._rates, self._ready = both.rates, both.rates.prepared(p)
         size = outputs[1].shape[1]
         self._start, self._absolute, self._bound = np.zeros(size), np.zeros(size), np.zeros(size)
@@ -99,9 +105,14 @@ class Leap:
         task.seen, task.row, task.longest = self._seen.ctypes.data, 0, longest
 
     def begin(
-        self, span: tuple[float, float], row: int, y: Array, size: Array, atol: Array,
+        self,
+        span: tuple[float, float],
+        row: int,
+        y: Array,
+        size: Array,
+        atol: Array,
         first: float | None,
-    ) -> "Leap":  # fmt: skip
+    ) -> "Leap":
         """Stand at ``span[0]`` in ``y`` (Y,), on the way to ``span[1]``, s, with steps that begin
         ``first`` s long; sizes and absolute tolerances (Y,), SI."""
         (self.t, end), self.t_old, self.row = span, span[0], row

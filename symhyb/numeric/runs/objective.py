@@ -53,9 +53,12 @@ class Objective:
     """
 
     def __init__(
-        self, rollout: Rollout, cost: Cost, vary: Sequence[str] = ("free",),
+        self,
+        rollout: Rollout,
+        cost: Cost,
+        vary: Sequence[str] = ("free",),
         watch: Watch | None = None,
-    ):  # fmt: skip
+    ):
         self.rollout, self._cost, self._watch = rollout, cost, watch
         self._vary = varying(vary)
         nominal = Slopes(rollout.theta, rollout.start, rollout.inputs)

@@ -32,9 +32,10 @@ class WholeRun(ca.Callback):
         self.rollout, self._vary = rollout, varying(vary)
         self._kept: list[ca.Callback] = []
         sizes = {
-            "free": (rollout.theta.size, 1), "start": (rollout.start.size, 1),
+            "free": (rollout.theta.size, 1),
+            "start": (rollout.start.size, 1),
             "inputs": rollout.inputs.shape[::-1],
-        }  # fmt: skip
+        }
         self._takes = tuple(sizes[kind] for kind in self._vary)
         self._gives = rollout.shape[::-1], (rollout.start.size, rollout.t.size)
         self.construct("whole_run", {})
@@ -69,17 +70,25 @@ class WholeRun(ca.Callback):
         return count == 1
 
     def get_reverse(
-        self, count: int, name: str, inputs: Sequence[str], outputs: Sequence[str],
+        self,
+        count: int,
+        name: str,
+        inputs: Sequence[str],
+        outputs: Sequence[str],
         options: Mapping[str, Any],
-    ) -> ca.Function:  # fmt: skip
+    ) -> ca.Function:
         """(arguments, results, weights of results) -> slopes by the arguments."""
         places = (*self._takes, *self._gives, *self._gives), self._takes
         return self._keep(_Slope(self.rollout, self._vary, name, *places, backwards=True))
 
     def get_forward(
-        self, count: int, name: str, inputs: Sequence[str], outputs: Sequence[str],
+        self,
+        count: int,
+        name: str,
+        inputs: Sequence[str],
+        outputs: Sequence[str],
         options: Mapping[str, Any],
-    ) -> ca.Function:  # fmt: skip
+    ) -> ca.Function:
         """(arguments, results, changes of arguments) -> changes of the results."""
         places = (*self._takes, *self._gives, *self._takes), self._gives
         return self._keep(_Slope(self.rollout, self._vary, name, *places, backwards=False))
@@ -93,9 +102,14 @@ class _Slope(ca.Callback):
     """One direction of the derivatives of a whole run."""
 
     def __init__(
-        self, rollout: Rollout, vary: tuple[str, ...], name: str,
-        takes: tuple[tuple[int, int], ...], gives: tuple[tuple[int, int], ...], backwards: bool,
-    ):  # fmt: skip
+        self,
+        rollout: Rollout,
+        vary: tuple[str, ...],
+        name: str,
+        takes: tuple[tuple[int, int], ...],
+        gives: tuple[tuple[int, int], ...],
+        backwards: bool,
+    ):
         ca.Callback.__init__(self)
         self._rollout, self._vary, self._takes, self._gives = rollout, vary, takes, gives
         self._backwards = backwards

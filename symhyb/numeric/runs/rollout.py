@@ -80,9 +80,12 @@ class Rollout:
     """
 
     def __init__(
-        self, machine: Machine, scenario: Scenario, free: Sequence[str] = (),
+        self,
+        machine: Machine,
+        scenario: Scenario,
+        free: Sequence[str] = (),
         tolerance: float = TOLERANCE,
-    ):  # fmt: skip
+    ):
         """Run once with the nominal values, which finds the sizes of the states.
 
         Raises:
@@ -127,9 +130,13 @@ class Rollout:
         return self._states(*self._filled(theta, start, inputs))[0].x
 
     def pull_back(
-        self, seed: Array, theta: Array | None = None, start: Array | None = None,
-        inputs: Array | None = None, states: Array | None = None,
-    ) -> Slopes:  # fmt: skip
+        self,
+        seed: Array,
+        theta: Array | None = None,
+        start: Array | None = None,
+        inputs: Array | None = None,
+        states: Array | None = None,
+    ) -> Slopes:
         """The slopes of Σ seed·y, ``seed`` (N, m), and of Σ states·x if ``states`` (N, X) are
         given, both per SI unit; NaN if the run fails. Arguments else as of a call."""
         return self.taped(theta, start, inputs)[1](seed, states)
@@ -150,17 +157,23 @@ class Rollout:
         return y, Reversal(self, run, tape, p, drive)
 
     def push(
-        self, by: Slopes, theta: Array | None = None, start: Array | None = None,
+        self,
+        by: Slopes,
+        theta: Array | None = None,
+        start: Array | None = None,
         inputs: Array | None = None,
-    ) -> Array:  # fmt: skip
+    ) -> Array:
         """How y (N, m) changes, to first order and in SI, when free parameters, start and inputs
         change ``by`` so much."""
         return self.pushed(by, theta, start, inputs)[0]
 
     def pushed(
-        self, by: Slopes, theta: Array | None = None, start: Array | None = None,
+        self,
+        by: Slopes,
+        theta: Array | None = None,
+        start: Array | None = None,
         inputs: Array | None = None,
-    ) -> tuple[Array, Array]:  # fmt: skip
+    ) -> tuple[Array, Array]:
         """The same for y (N, m) and the states (N, X), SI."""
         theta, start, inputs = self._filled(theta, start, inputs)
         p, drive = self._values(theta), self._drive(inputs)
@@ -171,12 +184,17 @@ class Rollout:
         limits = Tolerances(
             self._limits.relative,
             np.concatenate([self._limits.absolute, np.full(start.size, np.inf)]),
-            np.full(2 * start.size, np.inf), STEPS_MOST,
-        )  # fmt: skip
+            np.full(2 * start.size, np.inf),
+            STEPS_MOST,
+        )
         run = self._parts.pushed.integrate(
-            self.t, np.concatenate([start, by.start]), both, (self.t_u, moved), limits,
+            self.t,
+            np.concatenate([start, by.start]),
+            both,
+            (self.t_u, moved),
+            limits,
             longest=self._longest,
-        )  # fmt: skip
+        )
         y = self._parts.sensed_pushed.along(self.t, run.x, self._at(moved), both)
         return y, run.x[:, start.size :]
 
@@ -283,9 +301,13 @@ def _parts(form: StateForm, free: list[int]) -> _Parts:
     sensed = form.outputs()(x, d, t, p, 0 * w)[0]
     outputs = ca.Function("sensed", [x, d, t, p], [ca.densify(sensed)], {"cse": True})
     functions = (
-        rates, outputs, _pulled(rates, free), _pulled(outputs, free),
-        _pushed(rates), _pushed(outputs),
-    )  # fmt: skip
+        rates,
+        outputs,
+        _pulled(rates, free),
+        _pulled(outputs, free),
+        _pushed(rates),
+        _pushed(outputs),
+    )
     fields = [field_of(function) for function in functions]
     ready = [field for field in fields if field is not None]
     if len(ready) < len(functions):

@@ -176,9 +176,18 @@ class WindowModel:
         transition, left, right, by_free = slopes
         output, by_state, direct, by_force = self._outputs(block, x, p)
         return Linear(
-            x, output, defect, transition, left, right, by_free, by_state, by_force, direct,
+            x,
+            output,
+            defect,
+            transition,
+            left,
+            right,
+            by_free,
+            by_state,
+            by_force,
+            direct,
             *self._directions(block, x[:, 0], p),
-        )  # fmt: skip
+        )
 
     def closed(self, block: Block, start: Array, p: Array) -> Array:
         """Initial states (W, X) moved onto the constraints under ``p`` (P,), SI."""

@@ -1,0 +1,55 @@
+"""What a recording holds for a machine: measurements and inputs in its order, and their noise.
+
+Sizes: N samples, m sensors, k inputs.
+"""
+
+import numpy as np
+
+from symhyb.data.recording import Recording
+from symhyb.numeric.kernels.buffers import Array, later
+from symhyb.numeric.lowered.machine import Machine
+
+
+def measured(recording: Recording, machine: Machine) -> Array:
+    """The measurements (N, m), SI, in the order of the model's sensors, NaN where missing; a delay
+    that the model states is taken back."""
+    missing = np.full(recording.t.size, np.nan)
+    columns = []
+    for sensor in machine.model.sensors:
+        column = recording.sensors.get(sensor.name, missing)
+        if sensor.delay is not None and sensor.delay.si != 0:
+            later = recording.t + sensor.delay.si
+            column = np.interp(later, recording.t, column, left=np.nan, right=np.nan)
+        columns.append(column)
+    return np.column_stack(columns) if columns else np.empty((recording.t.size, 0))
+
+
+def acting(recording: Recording, machine: Machine) -> Array:
+    """The recorded inputs (N, k), SI, in the order of the model's inputs, delays applied."""
+    columns = []
+    for item in machine.model.inputs:
+        column = recording.inputs[item.name]
+        if item.delay is not None and item.delay.si != 0:
+            column = later(recording.t, column, item.delay.si)
+        columns.append(column)
+    return np.column_stack(columns) if columns else np.empty((recording.t.size, 0))
+
+
+def noise_level(values: Array) -> float:
+    """Standard deviation of the noise of an evenly sampled signal, from high differences.
+
+    The d-th difference of white noise has variance σ²·C(2d, d), that of a smooth signal vanishes as
+    d grows; the smallest estimate over d = 2 … 10 is taken (Gasser, Sroka, Jennen-Steinmetz,
+    Biometrika 73, 1986, for d = 2). ``values`` (N,), missing samples NaN, and the result have the
+    same unit; NaN if fewer than 20 differences are left.
+    """
+    from scipy.special import comb
+
+    estimates = []
+    for order in range(2, 11):
+        difference = np.diff(values, n=order)
+        difference = difference[np.isfinite(difference)]
+        if difference.size < 20:
+            break
+        estimates.append(np.sqrt(np.mean(difference**2) / comb(2 * order, order)))
+    return float(min(estimates)) if estimates else float("nan")
