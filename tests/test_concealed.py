@@ -179,6 +179,45 @@ def test_scores_tell_hits_from_misses_twins_and_wrong_claims(study: Study) -> No
     assert nothing.wanted == 0
 
 
+def spring(place: str, **orders: float) -> dict[str, Any]:
+    """A result that claims one spring, every order 1 % uncertain."""
+    result = told("spring", place, "", 0.0, 0.0)
+    numbers = {k: {"value": v, "sd": abs(v) / 100, "term": k} for k, v in orders.items()}
+    result["diagnosis"]["found"][0]["parameters"] = numbers
+    return result
+
+
+def springs(*orders: dict[str, float]) -> dict[str, Any]:
+    """An opened answer with springs concealed on x, one for each set of orders."""
+    plain = {"kind": "spring", "place": "x", "side": "both", "share": 0.1}
+    return answer_of(effects=[{**plain, "keys": keys} for keys in orders])
+
+
+def test_two_springs_at_one_place_are_one_element_and_two_causes(study: Study) -> None:
+    """As in 01672: a cubic and a quadratic spring on x, named as one element with both."""
+    score = study["claims"].score_case
+    both = springs({"cubic": -10044.5}, {"quadratic": 2756.4})
+    row = score("a", spring("x", quadratic=2757.4, cubic=-9970.0), both, 1)
+    assert (row.place, row.name, row.structure, row.wrong, row.missed) == (2, 2, True, (), ())
+    assert (row.covered, row.counted, row.hits) == (2, 2, (2, 2))
+    one = score("a", spring("x", quadratic=2757.4), both, 1)
+    assert (one.name, one.structure, one.hits, one.wrong) == (1, False, (1, 2), ())
+    assert one.missed == ("spring(cubic=-1.004e+04) @ x",)
+    more = score("a", spring("x", stiffness=3.0, quadratic=2757.4, cubic=-9970.0), both, 1)
+    assert (more.name, more.structure, more.wrong) == (2, False, ())
+    other = score("a", spring("x", stiffness=3.0), both, 1)
+    assert (other.name, other.structure, len(other.wrong)) == (0, False, 1)
+    elsewhere = score("a", spring("y", quadratic=2757.4, cubic=-9970.0), both, 2)
+    assert (elsewhere.place, elsewhere.name, len(elsewhere.wrong)) == (0, 0, 1)
+
+
+def test_one_spring_is_compared_as_a_whole(study: Study) -> None:
+    """An order too many at a place with one concealed spring leaves the structure incomplete."""
+    score = study["claims"].score_case
+    row = score("a", spring("x", cubic=9.0, stiffness=0.1), springs({"cubic": 9.0}), 1)
+    assert (row.name, row.structure, row.wrong) == (1, False, ())
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [8, 10, 9])
 def test_cases_are_diagnosed_and_scored(study: Study, tmp_path: Path, seed: int) -> None:

@@ -51,6 +51,8 @@ def test_bars_pass_and_fail(study: Study) -> None:
     bad = bars([hit, refusal, wrong, wrong, null])
     assert "| name, 1 % noise | ≥ 95% | 25.0% (1 of 4) | fail |" in bad
     assert "| a miss is a refusal, all noise | ≥ 80% | 33.3% (1 of 3) | fail |" in bad
+    partly = replace(refusal, wanted=2, name=1, hits=(2, 0))
+    assert "| a miss is a refusal, all noise | ≥ 80% | 50.0% (1 of 2) |" in bars([refusal, partly])
     assert "1 of 1, at most 100.0% (95 %) | fail" in bad
     quiet = replace(null, wrong=())
     assert "too few cases" in bars([quiet] * 299)
@@ -104,7 +106,11 @@ def test_a_picture_is_drawn_of_the_same_rows(study: Study, tmp_path: Path) -> No
 def test_tables_count_by_effect_size_and_say_how_misses_end(study: Study) -> None:
     rows, tables = rows_of(study), study["tables"]
     hidden = [row for row in rows if row.wanted]
-    assert "in 1 of 2 cases" in tables.refusals(hidden)
+    partly = replace(hidden[1], wanted=2, name=1, hits=(2, 0))
+    assert tables.refusals([*hidden, partly]) == (
+        "Of 3 cases in which a concealed cause was not named 1 were refused, 1 named another "
+        "concealed cause and nothing else, and 1 had a wrong claim."
+    )
     faint = replace(hidden[1], shares=(0.02,))
     text = tables.detection([hidden[0], faint, hidden[2]], {})
     assert "| 1 to 3 % | 1 | 0 % | 0 % |" in text

@@ -63,7 +63,7 @@ def bars(rows: Sequence[Row]) -> str:
             "name, 5 % noise", sum(row.name for row in five), sum(row.wanted for row in five), 0.85
         ),
         _share(
-            "a miss is a refusal, all noise", sum(not row.wrong for row in missed), len(missed), 0.8
+            "a miss is a refusal, all noise", sum(row.refused for row in missed), len(missed), 0.8
         ),
         _quiet([row for row in rows if not row.wanted]),
     ]

@@ -2,7 +2,8 @@
 
 A concealed cause is a *hit* if it, or an exact twin of it, was named: place, kind, and (complete)
 every number that gives the force its shape. What the noise of the recording cannot tell from it is
-a hit too where it is named as an alternative. Every other claim is wrong.
+a hit too where it is named as an alternative. Every other claim is wrong. Several springs concealed
+at one place are one element but several causes: there a claimed spring counts order by order.
 """
 
 from collections.abc import Iterable, Sequence
@@ -173,13 +174,13 @@ def score_case(name: str, result: dict[str, Any], answer: dict[str, Any], n: int
             missed=tuple(map(_words, truth)),
             failed=result.get("sentence") or result.get("crash", ""),
         )
-    rest, whole = claimed(told), True
+    rest, whole = _by_order(claimed(told), truth), True
     pairs = list(zip(truth, _stand_ins(answer, truth), strict=True))
     placed = _placed(pairs, rest)
     hits = list(map(int, placed))
     row = replace(row, verdict=told["verdict"], place=sum(placed))
     for i, (claim, stand_ins) in enumerate(pairs):
-        same = next((c for c in rest if c.cause == claim.cause), None)
+        same = next((c for c in rest if _same(c, claim, truth)), None)
         twin = next((c for c in rest if _stands(c, claim, stand_ins, alternatives(told))), None)
         if same is not None:
             rest.remove(same)
@@ -191,8 +192,45 @@ def score_case(name: str, result: dict[str, Any], answer: dict[str, Any], n: int
             row = replace(row, name=row.name + 1, twins=row.twins + 1)
         else:
             row, whole = replace(row, missed=(*row.missed, _words(claim))), False
+    wrong = [c for c in rest if not _spare(c, truth, hits)]
     return replace(
-        row, structure=whole and not rest, wrong=tuple(map(_words, rest)), hits=tuple(hits)
+        row, structure=whole and not rest, wrong=tuple(map(_words, wrong)), hits=tuple(hits)
+    )
+
+
+def _several(where: str, truth: Sequence[Claim]) -> bool:
+    """Whether several springs are concealed at a place."""
+    return sum(c.kind == "spring" and c.where == where for c in truth) > 1
+
+
+def _by_order(said: Iterable[Claim], truth: Sequence[Claim]) -> list[Claim]:
+    """The claims, with one claim for every order of a spring where several are concealed."""
+    claims = []
+    for claim in said:
+        if claim.kind == "spring" and _several(claim.where, truth):
+            orders = {k: v for k, v in claim.values.items() if k not in SHAPING}
+            claims += [replace(claim, values={k: v}) for k, v in orders.items()] or [claim]
+        else:
+            claims.append(claim)
+    return claims
+
+
+def _same(claim: Claim, cause: Claim, truth: Sequence[Claim]) -> bool:
+    """Whether a claim names a cause; the order counts where several springs are concealed."""
+    if claim.cause != cause.cause:
+        return False
+    if cause.kind != "spring" or not _several(cause.where, truth):
+        return True
+    return not set(cause.values).isdisjoint(claim.values)
+
+
+def _spare(claim: Claim, truth: Sequence[Claim], hits: Sequence[int]) -> bool:
+    """Whether a claim is one more order of springs of which another was named: as for any element
+    with a number too many, the structure is not complete, but no cause is claimed wrongly."""
+    return (
+        claim.kind == "spring"
+        and _several(claim.where, truth)
+        and any(hit == 2 and c.cause == claim.cause for hit, c in zip(hits, truth, strict=True))
     )
 
 

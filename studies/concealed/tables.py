@@ -124,12 +124,13 @@ def detection(rows: Sequence[Row], peers: Mapping[str, Sequence[Row]]) -> str:
 
 
 def refusals(rows: Sequence[Row]) -> str:
-    """How misses end."""
-    missed = [row for row in rows if 0 in row.hits or 1 in row.hits]
-    quiet = sum(not row.wrong for row in missed)
+    """How misses end: nothing was claimed, another cause was named alone, or a claim was wrong."""
+    missed = [row for row in rows if row.name < row.wanted]
+    refused, wrong = sum(row.refused for row in missed), sum(bool(row.wrong) for row in missed)
     return (
-        f"A miss is a refusal rather than a wrong name in {quiet} of {len(missed)} cases in which "
-        "a concealed cause was not named."
+        f"Of {len(missed)} cases in which a concealed cause was not named {refused} were refused, "
+        f"{len(missed) - refused - wrong} named another concealed cause and nothing else, and "
+        f"{wrong} had a wrong claim."
     )
 
 
@@ -193,7 +194,7 @@ def _everything(rows: Sequence[Row], words: bool) -> str:
         percent(sum(row.name for row in hidden), wanted),
         percent(sum(row.structure for row in hidden), len(hidden)),
         percent(sum(bool(row.wrong) for row in hidden), len(hidden)),
-        percent(sum(not row.wrong for row in missed), len(missed)),
+        percent(sum(row.refused for row in missed), len(missed)),
         percent(sum(row.covered for row in hidden), counted),
         f"{wrong} of {len(nulls)}",
     ]
