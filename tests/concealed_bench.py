@@ -19,6 +19,7 @@ NAMES = (
     "effects",
     "plans",
     "conceal",
+    "harder",
     "truth",
     "claims",
     "draw",

@@ -73,6 +73,42 @@ def test_scored_cases_come_back_from_their_file(study: Study, tmp_path: Path) ->
     assert study["report"].section(again) == study["report"].section(scored)
 
 
+def test_a_file_without_the_newer_columns_is_read(study: Study, tmp_path: Path) -> None:
+    rows, results = rows_of(study), study["results"]
+    path = tmp_path / "set.json"
+    results.write(path, results.Scored("2-3", rows, {"deltaf": rows}))
+    whole = json.loads(path.read_text())
+    count = len(whole["columns"])
+    assert whole["columns"][-2:] == ["may_refuse", "hardship"]
+    whole["columns"] = whole["columns"][:-2]
+    whole["cases"] = [line[: count - 2] + line[count:] for line in whole["cases"]]
+    path.write_text(json.dumps(whole))
+    assert results.read(path).rows == rows
+
+
+def test_incomplete_draws_are_counted_apart(study: Study) -> None:
+    hit, refusal, wrong, null = rows_of(study)
+    hard = tuple(replace(row, may_refuse=True) for row in (refusal, wrong))
+    results, report = study["results"], study["report"]
+    peers = {"deltaf": (hit, null, *hard)}
+    text = report.section(results.Scored("2-3", (hit, null, *hard), peers))
+    assert "| name, 1 % noise | ≥ 95% | 100.0% (1 of 1) | pass |" in text
+    assert (
+        "Of 2 draws that are not complete and may be refused 1 were refused, 1 had a wrong claim, "
+        "and in 0 some or all of what is concealed was named and nothing else; 0 were complete."
+    ) in text
+    assert "What may be refused" not in report.section(results.Scored("2-3", (hit, null)))
+
+
+def test_harder_recordings_have_a_table_of_their_own(study: Study) -> None:
+    score, results = study["claims"].score_case, study["results"]
+    said = told("drag", "x", "drag", 0.81, 0.01)
+    row = score("00002-duffing", said, answer_of(hardship={"sort": "held"}), 1)
+    assert row.hardship == "held"
+    text = study["report"].section(results.Scored("2", (row,)))
+    assert "| held | 1 | 100 % | 100 % | 100 % |" in text
+
+
 def test_a_picture_is_drawn_of_the_same_rows(study: Study, tmp_path: Path) -> None:
     rows, figure = rows_of(study), study["figure"]
     hidden = [row for row in rows if row.wanted]

@@ -38,7 +38,8 @@ class Row:
     how many are within ± 2 sd; ``error``: unseen window error over that of the true model.
     ``shares`` of all causes (None: no force) and what became of each: ``hits`` 2 named, 1 placed,
     0 neither. ``cpu``: seconds of the process, None where they were not kept. ``rates`` were sensed
-    too. ``fit``: unseen error of ΔF over that of the model as it is."""
+    too. ``fit``: unseen error of ΔF over that of the model as it is. ``may_refuse``: the draw was
+    incomplete. ``hardship``: what makes the recordings harder."""
 
     case: str
     kind: str
@@ -63,6 +64,8 @@ class Row:
     shares: tuple[float | None, ...] = ()
     hits: tuple[int, ...] = ()
     fit: float | None = None
+    may_refuse: bool = False
+    hardship: str = ""
 
     @property
     def refused(self) -> bool:
@@ -163,6 +166,8 @@ def score_case(name: str, result: dict[str, Any], answer: dict[str, Any], n: int
         cpu=result.get("cpu_seconds"),
         fit=result.get("fit"),
         rates=answer.get("complete", False),
+        may_refuse=answer.get("may_refuse", False),
+        hardship=answer.get("hardship", {}).get("sort", ""),
         hits=(0,) * len(truth),
         shares=(*shares, *[None] * (len(truth) - len(shares))),
     )

@@ -1,10 +1,12 @@
 """Draw a case: conceal something, excite, simulate exactly, and ask the oracle whether it shows.
 
 A draw is kept if an oracle that knows the structure reaches a standard deviation of at most 5 % on
-every concealed value; the others are discarded, drawn again with the same plan, and counted.
+every concealed value; the others are discarded, drawn again with the same plan, and counted. With
+``keep_hard`` they are kept instead: nobody has to find there what is concealed.
 """
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from effects import DULL, FORCES, NULLS, Place, along, draw_dull, draw_effect, place_of, sensible
@@ -42,7 +44,8 @@ def signal_of(system: System, random: np.random.Generator, factor: float) -> Sig
 @dataclass(frozen=True, slots=True, eq=False)
 class Case:
     """A drawn case: plan, what is concealed, exact runs (one to learn from and an unseen one; of a
-    fleet more), the oracle's words."""
+    fleet more), the oracle's words; whether the draw was incomplete, so that a diagnosis
+    ``may_refuse``; what makes its recordings harder, by name (:mod:`harder`)."""
 
     plan: Plan
     hidden: Hidden
@@ -52,16 +55,19 @@ class Case:
     rivals: list[dict[str, object]]
     discarded: int
     colour: float
+    may_refuse: bool = False
+    hardship: Mapping[str, object] = field(default_factory=dict)
 
 
-def draw(seed: int) -> Case | int:
-    """The case of a seed, or the number of draws after which it was given up."""
+def draw(seed: int, keep_hard: bool = False) -> Case | int:
+    """The case of a seed, or the number of draws after which it was given up; with ``keep_hard`` a
+    draw that is not complete is kept."""
     plan = plan_of(seed)
     discarded = 0
     for attempt in range(TRIES):
         random = np.random.default_rng([seed, 2, attempt])
         try:
-            case = _attempt(plan, random, discarded)
+            case = _attempt(plan, random, discarded, keep_hard)
         except (UnboundedError, np.linalg.LinAlgError):
             case = None
         except LookupError:
@@ -72,7 +78,9 @@ def draw(seed: int) -> Case | int:
     return discarded
 
 
-def _attempt(plan: Plan, random: np.random.Generator, discarded: int) -> Case | None:
+def _attempt(
+    plan: Plan, random: np.random.Generator, discarded: int, keep_hard: bool
+) -> Case | None:
     system = plan.system
     names = channels(system, plan.complete)
     signals = [signal_of(system, random, random.uniform(0.75, 1.3)) for _ in range(2)]
@@ -92,12 +100,12 @@ def _attempt(plan: Plan, random: np.random.Generator, discarded: int) -> Case | 
         return Case(plan, hidden, (runs[0], runs[1]), np.empty(0), share, [], discarded, colour)
     sight = look(runs[0])
     sd = deviations(runs[0], sight)
-    if not np.all(sd <= COMPLETE):
+    hard = not np.all(sd <= COMPLETE)
+    if hard and not keep_hard:
         return None
     known = {name: _place(bare, name).known for name in system.places}
-    return Case(
-        plan, hidden, (runs[0], runs[1]), sd, share, rivals(runs[0], sight, known), discarded, 0.0
-    )
+    rival = rivals(runs[0], sight, known)
+    return Case(plan, hidden, (runs[0], runs[1]), sd, share, rival, discarded, 0.0, hard)
 
 
 def start_of(system: System, random: np.random.Generator) -> Array:
@@ -124,7 +132,7 @@ def recorded(
     inputs = plant.recorded(t, motion.q, motion.v) if system.inputs else np.empty((0, t.size))
     if sd is None:
         sd = plan.noise * seen(plant, motion, hidden, names).std(axis=1)
-    return Run(system, hidden, plant, motion, inputs, names, sd)
+    return Run(system, hidden, plant, motion, inputs, names, sd, start)
 
 
 def _place(run: Run, name: str) -> Place:

@@ -1,6 +1,7 @@
 """Draw cases from seeds, before any diagnosis, and write them with their answers sealed.
 
     python studies/concealed/draw.py --seeds 0-99 -o build/concealed
+    python studies/concealed/draw.py --seeds 0-99 --harder      # in build/concealed-harder
 
 A case is a folder with model.toml, train.csv, holdout.csv and sealed.json; where no draw was
 complete it holds discarded.json alone.
@@ -14,9 +15,10 @@ from typing import Any
 
 import numpy as np
 from conceal import Case, draw
+from harder import harder
 from hidden import seen, targets
 from laws import Array
-from plans import folder_of, plan_of, seeds_of
+from plans import PLAIN, Sort, add_sort, folder_of, plan_of, seeds_of
 from systems import System
 
 
@@ -55,6 +57,7 @@ def _noise(random: np.random.Generator, shape: tuple[int, ...], colour: float) -
 def answer(case: Case) -> dict[str, Any]:
     """What was concealed, for the seal."""
     hidden, plan = case.hidden, case.plan
+    null = not targets(hidden)
     verdict = "nothing missing"
     if hidden.effects:
         verdict = "missing physics"
@@ -62,7 +65,7 @@ def answer(case: Case) -> dict[str, Any]:
         verdict = "measurement" if hidden.faults else "parameters"
     return {
         "verdict": verdict,
-        "kind": plan.kind,
+        "kind": f"null.{case.hardship['sort']}" if null and case.hardship else plan.kind,
         "noise": plan.noise,
         "colour": case.colour,
         "complete": plan.complete,
@@ -73,7 +76,10 @@ def answer(case: Case) -> dict[str, Any]:
         "parameters": dict(hidden.parameters),
         "faults": [{"channel": f.channel, "kind": f.kind, "value": f.value} for f in hidden.faults],
         "oracle": [
-            {"target": [g.sort, g.index, g.key], "relative_sd": float(s)}
+            {
+                "target": [g.sort, g.index, g.key],
+                "relative_sd": float(s) if np.isfinite(s) else None,
+            }
             for g, s in zip(targets(hidden), case.sd, strict=True)
         ],
         "rivals": case.rivals,
@@ -81,6 +87,8 @@ def answer(case: Case) -> dict[str, Any]:
         "sd": [float(x) for x in case.runs[0].sd],
         "sticks": case.runs[0].motion.sticks,
         "discarded": case.discarded,
+        "may_refuse": case.may_refuse,
+        "hardship": dict(case.hardship),
     }
 
 
@@ -103,8 +111,8 @@ def model_text(system: System, names: tuple[str, ...]) -> str:
     return head + mark + "\n".join(kept) + "\n"
 
 
-def write(seed: int, build: Path) -> Path | None:
-    """Draw a case into its folder unless it is there; None where no draw was complete."""
+def write(seed: int, build: Path, sort: Sort = PLAIN) -> Path | None:
+    """Draw a case into its folder unless it is there; None where no draw was kept."""
     folder = folder_of(seed, build)
     given_up = folder / "discarded.json"
     if (folder / "sealed.json").exists():
@@ -112,7 +120,9 @@ def write(seed: int, build: Path) -> Path | None:
     if given_up.exists():
         return None
     folder.mkdir(parents=True, exist_ok=True)
-    case = draw(seed)
+    case = draw(seed, sort.keep_hard)
+    if not isinstance(case, int) and sort.harder:
+        case = harder(case) or case.discarded
     if isinstance(case, int):
         given_up.write_text(json.dumps({"discarded": case, "kind": plan_of(seed).kind}) + "\n")
         return None
@@ -130,10 +140,11 @@ def main() -> None:
     """Write the cases of some seeds."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--seeds", default="0-99")
-    parser.add_argument("-o", "--output", type=Path, default=Path("build/concealed"))
+    add_sort(parser)
     options = parser.parse_args()
+    sort = Sort(options.harder, options.keep_hard)
     for seed in seeds_of(options.seeds):
-        folder = write(seed, options.output)
+        folder = write(seed, options.output or sort.build, sort)
         print(seed, plan_of(seed).system.name, "kept" if folder else "no complete draw")
 
 

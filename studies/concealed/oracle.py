@@ -8,7 +8,7 @@ Sizes: W windows, L samples a window, m channels, n coordinates.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
@@ -33,8 +33,8 @@ LINEAR = (
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Run:
-    """One exact simulation: the plant, its motion, the recorded inputs (k, N), channel names and
-    the noise ``sd`` (m,) of each."""
+    """One exact simulation: the plant, its motion, the recorded inputs (k, N), channel names, the
+    noise ``sd`` (m,) of each, and the state ``start`` (2n,) from which it was simulated."""
 
     system: System
     hidden: Hidden
@@ -43,6 +43,7 @@ class Run:
     inputs: Array
     names: tuple[str, ...]
     sd: Array
+    start: Array = field(default_factory=lambda: np.empty(0))
 
 
 def _acceleration(

@@ -4,6 +4,7 @@ Odd seeds conceal nothing; systems take turns. Seeds from 10000 on are for the m
 equations come from MuJoCo.
 """
 
+from argparse import ArgumentParser
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -101,6 +102,35 @@ def in_turn(seed: int, shares: tuple[float, ...]) -> bool:
 def folder_of(seed: int, build: Path) -> Path:
     """Where the case of a seed lies; the name does not tell the answer."""
     return build / f"{seed:05d}-{system_of(seed)[0].name}"
+
+
+@dataclass(frozen=True, slots=True)
+class Sort:
+    """What is made of a plan: ``harder`` recordings, and whether incomplete draws are kept."""
+
+    harder: bool = False
+    keep_hard: bool = False
+
+    @property
+    def build(self) -> Path:
+        """The folder of such cases."""
+        return Path("build/concealed" + "-harder" * self.harder + "-kept" * self.keep_hard)
+
+
+PLAIN = Sort()
+
+
+def add_sort(parser: ArgumentParser) -> None:
+    """The options that choose the sort of cases, and their folder."""
+    parser.add_argument(
+        "--harder", action="store_true", help="coloured noise, held inputs or an unmeasured force"
+    )
+    parser.add_argument(
+        "--keep-hard", action="store_true", help="keep incomplete draws, which may be refused"
+    )
+    parser.add_argument(
+        "-o", "--output", type=Path, help="default: build/concealed and the sort of the cases"
+    )
 
 
 def seeds_of(text: str) -> list[int]:

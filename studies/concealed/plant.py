@@ -6,7 +6,7 @@ the force that keeps its rate at zero. Nothing is smeared by a smooth sign.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -38,9 +38,20 @@ class Signal:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Unmeasured:
+    """A force in N that nobody records, at a place: it pushes a coordinate, or two points apart."""
+
+    place: str
+    at: Callable[[Any], Any]  # time in s (…) -> N (…)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Plant:
     """The machine that is recorded: true parameter ``values``, concealed ``effects``, the input
-    that acts = gain·recorded(t − delay) + offset by ``gain``, ``offset`` (k,), ``delay`` s."""
+    that acts = gain·recorded(t − delay) + offset by ``gain``, ``offset`` (k,), ``delay`` s.
+
+    ``held``: the input that acts is the staircase of the recorded samples; ``hold`` (k,) is the
+    sample that acts now, None where the input is continuous."""
 
     system: System
     values: Mapping[str, float]
@@ -49,6 +60,9 @@ class Plant:
     gain: Array
     offset: Array
     delay: float = 0.0
+    held: bool = False
+    hold: Array | None = None
+    unmeasured: Unmeasured | None = None
 
     @property
     def rubbing(self) -> tuple[Effect, ...]:
@@ -70,13 +84,17 @@ class Plant:
 
     def acting(self, t: float, q: Array, v: Array) -> Array:
         """The inputs that act (k,) at one time."""
-        return self.gain * self.recorded(t - self.delay, q, v) + self.offset
+        recorded = self.recorded(t - self.delay, q, v) if self.hold is None else self.hold
+        return self.gain * recorded + self.offset
 
     def free(self, t: float, q: Array, v: Array, z: Array) -> tuple[Array, Array, Array]:
         """M (n, n), Q (n,) of everything but dry friction, and the rates of the inner states."""
         p, system = self.values, self.system
         Q = system.forces(p, q, v, self.acting(t, q, v)).sum(axis=0)
         M = system.mass(p, q)
+        if self.unmeasured is not None:
+            _, J = system.path(p, q, self.unmeasured.place)
+            Q = Q + J * float(self.unmeasured.at(t))
         rates, k = np.zeros(z.size), 0
         for effect in self.effects:
             if effect.kind == "friction":
@@ -197,18 +215,31 @@ def simulate(plant: Plant, t: Array, start: Array) -> Motion:
     y = np.concatenate([start, np.zeros(len(plant.memory))])
     now, end = float(t[0]) - BEFORE, float(t[-1])
     rates = np.array([_rate(plant, y, effect.place) for effect in plant.rubbing])
-    modes = _settle(plant, now, y, [int(np.sign(r)) for r in rates], rates == 0)
+    given, until = _held(plant, now, end, y)
+    modes = _settle(given, now, y, [int(np.sign(r)) for r in rates], rates == 0)
     out, sticks = np.zeros((y.size, t.size)), 0.0
     accelerations = np.zeros((plant.system.n, t.size))
     for _ in range(SEGMENTS_MOST):
         if now >= end:
             return _motion(plant, t, out, accelerations, sticks / (end - float(t[0])))
-        later, last, hit = _segment(plant, now, end, y, modes, t, out, accelerations)
+        later, last, hit = _segment(given, now, until, y, modes, t, out, accelerations)
         sticks += (later - now) * (0 in modes)
-        y, slow = _rested(plant, last, modes, hit)
-        modes = _settle(plant, later, y, list(modes), slow)
+        y, slow = _rested(given, last, modes, hit)
+        if later >= until:
+            given, until = _held(plant, later, end, y)
+        modes = _settle(given, later, y, list(modes), slow)
         now = later
     raise UnboundedError("the friction changes its mode without end")
+
+
+def _held(plant: Plant, now: float, end: float, y: Array) -> tuple[Plant, float]:
+    """The plant with the sample of the input that acts from ``now`` on, and until when."""
+    if not plant.held:
+        return plant, end
+    step, n = 1 / plant.system.rate, plant.system.n
+    sample = np.floor((now - plant.delay) / step + 1e-6)
+    hold = plant.recorded(sample * step, y[:n], y[n : 2 * n])
+    return replace(plant, hold=hold), min((sample + 1) * step + plant.delay, end)
 
 
 def _motion(plant: Plant, t: Array, out: Array, a: Array, sticks: float) -> Motion:
@@ -318,6 +349,8 @@ def reaction(plant: Plant, motion: Motion) -> Array:
     p, q, v = plant.values, motion.q, motion.v
     total = plant.system.mass(p, q)[0, 0] * motion.a[0]
     total = total - plant.system.forces(p, q, v, np.empty((0, q.shape[1]))).sum(axis=0)[0]
+    if plant.unmeasured is not None:
+        total = total - plant.unmeasured.at(motion.t)
     rows = iter(motion.z)
     for effect in plant.effects:
         z = next(rows) if effect.remembers else 0.0

@@ -6,6 +6,7 @@ python studies/concealed/report.py --docs     # rewrite the section from results
 import argparse
 import json
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from bars import bars
@@ -15,11 +16,13 @@ from tables import (
     WORDLESS,
     Key,
     against,
+    by_hardship,
     by_noise,
     by_sensing,
     by_size,
     by_system,
     detection,
+    hard,
     header,
     nothing,
     refusals,
@@ -32,7 +35,9 @@ SETS = (("report", "Seeds that were never used before"), ("development", "Develo
 
 
 def section(scored: Scored, level: str = "###") -> str:
-    """All tables of a set of cases."""
+    """All tables of a set of cases; incomplete draws stand apart."""
+    spared = [row for row in scored.rows if row.may_refuse]
+    scored = _judged(scored)
     nulls = [row for row in scored.rows if not row.wanted]
     hidden = [row for row in scored.rows if row.wanted]
     about = scored.about
@@ -48,6 +53,9 @@ def section(scored: Scored, level: str = "###") -> str:
     if hidden:
         text += [f"{level} Something concealed", *_concealed(hidden)]
         text += [f"{level} Detection against size", detection(hidden, {})]
+    if spared:
+        text += [f"{level} What may be refused", hard(spared)]
+        text.append(table(spared, "kind", lambda row: row.kind))
     if nulls:
         text += [f"{level} Nothing concealed", nothing(nulls)]
         systems = {name: 0 for _, name in sorted({by_system(row) for row in nulls})}
@@ -59,6 +67,15 @@ def section(scored: Scored, level: str = "###") -> str:
     return "\n\n".join(text) + "\n"
 
 
+def _judged(scored: Scored) -> Scored:
+    """The scores without the cases that may be refused."""
+    peers = {
+        name: tuple(row for row in rows if not row.may_refuse)
+        for name, rows in scored.peers.items()
+    }
+    return replace(scored, rows=tuple(r for r in scored.rows if not r.may_refuse), peers=peers)
+
+
 def _concealed(hidden: Sequence[Row]) -> list[str]:
     keys: tuple[tuple[str, Key], ...] = (
         ("kind", lambda row: row.kind),
@@ -67,6 +84,8 @@ def _concealed(hidden: Sequence[Row]) -> list[str]:
         ("sensing", by_sensing),
         ("system", by_system),
     )
+    if any(row.hardship for row in hidden):
+        keys = (("harder by", by_hardship), *keys)
     return [refusals(hidden), *(table(hidden, title, key) for title, key in keys)]
 
 

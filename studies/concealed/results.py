@@ -29,6 +29,8 @@ COLUMNS = (
     "cpu",
     "fit",
     "failed",
+    "may_refuse",
+    "hardship",
 )
 OF_PEER = ("hits", "twins", "structure", "wrong", "covered", "counted", "cpu", "fit")
 DIGITS = {"error": 4, "seconds": 3, "cpu": 3, "fit": 3}
@@ -84,13 +86,14 @@ def write(path: Path, scored: Scored) -> None:
 
 
 def read(path: Path) -> Scored:
-    """Read what :func:`write` wrote."""
+    """Read what :func:`write` wrote; columns that an older file has not are at their defaults."""
     whole = json.loads(path.read_text(encoding="utf-8"))
     rows, peers = [], {name: [] for name in whole["peers"]}  # type: ignore[var-annotated]
+    columns = whole["columns"]
     for line in whole["cases"]:
-        row = _row(dict(zip(COLUMNS, line, strict=False)))
+        row = _row(dict(zip(columns, line, strict=False)))
         rows.append(row)
-        for name, part in zip(peers, line[len(COLUMNS) :], strict=True):
+        for name, part in zip(peers, line[len(columns) :], strict=True):
             peers[name].append(_of_peer(row, dict(zip(OF_PEER, part, strict=True))))
     known = {"seeds", "discarded", "given_up", "columns", "columns_of_peers", "peers", "cases"}
     return Scored(
@@ -107,7 +110,7 @@ def _row(said: dict[str, Any]) -> Row:
     hits, shares = tuple(said.pop("hits")), tuple(said.pop("shares"))
     forces = [x for x in shares if x is not None]
     words = {key: tuple(said.pop(key)) for key in ("wrong", "missed")}
-    flags = {key: bool(said.pop(key)) for key in ("rates", "structure")}
+    flags = {key: bool(said.pop(key, False)) for key in ("rates", "structure", "may_refuse")}
     return Row(
         **said,
         **words,

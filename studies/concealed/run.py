@@ -2,6 +2,7 @@
 
     python studies/concealed/run.py --seeds 0-99 [--systems duffing,table] [--kinds friction,null]
     python studies/concealed/run.py --seeds 1000-2999 --concealed 300 --nulls 300
+    python studies/concealed/run.py --seeds 0-99 --harder
 
 Nothing here opens a seal: score.py does, afterwards. With ``--concealed`` and ``--nulls`` so many
 cases are run, in the order of the seeds; seeds without a complete draw are replaced by later ones.
@@ -20,7 +21,7 @@ from typing import Any
 
 from draw import write
 from joblib import Parallel, delayed
-from plans import folder_of, in_turn, plan_of, seeds_of
+from plans import PLAIN, Sort, add_sort, folder_of, in_turn, plan_of, seeds_of
 
 LIMIT_S = 1200.0  # of one case
 
@@ -78,12 +79,12 @@ def diagnose(folder: Path) -> dict[str, Any]:
         return {**lasted, **told, sort: str(error), "traceback": traceback.format_exc()}
 
 
-def one(seed: int, build: Path, results: Path) -> str:
+def one(seed: int, build: Path, results: Path, sort: Sort = PLAIN) -> str:
     """Draw and diagnose one case unless that was done; what happened, in words."""
     target = results / f"{folder_of(seed, build).name}.json"
     if target.exists():
         return f"{target.stem}: there"
-    folder = write(seed, build)
+    folder = write(seed, build, sort)
     if folder is None:
         return f"{target.stem}: no complete draw"
     told = diagnose(folder)
@@ -105,6 +106,8 @@ def _apart(seed: int, options: argparse.Namespace) -> None:
         str(options.output),
         "--results",
         str(options.results),
+        *["--harder"] * options.harder,
+        *["--keep-hard"] * options.keep_hard,
     ]
     environment = {**os.environ, "OMP_NUM_THREADS": "1"}
     try:
@@ -170,12 +173,15 @@ def main() -> None:
     parser.add_argument("--limit", type=int, default=0)
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--one", type=int, default=None, help=argparse.SUPPRESS)
-    parser.add_argument("-o", "--output", type=Path, default=Path("build/concealed"))
-    parser.add_argument("--results", type=Path, default=Path("build/concealed/results"))
+    add_sort(parser)
+    parser.add_argument("--results", type=Path, help="default: results in the folder of the cases")
     options = parser.parse_args()
+    sort = Sort(options.harder, options.keep_hard)
+    options.output = options.output or sort.build
+    options.results = options.results or options.output / "results"
     options.results.mkdir(parents=True, exist_ok=True)
     if options.one is not None:
-        print(one(options.one, options.output, options.results))
+        print(one(options.one, options.output, options.results, sort))
         return
     tried: set[int] = set()
     while seeds := [seed for seed in waiting(options) if seed not in tried]:

@@ -1,6 +1,7 @@
 """Open the seals and score what was said, by symhyb and by the peers.
 
     python studies/concealed/score.py --seeds 0-999 --errors [--keep development]
+    python studies/concealed/score.py --seeds 0-99 --harder
 
 Writes ``report.md`` and ``results.json`` beside the results; with ``--keep NAME`` also the small
 file ``studies/concealed/results/NAME.json`` from which report.py makes the tables of the docs.
@@ -18,7 +19,7 @@ from claims import Row, score_case
 from draw import unseal
 from hidden import Fault, Hidden
 from laws import Effect
-from plans import folder_of, plan_of, seeds_of
+from plans import Sort, add_sort, folder_of, plan_of, seeds_of
 from report import section
 from results import HERE, Scored, write
 from truth import truth_text
@@ -139,10 +140,13 @@ def main() -> None:
     parser.add_argument("--seeds", default="0-999")
     parser.add_argument("--errors", action="store_true", help="unseen error over the oracle's")
     parser.add_argument("--keep", default="", help="name of the file for the docs")
-    parser.add_argument("-o", "--output", type=Path, default=Path("build/concealed"))
-    parser.add_argument("--results", type=Path, default=Path("build/concealed/results"))
-    parser.add_argument("--peers", type=Path, default=Path("build/concealed/peers"))
+    add_sort(parser)
+    parser.add_argument("--results", type=Path, help="default: results in the folder of the cases")
+    parser.add_argument("--peers", type=Path, help="default: peers in the folder of the cases")
     options = parser.parse_args()
+    options.output = options.output or Sort(options.harder, options.keep_hard).build
+    options.results = options.results or options.output / "results"
+    options.peers = options.peers or options.output / "peers"
     scored = read(options)
     text = section(scored) + "\n" + misses(scored.rows)
     (options.results / "report.md").write_text(text, encoding="utf-8")
@@ -159,7 +163,9 @@ def misses(rows: tuple[Row, ...]) -> str:
     for row in rows:
         if row.wrong or row.missed or row.failed or not row.structure:
             text.append(
-                f"- {row.case} [{row.kind}, noise {row.noise:.1%}] {row.verdict}: "
+                f"- {row.case} [{row.kind}, noise {row.noise:.1%}"
+                f"{', ' + row.hardship if row.hardship else ''}"
+                f"{', may be refused' if row.may_refuse else ''}] {row.verdict}: "
                 f"wrong {list(row.wrong)}, missed {list(row.missed)} {row.failed[:120]}"
             )
     return "\n".join(text) + "\n"

@@ -96,6 +96,11 @@ def by_sensing(row: Row) -> str:
     return "positions and rates" if row.rates else "positions"
 
 
+def by_hardship(row: Row) -> str:
+    """What makes the recordings of a case harder."""
+    return row.hardship or "none"
+
+
 def by_system(row: Row) -> tuple[int, str]:
     """The machine of a case."""
     return row.coordinates, row.case.split("-", 1)[1]
@@ -131,6 +136,18 @@ def refusals(rows: Sequence[Row]) -> str:
         f"Of {len(missed)} cases in which a concealed cause was not named {refused} were refused, "
         f"{len(missed) - refused - wrong} named another concealed cause and nothing else, and "
         f"{wrong} had a wrong claim."
+    )
+
+
+def hard(rows: Sequence[Row]) -> str:
+    """What became of incomplete draws: to refuse them is right, to name them is better."""
+    wrong = sum(bool(row.wrong) for row in rows)
+    refused = sum(row.refused for row in rows)
+    return (
+        f"Of {len(rows)} draws that are not complete and may be refused {refused} were refused, "
+        f"{wrong} had a wrong claim, and in {len(rows) - refused - wrong} some or all "
+        f"of what is concealed was named and nothing else; {sum(row.structure for row in rows)} "
+        "were complete."
     )
 
 
