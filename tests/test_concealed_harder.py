@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from tests.concealed_bench import Study, modules
+from tests.concealed_bench import Study, answer_of, modules, told
 
 
 @pytest.fixture(scope="module")
@@ -136,6 +136,21 @@ def test_a_harder_case_conceals_the_same(study: Study, seed: int, sort: str) -> 
         assert 0.01 <= said["share"] <= 0.05
         force = run.plant.unmeasured.at(run.motion.t)
         assert 0.2 < np.sqrt(np.mean(force**2)) / said["rms"] < 3
+
+
+def test_half_a_sample_of_delay_is_what_holding_amounts_to(study: Study) -> None:
+    score = study["claims"].score_case
+    result = told("drag", "x", "drag", 0.81, 0.01)
+    hardship = {"sort": "held", "inputs": ["f"], "delay": 0.0025}
+    for value, answer, wrong in (
+        (0.00253, answer_of(hardship=hardship), 0),
+        (0.00500, answer_of(hardship=hardship), 1),
+        (0.00253, answer_of(), 1),
+    ):
+        late = {"channel": "f", "kind": "delay", "value": value, "sd": 1e-6}
+        result["diagnosis"]["measurement"] = [late]
+        row = score("a", result, answer, 1)
+        assert (row.name, row.structure, len(row.wrong)) == (1, not wrong, wrong)
 
 
 def test_no_input_of_the_rig_is_held(study: Study) -> None:

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 SHAPING = ("length", "transition")  # keys that no one has to find
+HELD = 0.2  # part of half a sample by which the delay of a held input may be off
 StandIns = dict[tuple[str, str], bool]  # where and kind: whether exactly the same
 
 
@@ -180,6 +181,7 @@ def score_case(name: str, result: dict[str, Any], answer: dict[str, Any], n: int
             failed=result.get("sentence") or result.get("crash", ""),
         )
     rest, whole = _by_order(claimed(told), truth), True
+    rest = [c for c in rest if any(c.cause == t.cause for t in truth) or not _holds(c, answer)]
     pairs = list(zip(truth, _stand_ins(answer, truth), strict=True))
     placed = _placed(pairs, rest)
     hits = list(map(int, placed))
@@ -201,6 +203,17 @@ def score_case(name: str, result: dict[str, Any], answer: dict[str, Any], n: int
     return replace(
         row, structure=whole and not rest, wrong=tuple(map(_words, wrong)), hits=tuple(hits)
     )
+
+
+def _holds(claim: Claim, answer: dict[str, Any]) -> bool:
+    """Whether a claim says that an input is held: late by half a sample, which is what a staircase
+    is to a machine that is slower than it. Nobody has to find that, and it is not wrong."""
+    hardship = answer.get("hardship", {})
+    if hardship.get("sort") != "held" or claim.where not in hardship["inputs"]:
+        return False
+    value, sd = claim.values.get("value", (0.0, 0.0))
+    late = abs(value - hardship["delay"]) <= max(2 * sd, HELD * hardship["delay"])
+    return claim.kind == "delay" and late
 
 
 def _several(where: str, truth: Sequence[Claim]) -> bool:

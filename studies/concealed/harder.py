@@ -35,6 +35,8 @@ def harder(case: Case) -> Case | None:
         colour = float(random.uniform(*COLOUR))
         return replace(case, colour=colour, hardship={"sort": sort, "samples": colour})
     said: dict[str, object] = {"sort": sort}
+    if sort == "held":
+        said |= {"inputs": list(system.inputs), "delay": 0.5 / system.rate}
     forces: list[Unmeasured | None] = [None] * len(case.runs)
     if sort == "unmeasured":
         place = str(random.choice(system.places))
