@@ -211,6 +211,8 @@ def test_one_of_several_expectations_is_enough(study: Mapping[str, ModuleType]) 
     without = diagnosis(swing, drag, measurement=offset)
     assert scored(study, "pendulum_single", without).complete
     assert scored(study, "oscillator", diagnosis()).wanted == 2
+    assert not scored(study, "null", diagnosis()).complete  # the verdict has to be right too
+    assert scored(study, "null", diagnosis(verdict="nothing missing")).complete
 
 
 def test_an_example_is_scored_by_its_truth(

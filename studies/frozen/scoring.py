@@ -9,7 +9,7 @@ import base64
 import json
 import os
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -132,7 +132,17 @@ def _of_terms(case: Case, told: Mapping[str, Any], truths: list[tuple[Truth, boo
         return Outcome(*blank, cpu=told["cpu_seconds"])
     claims = list(_claims(diagnosis))
     scored = [_against(case, told, claims, truth, strict) for truth, strict in truths]
-    return max(scored, key=lambda one: (one.named, one.complete, -len(one.wrong), one.right))
+    best = max(scored, key=lambda one: (one.named, one.complete, -len(one.wrong), one.right))
+    return replace(best, complete=best.complete and best.verdict == _verdict(case, best.verdict))
+
+
+def _verdict(case: Case, otherwise: str) -> str:
+    """The verdict that is right, ``otherwise`` where none is stated."""
+    folder, name = ROOT / "studies" / case.study, "expected.json"
+    if case.example:
+        folder, name = Path(os.environ[EXAMPLES]) / case.example, "truth.json"
+    stated = json.loads((folder / name).read_text(encoding="utf-8"))
+    return str(stated.get("verdict", otherwise))
 
 
 Claim = tuple[str, dict[str, tuple[float, float]]]  # what it is, its terms: value, sd
