@@ -103,7 +103,8 @@ def _attempt(kind: Kind, seed: int, attempt: int) -> Case | None:
         change = kind.make(bare, sizes, fresh)
         motion = simulate(Plant(system, change, values, signals[i]), times[i], starts[i])
         runs.append(_run(change, motion, np.random.default_rng([*key, 2, i])))
-        if np.any(motion.q.std(axis=1) > WIDEST * free[i].q.std(axis=1)):
+        wide = np.any(motion.q.std(axis=1) > WIDEST * free[i].q.std(axis=1))
+        if wide or system.met(values, motion.q):
             return None
     sd = noise * runs[0].shown.std(axis=1)
     snr = beyond = 0.0

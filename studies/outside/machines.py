@@ -33,7 +33,7 @@ PENDULUM = System(
     lambda p, q, v, u: parts(
         (-p["m"] * p["g"] * p["l"] * np.sin(q[0]),), (-p["d"] * v[0],), (u[0],)
     ),
-    Drive((0.2, 2.5), 0.4),
+    Drive((0.2, 2.5), 0.3),
     inputs=("torque",),
     start=(0.3,),
     rate=120.0,
@@ -70,9 +70,10 @@ CHAIN = System(
     ("x1", "x2"),
     lambda p, q: constant_mass(p, q, (p["m1"], 0.0), (0.0, p["m2"])),
     _chain_forces,
-    Drive((0.3, 5.0), 5.0),
+    Drive((0.3, 5.0), 4.0),
     between={"p1-p2": _link},
     duration=12.0,
+    apart="l",
     folder=MODELS,
 )
 
@@ -102,7 +103,7 @@ CART = System(
     ("s", "phi"),
     _cart_mass,
     _cart_forces,
-    Drive((0.2, 3.0), 3.0),
+    Drive((0.2, 3.0), 1.6),
     start=(0.0, 0.3),
     duration=15.0,
     folder=MODELS,

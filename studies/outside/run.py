@@ -30,16 +30,16 @@ def one(kind: Kind, seed: int, build: Path, results: Path) -> str:
         return f"{folder_of(kind, seed, build).name}: no visible draw"
     told = diagnose(folder)
     keep(told, results / f"{folder.name}.json")
-    return f"{folder.name}: {told.get('verdict', 'failed')} in {told['seconds']:.0f} s"
+    said = told["diagnosis"]["verdict"] if "diagnosis" in told else "failed"
+    return f"{folder.name}: {said} in {told['seconds']:.0f} s"
 
 
 def keep(told: dict[str, Any], target: Path) -> None:
     """Write a result at once or not at all, verdict and sentence first."""
     diagnosis = told.get("diagnosis", {})
     first = {key: diagnosis[key] for key in ("verdict", "sentence") if key in diagnosis}
-    told |= {**first, **told}
     part = target.with_suffix(".part")
-    part.write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
+    part.write_text(json.dumps({**first, **told}, indent=1) + "\n", encoding="utf-8")
     part.replace(target)
 
 

@@ -32,6 +32,7 @@ class Windows:
         self.W = (t.size - 1) // self.L
         first = np.arange(self.W) * self.L
         self.q, self.v, self.h = q[:, first], v[:, first], 1 / system.rate
+        self.whole = q, v
         self.index = first[:, None] + np.arange(self.L + 1)
         self.t, self.u, self.smooth = t, u, smooth
 
@@ -106,7 +107,7 @@ def _columns(windows: Windows, p: Values, known: Array, y: Array) -> Iterator[Ar
     system, u = windows.system, windows.u
     for name, (value, _) in uncertain(system).items():
         yield windows.run({**p, name: value * (1 + SMALL)}) - y
-    for push in _forces(system, windows.q, windows.v, known):
+    for push in _forces(system, *windows.whole, known):
         yield windows.run(p, push) - y
     M = system.mass(p, windows.q).mean(axis=-1)
     for i in range(system.n):
