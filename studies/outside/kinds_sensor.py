@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from bare import Bare, draw_place, index_of, log_uniform, rms, share
+from bare import Bare, draw_place, index_of, log_uniform, share
 from kinds_force import law_at
 from numpy.random import Generator
 from scipy.signal import lfilter
@@ -173,14 +173,12 @@ def _listed(bare: Bare, sizes: Generator, fresh: Generator) -> Change:
     """A drag or a cubic spring: a law of the vocabulary."""
     place = draw_place(bare, sizes)
     size = share(sizes)
+    kind, key = "spring", "cubic"
     if "c" in bare.values or sizes.random() < 0.5:  # a cubic stiffness that is there is a number
-        change = law_at(bare, place, lambda s, w: np.abs(w) * w, size)
-        kind, key = "drag", "drag"
-    else:
-        change = law_at(bare, place, lambda s, w: s**3, size)
-        kind, key = "spring", "cubic"
-    amount = size * place.known / rms(place.w**2 if kind == "drag" else place.s**3)
-    return replace(change, law=(kind, place.name, key, amount))
+        kind = key = "drag"
+    law = (lambda s, w: np.abs(w) * w) if kind == "drag" else (lambda s, w: s**3)
+    change = law_at(bare, place, law, size)
+    return replace(change, law=(kind, place.name, key, (change.facts or {})["amount"]))
 
 
 def law_coloured(bare: Bare, sizes: Generator, fresh: Generator) -> Change:
