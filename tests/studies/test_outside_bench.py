@@ -15,7 +15,18 @@ import symhyb as sh
 from symhyb.numeric.kernels.buffers import call
 
 STUDIES = Path(__file__).parents[2] / "studies"
-NAMES = ("draw", "kinds", "bare", "machines", "simulate", "visible", "outcomes", "score", "shared")
+NAMES = (
+    "draw",
+    "kinds",
+    "bare",
+    "machines",
+    "simulate",
+    "visible",
+    "outcomes",
+    "score",
+    "shared",
+    "run",
+)
 Study = Mapping[str, ModuleType]
 
 
@@ -317,6 +328,27 @@ def test_a_report_counts_what_two_packages_did(study: Study, tmp_path: Path, cap
     assert "magnet: false nothing → refused" in printed
     (row,) = json.loads((tmp_path / "new" / "rows.json").read_text())
     assert row["outcome"] == "refused"
+
+
+def test_another_package_diagnoses_the_same_case_once(study: Study, tmp_path: Path) -> None:
+    """The other package is one that fails, so that it cannot be mistaken for this one."""
+    kind, package = study["kinds"].KINDS["magnet"], tmp_path / "other"
+    folder = study["draw"].folder_of(kind, 0, tmp_path)
+    for place in (folder, package / "symhyb"):
+        place.mkdir(parents=True)
+    (folder / "sealed.json").write_text(study["shared"].seal(answer_of()), encoding="ascii")
+    (package / "symhyb" / "__init__.py").write_text("raise RuntimeError('the other package')\n")
+    argv = ["run.py", "--seeds", "0", "--kinds", "magnet", "--package", str(package)]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("sys.argv", [*argv, "-o", str(tmp_path), "--results", str(tmp_path / "r")])
+        study["run"].main()
+        (result,) = (tmp_path / "r").glob("*.json")
+        assert "the other package" in json.loads(result.read_text())["crash"]
+        before = result.stat().st_mtime_ns
+        study["run"].main()
+    assert result.stat().st_mtime_ns == before
+    (row,) = study["score"].read(tmp_path, tmp_path / "r", [0])
+    assert row.outcome == "failed"
 
 
 def test_wilsons_interval_is_the_published_one(study: Study) -> None:
