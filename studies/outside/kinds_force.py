@@ -1,6 +1,7 @@
 """Forces that no listed law is, and forces that nobody measured."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from bare import Bare, Place, draw_place, lines, rms, share, wave
@@ -167,7 +168,8 @@ def gust(bare: Bare, sizes: Generator, fresh: Generator) -> Change:
     def force(t: float) -> float:
         return float(way * (np.tanh((t - begin) / 0.1) - np.tanh((t - begin - last) / 0.1)) / 2)
 
-    return _timed(bare, place, force, size, 0.05)
+    change = _timed(bare, place, force, size, 0.05)
+    return replace(change, facts={**(change.facts or {}), "at": begin})
 
 
 def moving_ground(bare: Bare, sizes: Generator, fresh: Generator) -> Change:

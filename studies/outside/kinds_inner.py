@@ -164,7 +164,12 @@ def stepping(bare: Bare, sizes: Generator, fresh: Generator) -> Change:
     def numbers(t: float) -> Mapping[str, float]:
         return {name: value * (1 - size * (1 + np.tanh((t - at) / 0.03)) / 2)}
 
-    return Change(numbers=numbers, step=0.01, place=name, facts={"share": size, "at": at})
+    return Change(
+        numbers=numbers,
+        step=0.01,
+        place=name,
+        facts={"share": size, "at": at, "after": value * (1 - size)},
+    )
 
 
 def _coupled(bare: Bare, size: float, matrix: Array, rates: bool) -> Change:

@@ -11,6 +11,8 @@ from shared import Claim, claimed
 OUTCOMES = ("wrong", "refused", "class right", "false nothing", "failed")
 SPAN = 3.0  # sd; a value within it claims nothing false
 LIKELY = 0.5  # probability from which a class counts as stated
+EMPIRICAL = ("law", "network")  # a fit without a name: it states the class "law"
+SOON = 0.5  # s; so near is the instant of a change right
 NEUTRAL = {"gain": 1.0, "offset": 0.0, "delay": 0.0}  # what a channel without a fault has
 
 
@@ -60,6 +62,8 @@ def _judged(start: Row, told: dict[str, Any], answer: dict[str, Any]) -> Row:
         if one["kind"] not in answer["accepted"]
     ]
     stated, where = _stated(told)
+    if not stated and _dated(told, answer):
+        stated = "time-varying"
     right = accepted or stated in answer["classes"]
     if stated and not right:
         wrong.append(f"class {stated}")
@@ -121,7 +125,16 @@ def _covered(claim: Claim, answer: dict[str, Any]) -> bool:
 
 def _is_accepted(claim: Claim, answer: dict[str, Any]) -> bool:
     """Whether a claim of the vocabulary is a right answer for the kind, where it acts."""
-    return claim.kind in answer["accepted"] and claim.where == answer["place"]
+    empirical = "law" in answer["classes"] and claim.kind in EMPIRICAL
+    return (empirical or claim.kind in answer["accepted"]) and claim.where == answer["place"]
+
+
+def _dated(told: dict[str, Any], answer: dict[str, Any]) -> bool:
+    """Whether a mismatch is said to begin when it does, for kinds that begin at an instant."""
+    at = answer.get("facts", {}).get("at")
+    changes = [one.get("change") or {} for one in told.get("places", ())]
+    times = [change["time_s"] for change in changes if change.get("kind") == "begins"]
+    return at is not None and any(abs(time - at) <= SOON for time in times)
 
 
 def _holds(claim: Claim, answer: dict[str, Any]) -> bool:
@@ -130,8 +143,11 @@ def _holds(claim: Claim, answer: dict[str, Any]) -> bool:
         return True
     value, sd = claim.values.get("value", (float("nan"), 0.0))
     if claim.kind == "parameter":
-        true = answer["values"].get(claim.where.removeprefix("parameter "))
-        return true is not None and abs(value - true) <= SPAN * sd
+        name = claim.where.removeprefix("parameter ")
+        true = [answer["values"].get(name, float("nan"))]
+        if name == answer["place"] and "after" in answer.get("facts", {}):
+            true.append(answer["facts"]["after"])
+        return any(abs(value - one) <= SPAN * sd for one in true)
     if claim.kind in NEUTRAL and claim.values.keys() == {"value"}:
         return abs(value - NEUTRAL[claim.kind]) <= SPAN * sd
     return False

@@ -232,6 +232,8 @@ def number(name: str, value: float, sd: float) -> dict[str, Any]:
 FORCE, NULL = "missing physics", {"classes": ["noise"], "place": "", "kind": "noise heavy"}
 DELAY = {"channel": "f", "kind": "delay", "value": 0.0025, "sd": 1e-5, "unit": "s"}
 HELD = {"classes": ["input"], "accepted": ["held"], "place": "f", "kind": "held input"}
+STEP = {"classes": ["time-varying"], "place": "k", "facts": {"at": 3.1, "after": 227.2}}
+BEGUN = {"verdict": "parameters", "places": [{"change": {"kind": "begins", "time_s": 3.2}}]}
 LISTED = {"law": LAW, "kind": "law, heavy"}
 
 
@@ -263,6 +265,10 @@ LISTED = {"law": LAW, "kind": "law, heavy"}
         (NULL, {"verdict": "parameters", "parameters": [number("k", 243.0, 2.0)]}, "class right"),
         (NULL, {"verdict": FORCE, "found": [claim("drag", "drag", 0.8, 0.1)]}, "wrong"),
         (HELD, {"verdict": "measurement", "measurement": [DELAY]}, "wrong"),
+        (STEP, {"verdict": "parameters", "parameters": [number("k", 227.0, 0.5)]}, "false nothing"),
+        (STEP, {**BEGUN, "parameters": [number("k", 227.0, 0.5)]}, "class right"),
+        (STEP, {**BEGUN, "parameters": [number("k", 234.0, 0.5)]}, "wrong"),
+        ({}, {"verdict": FORCE, "found": [claim("law", "coefficient", 0.7, 0.1)]}, "class right"),
         (
             HELD,
             {"verdict": "measurement", "measurement": [{**DELAY, "kind": "held"}]},
