@@ -149,7 +149,7 @@ def test_a_seal_hides_and_opens(study: Study, tmp_path: Path) -> None:
     draw = study["draw"]
     folder = draw.write(10, tmp_path)
     assert folder is not None
-    answer = draw.unseal(folder / "sealed.json")
+    answer = study["seal"].unseal(folder / "sealed.json")
     assert answer["verdict"] == "missing physics"
     kind = answer["effects"][0]["kind"]
     assert kind not in (folder / "sealed.json").read_text()

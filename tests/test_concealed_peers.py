@@ -192,7 +192,7 @@ def test_peers_answer_a_drawn_case_and_go_on(
     assert {one["kind"] for one in said[names[0]]["diagnosis"]["found"]} == {"ripple"}
     assert said[names[0]]["fit"] < said["mlp 21 16"]["fit"] < 1.05
     row = study["score"].score_peer(
-        folder.name, said[names[0]], draw.unseal(folder / "sealed.json"), 1
+        folder.name, said[names[0]], study["seal"].unseal(folder / "sealed.json"), 1
     )
     assert row.name == 1
     before = path.stat().st_mtime_ns

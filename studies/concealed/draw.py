@@ -8,7 +8,6 @@ complete it holds discarded.json alone.
 """
 
 import argparse
-import base64
 import json
 from pathlib import Path
 from typing import Any
@@ -19,6 +18,7 @@ from harder import harder
 from hidden import seen, targets
 from laws import Array
 from plans import PLAIN, Sort, add_sort, folder_of, plan_of, seeds_of
+from seal import seal
 from systems import System
 
 
@@ -90,18 +90,6 @@ def answer(case: Case) -> dict[str, Any]:
         "may_refuse": case.may_refuse,
         "hardship": dict(case.hardship),
     }
-
-
-def seal(values: dict[str, Any]) -> str:
-    """Encode each value, so that nobody reads the answer by chance."""
-    encoded = {k: base64.b64encode(json.dumps(v).encode()).decode() for k, v in values.items()}
-    return json.dumps(encoded, indent=1) + "\n"
-
-
-def unseal(path: Path) -> dict[str, Any]:
-    """Open a sealed answer."""
-    sealed = json.loads(path.read_text(encoding="ascii"))
-    return {key: json.loads(base64.b64decode(value)) for key, value in sealed.items()}
 
 
 def model_text(system: System, names: tuple[str, ...]) -> str:

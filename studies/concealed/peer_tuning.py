@@ -14,11 +14,11 @@ from typing import Any
 
 import numpy as np
 from claims import Row
-from draw import unseal
 from peers import PEERS, Setting, grid
 from plans import ENGINE_SYSTEMS, SYSTEMS, folder_of, seeds_of
 from results import HERE
 from score import score_peer
+from seal import unseal
 
 QUIET = 0.01
 

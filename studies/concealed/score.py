@@ -16,12 +16,12 @@ from typing import Any
 
 import numpy as np
 from claims import Row, score_case
-from draw import unseal
 from hidden import Fault, Hidden
 from laws import Effect
 from plans import Sort, add_sort, folder_of, plan_of, seeds_of
 from report import section
 from results import HERE, Scored, write
+from seal import unseal
 from truth import truth_text
 
 

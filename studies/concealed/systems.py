@@ -57,6 +57,7 @@ class System:
     duration: float = 15.0  # s
     imposed: bool = False
     apart: str = ""
+    folder: Path = MODELS  # of the model file
 
     @property
     def n(self) -> int:
@@ -87,7 +88,7 @@ class System:
 
     def text(self) -> str:
         """The model file."""
-        return (MODELS / f"{self.name}.toml").read_text(encoding="utf-8")
+        return (self.folder / f"{self.name}.toml").read_text(encoding="utf-8")
 
     def parameters(self) -> dict[str, dict[str, Any]]:
         """Parameters of the model file: ``value``, ``unit`` and perhaps ``sd``, all in SI."""

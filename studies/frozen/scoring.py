@@ -67,7 +67,7 @@ def outcome(case: Case, told: Mapping[str, Any], drawn: Path) -> Outcome:
 
 def _of_bench(case: Case, told: Mapping[str, Any], folder: Path) -> Outcome:
     from claims import score_case
-    from draw import unseal
+    from seal import unseal
 
     row = score_case(case.name, dict(told), unseal(folder / "sealed.json"), 1)
     return Outcome(

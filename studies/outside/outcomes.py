@@ -1,0 +1,158 @@
+"""What a diagnosis claims against what acts: wrong, refused, class right, false nothing, failed.
+
+The README says how every kind is judged.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+from shared import Claim, claimed
+
+OUTCOMES = ("wrong", "refused", "class right", "false nothing", "failed")
+SPAN = 3.0  # sd; a value within it claims nothing false
+LIKELY = 0.5  # probability from which a class counts as stated
+EMPIRICAL = ("law", "network")  # a fit without a name: it states the class "law"
+SOON = 0.5  # s; so near is the instant of a change right
+NEUTRAL = {"gain": 1.0, "offset": 0.0, "delay": 0.0}  # what a channel without a fault has
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """The score of one case: ``wrong`` claims in words, the class that was stated, whether it was
+    stated where the effect acts (None: no place to compare), whether all claimed numbers of a
+    concealed listed law are within 3 sd (None: no such law was claimed)."""
+
+    case: str
+    kind: str
+    machine: str
+    outcome: str
+    verdict: str = ""
+    wrong: tuple[str, ...] = ()
+    stated: str = ""
+    placed: bool | None = None
+    covered: bool | None = None
+    seconds: float = 0.0
+    cpu: float | None = None
+    sentence: str = ""
+
+
+def score_case(name: str, result: dict[str, Any], answer: dict[str, Any]) -> Row:
+    """Compare what was claimed with what acts."""
+    told = result.get("diagnosis")
+    start = Row(
+        name,
+        answer["kind"],
+        answer["machine"],
+        "failed",
+        seconds=result.get("seconds", 0.0),
+        cpu=result.get("cpu_seconds"),
+        sentence=str(result.get("sentence") or result.get("crash", "")),
+    )
+    return start if told is None else _judged(start, told, answer)
+
+
+def _judged(start: Row, told: dict[str, Any], answer: dict[str, Any]) -> Row:
+    claims = claimed(told)
+    law = next((c for c in claims if _is_truth(c, answer)), None)
+    accepted = law is not None or any(_is_accepted(c, answer) for c in claims)
+    wrong = [_words(c) for c in claims if not _holds(c, answer)]
+    wrong += [
+        f"{one['kind']} of {', '.join(one['channels'])}"
+        for one in told.get("channels", ())
+        if one["kind"] not in answer["accepted"]
+    ]
+    stated, where = _stated(told)
+    if not stated and _dated(told, answer):
+        stated = "time-varying"
+    right = accepted or stated in answer["classes"]
+    if stated and not right:
+        wrong.append(f"class {stated}")
+    verdict, nothing = told["verdict"], "noise" in answer["classes"]
+    if verdict == "undecided":
+        outcome = "class right" if right and not nothing else "refused"
+    elif verdict == "nothing missing":
+        outcome = "class right" if nothing else "false nothing"
+    elif wrong:
+        outcome = "wrong"
+    else:  # harmless claims alone leave what acts unsaid
+        outcome = "class right" if right or nothing else "false nothing"
+    places = {answer["place"], *answer["place"].split("-")} - {""}
+    return Row(
+        start.case,
+        start.kind,
+        start.machine,
+        outcome,
+        verdict,
+        tuple(wrong) if outcome == "wrong" else (),
+        stated,
+        bool(places & where) if stated and places else None,
+        None if law is None else _covered(law, answer),
+        start.seconds,
+        start.cpu,
+        told["sentence"],
+    )
+
+
+def _stated(told: dict[str, Any]) -> tuple[str, set[str]]:
+    """The most probable class, if it is likely, and where it is said to act."""
+    classes = told.get("classes") or []
+    best = max(classes, key=lambda one: one.get("probability") or 0.0, default=None)
+    if best is None or (best.get("probability") or 0.0) < LIKELY:
+        return "", set()
+    where = best.get("channel") or best.get("place") or ()
+    if isinstance(where, dict):
+        (where,) = where.values()
+    names = [where] if isinstance(where, str) else list(where)
+    return str(best["kind"]), {*names, "-".join(names)}
+
+
+def _is_truth(claim: Claim, answer: dict[str, Any]) -> bool:
+    """Whether a claim is the listed law that is concealed."""
+    if not answer["law"]:
+        return False
+    kind, place, key, _ = answer["law"]
+    return claim.kind == kind and claim.where == place and key in claim.values
+
+
+def _covered(claim: Claim, answer: dict[str, Any]) -> bool:
+    """Whether every number of a claimed true law is within 3 sd; one that is not there is 0."""
+    _, _, key, true = answer["law"]
+    return all(
+        abs(value - (true if name == key else 0.0)) <= SPAN * sd
+        for name, (value, sd) in claim.values.items()
+    )
+
+
+def _is_accepted(claim: Claim, answer: dict[str, Any]) -> bool:
+    """Whether a claim of the vocabulary is a right answer for the kind, where it acts."""
+    empirical = "law" in answer["classes"] and claim.kind in EMPIRICAL
+    return (empirical or claim.kind in answer["accepted"]) and claim.where == answer["place"]
+
+
+def _dated(told: dict[str, Any], answer: dict[str, Any]) -> bool:
+    """Whether a mismatch is said to begin when it does, for kinds that begin at an instant."""
+    at = answer.get("facts", {}).get("at")
+    changes = [one.get("change") or {} for one in told.get("places", ())]
+    times = [change["time_s"] for change in changes if change.get("kind") == "begins"]
+    return at is not None and any(abs(time - at) <= SOON for time in times)
+
+
+def _holds(claim: Claim, answer: dict[str, Any]) -> bool:
+    """Whether a claim is true, accepted, or within 3 sd of what is true."""
+    if _is_truth(claim, answer) or _is_accepted(claim, answer):
+        return True
+    value, sd = claim.values.get("value", (float("nan"), 0.0))
+    if claim.kind == "parameter":
+        name = claim.where.removeprefix("parameter ")
+        true = [answer["values"].get(name, float("nan"))]
+        if name == answer["place"] and "after" in answer.get("facts", {}):
+            true.append(answer["facts"]["after"])
+        return any(abs(value - one) <= SPAN * sd for one in true)
+    if claim.kind in NEUTRAL and claim.values.keys() == {"value"}:
+        return abs(value - NEUTRAL[claim.kind]) <= SPAN * sd
+    return False
+
+
+def _words(claim: Claim) -> str:
+    values = ", ".join(f"{key} {v:.4g} ± {sd:.2g}" for key, (v, sd) in claim.values.items())
+    return f"{claim.kind} at {claim.where} ({values})"
