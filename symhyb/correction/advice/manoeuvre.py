@@ -167,8 +167,9 @@ def played(prepared: Prepared, truth: Refined, plan: Manoeuvre) -> tuple[Recordi
         start,
     )
     q, v = form.motion(x, drive)
+    free = list(machine.free)  # how far the others go, the plan says
     with np.errstate(invalid="ignore", over="ignore"):
-        if not np.all(np.ptp(q, axis=0)[list(machine.free)] <= TRAVEL_MOST * reach):
+        if not np.all(np.ptp(q, axis=0)[free] <= TRAVEL_MOST * reach[free]):
             return None
     own = prepared.runs[0].motion
     motion = replace(own, t=t, q=q, v=v, a=np.gradient(v, t, axis=0), blind=())
