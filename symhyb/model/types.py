@@ -11,6 +11,7 @@ from typing import Literal
 
 from symhyb.model.constraints import Assembly, Constraint
 from symhyb.model.expression import Expression
+from symhyb.model.limits import Limit
 from symhyb.units import ONE, Unit
 
 
@@ -254,6 +255,7 @@ class Model:
     file: str = ""
     about: str = ""
     constraints: tuple[Constraint, ...] = ()
+    limits: tuple[Limit, ...] = ()
     assembly: Assembly | None = field(default=None, compare=False)
 
     def start(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
