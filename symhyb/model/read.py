@@ -43,7 +43,7 @@ SECTIONS = (
     "limits",
 )
 _CHANNEL_KEYS = ("unit", "about", "gain", "offset", "delay")
-BETWEEN = ("line", "smooth")  # how an input runs between its samples
+BETWEEN = ("line", "smooth", "held")  # how an input runs between its samples
 
 Value = TypeVar("Value")
 

@@ -69,8 +69,9 @@ class Coordinate:
 class Input:
     """A recorded signal that acts: acting(t) = gain·recorded(t − delay) + offset.
 
-    ``between`` says how it runs between its samples: along a ``line``, or ``smooth``; unset, a
-    recording tells by how its samples lie, and without one it is a line.
+    ``between`` says how it runs between its samples: along a ``line``, ``smooth``, or ``held`` from
+    each to the next; unset, a recording tells by how its samples lie whether it is smooth or a
+    line, and without one it is a line.
     """
 
     name: str
