@@ -458,8 +458,8 @@ def test_places_between_points_have_a_name() -> None:
         ('{"any_of": [{"source": "x"}, {"a": 1}]}', "any_of[1].source: 'source' is not a key"),
         ('{"published": {"says": "x"}}', "published: 'source' is missing"),
         (
-            '{"published": {"source": "x", "found": {"x.c": {"value": 1, "unit": "Nm"}}}}',
-            "published.found.x.c.unit: 'Nm' is not a known unit",
+            '{"published": {"source": "x", "found": {"x.c": {"value": 1, "unit": "Vm"}}}}',
+            "published.found.x.c.unit: 'Vm' is not a known unit",
         ),
     ],
 )
