@@ -189,8 +189,8 @@ class _Space:
 
 
 def computable(gram: Array) -> Array:
-    """A Gram matrix (F, F), per SI units, in which a column that could not be computed along this motion (its law
-    leaves the range of numbers there) has no effect, and so imitates nothing."""
+    """A Gram matrix (F, F), per SI units, in which a column that could not be computed along this
+    motion (its law leaves the range of numbers there) has no effect, and so imitates nothing."""
     able = np.isfinite(np.diag(gram))
     return np.asarray(np.where(able[:, None] & able & np.isfinite(gram), gram, 0.0))
 
