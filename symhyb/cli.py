@@ -254,9 +254,7 @@ def diagnose(
     )
     require_folder(output)
     with progress() as say:
-        result = carry_out(study, say)
-        say("writing the report")
-        leave_files(result, output)
+        result = carry_out(study, say, lambda result: leave_files(result, output))
     if as_json:
         print_json(to_json(result.diagnosis, result.verdict))
     else:
@@ -326,7 +324,7 @@ def main() -> NoReturn:
     except SystemExit as stop:
         status = stop.code if isinstance(stop.code, int) else 0
         if status == 130:
-            _complain("interrupted; no output was written")
+            _complain("interrupted; nothing more was written")
     except InputError as error:
         status = 2
         _complain(*(str(problem) for problem in error.problems))

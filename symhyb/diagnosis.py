@@ -6,7 +6,7 @@ recordings prove; they never choose. docs/method.md has the statistics and what 
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from symhyb.correction.advice.advice import advise
 from symhyb.correction.advice.isolability import isolability
@@ -49,6 +49,16 @@ STILL = (
 Say = Callable[[str], None]
 
 
+@dataclass(frozen=True, slots=True)
+class Concluded:
+    """A ``diagnosis`` without advice, and what advice rests on: the ``prepared`` recordings and the
+    ``choice`` among causes, None where nothing had to be chosen."""
+
+    diagnosis: Diagnosis
+    prepared: Prepared | None = None
+    choice: Choice | None = None
+
+
 def diagnose(
     model: Model,
     recordings: Recording | Sequence[Recording],
@@ -68,9 +78,21 @@ def diagnose(
         InputError: recordings that cannot be used with this model, or an unknown name in ``own``.
         NumericsError: the model cannot be simulated along the recordings at all.
     """
+    return advised(conclude(model, recordings, holdout, own=own, say=say), say)
+
+
+def conclude(
+    model: Model,
+    recordings: Recording | Sequence[Recording],
+    holdout: Recording | Sequence[Recording] = (),
+    *,
+    own: Sequence[str] = (),
+    say: Say | None = None,
+) -> Concluded:
+    """:func:`diagnose` up to the advice on what to record next, which :func:`advised` adds."""
     tell = say or (lambda line: None)
     if still(several(recordings)):
-        return Diagnosis("undecided", STILL, record_next=RECORD_NEXT)
+        return Concluded(Diagnosis("undecided", STILL, record_next=RECORD_NEXT))
     tell("estimating motion and noise")
     prepared, setting = _prepared(model, recordings, holdout, own)
     choice = choose(prepared, setting, tell)
@@ -92,8 +114,8 @@ def diagnose(
     answer = if_apart(answer, prepared.model, prepared.runs)
     answer = with_constant(answer, choice)
     answer = with_lies(answer, model, prepared.lies, final.fit.scale)
-    tell("looking for what to record next")
-    return _advised(_remembered(answer, prepared, setting), prepared, choice)
+    answer = _told_apart(_remembered(answer, prepared, setting), choice)
+    return Concluded(answer, prepared, choice)
 
 
 def _prepared(
@@ -148,10 +170,33 @@ def _of_several(
     )
 
 
-def _advised(answer: Diagnosis, prepared: Prepared, choice: Choice) -> Diagnosis:
-    """The answer with what the recordings tell apart, and the manoeuvre for what they do not."""
-    told = replace(answer, isolability=isolability(choice.setting, choice.decision))
-    if answer.record_next is not None:
-        return told
-    sentence, manoeuvre = advise(prepared, choice.setting, choice.decision)
-    return replace(told, record_next=sentence, manoeuvre=manoeuvre)
+def _told_apart(answer: Diagnosis, choice: Choice) -> Diagnosis:
+    """The answer with what the recordings tell apart; a note where that cannot be computed."""
+    try:
+        return replace(answer, isolability=isolability(choice.setting, choice.decision))
+    except Exception as error:  # no finished diagnosis is lost for it
+        return _with_note(answer, "No table of which causes these recordings tell apart", error)
+
+
+def advised(concluded: Concluded, say: Say | None = None) -> Diagnosis:
+    """The diagnosis with the manoeuvre for what the recordings do not tell apart; a note where
+    none can be worked out, the reason included. ``say`` gets a short line."""
+    answer, prepared, choice = concluded.diagnosis, concluded.prepared, concluded.choice
+    if prepared is None or choice is None or answer.record_next is not None:
+        return answer
+    if say is not None:
+        say("looking for what to record next")
+    try:
+        sentence, manoeuvre = advise(prepared, choice.setting, choice.decision)
+    except Exception as error:  # no finished diagnosis is lost for it
+        return _with_note(answer, "No advice on what to record next", error)
+    if sentence is None:
+        return answer
+    return replace(answer, record_next=sentence, manoeuvre=manoeuvre)
+
+
+def _with_note(answer: Diagnosis, what: str, error: Exception) -> Diagnosis:
+    """The answer with the reason why a part of it is not there, as a note and in the log."""
+    reason = str(error) if isinstance(error, NumericsError) else f"{type(error).__name__}: {error}"
+    note = f"{what}: {' '.join(reason.split()).rstrip('.')}."
+    return replace(answer, notes=(*answer.notes, note), log=(*answer.log, note))

@@ -9,11 +9,11 @@ import numpy as np
 from symhyb.data.recording import Recording, read_recording
 from symhyb.discrepancy.recorded.motion import given_motion
 from symhyb.discrepancy.recorded.sampling import as_sampled
-from symhyb.discrepancy.recorded.signals import acting
+from symhyb.discrepancy.recorded.signals import driving
 from symhyb.errors import InputError, NumericsError, Problem
 from symhyb.model.expression import Name, parse_expression
 from symhyb.model.types import Model, Sensor
-from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.kernels.buffers import Array, held_at, on_line, on_lines
 from symhyb.numeric.lowered.machine import Machine, build
 from symhyb.numeric.runs.integrate import Trajectory, simulate
 from symhyb.numeric.runs.scenario import Scenario
@@ -63,8 +63,9 @@ def run_model(
         t_u, u, given = t[[0, -1]], np.zeros((2, len(model.inputs))), None
         _require_free(model)
     else:
-        t_u, u = driven.t, acting(driven, machine)
+        t_u, u = driving(driven, machine)
         given = given_motion(driven, machine) if machine.imposed else None
+        given = None if given is None else on_lines(driven.t, given, t_u)
     q, v = (np.array(part) for part in machine.model.start())
     scenario = Scenario(t, q, v, t_u, u, given=given)
     run = simulate(machine, scenario, exact=exact)
@@ -104,8 +105,9 @@ def run_table(machine: Machine, scenario: Scenario, run: Trajectory) -> str:
     model, seconds = machine.model, parse_unit("s")
     columns: list[tuple[str, Array]] = [("t [s]", run.t)]
     for item, signal in zip(model.inputs, scenario.u.T, strict=True):
-        held = np.interp(run.t, scenario.t_u, signal)
-        columns.append((f"{item.name} [{item.unit}]", held / item.unit.factor))
+        follow = held_at if item.between == "held" else on_line
+        acts = follow(scenario.t_u, signal, run.t)
+        columns.append((f"{item.name} [{item.unit}]", acts / item.unit.factor))
     for sensor, signal in zip(model.sensors, run.y.T, strict=True):
         late = 0.0 if sensor.delay is None else sensor.delay.si
         recorded = np.interp(run.t - late, run.t, signal) / sensor.unit.factor

@@ -30,7 +30,7 @@ from symhyb.correction.learning.remainder import NO_REMAINDER, remainder
 from symhyb.data.cleaning import still, without_faults
 from symhyb.data.datasets import fetch
 from symhyb.data.recording import Recording, read_recording
-from symhyb.diagnosis import diagnose
+from symhyb.diagnosis import advised, conclude
 from symhyb.discrepancy.checks.first_checks import FirstChecks, first_checks
 from symhyb.discrepancy.checks.suspicion import repaired
 from symhyb.discrepancy.fitting.judge import judge
@@ -48,6 +48,9 @@ from symhyb.study_file import Source, Study, read_study
 
 Say = Callable[[str], None]
 LIBRARIES = ("numpy", "scipy", "casadi", "sympy", "pysindy", "scikit-learn")
+
+
+Leave = Callable[["StudyResult"], None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,16 +93,18 @@ def run_study(
     beside = Path(path).with_name("expected.json")
     expected = read_expected(beside) if beside.is_file() else Expected()
     require_folder(directory)
-    result = carry_out(study, say)
-    result = replace(result, checks=check(expected, to_json(result.diagnosis, result.verdict)))
-    if say:
-        say("writing the report")
-    leave_files(result, directory)
-    return result
+
+    def checked(result: StudyResult) -> StudyResult:
+        return replace(result, checks=check(expected, to_json(result.diagnosis, result.verdict)))
+
+    return checked(carry_out(study, say, lambda result: leave_files(checked(result), directory)))
 
 
-def carry_out(study: Study, say: Say | None = None) -> StudyResult:
-    """Diagnose, correct the model and judge the correction; writes nothing.
+def carry_out(study: Study, say: Say | None = None, leave: Leave | None = None) -> StudyResult:
+    """Diagnose, correct the model and judge the correction.
+
+    ``leave`` gets the result to write it down: before advice on what to record next is sought,
+    so that nothing that happens then costs the diagnosis, and once more if there is advice.
 
     Raises:
         InputError: the model or a recording is wrong: all problems of all recordings at once.
@@ -110,7 +115,8 @@ def carry_out(study: Study, say: Say | None = None) -> StudyResult:
     say("reading the model and the recordings")
     model = read_model(study.model)
     train, holdout = _recordings(study, model)
-    diagnosis = diagnose(model, train, holdout, own=study.own, say=say)
+    concluded = conclude(model, train, holdout, own=study.own, say=say)
+    diagnosis = concluded.diagnosis
     corrected = apply(model, diagnosis.found, diagnosis.parameters, diagnosis.measurement)
     seen = repaired([without_faults(one, model) for one in train], diagnosis.lies)
     corrected, told = _finish(study, corrected, corrected != model, seen, say)
@@ -127,9 +133,28 @@ def carry_out(study: Study, say: Say | None = None) -> StudyResult:
     say("first checks")
     first = _first_checks(model, corrected, seen, verdict)
     seconds = time.perf_counter() - begin
-    return StudyResult(
+    result = StudyResult(
         study, model, corrected, train, holdout, diagnosis, verdict, (), seconds, first
     )
+    write = _writing(leave, say)
+    write(result)
+    final = advised(replace(concluded, diagnosis=diagnosis), say)
+    if final is diagnosis:
+        return result
+    result = replace(result, diagnosis=final, seconds=time.perf_counter() - begin)
+    write(result)
+    return result
+
+
+def _writing(leave: Leave | None, say: Say) -> Leave:
+    """``leave`` with a line that says so, nothing where it is None."""
+
+    def write(result: StudyResult) -> None:
+        if leave is not None:
+            say("writing the report")
+            leave(result)
+
+    return write
 
 
 def _finish(

@@ -1,7 +1,8 @@
 """Units as values: parsed once with pint, then multiplied and divided as readable text.
 
-Power is ``^`` and a product ``*``: ``N*s^2/m^2``. ``rad`` is a number (factor 1) but stays in
-the text. Scales with an offset (degC) are refused: a difference of 1 degC is 1 K.
+Power is ``^`` and a product ``*``: ``N*s^2/m^2``; what data sheets print is read too (``m/s²``,
+``N·m``, ``N s/m``, ``Nm``, ``°``). ``rad`` is a number (factor 1) but stays in the text. Scales
+with an offset (degC) are refused: a difference of 1 degC is 1 K.
 """
 
 import re
@@ -79,6 +80,13 @@ _KNOWN = {
 }
 _ANGLES = frozenset({"radian", "degree", "turn", "revolution", "arcminute", "arcsecond"})
 _USUAL = (*_KNOWN.values(), "kg", "mm", "um", "cm", "km", "ms", "us", "kN", "mN", "mV", "kHz", "mA")
+
+# what print has and keyboards have not; and products of newtons that are written as one word
+_PRINTED = str.maketrans({"·": "*", "⋅": "*", "×": "*", "∙": "*", "−": "-"})
+_RAISED = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
+_POWER = re.compile("[⁰¹²³⁴⁵⁶⁷⁸⁹⁻]+")
+_DEGREE = re.compile(r"°(?! ?[CF]\b)")
+_GLUED = re.compile(r"([kMm]?N)(mm|m|s)(s?)")
 
 Atoms = tuple[tuple[str, Fraction], ...]
 
@@ -200,8 +208,10 @@ def _unknown(name: str) -> str:
 @lru_cache(maxsize=4096)
 def _atoms(text: str) -> Atoms:
     """Split ``N*s^2/m^2`` into (N, 1), (s, 2), (m, -2), in the order met."""
-    tokens = re.findall(r"[A-Za-zµμΩ][A-Za-zµμΩ_]*|\d+\.\d+|\d+|\*\*|[^\s]", text)
-    atoms, rest = _product(tokens, text)
+    plain = _POWER.sub(lambda raised: "^" + raised[0].translate(_RAISED), text)
+    plain = _DEGREE.sub(" deg ", plain.translate(_PRINTED)).replace("°", "deg")
+    tokens = re.findall(r"[A-Za-zµμΩ][A-Za-zµμΩ_]*|\d+\.\d+|\d+|\*\*|[^\s]", plain)
+    atoms, rest = _product([part for token in tokens for part in _apart(token)], text)
     if rest:
         raise UnitError(_unreadable(text, rest[0]))
     return _merged(atoms)
@@ -210,11 +220,25 @@ def _atoms(text: str) -> Atoms:
 def _product(tokens: list[str], text: str) -> tuple[list[tuple[str, Fraction]], list[str]]:
     """Read ``factor (*|/) factor …`` and return what is left of the tokens."""
     atoms, rest = _power(tokens, text)
-    while rest and rest[0] in "*/" and len(rest[0]) == 1:
-        sign = 1 if rest[0] == "*" else -1
+    divided = False
+    while rest and (rest[0] in ("*", "/") or rest[0][0].isalpha()):
+        if rest[0][0].isalpha():  # a blank between two names is a product
+            if divided:
+                raise UnitError(f"'{text}' may be read in two ways; write '*', '/' or parentheses")
+            rest = ["*", *rest]
+        sign, divided = (1, divided) if rest[0] == "*" else (-1, True)
         more, rest = _power(rest[1:], text)
         atoms = atoms + [(name, sign * exponent) for name, exponent in more]
     return atoms, rest
+
+
+def _apart(token: str) -> list[str]:
+    """Split ``Nm``, ``Ns`` and ``Nms``, which are products and no names, into their parts."""
+    found = _GLUED.fullmatch(token)
+    if found is None or (found[2] == "s" and found[3]):
+        return [token]
+    parts = [part for part in found.groups() if part]
+    return " * ".join(parts).split()
 
 
 def _power(tokens: list[str], text: str) -> tuple[list[tuple[str, Fraction]], list[str]]:

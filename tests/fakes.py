@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from symhyb import study
+from symhyb.diagnosis import Concluded
 from symhyb.discrepancy.results import (
     Alternative,
     Comparison,
@@ -81,16 +82,16 @@ def fake_diagnosis(monkeypatch: pytest.MonkeyPatch) -> Fake:
     ) -> list[tuple[object, ...]]:
         asked: list[tuple[object, ...]] = []
 
-        def diagnose(
+        def conclude(
             *arguments: object, say: Callable[[str], None], own: tuple[str, ...] = ()
-        ) -> Diagnosis:
+        ) -> Concluded:
             asked.append(arguments)
             say("trying [friction] on q")
             if error is not None:
                 raise error
-            return diagnosis
+            return Concluded(diagnosis)
 
-        monkeypatch.setattr(study, "diagnose", diagnose)
+        monkeypatch.setattr(study, "conclude", conclude)
         monkeypatch.setattr(study, "judge", lambda *_, **__: verdict())
         return asked
 

@@ -589,7 +589,7 @@ def test_diagnose_cuts_the_recordings_but_not_the_unseen_ones(
     ("error", "status", "said"),
     [
         (NumericsError("the step became too small"), 3, "the numerics failed: the step became"),
-        (KeyboardInterrupt(), 130, "interrupted; no output was written"),
+        (KeyboardInterrupt(), 130, "interrupted; nothing more was written"),
         (ZeroDivisionError("inside"), 3, "a fault of symhyb itself"),
     ],
 )

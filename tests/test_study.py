@@ -10,12 +10,13 @@ import numpy as np
 import pytest
 from fakes import NOTHING, Fake, fake_diagnosis, friction, verdict
 
+import symhyb.diagnosis as diagnosis_module
 from symhyb import study as module
 from symhyb.data.recording import read_recording
-from symhyb.diagnosis import diagnose
+from symhyb.diagnosis import Concluded, advised, diagnose
 from symhyb.discrepancy.fitting.judge import judge
 from symhyb.discrepancy.results import Alternative, Diagnosis, Estimate, Measurement, Reestimated
-from symhyb.errors import InputError
+from symhyb.errors import InputError, NumericsError
 from symhyb.expected import Expected, check, found_terms, read_expected
 from symhyb.model.read import read_model
 from symhyb.model.types import Between, On
@@ -457,8 +458,8 @@ def test_places_between_points_have_a_name() -> None:
         ('{"any_of": [{"source": "x"}, {"a": 1}]}', "any_of[1].source: 'source' is not a key"),
         ('{"published": {"says": "x"}}', "published: 'source' is missing"),
         (
-            '{"published": {"source": "x", "found": {"x.c": {"value": 1, "unit": "Nm"}}}}',
-            "published.found.x.c.unit: 'Nm' is not a known unit",
+            '{"published": {"source": "x", "found": {"x.c": {"value": 1, "unit": "Vm"}}}}',
+            "published.found.x.c.unit: 'Vm' is not a known unit",
         ),
     ],
 )
@@ -648,3 +649,54 @@ def test_eleven_balls_share_one_law_of_drag_whatever_is_unseen(
     ]
     again = diagnose(result.model, result.train, noise, own=result.study.own)
     assert [one.own for one in again.found] == [drag.own]
+
+
+class Interrupted:
+    """Stands for what advice needs, where no advice is sought in earnest."""
+
+    setting = decision = None
+
+
+@pytest.mark.parametrize(
+    ("error", "note"),
+    [
+        (NumericsError("it ran away"), "No advice on what to record next: it ran away."),
+        (ValueError("shapes (2,) (3,)"), "No advice on what to record next: ValueError: shapes"),
+    ],
+)
+def test_advice_that_fails_costs_only_the_advice(
+    error: Exception, note: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object) -> None:
+        raise error
+
+    monkeypatch.setattr(diagnosis_module, "advise", fail)
+    plain = replace(friction(), record_next=None, manoeuvre=None)
+    concluded = Concluded(plain, Interrupted(), Interrupted())  # type: ignore[arg-type]
+    told = advised(concluded)
+    assert told.record_next is None
+    assert told.notes[-1].startswith(note)
+    assert told.log[-1] == told.notes[-1]
+    assert replace(told, notes=plain.notes, log=plain.log) == plain
+
+
+def test_the_files_are_there_before_advice_is_sought(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen: list[set[str]] = []
+
+    def ask(concluded: Concluded, say: object) -> Diagnosis:
+        seen.append({file.name for file in (tmp_path / "out").iterdir()})
+        if len(seen) == 1:
+            raise KeyboardInterrupt
+        return replace(concluded.diagnosis, record_next="Drive f harder.")
+
+    fake_diagnosis(monkeypatch)(friction())
+    monkeypatch.setattr(module, "advised", ask)
+    with pytest.raises(KeyboardInterrupt):
+        run_study(STUDIES / "null" / "study.toml", tmp_path / "out")
+    files = {"corrected.toml", "diagnosis.json", "report.html", "simulation.csv", "manifest.json"}
+    assert seen == [files]
+    result = run_study(STUDIES / "null" / "study.toml", tmp_path / "out")
+    assert result.diagnosis.record_next == "Drive f harder."
+    assert "Drive f harder." in (tmp_path / "out" / "diagnosis.json").read_text(encoding="utf-8")

@@ -3,14 +3,23 @@
 import csv
 import io
 import re
+from collections import Counter
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from symhyb.data.table import Column, Table, refusal
+from symhyb.data.table import NO_UNIT, Column, Table, is_unit, refusal, split_unit
 from symhyb.errors import Problem
 
+Line = tuple[int, str]
+"""The number of a line, from 1, and its text."""
+
+DASHES = ("-", "–", "—")  # what loggers write where nothing was measured
+PREAMBLE_MOST = 100  # lines above the names of the columns
+TABLE_LEAST = 0.9  # of the lines from there on that have as many cells
 _DELIMITERS = (",", ";", "\t")
+_DATE = re.compile(r"\d{4}-\d\d-\d\d([T ]\d\d:\d\d.*)?")
 _CONTROL = re.compile(r"[\x00-\x08\x0e-\x1f]")
 _DECIMAL_COMMA = re.compile(r"\s*[-+]?\d+,\d+([eE][-+]?\d+)?\s*")
 
@@ -28,6 +37,7 @@ def read_csv(content: bytes, file: str) -> Table:
     ]
     if not lines:
         raise refusal(file, "the file is empty")
+    lines, notes = _without_preamble(lines)
     number, first = lines[0]
     delimiter = max(_DELIMITERS, key=first.count)
     header = [cell.strip() for cell in _cells(first, delimiter)]
@@ -36,6 +46,10 @@ def read_csv(content: bytes, file: str) -> Table:
         raise refusal(file, "a first line with the names of the columns is required", number)
     if len(header) == 1 and rows and len(rows[0][1].split()) > 1:
         raise refusal(file, "no comma, semicolon or tab separates the names of the columns", number)
+    units = _units_below(rows, delimiter, len(header))
+    if units:
+        header, rows = [_headed(*pair) for pair in zip(header, units, strict=True)], rows[1:]
+        notes = (*notes, "the units of the columns stand in the line below their names")
     if not rows:
         raise refusal(file, "there is a header but no row below it")
     _refuse_ragged(rows, delimiter, len(header), file)
@@ -43,7 +57,7 @@ def read_csv(content: bytes, file: str) -> Table:
     commas = delimiter != "," and any(map(_DECIMAL_COMMA.fullmatch, _cells(rows[0][1], delimiter)))
     numbers = np.array([number for number, _ in rows])
     columns = _columns(body, header, delimiter, "," if commas else ".", numbers, file)
-    notes = ("numbers are written with a decimal comma",) if commas else ()
+    notes = (*notes, "numbers are written with a decimal comma") if commas else notes
     return Table(file, columns, notes, numbers)
 
 
@@ -61,6 +75,43 @@ def _text(content: bytes, file: str) -> str:
     if _CONTROL.search(text):
         raise refusal(file, "is not a text file, although its name ends in .csv")
     return text
+
+
+def _without_preamble(lines: list[Line]) -> tuple[list[Line], tuple[str, ...]]:
+    """The lines from the names of the columns on: the first with as many cells as nearly all have,
+    if it names something and numbers stand below it; and a note on what stands above."""
+    delimiter = max(_DELIMITERS, key=lines[len(lines) // 2][1].count)
+    counts = [len(_cells(line, delimiter)) for _, line in lines]
+    width, often = Counter(counts).most_common(1)[0]
+    first = counts.index(width)
+    if first == 0 or first > PREAMBLE_MOST or often < TABLE_LEAST * (len(lines) - first):
+        return lines, ()
+    names = [cell.strip() for cell in _cells(lines[first][1], delimiter)]
+    if width < 2 or any(_is_number(cell.replace(",", ".")) for cell in names):
+        return lines, ()
+    above = f"{first} line{'s' * (first > 1)} above the names of the columns"
+    return lines[first:], (f"{above} {'are' if first > 1 else 'is'} not read",)
+
+
+def _units_below(rows: list[Line], delimiter: str, width: int) -> list[str]:
+    """The cells of a line of units below the names, empty if there is none: no numbers but 1, at
+    least one unit that we know, and numbers in that column below it."""
+    if len(rows) < 2:
+        return []
+    cells, below = ([c.strip() for c in _cells(line, delimiter)] for _, line in rows[:2])
+    if len(cells) != width or len(below) != width:
+        return []
+    if any(_is_number(cell.replace(",", ".")) and cell != "1" for cell in cells):
+        return []
+    told = [i for i, cell in enumerate(cells) if cell not in ("", "1") and is_unit(cell)]
+    numbers = [i for i in told if _is_number(below[i].replace(",", "."))]
+    return cells if any(cells[i] not in NO_UNIT for i in numbers) else []
+
+
+def _headed(name: str, unit: str) -> str:
+    """The name with its unit in brackets, unless it states one already."""
+    stated = split_unit(name)[1] is not None or not unit
+    return name if stated else f"{name} [{unit.strip('[]()')}]"
 
 
 def _cells(line: str, delimiter: str) -> list[str]:
@@ -122,7 +173,10 @@ def _columns(
         cells = frame[place]
         if not name and cells.isna().all():
             continue  # a delimiter at the end of every line
-        values = pd.to_numeric(cells, errors="coerce").to_numpy(dtype=np.float64)
+        values = _dates(cells)
+        if values is None:
+            values = pd.to_numeric(cells, errors="coerce").to_numpy(dtype=np.float64)
+            cells = cells.where(~cells.isin(DASHES))  # a dash is an empty cell
         bad = np.flatnonzero(np.isnan(values) & cells.notna().to_numpy())
         problem = None
         if header.count(name) > 1 and name:
@@ -134,3 +188,18 @@ def _columns(
             problem = Problem(text + more, f"column '{name}'", file, int(lines[bad[0]]))
         columns.append(Column(name or f"column {place + 1}", values, problem))
     return tuple(columns)
+
+
+def _dates(cells: Any) -> NDArray[np.float64] | None:
+    """Seconds (N,) since the first of a column of dates as ISO 8601 writes them, NaN where a cell
+    is empty; None if the column holds anything else."""
+    import pandas as pd
+
+    there = cells.dropna()
+    if there.empty or not isinstance(there.iloc[0], str) or not _DATE.fullmatch(there.iloc[0]):
+        return None
+    try:
+        dates = pd.to_datetime(cells, format="ISO8601", utc=True)
+    except ValueError:
+        return None
+    return np.asarray((dates - dates.dropna().iloc[0]).dt.total_seconds(), dtype=np.float64)

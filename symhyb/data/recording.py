@@ -126,7 +126,8 @@ def read_recording(
             increase, an input has a hole or stops early, or fewer than 20 samples are left.
     """
     table = read_table(path)
-    channels = tidy(map_columns(table, model, columns), table, span)
+    held = frozenset(item.name for item in model.inputs if item.between == "held")
+    channels = tidy(map_columns(table, model, columns), table, span, held)
     units = {channel.name: channel.unit for channel in model.sensors}
     driving = {channel.name: channel.unit for channel in model.coordinates}
     driving |= {channel.name: channel.unit for channel in model.inputs}

@@ -45,10 +45,16 @@ def blocks(flags: NDArray[np.bool_]) -> list[Block]:
     return [Block(int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
-def tidy(channels: Channels, table: Table, span: Span = (None, None)) -> Channels:
+def tidy(
+    channels: Channels,
+    table: Table,
+    span: Span = (None, None),
+    held: frozenset[str] = frozenset(),
+) -> Channels:
     """Drop rows that say nothing new, check the time, and bridge short holes of the inputs.
 
-    ``span`` = (start, end) in s drops what is outside, None: to that end of the file.
+    ``span`` = (start, end) in s drops what is outside, None: to that end of the file. ``held`` are
+    inputs that keep each value until the next sample.
 
     Raises:
         InputError: time that is missing or does not increase, an input with a long hole or that
@@ -59,7 +65,7 @@ def tidy(channels: Channels, table: Table, span: Span = (None, None)) -> Channel
         text = f"no sensor ({', '.join(channels.sensors)}) has a finite sample"
         raise InputError(Problem(text, file=table.file))
     rows = np.arange(channels.t.size)
-    channels, driven = _between_samples(channels)
+    channels, driven = _between_samples(channels, held)
     channels, rows = take(channels, driven), rows[driven]
     for drop in (partial(_outside, span=span), empty_rows, repeated_rows, _unmeasured_ends):
         keep, note = drop(channels)
@@ -70,7 +76,7 @@ def tidy(channels: Channels, table: Table, span: Span = (None, None)) -> Channel
         text = f"usable samples: {channels.t.size}; at least {SHORTEST} are needed"
         text += f" ({note})" if (note := _outside(channels, span)[1]) else ""
         raise InputError(Problem(text, file=table.file))
-    return without_silent_sensors(_fill_inputs(channels, table))
+    return without_silent_sensors(_fill_inputs(channels, table, held))
 
 
 def without_silent_sensors(channels: Channels) -> Channels:
@@ -92,8 +98,23 @@ def finite_or_missing(channels: Channels) -> Channels:
     return replace(channels, t=clean(channels.t), inputs=inputs, sensors=sensors)
 
 
-def _between_samples(channels: Channels) -> tuple[Channels, NDArray[np.bool_]]:
-    """Draw straight lines between the samples of inputs that are slower than the rows.
+def _between(
+    at: NDArray[np.float64], t: NDArray[np.float64], values: NDArray[np.float64], held: bool
+) -> NDArray[np.float64]:
+    """An input (K,) sampled at ``t`` (K,), s, at other times (N,): along lines, or held; NaN before
+    its first and after its last sample."""
+    line = np.interp(at, t, values, left=np.nan, right=np.nan)
+    if not held:
+        return line
+    last = np.clip(np.searchsorted(t, at, side="right") - 1, 0, t.size - 1)
+    return np.where(np.isnan(line), np.nan, values[last])
+
+
+def _between_samples(
+    channels: Channels, held: frozenset[str]
+) -> tuple[Channels, NDArray[np.bool_]]:
+    """Draw straight lines between the samples of inputs that are slower than the rows, or hold them
+    where they are ``held``.
 
     Flags the rows to keep: beyond the first and last sample of such an input, by less than its own
     step, its values are not known.
@@ -109,14 +130,15 @@ def _between_samples(channels: Channels) -> tuple[Channels, NDArray[np.bool_]]:
             continue
         known = ~np.isnan(values)
         first, *_, last = t[known]
-        line = np.interp(t, t[known], values[known], left=np.nan, right=np.nan)
+        line = _between(t, t[known], values[known], name in held)
         for gap in np.flatnonzero(np.diff(t[known]) > (LONGEST_HOLE + 1.5) * step):
             line[(t > t[known][gap]) & (t < t[known][gap + 1])] = np.nan
         inputs[name] = line
         keep &= (t >= first) | (t <= first - step)
         keep &= (t <= last) | (t >= last + step)
         rates = f"{1 / step:.4g} Hz beside rows at {1 / np.median(np.diff(t)):.4g} Hz"
-        notes.append(f"input {name}: {rates}; straight lines in between")
+        how = "held" if name in held else "straight lines"
+        notes.append(f"input {name}: {rates}; {how} in between")
     return replace(channels, inputs=inputs, notes=tuple(notes)), keep
 
 
@@ -192,7 +214,7 @@ def _more(count: int) -> str:
     return f" (and {count - 1} more)" if count > 1 else ""
 
 
-def _fill_inputs(channels: Channels, table: Table) -> Channels:
+def _fill_inputs(channels: Channels, table: Table, held: frozenset[str]) -> Channels:
     inputs: dict[str, NDArray[np.float64]] = {}
     notes: list[str] = []
     problems: list[Problem] = []
@@ -204,9 +226,10 @@ def _fill_inputs(channels: Channels, table: Table) -> Channels:
         if holes and not complaints:
             notes.append(
                 f"input {name}: {missing.sum()} missing sample{'s' * (int(missing.sum()) > 1)}"
-                f" interpolated, first at {holes[0].span(channels.t)}"
+                f" {'held over' if name in held else 'interpolated'},"
+                f" first at {holes[0].span(channels.t)}"
             )
-            values = np.interp(channels.t, channels.t[~missing], values[~missing])
+            values = _between(channels.t, channels.t[~missing], values[~missing], name in held)
         inputs[name] = values
     if problems:
         raise InputError(problems)

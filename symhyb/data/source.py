@@ -28,6 +28,7 @@ from symhyb.model.expression import (
 from symhyb.units import ONE, Unit, UnitError, parse_unit
 
 INDEX = "index"
+STANDARD_GRAVITY = replace(parse_unit("m/s^2"), text="g", factor=9.80665)  # of an accelerometer
 _DOTTED = re.compile(r"(?<![\w.])[A-Za-z_]\w*(?:\.\w+)+")
 
 
@@ -210,6 +211,8 @@ def _unit(text: str | None, channel: Wanted, table: Table) -> Unit | None:
     """Parse a unit in brackets and check that it measures the same thing as the channel."""
     if text is None:
         return None
+    if text.strip() == "g" and channel.unit.same_dimension(STANDARD_GRAVITY):
+        return STANDARD_GRAVITY
     try:
         unit = parse_unit(text)
     except UnitError as error:

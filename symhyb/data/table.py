@@ -13,6 +13,8 @@ from symhyb.units import UnitError, parse_unit
 PART = "#"
 """Behind the name of a file: which part of it is wanted."""
 _BRACKETED = re.compile(r"(.*?)\s*\[([^\[\]]*)\]\s*", re.DOTALL)
+_IN_PARENTHESES = re.compile(r"(.*?)\s+\(([^()]*)\)\s*", re.DOTALL)
+NO_UNIT = ("-", "–", "—", "none")  # what stands for the unit of a plain number
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,9 +92,26 @@ class Table:
 
 
 def split_unit(text: str) -> tuple[str, str | None]:
-    """Split ``laser [mm]`` into ``laser`` and ``mm``; without brackets the unit is None."""
+    """Split ``laser [mm]`` into ``laser`` and ``mm``, and ``laser (mm)`` where that is a unit that
+    we know; without one the unit is None."""
     found = _BRACKETED.fullmatch(text)
-    return (found[1].strip(), found[2].strip()) if found else (text.strip(), None)
+    if found is None:
+        found = _IN_PARENTHESES.fullmatch(text)
+        if found is not None and not is_unit(found[2]):
+            found = None
+    if found is None:
+        return text.strip(), None
+    unit = found[2].strip()
+    return found[1].strip(), "1" if unit in NO_UNIT else unit
+
+
+def is_unit(text: str) -> bool:
+    """Whether a text is a unit that we know, or stands for none."""
+    try:
+        parse_unit(text.strip())
+    except UnitError:
+        return text.strip() in NO_UNIT
+    return True
 
 
 def headed(name: str, unit: str) -> str:

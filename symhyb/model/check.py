@@ -6,6 +6,7 @@ from symhyb.model.check_constraints import constraint_faults
 from symhyb.model.check_elements import element_faults
 from symhyb.model.expression import RESERVED, Expression, Name, Number
 from symhyb.model.frames import frame_faults, place_unit
+from symhyb.model.limits import limit_faults
 from symhyb.model.scope import (
     GRAVITY,
     KINETIC,
@@ -77,6 +78,10 @@ def faults_of(model: Model, energy: Unit | None, unreadable: frozenset[str]) -> 
         yield from element_faults(element, model, scope, energy, unreadable)
     for sensor in model.sensors:
         yield from sensor_faults(sensor, model, scope, energy, unreadable)
+    units = {coordinate.name: coordinate.unit for coordinate in model.coordinates}
+    units |= {item.name: item.unit for item in model.inputs}
+    for limit in model.limits:
+        yield from limit_faults(limit, units)
 
 
 def _name_faults(model: Model) -> Iterator[Fault]:

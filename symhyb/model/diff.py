@@ -6,6 +6,7 @@ from difflib import unified_diff
 
 from symhyb.model.constraints import Constraint
 from symhyb.model.expression import Name
+from symhyb.model.limits import Limit
 from symhyb.model.types import (
     Body,
     Coordinate,
@@ -22,8 +23,9 @@ from symhyb.model.types import (
     place_text,
 )
 from symhyb.model.write import text_of
+from symhyb.units import parse_unit
 
-Part = Coordinate | Parameter | Input | Point | Body | Constraint | Element | Sensor
+Part = Coordinate | Parameter | Input | Point | Body | Constraint | Element | Sensor | Limit
 Facets = Mapping[str, str]
 
 
@@ -109,6 +111,7 @@ def _parts(model: Model) -> dict[str, Facets]:
         ("constraint", model.constraints),
         ("element", model.elements),
         ("sensor", model.sensors),
+        ("limits of", model.limits),
     )
     return {
         f"{section} {part.name}": _facets(part) for section, parts in sections for part in parts
@@ -138,6 +141,8 @@ def _facets(part: Part) -> Facets:
             return {"": " ".join((part.kind, ", ".join(part.names))).strip(), **held}
         case Element():
             return _element_facets(part)
+        case Limit():
+            return _limit_facets(part)
         case Input() | Sensor():
             return _channel_facets(part)
 
@@ -167,6 +172,18 @@ def _network_facets(network: Network) -> Facets:
         "inputs": ", ".join(seen.text for seen in network.inputs),
         "trust": ", ".join(f"{low:.6g} to {high:.6g}" for low, high in network.trust),
     }
+
+
+def _limit_facets(limit: Limit) -> Facets:
+    unit, facets = limit.unit, {}
+    if limit.between is not None:
+        low, high = limit.between
+        facets["between"] = f"{low:.6g} and {high:.6g} {unit}"
+    if limit.rate is not None:
+        facets["rate"] = f"{limit.rate:.6g} {unit / parse_unit('s')}"
+    if limit.acceleration is not None:
+        facets["acceleration"] = f"{limit.acceleration:.6g} {unit / parse_unit('s^2')}"
+    return facets
 
 
 def _channel_facets(channel: Input | Sensor) -> Facets:

@@ -12,6 +12,7 @@ from typing import TypeVar
 
 from symhyb.errors import InputError, Problem, did_you_mean
 from symhyb.model.check import energy_unit, faults_of
+from symhyb.model.limits import read_limit
 from symhyb.model.read_bodies import read_body, read_point
 from symhyb.model.read_constraints import read_constraint
 from symhyb.model.read_elements import read_element, read_parameter
@@ -39,9 +40,10 @@ SECTIONS = (
     "constraints",
     "elements",
     "sensors",
+    "limits",
 )
 _CHANNEL_KEYS = ("unit", "about", "gain", "offset", "delay")
-BETWEEN = ("line", "smooth")  # how an input runs between its samples
+BETWEEN = ("line", "smooth", "held")  # how an input runs between its samples
 
 Value = TypeVar("Value")
 
@@ -152,6 +154,7 @@ def _draft(root: Table, text: str, file: str) -> tuple[Model, frozenset[str]]:
         sensors=_present(map(_sensor, root.tables("sensors"))),
         energy=_energy(energy) if energy else Energy(),
         constraints=_present(map(read_constraint, root.tables("constraints"))),
+        limits=_present(read_limit(table, root) for table in root.tables("limits")),
         gravity=root.vector("gravity") if "gravity" in root.entries else None,
         text=text,
         file=file,

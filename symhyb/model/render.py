@@ -5,6 +5,7 @@ from collections.abc import Iterable, Iterator, Mapping
 
 from symhyb.model.constraints import CONSTRAINTS, Constraint
 from symhyb.model.expression import Expression
+from symhyb.model.limits import Limit
 from symhyb.model.types import (
     At,
     Between,
@@ -139,6 +140,7 @@ def _lines(model: Model) -> Iterator[str]:
             if (value := getattr(model.energy, key)) is not None
         ),
         "sensors": ((channel.name, _channel(channel)) for channel in model.sensors),
+        "limits": ((limit.name, _limit(limit, model)) for limit in model.limits),
     }
     for section, entries in sections.items():
         lines = list(_aligned(entries))
@@ -179,6 +181,11 @@ def _coordinate(coordinate: Coordinate) -> str:
 def _stated(coordinate: Coordinate, key: str, value: float) -> float | None:
     """A start that the file does not give may move where a loop has to close."""
     return value if value or key in coordinate.stated else None
+
+
+def _limit(limit: Limit, model: Model) -> str:
+    moving = any(limit.name == coordinate.name for coordinate in model.coordinates)
+    return _inline((("unit", limit.unit.text), *limit.entries(moving), ("about", limit.about)))
 
 
 def _point(point: Point) -> str:

@@ -11,6 +11,7 @@ from typing import Literal
 
 from symhyb.model.constraints import Assembly, Constraint
 from symhyb.model.expression import Expression
+from symhyb.model.limits import Limit
 from symhyb.units import ONE, Unit
 
 
@@ -68,8 +69,9 @@ class Coordinate:
 class Input:
     """A recorded signal that acts: acting(t) = gain·recorded(t − delay) + offset.
 
-    ``between`` says how it runs between its samples: along a ``line``, or ``smooth``; unset, a
-    recording tells by how its samples lie, and without one it is a line.
+    ``between`` says how it runs between its samples: along a ``line``, ``smooth``, or ``held`` from
+    each to the next; unset, a recording tells by how its samples lie whether it is smooth or a
+    line, and without one it is a line.
     """
 
     name: str
@@ -254,6 +256,7 @@ class Model:
     file: str = ""
     about: str = ""
     constraints: tuple[Constraint, ...] = ()
+    limits: tuple[Limit, ...] = ()
     assembly: Assembly | None = field(default=None, compare=False)
 
     def start(self) -> tuple[tuple[float, ...], tuple[float, ...]]:

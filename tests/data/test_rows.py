@@ -1,5 +1,7 @@
 """What is repaired and said, and what is refused: time, repeated rows, holes of inputs."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -176,3 +178,20 @@ def test_sensors_without_any_sample(read, refused, signals):
     assert recording.notes == ("sensor accel has no finite sample: left out",)
     signals["laser"][:] = np.inf
     assert "no sensor (laser, accel) has a finite sample" in refused(signals)
+
+
+def test_a_held_input_keeps_its_value_between_slow_samples_and_over_a_hole(model, write):
+    held = replace(model, inputs=(replace(model.inputs[0], between="held"),))
+    t = np.arange(100) / 100
+    wanted = np.floor(t * 20 + 1e-9) ** 2
+    slow = np.where(np.arange(100) % 5 == 0, wanted, np.nan)
+    slow[-1] = wanted[-1]
+    hole = wanted.copy()
+    hole[42:44] = np.nan
+    for values, said in ((slow, "held in between"), (hole, "2 missing samples held over")):
+        lines = [
+            f"{a:.2f},{'' if np.isnan(f) else f},{a:.4f}" for a, f in zip(t, values, strict=True)
+        ]
+        recording = read_recording(write("run.csv", "\n".join(["t,f,laser", *lines])), held)
+        np.testing.assert_allclose(recording.inputs["f"], wanted)
+        assert any(said in note for note in recording.notes)

@@ -219,7 +219,7 @@ ONE_FAULT = {
     "section no table": ('title = "base"', "energy = 3", "must be a table, not the number 3"),
     "unit missing": ('m = { value = 2, unit = "kg" }', "m = { value = 2 }", "'unit' is missing"),
     "unit misspelt": ("value = 2, unit", "value = 2, unti", "did you mean 'unit'"),
-    "unit unknown": ('"N*s/m"', '"Ns/m"', "did you mean 'N*s'"),
+    "unit unknown": ('"N*s/m"', '"Vs/m"', "did you mean 'V*s'"),
     "unit empty": ('"N*s/m"', '""', "unit is empty"),
     "value missing": ('value = 0.1, unit = "N*s/m"', 'unit = "N*s/m"', "'value' is missing"),
     "value true": ("value = 9.81", "value = true", "not the truth value true"),

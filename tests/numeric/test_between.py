@@ -73,7 +73,9 @@ def test_other_columns_stay_lines() -> None:
 
 
 def test_the_word_is_checked_and_written() -> None:
-    with pytest.raises(InputError, match="must be one of line, smooth, not 'smoth'; did you mean"):
+    with pytest.raises(
+        InputError, match="must be one of line, smooth, held, not 'smoth'; did you mean"
+    ):
         model(', between = "smoth"')
     assert model(SMOOTH).inputs[0].between == "smooth"
     rendered = text_of(replace(model(SMOOTH), text=""))

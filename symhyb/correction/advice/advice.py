@@ -6,7 +6,8 @@ from math import exp, inf
 
 import numpy as np
 
-from symhyb.correction.advice.manoeuvre import Rivals, Told, design
+from symhyb.correction.advice.bounds import bounds_of
+from symhyb.correction.advice.manoeuvre import Design, Rivals, Told, design
 from symhyb.correction.advice.newsensor import telling_sensor
 from symhyb.correction.naming.findings import cause_phrase, rivals_of
 from symhyb.correction.search.conventions import RIVAL
@@ -32,10 +33,10 @@ def advise(
     pairs = _pairs(decision)
     if not pairs:
         return None, None
-    told = design(prepared, setting, pairs)
-    if told is None:
-        return _no_manoeuvre(prepared, setting, pairs), None
-    plan = _said(told, pairs)
+    found = design(prepared, setting, pairs)
+    if found.told is None:
+        return no_manoeuvre(prepared, setting, pairs, found), None
+    plan = _said(found.told, pairs, bounds_of(prepared).stated)
     return plan.sentence, plan
 
 
@@ -52,8 +53,9 @@ def _pairs(decision: Decision) -> list[Rivals]:
     return pairs[:PAIRS_MOST]
 
 
-def _said(told: Told, pairs: Sequence[Rivals]) -> Manoeuvre:
-    """The manoeuvre with what it tells apart, and its sentence."""
+def _said(told: Told, pairs: Sequence[Rivals], stated: Sequence[str]) -> Manoeuvre:
+    """The manoeuvre with what it tells apart, and its sentence; ``stated`` are the channels for
+    which the model file states how far they may go."""
     decided = [pair for pair, ok in zip(pairs, told.decided, strict=True) if ok]
     open_ = [pair for pair, ok in zip(pairs, told.decided, strict=True) if not ok]
     least = min(e for e, ok in zip(told.evidence, told.decided, strict=True) if ok)
@@ -63,7 +65,7 @@ def _said(told: Told, pairs: Sequence[Rivals]) -> Manoeuvre:
         f"{_action(told.plan)}. This is expected to tell {names[0]} from {others} "
         f"with odds of {_odds(least)}."
     )
-    if told.plan.beyond:
+    if told.plan.beyond and told.plan.channel not in stated:
         said += " It asks more of the machine than what was recorded: check that it may."
     if open_:
         left = joined(list(dict.fromkeys(pair.names[1] for pair in open_)), "or")
@@ -102,15 +104,29 @@ def _action(plan: Manoeuvre) -> str:
     return f"Drive {plan.channel} with {signal}{about}, from rest, for {lasting}"
 
 
-def _no_manoeuvre(prepared: Prepared, setting: Setting, pairs: Sequence[Rivals]) -> str:
-    """What is said where no manoeuvre tells any pair apart: which sensor would."""
+def no_manoeuvre(
+    prepared: Prepared, setting: Setting, pairs: Sequence[Rivals], found: Design
+) -> str:
+    """What is said where no manoeuvre tells any pair apart: what hinders them, and which sensor
+    would."""
     first, second = pairs[0].names
-    said = f"No manoeuvre within three times what was recorded tells {first} from {second}"
-    found = telling_sensor(prepared, setting, pairs[0])
-    if found is None:
-        return f"{said}, nor would a further sensor of a coordinate's motion."
-    sensor, plan = found
-    return f"{said}; a further sensor of {sensor} would. {_action(plan)}."
+    within = "the travel, speed and acceleration that were recorded"
+    if prepared.model.limits:
+        within = f"the limits of the model file and {within} where it states none"
+    said = f"No manoeuvre within {within} tells {first} from {second}"
+    more = ""
+    if found.hindered:
+        more = (
+            f" Larger ones would exceed {found.hindered}: if the machine may do more than that, "
+            "state it under [limits] of the model file."
+        )
+    if not found.playable:
+        return f"{said}: none that is worth recording stays within them.{more}"
+    sensor = telling_sensor(prepared, setting, pairs[0])
+    if sensor is None:
+        return f"{said}, nor would a further sensor of a coordinate's motion.{more}"
+    words, plan = sensor
+    return f"{said}; a further sensor of {words} would. {_action(plan)}.{more}"
 
 
 def better_recording(prepared: Prepared) -> str:

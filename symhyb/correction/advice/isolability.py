@@ -22,6 +22,7 @@ from symhyb.correction.search.evidence import believable, named, unit_of
 from symhyb.correction.search.selection import Problem
 from symhyb.correction.search.setting import Setting, around
 from symhyb.correction.search.trajectory import Refined, grouped, refine
+from symhyb.discrepancy.fitting.normal import shortest_solution
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.results import Isolability
 from symhyb.numeric.kernels.buffers import Array
@@ -112,7 +113,7 @@ class _Space:
         self.winner = decision.winner
         self.problem = around(setting, self.winner)
         self.gram = self.problem.gram + self.problem.held
-        self.gram = self.gram[:-1, :-1] + np.diag(self.problem.prior)
+        self.gram = computable(self.gram[:-1, :-1]) + np.diag(self.problem.prior)
         self.unit = unit_of(self.winner)
         self.own = tuple(self._own(setting))
 
@@ -184,12 +185,21 @@ class _Space:
         return rest, own
 
     def _rest(self, effect: Array, columns: Sequence[int]) -> tuple[float, Array]:
-        whole = float(effect @ self.gram @ effect)
-        if not columns:
-            return whole, np.zeros(0)
-        index = list(columns)
-        block, right = self.gram[np.ix_(index, index)], (self.gram @ effect)[index]
-        scale = np.sqrt(np.maximum(np.diag(block), 1e-300))
-        values = np.linalg.lstsq(block / np.outer(scale, scale), right / scale, rcond=1e-10)[0]
-        values = values / scale
-        return max(whole - float(right @ values), 0.0), values
+        return imitated(self.gram, effect, columns)
+
+
+def computable(gram: Array) -> Array:
+    """A Gram matrix (F, F), per SI units, in which a column that could not be computed along this
+    motion (its law leaves the range of numbers there) has no effect, and so imitates nothing."""
+    able = np.isfinite(np.diag(gram))
+    return np.asarray(np.where(able[:, None] & able & np.isfinite(gram), gram, 0.0))
+
+
+def imitated(gram: Array, effect: Array, columns: Sequence[int]) -> tuple[float, Array]:
+    """|rest|² of an effect (F,) that ``columns`` imitate, and their coefficients, SI. Columns may
+    be the same or do nothing: what two share is split between them."""
+    whole = float(effect @ gram @ effect)
+    index = list(columns)
+    right = (gram @ effect)[index]
+    values = shortest_solution(gram[np.ix_(index, index)], right)
+    return max(whole - float(right @ values), 0.0), values

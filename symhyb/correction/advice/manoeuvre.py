@@ -9,14 +9,16 @@ is the evidence to expect, at the noise and its correlation as measured:
 A recording with E in expectation scatters by √(2E). Sizes: N samples, n coordinates, k inputs.
 """
 
+from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import inf, log
 
 import numpy as np
 
-from symhyb.correction.advice.offers import factor_of, offers, rest_of, resting
-from symhyb.correction.advice.signals import signal_of
+from symhyb.correction.advice.bounds import bounds_of
+from symhyb.correction.advice.offers import offers
+from symhyb.correction.advice.playing import played, restrained
 from symhyb.correction.search.evidence import NOISE_SHARE, unit_of
 from symhyb.correction.search.preparing import Prepared
 from symhyb.correction.search.setting import Setting
@@ -24,17 +26,11 @@ from symhyb.correction.search.trajectory import Refined, grouped, refine
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.motion import Motion
 from symhyb.discrepancy.recorded.runs import Run, laid_on
-from symhyb.discrepancy.recorded.windows import STEEP, reversals
 from symhyb.discrepancy.results import Manoeuvre
-from symhyb.numeric.kernels.buffers import Array, call
-from symhyb.numeric.lowered.dynamics import state_form
-from symhyb.numeric.runs.windows import Block, WindowModel
 
 ODDS = 100.0  # to 1: decisive
 MARGIN = 2.0  # standard deviations of the evidence, by which the expected one must exceed ln(ODDS)
-TRAVEL_MOST = 3.0  # of the travel that was recorded
 FITS_MOST = 48  # of one explanation to what another one would do
-ADDED = "another_sensor"  # the name of one that is tried beside those that recorded
 WINDOWS = 3  # that a manoeuvre holds at least
 
 
@@ -45,6 +41,16 @@ class Rivals:
     first: Refined
     second: Refined
     names: tuple[str, str]
+
+
+@dataclass(frozen=True, slots=True)
+class Design:
+    """What was found to record next: the best manoeuvre, None if none tells anything; and what kept
+    most of the ``hindered`` ones from going further, empty if nothing did."""
+
+    told: "Told | None"
+    hindered: str = ""
+    playable: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,25 +68,39 @@ class Told:
         return tuple(e >= n for e, n in zip(self.evidence, self.needed, strict=True))
 
 
-def design(prepared: Prepared, setting: Setting, pairs: Sequence[Rivals]) -> Told | None:
-    """The cheapest manoeuvre that tells all pairs apart, else that which tells most of them; None
-    if none tells any."""
+def design(prepared: Prepared, setting: Setting, pairs: Sequence[Rivals]) -> Design:
+    """The cheapest manoeuvre that tells all pairs apart, else that which tells most of them, within
+    what the machine may do."""
     best: Told | None = None
     left = FITS_MOST
-    for plan in offers(prepared, pairs[0].first.machine):
+    truths = [pairs[0].first, *(pair.second for pair in pairs)]
+    bounds, most = bounds_of(prepared), dict[tuple[object, ...], float]()
+    hindered: Counter[str] = Counter()
+    playable = False
+    for offer in offers(prepared, pairs[0].first.machine):
+        kind = (offer.channel, offer.signal, offer.frequency, offer.duration)
+        if offer.amplitude > most.get(kind, inf):
+            continue  # as far as it may go, it was tried
+        plan, exceeded = restrained(prepared, truths, offer, bounds)
+        if exceeded:
+            hindered[exceeded] += 1
+            most[kind] = 0.0 if plan is None else plan.amplitude
+        if plan is None:
+            continue
+        playable = True
         told, spent = _told(prepared, setting, pairs, plan)
         left -= spent
-        if told is not None and sum(told.decided) > (0 if best is None else sum(best.decided)):
+        if sum(told.decided) > (0 if best is None else sum(best.decided)):
             best = told
         if (best is not None and all(best.decided)) or left <= 0:
             break
-    return best
+    return Design(best, next((what for what, _ in hindered.most_common(1)), ""), playable)
 
 
 def _told(
     prepared: Prepared, setting: Setting, pairs: Sequence[Rivals], plan: Manoeuvre
-) -> tuple[Told | None, int]:
-    """What a manoeuvre says, None if it asks too much of the machine, and how many fits it took."""
+) -> tuple[Told, int]:
+    """What a manoeuvre tells of each pair, and how many fits it took."""
     samples = plan.duration / plan.sampling
     needed = tuple(needed_evidence(pair, samples) for pair in pairs)
     evidence, spent = [], 0
@@ -89,8 +109,6 @@ def _told(
         worst = inf
         for truth, rival in ways:
             made = played(prepared, truth, plan)
-            if made is None:
-                return None, spent
             worst = min(worst, expected(prepared, setting, made, truth, rival))
             spent += 1
             if worst < least:
@@ -129,71 +147,3 @@ def expected(
     if fitted.reason:
         return 0.0
     return float(fitted.chi2.sum()) / (2 * max(unit_of(truth), unit_of(rival), 1.0))
-
-
-def played(prepared: Prepared, truth: Refined, plan: Manoeuvre) -> tuple[Recording, Motion] | None:
-    """The recording, without noise, that a manoeuvre would give if ``truth`` were all; None if the
-    machine would travel further than is reasonable."""
-    machine, model = truth.machine, truth.machine.model
-    t = np.arange(0.0, plan.duration + plan.sampling / 2, plan.sampling)
-    q0, reach = rest_of(prepared)
-    given = np.repeat(q0[None], t.size, axis=0)
-    inputs = {item.name: np.full(t.size, resting(prepared, item.name)) for item in model.inputs}
-    driven = factor_of(machine, plan.channel) * signal_of(plan, t)
-    names = [c.name for c in model.coordinates]
-    if plan.channel in inputs:
-        inputs[plan.channel] = driven
-    elif plan.signal == "release":
-        q0 = q0.copy()
-        q0[names.index(plan.channel)] += factor_of(machine, plan.channel) * plan.amplitude
-    else:
-        given[:, names.index(plan.channel)] = driven
-    u = np.column_stack(list(inputs.values())) if inputs else np.empty((t.size, 0))
-    rate = np.gradient(given, t, axis=0)
-    form = state_form(machine)
-    drive = form.driven(u, given, rate, np.gradient(rate, t, axis=0))
-    (z0,) = call(machine.inner_rest, (q0, 0.0, truth.p))
-    start = form.state(q0[None], np.zeros((1, q0.size)), z0.reshape(1, -1))
-    x, y = _simulated(
-        prepared,
-        truth,
-        Block(
-            t[None],
-            drive[None],
-            np.empty((1, t.size, 0)),
-            np.ones((1, t.size - 1), np.int64),
-            (t, u),
-        ),
-        start,
-    )
-    q, v = form.motion(x, drive)
-    with np.errstate(invalid="ignore", over="ignore"):
-        if not np.all(np.ptp(q, axis=0)[list(machine.free)] <= TRAVEL_MOST * reach):
-            return None
-    own = prepared.runs[0].motion
-    motion = replace(own, t=t, q=q, v=v, a=np.gradient(v, t, axis=0), blind=())
-    imposed = {names[i]: given[:, i] for i in machine.imposed}
-    seen = {ADDED}.union(*(run.recording.sensors for run in prepared.runs))
-    sensors = {
-        s.name: column for s, column in zip(model.sensors, y.T, strict=True) if s.name in seen
-    }
-    return Recording("next", t, {**inputs, **imposed}, sensors, (), ""), motion
-
-
-def _simulated(
-    prepared: Prepared, truth: Refined, block: Block, start: Array
-) -> tuple[Array, Array]:
-    """States (N, X) and outputs (N, m) of one long run; finer near reversals where a law is
-    steep."""
-    late = tuple(c.path.removesuffix(".delay") for c in truth.causes if c.kind == "delay")
-    model = WindowModel(truth.machine, tuple(map(truth.machine.column, truth.paths)), late)
-    run = prepared.runs[0]
-    steep = any(element.kind in STEEP for element in truth.machine.model.elements)
-    parts = np.full_like(block.substeps, run.steps * (4 if steep else 1))
-    with np.errstate(over="ignore", invalid="ignore"):
-        x, y = model.simulate(replace(block, substeps=parts), start, truth.p)
-        if steep and np.isfinite(x).all():
-            _, v = model.form.motion(x[0], block.d[0])
-            parts = run.steps * np.where(reversals(v), run.fine, 1)[None]
-            x, y = model.simulate(replace(block, substeps=parts), start, truth.p)
-    return x[0], y[0]

@@ -5,8 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from symhyb.correction.advice.manoeuvre import ADDED, Rivals, expected, needed_evidence, played
+from symhyb.correction.advice.bounds import bounds_of
+from symhyb.correction.advice.manoeuvre import Rivals, expected, needed_evidence
 from symhyb.correction.advice.offers import offers
+from symhyb.correction.advice.playing import ADDED, played, restrained
 from symhyb.correction.search.preparing import Prepared
 from symhyb.correction.search.setting import Setting
 from symhyb.correction.search.trajectory import Refined
@@ -27,8 +29,10 @@ def telling_sensor(
     """The first sensor of a coordinate, in words, with which a manoeuvre within what was recorded
     would tell two rivals apart, and that manoeuvre; None if none does. Its noise, relative to what
     it sees, is taken to be that of the best sensor there is."""
+    bounds, truths = bounds_of(prepared), (pair.first, pair.second)
     plans = (plan for plan in offers(prepared, pair.first.machine) if not plan.beyond)
-    plan = next((plan for plan in plans if played(prepared, pair.first, plan) is not None), None)
+    kept = (restrained(prepared, truths, plan, bounds)[0] for plan in plans)
+    plan = next((plan for plan in kept if plan is not None), None)
     if plan is None:
         return None
     needed = needed_evidence(pair, plan.duration / plan.sampling)
@@ -38,8 +42,7 @@ def telling_sensor(
         seeing = replace(setting, sd=np.append(setting.sd, sd))
         first, second = (_seen(one, sensor) for one in (pair.first, pair.second))
         if all(
-            (made := played(more, truth, plan)) is not None
-            and expected(more, seeing, made, truth, rival) >= needed
+            expected(more, seeing, played(more, truth, plan), truth, rival) >= needed
             for truth, rival in ((first, second), (second, first))
         ):
             return words, plan

@@ -1,4 +1,4 @@
-"""Manoeuvres that are reasonable for a machine: within what it did and a little beyond.
+"""Manoeuvres that are worth asking of a machine: what drove it, and a little beyond.
 
 Amplitudes follow what was recorded, frequencies the machine's own and those recorded. Sizes: n
 coordinates.
@@ -191,6 +191,17 @@ def _channels(prepared: Prepared, machine: Machine) -> Iterator[tuple[str, str, 
         peak = max(float(np.abs(signal - level).max()) for signal in signals)
         if peak > 0:
             yield item.name, item.unit.text, level / item.unit.factor, peak / item.unit.factor
+
+
+def peaks(prepared: Prepared, machine: Machine) -> dict[str, float]:
+    """How far from its level every input and imposed coordinate was driven, and half the travel of
+    every free one, each in its own unit."""
+    _, reach = rest_of(prepared)
+    found = {name: peak for name, _, _, peak in _channels(prepared, machine)}
+    for i in machine.free:
+        item = machine.model.coordinates[i]
+        found[item.name] = float(reach[i]) / 2 / item.unit.factor
+    return found
 
 
 def resting(prepared: Prepared, name: str) -> float:

@@ -38,6 +38,7 @@ from symhyb.errors import InputError, Problem
 from symhyb.model.types import Model, Place
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.lowered.machine import Machine, build
+from symhyb.numeric.runs.between import held_columns
 from symhyb.numeric.runs.windows import WindowModel
 
 SAMPLES_PERIOD = 80  # of the shortest period, that are kept
@@ -166,9 +167,9 @@ def _relative_noise(prepared: Prepared) -> float:
 
 def _sag(prepared: Prepared) -> float:
     """What first-order hold may take from an input, relative to it: the sag |Δ²u|/8 of the true
-    signal's chord between two samples; nothing where the input is known to be smooth there."""
+    signal's chord between two samples; nothing where the input is known to be smooth or held."""
     worst = 0.0
-    lines = [item.name for item in prepared.model.inputs if item.between != "smooth"]
+    lines = [item.name for item in prepared.model.inputs if item.between not in ("smooth", "held")]
     for run in prepared.runs:
         for values in map(run.recording.inputs.__getitem__, lines):
             size = float(np.std(values))
@@ -307,7 +308,7 @@ def _thin(run: Run, machine: Machine, shortest: float) -> Run:
     step = float(np.median(np.diff(run.recording.t)))
     dense = int(shortest / SAMPLES_PERIOD / step)
     factor = max(min(dense, run.recording.t.size // SAMPLES_LEAST), 1)
-    if factor == 1:
+    if factor == 1 or held_columns(machine.model.inputs):  # averages of what is held are not held
         return run
     short = thinned(run.recording, factor)
     return Run(short, motion_of(short, machine), run.sd)

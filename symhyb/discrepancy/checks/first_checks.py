@@ -29,14 +29,15 @@ from symhyb.discrepancy.checks.timing import Timing, timing_of
 from symhyb.discrepancy.recorded.course import Course, course_of
 from symhyb.discrepancy.recorded.motion import Motion, motion_of
 from symhyb.discrepancy.recorded.runs import Run
-from symhyb.discrepancy.recorded.signals import acting, measured
+from symhyb.discrepancy.recorded.signals import acting, driving, measured
 from symhyb.discrepancy.results import Repeats
 from symhyb.discrepancy.words.wording import joined
 from symhyb.model.types import Model
-from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.kernels.buffers import Array, on_lines
 from symhyb.numeric.lowered.dynamics import state_form
 from symhyb.numeric.lowered.linear import depends_on_time
 from symhyb.numeric.lowered.machine import Machine
+from symhyb.numeric.runs.between import held_columns
 from symhyb.numeric.runs.integrate import simulate
 from symhyb.numeric.runs.scenario import Scenario
 
@@ -147,6 +148,8 @@ def _shortened(recording: Recording, machine: Machine) -> Recording:
     if still([head]):
         return thinned(recording, recording.t.size // SAMPLES_MOST)
     factor = coarsest(recording, SAMPLES_MOST, float(motion_of(head, machine).periods().min()))
+    if held_columns(machine.model.inputs):  # averages of what is held are not held
+        factor = 1
     if factor < recording.t.size // SAMPLES_MOST:
         recording = recording.crop(end=float(recording.t[SAMPLES_MOST * factor]))
     return thinned(recording, factor)
@@ -209,15 +212,16 @@ def _free_run(
     """The model simulated from the smoothed start, by sensor."""
     form = state_form(machine)
     size = np.abs(course.states).max(axis=0, initial=0.0)
+    t_u, u = driving(recording, machine)
     scenario = Scenario(
         recording.t,
         course.q[0],
         course.v[0],
-        recording.t,
-        course.u,
+        t_u,
+        u,
         np.where(size > 0, size, 1.0),
         z=course.z[0],
-        given=course.drive[:, form.inputs :] if form.given else None,
+        given=on_lines(recording.t, course.drive[:, form.inputs :], t_u) if form.given else None,
     )
     run = simulate(machine, scenario)
     names = [sensor.name for sensor in machine.model.sensors]

@@ -25,6 +25,7 @@ from symhyb.errors import InputError
 from symhyb.model.types import Input, Model, Parameter, Sensor
 from symhyb.numeric.kernels.buffers import resampled
 from symhyb.numeric.lowered.machine import Machine
+from symhyb.numeric.runs.between import held_columns
 from symhyb.units import ONE, Unit, parse_unit
 
 SUSPECT = 2e-3  # of all squared forces, that no ordinary cause takes: below, nothing is suspected
@@ -142,7 +143,7 @@ def suspect(machine: Machine, runs: Sequence[Run]) -> Repair:
     before = _measured(machine, runs)
     if before is None or before.worst < SUSPECT or any(run.motion.blind for run in runs):
         return Repair(model, ())
-    short = [_shortened(run) for run in runs]
+    short = [_shortened(run, machine) for run in runs]
     spacing = float(np.median([run.motion.spacing_s for run in runs]))
     plain = _along(machine, short, spacing)
     before = None if plain is None else _measured(machine, plain)
@@ -228,10 +229,12 @@ def _measured(machine: Machine, runs: Sequence[Run]) -> Misfit | None:
     return found if np.isfinite(found.worst) and np.isfinite(found.plain) else None
 
 
-def _shortened(run: Run) -> Recording:
-    """The part of a recording that moves most, thinned as far as its motion allows."""
+def _shortened(run: Run, machine: Machine) -> Recording:
+    """The part of a recording that moves most, thinned as far as its motion and inputs allow."""
     step = float(np.median(np.diff(run.recording.t)))
     dense = int(float(run.motion.periods().min()) / SAMPLES_PERIOD / step)
+    if held_columns(machine.model.inputs):  # averages of what is held are not held
+        dense = 1
     recording = thinned(run.recording, max(min(dense, run.recording.t.size // SAMPLES_MOST), 1))
     size = recording.t.size
     if size <= SAMPLES_MOST:

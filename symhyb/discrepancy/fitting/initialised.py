@@ -21,7 +21,7 @@ from symhyb.errors import InputError, Problem
 from symhyb.model.types import Model
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.lowered.machine import Machine, build
-from symhyb.numeric.runs.between import finer, smooth_columns
+from symhyb.numeric.runs.between import bent_columns, finer
 from symhyb.numeric.runs.windows import Block, WindowModel
 
 SAMPLES = 50  # that set the initial state, as the published scores of the Silverbox have it
@@ -86,5 +86,5 @@ def _whole(recording: Recording, machine: Machine, steps: int) -> Block:
         u[None],
         measured(recording, machine)[None],
         np.full((1, recording.t.size - 1), steps),
-        finer(*record, smooth_columns(inputs)),
+        finer(*record, *bent_columns(inputs)),
     )

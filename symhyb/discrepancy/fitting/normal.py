@@ -9,6 +9,7 @@ from scipy.optimize import lsq_linear
 from symhyb.numeric.kernels.buffers import Array
 
 UNSEEN = 1e-13  # of the largest eigenvalue of a scaled normal matrix
+ALIKE = 1e-10  # the same, below which columns are one and the same: their share is split
 
 
 def bounded_step(gram: Array, right: Array, damping: float, lower: Array, upper: Array) -> Array:
@@ -41,3 +42,15 @@ def inverse_of(gram: Array) -> Array:
     weight = 1 / np.maximum(power, max(UNSEEN * power[-1], UNSEEN**2))
     with np.errstate(over="ignore"):  # a number that does nothing is as uncertain as can be
         return np.asarray((axes * weight) @ axes.T / balance)
+
+
+def shortest_solution(gram: Array, right: Array) -> Array:
+    """Minimise ½ xᵀ G x − rᵀ x (F,), SI, also where G is singular: of all minima the shortest in
+    scaled numbers, with 0 for a column that does nothing."""
+    if right.size == 0:
+        return np.zeros(0)
+    scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
+    power, axes = np.linalg.eigh(gram / scale[:, None] / scale)
+    seen = power > max(ALIKE * power[-1], 1e-300)
+    weight = np.where(seen, 1 / np.where(seen, power, 1.0), 0.0)
+    return np.asarray((axes * weight) @ (axes.T @ (right / scale)) / scale)

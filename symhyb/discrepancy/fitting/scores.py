@@ -15,12 +15,13 @@ from symhyb.discrepancy.fitting.task import starts_only
 from symhyb.discrepancy.recorded.course import course_of
 from symhyb.discrepancy.recorded.residual import applied_force, discrepancy
 from symhyb.discrepancy.recorded.runs import Run, laid_on
-from symhyb.discrepancy.recorded.signals import measured
+from symhyb.discrepancy.recorded.signals import driving, measured
 from symhyb.discrepancy.recorded.windows import Laid
 from symhyb.discrepancy.results import Score
-from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.kernels.buffers import Array, on_lines
 from symhyb.numeric.lowered.dynamics import StateForm
 from symhyb.numeric.lowered.machine import Machine
+from symhyb.numeric.runs.between import held_columns
 from symhyb.numeric.runs.integrate import Trajectory, simulate
 from symhyb.numeric.runs.scenario import Scenario
 from symhyb.numeric.runs.windows import WindowModel
@@ -95,15 +96,16 @@ def free_run(model: WindowModel, run: Run) -> Trajectory:
     scales = np.abs(course.states).max(axis=0, initial=0.0)
     start, f = _fitted_start(model, run), len(form.free)
     q, v = form.motion(start, course.drive[0])
+    t_u, u = driving(recording, machine)
     scenario = Scenario(
         recording.t,
         q,
         v,
-        recording.t,
-        course.u,
+        t_u,
+        u,
         np.where(scales > 0, scales, 1.0),
         z=start[2 * f :],
-        given=course.drive[:, form.inputs :] if form.given else None,
+        given=on_lines(recording.t, course.drive[:, form.inputs :], t_u) if form.given else None,
     )
     return simulate(machine, scenario)
 
@@ -116,6 +118,8 @@ def _fitted_start(model: WindowModel, run: Run) -> Array:
     that the model file states is taken.
     """
     factor = coarsest(run.recording, RUN_SAMPLES, float(run.motion.periods().min()))
+    if held_columns(model.machine.model.inputs):  # averages of what is held are not held
+        factor = 1
     short = replace(run, recording=thinned(run.recording, factor), motion=run.motion.every(factor))
     first = course_of(run.recording, model.machine, run.motion).states[0]
     starts: list[Array] = [first, _stated(model.form, first)]

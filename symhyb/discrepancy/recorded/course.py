@@ -7,7 +7,7 @@ import numpy as np
 
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.motion import Motion
-from symhyb.discrepancy.recorded.signals import acting, measured
+from symhyb.discrepancy.recorded.signals import acting, centred, measured
 from symhyb.model.expression import Reading
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.lowered.dynamics import state_form
@@ -19,8 +19,10 @@ from symhyb.numeric.lowered.machine import Machine
 class Course:
     """Motion ``q``, ``v``, ``a`` (N, n), inner states ``z`` (N, z) of elements, inputs ``u`` (N, k)
     at ``t`` (N,); ``states`` (N, X) and ``drive`` (N, drive) are the same for the machine as a
-    first-order system. ``reaction`` (N, n) is the measured force that drives a coordinate: 0 if it
-    is free, NaN if it is imposed and its force is not measured. All SI."""
+    first-order system. Where a held input jumps, ``u`` is the mean of both sides, as the smoothed
+    motion has it, and ``drive`` what acts from then on. ``reaction`` (N, n) is the measured force
+    that drives a coordinate: 0 if it is free, NaN if it is imposed and its force is not measured.
+    All SI."""
 
     t: Array
     q: Array
@@ -36,7 +38,7 @@ class Course:
 @lru_cache(maxsize=32)
 def course_of(recording: Recording, machine: Machine, motion: Motion) -> Course:
     """The course of a recording for one machine, whose inner states begin at rest."""
-    u, form = acting(recording, machine), state_form(machine)
+    u, form = centred(recording, machine), state_form(machine)
     z = inner_along(machine, motion.t, (motion.q, motion.v, motion.a), u, machine.values)
     return Course(
         motion.t,
@@ -46,7 +48,7 @@ def course_of(recording: Recording, machine: Machine, motion: Motion) -> Course:
         z,
         u,
         states=form.state(motion.q, motion.v, z),
-        drive=form.driven(u, motion.q, motion.v, motion.a),
+        drive=form.driven(acting(recording, machine), motion.q, motion.v, motion.a),
         reaction=_reaction(recording, machine),
     )
 

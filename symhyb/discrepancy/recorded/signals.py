@@ -6,8 +6,9 @@ Sizes: N samples, m sensors, k inputs.
 import numpy as np
 
 from symhyb.data.recording import Recording
-from symhyb.numeric.kernels.buffers import Array, later
+from symhyb.numeric.kernels.buffers import Array, held_at, later
 from symhyb.numeric.lowered.machine import Machine
+from symhyb.numeric.runs.between import held_columns, with_jumps
 
 
 def measured(recording: Recording, machine: Machine) -> Array:
@@ -30,9 +31,32 @@ def acting(recording: Recording, machine: Machine) -> Array:
     for item in machine.model.inputs:
         column = recording.inputs[item.name]
         if item.delay is not None and item.delay.si != 0:
-            column = later(recording.t, column, item.delay.si)
+            if item.between == "held":
+                column = held_at(recording.t, column, recording.t - item.delay.si)
+            else:
+                column = later(recording.t, column, item.delay.si)
         columns.append(column)
     return np.column_stack(columns) if columns else np.empty((recording.t.size, 0))
+
+
+def driving(recording: Recording, machine: Machine) -> tuple[Array, Array]:
+    """The inputs (K, k), SI, as they act, with the times (K,), s, between which a simulation may
+    follow them: those of the recording, and those at which delayed held inputs jump."""
+    inputs, u = machine.model.inputs, acting(recording, machine)
+    held = held_columns(inputs)
+    for i in held:
+        u[:, i] = recording.inputs[inputs[i].name]
+    delays = [item.delay.si if item.delay else 0.0 for item in inputs]
+    return with_jumps(recording.t, u, held, delays)
+
+
+def centred(recording: Recording, machine: Machine) -> Array:
+    """The recorded inputs (N, k), SI, as a smoothed motion sees them: what is held counts at a jump
+    with the mean of both sides."""
+    u = acting(recording, machine)
+    for i in held_columns(machine.model.inputs):
+        u[1:, i] = (u[1:, i] + u[:-1, i]) / 2
+    return u
 
 
 def noise_level(values: Array) -> float:

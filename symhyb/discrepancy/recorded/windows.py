@@ -19,7 +19,7 @@ from symhyb.discrepancy.recorded.signals import measured
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.lowered.dynamics import state_form
 from symhyb.numeric.lowered.machine import Machine
-from symhyb.numeric.runs.between import finer, smooth_columns
+from symhyb.numeric.runs.between import bent_columns, finer
 from symhyb.numeric.runs.windows import Block, WindowModel
 
 FINITE_SHARE = 0.7  # of the samples of the fullest quarter of windows, that must be there
@@ -152,7 +152,7 @@ def lay(
     parts = np.ones(recording.t.size - 1, int) if substeps is None else substeps
     inputs = [recording.inputs[item.name] for item in machine.model.inputs]
     recorded = recording.t, np.column_stack(inputs) if inputs else np.empty((recording.t.size, 0))
-    recorded = finer(*recorded, smooth_columns(machine.model.inputs))
+    recorded = finer(*recorded, *bent_columns(machine.model.inputs))
     block = Block(recording.t[rows], course.drive[rows], y[rows], parts[rows[:, :-1]], recorded)
     least = int(parts.min())
     return Laid(block, states[:, 0], states, held, rows, (recording, motion), steps=least)

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+SLACK = 1e-6  # of a sample: times this near to one are that one
+
 
 def call(function: ca.Function, arguments: Sequence[Array | float]) -> tuple[Array, ...]:
     """Evaluate ``function`` with dense outputs; shapes are CasADi's, transposed.
@@ -62,10 +64,35 @@ def resampled(t: Array, values: Array, at: Array) -> Array:
     return np.asarray(curve(np.clip(at, t[0], t[-1])))
 
 
+def held_at(t: Array, values: Array, at: Array) -> Array:
+    """A signal (K,) that is held from each of the times ``t`` (K,), s, to the next, at other times
+    (any shape), in its unit; its first and last value hold outside. Rounding of a time does not
+    bring back the value before."""
+    slack = SLACK * float(np.median(np.diff(t))) if t.size > 1 else 0.0
+    place = np.searchsorted(t, at + slack, side="right") - 1
+    return np.asarray(values[np.clip(place, 0, t.size - 1)])
+
+
+def held_mean(t: Array, values: Array, begin: Array, end: Array) -> Array:
+    """The mean of the same signal from ``begin`` to ``end`` (any shape, s, end > begin)."""
+    area = np.concatenate([[0.0], np.cumsum(values[:-1] * np.diff(t))])
+
+    def until(at: Array) -> Array:
+        before, after = np.minimum(at - t[0], 0.0), np.maximum(at - t[-1], 0.0)
+        return np.asarray(np.interp(at, t, area) + values[0] * before + values[-1] * after)
+
+    return (until(end) - until(begin)) / (end - begin)
+
+
+def on_line(t: Array, values: Array, at: Array) -> Array:
+    """A signal (K,) recorded at times ``t`` (K,), s, along straight lines to other times (N,)."""
+    return np.asarray(np.interp(at, t, values))
+
+
 def on_lines(t: Array, columns: Array, at: Array) -> Array:
     """Signals (K, D) recorded at times ``t`` (K,), s, at the times ``at`` (N,) by first-order hold:
     (N, D) in their units."""
-    held = [np.interp(at, t, column) for column in columns.T]
+    held = [on_line(t, column, at) for column in columns.T]
     return np.column_stack(held) if held else np.empty((at.size, 0))
 
 

@@ -20,7 +20,7 @@ import casadi as ca
 import numpy as np
 
 from symhyb.model.types import Input, Sensor
-from symhyb.numeric.kernels.buffers import Array, resampled
+from symhyb.numeric.kernels.buffers import Array, held_at, resampled
 from symhyb.numeric.kernels.memory import kept
 from symhyb.numeric.lowered.machine import Machine, structure_of
 from symhyb.numeric.lowered.manifold import placing
@@ -78,7 +78,8 @@ class StateForm:
         for i, item in enumerate(model.inputs):
             if item.name in self.late:
                 cleared[i] = float(p[self.machine.column(f"{item.name}.delay")])
-                drive[..., i] = resampled(record[0], record[1][:, i], t - cleared[i])
+                follow = held_at if item.between == "held" else resampled
+                drive[..., i] = follow(record[0], record[1][:, i], t - cleared[i])
         for j, lag in enumerate(late):
             cleared[self.inputs + j] += lag
         rise = np.gradient(drive[..., : self.inputs], axis=1) / np.gradient(t, axis=1)[..., None]

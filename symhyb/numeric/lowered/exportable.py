@@ -7,6 +7,11 @@ from symhyb.model.types import Model
 
 
 def require_force_elements(model: Model, names: Sequence[str]) -> None:
+    """Refuse elements, by name, whose force a host cannot apply as one.
+
+    Raises:
+        InputError: added masses, and elements that use an input with a delay.
+    """
     problems = []
     for element in model.elements:
         if element.name in names and element.kind == "added_mass":

@@ -18,6 +18,7 @@ RELATIVE_TOLERANCE = 1e-8
 ABSOLUTE_TOLERANCE = 1e-10  # of states divided by their scales
 JUMP_SHARE = 0.2  # of an input's range within one sample: taken for a jump
 JUMPS_MOST = 400
+JUMP_TAKES = 1e-6  # of the longest time between two samples: less is a jump of a held input
 LONGEST_STEP = 2  # samples of an input: no pulse is stepped over
 GROWN = 1e6  # a state this many scales large has grown without bound
 
@@ -60,7 +61,9 @@ def cvodes_options(
     ``most`` steps for one output."""
     longest = np.inf
     if drive.shape[1]:
-        longest = LONGEST_STEP * float(np.median(np.diff(t)))
+        steps = np.diff(t)
+        steps = steps[steps > JUMP_TAKES * np.max(steps, initial=0.0)]  # not those within a jump
+        longest = LONGEST_STEP * float(np.median(steps))
     return {
         "reltol": tolerance,
         "abstol": ABSOLUTE_TOLERANCE * tolerance / RELATIVE_TOLERANCE,

@@ -6,6 +6,8 @@ POINTER = ctypes.c_void_p
 
 
 class List(ctypes.Structure):
+    """The instruction list of a machine, field by field as the C text declares ``struct list``."""
+
     _fields_ = (
         *((name, POINTER) for name in ("slots", "steps", "loads", "stores")),
         *((name, ctypes.c_longlong) for name in ("n_steps", "n_loads", "n_stores", "n_slopes")),

@@ -15,7 +15,9 @@ from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.runs.explicit import Field, Steps, Tolerances, bends
 
 STAGES = 12  # evaluations of a step
-WORK_STIFF = 40_000_000  # instructions of a vain attempt: about 0.1 s, as they are interpreted
+WORK_STIFF = 400_000_000  # instructions of a vain attempt: 0.1 s compiled, 1 s as interpreted; a
+# tenth of that failed where CVODES then took 6 times as long (six-joint arm, 10 s), and 200 times
+# under six inputs recorded at 200 Hz
 WORK = 2_000_000_000  # where nothing points to stiffness
 STEPS_NODE = 3  # allowed besides for every bend of the drive
 ROUGH, ROUGH_OUTPUTS, EARLY = 1e-4, 200, 0.1  # the run that finds the scales, and its first part

@@ -1,9 +1,9 @@
 """Simulation of a machine, once over the whole output grid: by an explicit Runge–Kutta method in
 machine code where that can be had and is quicker, else by CVODES.
 
-Recorded inputs act by first-order hold, or along a spline where the model calls them smooth. Where
-an input jumps, the integration ends and starts anew, so that no step reaches across. Failure is an
-outcome with its reason, never an exception.
+Recorded inputs act by first-order hold; along a spline, or held from sample to sample, where the
+model says so. Where an input jumps, the integration ends and starts anew, so that no step reaches
+across. Failure is an outcome with its reason, never an exception.
 
 Source: Hindmarsh et al., SUNDIALS, ACM TOMS 31, 2005 (through ``casadi.integrator``).
 """
@@ -24,7 +24,7 @@ from symhyb.numeric.lowered.lengths import at_unit_length
 from symhyb.numeric.lowered.linear import free_slope
 from symhyb.numeric.lowered.machine import Machine
 from symhyb.numeric.lowered.switched import switched
-from symhyb.numeric.runs.between import finer, smooth_columns
+from symhyb.numeric.runs.between import finer, held_columns, smooth_columns, stepped
 from symhyb.numeric.runs.closing import closed_rows, closed_start
 from symhyb.numeric.runs.cvodes import (
     ABSOLUTE_TOLERANCE,
@@ -145,11 +145,13 @@ def _explicit(
 
 
 def _bent(scenario: Scenario, machine: Machine) -> Scenario:
-    """The scenario with inputs that are smooth between samples on a finer grid."""
-    smooth = smooth_columns(machine.model.inputs)
-    if not smooth:
+    """The scenario with inputs that are straight between its times: smooth ones on a finer grid,
+    held ones with a time more right before each jump."""
+    inputs = machine.model.inputs
+    smooth, held = smooth_columns(inputs), held_columns(inputs)
+    if not smooth and not held:
         return scenario
-    t, u = finer(scenario.t_u, scenario.u, smooth)
+    t, u = stepped(*finer(scenario.t_u, scenario.u, smooth, held), held)
     if scenario.given is None:
         return replace(scenario, t_u=t, u=u)
     return replace(scenario, t_u=t, u=u, given=on_lines(scenario.t_u, scenario.given, t))
@@ -273,6 +275,7 @@ def solve_system(
 
     Returns y (N, Y), of order 1 and dimensionless, at the output times, and why it ends early.
     """
+    scenario = _bent(scenario, form.machine)
     drive = _drive(form, scenario)
     kind: Any = ca.MX if form.drive else ca.SX
     y, t = kind.sym("y", start.size), kind.sym("t")
@@ -334,6 +337,7 @@ def _observe(
 
 def drive_at(form: StateForm, scenario: Scenario) -> Array:
     """The drive (N, D) of a scenario at its output times, SI."""
+    scenario = _bent(scenario, form.machine)
     return on_lines(scenario.t_u, _drive(form, scenario), scenario.t)
 
 

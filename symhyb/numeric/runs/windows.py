@@ -14,7 +14,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.kernels.buffers import Array, held_at, held_mean
 from symhyb.numeric.kernels.chains import Chains
 from symhyb.numeric.kernels.chains_source import LANES
 from symhyb.numeric.kernels.memory import kept
@@ -23,7 +23,7 @@ from symhyb.numeric.lowered.dynamics import StateForm, state_form
 from symhyb.numeric.lowered.machine import Machine
 from symhyb.numeric.lowered.manifold import closed, tangent
 from symhyb.numeric.lowered.steps import rosenbrock_step
-from symhyb.numeric.runs.between import smooth_columns
+from symhyb.numeric.runs.between import bent_columns
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,7 +143,7 @@ class WindowModel:
         paths = [item.path for item in machine.model.all_parameters()]
         moved = [paths[i].removesuffix(".delay") for i in free if paths[i].endswith(".delay")]
         self.form = state_form(machine, tuple(dict.fromkeys((*moved, *late))))
-        self._smooth = smooth_columns(machine.model.inputs)
+        self._smooth, self._held = bent_columns(machine.model.inputs)
         self._steps = kept(("steps", self.form.key, free), lambda: _Steps(self.form, list(free)))
 
     def simulate(self, block: Block, start: Array, p: Array) -> tuple[Array, Array]:
@@ -230,6 +230,7 @@ class WindowModel:
         part = np.arange(parts.sum()) - np.repeat(first, parts)
         h = np.repeat(np.diff(block.t, axis=1).reshape(-1) / parts, parts)
         rise = np.diff(drive, axis=1).reshape(parts.size, inputs) / parts[:, None]
+        rise[:, list(self._held)] = 0.0
         rise = np.repeat(rise, parts, axis=0)
         d0 = np.repeat(drive[:, :-1].reshape(parts.size, inputs), parts, axis=0)
         d0 += part[:, None] * rise
@@ -237,6 +238,7 @@ class WindowModel:
         t = np.repeat(block.t[:, :-1].reshape(-1), parts) + part * h
         self._bend(d0, t, block, p)
         self._bend(d1, t + h, block, p)
+        self._hold(d0, d1, t, h, block, p)
         begins = first.reshape(windows, length - 1)[:, : starts.shape[1]].reshape(-1)
         given = d0, d1, t[:, None], h[:, None]
         after, *slopes = self._chained(what, begins, starts.reshape(-1, states), given, p)
@@ -288,6 +290,21 @@ class WindowModel:
             for i in self._smooth:
                 lag = self.form.cleared(i, p)
                 drive[:, i] = np.interp(t - lag, times, values[:, i])
+
+    def _hold(self, d0: Array, d1: Array, t: Array, h: Array, block: Block, p: Array) -> None:
+        """Put inputs that hold each sample until the next, under a delay, into drives (S, …) at the
+        begin and the end of steps at ``t`` (S,) of length ``h`` (S,): their mean over the step,
+        whose impulse is exact, and its slope by time."""
+        times, values = block.record
+        first = self.form.inputs + 3 * len(self.form.given)  # of the slopes
+        for i in self._held if times.size else ():
+            lag, signal = self.form.cleared(i, p), values[:, i]
+            begin, end = t - lag, t + h - lag
+            if lag:
+                d0[:, i] = d1[:, i] = held_mean(times, signal, begin, end)
+            if self.form.late:
+                change = held_at(times, signal, end) - held_at(times, signal, begin)
+                d0[:, first + i] = d1[:, first + i] = change / h
 
     def _nothing(self, windows: int, steps: int, what: str) -> list[Array]:
         columns = {"plain": [], "fit": [len(self.free)], "screen": [len(self.free)]}[what]
