@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from importlib import resources
 
 import numpy as np
-from jinja2 import Environment, StrictUndefined
+from jinja2 import Environment, FunctionLoader, StrictUndefined, Template
 
 from symhyb.discrepancy.checks.first_checks import FirstChecks
 from symhyb.discrepancy.results import Cloud, Diagnosis, Trace, Verdict
@@ -66,10 +66,7 @@ def render_page(
     without it they are shown in SI. ``first`` are the first checks of a training recording.
     """
     units = {} if model is None else {sensor.name: sensor.unit for sensor in model.sensors}
-    pages = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True)
-    pages.filters["typeset"] = typeset
-    template = resources.files("symhyb.report").joinpath("page.html.j2").read_text("utf-8")
-    return pages.from_string(template).render(
+    return template("page.html.j2").render(
         title=title,
         diagnosis=diagnosis,
         verdict=verdict,
@@ -107,6 +104,15 @@ def render_page(
         difference=difference.strip("\n").splitlines(),
         provenance=dict(provenance or {}),
     )
+
+
+def template(name: str) -> Template:
+    """A page of this package, whose text is escaped and typeset."""
+    folder = resources.files("symhyb.report")
+    loader = FunctionLoader(lambda file: folder.joinpath(file).read_text("utf-8"))
+    pages = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, loader=loader)
+    pages.filters["typeset"] = typeset
+    return pages.get_template(name)
 
 
 def _besides(diagnosis: Diagnosis) -> Iterable[str]:

@@ -36,8 +36,8 @@ def choose_terms(
     """
     columns, right = form.columns[:, list(allowed)], form.right[:, row]
     length, size = np.linalg.norm(columns, axis=0), np.linalg.norm(right)
-    seen = np.flatnonzero(length > ALIKE * length.max(initial=0.0))
-    if size == 0 or seen.size == 0:
+    seen = np.flatnonzero(length > ALIKE * length.max(initial=0.0)).tolist()
+    if size == 0 or not seen:
         return ()
     unit = np.column_stack([columns[:, seen] / length[seen], right / size])
     names = (*(form.texts[allowed[i]] for i in seen), "what is lacking")
@@ -47,7 +47,7 @@ def choose_terms(
         raise InputError(problems)
     sets = supports(factor, optimizer)
     losses = np.array([_held_losses(unit, form, kept) for kept in sets])
-    return tuple(int(allowed[seen[i]]) for i in _smallest(sets, losses))
+    return tuple(allowed[seen[i]] for i in _smallest(sets, losses))
 
 
 def _held_losses(unit: Array, form: WeakForm, kept: Sequence[int]) -> Array:
@@ -59,7 +59,7 @@ def _held_losses(unit: Array, form: WeakForm, kept: Sequence[int]) -> Array:
         others, held = fold != k, fold == k
         values = np.linalg.lstsq(columns[others], right[others], rcond=None)[0]
         left[held] -= columns[held] @ values
-    return np.bincount(form.window, left**2)
+    return np.bincount(form.window, left**2).astype(np.float64)
 
 
 def _smallest(sets: Sequence[tuple[int, ...]], losses: Array) -> tuple[int, ...]:

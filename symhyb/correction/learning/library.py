@@ -74,9 +74,8 @@ def _laws(
 ) -> Iterator[Candidate]:
     """Springs, losses, and products of two different things that move."""
     for one in plain:
-        if one.kind != "law" or one.template.count("*") == 1:
-            yield one
-        elif any(one.template == f"{x}**2*{x}'" for x in near):  # van der Pol
+        squeezed = any(one.template == f"{x}**2*{x}'" for x in near)  # van der Pol
+        if one.kind != "law" or one.template.count("*") == 1 or squeezed:
             yield one
     for x in near:
         if degree >= 2:
@@ -116,4 +115,3 @@ def described(library: LibraryName, degree: int) -> str:
     if library == "polynomial":
         return f"monomials of positions and speeds up to degree {degree}"
     return f"laws of stretch and rate and products of what moves, up to degree {degree}"
-

@@ -50,9 +50,7 @@ def matched(
     whole = replace(prepared.model, elements=(*prepared.model.elements, *elements))
     machine = build(whole, keep=False)
     columns = tuple(machine.column(path) for path in free.paths)
-    laid = tuple(
-        item.suited(machine) for item in last_windows(prepared, spread=not everything)
-    )
+    laid = tuple(item.suited(machine) for item in last_windows(prepared, spread=not everything))
     lower = np.where(free.positive, 0.0, -np.inf) if columns else np.zeros(0)
     count = len(columns)
     task = Task(
@@ -75,9 +73,7 @@ def worth(prepared: Prepared, nothing: Fit, learned: Fit) -> Worth:
     if learned.reason:
         return Worth(nothing.validation / count, float("nan"), False)
     gain = (nothing.validation - learned.validation) / (learned.scale * learned.correlation)
-    return Worth(
-        nothing.validation / count, learned.validation / count, bool(gain > SIGNIFICANT)
-    )
+    return Worth(nothing.validation / count, learned.validation / count, bool(gain > SIGNIFICANT))
 
 
 def weakest(found: Fit, tried: int) -> int | None:

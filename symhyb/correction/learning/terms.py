@@ -13,18 +13,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symhyb.correction.learning.choosing import choose_terms, coefficients_of
+from symhyb.correction.learning.free_running import closer
 from symhyb.correction.learning.library import DEGREE, Candidate, LibraryName, candidates
 from symhyb.correction.learning.matched import Signs, Worth, matched, weakest, worth
 from symhyb.correction.learning.sparse import OptimizerName
 from symhyb.correction.learning.weak import WeakForm, weak_form
 from symhyb.correction.learning.written import Chosen, Written, as_forces, as_rates
-from symhyb.correction.search.preparing import ACCURACY, Prepared
+from symhyb.correction.search.preparing import ACCURACY, Prepared, last_windows
 from symhyb.discrepancy.fitting.task import Fit
 from symhyb.discrepancy.places.candidates import transition_share
 from symhyb.errors import InputError, NumericsError, Problem
 from symhyb.mechanics.mass_text import mass_texts
 from symhyb.model.types import Model
-from symhyb.numeric.runs.formulations import Formulation
+from symhyb.numeric.runs.formulations import Correction, Formulation, Terms
 
 Say = Callable[[str], None]
 NO_FILE = (
@@ -43,20 +44,27 @@ class Sparse:
 
 
 @dataclass(frozen=True, slots=True)
-class Terms:
-    """What was learned: ``chosen`` terms, how they are ``written`` (None: not as a model file), and
-    what held windows say of them; ``notes`` are sentences."""
+class LearntTerms:
+    """What was learned: ``chosen`` terms, how they are ``written`` (None: not as a model file; the
+    ``correction`` of rates then simulates them), and what held windows say of them (None: nothing
+    was simulated); ``notes`` are sentences."""
 
     chosen: tuple[Chosen, ...]
     written: Written | None
     worth: Worth | None
     notes: tuple[str, ...] = ()
+    correction: Correction | None = None
 
 
 def learn_terms(
-    model: Model, prepared: Prepared, formulation: Formulation, asked: Sparse, say: Say
-) -> Terms:
-    """Learn terms of ΔF or of Δv' on every free coordinate of a ``model``.
+    model: Model,
+    prepared: Prepared,
+    formulation: Formulation,
+    asked: Sparse,
+    on: Sequence[str],
+    say: Say,
+) -> LearntTerms:
+    """Learn terms of ΔF or of Δv' on some free coordinates of a ``model``.
 
     Raises:
         InputError: an unknown library or optimizer, candidates that depend on each other, or a
@@ -64,14 +72,26 @@ def learn_terms(
         NumericsError: the model cannot be simulated along the recordings.
     """
     _require_free(model, prepared)
-    lists = _candidates(prepared, asked)
+    lists = {name: own for name, own in _candidates(prepared, asked).items() if name in on}
     say("regressing on the weak form")
     chosen = _regressed(prepared, lists, formulation, asked.optimizer)
     mass = mass_texts(model) if formulation == "rates" and chosen else {}
     if mass is None:
-        return Terms(chosen, None, None, (NO_FILE,))
+        return _unwritten(prepared, chosen)
     say("fitting by simulation error")
     return _held_against(_Rig(model, prepared, formulation, mass), chosen, lists)
+
+
+def _unwritten(prepared: Prepared, chosen: tuple[Chosen, ...]) -> LearntTerms:
+    """Terms of rates that no file holds, if held windows are better with them."""
+    free = [prepared.model.coordinates[i].name for i in prepared.machine.free]
+    coefficients = np.zeros((2 * len(free), len(chosen)))
+    for i, one in enumerate(chosen):
+        coefficients[len(free) + free.index(one.on), i] = one.value
+    law = Terms(tuple(one.term.text for one in chosen), coefficients)
+    if not closer(prepared, last_windows(prepared, spread=True), law):
+        return LearntTerms((), as_forces(prepared.model, ()), None)
+    return LearntTerms(chosen, None, None, (NO_FILE,), Correction("rates", (law,)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,18 +135,18 @@ class _Rig:
 
 def _held_against(
     rig: _Rig, chosen: tuple[Chosen, ...], lists: dict[str, tuple[Candidate, ...]]
-) -> Terms:
+) -> LearntTerms:
     """The terms that simulations of held windows keep, with values from all windows."""
     nothing = matched(rig.prepared, (), Signs((), ()))
     if nothing.reason and not chosen:
         raise NumericsError(f"the model cannot be simulated: {nothing.reason}")
-    tried = max(len(own) for own in lists.values())
-    notes: list[str] = []
+    tried = max((len(own) for own in lists.values()), default=1)
     while chosen:
         _, found, free = rig.fitted(chosen)
         if found.reason:
-            notes.append(f"The terms that regression proposes were dropped: {found.reason}.")
-            return Terms((), rig.written(()), Worth(_held(nothing), float("nan"), False), (*notes,))
+            said = f"The terms that regression proposes were dropped: {found.reason}."
+            judged = Worth(_held(nothing), float("nan"), False)
+            return LearntTerms((), rig.written(()), judged, (said,))
         drop = weakest(found, tried) if free else None
         if drop is None:
             judged = worth(rig.prepared, nothing, found)
@@ -134,15 +154,15 @@ def _held_against(
         chosen = rig.moved(chosen, found)
         chosen = (*chosen[:drop], *chosen[drop + 1 :])
     none = _held(nothing)
-    return Terms((), rig.written(()), Worth(none, none, False))
+    return LearntTerms((), rig.written(()), Worth(none, none, False))
 
 
 def _kept(
     rig: _Rig, chosen: tuple[Chosen, ...], found: Fit, free: bool, judged: Worth
-) -> Terms:
+) -> LearntTerms:
     if not judged.better:
-        return Terms((), rig.written(()), judged)
-    notes = ()
+        return LearntTerms((), rig.written(()), judged)
+    notes: tuple[str, ...] = ()
     if free:
         chosen = rig.moved(chosen, found)
         last = rig.fitted(chosen, everything=True)[1]
@@ -152,7 +172,7 @@ def _kept(
             "The values are those of the regression: with a mass matrix that couples coordinates "
             "one rate acts as several forces, and simulation error did not refine them.",
         )
-    return Terms(chosen, rig.written(chosen), judged, notes)
+    return LearntTerms(chosen, rig.written(chosen), judged, notes)
 
 
 def _held(found: Fit) -> float:
@@ -199,8 +219,7 @@ def _relative_noise(prepared: Prepared) -> float:
         sd / float(np.nanstd(values))
         for run in prepared.runs
         for sensor, sd in zip(prepared.model.sensors, prepared.sd, strict=True)
-        if (values := run.recording.sensors.get(sensor.name)) is not None
-        and np.nanstd(values) > 0
+        if (values := run.recording.sensors.get(sensor.name)) is not None and np.nanstd(values) > 0
     ]
     return min(ratios, default=0.0)
 

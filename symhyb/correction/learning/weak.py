@@ -83,9 +83,10 @@ def _sides(machine: Machine, c: Course, formulation: Formulation) -> tuple[Array
     """What is differentiated, p or v, and what the model says of its slope, (N, f) each, SI."""
     free = list(machine.free)
     if formulation == "force":
-        momentum, rest = along(machine.weak, (c.q, c.v, c.z, c.u, c.t, machine.values), (5,), len(c.t))
+        given = c.q, c.v, c.z, c.u, c.t, machine.values
+        momentum, rest = along(machine.weak, given, (5,), c.t.size)
         return momentum[:, free], rest[:, free]
     form = state_form(machine)
-    given = c.states, c.drive, c.t, machine.values, np.zeros(machine.n)
-    (rates,) = along(form.rates(), given, (3, 4), c.t.size)
+    moving = c.states, c.drive, c.t, machine.values, np.zeros(machine.n)
+    (rates,) = along(form.rates(), moving, (3, 4), c.t.size)
     return c.v[:, free], rates[:, : len(free)]

@@ -84,7 +84,8 @@ def as_forces(model: Model, chosen: Sequence[Chosen]) -> Written:
         joins = one.listed and one.term.kind == "spring"
         groups.setdefault((one.on, "spring" if joins else i), []).append(i)
     taken = {element.name for element in model.elements}
-    elements, paths = [], {}
+    elements: list[Element] = []
+    paths: dict[int, tuple[str, tuple[str, ...]]] = {}
     for (on, _), rows in groups.items():
         first = chosen[rows[0]]
         name = _free_name(taken, first.term.kind if first.listed else "law", on, model)
