@@ -77,10 +77,7 @@ def render_page(
         scores=score_sentences(verdict, {name: unit.text for name, unit in units.items()}),
         remainder=remainder_sentence(diagnosis.remainder),
         methods=method_sentences(verdict),
-        traces=[
-            _trace_picture(trace, sensor, units.get(sensor, Unit("SI")))
-            for trace, sensor in _drawn_traces(verdict)
-        ],
+        traces=trace_pictures(verdict, units),
         clouds=[
             picture
             for cloud in _drawn_clouds(diagnosis)
@@ -90,7 +87,7 @@ def render_page(
         ],
         first=first,
         first_picture=first and _first_picture(first),
-        score_picture=_score_picture(verdict),
+        score_picture=score_picture(verdict),
         place_picture=_place_picture(diagnosis),
         apart_picture=_apart_picture(diagnosis),
         apart_sentence=diagnosis.isolability and apart_sentence(diagnosis.isolability),
@@ -139,6 +136,14 @@ def _drawn_clouds(diagnosis: Diagnosis) -> list[Cloud]:
     return [cloud for cloud in diagnosis.clouds if np.isfinite(cloud.force).any()][:_CLOUDS_SHOWN]
 
 
+def trace_pictures(verdict: Verdict, units: Mapping[str, Unit]) -> list[Picture]:
+    """Draw measured and simulated signals; ``units`` by sensor."""
+    return [
+        _trace_picture(trace, sensor, units.get(sensor, Unit("SI")))
+        for trace, sensor in _drawn_traces(verdict)
+    ]
+
+
 def _trace_picture(trace: Trace, sensor: str, unit: Unit) -> Picture:
     role = "unseen" if trace.role == "holdout" else "training"
     return Picture(
@@ -179,7 +184,8 @@ def _cloud_pictures(
     )
 
 
-def _score_picture(verdict: Verdict) -> Picture | None:
+def score_picture(verdict: Verdict) -> Picture | None:
+    """Draw the scores before and after the correction, on unseen recordings if there are any."""
     scores = verdict.holdout or verdict.train
     pairs = [
         Pair(f"{words}, {name}", old.get(name), new.get(name))

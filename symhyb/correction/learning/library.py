@@ -54,8 +54,8 @@ def candidates(
         InputError: an unknown library, or a degree that is none.
     """
     if library not in LIBRARIES:
-        text = f"there is no library '{library}'; there are: {', '.join(LIBRARIES)}"
-        raise InputError(Problem(text + did_you_mean(library, LIBRARIES)))
+        near = did_you_mean(library, LIBRARIES)
+        raise InputError(Problem(f"there is no library '{library}'{near}"))
     if not 1 <= degree <= DEGREE_MOST:
         raise InputError(Problem(f"a degree of {degree} is none; give 1 to {DEGREE_MOST}"))
     near = tuple(names) if len(names) <= COUPLED else (row,)

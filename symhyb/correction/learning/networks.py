@@ -86,11 +86,7 @@ def asked_coordinates(model: Model, on: Sequence[str]) -> tuple[str, ...]:
     unknown = [name for name in on if name not in free]
     if unknown:
         raise InputError(
-            Problem(
-                f"'{name}' is no free coordinate; there are: {', '.join(free)}"
-                f"{did_you_mean(name, free)}"
-            )
-            for name in unknown
+            Problem(f"'{name}' is no free coordinate{did_you_mean(name, free)}") for name in unknown
         )
     return tuple(dict.fromkeys(on)) or free
 

@@ -103,8 +103,7 @@ def optimizers(name: OptimizerName) -> tuple[Optimizer, ...]:
         return tuple(SR3(reg_weight_lam=x**2 / 2, max_iter=300) for x in FINE_THRESHOLDS)
     if name == "ssr":
         return (SSR(alpha=1e-8, max_iter=200),)
-    text = f"there is no optimizer '{name}'; there are: {', '.join(OPTIMIZERS)}"
-    raise InputError(Problem(text + did_you_mean(name, OPTIMIZERS)))
+    raise InputError(Problem(f"there is no optimizer '{name}'{did_you_mean(name, OPTIMIZERS)}"))
 
 
 def supports(factor: Factor, name: OptimizerName) -> tuple[tuple[int, ...], ...]:
