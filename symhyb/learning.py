@@ -33,8 +33,9 @@ from symhyb.correction.learning.networks import (
     learn_networks,
     network_element,
 )
+from symhyb.correction.learning.proposing import Sparse
 from symhyb.correction.learning.sparse import OptimizerName
-from symhyb.correction.learning.terms import Sparse, learn_terms
+from symhyb.correction.learning.terms import learn_terms
 from symhyb.correction.learning.written import Chosen, Written, term_unit
 from symhyb.correction.search.preparing import prepare
 from symhyb.data.cleaning import still, without_faults

@@ -23,6 +23,7 @@ from symhyb.numeric.kernels.factor import factor_of
 ALIKE = 1e-9  # of the largest column: a term that is no larger is not seen
 FOLDS = 5
 ERRORS = 1.0  # standard errors that a smaller set may be worse by
+RIVALS = 5  # sets that are simulated beside the chosen one
 ERRORS_FIRST = 2.0  # the same of no term at all
 
 
@@ -48,6 +49,29 @@ def choose_terms(
     sets = supports(factor, optimizer)
     losses = np.array([_held_losses(unit, form, kept) for kept in sets])
     return tuple(allowed[seen[i]] for i in _smallest(sets, losses))
+
+
+def exchanges(
+    form: WeakForm, row: int, allowed: Sequence[int], kept: Sequence[int]
+) -> tuple[tuple[int, ...], ...]:
+    """The sets with one of the terms ``kept`` exchanged whose error on held windows is not larger
+    by more than one standard error, the best first."""
+    columns = form.columns[:, list(allowed)]
+    seen = np.linalg.norm(columns, axis=0) > 0
+    length = np.where(seen, np.linalg.norm(columns, axis=0), 1.0)
+    unit = np.column_stack([columns / length, form.right[:, row]])
+    at = [allowed.index(i) for i in kept]
+    own = _held_losses(unit, form, at)
+    found = []
+    for gone in range(len(at)):
+        for new in np.flatnonzero(seen).tolist():
+            if new in at:
+                continue
+            trial = (*at[:gone], *at[gone + 1 :], new)
+            apart = _held_losses(unit, form, trial) - own
+            if apart.mean() <= ERRORS * np.std(apart, ddof=1) / np.sqrt(apart.size):
+                found.append((float(apart.mean()), tuple(sorted(allowed[i] for i in trial))))
+    return tuple(trial for _, trial in sorted(found)[:RIVALS])
 
 
 def _held_losses(unit: Array, form: WeakForm, kept: Sequence[int]) -> Array:

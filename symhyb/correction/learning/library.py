@@ -54,8 +54,8 @@ def candidates(
         InputError: an unknown library, or a degree that is none.
     """
     if library not in LIBRARIES:
-        near = did_you_mean(library, LIBRARIES)
-        raise InputError(Problem(f"there is no library '{library}'{near}"))
+        hint = did_you_mean(library, LIBRARIES)
+        raise InputError(Problem(f"there is no library '{library}'{hint}"))
     if not 1 <= degree <= DEGREE_MOST:
         raise InputError(Problem(f"a degree of {degree} is none; give 1 to {DEGREE_MOST}"))
     near = tuple(names) if len(names) <= COUPLED else (row,)

@@ -2,7 +2,8 @@
 
 The optimisers of PySINDy propose sets of terms on the weak form of what is lacking, held windows
 choose among them (:mod:`symhyb.correction.learning.choosing`), and the chosen ones are written as
-elements, fitted by simulation error, and kept only where held windows are simulated better
+elements, fitted by simulation error, exchanged one for one where the weak form cannot tell two
+apart and the simulation can, and kept only where held windows are simulated better
 (:mod:`symhyb.correction.learning.matched`). Nothing is read from PySINDy's printed equations: all
 that is told comes from coefficients.
 """
@@ -12,35 +13,23 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symhyb.correction.learning.choosing import choose_terms, coefficients_of
 from symhyb.correction.learning.free_running import closer
-from symhyb.correction.learning.library import DEGREE, Candidate, LibraryName, candidates
 from symhyb.correction.learning.matched import Signs, Worth, matched, weakest, worth
-from symhyb.correction.learning.sparse import OptimizerName
-from symhyb.correction.learning.weak import WeakForm, weak_form
+from symhyb.correction.learning.proposing import Regression, Sparse, regression
 from symhyb.correction.learning.written import Chosen, Written, as_forces, as_rates
 from symhyb.correction.search.preparing import ACCURACY, Prepared, last_windows
 from symhyb.discrepancy.fitting.task import Fit
-from symhyb.discrepancy.places.candidates import transition_share
 from symhyb.errors import InputError, NumericsError, Problem
 from symhyb.mechanics.mass_text import mass_texts
 from symhyb.model.types import Model
 from symhyb.numeric.runs.formulations import Correction, Formulation, Terms
 
+ROUNDS = 3  # of dropping terms and exchanging one
 Say = Callable[[str], None]
 NO_FILE = (
     "The rates cannot be written as a model file: a file holds forces, and the mass matrix that "
     "turns rates into forces cannot be written as expressions here. The terms are in learned.json."
 )
-
-
-@dataclass(frozen=True, slots=True)
-class Sparse:
-    """What a search asks for: candidate terms up to a ``degree``, and the optimiser of PySINDy."""
-
-    library: LibraryName = "laws"
-    degree: int = DEGREE
-    optimizer: OptimizerName = "stlsq"
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,14 +61,14 @@ def learn_terms(
         NumericsError: the model cannot be simulated along the recordings.
     """
     _require_free(model, prepared)
-    lists = {name: own for name, own in _candidates(prepared, asked).items() if name in on}
     say("regressing on the weak form")
-    chosen = _regressed(prepared, lists, formulation, asked.optimizer)
+    proposals = regression(prepared, asked, formulation, on)
+    chosen = proposals.chosen()
     mass = mass_texts(model) if formulation == "rates" and chosen else {}
     if mass is None:
         return _unwritten(prepared, chosen)
     say("fitting by simulation error")
-    return _held_against(_Rig(model, prepared, formulation, mass), chosen, lists)
+    return _held_against(_Rig(model, prepared, formulation, mass), chosen, proposals)
 
 
 def _unwritten(prepared: Prepared, chosen: tuple[Chosen, ...]) -> LearntTerms:
@@ -133,38 +122,56 @@ class _Rig:
         )
 
 
-def _held_against(
-    rig: _Rig, chosen: tuple[Chosen, ...], lists: dict[str, tuple[Candidate, ...]]
-) -> LearntTerms:
+def _held_against(rig: _Rig, chosen: tuple[Chosen, ...], proposals: Regression) -> LearntTerms:
     """The terms that simulations of held windows keep, with values from all windows."""
     nothing = matched(rig.prepared, (), Signs((), ()))
     if nothing.reason and not chosen:
         raise NumericsError(f"the model cannot be simulated: {nothing.reason}")
-    tried = max((len(own) for own in lists.values()), default=1)
-    while chosen:
+    for _ in range(ROUNDS):
+        chosen, found, free = _pruned(rig, chosen, proposals.tried)
+        other = _exchanged(rig, chosen, found, proposals) if free and not found.reason else None
+        if other is None:
+            break
+        chosen = other
+    judged = worth(rig.prepared, nothing, found)
+    if found.reason:
+        said = f"The terms that regression proposes were dropped: {found.reason}."
+        return LearntTerms((), rig.written(()), judged, (said,))
+    return _kept(rig, chosen, free, judged)
+
+
+def _pruned(
+    rig: _Rig, chosen: tuple[Chosen, ...], tried: int
+) -> tuple[tuple[Chosen, ...], Fit, bool]:
+    """The terms without those that the criterion would rather do without."""
+    while True:
         _, found, free = rig.fitted(chosen)
-        if found.reason:
-            said = f"The terms that regression proposes were dropped: {found.reason}."
-            judged = Worth(_held(nothing), float("nan"), False)
-            return LearntTerms((), rig.written(()), judged, (said,))
-        drop = weakest(found, tried) if free else None
-        if drop is None:
-            judged = worth(rig.prepared, nothing, found)
-            return _kept(rig, chosen, found, free, judged)
+        if not chosen or not free or found.reason:
+            return chosen, found, free
+        drop = weakest(found, tried)
         chosen = rig.moved(chosen, found)
+        if drop is None:
+            return chosen, found, free
         chosen = (*chosen[:drop], *chosen[drop + 1 :])
-    none = _held(nothing)
-    return LearntTerms((), rig.written(()), Worth(none, none, False))
 
 
-def _kept(
-    rig: _Rig, chosen: tuple[Chosen, ...], found: Fit, free: bool, judged: Worth
-) -> LearntTerms:
-    if not judged.better:
+def _exchanged(
+    rig: _Rig, chosen: tuple[Chosen, ...], found: Fit, proposals: Regression
+) -> tuple[Chosen, ...] | None:
+    """The terms with one exchanged by which fitted windows are simulated better, if there is."""
+    best, cost = None, found.train
+    for rival in proposals.exchanged(chosen):
+        _, other, free = rig.fitted(rival)
+        if free and not other.reason and other.train < cost:
+            best, cost = rival, other.train
+    return best
+
+
+def _kept(rig: _Rig, chosen: tuple[Chosen, ...], free: bool, judged: Worth) -> LearntTerms:
+    if not chosen or not judged.better:
         return LearntTerms((), rig.written(()), judged)
     notes: tuple[str, ...] = ()
     if free:
-        chosen = rig.moved(chosen, found)
         last = rig.fitted(chosen, everything=True)[1]
         chosen = chosen if last.reason else rig.moved(chosen, last)
     else:
@@ -173,55 +180,6 @@ def _kept(
             "one rate acts as several forces, and simulation error did not refine them.",
         )
     return LearntTerms(chosen, rig.written(chosen), judged, notes)
-
-
-def _held(found: Fit) -> float:
-    return found.validation / max(float(found.count[found.held].sum()), 1.0)
-
-
-def _regressed(
-    prepared: Prepared,
-    lists: dict[str, tuple[Candidate, ...]],
-    formulation: Formulation,
-    optimizer: OptimizerName,
-) -> tuple[Chosen, ...]:
-    """The terms that the weak form chooses, row by row, with the coefficients of the regression."""
-    texts = tuple(dict.fromkeys(one.text for own in lists.values() for one in own))
-    form: WeakForm = weak_form(prepared, texts, formulation)
-    found: list[Chosen] = []
-    for row, (name, own) in enumerate(lists.items()):
-        at = {texts.index(one.text): one for one in own}
-        kept = choose_terms(form, row, tuple(at), optimizer)
-        values, sds = coefficients_of(form, row, kept)
-        found += [
-            Chosen(name, at[i], float(value), float(sd), float(value))
-            for i, value, sd in zip(kept, values, sds, strict=True)
-        ]
-    return tuple(found)
-
-
-def _candidates(prepared: Prepared, asked: Sparse) -> dict[str, tuple[Candidate, ...]]:
-    """The candidate terms of every free coordinate, by name."""
-    machine = prepared.machine
-    names = [c.name for c in prepared.model.coordinates]
-    fastest = np.max([np.abs(run.motion.v).max(axis=0) for run in prepared.runs], axis=0)
-    share = transition_share(_relative_noise(prepared))
-    widths = {name: float(f"{share * v:.3g}") for name, v in zip(names, fastest, strict=True)}
-    return {
-        names[i]: candidates(names, names[i], widths, asked.library, asked.degree)
-        for i in machine.free
-    }
-
-
-def _relative_noise(prepared: Prepared) -> float:
-    """Noise over spread of the sensor that shows most."""
-    ratios = [
-        sd / float(np.nanstd(values))
-        for run in prepared.runs
-        for sensor, sd in zip(prepared.model.sensors, prepared.sd, strict=True)
-        if (values := run.recording.sensors.get(sensor.name)) is not None and np.nanstd(values) > 0
-    ]
-    return min(ratios, default=0.0)
 
 
 def _require_free(model: Model, prepared: Prepared) -> None:
