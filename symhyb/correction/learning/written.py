@@ -172,7 +172,10 @@ def _parameter(
 ) -> Parameter:
     unit = term_unit(model, one.on, one.term.text, formulation) or ONE
     sd = None if one.sd is None else one.sd / unit.factor
-    return Parameter(symbol, one.value / unit.factor, unit, sd, one.term.words, owner=name)
+    about = (
+        one.term.words if formulation == "force" else f"acceleration of {one.on} by {one.term.text}"
+    )
+    return Parameter(symbol, one.value / unit.factor, unit, sd, about, owner=name)
 
 
 def _free_name(taken: set[str], kind: str, on: str, model: Model) -> str:
