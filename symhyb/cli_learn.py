@@ -44,10 +44,19 @@ class OptimizerName(StrEnum):
 def learn(
     model: ModelFile,
     recordings: Recordings,
-    by: Annotated[By, typer.Option("--by", help="Sparse regression, or a network.")],
+    by: Annotated[
+        By,
+        typer.Option("--by", metavar="WAY", help="'sparse' for terms of a law, or 'network'."),
+    ],
     output: Folder,
     formulation: Annotated[
-        Level, typer.Option("--formulation", help="Learn forces dF, or rates dx'.")
+        Level,
+        typer.Option(
+            "--formulation",
+            metavar="LEVEL",
+            show_default=False,
+            help="Learn the 'force' dF that is lacking (default), or the 'rates' dx'.",
+        ),
     ] = Level.force,
     holdout: Annotated[
         list[Path] | None,
@@ -61,24 +70,32 @@ def learn(
         typer.Option(metavar="COORDINATE", help="Where to learn; default: everywhere. Repeat it."),
     ] = None,
     library: Annotated[
-        LibraryName, typer.Option(help="Candidate terms of --by sparse.")
+        LibraryName,
+        typer.Option(
+            metavar="NAME",
+            show_default=False,
+            help="Candidate terms: 'laws' (default) or 'polynomial'.",
+        ),
     ] = LibraryName.laws,
-    degree: Annotated[int, typer.Option(help="Highest degree of a candidate term.")] = 3,
+    degree: Annotated[int, typer.Option(metavar="N", help="Highest of a candidate term.")] = 3,
     optimizer: Annotated[
-        OptimizerName, typer.Option(help="Optimiser of PySINDy for --by sparse.")
+        OptimizerName,
+        typer.Option(
+            metavar="NAME",
+            show_default=False,
+            help="Of PySINDy: 'stlsq' (default), 'sr3' or 'ssr'.",
+        ),
     ] = OptimizerName.stlsq,
     inputs: Annotated[
         list[str] | None,
         typer.Option(
             "--sees",
             metavar="NAME",
-            help="What a network sees: x, x', an input or t; default: position and speed where it"
-            " acts. Repeat it.",
+            help="What a network sees: x, x', an input or t; default: what moves where it acts."
+            " Repeat it.",
         ),
     ] = None,
-    width: Annotated[int, typer.Option(help="Hidden units of a network.")] = 10,
-    members: Annotated[int, typer.Option(help="Networks of which the mean is taken.")] = 3,
-    seed: Annotated[int, typer.Option(help="Of the first weights of a network.")] = 0,
+    seed: Annotated[int, typer.Option(metavar="N", help="Of the first weights of a network.")] = 0,
     beside: Annotated[
         bool, typer.Option("--beside", help="Diagnose the same recordings, and tell both.")
     ] = False,
@@ -116,8 +133,6 @@ def learn(
         "degree": degree,
         "optimizer": optimizer.value,
         "inputs": tuple(inputs or ()),
-        "width": width,
-        "members": members,
         "seed": seed,
     }
     require_folder(output)

@@ -146,8 +146,9 @@ def weak_rows(machine: Machine, library: Library, item: Laid, band_hz: float) ->
 
 
 def modulated(t: Array, band_hz: float) -> tuple[Array, Array]:
-    """Test functions (W, K, L) times quadrature weights, and their derivatives: a smooth window
-    times cosines and sines of its harmonics up to the band."""
+    """Test functions (W, K, L) times quadrature weights, s, and their derivatives, dimensionless,
+    for windows at times ``t`` (W, L), s: a smooth window times cosines and sines of its harmonics
+    up to the band."""
     span = t[:, -1:] - t[:, :1]
     tau = 2 * (t - t[:, :1]) / span - 1
     window = (1 - tau**2) ** SMOOTHNESS
