@@ -11,6 +11,7 @@ Sizes: N rows, T terms, W windows.
 """
 
 from collections.abc import Sequence
+from itertools import combinations, product
 
 import numpy as np
 
@@ -23,7 +24,8 @@ from symhyb.numeric.kernels.factor import factor_of
 ALIKE = 1e-9  # of the largest column: a term that is no larger is not seen
 FOLDS = 5
 ERRORS = 1.0  # standard errors that a smaller set may be worse by
-RIVALS = 5  # sets that are simulated beside the chosen one
+GONE_MOST = 3  # terms that one other may stand for
+RIVALS = 8  # sets that are simulated beside the chosen one
 ERRORS_FIRST = 2.0  # the same of no term at all
 
 
@@ -54,8 +56,9 @@ def choose_terms(
 def exchanges(
     form: WeakForm, row: int, allowed: Sequence[int], kept: Sequence[int]
 ) -> tuple[tuple[int, ...], ...]:
-    """The sets with one of the terms ``kept`` exchanged whose error on held windows is not larger
-    by more than one standard error, the best first."""
+    """The sets with one to three of the terms ``kept`` exchanged for a single other one whose
+    error on held windows is not larger by more than one standard error, the smaller and the better
+    ones first."""
     columns = form.columns[:, list(allowed)]
     seen = np.linalg.norm(columns, axis=0) > 0
     length = np.where(seen, np.linalg.norm(columns, axis=0), 1.0)
@@ -63,15 +66,14 @@ def exchanges(
     at = [allowed.index(i) for i in kept]
     own = _held_losses(unit, form, at)
     found = []
-    for gone in range(len(at)):
-        for new in np.flatnonzero(seen).tolist():
-            if new in at:
-                continue
-            trial = (*at[:gone], *at[gone + 1 :], new)
-            apart = _held_losses(unit, form, trial) - own
-            if apart.mean() <= ERRORS * np.std(apart, ddof=1) / np.sqrt(apart.size):
-                found.append((float(apart.mean()), tuple(sorted(allowed[i] for i in trial))))
-    return tuple(trial for _, trial in sorted(found)[:RIVALS])
+    others = [i for i in np.flatnonzero(seen).tolist() if i not in at]
+    gone = [part for size in range(1, GONE_MOST + 1) for part in combinations(at, size)]
+    for part, new in product(gone, others):
+        trial = tuple(sorted([*(i for i in at if i not in part), new]))
+        apart = _held_losses(unit, form, trial) - own
+        if apart.mean() <= ERRORS * np.std(apart, ddof=1) / np.sqrt(apart.size):
+            found.append((len(trial), float(apart.mean()), tuple(allowed[i] for i in trial)))
+    return tuple(trial for _, _, trial in sorted(found)[:RIVALS])
 
 
 def _held_losses(unit: Array, form: WeakForm, kept: Sequence[int]) -> Array:

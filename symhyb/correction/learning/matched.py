@@ -80,7 +80,11 @@ def weakest(found: Fit, tried: int) -> int | None:
     """The value whose loss costs least, if the criterion would rather be without it."""
     sd = np.sqrt(np.diag(found.covariance))
     size: Array = np.square(found.values / np.where(sd > 0, sd, np.inf))
-    samples = float(found.count[~found.held].sum()) / found.correlation
-    price = np.log(max(samples, 2.0)) + 2 * np.log(max(tried, 1))
     least = int(np.argmin(size))
-    return least if size[least] < price else None
+    return least if size[least] < price_of(found, tried) else None
+
+
+def price_of(found: Fit, tried: int) -> float:
+    """What a term must take off χ², in units of χ² of an independent sample."""
+    samples = float(found.count[~found.held].sum()) / found.correlation
+    return float(np.log(max(samples, 2.0)) + 2 * np.log(max(tried, 1)))

@@ -51,8 +51,8 @@ class Regression:
         return tuple(found)
 
     def exchanged(self, chosen: Sequence[Chosen]) -> tuple[tuple[Chosen, ...], ...]:
-        """The same with one term exchanged for another that the weak form cannot tell from it, the
-        likeliest first."""
+        """The same with some terms of a coordinate exchanged for one other that the weak form
+        cannot tell from them, the fewest terms and the likeliest first."""
         others: list[tuple[Chosen, ...]] = []
         for name in self.lists:
             own = [one for one in chosen if one.on == name]

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symhyb.correction.learning.free_running import closer
-from symhyb.correction.learning.matched import Signs, Worth, matched, weakest, worth
+from symhyb.correction.learning.matched import Signs, Worth, matched, price_of, weakest, worth
 from symhyb.correction.learning.proposing import Regression, Sparse, regression
 from symhyb.correction.learning.written import Chosen, Written, as_forces, as_rates
 from symhyb.correction.search.preparing import ACCURACY, Prepared, last_windows
@@ -158,12 +158,14 @@ def _pruned(
 def _exchanged(
     rig: _Rig, chosen: tuple[Chosen, ...], found: Fit, proposals: Regression
 ) -> tuple[Chosen, ...] | None:
-    """The terms with one exchanged by which fitted windows are simulated better, if there is."""
-    best, cost = None, found.train
+    """The terms with some exchanged for one other, where the criterion would rather have these on
+    fitted windows."""
+    unit, price = found.scale * found.correlation, price_of(found, proposals.tried)
+    best, cost = None, found.train / unit + price * len(chosen)
     for rival in proposals.exchanged(chosen):
         _, other, free = rig.fitted(rival)
-        if free and not other.reason and other.train < cost:
-            best, cost = rival, other.train
+        if free and not other.reason and other.train / unit + price * len(rival) < cost:
+            best, cost = rival, other.train / unit + price * len(rival)
     return best
 
 
