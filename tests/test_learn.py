@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import jsonschema
 import numpy as np
 import pytest
 from builders import DRIVEN_MASS, cart_and_pole
@@ -37,6 +38,9 @@ drag = "b"
 [elements.wind.parameters]
 b = {{ value = {DRAG}, unit = "N*s^2/m^2" }}
 """
+SCHEMA = json.loads(
+    (Path(sh.__file__).parent / "report" / "learned.schema.json").read_text("utf-8")
+)
 TERMS = {"x**3": -CUBIC, "abs(x')*x'": -DRAG}  # of ΔF
 
 
@@ -254,6 +258,7 @@ def test_networks_of_coupled_rates_are_simulated_but_not_written(
     assert after is not None
     assert after < 0.3 * before
     content = learned_json(learned)
+    jsonschema.validate(content, SCHEMA)
     assert content["file"] is None
     assert content["scores"]["window_s"] is None
     assert all(one["weights"]["symhyb-network"] == 1 for one in content["networks"])
@@ -375,6 +380,7 @@ def test_the_verb_leaves_valid_files(call: Call, files: Path, tmp_path: Path) ->
     assert {file.name for file in out.iterdir()} == FILES
     assert (out / "corrected.toml").read_bytes().startswith((files / "model.toml").read_bytes())
     content = json.loads((out / "learned.json").read_text("utf-8"))
+    jsonschema.validate(content, SCHEMA)
     assert (content["by"], content["formulation"], content["learned"]) == ("sparse", "force", True)
     assert {one["term"]: one["element"] for one in content["terms"]} == {
         "x**3": "learned_spring",
@@ -455,6 +461,7 @@ def test_a_diagnosis_beside_it_names_the_same(call: Call, files: Path, tmp_path:
     assert status == 0
     assert "A diagnosis says:" in said
     content = json.loads((out / "learned.json").read_text("utf-8"))
+    jsonschema.validate(content, SCHEMA)
     assert {one["kind"] for one in content["beside"]["found"]} == {"spring", "drag"}
     names = {file.name for file in out.iterdir()}
     assert {*FILES, "diagnosed.toml", "diagnosis.json"} < names

@@ -68,11 +68,12 @@ def matched(
 
 def worth(prepared: Prepared, nothing: Fit, learned: Fit) -> Worth:
     """Whether held windows are better with what was learned, by ten units of χ² of independent
-    samples."""
+    samples; a unit is not smaller than the noise, for below it nothing is known."""
     count = max(float(nothing.count[nothing.held].sum()), 1.0)
     if learned.reason:
         return Worth(nothing.validation / count, float("nan"), False)
-    gain = (nothing.validation - learned.validation) / (learned.scale * learned.correlation)
+    unit = max(learned.scale, 1.0) * learned.correlation
+    gain = (nothing.validation - learned.validation) / unit
     return Worth(nothing.validation / count, learned.validation / count, bool(gain > SIGNIFICANT))
 
 

@@ -139,7 +139,8 @@ def _of_forces(
         trust = one.element.network.trust
         found.append(One(on, seen, one.weights, trust, one.element, one.sentence))
     say("simulating held windows")
-    return Learnt(tuple(found), _worth(prepared, [one.element for one in found if one.element]))
+    judged = _worth(prepared, [one.element for one in found if one.element])
+    return Learnt(tuple(found) if judged.better else (), judged)
 
 
 def _of_rates(model: Model, prepared: Prepared, asked: Asked) -> Learnt:
