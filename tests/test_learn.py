@@ -268,6 +268,22 @@ def test_networks_of_coupled_rates_are_simulated_but_not_written(
     assert run.complete
 
 
+def test_terms_of_rates_that_no_file_can_hold_are_simulated(
+    pole: tuple[sh.Model, sh.Recording], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("symhyb.correction.learning.terms.mass_texts", lambda model: None)
+    learned = sh.learn(*pole, formulation="rates")
+    assert learned.corrected is None
+    assert learned.terms
+    assert all(one.element == "" for one in learned.terms)
+    train = learned.verdict.train
+    before, after = train.before.free_run_nrmse["angle"], train.after.free_run_nrmse["angle"]
+    assert before is not None
+    assert after is not None
+    assert after < 0.2 * before
+    jsonschema.validate(learned_json(learned), SCHEMA)
+
+
 # --- networks -------------------------------------------------------------------------------------
 
 
