@@ -97,7 +97,7 @@ def learn(
     ] = None,
     seed: Annotated[int, typer.Option(metavar="N", help="Of the first weights of a network.")] = 0,
     beside: Annotated[
-        bool, typer.Option("--beside", help="Diagnose the same recordings, and tell both.")
+        bool, typer.Option("--beside", help="Diagnose the same recordings, and report both.")
     ] = False,
     as_json: Json = False,
 ) -> None:

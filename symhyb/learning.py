@@ -215,7 +215,7 @@ def learn(
         verdict = judge(model, corrected, clean[0], train=clean[1])
         corrected = _with_source(model, elements, by, train, verdict)
     sentence = _sentence(by, formulation, found, networks, held)
-    lies = tuple(lie.sentence for lie in prepared.lies if lie.sentence)
+    faults = tuple(fault.sentence for fault in prepared.lies if fault.sentence)
     return Learned(
         by,
         formulation,
@@ -227,7 +227,7 @@ def learn(
         verdict,
         sentence,
         settings,
-        (*notes, *lies),
+        (*notes, *faults),
         correction,
     )
 

@@ -96,8 +96,8 @@ def test_only_what_cannot_be_told_apart_is_exchanged() -> None:
     assert exchanges(form, 0, tuple(range(5)), (1, 4)) == ()
     alike = form.columns.copy()
     alike[:, 2] = alike[:, 4] + 1e-3 * alike[:, 2]
-    twin = WeakForm(TEXTS, alike, form.right, form.window)
-    assert (1, 2) in exchanges(twin, 0, tuple(range(5)), (1, 4))
+    doubled = WeakForm(TEXTS, alike, form.right, form.window)
+    assert (1, 2) in exchanges(doubled, 0, tuple(range(5)), (1, 4))
 
 
 def chosen(text: str, value: float, on: str = "x") -> Chosen:

@@ -5,7 +5,7 @@ choose among them (:mod:`symhyb.correction.learning.choosing`), and the chosen o
 elements, fitted by simulation error, exchanged one for one where the weak form cannot tell two
 apart and the simulation can, and kept only where held windows are simulated better
 (:mod:`symhyb.correction.learning.matched`). Nothing is read from PySINDy's printed equations: all
-that is told comes from coefficients.
+that is reported comes from coefficients.
 """
 
 from collections.abc import Callable, Sequence
