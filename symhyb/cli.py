@@ -15,6 +15,7 @@ from typing import Annotated, NoReturn
 import typer
 
 from symhyb.cli_data import data
+from symhyb.cli_learn import learn
 from symhyb.cli_options import End, Folder, Json, Map, ModelFile, Recordings, Start, print_json
 from symhyb.errors import InputError, NumericsError
 from symhyb.export.verb import export
@@ -310,6 +311,7 @@ def run(
     raise typer.Exit(result.exit_status)
 
 
+app.command()(learn)
 app.command()(export)
 
 

@@ -37,6 +37,7 @@ if TYPE_CHECKING:  # a verb that only reads a file need not load the numerics
     from symhyb.discrepancy.checks.modes import Mode
     from symhyb.discrepancy.checks.response import Response
     from symhyb.discrepancy.recorded.residual import Discrepancy
+    from symhyb.learned_run import Outcome
     from symhyb.numeric.lowered.machine import Machine
     from symhyb.numeric.runs.integrate import Trajectory
     from symhyb.numeric.runs.scenario import Scenario
@@ -73,6 +74,24 @@ def print_result(result: "StudyResult", directory: Path) -> None:
     print(f"  {verdict.carries}")
     _print_list(remainder_sentence(diagnosis.remainder), diagnosis.remainder_notes)
     _print_list("Notes on the recordings:", diagnosis.notes)
+    print(f"Report: {directory / 'report.html'}")
+
+
+def print_learned(outcome: "Outcome", directory: Path) -> None:
+    """Print what was learned: terms or networks, scores, and where the files are."""
+    learned = outcome.learned
+    print(learned.sentence)
+    for line in [one.formula + (f" [{one.unit}]") for one in learned.terms]:
+        print(f"  {line}")
+    for one in learned.networks:
+        print(f"  on {one.on}: sees {', '.join(one.inputs)}. {one.sentence}".rstrip())
+    units = {sensor.name: sensor.unit.text for sensor in learned.model.sensors}
+    _print_list("Scores before and after:", score_sentences(learned.verdict, units))
+    print(f"  {learned.verdict.carries}")
+    if outcome.beside is not None:
+        _print_list("A diagnosis says:", (outcome.beside.diagnosis.sentence,))
+    if learned.notes:
+        _print_list("Notes:", learned.notes)
     print(f"Report: {directory / 'report.html'}")
 
 

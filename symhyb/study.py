@@ -114,7 +114,7 @@ def carry_out(study: Study, say: Say | None = None, leave: Leave | None = None) 
     begin = time.perf_counter()
     say("reading the model and the recordings")
     model = read_model(study.model)
-    train, holdout = _recordings(study, model)
+    train, holdout = read_all(study, model)
     concluded = conclude(model, train, holdout, own=study.own, say=say)
     diagnosis = concluded.diagnosis
     corrected = apply(model, diagnosis.found, diagnosis.parameters, diagnosis.measurement)
@@ -240,7 +240,7 @@ def manifest(result: StudyResult) -> dict[str, Any]:
     files = {"study": study.file, "model": study.model}
     return {
         **{
-            role: {"file": file.name, "sha256": _sha256(file)}
+            role: {"file": file.name, "sha256": sha256_of(file)}
             for role, file in files.items()
             if file is not None
         },
@@ -261,7 +261,7 @@ def manifest(result: StudyResult) -> dict[str, Any]:
             "remainder": study.remainder,
             "network": study.network,
         },
-        "versions": _versions(),
+        "versions": versions(),
         "seeds": {"figures": 0, "network": 0},  # which points of a dense cloud are drawn; the
         # first weights of a network; the rest has no chance
         "seconds": round(result.seconds, 1),
@@ -321,8 +321,12 @@ def _unwritable(path: Path, error: OSError) -> InputError:
     return InputError(Problem(f"cannot be written: {error.strerror or error}", file=str(path)))
 
 
-def _recordings(study: Study, model: Model) -> tuple[tuple[Recording, ...], tuple[Recording, ...]]:
-    """Read all recordings of a study; the unseen ones must be unseen."""
+def read_all(study: Study, model: Model) -> tuple[tuple[Recording, ...], tuple[Recording, ...]]:
+    """Read all recordings of a study; the unseen ones must be unseen.
+
+    Raises:
+        InputError: recordings that cannot be read, or that are both: all problems at once.
+    """
     problems: list[Problem] = []
     read: dict[Source, Recording] = {}
     for source in (*study.train, *study.holdout):
@@ -373,18 +377,20 @@ def _runs(result: StudyResult) -> Iterator[tuple[str, Recording, Source]]:
 
 def _provenance(result: StudyResult) -> dict[str, str]:
     """Say in the report what it was made from."""
-    said = {"model": f"{result.study.model.name}, SHA-256 {_sha256(result.study.model)}"}
+    said = {"model": f"{result.study.model.name}, SHA-256 {sha256_of(result.study.model)}"}
     for number, (role, recording, _) in enumerate(_runs(result), 1):
         kind = "training" if role == "train" else "unseen"
         said[f"recording {number} ({kind})"] = f"{recording.name}, SHA-256 {recording.sha256}"
-    said["versions"] = ", ".join(f"{name} {version}" for name, version in _versions().items())
+    said["versions"] = ", ".join(f"{name} {version}" for name, version in versions().items())
     return said
 
 
-def _versions() -> dict[str, str]:
+def versions() -> dict[str, str]:
+    """The versions of Python, of symhyb and of the libraries whose numbers these are."""
     libraries = {name: metadata.version(name) for name in LIBRARIES}
     return {"python": platform.python_version(), "symhyb": __version__, **libraries}
 
 
-def _sha256(file: Path) -> str:
+def sha256_of(file: Path) -> str:
+    """The SHA-256 of the bytes of a file."""
     return hashlib.sha256(file.read_bytes()).hexdigest()

@@ -88,6 +88,37 @@ def push(force: str, on: str = "x") -> Entries:
     return {"kind": "force", "on": on, "force": force}
 
 
+def cart_and_pole(rubs: bool = False) -> Model:
+    r"""A pole of 0.4 m hangs from a cart that is held by a spring; the joint may rub.
+
+    wall |--/\/\/--[cart]--> x
+                     \  phi
+    """
+    elements: dict[str, object] = {
+        "spring": {"kind": "spring", "on": "x", "stiffness": "k"},
+    }
+    if rubs:
+        elements["joint"] = damper("d", "phi")
+    return model_of(
+        gravity=["0", "-g"],
+        coordinates={"x": {"unit": "m", "start": 0.1}, "phi": {"unit": "rad", "start": 1.2}},
+        parameters={
+            "g": (9.81, "m/s^2"),
+            "M": (1.0, "kg"),
+            "m": (0.5, "kg"),
+            "l": (0.4, "m"),
+            "k": (30.0, "N/m"),
+            "d": (0.02, "N*m*s"),
+        },
+        bodies={
+            "cart": {"mass": "M", "at": ["x", "0"]},
+            "bob": {"mass": "m", "at": ["x + l*sin(phi)", "-l*cos(phi)"]},
+        },
+        elements=elements,
+        sensors={"x": {"measures": "x", "unit": "m"}, "pull": {"measures": "x''", "unit": "m/s^2"}},
+    )
+
+
 def oscillator(
     elements: Mapping[str, Entries],
     parameters: Entries | None = None,

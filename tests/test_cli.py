@@ -28,6 +28,7 @@ VERBS = (
     "simulate",
     "compare",
     "diagnose",
+    "learn",
     "diff",
     "run",
     "data list",

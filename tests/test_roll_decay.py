@@ -68,7 +68,7 @@ def test_at_speed_damping_is_mostly_linear_and_unseen_data_choose_nothing(
     random = np.random.default_rng(3)
     noise = {"roll": 0.1 * random.standard_normal(unseen.t.size)}
     given = (result.train, (replace(unseen, sensors=noise),))
-    monkeypatch.setattr("symhyb.study._recordings", lambda study, model: given)
+    monkeypatch.setattr("symhyb.study.read_all", lambda study, model: given)
     blind = carry_out(read_study(STUDY / "at_speed" / "study.toml"))
 
     def told(diagnosis: Diagnosis) -> dict[str, object]:  # the share alone is of unseen data

@@ -73,7 +73,7 @@ def assert_unseen_chooses_nothing(path: Path) -> None:
     """Run the diagnosis of a study twice, once with noise for its unseen recordings."""
     study = read_study(path)
     model = read_model(study.model)
-    train, unseen = chain._recordings(study, model)
+    train, unseen = chain.read_all(study, model)
     assert unseen, f"{path} has no unseen recording"
     as_it_is, with_noise = with_and_without(model, train, unseen, study.own)
     assert with_noise == as_it_is

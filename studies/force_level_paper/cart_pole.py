@@ -22,11 +22,16 @@ from run import STEPS, error, rounded
 from truth import Array, Data, Drive, Plant
 
 import symhyb as sh
-from symhyb.correction.learning.formulations import lacking, measured_course, sparse_law
+from symhyb import Scenario
+from symhyb.learning import (
+    Correction,
+    lacking,
+    measured_course,
+    simulate_corrected,
+    sparse_law,
+)
 from symhyb.model.read import parse_model
 from symhyb.model.write import append_elements
-from symhyb.numeric.runs.formulations import Correction, simulate_corrected
-from symhyb.numeric.runs.scenario import Scenario
 
 KEPT = Path(__file__).resolve().parent / "results" / "cart_pole.json"
 START = np.array([0.1, 0.6])

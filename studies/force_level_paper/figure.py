@@ -17,12 +17,7 @@ import truth
 from truth import Array
 
 import symhyb as sh
-from symhyb.correction.learning.formulations import (
-    lacking,
-    measured_course,
-    values_along,
-)
-from symhyb.numeric.runs.formulations import simulate_corrected
+from symhyb.learning import lacking, measured_course, simulate_corrected, values_along
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt

@@ -19,22 +19,26 @@ from threadpoolctl import threadpool_limits
 from truth import Array, Data, Drive, Oscillator
 
 import symhyb as sh
-from symhyb.correction.learning.formulations import (
+from symhyb.learning import (
+    Correction,
+    Course,
+    Formulation,
+    Law,
+    Networks,
+    Terms,
+    Weights,
+    course_of,
     lacking,
+    lowered,
     measured_course,
+    network_element,
     network_law,
     sparse_law,
     values_along,
 )
-from symhyb.correction.learning.network import lowered
-from symhyb.discrepancy.recorded.course import Course, course_of
-from symhyb.model.expression import parse_expression
 from symhyb.model.read import parse_model
-from symhyb.model.types import Element, Network, On
-from symhyb.model.weights import keep
+from symhyb.model.types import Element
 from symhyb.model.write import append_elements
-from symhyb.numeric.lowered.network import Weights, stored
-from symhyb.numeric.runs.formulations import Correction, Formulation, Law, Networks, Terms
 
 ROWS = ("default", "chosen", "sparse", "combined")
 REGRESSION = "regression"  # of forces, by what "sparse" uses for rates
@@ -220,10 +224,7 @@ def default_element(networks: Networks, row: int = 0, on: str = "q") -> Element:
     """One row of networks of forces as an element."""
     weights = networks.rows[row]
     assert weights is not None
-    digest = keep(stored(weights))
-    seen = tuple(parse_expression(text) for text in networks.inputs)
-    network = Network(f"default-{digest[:12]}.json", digest, seen, networks.trust)
-    return Element(f"default_{on}", "network", On(on), (), network=network)
+    return network_element(f"default_{on}", on, weights, networks.inputs, networks.trust)
 
 
 def force_of(model: sh.Model, corrected: sh.Model, motion: tuple[Array, Array, Array]) -> Array:

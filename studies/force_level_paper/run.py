@@ -21,9 +21,8 @@ from joblib import Parallel, delayed
 from truth import Array, Data, Drive, Oscillator, Run
 
 import symhyb as sh
-from symhyb.correction.learning.formulations import lacking, measured_course, values_along
-from symhyb.numeric.runs.formulations import simulate_corrected
-from symhyb.numeric.runs.scenario import Scenario
+from symhyb import Scenario
+from symhyb.learning import lacking, measured_course, simulate_corrected, values_along
 
 HERE = Path(__file__).resolve().parent
 KEPT = HERE / "results"

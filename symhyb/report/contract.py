@@ -91,7 +91,7 @@ def to_json(diagnosis: Diagnosis, verdict: Verdict) -> dict[str, Any]:
             "share": finite(diagnosis.remainder),
             "notes": list(diagnosis.remainder_notes),
         },
-        "scores": _scores(verdict),
+        "scores": scores_json(verdict),
         "noise": {sensor: float(sd) for sensor, sd in diagnosis.noise.items() if math.isfinite(sd)},
         "places": [_place_share(share) for share in diagnosis.places],
         "misfits": [_misfit(one) for one in diagnosis.misfits],
@@ -253,9 +253,10 @@ def _memory(memory: Memory | None) -> dict[str, Any] | None:
     }
 
 
-def _scores(verdict: Verdict) -> dict[str, Any]:
+def scores_json(verdict: Verdict) -> dict[str, Any]:
+    """Give the scores of a verdict; ``window_s`` is null where none is over windows."""
     return {
-        "window_s": _fitted(verdict.window_s, "window_s"),
+        "window_s": finite(verdict.window_s),
         "initial_states": verdict.initial_states,
         "force_band_hz": finite(verdict.force_band_hz),
         "carries": verdict.carries,

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from importlib import resources
 
 import numpy as np
-from jinja2 import Environment, StrictUndefined
+from jinja2 import Environment, FunctionLoader, StrictUndefined, Template
 
 from symhyb.discrepancy.checks.first_checks import FirstChecks
 from symhyb.discrepancy.results import Cloud, Diagnosis, Trace, Verdict
@@ -66,10 +66,7 @@ def render_page(
     without it they are shown in SI. ``first`` are the first checks of a training recording.
     """
     units = {} if model is None else {sensor.name: sensor.unit for sensor in model.sensors}
-    pages = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True)
-    pages.filters["typeset"] = typeset
-    template = resources.files("symhyb.report").joinpath("page.html.j2").read_text("utf-8")
-    return pages.from_string(template).render(
+    return template("page.html.j2").render(
         title=title,
         diagnosis=diagnosis,
         verdict=verdict,
@@ -80,10 +77,7 @@ def render_page(
         scores=score_sentences(verdict, {name: unit.text for name, unit in units.items()}),
         remainder=remainder_sentence(diagnosis.remainder),
         methods=method_sentences(verdict),
-        traces=[
-            _trace_picture(trace, sensor, units.get(sensor, Unit("SI")))
-            for trace, sensor in _drawn_traces(verdict)
-        ],
+        traces=trace_pictures(verdict, units),
         clouds=[
             picture
             for cloud in _drawn_clouds(diagnosis)
@@ -93,7 +87,7 @@ def render_page(
         ],
         first=first,
         first_picture=first and _first_picture(first),
-        score_picture=_score_picture(verdict),
+        score_picture=score_picture(verdict),
         place_picture=_place_picture(diagnosis),
         apart_picture=_apart_picture(diagnosis),
         apart_sentence=diagnosis.isolability and apart_sentence(diagnosis.isolability),
@@ -107,6 +101,15 @@ def render_page(
         difference=difference.strip("\n").splitlines(),
         provenance=dict(provenance or {}),
     )
+
+
+def template(name: str) -> Template:
+    """A page of this package, whose text is escaped and typeset."""
+    folder = resources.files("symhyb.report")
+    loader = FunctionLoader(lambda file: folder.joinpath(file).read_text("utf-8"))
+    pages = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, loader=loader)
+    pages.filters["typeset"] = typeset
+    return pages.get_template(name)
 
 
 def _besides(diagnosis: Diagnosis) -> Iterable[str]:
@@ -131,6 +134,14 @@ def _drawn_traces(verdict: Verdict) -> list[tuple[Trace, str]]:
 
 def _drawn_clouds(diagnosis: Diagnosis) -> list[Cloud]:
     return [cloud for cloud in diagnosis.clouds if np.isfinite(cloud.force).any()][:_CLOUDS_SHOWN]
+
+
+def trace_pictures(verdict: Verdict, units: Mapping[str, Unit]) -> list[Picture]:
+    """Draw measured and simulated signals; ``units`` by sensor."""
+    return [
+        _trace_picture(trace, sensor, units.get(sensor, Unit("SI")))
+        for trace, sensor in _drawn_traces(verdict)
+    ]
 
 
 def _trace_picture(trace: Trace, sensor: str, unit: Unit) -> Picture:
@@ -173,7 +184,8 @@ def _cloud_pictures(
     )
 
 
-def _score_picture(verdict: Verdict) -> Picture | None:
+def score_picture(verdict: Verdict) -> Picture | None:
+    """Draw the scores before and after the correction, on unseen recordings if there are any."""
     scores = verdict.holdout or verdict.train
     pairs = [
         Pair(f"{words}, {name}", old.get(name), new.get(name))

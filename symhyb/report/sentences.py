@@ -66,15 +66,19 @@ def method_sentences(verdict: Verdict) -> tuple[str, ...]:
     band = finite(verdict.force_band_hz)
     through = "both through the same zero-phase low-pass"
     through += "" if band is None else f" at {quantity_text(band, 'Hz')}"
+    windows = (
+        "Window error: each recording is cut into windows of "
+        f"{quantity_text(verdict.window_s, 's')}, each simulated by itself; RMSE over the range of "
+        "the measurement (its largest minus its smallest value).",
+    )
     return (
         "Force residual: the force that the model leaves over against the applied force, "
         f"‖ΔF‖ / ‖k_e‖, {through}. It does not depend on any simulation.",
         "Force error: the RMS of that force over the range that it has before the correction.",
-        "Window error: each recording is cut into windows of "
-        f"{quantity_text(verdict.window_s, 's')}, each simulated by itself; RMSE over the range of "
-        "the measurement (its largest minus its smallest value).",
-        "Free run: each recording is simulated from its start to its end in one go; the same "
-        "ratio. Where nothing holds a coordinate in place, small errors add up without bound.",
+        *(windows if math.isfinite(verdict.window_s) else ()),
+        "Free run: each recording is simulated from its start to its end in one go; RMSE over the "
+        "range of the measurement. Where nothing holds a coordinate in place, small errors add up "
+        "without bound.",
         "Share of a found effect: by how much the squared window error on unseen data grows when "
         "the effect is left out and the rest fitted again, over that error uncorrected.",
         "Stays chosen: in how many of 400 random weighings of the windows the effect would be "

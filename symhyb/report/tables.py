@@ -69,7 +69,7 @@ def tables(diagnosis: Diagnosis, verdict: Verdict, units: Mapping[str, Unit]) ->
         (2,),
     )
     yield fleet_table(diagnosis)
-    yield _score_table(verdict, units)
+    yield score_table(verdict, units)
     yield Table(
         "Measured noise (one standard deviation)",
         ("sensor", "noise"),
@@ -104,7 +104,8 @@ def _found_table(diagnosis: Diagnosis) -> Table:
     )
 
 
-def _score_table(verdict: Verdict, units: Mapping[str, Unit]) -> Table:
+def score_table(verdict: Verdict, units: Mapping[str, Unit]) -> Table:
+    """Give all scores, on training and unseen recordings; ``units`` by sensor."""
     roles = [("training", verdict.train)]
     roles += [] if verdict.holdout is None else [("unseen", verdict.holdout)]
     moments = [score for _, role in roles for score in (role.before, role.after)]

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from builders import DRIVEN_MASS, damper, model_of
+from builders import DRIVEN_MASS, cart_and_pole
 
 from symhyb.correction.learning.formulations import (
     lacking,
@@ -13,7 +13,6 @@ from symhyb.correction.learning.formulations import (
 )
 from symhyb.errors import InputError
 from symhyb.model.read import parse_model
-from symhyb.model.types import Model
 from symhyb.numeric.kernels.buffers import call
 from symhyb.numeric.lowered.machine import Machine, build
 from symhyb.numeric.runs.formulations import (
@@ -30,37 +29,6 @@ from symhyb.numeric.runs.scenario import Scenario
 BOTH: tuple[Formulation, Formulation] = ("force", "rates")
 DRAG = '[elements.more]\nkind = "drag"\non = "x"\ndrag = "b"\n'
 DRAG += '[elements.more.parameters]\nb = { value = 0.8, unit = "N*s^2/m^2" }\n'
-
-
-def cart_and_pole(rubs: bool = False) -> Model:
-    r"""A pole of 0.4 m hangs from a cart that is held by a spring; the joint may rub.
-
-    wall |--/\/\/--[cart]--> x
-                     \  phi
-    """
-    elements: dict[str, object] = {
-        "spring": {"kind": "spring", "on": "x", "stiffness": "k"},
-    }
-    if rubs:
-        elements["joint"] = damper("d", "phi")
-    return model_of(
-        gravity=["0", "-g"],
-        coordinates={"x": {"unit": "m", "start": 0.1}, "phi": {"unit": "rad", "start": 1.2}},
-        parameters={
-            "g": (9.81, "m/s^2"),
-            "M": (1.0, "kg"),
-            "m": (0.5, "kg"),
-            "l": (0.4, "m"),
-            "k": (30.0, "N/m"),
-            "d": (0.02, "N*m*s"),
-        },
-        bodies={
-            "cart": {"mass": "M", "at": ["x", "0"]},
-            "bob": {"mass": "m", "at": ["x + l*sin(phi)", "-l*cos(phi)"]},
-        },
-        elements=elements,
-        sensors={"x": {"measures": "x", "unit": "m"}, "pull": {"measures": "x''", "unit": "m/s^2"}},
-    )
 
 
 def swung(machine: Machine, end: float = 8.0) -> tuple[Scenario, Trajectory]:

@@ -96,14 +96,15 @@ def train_network(
     width: int = WIDTH,
     members: int = MEMBERS,
     seed: int = 0,
+    name: str = NAME,
 ) -> Trained | None:
     """Train a network for what a corrected ``model`` leaves of its training recordings.
 
     ``on`` names the coordinate where it acts (default: the only one that is free), ``inputs`` what
     it sees: coordinates ``x``, speeds ``x'``, inputs of the model and ``t`` (default: position and
-    speed there). ``members`` networks of ``width`` hidden units are trained. Returns None where
-    none is better on held windows than nothing at all. The weights stay in memory until
-    ``write_model`` writes them beside the model file.
+    speed there). ``members`` networks of ``width`` hidden units are trained; ``name`` is that of
+    the element. Returns None where none is better on held windows than nothing at all. The weights
+    stay in memory until ``write_model`` writes them beside the model file.
 
     Raises:
         InputError: unusable recordings, a coordinate or an input that does not exist, an input
@@ -112,8 +113,8 @@ def train_network(
     """
     if width < 1 or members < 1:
         raise InputError(Problem("a network has at least one member and one hidden unit"))
-    if NAME in [element.name for element in model.elements]:
-        raise InputError(Problem("the model has a trained network already", f"elements.{NAME}"))
+    if name in [element.name for element in model.elements]:
+        raise InputError(Problem("the model has a trained network already", f"elements.{name}"))
     prepared = prepare(model, recordings)
     chosen = last_windows(prepared, spread=True)
     seen = see(prepared, chosen, on, inputs)
@@ -127,8 +128,8 @@ def train_network(
     data = stored(weights)
     digest = keep(data)
     expressions = tuple(parse_expression(name) for name in seen.inputs)
-    network = Network(f"{NAME}-{digest[:12]}.json", digest, expressions, seen.box)
-    element = Element(NAME, "network", On(seen.on), (), about=ABOUT, network=network)
+    network = Network(f"{name}-{digest[:12]}.json", digest, expressions, seen.box)
+    element = Element(name, "network", On(seen.on), (), about=ABOUT, network=network)
     mean = np.mean([evaluated(one, seen.x) for one in trained], axis=0)
     apart = np.std([evaluated(one, seen.x) for one in trained], axis=0)
     spread = float(np.sqrt(np.mean(apart**2) / max(np.mean(mean**2), 1e-300)))

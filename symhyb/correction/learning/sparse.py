@@ -12,6 +12,7 @@ Sizes: R rows, C columns, n coordinates.
 
 import warnings
 from collections.abc import Iterator, Sequence
+from typing import Literal, get_args
 
 import numpy as np
 
@@ -19,7 +20,7 @@ from symhyb.correction.learning.regression import BLOCK, Optimizer, fitted
 from symhyb.correction.search.selection import Subset
 from symhyb.discrepancy.places.hypotheses import Library
 from symhyb.discrepancy.recorded.windows import Laid
-from symhyb.errors import InputError
+from symhyb.errors import InputError, Problem, did_you_mean
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.kernels.factor import Factor, factor_of
 from symhyb.numeric.kernels.vector import along
@@ -28,6 +29,9 @@ from symhyb.numeric.lowered.machine import Machine
 SMOOTHNESS = 4  # of the window (1 − τ²)^4
 HARMONICS_MOST = 12
 THRESHOLDS = (0.5, 0.2, 0.1, 0.05, 0.02)  # of a column's share in the right-hand side
+FINE_THRESHOLDS = (0.8, *THRESHOLDS, 0.01, 0.005, 0.002)  # where terms alone are wanted
+OptimizerName = Literal["stlsq", "sr3", "ssr"]
+OPTIMIZERS: tuple[str, ...] = get_args(OptimizerName)
 TERMS_MOST = 5
 
 
@@ -82,6 +86,42 @@ def thresholded(threshold: float) -> Optimizer:
     return STLSQ(threshold=threshold, alpha=1e-8, max_iter=30)  # type: ignore[no-any-return]
 
 
+def optimizers(name: OptimizerName) -> tuple[Optimizer, ...]:
+    """PySINDy's optimisers of one name over all thresholds, which are shares of the right-hand
+    side: ``stlsq`` (Brunton, Proctor & Kutz, PNAS 113, 2016), ``sr3`` (Zheng et al., IEEE Access 7,
+    2019; relaxed, level 0) or ``ssr``, which drops one term after the other (Boninsegna, Nüske &
+    Clementi, J. Chem. Phys. 148, 2018) and needs no threshold.
+
+    Raises:
+        InputError: a name that is none of these.
+    """
+    from pysindy.optimizers import SR3, SSR
+
+    if name == "stlsq":
+        return tuple(thresholded(share) for share in FINE_THRESHOLDS)
+    if name == "sr3":  # its threshold is the root of twice the weight
+        return tuple(SR3(reg_weight_lam=x**2 / 2, max_iter=300) for x in FINE_THRESHOLDS)
+    if name == "ssr":
+        return (SSR(alpha=1e-8, max_iter=200),)
+    raise InputError(Problem(f"there is no optimizer '{name}'{did_you_mean(name, OPTIMIZERS)}"))
+
+
+def supports(factor: Factor, name: OptimizerName) -> tuple[tuple[int, ...], ...]:
+    """The sets of columns that an optimiser keeps over its thresholds, none kept among them, the
+    smaller ones first. The one right-hand side and the columns of ``factor`` have unit length."""
+    found: set[tuple[int, ...]] = {()}
+    for one in optimizers(name):
+        with warnings.catch_warnings():  # a threshold that leaves no term is an answer
+            warnings.simplefilter("ignore", UserWarning)
+            try:
+                shares = fitted(factor, one)
+            except np.linalg.LinAlgError:  # columns too much alike for this threshold
+                continue
+        for row in getattr(one, "history_", [shares]) if name == "ssr" else [shares]:
+            found.add(tuple(np.flatnonzero(np.asarray(row).ravel()).tolist()))
+    return tuple(sorted(found, key=lambda kept: (len(kept), kept)))
+
+
 def weak_rows(machine: Machine, library: Library, item: Laid, band_hz: float) -> Iterator[Array]:
     """The weak form over windows, some windows at a time: rows (R, C + 1), the candidates per SI
     unit of each coefficient and, last, the right-hand side, dimensionless: all over the RMS of the
@@ -90,7 +130,7 @@ def weak_rows(machine: Machine, library: Library, item: Laid, band_hz: float) ->
     given = c.q, c.v, c.z, c.u, c.t, machine.values
     momentum, rest = along(machine.weak, given, (5,), c.t.size)
     forces = library.forces(item.course(library.machine))
-    test, slope = _modulated(item.block.t, band_hz)
+    test, slope = modulated(item.block.t, band_hz)
     right = -(slope @ momentum[where] + test @ rest[where])[..., free]
     scale = np.sqrt(np.mean(right**2, axis=(0, 1)))
     scale = np.where(scale > 0, scale, 1.0)[:, None]
@@ -105,9 +145,10 @@ def weak_rows(machine: Machine, library: Library, item: Laid, band_hz: float) ->
         yield joined.reshape(-1, columns + 1)
 
 
-def _modulated(t: Array, band_hz: float) -> tuple[Array, Array]:
-    """Test functions (W, K, L) times quadrature weights, and their derivatives: a smooth window
-    times cosines and sines of its harmonics up to the band."""
+def modulated(t: Array, band_hz: float) -> tuple[Array, Array]:
+    """Test functions (W, K, L) times quadrature weights, s, and their derivatives, dimensionless,
+    for windows at times ``t`` (W, L), s: a smooth window times cosines and sines of its harmonics
+    up to the band."""
     span = t[:, -1:] - t[:, :1]
     tau = 2 * (t - t[:, :1]) / span - 1
     window = (1 - tau**2) ** SMOOTHNESS
