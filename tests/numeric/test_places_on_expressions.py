@@ -109,7 +109,8 @@ def test_every_law_is_the_one_on_a_coordinate_of_twist(kind: str) -> None:
     one = build(shaft({"law": {"on": "q1 - q2", **law}}))
     other = build(shaft({"law": {"on": "w12", **on_twist}}, twist=True))
     apart, same = run(one, t, [0.2, -0.1], [1.0, -2.0]), run(other, t, [0.2, 0.3], [1.0, 3.0])
-    assert apart.complete and same.complete
+    assert apart.complete
+    assert same.complete
     assert np.abs(apart.q[:, 0] - (0.2 + t)).max() > 1e-3 or kind == "added_mass"
     assert apart.q @ TURN.T == pytest.approx(same.q, abs=1e-6)  # of the integration
     for t_i, q, v, z in zip(t[::10], apart.q[::10], apart.v[::10], apart.z[::10], strict=True):
