@@ -91,6 +91,13 @@ def test_what_elements_join_is_named_once() -> None:
     assert places_of(model) == (On("x"), On("y"), On("y - x"))
 
 
+def test_an_expression_that_moves_as_a_coordinate_is_that_coordinate() -> None:
+    model = masses(elements={"one": spring("k", on="2*x"), "two": spring("k", on="y - far")})
+    assert places_of(model) == (On("x"), On("y"))
+    model = masses(elements={"one": spring("k", on="far*sin(x/far)")})
+    assert places_of(model) == (On("x"), On("y"), On("far*sin(x/far)"))
+
+
 def test_a_chain_offers_neighbours_and_not_the_ends() -> None:
     potential = "k/2*(x**2 - 2*x*y + 2*y**2 - 2*y*z + z**2)"
     assert unnamed(masses(3, energy={"potential": potential})) == ["x - y", "y - z"]

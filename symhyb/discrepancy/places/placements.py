@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from functools import lru_cache
+from typing import TypeGuard
 
 from symhyb.discrepancy.places.probing import proportional, pushed
 from symhyb.discrepancy.places.stretches import coupled_stretches, written_stretches
@@ -25,12 +26,10 @@ def places_of(model: Model) -> tuple[Place, ...]:
     }
     left = [c.name for c in model.coordinates if c.name not in parts and c.name not in turned]
     places: list[Place] = [On(name) for name in left]
-    for element in model.elements:
-        joins = isinstance(element.place, Between) and len(model.coordinates) > 1
-        written = isinstance(element.place, On) and not element.place.plain
-        if (joins or written) and element.place not in places:
-            places.append(element.place)
-    return (*places, *_unnamed(model, places, left))
+    if len(model.coordinates) > 1:
+        between = (e.place for e in model.elements if isinstance(e.place, Between))
+        places += dict.fromkeys(between)
+    return (*places, *_combined(model, places, left))
 
 
 def _moving(item: Constraint, model: Model) -> bool:
@@ -39,14 +38,16 @@ def _moving(item: Constraint, model: Model) -> bool:
     return bool(used & {"t", *(c.name for c in model.coordinates)})
 
 
-def _unnamed(model: Model, places: Sequence[Place], left: Sequence[str]) -> tuple[Place, ...]:
-    """Combinations of two of the coordinates ``left`` that the model couples and that move neither
-    as one of the ``places`` nor as one before; at most n − 1, and one more for each element."""
-    if len(left) < 2:
-        return ()
-    others = {c.name for c in model.coordinates} - set(left)
-    written = (place for place in written_stretches(model) if not place.names & others)
-    offered = tuple(dict.fromkeys((*written, *coupled_stretches(model, left))))
+def _combined(model: Model, places: Sequence[Place], left: Sequence[str]) -> tuple[Place, ...]:
+    """The expressions on which elements stand, and the combinations of two of the coordinates
+    ``left`` that the model couples, which move neither as one of the ``places`` nor as one before;
+    at most n − 1, and one more for each element."""
+    offered: list[On] = [e.place for e in model.elements if _on_expression(e.place)]
+    if len(left) > 1:
+        others = {c.name for c in model.coordinates} - set(left)
+        written = (place for place in written_stretches(model) if not place.names & others)
+        offered += [*written, *coupled_stretches(model, left)]
+    offered = list(dict.fromkeys(offered))
     if not offered:
         return ()
     ways = pushed(model, (*places, *offered))
@@ -57,3 +58,7 @@ def _unnamed(model: Model, places: Sequence[Place], left: Sequence[str]) -> tupl
             seen.append(way)
             chosen.append(place)
     return tuple(chosen[: len(model.coordinates) - 1 + len(model.elements)])
+
+
+def _on_expression(place: Place) -> TypeGuard[On]:
+    return isinstance(place, On) and not place.plain
