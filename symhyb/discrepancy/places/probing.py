@@ -22,7 +22,8 @@ ALIKE = 1e-6  # relative: two ratios, or two ways of moving, are the same
 
 
 def states_about_start(machine: Machine) -> tuple[Array, Array, Array]:
-    """Random places and speeds (N, n) about the start, moved onto constraints, and times (N,)."""
+    """Random places and speeds (N, n) about the start, moved onto constraints, and times (N,),
+    SI."""
     random, times = np.random.default_rng(0), np.linspace(0, 1, PROBES)
     start = np.array(machine.model.start()[0])
     q = start + AROUND * random.standard_normal((PROBES, start.size))
@@ -57,7 +58,8 @@ def _probe(model: Model, place: Place, i: int) -> Element:
 
 
 def proportional(one: Array, other: Array, alike: float = ALIKE) -> bool:
-    """Whether two arrays are the same but for one positive factor, to ``alike``, relative."""
+    """Whether two arrays (N, n, n), dimensionless or in one unit, are the same but for one positive
+    factor, to ``alike``, relative."""
     length = float(np.linalg.norm(other))
     factor = float(np.sum(one * other)) / length**2 if length > 0 else 0.0
     return factor > 0 and float(np.abs(one - factor * other).max()) < alike * np.abs(one).max()

@@ -31,8 +31,8 @@ class Couplings:
 
 
 def couplings_of(machine: Machine, q: Array, v: Array, u: Array, t: Array) -> Couplings | None:
-    """The couplings at places and speeds (N, n), inputs (N, k) and times (N,), inner states at
-    rest; None for a machine whose forces are not written out (a network)."""
+    """The couplings at places and speeds (N, n), inputs (N, k) and times (N,), SI, with inner
+    states 0; None for a machine whose forces are not written out (a network)."""
     if not machine.k_e.is_a("SXFunction") or not machine.M.is_a("SXFunction"):
         return None
     function = kept(("couplings", structure_of(machine.model)), lambda: _function(machine))
