@@ -15,7 +15,8 @@ from fractions import Fraction
 from typing import Literal
 
 from symhyb.errors import InputError, Problem
-from symhyb.model.types import Model
+from symhyb.model.types import Model, On
+from symhyb.model.vocabulary import stretch_unit
 from symhyb.numeric.lowered.exported import Exported, export_elements, export_machine
 from symhyb.units import ONE, Unit, parse_unit
 
@@ -244,11 +245,12 @@ def _said(model: Model, kind: str, name: str) -> tuple[Unit, str]:
 
 
 def _inner_unit(model: Model, name: str) -> Unit:
-    """An inner state is a stretch: of a coordinate, or between points in m."""
+    """An inner state is a stretch: of a coordinate or an expression, or between points in m."""
     place = next(e for e in model.elements if e.name == name).place
-    wanted = getattr(place, "coordinate", None)
-    units = [c.unit for c in model.coordinates if c.name == wanted]
-    return si_unit(units[0]) if units else parse_unit("m")
+    units = {c.name: c.unit for c in model.coordinates}
+    if isinstance(place, On) and place.plain:
+        return si_unit(units[place.coordinate])
+    return si_unit(stretch_unit(model, place))
 
 
 def si_unit(unit: Unit) -> Unit:

@@ -115,7 +115,7 @@ def located(at: tuple[Expression, ...], symbols: Symbols) -> Vector:
 def stretch_of(model: Model, place: Place, places: Geometry, symbols: Symbols) -> sp.Expr:
     """What a place with one stretch measures, before its length is taken off.
 
-    On a coordinate it is q; between two points their distance |b − a|:
+    On a coordinate it is q, on an expression its value; between two points their distance |b − a|:
 
         a o----/\\/\\/----o b        a tension pulls them together
 
@@ -123,8 +123,8 @@ def stretch_of(model: Model, place: Place, places: Geometry, symbols: Symbols) -
         TypeError: a place at a point, which has no stretch.
     """
     match place:
-        case On(coordinate):
-            return symbols.q[[c.name for c in model.coordinates].index(coordinate)]
+        case On() as on:
+            return to_sympy(on.expression, symbols.scope)
         case Between(first, second):
             return distance(places.points[first], places.points[second])
     raise TypeError("a place at a point has no stretch")

@@ -88,7 +88,8 @@ def force_rows(
         push = term.sign * term.law.force.xreplace(known)
         for i, by in enumerate(slopes.by):
             lean = by(term.path).xreplace(short)
-            lean = lean if isinstance(element.place, On) else _tidy(lean, len(equations.gravity))
+            plain = isinstance(element.place, On) and element.place.plain
+            lean = lean if plain else _tidy(lean, len(equations.gravity))
             yield Row("k_e", (i,), source, push * lean)
 
 

@@ -7,7 +7,16 @@ from fractions import Fraction
 from symhyb.errors import did_you_mean
 from symhyb.model.expression import Expression, Name, Number, Operation
 from symhyb.model.frames import point_faults
-from symhyb.model.scope import ADDED, COEFFICIENT, FORCE, Scope, Use, expression_faults, unit_in
+from symhyb.model.scope import (
+    ADDED,
+    COEFFICIENT,
+    FORCE,
+    PLACE,
+    Scope,
+    Use,
+    expression_faults,
+    unit_in,
+)
 from symhyb.model.source import Path
 from symhyb.model.tables import Fault, shorten
 from symhyb.model.types import At, Between, Element, Model, On, Parameter
@@ -35,8 +44,8 @@ def element_faults(
     yield from faults
     own = {parameter.name: parameter.unit for parameter in element.parameters}
     local = replace(scope, units={**scope.units, **own})
-    on = element.place.coordinate if isinstance(element.place, On) else None
-    placed = not faults and (on is None or scope.units.get(on) is not None)
+    on = element.place.expression if isinstance(element.place, On) else None
+    placed = not faults and (on is None or unit_in(on, scope) is not None)
     known = replace(model, energy_unit=energy) if energy is not None and placed else None
     for key, value in element.values:
         declared = KINDS[element.kind].key(key.split(".")[0])
@@ -146,12 +155,24 @@ def _place_faults(
     """An element must stand on a known coordinate or at known points."""
     path: Path = ("elements", element.name)
     match element.place:
-        case On(coordinate):
-            if coordinate not in scope.coordinates:
-                cure = did_you_mean(coordinate, sorted(scope.coordinates))
-                yield (*path, "on"), f"'{shorten(coordinate)}' is not a known coordinate{cure}"
+        case On() as on:
+            yield from _on_faults((*path, "on"), on, scope)
         case Between(first, second):
             for name in (first, second):
                 yield from point_faults((*path, "between"), name, model, scope, unreadable)
         case At(point):
             yield from point_faults((*path, "at"), point, model, scope, unreadable)
+
+
+def _on_faults(path: Path, place: On, scope: Scope) -> Iterator[Fault]:
+    """A coordinate must be known; an expression must contain one, and have a unit."""
+    text = shorten(place.coordinate)
+    if place.plain:
+        if place.coordinate not in scope.coordinates:
+            cure = did_you_mean(place.coordinate, sorted(scope.coordinates))
+            yield path, f"'{text}' is not a known coordinate{cure}"
+        return
+    faults = list(expression_faults(path, place.expression, scope, PLACE, None))
+    yield from faults
+    if not faults and not place.names & scope.coordinates:
+        yield path, f"'{text}' contains no coordinate; nothing moves there"

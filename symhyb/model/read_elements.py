@@ -1,7 +1,7 @@
 """Read the elements of a model file: kind, place, values and their own parameters."""
 
 from symhyb.errors import did_you_mean
-from symhyb.model.expression import Expression
+from symhyb.model.expression import Expression, Name
 from symhyb.model.read_network import NETWORK_KEYS, read_network
 from symhyb.model.read_space import kind_in, read_axes
 from symhyb.model.tables import Table, describe, shorten
@@ -88,7 +88,18 @@ def _place(table: Table, kind: Kind) -> Place | None:
     name = table.text(given[0])
     if name is None:
         return None
-    return On(name) if given[0] == "on" else At(name)
+    return _on(table, name) if given[0] == "on" else At(name)
+
+
+def _on(table: Table, text: str) -> On | None:
+    """Read a coordinate or an expression of coordinates; which they are is checked later."""
+    expression = table.as_expression(text, "on")
+    if expression is None:
+        return None
+    match expression.tree:
+        case Name(name, 0):
+            return On(name)
+    return On(text)
 
 
 def _between(table: Table) -> Place | None:

@@ -39,6 +39,7 @@ class Use:
 MASS = Use("a mass or inertia", -1, False, False)
 GRAVITY = Use("gravity", -1, False, True)
 POSITION = Use("a position", 0, False, True, rough=False)
+PLACE = Use("a place", 0, False, True, rough=False)
 KINETIC = Use("a kinetic energy", 1, False, True)
 POTENTIAL = Use("a potential energy", 0, False, True)
 COEFFICIENT = Use("a coefficient", -1, True, True)

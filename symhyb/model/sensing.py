@@ -62,9 +62,7 @@ def reading_unit(model: Model, reading: Reading) -> Unit:
             raise LookupError(name)
         return force_unit(model, On(name))
     place = next((element.place for element in model.elements if element.name == name), None)
-    if place is None or (
-        isinstance(place, On) and place.coordinate not in [c.name for c in model.coordinates]
-    ):
+    if place is None:
         raise LookupError(name)
     return force_unit(model, place)
 

@@ -96,4 +96,5 @@ def _holds(model: Model, element: Element) -> bool:
     if not isinstance(element.place, On):
         return True
     imposed = {c.name for c in model.coordinates if c.imposed}
-    return element.place.coordinate not in imposed
+    moving = {c.name for c in model.coordinates} & element.place.names
+    return not moving <= imposed

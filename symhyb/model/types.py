@@ -7,10 +7,11 @@ m sensors, P parameters.
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Literal
 
 from symhyb.model.constraints import Assembly, Constraint
-from symhyb.model.expression import Expression
+from symhyb.model.expression import Expression, names, parse_expression
 from symhyb.model.limits import Limit
 from symhyb.units import ONE, Unit
 
@@ -164,9 +165,28 @@ class Body:
 
 @dataclass(frozen=True, slots=True)
 class On:
-    """Placement on a coordinate: the stretch is s = q."""
+    """Placement on a coordinate, s = q, or on an expression of coordinates: On("q1 - q2")."""
 
     coordinate: str
+
+    @property
+    def plain(self) -> bool:
+        """Whether the stretch is one coordinate itself."""
+        return self.coordinate.isidentifier()
+
+    @property
+    def expression(self) -> Expression:
+        """The stretch s.
+
+        Raises:
+            ExpressionError: a text that is no expression (a model that was read has none).
+        """
+        return _parsed(self.coordinate)
+
+    @property
+    def names(self) -> frozenset[str]:
+        """What the stretch is made of: coordinates, and parameters and t of an expression."""
+        return frozenset(name.name for name in names(self.expression))
 
 
 @dataclass(frozen=True, slots=True)
@@ -285,11 +305,17 @@ class Model:
                     yield value
 
 
+@lru_cache(maxsize=1024)
+def _parsed(text: str) -> Expression:
+    return parse_expression(text)
+
+
 def place_text(place: Place) -> str:
-    """Say a place as the model file does: ``on x``, ``between anchor and tip``, ``at tip``."""
+    """Say a place as the model file does: ``on x``, ``on x − y``, ``between anchor and tip``,
+    ``at tip``."""
     match place:
         case On(coordinate):
-            return f"on {coordinate}"
+            return f"on {coordinate}".replace("-", "−")
         case Between(first, second):
             return f"between {first} and {second}"
         case At(point):

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal
 
+from symhyb.model.scope import scope_of, unit_in
 from symhyb.model.types import At, Between, Model, On, Place
 from symhyb.units import ONE, Unit, parse_unit
 
@@ -266,11 +267,22 @@ def placement_of(place: Place) -> Placement:
 
 
 def stretch_unit(model: Model, place: Place) -> Unit:
-    """Return the unit of s: m along any length, rad on any angle, else the coordinate's own (V)."""
+    """Return the unit of s: m along any length, rad on any angle, else the coordinate's own (V).
+
+    An expression of angles that has no dimension is an angle: ``phi - ratio*psi``.
+
+    Raises:
+        LookupError: a place on unknown names, or of units that do not fit.
+    """
     if not isinstance(place, On):
         return parse_unit("m")
-    unit = next(c.unit for c in model.coordinates if c.name == place.coordinate)
-    if unit.is_angle:
+    units = {c.name: c.unit for c in model.coordinates}
+    scope = scope_of(model)
+    unit = units[place.coordinate] if place.plain else unit_in(place.expression, scope)
+    if unit is None or place.names & scope.inputs:
+        raise LookupError(place.coordinate)
+    angles = any(units[name].is_angle for name in place.names & units.keys())
+    if unit.is_number and angles:
         return parse_unit("rad")
     return parse_unit("m") if unit.same_dimension(parse_unit("m")) else unit
 

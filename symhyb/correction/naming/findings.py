@@ -1,5 +1,6 @@
 """From a decided structure to what is told: elements, parameters, channel faults, rivals."""
 
+import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -210,7 +211,7 @@ def element_names(model: Model, items: Sequence[Named]) -> tuple[str, ...]:
 def _place_word(place: Place) -> str:
     match place:
         case On(coordinate):
-            return coordinate
+            return "_".join(re.findall(r"\w+", coordinate))
         case Between(first, second):
             return f"{first}_{second}"
         case At(point):

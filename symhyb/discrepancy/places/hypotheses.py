@@ -15,11 +15,10 @@ from typing import TypeVar
 
 import numpy as np
 
+from symhyb.discrepancy.places.placements import places_of as places_of
 from symhyb.discrepancy.recorded.course import Course
 from symhyb.discrepancy.words.formula import LAW, law_element
-from symhyb.model.constraints import Constraint
-from symhyb.model.expression import names, parse_expression
-from symhyb.model.space import quaternion_parts
+from symhyb.model.expression import parse_expression
 from symhyb.model.types import (
     Between,
     Element,
@@ -227,31 +226,6 @@ def _stated(channel: Channel) -> Channel:
         "delay", 0.0, parse_unit("s"), about=ASSUMED, owner=channel.name
     )
     return replace(channel, gain=gain, offset=offset, delay=late)
-
-
-def places_of(model: Model) -> tuple[Place, ...]:
-    """Places worth a hypothesis: every coordinate (but the parts of a quaternion, of which no force
-    has one alone) and, where a machine has several, every pair of points that an element joins.
-    What a gear or a wheel turns moves as its partner does."""
-    parts = quaternion_parts(model)
-    turned = {
-        item.names[1]
-        for item in model.constraints
-        if item.kind in ("gear", "rolling") and not _moving(item, model)
-    }
-    left = [c.name for c in model.coordinates if c.name not in parts and c.name not in turned]
-    places: list[Place] = [On(name) for name in left]
-    if len(model.coordinates) > 1:
-        for element in model.elements:
-            if isinstance(element.place, Between) and element.place not in places:
-                places.append(element.place)
-    return tuple(places)
-
-
-def _moving(item: Constraint, model: Model) -> bool:
-    """Whether the ratio of a gear or the radius of a wheel changes as it moves."""
-    used = {name.name for _, value in item.values for name in names(value)}
-    return bool(used & {"t", *(c.name for c in model.coordinates)})
 
 
 @dataclass(frozen=True, slots=True, eq=False)

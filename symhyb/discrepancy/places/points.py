@@ -1,8 +1,9 @@
 """Laws at points: damping, drag, friction and mass at a declared point of a machine that moves in
 its own way.
 
-On one coordinate, and at a point that moves with one coordinate alone, such a law is the same as
-one on the coordinate: the coordinate is named. Sizes: N samples, n coordinates, K points, Q places.
+On one coordinate, and at a point that moves with one coordinate alone or with a sum of two that is
+a place, such a law is the same as one on the coordinate: the coordinate is named.
+Sizes: N samples, n coordinates, K points, Q places.
 """
 
 from collections.abc import Sequence
@@ -11,16 +12,16 @@ from dataclasses import replace
 import numpy as np
 
 from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.discrepancy.places.placements import places_of
+from symhyb.discrepancy.places.probing import proportional, pushed, states_about_start
 from symhyb.model.expression import parse_expression
-from symhyb.model.types import At, Element, Model, Parameter
+from symhyb.model.types import At, Element, Model, On, Parameter
 from symhyb.model.vocabulary import key_unit
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.kernels.vector import along
 from symhyb.numeric.lowered.machine import Machine, build
 from symhyb.numeric.lowered.manifold import closed, tangent
 
-PROBES = 7  # configurations about the start at which points are compared
-AROUND = 0.5  # spread of them, SI
 PROBE = "at_point_"  # begins the names of the masses that only compare points
 ALIKE = 1e-9  # relative: two points move the same
 
@@ -59,21 +60,27 @@ def moving_points(model: Model) -> tuple[At, ...]:
     if len(model.coordinates) < 2 or not model.points:
         return ()
     places = tuple(At(point.name) for point in model.points)
-    random = np.random.default_rng(0)
-    probed, times = _probed(model, places), np.linspace(0, 1, PROBES)
-    start = np.array(probed.model.start()[0])
-    q = start + AROUND * random.standard_normal((PROBES, start.size))
+    probed = _probed(model, places)
+    q, _, times = states_about_start(probed)
     if probed.constraints:
         return tuple(places[i] for i in _moving_closed(probed, q, times))
-    inertias = _inertias(probed, q, times)
+    inertias, combined = _inertias(probed, q, times), _combined(model)
     chosen: list[int] = []
     for i, inertia in enumerate(inertias):
         size = float(np.abs(inertia).max())
         if not np.isfinite(size) or size == 0 or _of_one(inertia, size):
             continue
+        if any(proportional(inertia, way, ALIKE) for way in combined):
+            continue
         if all(np.abs(inertia - inertias[j]).max() > ALIKE * size for j in chosen):
             chosen.append(i)
     return tuple(places[i] for i in chosen)
+
+
+def _combined(model: Model) -> list[Array]:
+    """d dᵀ (N, n, n) of the places that are combinations of coordinates."""
+    places = [p for p in places_of(model) if isinstance(p, On) and not p.plain]
+    return [way for way in pushed(model, places) if way is not None] if places else []
 
 
 def _moving_closed(machine: Machine, q: Array, t: Array) -> tuple[int, ...]:
@@ -90,18 +97,11 @@ def _moving_closed(machine: Machine, q: Array, t: Array) -> tuple[int, ...]:
     for i, inertia in enumerate(_inertias(machine, q, t)):
         pulled = along_free.swapaxes(1, 2) @ inertia[:, free][:, :, free] @ along_free
         size = float(np.linalg.norm(pulled))
-        if not size > 0 or any(_proportional(pulled, other) for other in seen):
+        if not size > 0 or any(proportional(pulled, other, ALIKE) for other in seen):
             continue
         seen.append(pulled)
         chosen.append(i)
     return tuple(chosen)
-
-
-def _proportional(one: Array, other: Array) -> bool:
-    """Whether two arrays are the same but for one positive factor."""
-    length = float(np.linalg.norm(other))
-    factor = float(np.sum(one * other)) / length**2 if length > 0 else 0.0
-    return factor > 0 and float(np.abs(one - factor * other).max()) < ALIKE * np.abs(one).max()
 
 
 def _of_one(inertia: Array, size: float) -> bool:

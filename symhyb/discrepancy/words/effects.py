@@ -19,6 +19,7 @@ from symhyb.discrepancy.words.amounts import (
     quantity_text,
     small_text,
 )
+from symhyb.model.expression import Operation
 from symhyb.model.types import Between, On, Place
 from symhyb.model.vocabulary import KINDS
 from symhyb.units import parse_unit
@@ -105,17 +106,28 @@ def action_of(said: Said, kind: str, place: Place, estimates: Sequence[Estimate]
     value = {estimate.term: estimate.value for estimate in estimates}
     if said.resists:
         motion = "rotation" if said.resists == "motion" and turns(estimates) else said.resists
-        motion = f"relative {motion}" if isinstance(place, Between) else motion
+        motion = f"relative {motion}" if _relative(place) else motion
         drives = value.get(_RESISTING.get(kind, ""), 0.0) < 0.0
         return f"drives the {motion} instead of resisting it" if drives else f"resists the {motion}"
     if kind == "constant" and isinstance(place, Between):
         ends = "apart" if value.get("constant", 0.0) < 0.0 else "together"
         return f"acts, {'pushing' if ends == 'apart' else 'pulling'} the two points {ends}"
     if kind == "constant" and isinstance(place, On):
-        sign = "negative" if value.get("constant", 0.0) < 0.0 else "positive"
-        return f"acts towards {sign} {place.coordinate}"
+        negative = value.get("constant", 0.0) < 0.0
+        if place.plain:
+            return f"acts towards {'negative' if negative else 'positive'} {place.coordinate}"
+        said_place = place.coordinate.replace("-", "−")
+        return f"acts towards {'smaller' if negative else 'larger'} {said_place}"
     several = kind == "spring" and sum(key in value for key in _STIFFNESS) > 1
     return "act" if several else "acts"
+
+
+def _relative(place: Place) -> bool:
+    """Whether a place has two sides that move against each other: points, or a difference."""
+    if isinstance(place, On):
+        tree = place.expression.tree
+        return isinstance(tree, Operation) and tree.operator == "-"
+    return isinstance(place, Between)
 
 
 def secondary_of(said: Said, estimates: Sequence[Estimate]) -> str:

@@ -14,7 +14,7 @@ def place_words(model: Model, place: Place) -> str:
     """Say a place with the joint or body that it belongs to: ``on beta (joint of lower to
     upper)``."""
     said = place_text(place)
-    if not isinstance(place, On):
+    if not isinstance(place, On) or not place.plain:
         return said
     owner = _owner(model, place.coordinate)
     return f"{said} ({owner})" if owner else said

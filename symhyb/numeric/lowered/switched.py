@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from symhyb.model.switching import Stop, frictions, stops
-from symhyb.model.types import On
+from symhyb.model.types import On, Place
 from symhyb.numeric.kernels.memory import kept
 from symhyb.numeric.lowered.constrained import solve_symmetric
 from symhyb.numeric.lowered.dynamics import StateForm
@@ -46,19 +46,19 @@ class Switched:
         )
 
     def curved(self, held: Held) -> bool:
-        """Whether any friction of ``held`` acts between points, where holding is no straight line
-        of the coordinates."""
+        """Whether any friction of ``held`` acts elsewhere than on a coordinate, where holding may
+        be no straight line of the coordinates."""
         elements = self.form.machine.model.elements
-        return any(not isinstance(elements[self.frictions[i]].place, On) for i in held)
+        return any(_coordinate(elements[self.frictions[i]].place) is None for i in held)
 
     def on_columns(self, which: Held) -> tuple[int, ...]:
         """Where in the free coordinates the frictions ``which`` act directly on one of them."""
         model, found = self.form.machine.model, []
         names = [model.coordinates[i].name for i in self.form.free]
         for i in which:
-            place = model.elements[self.frictions[i]].place
-            if isinstance(place, On):
-                found.append(names.index(place.coordinate))
+            name = _coordinate(model.elements[self.frictions[i]].place)
+            if name is not None:
+                found.append(names.index(name))
         return tuple(found)
 
     def rates(self, held: Held) -> ca.Function:
@@ -179,9 +179,9 @@ class _Place:
         model = self._owner.form.machine.model
         names = [coordinate.name for coordinate in model.coordinates]
         for i in held:
-            place = model.elements[self._elements[i]].place
-            if isinstance(place, On):  # rest without rounding
-                a[names.index(place.coordinate)] = 0
+            name = _coordinate(model.elements[self._elements[i]].place)
+            if name is not None:  # rest without rounding
+                a[names.index(name)] = 0
         return a, force
 
     def seen(self, a: ca.SX, force: ca.SX) -> ca.SX:
@@ -208,6 +208,11 @@ class _Place:
                 1 - entered - entered * press,
             ]
         return ca.vertcat(*rows)
+
+
+def _coordinate(place: Place) -> str | None:
+    """The one coordinate that holds where a friction at a place does, if it is one."""
+    return place.coordinate if isinstance(place, On) and place.plain else None
 
 
 def _only(force: ca.SX, held: Held) -> ca.SX:
