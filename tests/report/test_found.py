@@ -22,7 +22,8 @@ from symhyb.discrepancy.fitting.task import Fit
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.results import Alternative, Diagnosis, Found, Verdict
 from symhyb.discrepancy.words.wording import verdict_sentence
-from symhyb.mechanics.laws import Motion, law_of
+from symhyb.laws.maths import Motion
+from symhyb.mechanics.laws import action_of
 from symhyb.model.read import parse_model
 from symhyb.model.types import Between, Element, Model, On, Place
 from symhyb.report import to_json
@@ -270,7 +271,7 @@ def test_the_law_as_text_is_the_law_that_acts(kind: str, keys: tuple[str, ...], 
     numbers_of |= {"static": 1.3, "stribeck": 0.1, "transition": 1e-2, "exponent": 1.5}
     options = (("side", side),) if kind == "gap" else ()
     values = {key: sp.Float(numbers_of[key]) for key in keys}
-    law = law_of(Element("e", kind, On("x"), (), options=options), Motion(s, r, z, t), values)
+    law = action_of(Element("e", kind, On("x"), (), options=options), Motion(s, r, z, t), values)
     force, rate = read_law(law_text(kind, keys, options), values, (s, r, z, t))
     grid = np.random.default_rng(0).uniform(-0.2, 0.2, (4, 60))
     expected = sp.lambdify((s, r, z, t), law.force, "numpy")(*grid)
