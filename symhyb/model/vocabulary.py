@@ -29,6 +29,11 @@ def key_of(kind: str, key: str) -> Key | None:
     return None if law is None else law.key(key)
 
 
+def steep(model: Model) -> bool:
+    """Whether any law of a model needs finer steps near reversals."""
+    return any(KINDS[element.kind].steep for element in model.elements)
+
+
 def placement_of(place: Place) -> Placement:
     """Return the key under which the file writes this kind of place."""
     match place:

@@ -10,7 +10,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from symhyb.discrepancy.places.candidates import in_order
 from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.laws import LAWS
+from symhyb.laws.reach import Reach
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import At, Element, Model, Parameter
 from symhyb.model.vocabulary import key_unit
@@ -23,6 +26,8 @@ PROBES = 7  # configurations about the start at which points are compared
 AROUND = 0.5  # spread of them, SI
 PROBE = "at_point_"  # begins the names of the masses that only compare points
 ALIKE = 1e-9  # relative: two points move the same
+_AT_POINTS = tuple(law for law in LAWS if law.passive and "at" in law.placements)
+_NONE = np.empty(0)
 
 Motion = tuple[Array, Array, Array]
 """q (N, n), v (N, n), t (N,), SI."""
@@ -44,13 +49,8 @@ def point_hypotheses(
     for place, speed in zip(points, speeds, strict=True):
         if speed <= 0:
             continue
-        transition = (("transition", narrow * float(speed)),)
-        found += [
-            Hypothesis("damper", place, ("damping",), (True,)),
-            Hypothesis("drag", place, ("drag",), (True,)),
-            Hypothesis("friction", place, ("coulomb",), (True,), transition),
-            Hypothesis("added_mass", place, ("mass",), (True,)),
-        ]
+        reach = Reach(_NONE, np.array([float(speed)]), _NONE, _NONE, narrow=narrow)
+        found += [h for h in in_order(_AT_POINTS, place, reach) if not h.variant]
     return tuple(found)
 
 
