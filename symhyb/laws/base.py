@@ -127,7 +127,7 @@ def as_fitted(values: Fitted) -> dict[str, tuple[float, float]]:
     return dict(values)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Law:
     """A force law, by sections: what a model file writes, mechanics, search, words, tests.
 
