@@ -8,16 +8,16 @@ from symhyb.laws.phrases import Numbers, Phrase
 from symhyb.laws.reach import INERTIA, Candidate, Reach
 
 
-def action(_: Maths, __: Motion, values: Values, ___: Options) -> Action:
+def _action(_: Maths, __: Motion, values: Values, ___: Options) -> Action:
     """F = mass·s'' is the force of the kinetic energy mass·s'²/2; no other term is left."""
     return Action(0, mass=values.get("mass", 0))
 
 
-def candidates(_: Reach) -> Iterator[Candidate]:
+def _candidates(_: Reach) -> Iterator[Candidate]:
     yield Candidate(("mass",), (True,), order=INERTIA)
 
 
-def phrase(n: Numbers, _: Options) -> Phrase | None:
+def _phrase(n: Numbers, _: Options) -> Phrase | None:
     if "mass" not in n:
         return None
     noun = "added inertia" if n.turns else "added mass"
@@ -35,10 +35,10 @@ LAW = Law(
     law="mass*s''",
     strengths=("mass",),
     placements=ANYWHERE,
-    action=action,
-    candidates=candidates,
+    action=_action,
+    candidates=_candidates,
     of_state=False,
     steady=True,
-    phrase=phrase,
+    phrase=_phrase,
     example={"mass": 0.3},
 )

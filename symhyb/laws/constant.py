@@ -8,15 +8,15 @@ from symhyb.laws.phrases import Numbers, Phrase
 from symhyb.laws.reach import FIRST, Candidate, Reach
 
 
-def action(_: Maths, __: Motion, values: Values, ___: Options) -> Action:
+def _action(_: Maths, __: Motion, values: Values, ___: Options) -> Action:
     return Action(values.get("constant", 0))
 
 
-def candidates(_: Reach) -> Iterator[Candidate]:
+def _candidates(_: Reach) -> Iterator[Candidate]:
     yield Candidate(("constant",), (False,), order=FIRST)
 
 
-def phrase(n: Numbers, _: Options) -> Phrase | None:
+def _phrase(n: Numbers, _: Options) -> Phrase | None:
     if "constant" not in n:
         return None
     noun = "torque" if n.turns else "force"
@@ -31,11 +31,11 @@ LAW = Law(
     law="constant",
     strengths=("constant",),
     placements=ANYWHERE,
-    action=action,
-    candidates=candidates,
+    action=_action,
+    candidates=_candidates,
     at_rest=True,
     steady=True,
-    phrase=phrase,
+    phrase=_phrase,
     pushes="constant",
     example={"constant": -1.5},
 )

@@ -11,11 +11,11 @@ from symhyb.laws.sided import ASYMMETRY, FACTOR, SKEW, directions, sided
 WORDS = "viscous damping"
 
 
-def action(m: Maths, at: Motion, values: Values, _: Options) -> Action:
+def _action(m: Maths, at: Motion, values: Values, _: Options) -> Action:
     return Action(values.get("damping", 0) * at.r * sided(m, at, values))
 
 
-def candidates(_: Reach) -> Iterator[Candidate]:
+def _candidates(_: Reach) -> Iterator[Candidate]:
     yield Candidate(("damping",), (True,), order=LOSS)
     yield Candidate(("damping", "skew"), (True, False), order=LOPSIDED)
 
@@ -38,7 +38,7 @@ TERMS = Terms(
 )
 
 
-def phrase(n: Numbers, _: Options) -> Phrase | None:
+def _phrase(n: Numbers, _: Options) -> Phrase | None:
     if "damping" not in n:
         return None
     head = f"{WORDS} of {n.amount('damping')}"
@@ -46,7 +46,7 @@ def phrase(n: Numbers, _: Options) -> Phrase | None:
     return Phrase(head + (f" ({by_side})" if by_side else ""), terms=("damping",), resists="motion")
 
 
-def formula(keys: Collection[str], _: Options) -> str:
+def _formula(keys: Collection[str], _: Options) -> str:
     return f"damping*s'{FACTOR if 'asymmetry' in keys else ''}"
 
 
@@ -62,12 +62,12 @@ LAW = Law(
     law="damping*s'",
     strengths=("damping",),
     placements=ANYWHERE,
-    action=action,
-    candidates=candidates,
+    action=_action,
+    candidates=_candidates,
     terms=TERMS,
-    phrase=phrase,
+    phrase=_phrase,
     resists="damping",
     critical="damping",
-    formula=formula,
+    formula=_formula,
     example={"damping": 4.0, "asymmetry": 0.25},
 )

@@ -10,15 +10,15 @@ from symhyb.laws.reach import LOSS, Candidate, Reach
 WORDS, TORQUE_WORDS = "drag quadratic in speed", "drag torque quadratic in speed"
 
 
-def action(m: Maths, at: Motion, values: Values, _: Options) -> Action:
+def _action(m: Maths, at: Motion, values: Values, _: Options) -> Action:
     return Action(values.get("drag", 0) * m.abs(at.r) * at.r)
 
 
-def candidates(_: Reach) -> Iterator[Candidate]:
+def _candidates(_: Reach) -> Iterator[Candidate]:
     yield Candidate(("drag",), (True,), order=LOSS)
 
 
-def phrase(n: Numbers, _: Options) -> Phrase | None:
+def _phrase(n: Numbers, _: Options) -> Phrase | None:
     if "drag" not in n:
         return None
     noun = TORQUE_WORDS if n.turns else WORDS
@@ -33,9 +33,9 @@ LAW = Law(
     law="drag*abs(s')*s'",
     strengths=("drag",),
     placements=ANYWHERE,
-    action=action,
-    candidates=candidates,
-    phrase=phrase,
+    action=_action,
+    candidates=_candidates,
+    phrase=_phrase,
     resists="drag",
     example={"drag": 0.7},
 )

@@ -34,7 +34,7 @@ SPEEDS = np.linspace(0.01, 20.0, 4000)  # in transitions, where the peak is look
 WORDS = "dry (Coulomb) friction"
 
 
-def action(m: Maths, at: Motion, values: Values, _: Options) -> Action:
+def _action(m: Maths, at: Motion, values: Values, _: Options) -> Action:
     turning = m.tanh(at.r / transition(values))
     return Action(friction_level(m, at.r, values) * turning * sided(m, at, values))
 
@@ -44,7 +44,7 @@ def transition(values: Values) -> Value:
     return values.get("transition", DEFAULT_TRANSITION * SPEED_SCALE)
 
 
-def candidates(reach: Reach) -> Iterator[Candidate]:
+def _candidates(reach: Reach) -> Iterator[Candidate]:
     width = (("transition", reach.narrow * reach.speed),)
     yield Candidate(("coulomb",), (True,), width, order=LOSS)
     for share in STRIBECK_SHARES:
@@ -52,7 +52,7 @@ def candidates(reach: Reach) -> Iterator[Candidate]:
         yield Candidate(("coulomb", "static"), (True, True), shape, ("stribeck",), order=SHAPED)
 
 
-def phrase(n: Numbers, _: Options) -> Phrase | None:
+def _phrase(n: Numbers, _: Options) -> Phrase | None:
     if "coulomb" not in n:
         return None
     noun = WORDS + (" torque" if n.turns else "")
@@ -62,7 +62,7 @@ def phrase(n: Numbers, _: Options) -> Phrase | None:
     return Phrase(head, terms=("coulomb", *terms), resists="motion")
 
 
-def formula(keys: Collection[str], _: Options) -> str:
+def _formula(keys: Collection[str], _: Options) -> str:
     level, rest = ("g", f", {LEVEL}") if "static" in keys else ("coulomb", "")
     return f"{level}*tanh(s'/transition){FACTOR if 'asymmetry' in keys else ''}{rest}"
 
@@ -111,16 +111,16 @@ LAW = Law(
     law=f"g*tanh(s'/transition), {LEVEL}",
     strengths=("coulomb", "static"),
     placements=ANYWHERE,
-    action=action,
+    action=_action,
     steep=True,
     stiff=True,
     dry=True,
     switch="holds",
-    candidates=candidates,
+    candidates=_candidates,
     terms=Terms(added=("static",)),
-    phrase=phrase,
+    phrase=_phrase,
     resists="coulomb",
-    formula=formula,
+    formula=_formula,
     widened=widened,
     example={
         "coulomb": 2.0,

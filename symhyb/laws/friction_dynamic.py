@@ -15,13 +15,13 @@ from symhyb.laws.reach import Candidate, Reach
 PRESLIDING_SHARES = (0.01, 0.05)  # of the amplitude
 
 
-def action(m: Maths, at: Motion, values: Values, _: Options) -> Action:
+def _action(m: Maths, at: Motion, values: Values, _: Options) -> Action:
     k, d = values.get("stiffness", 0), values.get("micro_damping", 0)
     inner = at.r - k * m.abs(at.r) * at.z / friction_level(m, at.r, values)
     return Action(k * at.z + d * inner, k * at.z**2 / 2, inner)
 
 
-def candidates(reach: Reach) -> Iterator[Candidate]:
+def _candidates(reach: Reach) -> Iterator[Candidate]:
     if reach.amplitude <= 0:
         return
     for share in PRESLIDING_SHARES:
@@ -29,7 +29,7 @@ def candidates(reach: Reach) -> Iterator[Candidate]:
         yield Candidate(("coulomb",), (True,), shape, ("stiffness",), tied=("stiffness",))
 
 
-def phrase(n: Numbers, _: Options) -> Phrase | None:
+def _phrase(n: Numbers, _: Options) -> Phrase | None:
     if "coulomb" not in n:
         return None
     levels, terms = level_phrase(n)
@@ -41,7 +41,7 @@ def phrase(n: Numbers, _: Options) -> Phrase | None:
     return Phrase(head, terms=("coulomb", *terms), resists="motion")
 
 
-def formula(keys: Collection[str], _: Options) -> str:
+def _formula(keys: Collection[str], _: Options) -> str:
     level, rest = ("g", f", {LEVEL}") if "static" in keys else ("coulomb", "")
     force = "stiffness*z" + (" + micro_damping*z'" if "micro_damping" in keys else "")
     return f"{force}, z' = s' - stiffness*abs(s')*z/{level}{rest}"
@@ -63,14 +63,14 @@ LAW = Law(
     strengths=("coulomb", "static"),
     needs=("coulomb", "stiffness"),
     state="z' = s' - stiffness*abs(s')*z/g, g as of friction",
-    action=action,
+    action=_action,
     steep=True,
     stiff=True,
     dry=True,
-    candidates=candidates,
+    candidates=_candidates,
     subject="friction",
-    phrase=phrase,
-    formula=formula,
+    phrase=_phrase,
+    formula=_formula,
     example={
         "coulomb": 2.0,
         "static": 3.0,

@@ -17,7 +17,7 @@ SAMPLES_LEAST = 20  # of one sign, that a side is tried
 SIDES = {"upper": "on the upper side", "lower": "on the lower side", "both": "on both sides"}
 
 
-def action(m: Maths, at: Motion, values: Values, options: Options) -> Action:
+def _action(m: Maths, at: Motion, values: Values, options: Options) -> Action:
     """Contact at s = clearance (upper) and s = −clearance (lower); with damping the contact force
     still never pulls."""
     k, d, c = (values.get(key, 0) for key in ("stiffness", "damping", "clearance"))
@@ -35,7 +35,7 @@ def action(m: Maths, at: Motion, values: Values, options: Options) -> Action:
     return Action(force, stored)
 
 
-def candidates(reach: Reach) -> Iterator[Candidate]:
+def _candidates(reach: Reach) -> Iterator[Candidate]:
     s = reach.stretch - (reach.length or 0.0)
     for side, travel in (("both", np.abs(s)), ("upper", s[s > 0]), ("lower", -s[s < 0])):
         if travel.size < SAMPLES_LEAST or (side == "both" and not (s.min() < 0 < s.max())):
@@ -51,7 +51,7 @@ def candidates(reach: Reach) -> Iterator[Candidate]:
                 )
 
 
-def phrase(n: Numbers, options: Options) -> Phrase | None:
+def _phrase(n: Numbers, options: Options) -> Phrase | None:
     side = options.get("side", "")
     if "stiffness" not in n:
         return None
@@ -62,7 +62,7 @@ def phrase(n: Numbers, options: Options) -> Phrase | None:
     return Phrase(f"an elastic stop of {n.amount('stiffness')}", tail, ("stiffness", "clearance"))
 
 
-def formula(keys: Collection[str], options: Options) -> str:
+def _formula(keys: Collection[str], options: Options) -> str:
     upper, lower = ("s - clearance", "s + clearance") if "clearance" in keys else ("s", "s")
     if "damping" in keys:  # in contact only, and never pulling
         pressed = [
@@ -108,12 +108,12 @@ LAW = Law(
     words="an elastic stop behind a clearance",
     law="stiffness*max(s - clearance, 0) + stiffness*min(s + clearance, 0)",
     strengths=("stiffness",),
-    action=action,
+    action=_action,
     steep=True,
     stiff=True,
     switch="touches",
-    candidates=candidates,
-    phrase=phrase,
-    formula=formula,
+    candidates=_candidates,
+    phrase=_phrase,
+    formula=_formula,
     example={"stiffness": 200.0, "clearance": 0.1, "damping": 5.0},
 )

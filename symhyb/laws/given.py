@@ -11,11 +11,11 @@ _TORQUE = Key("torque", 1, 0, 0, None, "what acts on an angle", ("on",), True)
 _TENSION = Key("tension", 1, 0, 0, None, "pulls the two points together", ("between",), True)
 
 
-def action(_: Maths, __: Motion, values: Values, ___: Options) -> Action:
+def _action(_: Maths, __: Motion, values: Values, ___: Options) -> Action:
     return Action(next(iter(values.values()), 0))
 
 
-def phrase(n: Numbers, options: Options) -> Phrase | None:
+def _phrase(n: Numbers, options: Options) -> Phrase | None:
     if "formula" not in options or "coefficient" not in n:
         return None
     noun, letter = ("torque" if n.turns else "force"), n.symbol("coefficient")
@@ -32,7 +32,7 @@ FORCE = Law(
     law="force",
     strengths=("force", "tension"),
     placements=ANYWHERE,
-    action=action,
+    action=_action,
     example={"force": 2.0},
 )
 TORQUE = Law(
@@ -43,7 +43,7 @@ TORQUE = Law(
     law="torque",
     strengths=("torque",),
     placements=("on",),
-    action=action,
+    action=_action,
     example={"torque": 2.0},
 )
 EXPRESSION = Law(
@@ -54,8 +54,8 @@ EXPRESSION = Law(
     law="force, torque or tension as written",
     strengths=("force", "torque", "tension"),
     placements=ANYWHERE,
-    action=action,
-    phrase=phrase,
+    action=_action,
+    phrase=_phrase,
     example={"force": 2.0},
 )
 NETWORK = Law(

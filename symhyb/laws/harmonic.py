@@ -13,12 +13,12 @@ from symhyb.laws.reach import PERIODIC, Array, Candidate, Reach
 SAMPLES_LEAST = 64  # of a spectrum
 
 
-def action(m: Maths, at: Motion, values: Values, _: Options) -> Action:
+def _action(m: Maths, at: Motion, values: Values, _: Options) -> Action:
     wave = m.sin(2 * m.pi * values.get("frequency", 0) * at.t + values.get("phase", 0))
     return Action(values.get("amplitude", 0) * wave)
 
 
-def candidates(reach: Reach) -> Iterator[Candidate]:
+def _candidates(reach: Reach) -> Iterator[Candidate]:
     for frequency in time_peaks(reach.t, unexplained(reach)):
         # the clock of every recording starts anew, so that its phase is its own
         yield Candidate(
@@ -47,7 +47,7 @@ def time_peaks(t: Array, force: Array) -> tuple[float, ...]:
     return peaks(lines[low:], power[low:], width=8)
 
 
-def phrase(n: Numbers, _: Options) -> Phrase | None:
+def _phrase(n: Numbers, _: Options) -> Phrase | None:
     if "amplitude" not in n:
         return None
     head = f"a harmonic {'torque' if n.turns else 'force'} of {n.amount('amplitude')}"
@@ -79,11 +79,11 @@ LAW = Law(
     strengths=("amplitude",),
     placements=ANYWHERE,
     needs=("frequency",),
-    action=action,
-    candidates=candidates,
+    action=_action,
+    candidates=_candidates,
     terms=WAVE,
     of_state=False,
     steady=True,
-    phrase=phrase,
+    phrase=_phrase,
     example={"amplitude": 3.0, "frequency": 5.0, "phase": 0.4},
 )

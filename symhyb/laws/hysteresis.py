@@ -18,7 +18,7 @@ YIELD_SHARES = (0.05, 0.2, 0.6)  # of the amplitude: where it saturates
 TINY = 1e-30  # m: keeps the slope of abs(z)^n finite at z = 0
 
 
-def action(m: Maths, at: Motion, values: Values, _: Options) -> Action:
+def _action(m: Maths, at: Motion, values: Values, _: Options) -> Action:
     beta, gamma, k = (values.get(key, 0) for key in ("beta", "gamma", "stiffness"))
     n = values.get("exponent", 1)
     z, r = at.z, at.r
@@ -32,7 +32,7 @@ def action(m: Maths, at: Motion, values: Values, _: Options) -> Action:
     return Action(k * taut, k * taut**2 / 2, inner)
 
 
-def candidates(reach: Reach) -> Iterator[Candidate]:
+def _candidates(reach: Reach) -> Iterator[Candidate]:
     if reach.amplitude <= 0:
         return
     for share in YIELD_SHARES:
@@ -41,7 +41,7 @@ def candidates(reach: Reach) -> Iterator[Candidate]:
         yield Candidate(("stiffness",), (True,), shape, ("beta", "gamma"))
 
 
-def phrase(n: Numbers, _: Options) -> Phrase | None:
+def _phrase(n: Numbers, _: Options) -> Phrase | None:
     if "stiffness" not in n:
         return None
     tail = f"with a stiffness of {n.amount('stiffness')}" + _saturation(n)
@@ -67,7 +67,7 @@ def _saturation(n: Numbers) -> str:
     return f" that saturates at about {n.derived(level, unit)}"
 
 
-def formula(keys: Collection[str], _: Options) -> str:
+def _formula(keys: Collection[str], _: Options) -> str:
     force = "stiffness*dead(z, play)" if "play" in keys else "stiffness*z"
     turned, grown = ("abs(z)^(n-1)*z", "abs(z)^n") if "exponent" in keys else ("z", "abs(z)")
     rate = "s'"
@@ -92,11 +92,11 @@ LAW = Law(
     law="stiffness*dead(z, play)",
     strengths=("stiffness",),
     state="z' = s' - beta*abs(s')*abs(z)^(n-1)*z - gamma*s'*abs(z)^n",
-    action=action,
+    action=_action,
     steep=True,
     stiff=True,
-    candidates=candidates,
-    phrase=phrase,
-    formula=formula,
+    candidates=_candidates,
+    phrase=_phrase,
+    formula=_formula,
     example={"stiffness": 200.0, "beta": 4.0, "gamma": 2.0, "exponent": 1.5, "play": 0.02},
 )

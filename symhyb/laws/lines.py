@@ -35,7 +35,7 @@ WAVE = Terms({"sine": "amplitude", "cosine": "phase"}, _amplitude_and_phase)
 
 
 def unexplained(reach: Reach) -> Array:
-    """The lacking force (N,) without what smooth simple laws of stretch and rate would take."""
+    """The lacking force (N,), SI, without what smooth laws of stretch and rate would take."""
     s, r = (x / (np.std(x) or 1.0) for x in (reach.stretch - reach.stretch.mean(), reach.rate))
     columns = np.stack([np.ones_like(s), s, s**2, s**3, r, np.abs(r) * r, np.sign(r)], axis=1)
     values, *_ = np.linalg.lstsq(columns, reach.force, rcond=None)
@@ -43,8 +43,8 @@ def unexplained(reach: Reach) -> Array:
 
 
 def peaks(lines: Array, power: Array, width: int) -> tuple[float, ...]:
-    """Local maxima of ``power`` that stand out of the median, at most ``PEAKS``, by their place in
-    ``lines``; ``width`` is how many entries apart two of them are."""
+    """Local maxima of ``power`` (L,) that stand out of the median, at most ``PEAKS``, by their
+    place in ``lines`` (L,), SI; ``width`` is how many entries apart two of them are."""
     if power.size < 8:
         return ()
     floor = float(np.median(power))

@@ -12,12 +12,12 @@ from symhyb.laws.reach import Candidate, Reach
 RELAXATION_SHARES = (0.15, 1.0, 6.0)  # of 1/ω of the motion
 
 
-def action(_: Maths, at: Motion, values: Values, __: Options) -> Action:
+def _action(_: Maths, at: Motion, values: Values, __: Options) -> Action:
     k, d = values["stiffness"], values["damping"]
     return Action(k * (at.s - at.z), k * (at.s - at.z) ** 2 / 2, (at.s - at.z) * k / d, at.s)
 
 
-def candidates(reach: Reach) -> Iterator[Candidate]:
+def _candidates(reach: Reach) -> Iterator[Candidate]:
     if reach.amplitude <= 0:
         return
     pace = float(np.sqrt(np.mean(reach.rate**2))) / max(float(np.std(reach.stretch)), 1e-300)
@@ -26,7 +26,7 @@ def candidates(reach: Reach) -> Iterator[Candidate]:
         yield Candidate(("stiffness",), (True,), shape, ("damping",), tied=("damping",))
 
 
-def phrase(n: Numbers, _: Options) -> Phrase | None:
+def _phrase(n: Numbers, _: Options) -> Phrase | None:
     if "stiffness" not in n:
         return None
     head = f"a spring of {n.amount('stiffness')} that relaxes"
@@ -48,9 +48,9 @@ LAW = Law(
     strengths=("stiffness",),
     needs=("damping",),
     state="z' = (s - z)*stiffness/damping",
-    action=action,
+    action=_action,
     stiff=True,
-    candidates=candidates,
-    phrase=phrase,
+    candidates=_candidates,
+    phrase=_phrase,
     example={"stiffness": 200.0, "damping": 40.0},
 )

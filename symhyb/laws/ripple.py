@@ -16,12 +16,12 @@ SAMPLES_MOST = 6000  # of a periodogram
 SAMPLES_LEAST = 64
 
 
-def action(m: Maths, at: Motion, values: Values, _: Options) -> Action:
+def _action(m: Maths, at: Motion, values: Values, _: Options) -> Action:
     turn = 2 * m.pi * at.s / values["period"] + values.get("phase", 0)
     return Action(values.get("amplitude", 0) * m.sin(turn))
 
 
-def candidates(reach: Reach) -> Iterator[Candidate]:
+def _candidates(reach: Reach) -> Iterator[Candidate]:
     for period in place_peaks(reach.stretch, unexplained(reach)):
         shape = (("period", period),)
         yield Candidate(("sine", "cosine"), (False, False), shape, ("period",), order=PERIODIC)
@@ -40,7 +40,7 @@ def place_peaks(stretch: Array, force: Array) -> tuple[float, ...]:
     return tuple(1 / line for line in peaks(lines, power, width=4))
 
 
-def phrase(n: Numbers, _: Options) -> Phrase | None:
+def _phrase(n: Numbers, _: Options) -> Phrase | None:
     if "amplitude" not in n:
         return None
     head = f"a {'torque' if n.turns else 'force'} of {n.amount('amplitude')}"
@@ -67,10 +67,10 @@ LAW = Law(
     law="amplitude*sin(2*pi*s/period + phase)",
     strengths=("amplitude",),
     needs=("period",),
-    action=action,
-    candidates=candidates,
+    action=_action,
+    candidates=_candidates,
     terms=WAVE,
     steady=True,
-    phrase=phrase,
+    phrase=_phrase,
     example={"amplitude": 3.0, "period": 0.2, "phase": 0.4},
 )

@@ -19,7 +19,7 @@ MEANINGS = {  # key: (noun, meaning of a positive value, of a negative value)
 }
 
 
-def action(_: Maths, at: Motion, values: Values, __: Options) -> Action:
+def _action(_: Maths, at: Motion, values: Values, __: Options) -> Action:
     k1, k2, k3 = (values.get(key, 0) for key in MEANINGS)
     s = at.s
     return Action(
@@ -28,12 +28,12 @@ def action(_: Maths, at: Motion, values: Values, __: Options) -> Action:
     )
 
 
-def candidates(reach: Reach) -> Iterator[Candidate]:
+def _candidates(reach: Reach) -> Iterator[Candidate]:
     for term in MEANINGS:
         yield Candidate((term,), (False,), reach.slack, order=POLYNOMIAL)
 
 
-def phrase(n: Numbers, _: Options) -> Phrase | None:
+def _phrase(n: Numbers, _: Options) -> Phrase | None:
     present = tuple(key for key in MEANINGS if key in n)
     parts = []
     for key in present:
@@ -43,7 +43,7 @@ def phrase(n: Numbers, _: Options) -> Phrase | None:
     return Phrase(n.listed(parts), terms=present, plural=len(parts) > 1) if parts else None
 
 
-def formula(keys: Collection[str], _: Options) -> str:
+def _formula(keys: Collection[str], _: Options) -> str:
     return " + ".join(term for term in FORCE.split(" + ") if term.split("*")[0] in keys)
 
 
@@ -59,11 +59,11 @@ LAW = Law(
     words="a spring",
     law=FORCE,
     strengths=("stiffness", "quadratic", "cubic"),
-    action=action,
-    candidates=candidates,
+    action=_action,
+    candidates=_candidates,
     at_rest=True,
     joins=True,
-    phrase=phrase,
-    formula=formula,
+    phrase=_phrase,
+    formula=_formula,
     example={"stiffness": 200.0, "quadratic": 40.0, "cubic": 3000.0},
 )

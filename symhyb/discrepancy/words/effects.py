@@ -31,7 +31,7 @@ Options = Sequence[tuple[str, str]]
 
 
 @dataclass(frozen=True, slots=True)
-class Estimates:
+class _Estimates:
     """The estimates of one effect by key, and whether they belong to an angle, as its law words
     them: see :class:`symhyb.laws.phrases.Numbers`."""
 
@@ -82,7 +82,7 @@ class Estimates:
 
 def phrase_of(kind: str, estimates: Sequence[Estimate], options: Options = ()) -> Phrase:
     """Word an effect from its numbers; what has no words of its own is named with all of them."""
-    numbers = Estimates({one.term: one for one in estimates}, turns(estimates))
+    numbers = _Estimates({one.term: one for one in estimates}, turns(estimates))
     law = KINDS.get(kind)
     phrase = law.phrase(numbers, dict(options)) if law else None
     if phrase is not None:

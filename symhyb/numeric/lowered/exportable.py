@@ -8,6 +8,11 @@ from symhyb.model.vocabulary import KINDS
 
 
 def require_force_elements(model: Model, names: Sequence[str]) -> None:
+    """See that the elements of these names can be exported by themselves.
+
+    Raises:
+        InputError: one depends on the acceleration, or on an input that is delayed.
+    """
     problems = []
     for element in model.elements:
         if element.name in names and KINDS[element.kind].inertial:
