@@ -12,6 +12,7 @@ from typing import Literal
 from symhyb.laws.maths import Action, Maths, Motion, Options, Values
 from symhyb.laws.phrases import Numbers, Phrase
 from symhyb.laws.reach import Candidate, Reach
+from symhyb.laws.variants import Variants, no_variants
 
 Energy = Literal["conservative", "dissipative", "active"]
 Placement = Literal["on", "between", "at"]
@@ -141,7 +142,8 @@ class Law:
     friction that can hold still. ``switch`` says as what an exact simulation treats its corner:
     a friction that *holds*, or a stop that *touches*.
 
-    ``candidates`` are the shapes that are tried at a place. ``at_rest``: also where nothing moves.
+    ``candidates`` are the shapes that are tried at a place, ``variants`` what is tried where one of
+    them was found. ``at_rest``: candidates also where nothing moves.
     ``of_state`` is False of what is no function of stretch and rate; ``steady`` laws do not change
     on the way (one that seems to stands in for something else). ``joins``: what was found of it at
     one place is one element. ``subject`` names the law of which this is another form.
@@ -171,6 +173,7 @@ class Law:
     switch: Switch = ""
 
     candidates: Callable[[Reach], Iterable[Candidate]] = nothing_tried
+    variants: Variants = no_variants
     terms: Terms = field(default_factory=Terms)
     at_rest: bool = False
     of_state: bool = True

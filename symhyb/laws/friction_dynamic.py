@@ -7,12 +7,17 @@ from collections.abc import Collection, Iterator
 from dataclasses import replace
 
 from symhyb.laws.base import LENGTH, Key, Law
+from symhyb.laws.hysteresis import imitated
 from symhyb.laws.levels import COULOMB, LEVEL, STATIC, STRIBECK, friction_level, level_phrase
 from symhyb.laws.maths import Action, Maths, Motion, Options, Values
 from symhyb.laws.phrases import Numbers, Phrase
 from symhyb.laws.reach import Candidate, Reach
+from symhyb.laws.variants import Pace, Row, Variant
 
 PRESLIDING_SHARES = (0.01, 0.05)  # of the amplitude
+MICRO_SHARE = 0.3  # of friction over speed (RMS): micro-damping
+STATIC_FIRST = 1.3  # of the sliding friction: the breakaway friction that is tried first
+STRIBECK_FIRST = 0.1  # of the largest rate
 
 
 def _action(m: Maths, at: Motion, values: Values, _: Options) -> Action:
@@ -27,6 +32,23 @@ def _candidates(reach: Reach) -> Iterator[Candidate]:
     for share in PRESLIDING_SHARES:
         shape = (("stiffness", 1 / (share * reach.amplitude)),)
         yield Candidate(("coulomb",), (True,), shape, ("stiffness",), tied=("stiffness",))
+
+
+def _variants(row: Row, pace: Pace, added: Collection[str]) -> Iterator[Variant]:
+    """Micro-damping, and a level that falls with speed; the hysteresis that it may stand for."""
+    if not pace.rate > 0:
+        return
+    if "micro_damping" not in added:
+        micro = MICRO_SHARE * row["coulomb"] / pace.rate
+        yield Variant({**row, "micro_damping": micro}, ("micro_damping",), ("micro_damping",))
+    if "static" not in added:
+        levels = {
+            "static": STATIC_FIRST * row["coulomb"],
+            "stribeck": STRIBECK_FIRST * pace.fastest,
+        }
+        yield Variant({**row, **levels}, ("static", "stribeck"), ("static",))
+    if not added:
+        yield from imitated(row["stiffness"], row["coulomb"], pace)
 
 
 def _phrase(n: Numbers, _: Options) -> Phrase | None:
@@ -68,6 +90,7 @@ LAW = Law(
     stiff=True,
     dry=True,
     candidates=_candidates,
+    variants=_variants,
     subject="friction",
     phrase=_phrase,
     formula=_formula,

@@ -11,8 +11,10 @@ from symhyb.laws.base import LENGTH, Key, Law
 from symhyb.laws.maths import Action, Maths, Motion, Options, Values
 from symhyb.laws.phrases import Numbers, Phrase
 from symhyb.laws.reach import Candidate, Reach
+from symhyb.laws.variants import Pace, Row, Variant
 
 CLEARANCE_SHARES = (0.4, 0.65, 0.85)  # of the stretches of one sign: quantiles
+CONTACT_SHARES = (0.03, 0.3)  # of stretch over speed (both RMS): damping over stiffness
 SAMPLES_LEAST = 20  # of one sign, that a side is tried
 SIDES = {"upper": "on the upper side", "lower": "on the lower side", "both": "on both sides"}
 
@@ -49,6 +51,14 @@ def _candidates(reach: Reach) -> Iterator[Candidate]:
                     ("clearance",),
                     options=(("side", side),),
                 )
+
+
+def _variants(row: Row, pace: Pace, added: Collection[str]) -> Iterator[Variant]:
+    """A stop that is damped while it is pressed."""
+    if "damping" not in added and pace.rate > 0:
+        for share in CONTACT_SHARES:
+            damped = {**row, "damping": share * pace.time * row["stiffness"]}
+            yield Variant(damped, ("damping",), ("damping",))
 
 
 def _phrase(n: Numbers, options: Options) -> Phrase | None:
@@ -113,6 +123,7 @@ LAW = Law(
     stiff=True,
     switch="touches",
     candidates=_candidates,
+    variants=_variants,
     phrase=_phrase,
     formula=_formula,
     example={"stiffness": 200.0, "clearance": 0.1, "damping": 5.0},

@@ -6,15 +6,21 @@ Sources: Bouc, Proc. 4th Conf. Nonlinear Oscillation, 1967, and Wen, J. Eng. Mec
 """
 
 from collections.abc import Collection, Iterator
+from dataclasses import replace
 from fractions import Fraction
 
 from symhyb.laws.base import LENGTH, Key, Law
 from symhyb.laws.maths import Action, Maths, Motion, Options, Values
 from symhyb.laws.phrases import Numbers, Phrase
 from symhyb.laws.reach import Candidate, Reach
+from symhyb.laws.variants import Pace, Row, Variant
 from symhyb.units import parse_unit
 
 YIELD_SHARES = (0.05, 0.2, 0.6)  # of the amplitude: where it saturates
+EXPONENT_FIRST = 2.0
+PLAY_SHARES = (0.2, 0.6)  # of the stretch at which the plain hysteresis saturates
+HALF = 0.5
+LEAST = 1e-3  # of beta + gamma: the smallest of them that a variant starts from
 TINY = 1e-30  # m: keeps the slope of abs(z)^n finite at z = 0
 
 
@@ -39,6 +45,45 @@ def _candidates(reach: Reach) -> Iterator[Candidate]:
         half = 0.5 / (share * reach.amplitude)
         shape = (("beta", half), ("gamma", half))
         yield Candidate(("stiffness",), (True,), shape, ("beta", "gamma"))
+
+
+def _variants(row: Row, _: Pace, added: Collection[str]) -> Iterator[Variant]:
+    """A sharper or softer knee, and play in series; the stretch and the force at which the plain
+    law saturates stay. Last a gamma of either sign: a law that hardens as it is loaded, and unloads
+    more steeply still."""
+    both, n = row["beta"] + row["gamma"], row.get("exponent", 1.0)
+    if both <= 0:
+        return
+    yields = both ** (-1 / n)
+    if "exponent" not in added:
+        sharper = {**_scaled(row, yields**-EXPONENT_FIRST), "exponent": EXPONENT_FIRST}
+        yield Variant(sharper, ("exponent",))
+    if "play" not in added:
+        for share in PLAY_SHARES:
+            longer = _scaled(row, (yields * (1 + share)) ** -n)
+            yield Variant({**longer, "play": share * yields}, ("play",))
+    if not added:
+        hardening = {**row, "gamma": -HALF * row["beta"]}
+        yield Variant(hardening, ("gamma",), tried={"gamma": row["beta"]})
+
+
+def _scaled(row: Row, both: float) -> dict[str, float]:
+    """The same hysteresis with another beta + gamma, both of them positive."""
+    beta, gamma = (max(row[key], LEAST * (row["beta"] + row["gamma"])) for key in ("beta", "gamma"))
+    return {**row, "beta": beta * both / (beta + gamma), "gamma": gamma * both / (beta + gamma)}
+
+
+def imitated(stiffness: float, level: float, pace: Pace) -> Iterator[Variant]:
+    """The Bouc–Wen laws of which Dahl's, with this ``stiffness`` and force ``level``, is the one
+    with gamma = 0: they load and unload otherwise, or behind a play. SI."""
+    if min(level, stiffness) <= 0:
+        return
+    both = stiffness / level
+    first = {"stiffness": stiffness, "beta": 0.7 * both, "gamma": 0.3 * both}
+    shape = (("beta", first["beta"]), ("gamma", first["gamma"]))
+    candidate = Candidate(("stiffness",), (True,), shape, ("beta", "gamma"))
+    for variant in (Variant(first), *_variants(first, pace, ())):
+        yield replace(variant, law="hysteresis", candidate=candidate)
 
 
 def _phrase(n: Numbers, _: Options) -> Phrase | None:
@@ -96,6 +141,7 @@ LAW = Law(
     steep=True,
     stiff=True,
     candidates=_candidates,
+    variants=_variants,
     phrase=_phrase,
     formula=_formula,
     example={"stiffness": 200.0, "beta": 4.0, "gamma": 2.0, "exponent": 1.5, "play": 0.02},

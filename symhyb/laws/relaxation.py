@@ -1,15 +1,18 @@
 """A spring that relaxes: spring and damper in series (Maxwell)."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 import numpy as np
 
 from symhyb.laws.base import LENGTH, Key, Law
+from symhyb.laws.hysteresis import imitated
 from symhyb.laws.maths import Action, Maths, Motion, Options, Values
 from symhyb.laws.phrases import Numbers, Phrase
 from symhyb.laws.reach import Candidate, Reach
+from symhyb.laws.variants import Pace, Row, Variant
 
 RELAXATION_SHARES = (0.15, 1.0, 6.0)  # of 1/ω of the motion
+HALF = 0.5
 
 
 def _action(_: Maths, at: Motion, values: Values, __: Options) -> Action:
@@ -24,6 +27,14 @@ def _candidates(reach: Reach) -> Iterator[Candidate]:
     for share in RELAXATION_SHARES:
         shape = (("damping", share / pace),)
         yield Candidate(("stiffness",), (True,), shape, ("damping",), tied=("damping",))
+
+
+def _variants(row: Row, pace: Pace, _: Collection[str]) -> Iterator[Variant]:
+    """Whatever remembers resembles it at first: a hysteresis, from where it would saturate at half
+    of the stretch (RMS)."""
+    if pace.time > 0:
+        level = row["stiffness"] * (HALF * pace.time * pace.rate)
+        yield from imitated(row["stiffness"], level, pace)
 
 
 def _phrase(n: Numbers, _: Options) -> Phrase | None:
@@ -51,6 +62,7 @@ LAW = Law(
     action=_action,
     stiff=True,
     candidates=_candidates,
+    variants=_variants,
     phrase=_phrase,
     example={"stiffness": 200.0, "damping": 40.0},
 )

@@ -12,6 +12,7 @@ import pytest
 import sympy as sp
 from scipy.integrate import solve_ivp
 
+from symhyb.discrepancy.places.candidates import hypothesis_of
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.results import Estimate
 from symhyb.discrepancy.words.wording import effect_phrase, effect_sentence
@@ -19,6 +20,7 @@ from symhyb.laws import LAWS
 from symhyb.laws.base import Key, Law
 from symhyb.laws.maths import NUMPY, Action, Motion
 from symhyb.laws.reach import Reach
+from symhyb.laws.variants import Pace
 from symhyb.mechanics.laws import action_of
 from symhyb.model.types import Coordinate, Element, Model, On
 from symhyb.model.vocabulary import key_unit
@@ -27,6 +29,7 @@ from symhyb.units import parse_unit
 AMPLITUDE, PACE = 0.3, 5.0
 CYCLE = 2 * np.pi / PACE
 ACTING = [law for law in LAWS if law.action is not None]
+LAW_OF = {law.name: law for law in LAWS}
 PASSIVE = [law for law in ACTING if law.passive]
 WORDED = [law for law in ACTING if any(not key.signal for key in law.keys)]
 MODEL = Model("", (Coordinate("x", parse_unit("m")),), energy_unit=parse_unit("J"))
@@ -171,21 +174,7 @@ def reach(length: float | None = None) -> Reach:
 
 
 def hypotheses(law: Law) -> list[Hypothesis]:
-    return [
-        Hypothesis(
-            law.name,
-            On("x"),
-            tried.terms,
-            tried.positive,
-            tried.shape,
-            tried.refined,
-            tied=tried.tied,
-            options=tried.options,
-            own=tried.own,
-            bounds=tried.bounds,
-        )
-        for tried in law.candidates(reach())
-    ]
+    return [hypothesis_of(law.name, On("x"), tried) for tried in law.candidates(reach())]
 
 
 WITH_CANDIDATES = [law for law in LAWS if hypotheses(law)]
@@ -223,6 +212,22 @@ def test_the_force_of_what_is_tried_grows_with_its_coefficients(law: Law) -> Non
             sums.append(does.force + does.mass * np.ones_like(motion.t))
         assert sums[1] == pytest.approx(2 * sums[0], rel=1e-9, abs=1e-12)
         assert np.any(sums[0] != 0)
+
+
+@pytest.mark.parametrize("law", WITH_CANDIDATES, ids=named)
+def test_a_variant_begins_with_its_keys_and_each_is_added_once(law: Law) -> None:
+    """With an added key the law is not varied by it again, so that the variants come to an end."""
+    pace = Pace(1.0, 1.5, 0.2)
+    row = {**law.example, "stiffness": 200.0}
+    plain = {key for tried in hypotheses(law) for key in tried.keys}
+    for variant in law.variants({k: v for k, v in row.items() if k in plain}, pace, ()):
+        keys = LAW_OF[variant.law or law.name].keys
+        assert set(variant.first) <= {key.name for key in keys}
+        assert {*variant.added, *variant.tried} <= set(variant.first)
+        assert set(variant.tied) <= set(variant.added)
+        assert all(np.isfinite(value) for value in variant.first.values())
+        own = [v for v in law.variants({**row, **variant.first}, pace, variant.added) if not v.law]
+        assert not any(set(other.added) & set(variant.added) for other in own)
 
 
 @pytest.mark.parametrize("law", WORDED, ids=named)

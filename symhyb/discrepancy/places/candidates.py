@@ -45,12 +45,13 @@ def in_order(laws: Sequence[Law], place: Place, reach: Reach) -> Iterator[Hypoth
     """The candidates of laws at a place, the simplest first, those alike in the order of laws."""
     tried = [(law, candidate) for law in laws for candidate in law.candidates(reach)]
     for law, candidate in sorted(tried, key=lambda pair: pair[1].order):
-        yield _hypothesis(law, place, candidate)
+        yield hypothesis_of(law.name, place, candidate)
 
 
-def _hypothesis(law: Law, place: Place, candidate: Candidate) -> Hypothesis:
+def hypothesis_of(kind: str, place: Place, candidate: Candidate) -> Hypothesis:
+    """A candidate of a kind as a hypothesis at a place."""
     return Hypothesis(
-        law.name,
+        kind,
         place,
         candidate.terms,
         candidate.positive,
