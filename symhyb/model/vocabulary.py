@@ -19,8 +19,7 @@ from symhyb.units import ONE, Unit, parse_unit
 
 KINDS: Mapping[str, Law] = {law.name: law for law in LAWS}
 
-
-_INERTIA = {"N": "kg", "N*m": "kg*m^2"}
+_INERTIA = {"N": "kg", "N*m": "kg*m^2"}  # unit of a mass by the unit of force
 
 
 def key_of(kind: str, key: str) -> Key | None:

@@ -225,8 +225,9 @@ def cause_phrase(cause: Hypothesis) -> str:
     plain = Alternative(None, cause.kind, (), 0.0)
     if cause.place is not None:
         said = alternative_phrase(replace(plain, place=cause.place, options=cause.options))
-        if cause.kind == "spring" and cause.terms != ("stiffness",):
-            said = said.replace("a spring", f"a {cause.terms[0]} spring")
+        law = KINDS[cause.kind]
+        if law.joins and cause.terms != law.strengths[:1]:
+            said = said.replace(law.words, f"a {cause.terms[0]} {law.words.removeprefix('a ')}")
         return said
     if cause.kind == "parameter":
         return alternative_phrase(replace(plain, parameter=cause.path))
