@@ -66,7 +66,7 @@ def test_the_law_of_the_page_passes_the_tests_of_every_law(extended: Path) -> No
     assert re.search(r"\b(9|1\d) passed", told)
 
 
-def test_the_law_of_the_page_is_typed_and_formatted(extended: Path) -> None:
+def test_the_law_of_the_page_is_written_as_all_code_is(extended: Path) -> None:
     config = str(ROOT / "pyproject.toml")
     magnet = "symhyb/laws/magnet.py"
     for check in (("check",), ("format", "--check")):
