@@ -1,5 +1,6 @@
 """The page on adding a law: its code, put into a copy of the program, is found in a recording."""
 
+import os
 import re
 import shutil
 import subprocess
@@ -55,7 +56,8 @@ def extended(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def run(folder: Path, *command: str) -> str:
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
+    own = {**os.environ, "PYTHONPATH": str(folder)}
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, env=own)
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
 
