@@ -17,10 +17,9 @@ from symhyb.discrepancy.fitting.matching import fit
 from symhyb.discrepancy.fitting.task import Task
 from symhyb.errors import NumericsError
 from symhyb.model.types import Model, Parameter
+from symhyb.model.vocabulary import key_of
 from symhyb.model.write import replace_parameters
 from symhyb.numeric.runs.windows import WindowModel
-
-SIGNED = ("damping", "drag", "coulomb", "mass")  # numbers of laws that only dissipate, or are mass
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,8 +61,7 @@ def finished(model: Model, recordings: Recording | Sequence[Recording]) -> Finis
     columns = tuple(machine.column(item.path) for item in free)
     laid = tuple(item.suited(machine) for item in last_windows(prepared, spread=False))
     mean, spread = machine.values[list(columns)], np.array([_known(item, found) for item in free])
-    lower = np.array([0.0 if _signed(model, item) else -np.inf for item in free])
-    upper = np.full(len(free), np.inf)
+    lower, upper = np.array([_bounds(model, item) for item in free]).T
     task = Task(laid, prepared.sd, lower, upper, mean, spread, everything=True)
     fitted = fit(WindowModel(machine, columns), task, machine.values)
     if fitted.reason:
@@ -83,10 +81,11 @@ def _known(item: Parameter, found: set[str]) -> float:
     return np.inf if told else float(item.si_sd or np.inf)
 
 
-def _signed(model: Model, item: Parameter) -> bool:
-    """Whether physics forbids a negative value."""
+def _bounds(model: Model, item: Parameter) -> tuple[float, float]:
+    """What physics allows of a number of an element, SI; any value of a parameter of the model."""
     for element in model.elements:
-        if element.name == item.owner:
-            names = [key for key, value in element.values if value.text == item.name]
-            return any(key in SIGNED for key in names)
-    return False
+        for key, value in element.values if element.name == item.owner else ():
+            declared = key_of(element.kind, key) if value.text == item.name else None
+            if declared is not None:
+                return declared.lower, declared.upper
+    return -np.inf, np.inf

@@ -13,9 +13,10 @@ from dataclasses import dataclass
 
 import sympy as sp
 
+from symhyb.laws.maths import Action, Motion
 from symhyb.mechanics.attitude import Vector, across, along, tensor_of
 from symhyb.mechanics.kinematics import Geometry, geometry, located, stretch_of
-from symhyb.mechanics.laws import ZERO, Law, Motion, law_of, wave
+from symhyb.mechanics.laws import ZERO, acting, action_of
 from symhyb.mechanics.symbols import Symbols, symbols_of, to_sympy
 from symhyb.model.expression import Expression, Reading, readings
 from symhyb.model.space import dimension
@@ -50,7 +51,7 @@ class Term:
     path: sp.Expr
     s: sp.Symbol
     r: sp.Symbol
-    law: Law
+    law: Action
     sign: int
     hole: sp.Symbol | None = None
 
@@ -68,7 +69,7 @@ class Vectorial:
     force: Vector
     r: sp.Symbol
     along: tuple[sp.Symbol, ...]
-    law: Law | None = None
+    law: Action | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,8 +170,8 @@ def _term(
     sign = 1 if on and not KINDS[element.kind].passive else -1
     if element.kind == "network":
         hole = sp.Symbol(f"network({element.name})", real=True)
-        return Term(element.name, path, s, r, Law(hole), sign, hole)
-    return Term(element.name, path, s, r, law_of(element, motion, values), sign)
+        return Term(element.name, path, s, r, acting(hole), sign, hole)
+    return Term(element.name, path, s, r, action_of(element, motion, values), sign)
 
 
 def _vectorial(
@@ -186,14 +187,15 @@ def _vectorial(
     """
     r = motion.r
     way = tuple(sp.Symbol(f"e{axis}({element.name})", real=True) for axis in "xyz"[: len(where)])
-    strength = {"harmonic": "amplitude", "constant": "constant"}.get(element.kind, "force")
-    if KINDS[element.kind].energy == "active":
-        swing = wave(motion, values) if element.kind == "harmonic" else sp.Integer(1)
+    kind = KINDS[element.kind]
+    if not kind.passive:
+        strength = next(key.name for key in kind.keys if key.vector)
+        swing = action_of(element, motion, {strength: sp.Integer(1), **values}).force
         given = _components(strength, values, len(where))
         axes = element.option("axes", "")
         given = along(places.attitude(axes).axes, given) if axes else given
         return Vectorial(element.name, where, tuple(part * swing for part in given), r, way)
-    law = law_of(element, motion, values)
+    law = action_of(element, motion, values)
     force = tuple(-law.force * part for part in way)
     return Vectorial(element.name, where, force, r, way, law)
 

@@ -28,10 +28,12 @@ from dataclasses import replace
 import sympy as sp
 
 from symhyb.mechanics.equations import Couple, Equations, Term, Vectorial
-from symhyb.mechanics.laws import TINY, ZERO, Law, Values, friction_level, transition
+from symhyb.mechanics.laws import ZERO, Values, acting, friction_level, transition
 from symhyb.mechanics.symbols import to_sympy
 from symhyb.model.switching import Stop, frictions, rubbing, stops
 from symhyb.model.types import Model
+
+TINY = sp.Float(1e-30)  # SI: keeps a stop without stiffness from a division by 0
 
 
 def opened(model: Model, equations: Equations) -> Equations:
@@ -45,7 +47,7 @@ def opened(model: Model, equations: Equations) -> Equations:
         term, values = _term(equations, i), _values(model, equations, i)
         lean = values.get("asymmetry", ZERO)
         slides = way * friction_level(term.r, values) * (1 + way * lean)
-        terms[i] = replace(term, law=Law(force + slides))
+        terms[i] = replace(term, law=acting(force + slides))
         rest = friction_level(ZERO, values)
         watches += [rest * (1 + lean), rest * (1 - lean)]
     for i in dict.fromkeys(stop.element for stop in touching):
@@ -53,7 +55,7 @@ def opened(model: Model, equations: Equations) -> Equations:
         term, values = _term(equations, i), _values(model, equations, i)
         parts = [(stop, mark, *_press(term, values, stop)) for stop, mark in sides]
         force = sum((stop.sign * mark * press for stop, mark, _, press in parts), ZERO)
-        terms[i] = replace(term, law=Law(force, term.law.stored))
+        terms[i] = replace(term, law=acting(force, term.law.stored))
         watches += [value for _, _, depth, press in parts for value in (depth, press)]
     return _with(equations, [*sigma, *hold, *on], terms, watches)
 
@@ -74,7 +76,7 @@ def banded(model: Model, equations: Equations) -> Equations:
         held = mode(share)
         sigma = held + (1 - held**2) * share
         sides = 1 + sigma * values.get("asymmetry", ZERO)
-        terms[i] = replace(term, law=Law(friction_level(term.r, values) * sigma * sides))
+        terms[i] = replace(term, law=acting(friction_level(term.r, values) * sigma * sides))
     pressed: dict[int, sp.Expr] = {}
     for stop in stops(model):
         i = stop.element
@@ -85,7 +87,7 @@ def banded(model: Model, equations: Equations) -> Equations:
             stiff = sum((values.get(key, ZERO) for key in ("stiffness", "damping")), ZERO)
             on *= mode(on * press / sp.Max(stiff, TINY) + 1 - on)
         pressed[i] = pressed.get(i, ZERO) + stop.sign * on * press
-        terms[i] = replace(term, law=Law(pressed[i], term.law.stored))
+        terms[i] = replace(term, law=acting(pressed[i], term.law.stored))
     return _with(equations, marks, terms, arguments)
 
 

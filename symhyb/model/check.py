@@ -26,6 +26,7 @@ from symhyb.model.source import Path
 from symhyb.model.space import dimension, space_faults
 from symhyb.model.tables import Fault
 from symhyb.model.types import Body, Model
+from symhyb.model.vocabulary import KINDS
 from symhyb.units import ONE, Unit, parse_unit
 
 
@@ -39,7 +40,7 @@ def energy_unit(model: Model, unreadable: frozenset[str]) -> tuple[Unit | None, 
     scope = scope_of(model, unreadable)
     metre, second = parse_unit("m"), parse_unit("s")
     unread = any(name.startswith(("bodies.", "energy.")) for name in unreadable)
-    heavy = model.bodies or any(element.kind == "added_mass" for element in model.elements)
+    heavy = model.bodies or any(KINDS[element.kind].inertial for element in model.elements)
     moved = model.coordinates and all(coordinate.imposed for coordinate in model.coordinates)
     if not heavy and not moved and model.energy.kinetic is None and not unread:
         return None, [(("bodies",), "nothing has a mass; add a body or a kinetic energy")]

@@ -5,6 +5,7 @@ from dataclasses import replace
 from fractions import Fraction
 
 from symhyb.errors import did_you_mean
+from symhyb.laws.base import Key
 from symhyb.model.expression import Expression, Name, Number, Operation
 from symhyb.model.frames import point_faults
 from symhyb.model.scope import (
@@ -20,16 +21,8 @@ from symhyb.model.scope import (
 from symhyb.model.source import Path
 from symhyb.model.tables import Fault, shorten
 from symhyb.model.types import At, Between, Element, Model, On, Parameter
-from symhyb.model.vocabulary import KINDS, Key, key_unit, stretch_unit
+from symhyb.model.vocabulary import KINDS, key_unit, stretch_unit
 from symhyb.units import Unit
-
-_DIVISORS = {
-    "friction": ("stribeck", "transition"),
-    "friction_dynamic": ("coulomb", "stribeck"),
-    "relaxation": ("damping",),
-    "ripple": ("period",),
-}
-"""Keys by which a law divides."""
 
 _HIGHEST = 20  # the highest power that a unit has
 
@@ -52,19 +45,19 @@ def element_faults(
         if declared is None:
             continue
         needed = _needed(element, key, declared, value, known, local) if known else None
-        use = _use(element, declared)
+        use = _use(declared)
         yield from expression_faults((*path, key), value, local, use, needed)
         if needed is not None and declared.exponent:
             yield from _scale_faults((*path, key), value, element, model, local, needed)
-        if key in _DIVISORS.get(element.kind, ()) and _plain(value, element, model) == 0.0:
+        if declared.divides and _plain(value, element, model) == 0.0:
             yield (*path, key), f"'{shorten(value.text)}' is 0; the law divides by it"
     yield from _exponent_faults(element, model)
     for seen in element.network.inputs if element.network else ():
         yield from expression_faults((*path, "inputs"), seen, local, FORCE, None)
 
 
-def _use(element: Element, key: Key) -> Use:
-    if element.kind == "added_mass" and key.name == "mass":
+def _use(key: Key) -> Use:
+    if key.inertia:
         return ADDED
     return FORCE if key.signal else COEFFICIENT
 

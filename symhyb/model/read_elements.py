@@ -1,12 +1,13 @@
 """Read the elements of a model file: kind, place, values and their own parameters."""
 
 from symhyb.errors import did_you_mean
+from symhyb.laws.base import Key, Law
 from symhyb.model.expression import Expression, Name
 from symhyb.model.read_network import NETWORK_KEYS, read_network
 from symhyb.model.read_space import kind_in, read_axes
 from symhyb.model.tables import Table, describe, shorten
 from symhyb.model.types import At, Between, Element, On, Parameter, Place
-from symhyb.model.vocabulary import KINDS, Key, Kind, placement_of
+from symhyb.model.vocabulary import KINDS, placement_of
 
 _COMMON = ("kind", "on", "between", "at", "about", "found", "parameters")
 
@@ -60,7 +61,7 @@ def read_element(table: Table, root: Table, dimension: int = 2) -> Element | Non
     )
 
 
-def _kind(table: Table) -> Kind | None:
+def _kind(table: Table) -> Law | None:
     name = table.text("kind", required=True)
     if name is None or name in KINDS:
         return KINDS[name] if name else None
@@ -68,7 +69,7 @@ def _kind(table: Table) -> Kind | None:
     return None
 
 
-def _place(table: Table, kind: Kind) -> Place | None:
+def _place(table: Table, kind: Law) -> Place | None:
     """Read ``on``, ``between`` or ``at``; exactly one of them, and one that the kind can have."""
     given = [key for key in ("on", "between", "at") if key in table.entries]
     allowed = " or ".join(f"'{key}'" for key in kind.placements)
@@ -113,7 +114,7 @@ def _between(table: Table) -> Place | None:
     return Between(names[0], names[1])
 
 
-def _values(table: Table, kind: Kind, place: Place) -> tuple[tuple[str, Expression], ...]:
+def _values(table: Table, kind: Law, place: Place) -> tuple[tuple[str, Expression], ...]:
     """Read the keys of the kind, in the order of the kind, and say which are missing."""
     placement = placement_of(place)
     values: list[tuple[str, Expression]] = []
@@ -137,7 +138,7 @@ def _value(table: Table, key: Key, placement: str) -> list[tuple[str, Expression
     return [(key.name, value)] if value else []
 
 
-def _options(table: Table, kind: Kind) -> tuple[tuple[str, str], ...]:
+def _options(table: Table, kind: Law) -> tuple[tuple[str, str], ...]:
     """Read the keys that take one of several words."""
     options: list[tuple[str, str]] = []
     for key in kind.keys:
@@ -152,7 +153,7 @@ def _options(table: Table, kind: Kind) -> tuple[tuple[str, str], ...]:
     return tuple(options)
 
 
-def _complete(table: Table, kind: Kind, placement: str) -> None:
+def _complete(table: Table, kind: Law, placement: str) -> None:
     """Check that the element has a strength, and only one where it is a signal."""
     usable = [
         key for key in kind.keys if key.name in kind.strengths and placement in key.placements

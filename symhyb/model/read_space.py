@@ -8,10 +8,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from symhyb.errors import did_you_mean
+from symhyb.laws.base import Key, Law
 from symhyb.model.expression import Expression
 from symhyb.model.tables import Table, describe, shorten
 from symhyb.model.types import Quaternion, Rotations, Vector
-from symhyb.model.vocabulary import Key, Kind
 
 AXES = ("x", "y", "z")
 _STEP = 'a list of [axis, angle], as in [["z", "psi"], ["y", "theta"], ["x", "phi"]]'
@@ -86,7 +86,7 @@ def read_inertia(table: Table) -> tuple[Expression | None, Vector]:
     return None, table.expressions(value, "inertia") or ()
 
 
-def kind_in(kind: Kind, dimension: int) -> Kind:
+def kind_in(kind: Law, dimension: int) -> Law:
     """Return a kind as it is in a model of this dimension: in space a torque may be a vector, at a
     point that is fixed to a body."""
     if dimension == 2 or kind.name != "torque":

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from symhyb.model.expression import Node, Operation
 from symhyb.model.types import At, Element, Model, On
+from symhyb.model.vocabulary import KINDS
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +36,7 @@ def stops(model: Model) -> tuple[Stop, ...]:
     return tuple(
         Stop(i, sign, element.value("damping") is not None)
         for i, element in enumerate(model.elements)
-        if element.kind == "gap"
+        if KINDS[element.kind].switch == "touches"
         for name, sign in (("upper", 1), ("lower", -1))
         if element.option("side", "both") in (name, "both")
     )
@@ -46,7 +47,7 @@ def rubbing(model: Model) -> tuple[int, ...]:
     return tuple(
         i
         for i, element in enumerate(model.elements)
-        if element.kind == "friction" and not isinstance(element.place, At)
+        if _rubs(element) and not isinstance(element.place, At)
     )
 
 
@@ -67,13 +68,13 @@ def left_smooth(model: Model) -> tuple[str, ...]:
     told = []
     for element in model.elements:
         name = f"elements.{element.name}"
-        if element.kind == "friction" and isinstance(element.place, At):
+        if _rubs(element) and isinstance(element.place, At):
             told.append(f"{name} acts at a point, in two directions: it stays smoothed")
-        elif element.kind == "friction" and not _holds(model, element):
+        elif _rubs(element) and not _holds(model, element):
             told.append(
                 f"{name} acts on an imposed motion, which it cannot hold: it stays smoothed"
             )
-        elif element.kind in ("friction_dynamic", "hysteresis"):
+        elif KINDS[element.kind].state and KINDS[element.kind].steep:
             told.append(f"{name} has an inner state and is smooth by itself: it stays as it is")
         elif any(switches(expression.tree) for _, expression in element.values):
             told.append(
@@ -90,8 +91,12 @@ def switches(node: Node) -> bool:
     return node.operator == "sign" or any(switches(part) for part in node.arguments)
 
 
+def _rubs(element: Element) -> bool:
+    return KINDS[element.kind].switch == "holds"
+
+
 def _holds(model: Model, element: Element) -> bool:
-    if element.kind != "friction" or isinstance(element.place, At):
+    if not _rubs(element) or isinstance(element.place, At):
         return False
     if not isinstance(element.place, On):
         return True

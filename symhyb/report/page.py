@@ -37,7 +37,7 @@ from symhyb.units import Unit
 _TRACES_SHOWN, _CLOUDS_SHOWN, _BARS_SHOWN, _PLACES_SHOWN = 12, 6, 24, 3
 
 _REMEMBERING = frozenset(kind.name for kind in KINDS.values() if kind.state)
-_OF_TIME = frozenset({"harmonic", "added_mass"})  # no function of stretch and rate at all
+_OF_TIME = frozenset(kind.name for kind in KINDS.values() if not kind.of_state)
 
 
 @dataclass(frozen=True, slots=True)

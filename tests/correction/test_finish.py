@@ -23,6 +23,31 @@ def test_all_uncertain_numbers_come_back_and_certain_ones_stay() -> None:
     assert 0.8 < done.scale < 1.2
 
 
+BEYOND = {
+    "damper": ("damping", "N*s/m", "-0.2", 0.0),
+    "gap": ("clearance", "m", "-0.05", 0.0),
+}
+
+
+@pytest.mark.parametrize("kind", BEYOND)
+def test_the_last_fit_keeps_to_what_physics_allows(kind: str) -> None:
+    """The truth lies beyond the bound of the key, so the fit ends at the bound."""
+    key, unit, truth, bound = BEYOND[kind]
+    rest = 'stiffness = "k"\nside = "upper"\n' if kind == "gap" else ""
+    text = f"""{TEXT}[elements.found_{kind}]
+kind = "{kind}"
+on = "x"
+{rest}{key} = "b"
+found = {{ by = "sparse", from = "bench.csv", nrmse = [0.2, 0.01] }}
+[elements.found_{kind}.parameters]
+b = {{ value = NUMBER, unit = "{unit}", sd = 0.1 }}
+"""
+    recording = recorded(text.replace("NUMBER", truth), 5)
+    done = finished(parse_model(text.replace("NUMBER", "0.05")), recording)
+    values = {item.path: item.value for item in done.model.all_parameters()}
+    assert values[f"found_{kind}.b"] == pytest.approx(bound, abs=1e-6)
+
+
 def test_a_free_run_from_its_first_samples_leaves_the_noise() -> None:
     run = initialised_run(parse_model(TEXT), recorded(TEXT, 6))
     assert run.rmse()["laser"] == pytest.approx(NOISE, rel=0.15)

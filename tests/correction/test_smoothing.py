@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
-from symhyb.correction.naming.smoothing import with_smoothing
+from symhyb.laws.friction import widened
 
 FRICTION = {
     "coulomb": (2.0, 0.01),
@@ -19,24 +19,24 @@ def test_the_level_is_open_by_what_the_peak_lacks() -> None:
         return (2.0 + np.exp(-((v / 0.02) ** 2))) * np.tanh(v / 5e-4)
 
     peak = -minimize_scalar(lambda v: -law(v), bounds=(0, 0.01), method="bounded").fun
-    told = with_smoothing(FRICTION)
+    told = widened(FRICTION)
     assert told["static"] == (3.0, pytest.approx(np.hypot(0.01, 3.0 - peak), rel=1e-3))
     assert told["stribeck"] == (0.02, pytest.approx(np.hypot(1e-4, 5e-4)))
     assert told["coulomb"] == FRICTION["coulomb"]
 
 
 def test_a_narrow_transition_leaves_the_deviations() -> None:
-    told = with_smoothing(FRICTION | {"transition": (1e-9, float("nan"))})
+    told = widened(FRICTION | {"transition": (1e-9, float("nan"))})
     assert told["static"][1] == pytest.approx(0.01, rel=1e-3)
     assert told["stribeck"][1] == pytest.approx(1e-4, rel=1e-3)
 
 
 def test_plain_friction_is_left_as_it_is() -> None:
     plain = {key: FRICTION[key] for key in ("coulomb", "transition")}
-    assert with_smoothing(plain) == plain
+    assert widened(plain) == plain
 
 
 def test_a_number_that_is_held_gets_no_deviation() -> None:
-    told = with_smoothing(FRICTION | {"stribeck": (0.02, float("nan"))})
+    told = widened(FRICTION | {"stribeck": (0.02, float("nan"))})
     assert np.isnan(told["stribeck"][1])
     assert np.isfinite(told["static"][1])

@@ -4,16 +4,12 @@ import numpy as np
 import pytest
 from builders import cart_pole
 
-from symhyb.discrepancy.places.candidates import (
-    CLEARANCE_SHARES,
-    PEAKS,
-    Reach,
-    force_hypotheses,
-    joined,
-    lacking,
-    place_peaks,
-    time_peaks,
-)
+from symhyb.discrepancy.places.candidates import force_hypotheses, joined, lacking
+from symhyb.laws.gap import CLEARANCE_SHARES
+from symhyb.laws.harmonic import time_peaks
+from symhyb.laws.lines import PEAKS
+from symhyb.laws.reach import Reach
+from symhyb.laws.ripple import place_peaks
 from symhyb.model.types import On
 
 T = np.arange(2000) / 200

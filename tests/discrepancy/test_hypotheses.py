@@ -6,12 +6,7 @@ import numpy as np
 import pytest
 from builders import cart_pole, damper, oscillator, push, spring, value
 
-from symhyb.discrepancy.places.candidates import (
-    STRIBECK_SHARES,
-    TRANSITION_SHARE,
-    Reach,
-    force_hypotheses,
-)
+from symhyb.discrepancy.places.candidates import force_hypotheses
 from symhyb.discrepancy.places.hypotheses import (
     Hypothesis,
     Library,
@@ -22,6 +17,8 @@ from symhyb.discrepancy.places.hypotheses import (
     with_channels,
 )
 from symhyb.discrepancy.recorded.course import Course
+from symhyb.laws.friction import STRIBECK_SHARES
+from symhyb.laws.reach import TRANSITION_SHARE, Reach
 from symhyb.model.read import parse_model
 from symhyb.model.types import Between, Model, On, Place
 from symhyb.model.vocabulary import KINDS

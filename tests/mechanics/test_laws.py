@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from symhyb.mechanics.laws import DEFAULT_TRANSITION, Law, Motion, law_of
+from symhyb.laws.friction import DEFAULT_TRANSITION
+from symhyb.laws.maths import Action, Motion
+from symhyb.mechanics.laws import action_of
 from symhyb.model.types import Element, On
 from symhyb.model.vocabulary import KINDS
 
@@ -18,7 +20,7 @@ GRID = np.linspace(-0.8, 0.8, 33)
 def force(kind: str, **keys: float) -> np.ndarray:
     """F on a grid, of the stretch for springs, else of the rate."""
     values = {key: sp.Float(value) for key, value in keys.items()}
-    law = law_of(Element("it", kind, On("x"), ()), AT, values)
+    law = action_of(Element("it", kind, On("x"), ()), AT, values)
     function = sp.lambdify([S, RATE], law.force)
     spring = kind == "spring"
     return np.array([float(function(*((x, 0.0) if spring else (0.3, x)))) for x in GRID])
@@ -56,7 +58,7 @@ def test_force_against_its_formula(kind: str, keys: dict[str, float], expected: 
 
 def test_what_a_spring_stores_is_the_integral_of_its_force() -> None:
     values = dict(zip(("stiffness", "quadratic", "cubic"), sp.symbols("a b c"), strict=True))
-    law = law_of(Element("it", "spring", On("x"), ()), AT, values)
+    law = action_of(Element("it", "spring", On("x"), ()), AT, values)
     assert sp.expand(sp.diff(law.stored, S) - law.force) == 0
     assert law.stored.subs(S, 0) == 0
 
@@ -68,7 +70,7 @@ STORING = {"spring", "gap", "hysteresis", "friction_dynamic", "relaxation"}
 def test_other_kinds_store_nothing(kind: str) -> None:
     declared = KINDS[kind]
     one = {key: sp.Integer(1) for key in (*declared.strengths[:1], *declared.needs)}
-    assert law_of(Element("it", kind, On("x"), ()), AT, one).stored == 0
+    assert action_of(Element("it", kind, On("x"), ()), AT, one).stored == 0
 
 
 @pytest.mark.parametrize("kind", sorted(KINDS))
@@ -78,14 +80,14 @@ def test_the_vocabulary_and_the_laws_agree_on_inner_states(kind: str) -> None:
     if kind == "network":  # its force is a hole that lowering fills
         assert not declared.state
         return
-    law = law_of(Element("it", kind, On("x"), ()), AT, one)
+    law = action_of(Element("it", kind, On("x"), ()), AT, one)
     assert (law.inner is not None) == bool(declared.state)
     assert (law.mass != 0) == (kind == "added_mass")
 
 
-def law(kind: str, options: tuple[tuple[str, str], ...] = (), **keys: float) -> Law:
+def law(kind: str, options: tuple[tuple[str, str], ...] = (), **keys: float) -> Action:
     values = {key: sp.Float(value) for key, value in keys.items()}
-    return law_of(Element("it", kind, On("x"), (), options=options), AT, values)
+    return action_of(Element("it", kind, On("x"), (), options=options), AT, values)
 
 
 def numbers(expression: sp.Expr) -> Callable[..., float]:
@@ -177,4 +179,4 @@ def test_waves_in_time_and_in_position() -> None:
 
 def test_an_unknown_kind_is_refused() -> None:
     with pytest.raises(TypeError, match="glue"):
-        law_of(Element("it", "glue", On("x"), ()), AT, {})
+        action_of(Element("it", "glue", On("x"), ()), AT, {})

@@ -151,7 +151,7 @@ def test_all_code_between_a_model_and_its_functions_is_in_the_key() -> None:
     package = Path(cache.__file__).parents[2]
     code = {file.relative_to(package).as_posix() for file in cache.lowering_code()}
     assert "units.py" in code
-    for layer in ("model", "mechanics", "numeric"):
+    for layer in ("laws", "model", "mechanics", "numeric"):
         files = {file.relative_to(package).as_posix() for file in (package / layer).rglob("*.py")}
         assert files
         assert files <= code

@@ -15,16 +15,17 @@ import sympy as sp
 
 import symhyb as sh
 from symhyb.correction.naming.findings import Named, found_of, named, symbol_of
-from symhyb.correction.naming.formulas import law_text
 from symhyb.correction.naming.textbook import critical_share
 from symhyb.correction.search.trajectory import Refined
 from symhyb.discrepancy.fitting.task import Fit
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.results import Alternative, Diagnosis, Found, Verdict
 from symhyb.discrepancy.words.wording import verdict_sentence
-from symhyb.mechanics.laws import Motion, law_of
+from symhyb.laws.maths import Motion
+from symhyb.mechanics.laws import action_of
 from symhyb.model.read import parse_model
 from symhyb.model.types import Between, Element, Model, On, Place
+from symhyb.model.vocabulary import KINDS
 from symhyb.report import to_json
 
 Cases = dict[str, Callable[[], tuple[Diagnosis, Verdict]]]
@@ -141,10 +142,10 @@ def contract_of(diagnosis: Diagnosis, verdict: Verdict) -> dict[str, list[dict[s
 
 def test_letters_of_coordinates_and_inputs_are_left_to_them() -> None:
     model = parse_model(TEXT)
-    assert symbol_of(model, "damping") == "d"
-    assert symbol_of(model, "stiffness") == "stiffness"  # k is the motor
+    assert symbol_of(model, "damper", "damping") == "d"
+    assert symbol_of(model, "spring", "stiffness") == "stiffness"  # k is the motor
     both = replace(model, inputs=(*model.inputs, replace(model.inputs[0], name="stiffness")))
-    assert symbol_of(both, "stiffness") == "k_"
+    assert symbol_of(both, "spring", "stiffness") == "k_"
 
 
 def test_springs_join_and_stops_stay_apart() -> None:
@@ -270,8 +271,8 @@ def test_the_law_as_text_is_the_law_that_acts(kind: str, keys: tuple[str, ...], 
     numbers_of |= {"static": 1.3, "stribeck": 0.1, "transition": 1e-2, "exponent": 1.5}
     options = (("side", side),) if kind == "gap" else ()
     values = {key: sp.Float(numbers_of[key]) for key in keys}
-    law = law_of(Element("e", kind, On("x"), (), options=options), Motion(s, r, z, t), values)
-    force, rate = read_law(law_text(kind, keys, options), values, (s, r, z, t))
+    law = action_of(Element("e", kind, On("x"), (), options=options), Motion(s, r, z, t), values)
+    force, rate = read_law(KINDS[kind].text(keys, dict(options)), values, (s, r, z, t))
     grid = np.random.default_rng(0).uniform(-0.2, 0.2, (4, 60))
     expected = sp.lambdify((s, r, z, t), law.force, "numpy")(*grid)
     np.testing.assert_allclose(

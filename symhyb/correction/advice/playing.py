@@ -15,8 +15,9 @@ from symhyb.correction.search.preparing import Prepared
 from symhyb.correction.search.trajectory import Refined
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.motion import Motion
-from symhyb.discrepancy.recorded.windows import STEEP, reversals
+from symhyb.discrepancy.recorded.windows import reversals
 from symhyb.discrepancy.results import Manoeuvre
+from symhyb.model.vocabulary import steep
 from symhyb.numeric.kernels.buffers import Array, call
 from symhyb.numeric.lowered.dynamics import state_form
 from symhyb.numeric.runs.windows import Block, WindowModel
@@ -108,11 +109,11 @@ def _simulated(
     late = tuple(c.path.removesuffix(".delay") for c in truth.causes if c.kind == "delay")
     model = WindowModel(truth.machine, tuple(map(truth.machine.column, truth.paths)), late)
     run = prepared.runs[0]
-    steep = any(element.kind in STEEP for element in truth.machine.model.elements)
-    parts = np.full_like(block.substeps, run.steps * (4 if steep else 1))
+    sharp = steep(truth.machine.model)
+    parts = np.full_like(block.substeps, run.steps * (4 if sharp else 1))
     with np.errstate(over="ignore", invalid="ignore"):
         x, y = model.simulate(replace(block, substeps=parts), start, truth.p)
-        if steep and np.isfinite(x).all():
+        if sharp and np.isfinite(x).all():
             _, v = model.form.motion(x[0], block.d[0])
             parts = run.steps * np.where(reversals(v), run.fine, 1)[None]
             x, y = model.simulate(replace(block, substeps=parts), start, truth.p)

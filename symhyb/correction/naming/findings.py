@@ -6,15 +6,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symhyb.correction.naming.formulas import law_text
-from symhyb.correction.naming.smoothing import with_smoothing
 from symhyb.correction.naming.stability import unstable
 from symhyb.correction.naming.textbook import critical_share
 from symhyb.correction.search.conventions import CERTAIN, RIVAL, Exchange, exchange
 from symhyb.correction.search.decide import Decision
 from symhyb.correction.search.evidence import believable
 from symhyb.correction.search.trajectory import Refined
-from symhyb.discrepancy.places.hypotheses import SKEW, Hypothesis
+from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.results import (
     Activity,
     Alternative,
@@ -23,38 +21,13 @@ from symhyb.discrepancy.results import (
     Measurement,
     Reestimated,
 )
-from symhyb.discrepancy.words.formula import LAW, WARNING, law_element, law_unit
+from symhyb.discrepancy.words.formula import LAW, SYMBOLS, WARNING, law_element, law_unit
 from symhyb.discrepancy.words.formula import law_text as law_text_of
 from symhyb.discrepancy.words.wording import alternative_phrase, effect_sentence, percent_text
+from symhyb.laws.sided import SKEW
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import At, Between, ChannelKind, Element, Model, On, Parameter, Place
-from symhyb.model.vocabulary import KINDS, key_unit
-
-SYMBOLS = {
-    "stiffness": "k",
-    "quadratic": "k_2",
-    "cubic": "k_3",
-    "damping": "d",
-    "drag": "b",
-    "coulomb": "F_c",
-    "static": "F_s",
-    "stribeck": "v_s",
-    "transition": "v_t",
-    "constant": "F_0",
-    "length": "l_0",
-    "clearance": "s_c",
-    "play": "s_p",
-    "exponent": "n",
-    "micro_damping": "d_m",
-    "amplitude": "F_a",
-    "frequency": "f_0",
-    "phase": "phi_0",
-    "period": "l_p",
-    "mass": "m_a",
-    "asymmetry": "a_s",
-    "coefficient": "c",
-}
-
+from symhyb.model.vocabulary import KINDS, key_of, key_unit
 
 _CHANNEL_KINDS: Mapping[str, ChannelKind] = {
     "gain": "gain",
@@ -88,7 +61,7 @@ def named(final: Refined) -> tuple[Named, ...]:
     groups: dict[tuple[str, Place, int], list[int]] = {}
     for i, cause in enumerate(final.causes):
         if cause.place is not None:
-            alone = -1 if cause.kind == "spring" else i
+            alone = -1 if KINDS[cause.kind].joins else i
             groups.setdefault((cause.kind, cause.place, alone), []).append(i)
     return tuple(
         Named(
@@ -113,8 +86,8 @@ def _values(final: Refined, rows: Sequence[int]) -> dict[str, tuple[float, float
             values[key] = final.value(f"cause{i}.{key}")
     if final.causes[rows[0]].kind == LAW:
         return values
-    order = [key.name for key in KINDS[final.causes[rows[0]].kind].keys]
-    return with_smoothing({key: values[key] for key in order if key in values})
+    law = KINDS[final.causes[rows[0]].kind]
+    return law.widened({key.name: values[key.name] for key in law.keys if key.name in values})
 
 
 def found_of(
@@ -133,7 +106,7 @@ def found_of(
         unit = key_unit(model, item.kind, key, item.place, item.exponent)
         fitted = bool(np.isfinite(sd))
         deviation = sd / unit.factor if fitted else None
-        symbol = symbol_of(model, key)
+        symbol = symbol_of(model, item.kind, key)
         own.append(Parameter(symbol, value / unit.factor, unit, deviation, owner=name))
         entries.append((key, parse_expression(symbol)))
         if deviation is not None:
@@ -143,7 +116,7 @@ def found_of(
     )
     meaning = _meaning(model, item)
     sentence = effect_sentence(item.kind, item.place, estimates, share, item.options, meaning)
-    law = law_text(item.kind, item.values, item.options)
+    law = KINDS[item.kind].text(item.values, dict(item.options))
     return Found(element, law, tuple(estimates), share, sentence, active)
 
 
@@ -159,7 +132,7 @@ def _empirical(
     assert isinstance(item.place, On)
     values = {key: value for key, (value, _) in item.values.items()}
     spreads = {key: sd for key, (_, sd) in item.values.items() if np.isfinite(sd)}
-    symbols = {key: symbol_of(model, key) for key in values}
+    symbols = {key: symbol_of(model, LAW, key) for key in values}
     element = replace(
         law_element(model, name, item.place, item.formula, values, symbols, spreads),
         found=provenance,
@@ -176,16 +149,18 @@ def _empirical(
 
 def _meaning(model: Model, item: Named) -> str:
     """The share of critical damping of a damper, where the model is a linear oscillator."""
-    if item.kind != "damper" or "asymmetry" in item.values:
+    key = KINDS[item.kind].critical
+    if not key or "asymmetry" in item.values:
         return ""
-    share = critical_share(model, item.place, item.values["damping"][0])
+    share = critical_share(model, item.place, item.values[key][0])
     return "" if share is None else f"{percent_text(share)} of the critical damping of the model"
 
 
-def symbol_of(model: Model, key: str) -> str:
+def symbol_of(model: Model, kind: str, key: str) -> str:
     """The name of a key's number: its usual letter, unless a coordinate or an input has it."""
     taken = {item.name for item in model.coordinates} | {item.name for item in model.inputs}
-    symbol = SYMBOLS.get(key, key)
+    declared = key_of(kind, key)
+    symbol = (declared.symbol if declared else SYMBOLS.get(key, "")) or key
     while symbol in taken:
         symbol = key if symbol != key and key not in taken else symbol + "_"
     return symbol
@@ -251,8 +226,9 @@ def cause_phrase(cause: Hypothesis) -> str:
     plain = Alternative(None, cause.kind, (), 0.0)
     if cause.place is not None:
         said = alternative_phrase(replace(plain, place=cause.place, options=cause.options))
-        if cause.kind == "spring" and cause.terms != ("stiffness",):
-            said = said.replace("a spring", f"a {cause.terms[0]} spring")
+        law = KINDS[cause.kind]
+        if law.joins and cause.terms != law.strengths[:1]:
+            said = said.replace(law.words, f"a {cause.terms[0]} {law.words.removeprefix('a ')}")
         return said
     if cause.kind == "parameter":
         return alternative_phrase(replace(plain, parameter=cause.path))
@@ -357,13 +333,17 @@ def _alternative(
             unit = law_unit(model, cause.place, cause.path, key)
             if np.isfinite(sd):
                 scaled = value / unit.factor, sd / unit.factor
-                estimates.append(Estimate(symbol_of(model, key), *scaled, unit.text, key))
+                estimates.append(
+                    Estimate(symbol_of(model, cause.kind, key), *scaled, unit.text, key)
+                )
     elif cause.place is not None:
         for key, (value, sd) in values.items():
             unit = key_unit(model, cause.kind, key, cause.place, exponent)
             if np.isfinite(sd):
                 scaled = value / unit.factor, sd / unit.factor
-                estimates.append(Estimate(symbol_of(model, key), *scaled, unit.text, key))
+                estimates.append(
+                    Estimate(symbol_of(model, cause.kind, key), *scaled, unit.text, key)
+                )
     base = Alternative(instead_of, cause.kind, tuple(estimates), evidence)
     if cause.place is not None:
         words = (("formula", cause.path),) if cause.kind == LAW else cause.options

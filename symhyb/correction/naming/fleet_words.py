@@ -16,19 +16,8 @@ from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.results import Estimate, Found, Misfit, Reestimated, Repeats
 from symhyb.discrepancy.words.amounts import joined, number_text, quantity_text, small_text
 from symhyb.model.types import Model, place_text
-from symhyb.model.vocabulary import key_unit
+from symhyb.model.vocabulary import key_of, key_unit
 from symhyb.units import ONE, Unit
-
-WORDS = {
-    ("friction", "coulomb"): "Coulomb friction",
-    ("friction", "static"): "static friction",
-    ("damper", "damping"): "viscous damping",
-    ("drag", "drag"): "drag coefficient",
-    ("spring", "quadratic"): "quadratic stiffness",
-    ("spring", "cubic"): "cubic stiffness",
-    ("constant", "constant"): "constant force",
-    ("added_mass", "mass"): "added mass",
-}
 
 
 def misfit(final: Refined, stranger: Stranger, recordings: Sequence[Recording]) -> Misfit:
@@ -85,8 +74,13 @@ def unit_of_key(model: Model, cause: Hypothesis, key: str) -> Unit:
 def _words(cause: Hypothesis, stranger: Stranger) -> str:
     if cause.place is None:
         return cause.path if cause.kind == "parameter" else f"{cause.kind} of {cause.path}"
-    said = WORDS.get((cause.kind, stranger.key), stranger.key.replace("_", " "))
-    return f"{said} {place_text(cause.place)}"
+    return f"{noun_of(cause.kind, stranger.key)} {place_text(cause.place)}"
+
+
+def noun_of(kind: str, key: str) -> str:
+    """What a key of a law is, as the subject of a sentence: ``Coulomb friction``."""
+    declared = key_of(kind, key)
+    return (declared.noun if declared else "") or key.replace("_", " ")
 
 
 def repeats_said(prepared: Prepared) -> tuple[Repeats, ...]:
@@ -105,7 +99,7 @@ def with_own(model: Model, final: Refined, item: Named, found: Found) -> Found:
         for i, key in keys:
             unit = unit_of_key(model, final.causes[i], key)
             value, sd = final.value_of(f"cause{i}.{key}", which)
-            symbol = symbol_of(model, key)
+            symbol = symbol_of(model, final.causes[i].kind, key)
             numbers.append(Estimate(symbol, value / unit.factor, sd / unit.factor, unit.text, key))
         rows.append((recording.name, tuple(numbers)))
     told = [key for _, key in keys if key != "phase"]  # a phase says nothing of the machine
@@ -115,7 +109,7 @@ def with_own(model: Model, final: Refined, item: Named, found: Found) -> Found:
         if _stands(numbers)
     )
     silent = joined([name for name, numbers in rows if not _stands(numbers)])
-    words = joined([WORDS.get((item.kind, key), key) for key in told])
+    words = joined([noun_of(item.kind, key) for key in told])
     sentence = found.sentence
     if told and said:
         sentence += f" Each recording has its own {words}: {said}."

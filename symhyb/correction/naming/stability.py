@@ -18,6 +18,7 @@ from symhyb.correction.search.decide import Decision
 from symhyb.correction.search.evidence import believable, cost, unit_of
 from symhyb.correction.search.trajectory import Refined
 from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.model.vocabulary import KINDS
 from symhyb.numeric.kernels.buffers import Array
 
 DRAWS = 400  # a share near the threshold is then known to 1.4 %
@@ -94,5 +95,5 @@ def _denies(trial: Refined, winner: Refined, cause: Hypothesis) -> bool:
 def _sort(cause: Hypothesis) -> tuple[object, ...]:
     """What a cause is, whatever its shape: springs of two orders are two, Stribeck friction is
     friction."""
-    order = cause.terms if cause.kind == "spring" else ()
+    order = cause.terms if cause.kind in KINDS and KINDS[cause.kind].joins else ()
     return cause.kind, cause.place, cause.path, order

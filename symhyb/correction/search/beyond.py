@@ -16,13 +16,14 @@ from symhyb.correction.search.evidence import (
     unit_of,
     weak,
 )
-from symhyb.correction.search.kin import STATIC_FIRST, variants_of
+from symhyb.correction.search.kin import variants_of
 from symhyb.correction.search.last_resort import beside, candidates, instead
 from symhyb.correction.search.overtones import overtones
 from symhyb.correction.search.selection import reach, solve
 from symhyb.correction.search.trajectory import Refined, grouped
 from symhyb.correction.search.trials import Trials, first_guess
 from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.laws.friction_dynamic import STATIC_FIRST
 from symhyb.model.types import Place
 
 

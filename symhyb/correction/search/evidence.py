@@ -8,7 +8,8 @@ from scipy.special import ndtr, ndtri
 
 from symhyb.correction.search.conventions import exchange
 from symhyb.correction.search.trajectory import Refined, grouped, own_key
-from symhyb.discrepancy.places.hypotheses import PLAIN, SIGNED, Hypothesis
+from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.model.vocabulary import key_of
 from symhyb.numeric.kernels.buffers import Array
 
 SIGNIFICANT = 10.0  # Δχ²/c − k ln N on fitted windows, Δχ²/c on held ones (10: odds of 150 to 1)
@@ -135,10 +136,12 @@ def _added_stands(cause: Hypothesis, values: Mapping[str, float], spread: Array)
     (k,), SI, in the order of ``values``): an exponent from 1, breakaway from sliding friction, and
     what may have either sign by the sign that the plain law has not."""
     for key, sd in zip(list(values)[: cause.numbers], spread, strict=True):
-        plain = values["coulomb"] if key == "static" else PLAIN.get(key, 0.0)
-        fixed = key not in cause.added or key == "stribeck"
-        beyond = -values[key] if key in SIGNED else values[key] - plain
-        if not fixed and not beyond > OUTSTANDING * sd:
+        declared = key_of(cause.kind, key) if key in cause.added else None
+        plain = declared.plain(values) if declared else None
+        if declared is None or plain is None:
+            continue
+        beyond = -values[key] if declared.either_sign else values[key] - plain
+        if not beyond > OUTSTANDING * sd:
             return False
     return True
 

@@ -8,7 +8,9 @@ from symhyb.correction.search.screen import screen
 from symhyb.correction.search.selection import solve
 from symhyb.correction.search.setting import Setting
 from symhyb.correction.search.trajectory import Refined, grouped
-from symhyb.discrepancy.places.hypotheses import NARROW, WAVES, Hypothesis, library
+from symhyb.discrepancy.places.hypotheses import Hypothesis, library
+from symhyb.laws.lines import NARROW, WAVE
+from symhyb.model.vocabulary import KINDS
 from symhyb.numeric.runs.windows import WindowModel
 
 OVERTONES = (2.0, 3.0, 0.5)  # times the frequency that was found
@@ -50,11 +52,15 @@ def overtones(setting: Setting, winner: Refined) -> list[tuple[tuple[Hypothesis,
     return found
 
 
+def _is_line(cause: Hypothesis) -> bool:
+    return cause.kind in KINDS and KINDS[cause.kind].terms is WAVE
+
+
 def _lines(setting: Setting, winner: Refined) -> tuple[Hypothesis, ...]:
     """Lines that are not in the winner, at the places of those that are."""
     offered: list[Hypothesis] = []
     for cause, row in zip(winner.causes, grouped(winner), strict=True):
-        if cause.kind not in WAVES:
+        if not _is_line(cause):
             continue
         (key,) = cause.refined
         times = OVERTONES if key == "frequency" else tuple(1 / many for many in OVERTONES)
@@ -63,7 +69,7 @@ def _lines(setting: Setting, winner: Refined) -> tuple[Hypothesis, ...]:
     known = [
         (cause.kind, cause.place, row[cause.refined[0]])
         for cause, row in zip(winner.causes, grouped(winner), strict=True)
-        if cause.kind in WAVES
+        if _is_line(cause)
     ]
     fresh: list[Hypothesis] = []
     for line in offered:
@@ -71,8 +77,7 @@ def _lines(setting: Setting, winner: Refined) -> tuple[Hypothesis, ...]:
         near = [
             old
             for kind, place, old in known
-            if (kind, place) == (line.kind, line.place)
-            and max(old / value, value / old) < NARROW[key]
+            if (kind, place) == (line.kind, line.place) and max(old / value, value / old) < NARROW
         ]
         if not near:
             known.append((line.kind, line.place, value))

@@ -14,7 +14,6 @@ from symhyb.data.thin import thinned
 from symhyb.discrepancy.checks.repeats import Repeated, floor_of, repeated
 from symhyb.discrepancy.checks.suspicion import repaired, suspect
 from symhyb.discrepancy.places.candidates import (
-    Reach,
     force_hypotheses,
     joined,
     lacking,
@@ -35,6 +34,7 @@ from symhyb.discrepancy.recorded.sampling import as_sampled
 from symhyb.discrepancy.recorded.windows import Laid
 from symhyb.discrepancy.results import Lie
 from symhyb.errors import InputError, Problem
+from symhyb.laws.reach import Reach
 from symhyb.model.types import Model, Place
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.lowered.machine import Machine, build

@@ -14,6 +14,7 @@ from symhyb.discrepancy.fitting.matching import TRIAL_DECREASE, TRIAL_ITERATIONS
 from symhyb.discrepancy.fitting.task import Fit, Task
 from symhyb.discrepancy.places.hypotheses import GAIN_REACH, Hypothesis
 from symhyb.discrepancy.recorded.windows import Laid
+from symhyb.laws import LAWS
 from symhyb.model.types import Element, Model
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.lowered.machine import Machine, build
@@ -71,7 +72,8 @@ class Refined:
         return value, float(np.hypot(spread, self.accuracy * abs(value)))
 
 
-EXACT = ("frequency", "period", "phase", "delay", "clearance")  # keys that no gain can feign
+# what no gain can feign
+EXACT = frozenset({"delay", *(key.name for law in LAWS for key in law.keys if key.exact)})
 
 
 def element_name(index: int) -> str:

@@ -17,9 +17,7 @@ from symhyb.correction.verdict.held import with_what_is_held
 from symhyb.correction.verdict.whole import Completed, Say, completed_over_all
 from symhyb.correction.verdict.whole_words import added_sentence
 from symhyb.discrepancy.places.hypotheses import Hypothesis
-
-# one that changes on the way stands in for something else
-STEADY = ("added_mass", "constant", "harmonic", "ripple")
+from symhyb.model.vocabulary import KINDS
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +92,8 @@ def _drifted(
     if drift is None:
         return final, frozenset(), ()
     moved = final.causes[drift.cause]
-    if moved.kind in STEADY and choice.decision.winner.fit.scale > NEAR_NOISE:
+    steady = moved.kind in KINDS and KINDS[moved.kind].steady
+    if steady and choice.decision.winner.fit.scale > NEAR_NOISE:
         said = drift_sentence(final, drift, "so something else looks like it")
         return final, frozenset({moved}), (said,)
     return widened(final, drift), frozenset(), (drift_sentence(final, drift),)

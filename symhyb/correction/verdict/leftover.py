@@ -14,10 +14,10 @@ from symhyb.correction.search.screen import screen
 from symhyb.correction.search.selection import Problem, solve
 from symhyb.correction.search.setting import Setting, around
 from symhyb.correction.search.trajectory import Refined
-from symhyb.discrepancy.places.candidates import TRANSITION_SHARE
 from symhyb.discrepancy.places.hypotheses import Hypothesis, Library
 from symhyb.discrepancy.words.formula import LAW
 from symhyb.discrepancy.words.wording import percent_text
+from symhyb.laws.reach import TRANSITION_SHARE
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import Element, Model, On
 from symhyb.numeric.lowered.machine import build

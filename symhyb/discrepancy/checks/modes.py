@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symhyb.discrepancy.places.hypotheses import DRY
 from symhyb.discrepancy.words.wording import joined, number_text
 from symhyb.model.types import Model
+from symhyb.model.vocabulary import KINDS
 from symhyb.numeric.kernels.buffers import Array, call
 from symhyb.numeric.lowered.dynamics import StateForm, state_form
 from symhyb.numeric.lowered.lengths import length_directions
@@ -54,7 +54,7 @@ class Mode:
 
 def without_dry_friction(machine: Machine) -> tuple[Machine, tuple[str, ...]]:
     """The machine without its dry friction, and the names of what was left out."""
-    dry = tuple(element.name for element in machine.model.elements if element.kind in DRY)
+    dry = tuple(element.name for element in machine.model.elements if KINDS[element.kind].dry)
     if not dry:
         return machine, ()
     kept = tuple(element for element in machine.model.elements if element.name not in dry)

@@ -10,7 +10,7 @@ are tried where, and in what shapes, is said by :mod:`symhyb.discrepancy.places.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from math import atan2, hypot, inf
+from math import inf, isfinite
 from typing import TypeVar
 
 import numpy as np
@@ -18,6 +18,7 @@ import numpy as np
 from symhyb.discrepancy.places.placements import places_of as places_of
 from symhyb.discrepancy.recorded.course import Course
 from symhyb.discrepancy.words.formula import LAW, law_element
+from symhyb.laws.base import Key, Terms
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import (
     Between,
@@ -30,7 +31,7 @@ from symhyb.model.types import (
     Sensor,
     place_text,
 )
-from symhyb.model.vocabulary import key_unit
+from symhyb.model.vocabulary import KINDS, key_of, key_unit
 from symhyb.numeric.kernels.buffers import Array, call
 from symhyb.numeric.kernels.vector import along
 from symhyb.numeric.lowered.machine import Machine, build
@@ -39,16 +40,8 @@ from symhyb.units import ONE, parse_unit
 
 GAIN_REACH = 0.5  # a gain further from 1 is a wrong unit or sign, not a gain
 ASSUMED = "assumed"  # a gain, offset or delay that the file does not state
-SHAPE_REACH = 30.0  # a refined shape stays within this factor of where it was tried
-NARROW = {"frequency": 1.2, "period": 1.2, "clearance": 3.0, "exponent": 4.0}
-WIDER = 10.0  # a Stribeck speed against the transition
-SKEW = 0.95  # of an asymmetry: beyond, a damper would drive
-SKEWED = {"damping": 1e-9, "asymmetry": 1e9}  # next to nothing but abs(s')
-WAVES = ("harmonic", "ripple")
-DRY = ("friction", "friction_dynamic")
-SIGNED = ("gamma",)  # of a variant of either sign: with a positive beta energy is lost all the same
-SMALLEST = {"exponent": 1.0, "clearance": 0.0}  # of refined keys, whatever was tried
-PLAIN = {"exponent": 1.0}  # value of an added key at which a variant is the plain law, else 0
+_UNKNOWN = Key("", 0, 0, 0)  # of what is no key of a law: a parameter, a coefficient of a formula
+_AS_THEY_ARE = Terms()
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +54,8 @@ class Hypothesis:
     ``tied`` those that grow with the first coefficient (the damping of a relaxation of a given
     time). ``positive`` says which terms physics forbids to be negative; ``options`` are words;
     ``own`` are fitted keys that every recording has its own value of; ``added`` are the refined
-    keys that make a variant of a plain law (the play of a hysteresis).
+    keys that make a variant of a plain law (the play of a hysteresis). ``bounds`` (key, lower,
+    upper), SI, hold at this place where those of the law are too wide.
     """
 
     kind: str
@@ -75,14 +69,18 @@ class Hypothesis:
     options: tuple[tuple[str, str], ...] = ()
     own: tuple[str, ...] = ()
     added: tuple[str, ...] = ()
+    bounds: tuple[tuple[str, float, float], ...] = ()
 
     @property
     def keys(self) -> tuple[str, ...]:
         """The keys of the element that are fitted, those of the terms first."""
-        if self.kind in WAVES:
-            return ("amplitude", "phase", *self.refined)
-        named = {"skew": "asymmetry"}
+        named = self._read.keys
         return (*(named.get(term, term) for term in self.terms), *self.refined)
+
+    @property
+    def _read(self) -> Terms:
+        """How the terms become keys."""
+        return KINDS[self.kind].terms if self.kind in KINDS else _AS_THEY_ARE
 
     @property
     def numbers(self) -> int:
@@ -93,7 +91,7 @@ class Hypothesis:
     def variant(self) -> bool:
         """Whether this is a plain law with something added, which is tried where the plain one was
         found: dry friction that falls with speed, damping that differs by direction."""
-        return "static" in self.terms or "skew" in self.terms or bool(self.added)
+        return bool(self.added) or any(term in self._read.added for term in self.terms)
 
     @property
     def family(self) -> tuple[object, ...]:
@@ -103,7 +101,8 @@ class Hypothesis:
     @property
     def subject(self) -> tuple[object, ...]:
         """What it is a law of: dry friction with and without memory is one contact."""
-        return ("friction" if self.kind in DRY else self.kind), self.place, self.path
+        law = KINDS.get(self.kind)
+        return (law.subject if law and law.subject else self.kind), self.place, self.path
 
     def extends(self, other: "Hypothesis") -> bool:
         """Whether this is the law ``other``, perhaps with a key more."""
@@ -125,36 +124,35 @@ class Hypothesis:
         if self.place is None:
             return {"value": own[0]}
         shape = {key: value * (own[0] if key in self.tied else 1) for key, value in self.shape}
-        found = dict(zip(self.terms, own, strict=True))
-        if self.kind in WAVES:
-            sine, cosine = own
-            found = {"amplitude": hypot(sine, cosine), "phase": atan2(cosine, sine)}
-        elif "skew" in found:
-            ratio = found.pop("skew") / found["damping"] if found["damping"] else 0.0
-            found["asymmetry"] = min(max(ratio, -SKEW), SKEW)
+        found = self._read.read(dict(zip(self.terms, own, strict=True)))
         return {key: found.get(key, shape.get(key, 0.0)) for key in self.keys}
 
     def limits(self, key: str) -> tuple[float, float]:
-        """Bounds of a fitted key, SI."""
-        if key in self.refined:
-            tried = dict(self.shape)[key]
-            reach = NARROW.get(key, SHAPE_REACH)
-            if key in self.tied:
-                return 0.0, inf
-            if key in SIGNED and key in self.added:
-                return -tried * reach, tried * reach
-            if key == "stribeck" and "transition" in dict(self.shape):
-                # slower, it would only undo the smoothing
-                return WIDER * dict(self.shape)["transition"], tried * reach
-            if key in self.added and key != "stribeck":
-                return PLAIN.get(key, 0.0), tried * reach
-            return SMALLEST.get(key, tried / reach), tried * reach
-        if key == "asymmetry":
-            return -SKEW, SKEW
-        if key == "amplitude":
+        """Bounds of a fitted key, SI: of this place, of physics, and of a refined key those about
+        where it was tried."""
+        for name, lower, upper in self.bounds:
+            if name == key:
+                return lower, upper
+        declared = key_of(self.kind, key) or _UNKNOWN
+        if key in self.tied and key in self.refined:
             return 0.0, inf
+        if key in self.refined:
+            return self._near(declared)
         forbidden = key in self.terms and self.positive[self.terms.index(key)]
-        return (0.0 if forbidden else -inf), inf
+        return max(declared.lower, 0.0 if forbidden else -inf), declared.upper
+
+    def _near(self, key: Key) -> tuple[float, float]:
+        """Bounds of a refined key about where it was tried; what was added to a plain law may fall
+        back to it."""
+        tried, shape = dict(self.shape)[key.name], dict(self.shape)
+        upper, plain = tried * key.reach, key.plain({})
+        if key.name in self.added and key.either_sign:
+            return -upper, upper
+        if key.above and key.above[0] in shape:
+            return key.above[1] * shape[key.above[0]], upper
+        if key.name in self.added and plain is not None:
+            return plain, upper
+        return (key.lower if isfinite(key.lower) else tried / key.reach), upper
 
     def element(self, model: Model, name: str, values: Mapping[str, float]) -> Element:
         """The element of a force hypothesis with these values of its keys, else its shape, SI."""
@@ -172,12 +170,11 @@ class Hypothesis:
     def probes(self, model: Model, name: str) -> tuple[Element, ...]:
         """One element a term: this term 1, the others 0, the shape as set."""
         result = []
+        told_apart = self._read.probes if self.variant else {}
         for i, term in enumerate(self.terms):
             called = f"{name}_{term}"
             unit = [float(i == j) for j in range(len(self.terms))]
-            values = self.values(unit)
-            if "skew" in self.terms:  # damping·s' and damping·asymmetry·abs(s')
-                values = {"damping": 1.0} if term == "damping" else SKEWED
+            values = told_apart.get(term) or self.values(unit)
             result.append(self.element(model, called, values))
         return tuple(result)
 

@@ -31,7 +31,6 @@ FEW = (1, 2, 4, 8, 16, 32)  # functions that are chosen one by one
 FUNCTIONS_MOST = 300  # over all coordinates
 CHUNK = 15  # windows at once; every third is held
 SLIP = 1e-3  # of the largest rate: where a function may jump with its sign
-OTHER = ("harmonic", "added_mass")  # laws that are functions of time, or of accelerations
 FUNCTION = 0.9  # of the mismatch explained: the missing force is a function of the state
 LEAST = 1e-3  # of the mismatch, that such a function leaves: less says nothing
 PART_LEFT = 0.5  # of what such a function leaves: the past explains it
@@ -61,9 +60,7 @@ def memoryless(
     coordinates = len(model.machine.free) or model.machine.n
     bumps = _bumps([_variables(item, model) for item in laid], coordinates)
     remembering = _columns(library, [k.name for k in KINDS.values() if k.state])
-    known = _columns(
-        library, [k.name for k in KINDS.values() if not k.state and k.name not in OTHER]
-    )
+    known = _columns(library, [k.name for k in KINDS.values() if not k.state and k.of_state])
     sums = _Sums()
     for item in laid:
         state = _functions(item, model, bumps)[:, : FUNCTIONS_MOST // coordinates]

@@ -11,9 +11,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from symhyb.discrepancy.places.candidates import in_order
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.places.placements import places_of
 from symhyb.discrepancy.places.probing import proportional, pushed, states_about_start
+from symhyb.laws import LAWS
+from symhyb.laws.reach import Reach
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import At, Element, Model, On, Parameter
 from symhyb.model.vocabulary import key_unit
@@ -24,6 +27,8 @@ from symhyb.numeric.lowered.manifold import closed, tangent
 
 PROBE = "at_point_"  # begins the names of the masses that only compare points
 ALIKE = 1e-9  # relative: two points move the same
+_AT_POINTS = tuple(law for law in LAWS if law.passive and "at" in law.placements)
+_NONE = np.empty(0)
 
 Motion = tuple[Array, Array, Array]
 """q (N, n), v (N, n), t (N,), SI."""
@@ -45,13 +50,8 @@ def point_hypotheses(
     for place, speed in zip(points, speeds, strict=True):
         if speed <= 0:
             continue
-        transition = (("transition", narrow * float(speed)),)
-        found += [
-            Hypothesis("damper", place, ("damping",), (True,)),
-            Hypothesis("drag", place, ("drag",), (True,)),
-            Hypothesis("friction", place, ("coulomb",), (True,), transition),
-            Hypothesis("added_mass", place, ("mass",), (True,)),
-        ]
+        reach = Reach(_NONE, np.array([float(speed)]), _NONE, _NONE, narrow=narrow)
+        found += [h for h in in_order(_AT_POINTS, place, reach) if not h.variant]
     return tuple(found)
 
 

@@ -16,6 +16,7 @@ from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.course import Course, course_of
 from symhyb.discrepancy.recorded.motion import Motion
 from symhyb.discrepancy.recorded.signals import measured
+from symhyb.model.vocabulary import steep
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.lowered.dynamics import state_form
 from symhyb.numeric.lowered.machine import Machine
@@ -23,7 +24,6 @@ from symhyb.numeric.runs.between import bent_columns, finer
 from symhyb.numeric.runs.windows import Block, WindowModel
 
 FINITE_SHARE = 0.7  # of the samples of the fullest quarter of windows, that must be there
-STEEP = ("friction", "friction_dynamic", "gap", "hysteresis")  # finer steps at reversals
 SLOW_SHARE = 0.02
 SAMPLES_LEAST = 12  # samples a window has at least
 EVEN = 0.25  # samples: what was recorded a whole number of samples later lies this near
@@ -82,7 +82,7 @@ class Laid:
         if machine.inner_states or state_form(machine).size != self.start.shape[1]:
             states = self.course(machine).states[self.rows]
             item = replace(self, start=states[:, 0], states=states)
-        if any(element.kind in STEEP for element in machine.model.elements):
+        if steep(machine.model):
             return item
         parts = np.full_like(item.block.substeps, item.steps)
         return replace(item, block=replace(item.block, substeps=parts))

@@ -12,6 +12,7 @@ from symhyb.model.vocabulary import force_unit, stretch_unit
 from symhyb.units import Unit, parse_unit
 
 LAW = "law"
+SYMBOLS = {"coefficient": "c", "transition": "v_t"}  # letters of the numbers of a formula
 WARNING = "an empirical term, not a law of physics that is known by name"
 
 

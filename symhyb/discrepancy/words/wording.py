@@ -25,7 +25,13 @@ from symhyb.discrepancy.words.amounts import (
     small_text,
     unit_text,
 )
-from symhyb.discrepancy.words.effects import Options, action_of, amount_text, said_of, secondary_of
+from symhyb.discrepancy.words.effects import (
+    Options,
+    action_of,
+    amount_text,
+    phrase_of,
+    secondary_of,
+)
 from symhyb.discrepancy.words.formula import LAW, law_text
 from symhyb.model.types import Place, place_text
 
@@ -55,8 +61,8 @@ def effect_phrase(kind: str, estimates: Sequence[Estimate], options: Options = (
 
     ``options`` are the words of its element: the side of a gap.
     """
-    said = said_of(kind, estimates, options)
-    return f"{said.head} {said.tail}".rstrip()
+    words = phrase_of(kind, estimates, options)
+    return f"{words.head} {words.tail}".rstrip()
 
 
 def effect_sentence(
@@ -71,10 +77,10 @@ def effect_sentence(
 
     ``meaning`` is what its value means in the terms of a textbook.
     """
-    said = said_of(kind, estimates, options)
-    action = action_of(said, kind, place, estimates)
-    clause = f"{_capital(place_text(place))}, {said.head} {action} {said.tail}".rstrip()
-    clause += secondary_of(said, estimates) + (f", {meaning}" if meaning else "")
+    words = phrase_of(kind, estimates, options)
+    action = action_of(words, kind, place, estimates)
+    clause = f"{_capital(place_text(place))}, {words.head} {action} {words.tail}".rstrip()
+    clause += secondary_of(words, kind, estimates) + (f", {meaning}" if meaning else "")
     if share is None or not math.isfinite(share):
         return f"{clause}."
     return f"{clause}; without it {_cost(share)}."

@@ -61,7 +61,7 @@ def _lowering() -> str:
 def lowering_code() -> tuple[Path, ...]:
     """The files of all code between a model and its functions."""
     package = Path(__file__).parents[2]
-    layers = ("model", "mechanics", "numeric")
+    layers = ("laws", "model", "mechanics", "numeric")
     files = [file for layer in layers for file in package.glob(f"{layer}/**/*.py")]
     return tuple(sorted([*files, package / "units.py"]))
 

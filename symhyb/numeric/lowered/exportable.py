@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from symhyb.errors import InputError, Problem
 from symhyb.model.types import Model
+from symhyb.model.vocabulary import KINDS
 
 
 def require_force_elements(model: Model, names: Sequence[str]) -> None:
@@ -14,10 +15,10 @@ def require_force_elements(model: Model, names: Sequence[str]) -> None:
     """
     problems = []
     for element in model.elements:
-        if element.name in names and element.kind == "added_mass":
+        if element.name in names and KINDS[element.kind].inertial:
             text = (
-                "an added_mass cannot be exported as a force element: its force depends on the "
-                "acceleration, which the force itself changes; give the mass to a body of the "
+                f"an {element.kind} cannot be exported as a force element: its force depends on "
+                "the acceleration, which the force itself changes; give the mass to a body of the "
                 "host, or export the whole model (--whole)"
             )
             problems.append(Problem(text, f"elements.{element.name}", model.file))

@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 from scipy.integrate import DOP853, Radau
 
+from symhyb.model.vocabulary import KINDS
 from symhyb.numeric.kernels.buffers import Array, call, on_lines
 from symhyb.numeric.kernels.vector import along
 from symhyb.numeric.lowered.switched import Held, Switched
@@ -140,8 +141,8 @@ def is_stiff(machine: Switched, t: Array, start: Array, drive: Drive, p: Array) 
     a steep law stays, or a decay at the start, with all stops open or all closed, is fast against
     the swing."""
     model = machine.form.machine.model
-    kinds = [e.kind for i, e in enumerate(model.elements) if i not in machine.frictions]
-    if "friction" in kinds or "friction_dynamic" in kinds:
+    left = [e for i, e in enumerate(model.elements) if i not in machine.frictions]
+    if any(KINDS[element.kind].dry for element in left):
         return True
     total, sides, least = len(machine.frictions), len(machine.stops), 1 / float(t[-1] - t[0])
     for pressing in (0.0, 1.0) if sides else (0.0,):

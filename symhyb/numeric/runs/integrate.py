@@ -17,6 +17,7 @@ import numpy as np
 
 from symhyb.errors import InputError, Problem
 from symhyb.model.space import gimbal_lock
+from symhyb.model.vocabulary import KINDS
 from symhyb.numeric.kernels.buffers import Array, call, on_lines
 from symhyb.numeric.kernels.vector import along
 from symhyb.numeric.lowered.dynamics import StateForm, state_form
@@ -46,7 +47,6 @@ ROUGH_OUTPUTS = 200
 EARLY = 0.1  # of a run that nothing recorded drives: shows how large the motion is
 SCALE_LEAST = 1e-12  # SI: a state that moves less is not seen
 STEPS_LEAST, STEPS_TOGETHER = 500, 2_000_000  # for one output, and shared by all of them
-STEEP = ("friction", "friction_dynamic", "gap", "hysteresis", "relaxation")
 NEAR_LOCK = 0.1  # |cos| of the second of three rotations where a run ended
 DAMPED = 10.0  # a decay this many times faster than it swings is stiff
 
@@ -201,7 +201,7 @@ def _drive(form: StateForm, scenario: Scenario) -> Array:
 def _stiff(form: StateForm, scenario: Scenario, drive: Array, start: Array, p: Array) -> bool:
     """Whether the machine asks for BDF; see :func:`simulate`."""
     model = form.machine.model
-    if any(element.kind in STEEP for element in model.elements) or culprits(model):
+    if any(KINDS[element.kind].stiff for element in model.elements) or culprits(model):
         return True
     first = drive[0] if len(drive) else np.zeros(form.drive)
     matrix = free_slope(form, start, first, float(scenario.t[0]), p)

@@ -1,0 +1,42 @@
+"""The laws of force, one file each: the closed vocabulary of models and of what may be missing.
+
+A new law is a new file and one name more in ``LAWS``; docs/add-a-law.md shows how.
+"""
+
+from symhyb.laws import (
+    added_mass,
+    constant,
+    damper,
+    drag,
+    friction,
+    friction_dynamic,
+    gap,
+    given,
+    harmonic,
+    hysteresis,
+    relaxation,
+    ripple,
+    spring,
+)
+from symhyb.laws.base import Law
+
+LAWS: tuple[Law, ...] = (
+    spring.LAW,
+    damper.LAW,
+    drag.LAW,
+    friction.LAW,
+    gap.LAW,
+    hysteresis.LAW,
+    friction_dynamic.LAW,
+    relaxation.LAW,
+    constant.LAW,
+    harmonic.LAW,
+    ripple.LAW,
+    added_mass.LAW,
+    given.FORCE,
+    given.TORQUE,
+    given.EXPRESSION,
+    given.NETWORK,
+)
+
+__all__ = ["LAWS"]

@@ -1,0 +1,132 @@
+"""Dry friction whose sign is smoothed, with a breakaway level and a Stribeck speed.
+
+The law that is fitted rises over a transition instead of jumping:
+
+    g(s') tanh(s'/transition),   g = coulomb + (static − coulomb) exp(−(s'/stribeck)²)
+
+so its peak stays below ``static``, where dry friction reaches it. A fit makes up for that by a
+higher level and a shorter Stribeck speed. Both are known no better than the smoothing allows.
+"""
+
+from collections.abc import Collection, Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from symhyb.laws.base import ANYWHERE, LENGTH, Fitted, Key, Law, Terms
+from symhyb.laws.levels import (
+    COULOMB,
+    LEVEL,
+    STATIC,
+    STRIBECK,
+    friction_level,
+    level_phrase,
+)
+from symhyb.laws.maths import Action, Maths, Motion, Options, Value, Values
+from symhyb.laws.phrases import Numbers, Phrase
+from symhyb.laws.reach import LOSS, SHAPED, Candidate, Reach
+from symhyb.laws.sided import ASYMMETRY, FACTOR, directions, sided
+
+SPEED_SCALE = 1.0  # m/s (rad/s …), where no recording tells how fast the machine moves
+DEFAULT_TRANSITION = 1e-4  # of the speed scale
+STRIBECK_SHARES = (0.05, 0.2)  # of the largest rate
+SPEEDS = np.linspace(0.01, 20.0, 4000)  # in transitions, where the peak is looked for
+WORDS = "dry (Coulomb) friction"
+
+
+def _action(m: Maths, at: Motion, values: Values, _: Options) -> Action:
+    turning = m.tanh(at.r / transition(values))
+    return Action(friction_level(m, at.r, values) * turning * sided(m, at, values))
+
+
+def transition(values: Values) -> Value:
+    """The speed within which friction turns, m/s."""
+    return values.get("transition", DEFAULT_TRANSITION * SPEED_SCALE)
+
+
+def _candidates(reach: Reach) -> Iterator[Candidate]:
+    width = (("transition", reach.narrow * reach.speed),)
+    yield Candidate(("coulomb",), (True,), width, order=LOSS)
+    for share in STRIBECK_SHARES:
+        shape = (("stribeck", share * reach.speed), *width)
+        yield Candidate(("coulomb", "static"), (True, True), shape, ("stribeck",), order=SHAPED)
+
+
+def _phrase(n: Numbers, _: Options) -> Phrase | None:
+    if "coulomb" not in n:
+        return None
+    noun = WORDS + (" torque" if n.turns else "")
+    levels, terms = level_phrase(n)
+    listed = ", ".join(part for part in (levels, directions(n, "coulomb")) if part)
+    head = f"{noun} of {n.amount('coulomb')}" + (f" ({listed})" if listed else "")
+    return Phrase(head, terms=("coulomb", *terms), resists="motion")
+
+
+def _formula(keys: Collection[str], _: Options) -> str:
+    level, rest = ("g", f", {LEVEL}") if "static" in keys else ("coulomb", "")
+    return f"{level}*tanh(s'/transition){FACTOR if 'asymmetry' in keys else ''}{rest}"
+
+
+def widened(values: Fitted) -> dict[str, tuple[float, float]]:
+    """Values and deviations with those of ``static`` and ``stribeck`` widened by what the peak
+    lacks and by the transition."""
+    wide = dict(values)
+    if not {"coulomb", "static", "stribeck", "transition"} <= wide.keys():
+        return wide
+    coulomb, static, stribeck, width = (
+        wide[key][0] for key in ("coulomb", "static", "stribeck", "transition")
+    )
+    speed = SPEEDS * width
+    level = coulomb + (static - coulomb) * np.exp(-((speed / stribeck) ** 2))
+    lacking = max(static - float(np.max(level * np.tanh(SPEEDS))), 0.0)
+    for key, bias in (("static", lacking), ("stribeck", width)):
+        value, sd = wide[key]
+        wide[key] = value, float(np.hypot(sd, bias))  # of a number that is held, NaN stays
+    return wide
+
+
+LAW = Law(
+    name="friction",
+    keys=(
+        replace(COULOMB, noun="Coulomb friction"),
+        replace(STATIC, noun="static friction"),
+        STRIBECK,
+        Key(
+            "transition",
+            0,
+            1,
+            -1,
+            None,
+            "unset: 1e-4 of the scale of the speed",
+            divides=True,
+            symbol="v_t",
+            label="transition speed",
+        ),
+        ASYMMETRY,
+        LENGTH,
+    ),
+    energy="dissipative",
+    words=WORDS,
+    torque_words=f"{WORDS} torque",
+    law=f"g*tanh(s'/transition), {LEVEL}",
+    strengths=("coulomb", "static"),
+    placements=ANYWHERE,
+    action=_action,
+    steep=True,
+    stiff=True,
+    dry=True,
+    switch="holds",
+    candidates=_candidates,
+    terms=Terms(added=("static",)),
+    phrase=_phrase,
+    resists="coulomb",
+    formula=_formula,
+    widened=widened,
+    example={
+        "coulomb": 2.0,
+        "static": 3.0,
+        "stribeck": 0.2,
+        "transition": 0.05,
+        "asymmetry": -0.4,
+    },
+)

@@ -1,0 +1,69 @@
+r"""What a law computes with: the same function builds SymPy expressions and evaluates on arrays.
+
+passive laws resist:  Q = −(∂s/∂q)ᵀ F        wall |--/\/\/--[m]-> s   F > 0 pulls back
+active laws push:     Q = +F on a coordinate, a tension between points
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+Value = Any
+"""A SymPy expression, a NumPy array or a number, always in SI."""
+Values = Mapping[str, Value]
+"""The keys that are set, by name."""
+Options = Mapping[str, str]
+"""The words of an element, by key: the ``side`` of a gap."""
+
+
+@dataclass(frozen=True, slots=True)
+class Maths:
+    """The functions of one library; ``step`` is 1 above 0 and 0 at it and below."""
+
+    abs: Callable[[Value], Value]
+    sign: Callable[[Value], Value]
+    step: Callable[[Value], Value]
+    exp: Callable[[Value], Value]
+    sin: Callable[[Value], Value]
+    tanh: Callable[[Value], Value]
+    max: Callable[[Value, Value], Value]
+    min: Callable[[Value, Value], Value]
+    pi: Value
+
+
+NUMPY = Maths(
+    np.abs,
+    np.sign,
+    lambda x: np.heaviside(x, 0.0),
+    np.exp,
+    np.sin,
+    np.tanh,
+    np.maximum,
+    np.minimum,
+    np.pi,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """What a law may depend on: stretch ``s``, rate ``r``, inner state ``z`` and time ``t``."""
+
+    s: Value
+    r: Value
+    z: Value
+    t: Value
+
+
+@dataclass(frozen=True, slots=True)
+class Action:
+    """What a law does: its ``force`` F, the energy ``stored`` (zero for dissipative and active
+    laws), the rate z' of the ``inner`` state (None without one) and where it comes to ``rest``, and
+    the ``mass`` that moves with the stretch."""
+
+    force: Value
+    stored: Value = 0
+    inner: Value | None = None
+    rest: Value = 0
+    mass: Value = 0

@@ -1,0 +1,51 @@
+"""Variants of a law that was found: the same law with one key more, or another that it imitates.
+
+They stand in no linear screen, so the list of candidates does not grow: a variant begins at the
+values of the plain law and at a few values of the added key, spread over what the place moves
+through.
+"""
+
+from collections.abc import Callable, Collection, Iterable, Mapping
+from dataclasses import dataclass, field
+
+from symhyb.laws.reach import Candidate
+
+Row = Mapping[str, float]
+"""Values of the keys of a law, SI."""
+
+
+@dataclass(frozen=True, slots=True)
+class Pace:
+    """How a place moves, SI: RMS and largest rate, and the time that the stretch (RMS about its
+    mean) takes at the RMS rate, s."""
+
+    rate: float
+    fastest: float
+    time: float
+
+
+@dataclass(frozen=True, slots=True)
+class Variant:
+    """A law that is tried in place of a fitted one, from the values ``first`` of its keys, SI.
+
+    ``added`` are the keys that make it a variant, ``tied`` those of them that grow with the first
+    coefficient; a key that the plain law has too is tried about the value in ``tried``. A variant
+    of another ``law`` than the fitted one is one of its ``candidate``.
+    """
+
+    first: Row
+    added: tuple[str, ...] = ()
+    tied: tuple[str, ...] = ()
+    tried: Row = field(default_factory=dict)
+    law: str = ""
+    candidate: Candidate | None = None
+
+
+Variants = Callable[[Row, Pace, Collection[str]], Iterable[Variant]]
+"""What yields the variants of a law, from its fitted values, how its place moves, and the keys that
+were added already."""
+
+
+def no_variants(_: Row, __: Pace, ___: Collection[str]) -> Iterable[Variant]:
+    """The variants of a law that has none."""
+    return ()
