@@ -171,7 +171,7 @@ def test_incomplete_draws_are_kept_where_asked(study: Study, tmp_path: Path) -> 
     answers = {}
     for seed in (10, 34):
         folder = draw.write(seed, tmp_path, kept)
-        answers[seed] = draw.unseal(folder / "sealed.json")
+        answers[seed] = study["seal"].unseal(folder / "sealed.json")
     assert answers[34]["may_refuse"]
     assert answers[34]["discarded"] == 0
     reached = [one["relative_sd"] for one in answers[34]["oracle"]]
