@@ -8,6 +8,7 @@ recordings prove; they never choose. docs/method.md has the statistics and what 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+from symhyb.correction.adequacy.judge import adequacy
 from symhyb.correction.advice.advice import advise
 from symhyb.correction.advice.isolability import isolability
 from symhyb.correction.naming.fleet_words import parameters_with_own, repeats_said
@@ -102,10 +103,13 @@ def conclude(
     tell("estimating values")
     known = estimate(prepared, choice, tell)
     final, setting = known.final, choice.setting
+    tell("looking for what acts beyond")
+    judged = adequacy(prepared, choice.setting, known.final)
+    known = replace(known, doubt=known.doubt | judged.doubt)
     tell("removing each cause once, for its share")
     shown = prove(prepared, setting, final, known.stage, known.items)
     left = leftover(setting, known.seen or winner) if known.tells else ()
-    answer = concluded(model, prepared, choice, known, shown, left)
+    answer = concluded(model, prepared, choice, known, shown, left, judged)
     answer = _of_several(answer, final, choice.misfits, repeats_said(prepared))
     answer = in_part(_noted(answer, known.drifts), choice.change)
     answer = if_explained(answer, winner, nothing)

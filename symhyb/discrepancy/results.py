@@ -325,6 +325,22 @@ class Manoeuvre:
 
 
 @dataclass(frozen=True, slots=True)
+class ClassFound:
+    """A class of effects that no law by name stands for: its ``kind``, its posterior
+    ``probability``, what describes it (``figure``: the frequency of a mode or of a pulsation in Hz,
+    the time of a lag in s), and where it acts: at a ``place``, in a ``channel`` or in a
+    ``parameter``."""
+
+    kind: str
+    probability: float
+    sentence: str
+    figure: float | None = None
+    place: Place | None = None
+    channel: str | None = None
+    parameter: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class Diagnosis:
     """The answer: a verdict with its sentence, what was found, and what cannot be told apart.
 
@@ -353,3 +369,4 @@ class Diagnosis:
     isolability: Isolability | None = None
     manoeuvre: Manoeuvre | None = None
     memory: Memory | None = None
+    classes: tuple[ClassFound, ...] = ()

@@ -1,9 +1,9 @@
 """The output contract: a diagnosis and its verdict as the mapping that ``diagnosis.json`` holds.
 
 Valid under ``diagnosis.schema.json`` beside this file. Keys of that schema are stable; ``format``,
-``options``, ``channels``, ``log``, ``memory``, ``notes``, ``stability``, ``own``, ``misfits``,
-``repeats``, ``isolability``, ``manoeuvre``, ``remainder.notes`` and the scores ``*_rmse``,
-``force_residual``, ``force_band_hz`` and ``carries`` are extensions of it.
+``options``, ``channels``, ``classes``, ``log``, ``memory``, ``notes``, ``stability``, ``own``,
+``misfits``, ``repeats``, ``isolability``, ``manoeuvre``, ``remainder.notes`` and the scores
+``*_rmse``, ``force_residual``, ``force_band_hz`` and ``carries`` are extensions of it.
 """
 
 import math
@@ -14,6 +14,7 @@ from typing import Any
 from symhyb.discrepancy.results import (
     Activity,
     Alternative,
+    ClassFound,
     Comparison,
     Diagnosis,
     Estimate,
@@ -105,6 +106,7 @@ def to_json(diagnosis: Diagnosis, verdict: Verdict) -> dict[str, Any]:
             for group in diagnosis.repeats
         ],
         "memory": _memory(diagnosis.memory),
+        "classes": [_class(one) for one in diagnosis.classes],
         "log": list(diagnosis.log),
         "notes": list(diagnosis.notes),
     }
@@ -240,6 +242,22 @@ def _occurrence(told: Occurrence | None) -> dict[str, Any]:
         "band_hz": None if told.band_hz is None else [float(f) for f in told.band_hz],
         "beyond": finite(told.beyond),
         "sentence": told.sentence,
+    }
+
+
+def _class(one: ClassFound) -> dict[str, Any]:
+    """A generic class with its probability and where it acts: exactly one of place, channel and
+    parameter."""
+    where: dict[str, Any] = {"channel": one.channel, "parameter": one.parameter}
+    where = {key: name for key, name in where.items() if name is not None}
+    if one.place is not None:
+        where = {"place": _place(one.place)}
+    return {
+        "kind": one.kind,
+        **where,
+        "probability": float(one.probability),
+        "figure": finite(one.figure),
+        "sentence": one.sentence,
     }
 
 

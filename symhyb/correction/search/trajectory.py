@@ -105,7 +105,7 @@ def refine(
             elements.append(cause.element(model, element_name(i), shared))
     extended = replace(model, elements=(*model.elements, *elements))
     machine = build(extended, keep=False)
-    paths = tuple(path for i, cause in enumerate(causes) for path in _paths(i, cause))
+    paths = tuple(path for i, cause in enumerate(causes) for path in paths_of(i, cause))
     free = tuple(machine.column(path) for path in paths)
     p = machine.values.copy()
     for i, cause in enumerate(causes):
@@ -115,7 +115,7 @@ def refine(
     owned = shared_out(causes, len(laid))
     step = float(np.median(np.diff(laid[0].block.t, axis=1)))
     begin = _beginning(machine, causes, start, laid, p[list(free)])
-    bounds = [gathered(row, owned) for row in _limits(machine, causes, step)]
+    bounds = [gathered(row, owned) for row in limits_of(machine, causes, step)]
     lower, upper, mean, spread = bounds
     task = Task(tuple(laid), sd, lower, upper, mean, spread, everything, own=owned, first=begin)
     if not careful:
@@ -205,7 +205,11 @@ def own_values(trial: Refined, item: Laid, sd: Array) -> Array:
         return trial.p
     step = float(np.median(np.diff(item.block.t, axis=1)))
     limits = dict(
-        zip(trial.paths, zip(*_limits(trial.machine, trial.causes, step), strict=True), strict=True)
+        zip(
+            trial.paths,
+            zip(*limits_of(trial.machine, trial.causes, step), strict=True),
+            strict=True,
+        )
     )
     chosen = [path for path in trial.paths if trial.machine.column(path) in own]
     lower, upper, mean, spread = np.array([limits[path] for path in chosen]).T
@@ -243,13 +247,14 @@ def grouped(trial: Refined) -> list[dict[str, float]]:
     return rows
 
 
-def _paths(index: int, cause: Hypothesis) -> list[str]:
+def paths_of(index: int, cause: Hypothesis) -> list[str]:
+    """The paths of the numbers of the i-th cause of a structure."""
     if cause.place is None:
         return [cause.path]
     return [f"{element_name(index)}.{key}" for key in cause.keys]
 
 
-def _limits(
+def limits_of(
     machine: Machine, causes: Sequence[Hypothesis], step: float
 ) -> tuple[Array, Array, Array, Array]:
     """Bounds, prior means and prior deviations of the fitted numbers, SI; samples lie ``step``

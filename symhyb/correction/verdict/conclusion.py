@@ -5,7 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from symhyb.correction.adequacy.beyond import NEGLIGIBLE, Beyond
+from symhyb.correction.adequacy.judge import Adequacy
 from symhyb.correction.advice.advice import better_recording
+from symhyb.correction.naming.classes import class_found
 from symhyb.correction.naming.findings import (
     Named,
     alternatives_of,
@@ -26,7 +29,6 @@ from symhyb.correction.verdict.proof import Proof
 from symhyb.correction.verdict.whole_words import added_alternatives
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.places.locate import activity
-from symhyb.discrepancy.places.occurrence import MISMATCH
 from symhyb.discrepancy.recorded.course import course_of
 from symhyb.discrepancy.recorded.residual import (
     blind_notes,
@@ -38,22 +40,21 @@ from symhyb.discrepancy.recorded.residual import (
 from symhyb.discrepancy.recorded.runs import Run, too_poor
 from symhyb.discrepancy.results import (
     Activity,
+    ClassFound,
     Cloud,
     Diagnosis,
     Found,
-    PlaceShare,
     VerdictName,
 )
 from symhyb.discrepancy.words.formula import LAW, WARNING, law_text
-from symhyb.discrepancy.words.wording import verdict_sentence
-from symhyb.model.types import Model, On
-
-COLOURED_MOST = 0.05  # of a signal's spread, that coloured noise may have
-PLACE_LEAST = 0.1  # share of the mismatch that a place must explain to count
-COLOURED = (
-    " What is left is more than white noise, but no force of the machine's own motion explains any "
-    "of it: the sensors' noise is coloured."
+from symhyb.discrepancy.words.wording import (
+    joined,
+    percent_text,
+    quantity_text,
+    verdict_sentence,
 )
+from symhyb.model.types import Model, On, place_text
+from symhyb.model.vocabulary import force_unit
 
 
 def concluded(
@@ -63,8 +64,10 @@ def concluded(
     known: Estimated,
     shown: Proof,
     left: tuple[str, ...],
+    judged: Adequacy,
 ) -> Diagnosis:
-    """The diagnosis of one choice; ``left`` are sentences on what is visible in the rest."""
+    """The diagnosis of one choice, and what acts beyond it (``judged``); ``left`` are sentences on
+    what is visible in the rest."""
     decision, final = choice.decision, known.final
     found = _told(model, prepared, decision, known, shown)
     parameters = reestimated(model, final, known.doubt)
@@ -74,17 +77,18 @@ def concluded(
         *added_alternatives(model, known.completed),
         *alternatives_of(model, decision, titles),
     )
-    verdict = _verdict(decision, found, bool(faults), bool(parameters))
-    coloured = verdict == "undecided" and _only_coloured(prepared, decision, choice.places)
-    if coloured:
-        verdict = "nothing missing"
-    sentence = verdict_sentence(verdict, found, parameters, faults, alternatives)
-    if coloured:
-        sentence += COLOURED
+    verdict = _verdict(known, judged, found, bool(faults), bool(parameters))
+    sentence = verdict_sentence(
+        verdict, found, parameters, faults, alternatives, beyond=not judged.adequate
+    )
+    classes = _classes(model, judged)
+    rest = " ".join([*(one.sentence for one in classes), beyond_sentence(model, judged.beyond)])
     poor = too_poor(prepared.runs, [sensor.name for sensor in model.sensors])
     if verdict == "nothing missing" and poor:
         verdict = "undecided"
         sentence = f"These recordings cannot tell: {poor}. Nothing in them contradicts the model."
+    elif rest.strip():
+        sentence = f"{sentence} {rest.strip()}"
     noise = _measured_noise(model, prepared)
     return Diagnosis(
         verdict,
@@ -101,6 +105,7 @@ def concluded(
         clouds=tuple(cloud for run in prepared.runs for cloud in _clouds(prepared, final, run)),
         log=(*decision.log, *(known.completed.log if known.completed else ())),
         notes=(*_run_notes(prepared), *noise_notes(model, noise), *_warnings(found)),
+        classes=classes,
     )
 
 
@@ -172,7 +177,7 @@ def _title(cause: Hypothesis, found: Sequence[Found]) -> str:
 
 
 def _verdict(
-    decision: Decision, found: Sequence[Found], faults: bool, parameters: bool
+    known: Estimated, judged: Adequacy, found: Sequence[Found], faults: bool, parameters: bool
 ) -> VerdictName:
     if found:
         return "missing physics"
@@ -180,33 +185,35 @@ def _verdict(
         return "measurement"
     if parameters:
         return "parameters"
-    if decision.winner.causes:
-        return "undecided"  # something earned its place, and all of it is in doubt
-    nothing = decision.nothing.fit
-    slack = 4 * np.sqrt(2 * nothing.correlation / max(float(nothing.count.sum()), 1.0))
-    return "nothing missing" if nothing.scale <= MISMATCH + slack else "undecided"
+    # something earned its place, and all of it is in doubt; or a force acts that none explains
+    return "undecided" if known.final.causes or not judged.adequate else "nothing missing"
 
 
-def _only_coloured(prepared: Prepared, decision: Decision, places: Sequence[PlaceShare]) -> bool:
-    """Whether what is left looks like noise of the sensors that is coloured: no cause was believed,
-    no place explains a part of it out of sample, and it is small against every signal."""
-    if decision.winner.causes or any((p.explained or 0.0) > PLACE_LEAST for p in places):
-        return False
-    left = prepared.sd * np.sqrt(decision.nothing.fit.scale)
-    spreads = np.array(
-        [
-            max(
-                (
-                    float(np.nanstd(y))
-                    for run in prepared.runs
-                    if (y := run.recording.sensors.get(sensor.name)) is not None
-                ),
-                default=np.inf,
-            )
-            for sensor in prepared.model.sensors
-        ]
-    )
-    return bool(np.all(left < COLOURED_MOST * spreads))
+def _classes(model: Model, judged: Adequacy) -> tuple[ClassFound, ...]:
+    """The generic classes that act; an unmeasured force where something acts and none of them."""
+    found = tuple(class_found(generic, p) for generic, p in judged.classes)
+    if found or not judged.beyond.acts:
+        return found
+    i = int(np.argmax(judged.beyond.share))
+    place = On(model.coordinates[i].name)
+    unit = force_unit(model, place)
+    amount = quantity_text(float(judged.beyond.force[i]) / unit.factor, unit.text, digits=2)
+    said = f"An unmeasured force of {amount} RMS acts {place_text(place)}."
+    return (ClassFound("unmeasured force", judged.beyond.probability, said, place=place),)
+
+
+def beyond_sentence(model: Model, beyond: Beyond) -> str:
+    """What acts beyond the named causes, in words; empty if nothing does."""
+    if not beyond.acts:
+        return ""
+    parts = []
+    for i, coordinate in enumerate(model.coordinates):
+        if beyond.share[i] > NEGLIGIBLE:
+            unit = force_unit(model, On(coordinate.name))
+            amount = quantity_text(float(beyond.force[i]) / unit.factor, unit.text, digits=2)
+            share = percent_text(float(beyond.share[i]))
+            parts.append(f"{amount} RMS on {coordinate.name} ({share} of what moves it)")
+    return f"Beyond what is named acts a force that no cause explains: {joined(parts)}."
 
 
 def _clouds(prepared: Prepared, final: Refined, run: Run) -> list[Cloud]:

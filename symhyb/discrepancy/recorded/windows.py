@@ -25,6 +25,7 @@ from symhyb.numeric.runs.windows import Block, WindowModel
 
 FINITE_SHARE = 0.7  # of the samples of the fullest quarter of windows, that must be there
 SLOW_SHARE = 0.02
+GAP = 1.5  # steps between two samples: more is a gap in time
 SAMPLES_LEAST = 12  # samples a window has at least
 EVEN = 0.25  # samples: what was recorded a whole number of samples later lies this near
 END_KNOTS = 3  # of the smoothed motion, that are not trusted where it swings at its end:
@@ -139,23 +140,53 @@ def lay(
         begin = 0
     firsts = np.arange(begin, recording.t.size - samples + 1, samples - 1)
     rows = firsts[:, None] + np.arange(samples)
-    y, course = measured(recording, machine), course_of(recording, machine, motion)
-    whole = (recording.t[rows[:, -1]] - recording.t[rows[:, 0]]) < 1.5 * (samples - 1) * step
+    y = measured(recording, machine)
+    whole = (recording.t[rows[:, -1]] - recording.t[rows[:, 0]]) < GAP * (samples - 1) * step
     present = np.isfinite(y[:, np.isfinite(y).any(axis=0)])
     there = present[rows].sum(axis=(1, 2))
     enough = there >= FINITE_SHARE * max(np.quantile(there, 0.75), SAMPLES_LEAST)
     rows = rows[whole & enough]
     if len(rows) == 0:
         return None
+    parts = np.ones(recording.t.size - 1, int) if substeps is None else substeps
+    return _cut(recording, machine, motion, rows, parts, int(parts.min()))
+
+
+def stretches(
+    recording: Recording, machine: Machine, motion: Motion, steps: int, fine: int
+) -> list[Laid]:
+    """Every stretch of a recording without a gap in time, as one window each; ``steps`` between two
+    samples, each ``fine`` times finer near a reversal."""
+    t = recording.t
+    step = float(np.median(np.diff(t)))
+    begin = _settled(motion, step)
+    ends = np.flatnonzero(np.diff(t) > GAP * step) + 1
+    parts = steps * np.where(reversals(motion.v), fine, 1)
+    found = []
+    for first, last in zip([begin, *ends], [*ends, t.size], strict=True):
+        if last - max(first, begin) >= SAMPLES_LEAST:
+            rows = np.arange(max(first, begin), last)[None]
+            found.append(_cut(recording, machine, motion, rows, parts, steps))
+    return found
+
+
+def _cut(
+    recording: Recording,
+    machine: Machine,
+    motion: Motion,
+    rows: NDArray[np.int64],
+    parts: NDArray[np.int64],
+    steps: int,
+) -> Laid:
+    """Windows of the samples ``rows`` (W, L)."""
+    y, course = measured(recording, machine), course_of(recording, machine, motion)
     states = course.states[rows]
     held = np.arange(len(rows)) % 3 == 2
-    parts = np.ones(recording.t.size - 1, int) if substeps is None else substeps
     inputs = [recording.inputs[item.name] for item in machine.model.inputs]
     recorded = recording.t, np.column_stack(inputs) if inputs else np.empty((recording.t.size, 0))
     recorded = finer(*recorded, *bent_columns(machine.model.inputs))
     block = Block(recording.t[rows], course.drive[rows], y[rows], parts[rows[:, :-1]], recorded)
-    least = int(parts.min())
-    return Laid(block, states[:, 0], states, held, rows, (recording, motion), steps=least)
+    return Laid(block, states[:, 0], states, held, rows, (recording, motion), steps=steps)
 
 
 def _settled(motion: Motion, step: float) -> int:

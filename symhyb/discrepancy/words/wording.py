@@ -129,8 +129,10 @@ def verdict_sentence(
     parameters: Sequence[Reestimated] = (),
     measurement: Sequence[Measurement] = (),
     alternatives: Sequence[Alternative] = (),
+    beyond: bool = False,
 ) -> str:
-    """Say the verdict with what it rests on; what else was found follows in a second sentence."""
+    """Say the verdict with what it rests on; what else was found follows in a second sentence. That
+    the physics holds is said only where nothing acts ``beyond`` what is named."""
     channels = joined([measurement_phrase(fault) for fault in measurement])
     values = joined([parameter_phrase(parameter) for parameter in parameters])
     match verdict:
@@ -138,9 +140,12 @@ def verdict_sentence(
             said, besides = f"{_lacking(found)}.", [channels, values]
         case "measurement":
             said = f"The physics of the model holds, the measurement does not: {channels}."
+            if beyond:
+                said = f"The measurement is wrong: {channels}."
             besides = [values]
         case "parameters":
-            said, besides = f"The model lacks no physics, but its numbers are off: {values}.", []
+            holds = "The model's" if beyond else "The model lacks no physics, but its"
+            said, besides = f"{holds} numbers are off: {values}.", []
         case "nothing missing":
             said = "Nothing is missing: model and recordings differ by no more than the noise."
             besides = []

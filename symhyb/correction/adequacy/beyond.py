@@ -1,0 +1,67 @@
+"""What acts beyond the named causes: the unknown force that the likelihood asks for.
+
+Two noise models are held against each other for the same structure: sensors alone, white or
+coloured, and an unknown force beside them. The ratio of their likelihoods says whether anything
+acts; the smoothed force says where, when and how much.
+Sizes: n coordinates, N samples.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from symhyb.correction.adequacy.recorded import Recorded
+from symhyb.correction.adequacy.structure import Fitted, tracks_of
+from symhyb.discrepancy.likelihood.horizon import maximised
+from symhyb.discrepancy.likelihood.track import smoothed
+from symhyb.numeric.kernels.buffers import Array
+
+NEGLIGIBLE = 1e-3  # of what moves a coordinate: the error of integration and interpolation
+CERTAIN = 4.6  # of ln of the odds (100 to 1) that a force acts
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Beyond:
+    """The unknown force (RMS, ``force`` (n,), SI), its ``share`` (n,) of what moves the coordinate,
+    its correlation time, and ``evidence``: ln of the odds against sensors alone."""
+
+    force: Array
+    share: Array
+    memory_s: float
+    evidence: float
+
+    @property
+    def acts(self) -> bool:
+        """Whether a force acts that no cause explains."""
+        return self.evidence > CERTAIN and bool(np.any(self.share > NEGLIGIBLE))
+
+    @property
+    def probability(self) -> float:
+        """Posterior probability that a force acts, at even odds."""
+        return float(1 / (1 + np.exp(-np.clip(self.evidence, -700, 700))))
+
+
+NOTHING = Beyond(np.zeros(0), np.zeros(0), 1.0, 0.0)
+
+
+def beyond(recorded: Recorded, final: Fitted) -> Beyond:
+    """The unknown force beside a fitted structure."""
+    noise = final.fit.noise
+    none = np.zeros_like(recorded.scale)
+    if (final.extra is None and not np.any(noise.force > 0)) or final.fit.reason:
+        return Beyond(none, none, noise.memory_s, 0.0)
+    tracks = tracks_of(recorded, final)
+    alone, without = maximised(
+        tracks, recorded.revived(noise.without_force()).without_force(), recorded.sd * 1e-2
+    )
+    price = 0.5 * np.log(max(final.fit.count, 2)) * (noise.numbers - alone.numbers)
+    squares = np.zeros_like(none)
+    for i, one in enumerate(tracks):
+        force = smoothed(one, noise, np.zeros(final.numbers)).force
+        if final.extra is not None:
+            more = final.extra.spread.size
+            force = force + final.extra.each[i].force @ final.fit.values[-more:]
+        squares += np.sum(force**2, axis=0)
+    size = np.sqrt(squares / sum(len(one.residual) for one in tracks))
+    share = np.where(recorded.scale > 0, size / recorded.scale_or_inf[:, 0], 0.0)
+    return Beyond(size, share, noise.memory_s, float(final.fit.logl - without - price))

@@ -1,0 +1,169 @@
+"""The one score of a structure: ln of its marginal likelihood times the prior odds of its causes.
+
+    ln p(y|S) ≈ ln L(θ̂) + ln p(θ̂) + ½ F ln 2π − ½ ln |H|
+
+Every number has a proper prior: a parameter its stated sd, the strength of a law the force that
+moves its place, a shape the range that is tried, a channel's fault what channels do. Each cause
+costs ln of the number of candidates (a priori one of the list is expected), sizes of noise ½ ln N
+each. Sizes: F numbers, N samples.
+
+Sources: MacKay, Neural Computation 4, 1992 (Laplace); Kass & Raftery, JASA 90, 1995; Chen & Chen,
+Biometrika 95, 2008 (the price of a long list).
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from symhyb.correction.adequacy.recorded import Recorded
+from symhyb.correction.adequacy.structure import Fitted
+from symhyb.correction.search.trajectory import gathered, keys_of
+from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.model.vocabulary import key_of
+from symhyb.numeric.kernels.buffers import Array
+
+GAIN_SD = 0.1  # of a channel's gain that is off
+DELAY_SD = 10.0  # samples, of a channel that is late
+HELD_SD = 0.3  # relative, of a number that the file holds without an sd
+ADDED_SD = 3.0  # of what is tried first: a key that bends a plain law
+UNIFORM = 12**-0.5  # standard deviation of a uniform distribution over its range
+WIDEST = np.log(1e4)  # of a shape without bounds: the logarithm of the range that is possible
+PLAIN_OUTSIDE = 1.0  # of the magnitude: the prior of a number that nothing else is known of
+
+
+def evidence(recorded: Recorded, trial: Fitted) -> float:
+    """ln of marginal likelihood and prior odds; −∞ for a fit that failed."""
+    if trial.fit.reason or not np.isfinite(trial.fit.logl):
+        return -np.inf
+    mean, spread = priors(recorded, trial)
+    off = (trial.fit.values - mean) / spread
+    # the information holds stated priors already: that of an uncertain parameter is not less than 1
+    seen = trial.fit.information * np.outer(spread, spread) + np.diag(_unstated(trial))
+    volume = float(np.linalg.slogdet(seen)[1]) if seen.size else 0.0
+    noise = 0.5 * trial.fit.noise.numbers * np.log(max(trial.fit.count, 2))
+    odds = len(trial.causes) * np.log(max(candidates(recorded), 2))
+    if trial.extra is not None:
+        odds += np.log(max(classes(recorded), 2))
+    return float(trial.fit.logl - 0.5 * off @ off - 0.5 * volume - noise - odds)
+
+
+def _unstated(trial: Fitted) -> Array:
+    """1 for each number (F,) whose prior the fit did not hold, 0 for a parameter's stated one."""
+    declared = {item.path: item for item in trial.machine.model.all_parameters()}
+    rows = [
+        0.0 if cause.place is None and declared[cause.path].sd else 1.0
+        for cause in trial.all_causes
+        for _ in keys_of(cause)
+    ]
+    more = 0 if trial.extra is None else trial.extra.spread.size
+    return np.append(gathered(np.array(rows), trial.owned), np.zeros(more))
+
+
+def candidates(recorded: Recorded) -> int:
+    """How many causes compete."""
+    return len({cause.family for cause in recorded.hypotheses})
+
+
+def classes(recorded: Recorded) -> int:
+    """How many generic classes compete."""
+    model = recorded.windows.machine.model
+    numbers = sum(item.sd is not None for item in model.parameters)
+    channels = 2 * len(model.inputs) + 3 * len(model.sensors)
+    return 2 * len(recorded.library.places) + channels + numbers
+
+
+def priors(recorded: Recorded, trial: Fitted) -> tuple[Array, Array]:
+    """Mean and standard deviation (F,) of every number before these recordings, SI."""
+    declared = {item.path: item for item in trial.machine.model.all_parameters()}
+    strengths = strength_scales(recorded)
+    means, spreads = [], []
+    i = 0
+    for cause in trial.all_causes:
+        for key in keys_of(cause):
+            value = float(trial.fit.values[i])
+            if cause.place is None:
+                item = declared[cause.path]
+                means.append(item.si)
+                spreads.append(_channel_sd(recorded, cause, item.si, item.si_sd))
+            else:
+                told = _law_prior(recorded, cause, key, value, strengths)
+                means.append(told[0])
+                spreads.append(told[1])
+            i += 1
+    mean, spread = (gathered(np.array(row), trial.owned) for row in (means, spreads))
+    if trial.extra is None:
+        return mean, spread
+    none = np.zeros(trial.extra.spread.size)
+    return np.append(mean, none), np.append(spread, trial.extra.spread)
+
+
+def _channel_sd(recorded: Recorded, cause: Hypothesis, value: float, sd: float | None) -> float:
+    """Prior deviation of a number of the model or of a channel, SI."""
+    if sd is not None and sd > 0:
+        return sd
+    if cause.kind == "gain":
+        return GAIN_SD * abs(value)
+    if cause.kind == "delay":
+        return DELAY_SD * recorded.step_s
+    if cause.kind == "offset":
+        return _spread_of(recorded, cause.path.removesuffix(".offset"))
+    return HELD_SD * abs(value) or 1.0
+
+
+def _spread_of(recorded: Recorded, channel: str) -> float:
+    """Standard deviation of what a channel recorded, SI; 1 if it recorded nothing that changes."""
+    sizes = []
+    for item in recorded.items:
+        recording = item.source[0]
+        values = recording.sensors.get(channel, recording.inputs.get(channel))
+        if values is not None and np.isfinite(values).any():
+            sizes.append(float(np.nanstd(values)))
+    return max(sizes, default=0.0) or 1.0
+
+
+def _law_prior(
+    recorded: Recorded,
+    cause: Hypothesis,
+    key: str,
+    value: float,
+    strengths: Mapping[tuple[object, ...], float],
+) -> tuple[float, float]:
+    """Prior mean and deviation of a key of a law."""
+    size = strengths.get((cause.kind, cause.place, cause.path, key))
+    if size is not None:
+        return 0.0, size
+    if key in cause.added:
+        declared = key_of(cause.kind, key)
+        plain = declared.plain({}) if declared and key != "static" else None
+        return plain or 0.0, ADDED_SD * abs(dict(cause.shape)[key]) or 1.0
+    low, high = cause.limits(key)
+    if key == "phase":
+        return value, 2 * np.pi * UNIFORM
+    if key == "frequency":  # a line was looked for in the whole spectrum
+        return value, 0.5 / recorded.step_s * UNIFORM
+    if key == "period":  # and along the whole travel
+        return value, abs(value) * float(WIDEST) * UNIFORM
+    if np.isfinite(low) and np.isfinite(high) and low > 0:
+        return value, max(abs(value), low) * float(np.log(high / low)) * UNIFORM
+    if np.isfinite(low) and np.isfinite(high):
+        return value, (high - low) * UNIFORM
+    if key in cause.refined:
+        return value, (abs(value) or 1.0) * float(WIDEST) * UNIFORM
+    return 0.0, PLAIN_OUTSIDE * abs(value) or 1.0
+
+
+def strength_scales(recorded: Recorded) -> dict[tuple[object, ...], float]:
+    """The strength, SI, at which each law would make the force that moves its place, by kind,
+    place, path and key."""
+    sizes: dict[tuple[object, ...], float] = {}
+    for cause, columns in zip(recorded.library.hypotheses, recorded.library.columns, strict=True):
+        for key, column in zip(cause.keys, columns, strict=False):
+            name = (cause.kind, cause.place, cause.path, key)
+            if key in cause.refined or key in ("phase", "asymmetry") or name in sizes:
+                continue
+            share = float(
+                np.max(recorded.probe_sizes[:, column] / recorded.scale_or_inf, initial=0)
+            )
+            if share > 0:
+                sizes[name] = 1 / share
+    return sizes

@@ -1,0 +1,1 @@
+"""The innovations likelihood: one Kalman pass over a linearised recording."""

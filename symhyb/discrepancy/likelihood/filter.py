@@ -1,0 +1,320 @@
+"""The Kalman filter and smoother of a linearised machine, compiled once for all machines.
+
+    δ(i+1) = Φ δ(i) + Γ₀ w(i) + Γ₁ w(i+1) + b(i)        δ: deviation from the trajectory, X states
+    w(i+1) = α w(i) + noise                             unknown force, first-order Markov, n
+    c(i+1) = ρ c(i) + noise                             coloured sensor noise, m
+    e(i)   = C δ(i) + D w(i) + c(i) + white noise       e: measured less computed output, m
+
+Filter and drives are linear, so that the residual and any number of candidate columns (each with
+its own b and e) pass the same gains and come out white. Measurements are taken one after the other,
+which needs no inverse and leaves out what is missing.
+Sizes: N samples, X states, n forces, m sensors, K columns, d = X + n + m or, without colour, X + n.
+
+Sources: Anderson & Moore, Optimal Filtering, 1979 (sequential updates); Durbin & Koopman, Time
+Series Analysis by State Space Methods, 2012, §4.4 (smoother) and §7.3 (score: Koopman & Shephard,
+Biometrika 79, 1992).
+"""
+
+import numpy as np
+from numba import njit
+
+from symhyb.numeric.kernels.buffers import Array
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz", "arcp"})
+def transition(
+    A: Array,
+    g: Array,
+    phi: Array,
+    left: Array,
+    right: Array,
+    keep: Array,
+    hold: Array,
+) -> None:  # pragma: no cover - compiled
+    """Write the transition (d, d) of a step and how the force's noise enters (d, n)."""
+    states, forces = left.shape
+    for s in range(states):
+        for t in range(states):
+            A[s, t] = phi[s, t]
+        for t in range(forces):
+            A[s, states + t] = left[s, t] + keep[t] * right[s, t]
+            g[s, t] = right[s, t]
+    for t in range(forces):
+        A[states + t, states + t] = keep[t]
+        g[states + t, t] = 1.0
+    first = states + forces
+    for t in range(A.shape[0] - first):
+        A[first + t, first + t] = hold[t]
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz", "arcp"})
+def start(P0: Array, force: Array, colour: Array, coloured: bool) -> Array:  # pragma: no cover
+    """The covariance (d, d) at the first sample."""
+    states, forces, sensors = P0.shape[0], force.size, colour.size if coloured else 0
+    P = np.zeros((states + forces + sensors, states + forces + sensors))
+    P[:states, :states] = P0
+    for t in range(forces):
+        P[states + t, states + t] = force[t]
+    for t in range(sensors):
+        P[states + forces + t, states + forces + t] = colour[t]
+    return P
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz", "arcp"})
+def observe(h: Array, C: Array, D: Array, j: int) -> None:  # pragma: no cover - compiled
+    """Write how the j-th sensor sees the state (d,)."""
+    states, forces = C.shape[1], D.shape[1]
+    h[:] = 0.0
+    h[:states] = C[j]
+    h[states : states + forces] = D[j]
+    if h.size > states + forces:
+        h[states + forces + j] = 1.0
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz", "arcp"})
+def predict(
+    P: Array, T: Array, A: Array, g: Array, force: Array, colour: Array, keep: Array, hold: Array
+) -> None:  # pragma: no cover - compiled
+    """Move the covariance (d, d) on by one step, in place. Force and colour are each their own
+    share of what they were: only the states mix."""
+    d, forces = P.shape[0], g.shape[1]
+    first = d - hold.size
+    states = first - forces
+    for s in range(d):
+        for t in range(d):
+            if s < states:
+                total = 0.0
+                for u in range(first):
+                    total += A[s, u] * P[u, t]
+                T[s, t] = total
+            else:
+                T[s, t] = A[s, s] * P[s, t]
+    for s in range(d):
+        for t in range(s, d):
+            if t >= states:
+                total = T[s, t] * A[t, t]
+            else:
+                total = 0.0
+                for u in range(first):
+                    total += T[s, u] * A[t, u]
+            for u in range(forces):
+                total += g[s, u] * force[u] * (1 - keep[u] * keep[u]) * g[t, u]
+            if s == t and s >= first:
+                total += colour[s - first] * (1 - hold[s - first] ** 2)
+            P[s, t] = total
+            P[t, s] = total
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz", "arcp"})
+def whiten(
+    phi: Array,
+    left: Array,
+    right: Array,
+    C: Array,
+    D: Array,
+    seen: Array,
+    b: Array,
+    e: Array,
+    begin: Array,
+    P0: Array,
+    keep: Array,
+    hold: Array,
+    force: Array,
+    white: Array,
+    colour: Array,
+) -> tuple[Array, float]:  # pragma: no cover - compiled
+    """White innovations (N, m, K) of all columns, and Σ ln S.
+
+    ``phi`` (N−1, X, X), ``left`` and ``right`` (N−1, X, n), ``C`` (N, m, X), ``D`` (N, m, n),
+    ``seen`` (N, m), ``b`` (N−1, X, K), ``e`` (N, m, K), ``begin`` (X, K) the columns at the start,
+    ``P0`` (X, X), ``keep`` (N−1, n) = α, ``hold`` (N−1, m or 0) = ρ, variances ``force`` (n,),
+    ``white`` (m,), ``colour`` (m,).
+    """
+    samples, sensors, states = C.shape
+    forces, columns, sensed = left.shape[2], b.shape[2], hold.shape[1]
+    P = start(P0, force, colour, sensed > 0)
+    d = P.shape[0]
+    M, M2 = np.zeros((d, columns)), np.zeros((d, columns))
+    M[:states] = begin
+    result = np.zeros((samples, sensors, columns))
+    A, g, T = np.zeros((d, d)), np.zeros((d, forces)), np.zeros((d, d))
+    h, k = np.zeros(d), np.zeros(d)
+    logs = 0.0
+    for i in range(samples):
+        for j in range(sensors):
+            if not seen[i, j]:
+                continue
+            observe(h, C[i], D[i], j)
+            S = white[j]
+            for s in range(d):
+                total = 0.0
+                for t in range(d):
+                    total += P[s, t] * h[t]
+                k[s] = total
+                S += h[s] * total
+            root = np.sqrt(S)
+            for c in range(columns):
+                v = e[i, j, c]
+                for s in range(d):
+                    v -= h[s] * M[s, c]
+                result[i, j, c] = v / root
+                for s in range(d):
+                    M[s, c] += k[s] * v / S
+            for s in range(d):
+                for t in range(d):
+                    P[s, t] -= k[s] * k[t] / S
+            logs += np.log(S)
+        if i == samples - 1:
+            break
+        transition(A, g, phi[i], left[i], right[i], keep[i], hold[i])
+        for s in range(d):
+            for c in range(columns):
+                M2[s, c] = b[i, s, c] if s < states else 0.0
+            for t in range(d):
+                if A[s, t] != 0.0:
+                    for c in range(columns):
+                        M2[s, c] += A[s, t] * M[t, c]
+        M[:] = M2
+        predict(P, T, A, g, force, colour, keep[i], hold[i])
+    return result, logs
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz", "arcp"})
+def smooth(
+    phi: Array,
+    left: Array,
+    right: Array,
+    C: Array,
+    D: Array,
+    seen: Array,
+    b: Array,
+    e: Array,
+    P0: Array,
+    keep: Array,
+    hold: Array,
+    force: Array,
+    white: Array,
+    colour: Array,
+    wanted: bool,
+) -> tuple[Array, Array, float, float, Array, Array, Array]:  # pragma: no cover - compiled
+    """Smoothed state (N, d) with its variance (N, d), Σ ln S, χ², and the score: ∂ ln L by the
+    variances ``force`` (n,), ``white`` (m,) and ``colour`` (m,). Where the state is not ``wanted``
+    it is left at zero, which halves the work.
+
+    Arguments as of :func:`whiten`, with ``b`` (N−1, X) and ``e`` (N, m) of one column.
+    """
+    samples, sensors, states = C.shape
+    forces, sensed = left.shape[2], hold.shape[1]
+    P = start(P0, force, colour, sensed > 0)
+    d = P.shape[0]
+    M, M2 = np.zeros(d), np.zeros(d)
+    means, covs = np.zeros((samples, d)), np.zeros((samples, d, d))
+    gains, sizes = np.zeros((samples, sensors, d)), np.ones((samples, sensors))
+    news = np.zeros((samples, sensors))
+    A, g, T = np.zeros((d, d)), np.zeros((d, forces)), np.zeros((d, d))
+    h = np.zeros(d)
+    logs, chi2 = 0.0, 0.0
+    for i in range(samples):
+        means[i], covs[i] = M, P
+        for j in range(sensors):
+            if not seen[i, j]:
+                continue
+            observe(h, C[i], D[i], j)
+            S, v = white[j], e[i, j]
+            for s in range(d):
+                total = 0.0
+                for t in range(d):
+                    total += P[s, t] * h[t]
+                gains[i, j, s] = total
+                S += h[s] * total
+                v -= h[s] * M[s]
+            for s in range(d):
+                M[s] += gains[i, j, s] * v / S
+                for t in range(d):
+                    P[s, t] -= gains[i, j, s] * gains[i, j, t] / S
+            sizes[i, j], news[i, j] = S, v
+            logs += np.log(S)
+            chi2 += v * v / S
+        if i == samples - 1:
+            break
+        transition(A, g, phi[i], left[i], right[i], keep[i], hold[i])
+        for s in range(d):
+            M2[s] = b[i, s] if s < states else 0.0
+            for t in range(d):
+                M2[s] += A[s, t] * M[t]
+        M[:] = M2
+        predict(P, T, A, g, force, colour, keep[i], hold[i])
+    mean, variance = np.zeros((samples, d)), np.zeros((samples, d))
+    by_force, by_white = np.zeros(forces), np.zeros(sensors)
+    by_colour = np.zeros(sensors)
+    r, r2 = np.zeros(d), np.zeros(d)
+    Nn, k = np.zeros((d, d)), np.zeros(d)
+    for i in range(samples - 1, -1, -1):
+        for j in range(sensors - 1, -1, -1):
+            if not seen[i, j]:
+                continue
+            observe(h, C[i], D[i], j)
+            S = sizes[i, j]
+            along, across = 0.0, 0.0
+            for s in range(d):
+                along += gains[i, j, s] * r[s]
+                total = 0.0
+                for t in range(d):
+                    total += Nn[s, t] * gains[i, j, t]
+                k[s] = total / S
+                across += gains[i, j, s] * total / (S * S)
+            u = (news[i, j] - along) / S
+            by_white[j] += 0.5 * (u * u - 1 / S - across)
+            for s in range(d):
+                r[s] += h[s] * u
+            for s in range(d):
+                for t in range(d):
+                    Nn[s, t] += h[s] * h[t] * (1 / S + across) - h[s] * k[t] - k[s] * h[t]
+        for s in range(d if wanted else 0):
+            total, spread = means[i, s], covs[i, s, s]
+            for t in range(d):
+                total += covs[i, s, t] * r[t]
+                part = 0.0
+                for q in range(d):
+                    part += Nn[t, q] * covs[i, q, s]
+                spread -= covs[i, s, t] * part
+            mean[i, s], variance[i, s] = total, spread
+        if i == 0:
+            break
+        transition(A, g, phi[i - 1], left[i - 1], right[i - 1], keep[i - 1], hold[i - 1])
+        for q in range(forces):
+            along, across = 0.0, 0.0
+            for s in range(d):
+                along += g[s, q] * r[s]
+                for t in range(d):
+                    across += g[s, q] * Nn[s, t] * g[t, q]
+            by_force[q] += 0.5 * (along * along - across) * (1 - keep[i - 1, q] ** 2)
+        for q in range(sensed):
+            s = states + forces + q
+            by_colour[q] += 0.5 * (r[s] * r[s] - Nn[s, s]) * (1 - hold[i - 1, q] ** 2)
+        for s in range(d):
+            r2[s] = 0.0
+            for t in range(d):
+                r2[s] += A[t, s] * r[t]
+        r[:] = r2
+        for s in range(d):
+            for t in range(d):
+                total = 0.0 if t < states else Nn[s, t] * A[t, t]
+                if t < states + forces:
+                    for q in range(states):
+                        total += Nn[s, q] * A[q, t]
+                T[s, t] = total
+        for s in range(d):
+            for t in range(d):
+                total = 0.0 if s < states else A[s, s] * T[s, t]
+                if s < states + forces:
+                    for q in range(states):
+                        total += A[q, s] * T[q, t]
+                Nn[s, t] = total
+    for q in range(forces):
+        s = states + q
+        by_force[q] += 0.5 * (r[s] * r[s] - Nn[s, s])
+    for q in range(sensed):
+        s = states + forces + q
+        by_colour[q] += 0.5 * (r[s] * r[s] - Nn[s, s])
+    return mean, variance, logs, chi2, by_force, by_white, by_colour

@@ -1,0 +1,209 @@
+"""Parameters, trajectory and noise of a structure by maximum posterior likelihood.
+
+Gauss–Newton on parameters and trajectory together: linearise along the trajectory, whiten by the
+Kalman filter, step the parameters, smooth, and again (an iterated extended Kalman smoother: Bell,
+SIAM J. Optim. 4, 1994; with the noise sizes by maximum likelihood in between).
+Sizes: F numbers, N samples, X states, m sensors, P parameters.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from symhyb.discrepancy.fitting.normal import bounded_step, inverse_of
+from symhyb.discrepancy.likelihood.horizon import maximised, total
+from symhyb.discrepancy.likelihood.noise import NoiseModel
+from symhyb.discrepancy.likelihood.track import Extra, Track, smoothed, track, white_problem
+from symhyb.discrepancy.recorded.windows import Laid
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.runs.windows import WindowModel
+
+ITERATIONS = 12
+HALVINGS = 4
+FAR = 2.0  # of ln L: steps that gain more are on the way
+SETTLED = 0.05  # of ln L: steps that gain less end the fit
+FAILED = "the likelihood is not finite along any trajectory"
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """What to fit, SI: stretches ``items`` (one window each) with the number of the ``recording``
+    that each is of, least white noise ``floor`` (m,), bounds ``lower`` and ``upper`` (F,), Gaussian
+    priors ``mean`` and ``spread`` (F,; inf for none). ``own`` has for each recording which of the
+    numbers its free parameters are, where recordings have numbers of their own; the sizes of the
+    columns of ``extra`` (one for each stretch, or none) are the last numbers, shared by all."""
+
+    items: tuple[Laid, ...]
+    recording: tuple[int, ...]
+    floor: Array
+    lower: Array
+    upper: Array
+    mean: Array
+    spread: Array
+    own: tuple[tuple[int, ...], ...] = ()
+    extra: tuple[Extra, ...] = ()
+
+    @property
+    def more(self) -> int:
+        """K, how many columns the extras have."""
+        return self.extra[0].force.shape[2] if self.extra else 0
+
+    def rows(self, which: int) -> list[int]:
+        """Which of the numbers are those of one recording."""
+        size = self.mean.size
+        mine = list(self.own[which]) if self.own else list(range(size - self.more))
+        return [*mine, *range(size - self.more, size)]
+
+    def filled(self, which: int, p: Array, free: Sequence[int], values: Array) -> Array:
+        """The parameters (P,) of one recording."""
+        full = p.copy()
+        full[list(free)] = values[self.rows(which)[: len(free)]]
+        return full
+
+    def part(self, which: int, values: Array) -> Array:
+        """The numbers of one recording among all of them (F,)."""
+        return values[self.rows(which)]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Fit:
+    """Fitted ``values`` (F,) with ``covariance`` (F, F) and its inverse, the ``information``, SI,
+    the most likely ``noise``, ``logl`` the log-likelihood and ``prior`` the χ² of the values
+    against their priors, the ``states`` (N, X) of every stretch; ``reason`` is empty, or why the
+    fit failed."""
+
+    values: Array
+    covariance: Array
+    information: Array
+    noise: NoiseModel
+    logl: float
+    prior: float
+    states: tuple[Array, ...]
+    count: int
+    reason: str = ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Now:
+    """Where a fit has come to: numbers (F,), trajectories, tracks along them, noise, and ln L less
+    half of the prior χ²."""
+
+    values: Array
+    states: tuple[Array, ...]
+    tracks: tuple[Track, ...]
+    noise: NoiseModel
+    score: float
+
+
+def fit(
+    model: WindowModel,
+    task: Task,
+    p: Array,
+    noise: NoiseModel,
+    first: Array | None = None,
+    states: Sequence[Array] | None = None,
+) -> Fit:
+    """Fit the free parameters of ``model`` from ``p`` (P,), or all numbers from ``first`` (F,), SI.
+
+    ``states`` (N, X) of every stretch begin the trajectories, by default the measured motion;
+    ``noise`` begins the noise model: sizes that are 0 in it stay 0.
+    """
+    values = np.clip(p[list(model.free)] if first is None else first, task.lower, task.upper)
+    begun = tuple(states or (item.states[0] for item in task.items))
+    now = _at(model, task, p, values, begun, noise)
+    if not np.isfinite(now.score):
+        return _failed(task, values, noise, begun)
+    rough = True  # while parameters move far, the sizes of noise need only follow
+    for _ in range(ITERATIONS):
+        before = now.score
+        now = _step(model, task, p, now) or now
+        now = _with_noise(task, now, rough)
+        gained = now.score - before
+        if gained < SETTLED and not rough:
+            break
+        rough = rough and gained > FAR
+    return _finished(task, now)
+
+
+def _at(
+    model: WindowModel,
+    task: Task,
+    p: Array,
+    values: Array,
+    states: tuple[Array, ...],
+    noise: NoiseModel,
+) -> _Now:
+    tracks = []
+    sizes = values[values.size - task.more :]
+    for i, (item, which, x) in enumerate(zip(task.items, task.recording, states, strict=True)):
+        full = task.filled(which, p, model.free, values)
+        extra = task.extra[i] if task.extra else None
+        tracks.append(track(model, item.in_time(model, full), x, full, extra, sizes))
+    score = total(tracks, noise) - 0.5 * _prior(task, values)
+    return _Now(values, states, tuple(tracks), noise, score if np.isfinite(score) else -np.inf)
+
+
+def _prior(task: Task, values: Array) -> float:
+    return float(np.sum(((values - task.mean) / task.spread) ** 2))
+
+
+def _normal(task: Task, now: _Now) -> tuple[Array, Array]:
+    """Normal matrix (F, F) and right side (F,) of a step, priors included."""
+    gram = np.diag(1 / task.spread**2)
+    right = (task.mean - now.values) / task.spread**2
+    for one, which in zip(now.tracks, task.recording, strict=True):
+        residual, columns, _ = white_problem(one, now.noise)
+        rows = task.rows(which)
+        gram[np.ix_(rows, rows)] += columns.T @ columns
+        right[rows] -= columns.T @ residual
+    return gram, right
+
+
+def _step(model: WindowModel, task: Task, p: Array, now: _Now) -> _Now | None:
+    """A step of parameters and trajectory that makes the posterior more likely; None if there is
+    none."""
+    gram, right = _normal(task, now)
+    if not (np.isfinite(gram).all() and np.isfinite(right).all()):
+        return None
+    damping = 0.0
+    for halving in range(HALVINGS + 1):
+        change = bounded_step(
+            gram, right, damping, task.lower - now.values, task.upper - now.values
+        )
+        share = 0.5**halving
+        states = tuple(
+            one.x + share * smoothed(one, now.noise, task.part(which, change)).state
+            for one, which in zip(now.tracks, task.recording, strict=True)
+        )
+        trial = _at(model, task, p, now.values + share * change, states, now.noise)
+        if trial.score > now.score:
+            return trial
+    return None
+
+
+def _with_noise(task: Task, now: _Now, roughly: bool) -> _Now:
+    """The same with the most likely noise."""
+    noise, logl = maximised(now.tracks, now.noise, task.floor, roughly=roughly)
+    score = logl - 0.5 * _prior(task, now.values)
+    return replace(now, noise=noise, score=score) if score > now.score else now
+
+
+def _finished(task: Task, now: _Now) -> Fit:
+    gram, _ = _normal(task, now)
+    prior = _prior(task, now.values)
+    return Fit(
+        now.values,
+        inverse_of(gram),
+        gram,
+        now.noise,
+        now.score + 0.5 * prior,
+        prior,
+        now.states,
+        sum(one.count for one in now.tracks),
+    )
+
+
+def _failed(task: Task, values: Array, noise: NoiseModel, states: tuple[Array, ...]) -> Fit:
+    unknown = np.full((values.size, values.size), np.inf)
+    return Fit(values, unknown, np.zeros_like(unknown), noise, -np.inf, 0.0, states, 1, FAILED)

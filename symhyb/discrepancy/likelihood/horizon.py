@@ -1,0 +1,165 @@
+"""Maximum likelihood of the noise model: how much an unknown force acts, how the sensors rustle.
+
+The size of the unknown force plays the part of a window's length: none is a free run, a large one
+lets the state be measured anew all the time. Sizes: n coordinates, m sensors.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from symhyb.discrepancy.likelihood.noise import NoiseModel
+from symhyb.discrepancy.likelihood.track import Smoothed, Track, effective, log_likelihood, smoothed
+from symhyb.numeric.kernels.buffers import Array
+
+SMALLEST = 1e-6  # of its scale: a size below is none
+MEMORY = (0.5, 2e3)  # bounds of a correlation time, in samples
+ITERATIONS, ITERATIONS_ROUGH = 40, 6
+STEP = 0.02  # of the logarithm of a correlation time, for its slope
+GAIN_LEAST, GAIN_ROUGH = 0.01, 1.0  # of ln L: a step that gains less is the last
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Coding:
+    """Which sizes of a noise model are free, and its numbers as logarithms."""
+
+    base: NoiseModel
+    forces: NDArray[np.bool_]
+    colours: NDArray[np.bool_]
+    timed: bool = True
+
+    @property
+    def times(self) -> tuple[bool, bool]:
+        """Whether the correlation times of force and colour are free."""
+        timed = self.timed
+        return timed and bool(self.forces.any()), timed and bool(self.colours.any())
+
+    def numbers(self) -> Array:
+        """ln of the free sizes and times."""
+        base, (by_force, by_colour) = self.base, self.times
+        parts = [base.white, base.force[self.forces], base.colour[self.colours]]
+        parts += [np.array([base.memory_s])] if by_force else []
+        parts += [np.array([base.colour_s])] if by_colour else []
+        return np.asarray(np.log(np.concatenate(parts)))
+
+    def model(self, z: Array) -> NoiseModel:
+        """The noise model of these numbers."""
+        values = np.exp(z)
+        m, f, c = self.base.white.size, int(self.forces.sum()), int(self.colours.sum())
+        force, colour = np.zeros(self.forces.size), np.zeros(m)
+        force[self.forces] = values[m : m + f]
+        colour[self.colours] = values[m + f : m + f + c]
+        rest, (by_force, by_colour) = list(values[m + f + c :]), self.times
+        memory = rest.pop(0) if by_force else self.base.memory_s
+        held = rest.pop(0) if by_colour else self.base.colour_s
+        return NoiseModel(force, float(memory), values[:m], colour, float(held))
+
+
+def total(tracks: Sequence[Track], noise: NoiseModel) -> float:
+    """ln L of all tracks."""
+    return sum(log_likelihood(one, noise) for one in tracks)
+
+
+def maximised(
+    tracks: Sequence[Track],
+    begin: NoiseModel,
+    floor: Array,
+    *,
+    force: bool = True,
+    colour: bool = True,
+    roughly: bool = False,
+) -> tuple[NoiseModel, float]:
+    """The most likely noise model from ``begin`` on, and its ln L; sizes of ``begin`` that are 0
+    stay 0, as do all of the unknown ``force`` or of the ``colour`` where these are not asked for.
+    ``floor`` (m,) is the least white noise, SI. ``roughly``: a few steps of the sizes alone."""
+    acting = effective(tracks) & (begin.force > 0) & force
+    tinted = (begin.colour > 0) & colour
+    base = NoiseModel(
+        np.where(acting, begin.force, 0.0),
+        begin.memory_s,
+        np.maximum(begin.white, floor),
+        np.where(tinted, begin.colour, 0.0),
+        begin.colour_s,
+    )
+    coding = _Coding(base, acting, tinted, timed=not roughly)
+    z, bounds = coding.numbers(), _bounds(coding, tracks, floor)
+    z = np.clip(z, *np.array(bounds).T)
+
+    here = total(tracks, coding.model(z))
+    if not np.isfinite(here):
+        return base, -np.inf
+    found = minimize(
+        lambda z: _cost(coding, tracks, z),
+        z,
+        jac=True,
+        method="L-BFGS-B",
+        bounds=bounds,
+        options={
+            "maxiter": ITERATIONS_ROUGH if roughly else ITERATIONS,
+            "ftol": (GAIN_ROUGH if roughly else GAIN_LEAST) / max(abs(here), 1.0),
+        },
+    )
+    best = coding.model(found.x)
+    return (best, -float(found.fun)) if roughly else _pruned(tracks, best, -float(found.fun))
+
+
+def _cost(coding: _Coding, tracks: Sequence[Track], z: Array) -> tuple[float, Array]:
+    """−ln L and its gradient by the logarithms."""
+    noise = coding.model(z)
+    parts = [smoothed(one, noise, _still(one), wanted=False) for one in tracks]
+    here = sum(part.logl for part in parts)
+    if not np.isfinite(here):
+        return 1e300, np.zeros_like(z)
+    slopes = _slopes(coding, noise, parts)
+    for which, active in enumerate(coding.times):
+        if active:
+            moved = z.copy()
+            at = z.size - sum(coding.times[which:])
+            moved[at] += STEP
+            slopes.append((total(tracks, coding.model(moved)) - here) / STEP)
+    return -here, -np.array(slopes)
+
+
+def _still(one: Track) -> Array:
+    """No change of the free parameters."""
+    return np.zeros(one.linear.by_free.shape[3])
+
+
+def _slopes(coding: _Coding, noise: NoiseModel, parts: Sequence[Smoothed]) -> list[float]:
+    """∂ ln L by the logarithms of the sizes."""
+    white = sum(part.by_white for part in parts) * 2 * noise.white**2
+    force = sum(part.by_force for part in parts) * 2 * noise.force**2
+    colour = sum(part.by_colour for part in parts) * 2 * noise.colour**2
+    return [*white, *force[coding.forces], *colour[coding.colours]]
+
+
+def _bounds(coding: _Coding, tracks: Sequence[Track], floor: Array) -> list[tuple[float, float]]:
+    """Bounds of the logarithms."""
+    base = coding.base
+    step = float(np.median(np.concatenate([one.step_s for one in tracks])))
+    white = [(np.log(f), np.log(1e6 * max(w, f))) for w, f in zip(base.white, floor, strict=True)]
+    sizes = [*base.force[coding.forces], *base.colour[coding.colours]]
+    rows = white + [(np.log(SMALLEST * s), np.log(s / SMALLEST)) for s in sizes]
+    times = (np.log(MEMORY[0] * step), np.log(MEMORY[1] * step))
+    return rows + [times] * sum(coding.times)
+
+
+def _pruned(tracks: Sequence[Track], best: NoiseModel, logl: float) -> tuple[NoiseModel, float]:
+    """Without sizes that are not worth their price, ½ ln N each (Schwarz 1978): forces first, each
+    by itself."""
+    count = max(sum(one.count for one in tracks), 2)
+    for kind in ("force", "colour"):
+        for i in np.flatnonzero(getattr(best, kind)):
+            sizes = getattr(best, kind).copy()
+            sizes[i] = 0.0
+            values = {"force": best.force, "colour": best.colour, kind: sizes}
+            trial = NoiseModel(
+                values["force"], best.memory_s, best.white, values["colour"], best.colour_s
+            )
+            there = total(tracks, trial)
+            if there > logl - 0.5 * (best.numbers - trial.numbers) * np.log(count):
+                best, logl = trial, there
+    return best, logl

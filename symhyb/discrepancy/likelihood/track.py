@@ -1,0 +1,271 @@
+"""A recording linearised along a trajectory, ready for the filter.
+
+A track is one stretch of a recording without a gap in time. It is linearised from sample to sample:
+every sample starts anew at the trajectory, so that no error grows on the way, and an unstable
+machine under control is as good a subject as any.
+Sizes: N samples, X states, n coordinates, m sensors, F free parameters, K columns.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symhyb.discrepancy.likelihood.filter import smooth, whiten
+from symhyb.discrepancy.likelihood.noise import NoiseModel
+from symhyb.discrepancy.recorded.windows import Laid
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.runs.windows import Linear, WindowModel
+
+INNER_SPREAD = 0.05  # of the RMS of an inner state: how well its start is known
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Track:
+    """One stretch (``item``), linearised along states ``x`` (N, X): ``linear`` as of one window,
+    ``residual`` (N, m) measured less computed (0 where not ``seen``), ``step_s`` (N − 1,), and what
+    is known of the first state: its offset (X,) from the trajectory and covariance ``P0`` (X, X).
+    SI."""
+
+    linear: Linear
+    item: Laid
+    residual: Array
+    seen: NDArray[np.bool_]
+    step_s: Array
+    first: Array
+    P0: Array
+
+    @property
+    def x(self) -> Array:
+        """The trajectory (N, X)."""
+        return np.asarray(self.linear.x[0])
+
+    @property
+    def item_y(self) -> Array:
+        """What was measured (N, m), NaN where missing."""
+        return np.asarray(self.item.block.y[0])
+
+    @property
+    def count(self) -> int:
+        """Measurements that are there."""
+        return int(np.count_nonzero(self.seen))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Extra:
+    """Columns that no parameter of the model makes: generalized ``force`` (N, n, K) and parts of
+    what the sensors show, ``output`` (N, m, K), for a coefficient of 1, SI."""
+
+    force: Array
+    output: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Smoothed:
+    """Deviation of the state (N, X), unknown force (N, n) and its deviation (N, n), and the
+    coloured noise (N, m or 0), given all measurements; ln L with its derivatives by the variances
+    of force (n,), white (m,) and colour (m,). SI."""
+
+    state: Array
+    force: Array
+    force_sd: Array
+    colour: Array
+    logl: float
+    by_force: Array
+    by_white: Array
+    by_colour: Array
+
+
+def track(
+    model: WindowModel,
+    item: Laid,
+    states: Array,
+    p: Array,
+    extra: Extra | None = None,
+    sizes: Array | None = None,
+) -> Track:
+    """Linearise a stretch ``item`` (one window) along ``states`` (N, X) with ``p`` (P,), SI; the
+    columns of an ``extra``, which act with ``sizes`` (K,), come behind the free parameters."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        linear = model.along(item.block, states[None], p)
+    if extra is not None and sizes is not None:
+        linear = _with_extra(linear, extra, sizes)
+    residual = item.block.y[0] - linear.output[0]
+    seen = np.isfinite(item.block.y[0])
+    return Track(
+        linear,
+        item,
+        np.where(seen, residual, 0.0),
+        seen,
+        np.diff(item.block.t[0]),
+        item.states[0, 0] - states[0],
+        _known_start(model, item, linear),
+    )
+
+
+def _with_extra(linear: Linear, extra: Extra, sizes: Array) -> Linear:
+    pushed = linear.left[0] @ extra.force[:-1] + linear.right[0] @ extra.force[1:]
+    shown = linear.by_force[0] @ extra.force + extra.output
+    begin = linear.begin_free
+    if begin is not None:
+        begin = np.concatenate([begin, np.zeros((*begin.shape[:2], sizes.size))], axis=2)
+    return replace(
+        linear,
+        by_free=np.concatenate([linear.by_free, pushed[None]], axis=3),
+        direct=np.concatenate([linear.direct, shown[None]], axis=3),
+        defect=linear.defect - (pushed @ sizes)[None],
+        output=linear.output + (shown @ sizes)[None],
+        begin_free=begin,
+    )
+
+
+def _known_start(model: WindowModel, item: Laid, linear: Linear) -> Array:
+    """Covariance (X, X) of the first state about the measured motion: places and speeds by as much
+    as they move, inner states by a share of it, all within the constraints."""
+    moving = 2 * len(model.form.free)
+    size = np.ptp(item.states[0], axis=0)
+    size[moving:] = INNER_SPREAD * np.sqrt(np.mean(item.states[0][:, moving:] ** 2, axis=0))
+    size = np.maximum(size, 1e-12 * (1 + np.abs(item.states[0]).max(axis=0)))
+    spread = np.diag(size**2)
+    if linear.begin is None:
+        return spread
+    along = linear.begin[0] @ np.linalg.pinv(linear.begin[0])
+    return np.asarray(along @ spread @ along.T)
+
+
+def effective(tracks: Sequence[Track]) -> NDArray[np.bool_]:
+    """The coordinates (n,) at which a force does anything to state or sensors."""
+    n = tracks[0].linear.left.shape[3]
+    found = np.zeros(n, bool)
+    for one in tracks:
+        found |= np.abs(one.linear.left[0]).max(axis=(0, 1), initial=0.0) > 0
+        found |= np.abs(one.linear.by_force[0]).max(axis=(0, 1), initial=0.0) > 0
+    return found
+
+
+def _keeps(one: Track, noise: NoiseModel) -> tuple[Array, Array]:
+    """What is left of unknown forces (N − 1, n) and coloured noise (N − 1, m or 0) after a step."""
+    n, m = noise.force.size, noise.white.size if noise.coloured else 0
+    keep = np.exp(-one.step_s / noise.memory_s)
+    hold = np.exp(-one.step_s / noise.colour_s)
+    return np.repeat(keep[:, None], n, axis=1), np.repeat(hold[:, None], m, axis=1)
+
+
+def white_columns(one: Track, noise: NoiseModel, b: Array, e: Array, begin: Array) -> Array:
+    """White innovations (N·m, K) of columns with drives ``b`` (N − 1, X, K), output parts ``e``
+    (N, m, K) and first states ``begin`` (X, K), SI."""
+    made, _ = _whitened(one, noise, b, e, begin)
+    return np.asarray(made.reshape(-1, made.shape[2]))
+
+
+def _whitened(
+    one: Track, noise: NoiseModel, b: Array, e: Array, begin: Array
+) -> tuple[Array, float]:
+    linear, (keep, hold) = one.linear, _keeps(one, noise)
+    made: tuple[Array, float] = whiten(
+        *_system(linear),
+        one.seen,
+        np.ascontiguousarray(b),
+        np.ascontiguousarray(e),
+        np.ascontiguousarray(begin),
+        one.P0,
+        keep,
+        hold,
+        noise.force**2,
+        noise.white**2,
+        noise.colour**2,
+    )
+    return made
+
+
+def _system(linear: Linear) -> tuple[Array, ...]:
+    """Transition, forces left and right, and what sensors see of state and force; contiguous."""
+    parts = (
+        linear.transition,
+        linear.left,
+        linear.right,
+        linear.by_state,
+        linear.by_force,
+    )
+    return tuple(np.ascontiguousarray(part[0]) for part in parts)
+
+
+def white_problem(one: Track, noise: NoiseModel) -> tuple[Array, Array, float]:
+    """White residual (N·m,), the columns of the free parameters (N·m, F), and Σ ln S, such that
+    residual + columns·θ is what a change θ (F,) leaves."""
+    linear = one.linear
+    free = linear.by_free.shape[3]
+    b = np.concatenate([-linear.defect[0][:, :, None], linear.by_free[0]], axis=2)
+    e = np.concatenate([one.residual[:, :, None], -linear.direct[0]], axis=2)
+    begin = np.zeros((one.x.shape[1], 1 + free))
+    begin[:, 0] = one.first
+    if linear.begin_free is not None:
+        begin[:, 1:] = linear.begin_free[0]
+    made, logs = _whitened(one, noise, b, e, begin)
+    flat = made.reshape(-1, 1 + free)
+    return flat[:, 0], flat[:, 1:], logs
+
+
+def log_likelihood(one: Track, noise: NoiseModel) -> float:
+    """ln L of a track as it is."""
+    made, logs = _whitened(
+        one,
+        noise,
+        -one.linear.defect[0][:, :, None],
+        one.residual[:, :, None],
+        one.first[:, None],
+    )
+    return float(-0.5 * (logs + np.sum(made**2) + one.count * np.log(2 * np.pi)))
+
+
+def white_forces(one: Track, noise: NoiseModel, forces: Array) -> Array:
+    """White columns (N·m, C) of forces (N, n, C), SI, such that residual + columns·x is left when
+    they act x times."""
+    linear = one.linear
+    b = linear.left[0] @ forces[:-1] + linear.right[0] @ forces[1:]
+    e = -(linear.by_force[0] @ forces)
+    return white_columns(one, noise, b, e, np.zeros((one.x.shape[1], forces.shape[2])))
+
+
+def smoothed(one: Track, noise: NoiseModel, change: Array, wanted: bool = True) -> Smoothed:
+    """State, unknown force and colour with the free parameters changed by ``change`` (F,), SI;
+    where these are not ``wanted``, ln L and its derivatives alone."""
+    linear, (keep, hold) = one.linear, _keeps(one, noise)
+    begin = one.first.copy()
+    if linear.begin_free is not None:
+        begin = begin + linear.begin_free[0] @ change
+    # the filter begins at no deviation: what is known of the first state goes with the drives
+    offset = begin
+    b = linear.by_free[0] @ change - linear.defect[0]
+    e = one.residual - linear.direct[0] @ change
+    b, e = b.copy(), e.copy()
+    e[0] -= linear.by_state[0, 0] @ offset
+    if len(b):
+        b[0] += linear.transition[0, 0] @ offset
+    mean, variance, logs, chi2, by_force, by_white, by_colour = smooth(
+        *_system(linear),
+        one.seen,
+        np.ascontiguousarray(b),
+        np.ascontiguousarray(e),
+        one.P0,
+        keep,
+        hold,
+        noise.force**2,
+        noise.white**2,
+        noise.colour**2,
+        wanted,
+    )
+    states, n = one.x.shape[1], noise.force.size
+    state = mean[:, :states]
+    state[0] += offset
+    return Smoothed(
+        state,
+        mean[:, states : states + n],
+        np.sqrt(np.maximum(variance[:, states : states + n], 0.0)),
+        mean[:, states + n :],
+        -0.5 * (logs + chi2 + one.count * np.log(2 * np.pi)),
+        by_force,
+        by_white,
+        by_colour,
+    )
