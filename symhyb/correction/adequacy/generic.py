@@ -31,6 +31,7 @@ LAGS = 5  # time constants that are tried
 MODES = 40  # frequencies of a hidden mode that are tried
 DAMPINGS = (0.02, 0.2)  # of a hidden mode
 PULSES = 200  # frequencies of a pulsating number that are tried at most
+SHARES = (1.0, 0.1, 0.01)  # of the unknown force that may be left beside a class
 CHANGE = 1e-4  # relative, of an input or a number, for its direction
 
 Maker = Callable[[Recorded, Fitted], Generic]
@@ -191,7 +192,7 @@ def _sensor(
         each.append(Extra(np.zeros((len(columns), n, columns.shape[1])), output))
     sizes = [np.nanstd(item.block.y[0][:, which]) for item in recorded.items]
     size = np.sqrt(np.mean([np.mean(c**2, axis=0) for c in shown], axis=0))
-    spread = SIZE * max(float(np.nanmax(sizes)), 1e-300) / np.maximum(size, 1e-300)
+    spread = np.where(size > 0, SIZE * float(np.nanmax(sizes)) / np.where(size > 0, size, 1.0), 1.0)
     return Generic("sensor", model.sensors[which].name, tuple(each), spread, does=does)
 
 
@@ -207,7 +208,9 @@ def _pushing(
     each = tuple(Extra(f, np.zeros((len(f), m, f.shape[2]))) for f in forces)
     power = np.mean([np.mean(f**2, axis=0) for f in forces], axis=0)
     share = np.max(np.sqrt(power) / recorded.scale_or_inf, axis=0)
-    return Generic(kind, where, each, SIZE / np.maximum(share, 1e-300), figure)
+    # a column that is zero has no say, whatever its prior
+    spread = np.where(share > 0, SIZE / np.where(share > 0, share, 1.0), 1.0)
+    return Generic(kind, where, each, spread, figure)
 
 
 def gain_of(recorded: Recorded, trial: Fitted, columns: Generic, group: int = 0) -> Array:
@@ -228,6 +231,28 @@ def gain_of(recorded: Recorded, trial: Fitted, columns: Generic, group: int = 0)
     size = columns.spread.size
     groups = [range(i, i + group) for i in range(0, size, group)] if group else [range(size)]
     return np.array([_gain(gram, list(rows)) for rows in groups])
+
+
+def worth_of(recorded: Recorded, trial: Fitted, columns: Generic) -> float:
+    """What columns would add to ln evidence where less of the unknown force is left beside them:
+    the best over some sizes of it. While it acts in full it explains what the columns would."""
+    found, full = [], trial.fit.noise
+    for share in SHARES:
+        noise = replace(full, force=share * full.force)
+        less = replace(trial, fit=replace(trial.fit, noise=noise))
+        found.append(float(gain_of(recorded, less, columns)[0]) + _profile(recorded, less))
+    return max(found) - _profile(recorded, trial)
+
+
+def _profile(recorded: Recorded, trial: Fitted) -> float:
+    """ln L of a structure with what its own numbers would take, but for a constant."""
+    likely = 0.0
+    for one in tracks_of(recorded, trial):
+        residual, own, logs = white_problem(one, trial.fit.noise)
+        if own.size:
+            residual = residual - own @ np.linalg.lstsq(own, residual, rcond=None)[0]
+        likely -= 0.5 * float(logs + residual @ residual)
+    return likely
 
 
 def _gain(gram: Array, rows: list[int]) -> float:

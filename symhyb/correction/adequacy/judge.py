@@ -2,9 +2,9 @@
 
 The structure is fitted once more by the innovations likelihood, which tells missing forces from the
 noise of sensors, whatever its colour. Where a force acts that no cause explains, generic classes
-(:mod:`~.generic`) are fitted beside the structure, and in place of each of its causes: a class is
-an answer where it takes at least half of what acts, and a cause is claimed beside it only where it
-is still needed then.
+(:mod:`~.generic`) are fitted beside the structure and in place of each of its causes, and always in
+place of all of them. A class is an answer where it is more probable and takes at least half of what
+acts beyond; a cause is claimed beside it only where it is still needed.
 """
 
 from collections.abc import Sequence
@@ -14,11 +14,12 @@ import numpy as np
 
 from symhyb.correction.adequacy.beyond import NOTHING, Beyond, beyond
 from symhyb.correction.adequacy.evidence import evidence
-from symhyb.correction.adequacy.generic import classes_of, gain_of
+from symhyb.correction.adequacy.generic import classes_of, worth_of
 from symhyb.correction.adequacy.recorded import Recorded, recorded
 from symhyb.correction.adequacy.structure import Fitted, Generic, Row, fitted
 from symhyb.correction.search.preparing import Prepared
 from symhyb.correction.search.setting import Setting
+from symhyb.correction.search.strength import element_forces
 from symhyb.correction.search.trajectory import Refined, grouped
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.numeric.kernels.buffers import Array
@@ -26,6 +27,7 @@ from symhyb.numeric.kernels.buffers import Array
 CLAIMED = 0.95  # posterior probability of a cause that is claimed beside a class
 MENTIONED = 0.05  # posterior probability of a class that is worth a word
 CLASSES_MOST = 3  # that are fitted, the best of the linear problem
+PART_OF_BEYOND = 1 / 3  # of the force that acts beyond: a law that is claimed beside it has more
 HALF = 0.5  # of the power of what acts beyond the causes: a class takes at least so much
 CERTAIN = 4.6  # of ln evidence (100 to 1): closer, two classes cannot be distinguished
 
@@ -42,7 +44,12 @@ class Adequacy:
     @property
     def adequate(self) -> bool:
         """Whether nothing acts that no cause explains."""
-        return not (self.beyond.acts or self.classes)
+        return not (self.beyond.acts or self.class_probability > HALF)
+
+    @property
+    def class_probability(self) -> float:
+        """The posterior probability that one of the classes acts."""
+        return sum(chance for _, chance in self.classes)
 
 
 def adequacy(prepared: Prepared, setting: Setting, final: Refined) -> Adequacy:
@@ -55,41 +62,63 @@ def adequacy(prepared: Prepared, setting: Setting, final: Refined) -> Adequacy:
     if base.fit.reason:
         return Adequacy(NOTHING)
     left = beyond(ground, base)
-    if not left.acts:
-        return Adequacy(left)
-    trials = [base, *_raced(ground, base, rows)]
+    small = _small(final, ground, left)
+    trials = [base]
+    if left.acts:
+        trials += _raced(ground, base, rows, base)
+    if base.causes:  # laws by name may only imitate a class
+        bare = _scored(ground, fitted(ground, (), (), ground.first_noise()))
+        trials += [bare, *_raced(ground, bare, (), base)]
     weights = _weights(trials)
     classes = _classes(trials, weights)
     if not classes:
-        return Adequacy(left)
-    return Adequacy(left, classes, _doubted(base.causes, trials, weights))
+        return Adequacy(left, doubt=small)
+    return Adequacy(left, classes, small | _doubted(base.causes, trials, weights))
+
+
+def _small(final: Refined, ground: Recorded, left: Beyond) -> frozenset[Hypothesis]:
+    """The laws whose force is small against what acts beyond, at every coordinate: they may be a
+    part of it."""
+    if not left.acts:
+        return frozenset()
+    squares, counts = 0.0, 0
+    for item in ground.items:
+        forces = element_forces(final, *item.source)[0][item.rows[0]]
+        squares = squares + np.sum(forces**2, axis=0)
+        counts += len(forces)
+    sizes = np.sqrt(squares / counts)  # (n, E), those of the causes last
+    laws = [cause for cause in final.causes if cause.place is not None]
+    own = sizes[:, sizes.shape[1] - len(laws) :]
+    large = np.any((own > PART_OF_BEYOND * left.force[:, None]) & (own > 0), axis=0)
+    return frozenset(cause for cause, stands in zip(laws, large, strict=True) if not stands)
 
 
 def _scored(ground: Recorded, trial: Fitted) -> Fitted:
     return replace(trial, evidence=evidence(ground, trial))
 
 
-def _raced(ground: Recorded, base: Fitted, rows: Sequence[Row]) -> list[Fitted]:
-    """The structure with each of the best generic classes beside it, in place of each of its causes
-    and of all of them; only classes that take half of what acts."""
+def _raced(ground: Recorded, start: Fitted, rows: Sequence[Row], decided: Fitted) -> list[Fitted]:
+    """A structure with each of the best generic classes beside it, in place of each of its causes
+    and of all of them: those that may be better than what was ``decided``, and take half of what
+    acts beyond it."""
     makers, offered = classes_of(ground), []
     for maker in makers:
-        generic = maker(ground, base)
-        gain = float(gain_of(ground, base, generic)[0]) - np.log(len(makers))
-        if gain > 0:
+        generic = maker(ground, start)
+        gain = worth_of(ground, start, generic) - np.log(len(makers))
+        if start.evidence + gain > decided.evidence:
             offered.append((gain, generic))
     offered.sort(key=lambda pair: -pair[0])
-    noise, found = ground.revived(base.fit.noise), []
-    causes = base.causes
+    noise, found = ground.revived(start.fit.noise), []
+    causes = start.causes
     for _, generic in offered[:CLASSES_MOST]:
         sets = [tuple(range(len(causes)))]
         sets += [tuple(j for j in sets[0] if j != i) for i in range(len(causes))]
         sets += [()] if len(causes) > 1 else []
         for kept in sets:
-            chosen, start = [causes[i] for i in kept], [rows[i] for i in kept]
-            trial = fitted(ground, chosen, start, noise, base.fit.states, extra=generic)
+            chosen, begin = [causes[i] for i in kept], [rows[i] for i in kept]
+            trial = fitted(ground, chosen, begin, noise, start.fit.states, extra=generic)
             trial = _scored(ground, trial)
-            if _remainder(ground, trial) <= HALF * _remainder(ground, base):
+            if _remainder(ground, trial) <= HALF * _remainder(ground, decided):
                 found.append(trial)
     return found
 
@@ -130,8 +159,10 @@ def _doubted(
     """The causes that are not needed beside the classes, and every number of the model or of a
     channel: the columns of a class may hold a part of any of them."""
     doubt = []
+    classed = float(weights[np.array([trial.extra is not None for trial in trials])].sum())
     for cause in causes:
         has = np.array([cause in trial.causes for trial in trials])
-        if cause.place is None or float(weights[has].sum()) < CLAIMED:
+        number = cause.place is None and classed > 1 - CLAIMED
+        if number or float(weights[has].sum()) < CLAIMED:
             doubt.append(cause)
     return frozenset(doubt)

@@ -102,11 +102,13 @@ def fitted(
     start: Sequence[Row],
     noise: NoiseModel,
     states: Sequence[Array] | None = None,
+    known_noise: bool = False,
     extra: Generic | None = None,
 ) -> Fitted:
     """Fit the causes, and the uncertain parameters beside them; ``start`` has the first guess of
     each cause by key, SI (of a parameter its change under "value"). ``states`` (N, X) of every
-    stretch begin the trajectories; an ``extra`` acts beside the causes."""
+    stretch begin the trajectories; a ``known_noise`` is not fitted; an ``extra`` acts beside the
+    causes."""
     beside = beside_of(recorded, causes)
     every, rows = (*causes, *beside), [*start, *({"value": 0.0} for _ in beside)]
     machine = _machine(recorded, causes, start)
@@ -130,7 +132,7 @@ def fitted(
     begun = None
     if states is not None:
         begun = [_begun(item.states[0], x) for item, x in zip(items, states, strict=True)]
-    done = fit(WindowModel(machine, free), task, p, noise, first, begun)
+    done = fit(WindowModel(machine, free), task, p, noise, first, begun, known_noise)
     each = []
     for which in range(recorded.recordings):
         item = recorded.items[recorded.recording.index(which)]

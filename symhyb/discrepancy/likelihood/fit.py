@@ -95,6 +95,12 @@ class _Now:
     noise: NoiseModel
     score: float
 
+    @property
+    def worth(self) -> float:
+        """The score less the price of the sizes of noise, ½ ln N each: fewer may be worth more."""
+        count = max(sum(one.count for one in self.tracks), 2)
+        return float(self.score - 0.5 * self.noise.numbers * np.log(count))
+
 
 def fit(
     model: WindowModel,
@@ -103,23 +109,25 @@ def fit(
     noise: NoiseModel,
     first: Array | None = None,
     states: Sequence[Array] | None = None,
+    known_noise: bool = False,
 ) -> Fit:
     """Fit the free parameters of ``model`` from ``p`` (P,), or all numbers from ``first`` (F,), SI.
 
     ``states`` (N, X) of every stretch begin the trajectories, by default the measured motion;
-    ``noise`` begins the noise model: sizes that are 0 in it stay 0.
+    ``noise`` begins the noise model: sizes that are 0 in it stay 0; one that is ``known_noise``
+    stays as it is.
     """
     values = np.clip(p[list(model.free)] if first is None else first, task.lower, task.upper)
     begun = tuple(states or (item.states[0] for item in task.items))
     now = _at(model, task, p, values, begun, noise)
     if not np.isfinite(now.score):
         return _failed(task, values, noise, begun)
-    rough = True  # while parameters move far, the sizes of noise need only follow
+    rough = not known_noise  # while parameters move far, the sizes of noise need only follow
     for _ in range(ITERATIONS):
-        before = now.score
+        before = now.worth
         now = _step(model, task, p, now) or now
-        now = _with_noise(task, now, rough)
-        gained = now.score - before
+        now = now if known_noise else _with_noise(task, now, rough)
+        gained = now.worth - before
         if gained < SETTLED and not rough:
             break
         rough = rough and gained > FAR
@@ -185,8 +193,8 @@ def _step(model: WindowModel, task: Task, p: Array, now: _Now) -> _Now | None:
 def _with_noise(task: Task, now: _Now, roughly: bool) -> _Now:
     """The same with the most likely noise."""
     noise, logl = maximised(now.tracks, now.noise, task.floor, roughly=roughly)
-    score = logl - 0.5 * _prior(task, now.values)
-    return replace(now, noise=noise, score=score) if score > now.score else now
+    fresh = replace(now, noise=noise, score=logl - 0.5 * _prior(task, now.values))
+    return fresh if fresh.worth > now.worth else now
 
 
 def _finished(task: Task, now: _Now) -> Fit:

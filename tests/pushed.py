@@ -1,0 +1,96 @@
+"""A pushed mass on a spring whose recordings are exact: SciPy's linear simulation, first-order hold
+between samples, so that nothing but what a test plants stands between machine and model."""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import lfilter, lsim
+
+from symhyb.correction.adequacy.recorded import Recorded, recorded
+from symhyb.correction.search.preparing import prepare, settle
+from symhyb.data.recording import Recording
+from symhyb.discrepancy.likelihood.fit import Task
+from symhyb.discrepancy.places.hypotheses import with_channels
+from symhyb.discrepancy.recorded.motion import motion_of
+from symhyb.discrepancy.recorded.windows import stretches
+from symhyb.model.read import parse_model
+from symhyb.model.types import Model
+from symhyb.numeric.lowered.machine import Machine, build
+from tests.builders import DRIVEN_MASS
+
+Array = NDArray[np.float64]
+STIFFNESS, DAMPING = 25.0, 0.6  # what builders.DRIVEN_MASS states, of a mass of 1 kg
+STEP, NOISE = 0.02, 2e-3
+STEPS = 4  # integration steps between two samples
+
+
+def pushed_model(text: str = DRIVEN_MASS) -> Model:
+    return parse_model(text, "pushed.toml")
+
+
+def markov(random: np.random.Generator, size: int, rms: float, memory_s: float) -> Array:
+    """A stationary first-order Markov signal (N,)."""
+    keep = np.exp(-STEP / memory_s)
+    white = rms * np.sqrt(1 - keep**2) * random.standard_normal(size)
+    white[0] = rms * random.standard_normal()
+    return lfilter([1.0], [1.0, -keep], white)
+
+
+def pushing(random: np.random.Generator, t: Array, size: float = 4.0) -> Array:
+    """A multisine of ``size`` N RMS between 0.2 and 2 Hz (N,)."""
+    lines, phases = np.linspace(0.2, 2.0, 10), random.uniform(0, 2 * np.pi, 10)
+    waves = np.sin(2 * np.pi * np.outer(t, lines) + phases)
+    return size * np.sqrt(2 / lines.size) * waves.sum(axis=1)
+
+
+def pushed(
+    seed: int,
+    *,
+    samples: int = 600,
+    stiffness: float = STIFFNESS,
+    damping: float = DAMPING,
+    beside: Array | None = None,
+    colour: tuple[float, float] = (0.0, 1.0),
+    noise: float = NOISE,
+    name: str = "pushed.csv",
+) -> Recording:
+    """Position under a multisine; ``beside`` (N,) is a force, N, that is not recorded, ``colour``
+    RMS in m and correlation time in s of noise of the sensor beside the white ``noise``, m."""
+    random = np.random.default_rng(seed)
+    t = STEP * np.arange(samples)
+    force = pushing(random, t)
+    total = force if beside is None else force + beside
+    _, x, _ = lsim(([1.0], [1.0, damping, stiffness]), total, t)
+    seen = x + noise * random.standard_normal(samples)
+    if colour[0] > 0:
+        seen = seen + markov(random, samples, *colour)
+    return Recording(name, t, {"f": force}, {"laser": seen}, (), "")
+
+
+def lowered(model: Model | None = None) -> Machine:
+    return build(with_channels(model or pushed_model()))
+
+
+def task_of(
+    machine: Machine,
+    *recordings: Recording,
+    count: int = 0,
+    own: tuple[tuple[int, ...], ...] = (),
+    steps: int = STEPS,
+) -> Task:
+    """``count`` numbers without bounds and priors, to be fitted to whole recordings."""
+    items, which = [], []
+    for i, one in enumerate(recordings):
+        for item in stretches(one, machine, motion_of(one, machine), steps, 1):
+            items.append(item)
+            which.append(i)
+    none, wide = np.zeros(count), np.full(count, np.inf)
+    floor = np.full(len(machine.model.sensors), 1e-2 * NOISE)
+    return Task(tuple(items), tuple(which), floor, -wide, wide, none, wide, own)
+
+
+def setting_of(model: Model, *recordings: Recording, own: tuple[str, ...] = ()) -> Recorded:
+    """What adequacy is judged on."""
+    prepared = prepare(model, recordings, own=own)
+    found = recorded(prepared, settle(prepared, own))
+    assert found is not None
+    return found
