@@ -4,8 +4,9 @@ import pytest
 from builders import model_of, spring
 
 from symhyb.discrepancy.results import Estimate
-from symhyb.discrepancy.words.effects import Said, action_of
+from symhyb.discrepancy.words.effects import action_of
 from symhyb.errors import InputError
+from symhyb.laws.phrases import Phrase
 from symhyb.model.diff import diff
 from symhyb.model.read import parse_model
 from symhyb.model.render import render
@@ -112,12 +113,12 @@ def test_a_place_in_words_and_in_a_difference_of_models() -> None:
 )
 def test_a_difference_moves_relatively(on: str, words: str) -> None:
     damping = [Estimate("d", 1.0, 0.1, "N*m*s/rad", "damping")]
-    said = Said("viscous damping", "", ("damping",), "motion")
+    said = Phrase("viscous damping", "", ("damping",), "motion")
     assert action_of(said, "damper", On(on), damping) == words
 
 
 def test_a_constant_says_which_way() -> None:
-    said = Said("a constant torque", "", ("constant",), "")
+    said = Phrase("a constant torque", "", ("constant",), "")
     push = [Estimate("c", -1.0, 0.1, "N*m", "constant")]
     assert action_of(said, "constant", On("q1 - q2"), push) == "acts towards smaller q1 − q2"
     assert action_of(said, "constant", On("q1"), push) == "acts towards negative q1"

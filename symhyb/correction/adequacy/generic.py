@@ -29,6 +29,7 @@ KNOTS = 7  # of a function of one variable
 KNOTS_TIME = 12  # of a function of time
 LAGS = 5  # time constants that are tried
 MODES = 40  # frequencies of a hidden mode that are tried
+IN_BAND = 0.999  # of the power of an acceleration
 DAMPINGS = (0.02, 0.2)  # of a hidden mode
 PULSES = 200  # frequencies of a pulsating number that are tried at most
 SHARES = (1.0, 0.1, 0.01)  # of the unknown force that may be left beside a class
@@ -68,8 +69,7 @@ def force_law(recorded: Recorded, trial: Fitted, which: int) -> Generic:
 
 def hidden_mode(recorded: Recorded, trial: Fitted, which: int) -> Generic:
     """A mass on a spring and a damper at a place, in the coordinates of no one."""
-    step, period = recorded.step_s, recorded.period_s
-    lines = np.geomspace(0.3 / period, 0.4 / step, MODES)
+    lines = np.geomspace(*_band(recorded, which), MODES)
     best: tuple[float, float, float] | None = None
     for damping in DAMPINGS:
         tried = _pushing(recorded, "hidden mode", "", _mode_forces(recorded, which, lines, damping))
@@ -82,6 +82,21 @@ def hidden_mode(recorded: Recorded, trial: Fitted, which: int) -> Generic:
     near = line * np.array([0.94, 1.0, 1.06])
     forces = _mode_forces(recorded, which, near, damping)
     return _pushing(recorded, "hidden mode", recorded.library.places[which], forces, line)
+
+
+def _band(recorded: Recorded, which: int) -> tuple[float, float]:
+    """The frequencies, Hz, between which a mode could show at a place: up to an octave above where
+    almost all power of its acceleration lies. A mode above only adds stiffness and mass."""
+    low, high = 0.3 / recorded.period_s, 0.4 / recorded.step_s
+    ends = []
+    for item in recorded.items:
+        t = item.block.t[0]
+        stretch = _moved(recorded, item)[0][:, which]
+        push = np.gradient(np.gradient(stretch, t), t) * np.hanning(t.size)
+        power = np.cumsum(np.abs(np.fft.rfft(push)) ** 2)
+        line = np.searchsorted(power, IN_BAND * power[-1])
+        ends.append(2 * float(line / (t.size * recorded.step_s)))
+    return low, min(max([*ends, 2 * low]), high)
 
 
 def _mode_forces(recorded: Recorded, which: int, lines: Array, damping: float) -> list[Array]:
@@ -214,8 +229,8 @@ def _pushing(
 
 
 def gain_of(recorded: Recorded, trial: Fitted, columns: Generic, group: int = 0) -> Array:
-    """What columns would add to ln evidence around a structure, in the linear problem; with a
-    ``group`` of so many columns each, of every group by itself."""
+    """What K columns would add to ln evidence around a structure, in the linear problem (1,),
+    dimensionless; with a ``group`` of so many columns each, every group by itself (K / group,)."""
     gram = np.zeros((columns.spread.size + 1, columns.spread.size + 1))
     for one, extra in zip(tracks_of(recorded, trial), columns.each, strict=True):
         residual, own, _ = white_problem(one, trial.fit.noise)

@@ -257,8 +257,8 @@ def paths_of(index: int, cause: Hypothesis) -> list[str]:
 def limits_of(
     machine: Machine, causes: Sequence[Hypothesis], step: float
 ) -> tuple[Array, Array, Array, Array]:
-    """Bounds, prior means and prior deviations of the fitted numbers, SI; samples lie ``step``
-    seconds apart."""
+    """Lower and upper bounds, prior means and prior deviations (F,) of the fitted numbers, SI;
+    samples lie ``step`` seconds apart."""
     declared = {item.path: item for item in machine.model.all_parameters()}
     rows: list[tuple[float, float, float, float]] = []
     for cause in causes:

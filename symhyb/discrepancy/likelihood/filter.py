@@ -31,7 +31,7 @@ def transition(
     keep: Array,
     hold: Array,
 ) -> None:  # pragma: no cover - compiled
-    """Write the transition (d, d) of a step and how the force's noise enters (d, n)."""
+    """Write the transition (d, d) of a step and how the force's noise enters (d, n), SI."""
     states, forces = left.shape
     for s in range(states):
         for t in range(states):
@@ -49,7 +49,7 @@ def transition(
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz", "arcp"})
 def start(P0: Array, force: Array, colour: Array, coloured: bool) -> Array:  # pragma: no cover
-    """The covariance (d, d) at the first sample."""
+    """The covariance (d, d) at the first sample, SI."""
     states, forces, sensors = P0.shape[0], force.size, colour.size if coloured else 0
     P = np.zeros((states + forces + sensors, states + forces + sensors))
     P[:states, :states] = P0
@@ -62,7 +62,7 @@ def start(P0: Array, force: Array, colour: Array, coloured: bool) -> Array:  # p
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz", "arcp"})
 def observe(h: Array, C: Array, D: Array, j: int) -> None:  # pragma: no cover - compiled
-    """Write how the j-th sensor sees the state (d,)."""
+    """Write how the j-th sensor sees the state (d,), SI."""
     states, forces = C.shape[1], D.shape[1]
     h[:] = 0.0
     h[:states] = C[j]
@@ -75,7 +75,7 @@ def observe(h: Array, C: Array, D: Array, j: int) -> None:  # pragma: no cover -
 def predict(
     P: Array, T: Array, A: Array, g: Array, force: Array, colour: Array, keep: Array, hold: Array
 ) -> None:  # pragma: no cover - compiled
-    """Move the covariance (d, d) on by one step, in place. Force and colour are each their own
+    """Move the covariance (d, d), SI, on by one step, in place. Force and colour are each their own
     share of what they were: only the states mix."""
     d, forces = P.shape[0], g.shape[1]
     first = d - hold.size
@@ -197,7 +197,7 @@ def smooth(
     colour: Array,
     wanted: bool,
 ) -> tuple[Array, Array, float, float, Array, Array, Array]:  # pragma: no cover - compiled
-    """Smoothed state (N, d) with its variance (N, d), Σ ln S, χ², and the score: ∂ ln L by the
+    """Smoothed state (N, d) with its variance (N, d), SI, Σ ln S, χ², and the score: ∂ ln L by the
     variances ``force`` (n,), ``white`` (m,) and ``colour`` (m,). Where the state is not ``wanted``
     it is left at zero, which halves the work.
 

@@ -192,8 +192,8 @@ def _system(linear: Linear) -> tuple[Array, ...]:
 
 
 def white_problem(one: Track, noise: NoiseModel) -> tuple[Array, Array, float]:
-    """White residual (N·m,), the columns of the free parameters (N·m, F), and Σ ln S, such that
-    residual + columns·θ is what a change θ (F,) leaves."""
+    """White residual (N·m,), dimensionless, the columns of the free parameters (N·m, F) for each SI
+    unit, and Σ ln S, such that residual + columns·θ is what a change θ (F,) leaves."""
     linear = one.linear
     free = linear.by_free.shape[3]
     b = np.concatenate([-linear.defect[0][:, :, None], linear.by_free[0]], axis=2)
