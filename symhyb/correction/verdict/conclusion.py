@@ -83,12 +83,13 @@ def concluded(
     )
     classes = _classes(model, judged)
     rest = " ".join([*(one.sentence for one in classes), beyond_sentence(model, judged.beyond)])
+    rest = rest.strip()
     poor = too_poor(prepared.runs, [sensor.name for sensor in model.sensors])
     if verdict == "nothing missing" and poor:
         verdict = "undecided"
         sentence = f"These recordings cannot tell: {poor}. Nothing in them contradicts the model."
-    elif rest.strip():
-        sentence = f"{sentence} {rest.strip()}"
+    elif rest:
+        sentence = f"{sentence} {rest}"
     noise = _measured_noise(model, prepared)
     return Diagnosis(
         verdict,
@@ -99,7 +100,7 @@ def concluded(
         alternatives,
         record_next=better_recording(prepared) if poor and verdict == "undecided" else None,
         remainder=1.0 if verdict == "undecided" and not poor else shown.remainder,
-        remainder_notes=left,
+        remainder_notes=(rest, *left) if rest else left,
         noise=noise,
         places=choice.places,
         clouds=tuple(cloud for run in prepared.runs for cloud in _clouds(prepared, final, run)),
