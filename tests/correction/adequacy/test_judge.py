@@ -1,0 +1,94 @@
+"""Whether a decided structure is judged rightly: what acts beyond it, of which class, what is left
+of its claims."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import pytest
+
+from symhyb.correction.adequacy.judge import CLAIMED, Adequacy, adequacy
+from symhyb.correction.search.preparing import prepare, settle
+from symhyb.correction.search.trajectory import refine
+from symhyb.data.recording import Recording
+from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.model.types import On
+from tests.pushed import NOISE, STEP, markov, pushed, pushed_model, pushing
+
+SAMPLES = 1000
+DAMPER = Hypothesis("damper", On("x"), ("damping",), (True,))
+GAIN = Hypothesis("gain", None, ("value",), (False,), path="f.gain")
+
+
+def judged(recording: Recording, *decided: tuple[Hypothesis, Mapping[str, float]]) -> Adequacy:
+    """The judgement of a structure that was decided on a recording."""
+    prepared = prepare(pushed_model(), recording)
+    setting = settle(prepared)
+    causes, rows = [cause for cause, _ in decided], [row for _, row in decided]
+    final = refine(prepared.model, causes, rows, setting.stages[-1].laid, setting.sd)
+    return adequacy(prepared, setting, final)
+
+
+def saturated(seed: int) -> Recording:
+    """The recorded push acts by 4 tanh(f/4)."""
+    force = pushing(np.random.default_rng(seed), STEP * np.arange(SAMPLES))
+    return pushed(seed, samples=SAMPLES, beside=4 * np.tanh(force / 4) - force)
+
+
+@pytest.mark.parametrize("colour", [(0.0, 1.0), (5 * NOISE, 0.1)])
+def test_a_model_that_is_right_is_adequate(colour: tuple[float, float]) -> None:
+    found = judged(pushed(11, samples=SAMPLES, colour=colour))
+    assert found.adequate
+    assert not found.doubt
+
+
+def test_a_law_that_is_right_is_adequate_and_stays() -> None:
+    found = judged(pushed(12, samples=SAMPLES, damping=1.4), (DAMPER, {"damping": 0.5}))
+    assert found.adequate
+    assert not found.doubt
+
+
+def test_an_unmeasured_force_acts_and_is_of_no_other_class() -> None:
+    planted = markov(np.random.default_rng(13), SAMPLES, 0.8, 0.2)
+    found = judged(pushed(13, samples=SAMPLES, beside=planted))
+    assert found.beyond.acts
+    assert not found.adequate
+    assert found.class_probability < 0.5
+
+
+def test_an_input_that_saturates_is_its_class_and_takes_the_gain_with_it() -> None:
+    alone = judged(saturated(14))
+    assert alone.classes[0][0].kind == "input"
+    assert alone.classes[0][1] > CLAIMED
+    with_gain = judged(saturated(14), (GAIN, {"value": -0.2}))
+    assert with_gain.classes[0][0].kind == "input"
+    assert GAIN in with_gain.doubt
+
+
+def test_a_law_that_only_imitates_a_class_is_in_doubt() -> None:
+    """The damping falls with speed; a damper is the best of the list."""
+    t = STEP * np.arange(SAMPLES)
+    force = pushing(np.random.default_rng(15), t)
+    x, v, positions = 0.0, 0.0, []
+    fine = 40
+    for i in range(SAMPLES):
+        positions.append(x)
+        following = force[min(i + 1, SAMPLES - 1)]
+        for j in range(fine):
+            push = force[i] + (following - force[i]) * j / fine
+            v += STEP / fine * (push - 25.0 * x - 0.6 * v - 1.5 * np.tanh(v / 0.15))
+            x += STEP / fine * v
+    noise = NOISE * np.random.default_rng(16).standard_normal(SAMPLES)
+    seen = Recording("made.csv", t, {"f": force}, {"laser": np.array(positions) + noise}, (), "")
+    found = judged(seen, (DAMPER, {"damping": 1.0}))
+    assert not found.adequate
+    assert found.classes[0][0].kind == "law"
+    assert DAMPER in found.doubt
+
+
+def test_a_law_that_is_small_against_what_acts_beyond_is_in_doubt() -> None:
+    planted = markov(np.random.default_rng(17), SAMPLES, 3.0, 0.3)
+    found = judged(
+        pushed(17, samples=SAMPLES, damping=0.9, beside=planted), (DAMPER, {"damping": 0.3})
+    )
+    assert found.beyond.acts
+    assert DAMPER in found.doubt
