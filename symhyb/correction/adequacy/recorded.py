@@ -5,13 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symhyb.correction.search.preparing import Prepared
+from symhyb.correction.search.preparing import SAMPLES_MOST, Prepared
 from symhyb.correction.search.setting import Setting
 from symhyb.discrepancy.likelihood.noise import NoiseModel
 from symhyb.discrepancy.likelihood.track import track
 from symhyb.discrepancy.places.hypotheses import Hypothesis, Library
 from symhyb.discrepancy.recorded.runs import Run
-from symhyb.discrepancy.recorded.windows import Laid, stretches
+from symhyb.discrepancy.recorded.windows import SAMPLES_LEAST, Laid, stretches
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.runs.windows import WindowModel
 
@@ -86,7 +86,8 @@ class Recorded:
 
 
 def recorded(prepared: Prepared, setting: Setting) -> Recorded | None:
-    """The recordings of a decision, cut at gaps; None where no stretch is long enough."""
+    """The recordings of a decision, cut at gaps, of long ones the first part of every stretch; None
+    where no stretch is long enough."""
     found = [
         (item, which)
         for which, run in enumerate(_runs(prepared, setting))
@@ -95,7 +96,11 @@ def recorded(prepared: Prepared, setting: Setting) -> Recorded | None:
     if not found:
         return None
     known = sorted({which for _, which in found})
-    items = tuple(item for item, _ in found)
+    share = SAMPLES_MOST / sum(item.rows.size for item, _ in found)
+    items = tuple(
+        item if share >= 1 else item.until(max(int(share * item.rows.size), SAMPLES_LEAST))
+        for item, _ in found
+    )
     return Recorded(
         setting.library,
         setting.dull,

@@ -75,6 +75,19 @@ class Laid:
             self.steps,
         )
 
+    def until(self, last: int) -> "Laid":
+        """The samples before ``last`` of every window."""
+        whole = self.block
+        block = replace(
+            whole,
+            t=whole.t[:, :last],
+            d=whole.d[:, :last],
+            y=whole.y[:, :last],
+            substeps=whole.substeps[:, : last - 1],
+        )
+        states, rows = self.states[:, :last], self.rows[:, :last]
+        return replace(self, block=block, states=states, rows=rows)
+
     def suited(self, machine: Machine) -> "Laid":
         """The windows for another machine with the same coordinates: with its inner states, and
         with the fewest steps everywhere unless it has a steep law. With few samples a period every
