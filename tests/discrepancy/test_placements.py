@@ -144,11 +144,10 @@ def test_a_belt_joins_a_length_and_an_angle_by_its_radius(
 
 
 def test_absolute_and_relative_angles() -> None:
-    """Of two rods by absolute angles the joint turns with the difference, on which the inertia
-    depends; by relative angles gravity depends on the sum, the absolute angle of the lower one."""
-    assert unnamed(double_pendulum()) in (["alpha - beta"], ["alpha + beta"])
-    assert unnamed(read_model(MODELS / "double_pendulum.toml")) == ["alpha + beta"]
-    assert unnamed(read_model(MODELS / "two_inertia_backlash.toml")) == ["theta - twist"]
+    """Weight and inertia couple the rods of any pendulum, and nothing is joined at the sum or the
+    difference of their angles; the shaft of a motor is."""
+    assert unnamed(double_pendulum()) == []
+    assert unnamed(read_model(MODELS / "double_pendulum.toml")) == []
 
 
 @pytest.mark.parametrize("name", ["quarter_car", "half_car", "chain_of_masses", "cartpole"])

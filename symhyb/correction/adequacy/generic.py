@@ -49,6 +49,8 @@ def classes_of(recorded: Recorded) -> list[Maker]:
         found += [partial(input_curve, which=j), partial(input_lag, which=j)]
     found += [partial(pulsating, path=path) for path in uncertain]
     for j in range(len(model.sensors)):
+        if not any(np.isfinite(item.block.y[0][:, j]).any() for item in recorded.items):
+            continue
         for maker in (drifting_sensor, sensor_curve, sensor_lag):
             found.append(partial(maker, which=j))
     return found
@@ -205,9 +207,10 @@ def _sensor(
         output = np.zeros((len(columns), len(model.sensors), columns.shape[1]))
         output[:, which] = columns
         each.append(Extra(np.zeros((len(columns), n, columns.shape[1])), output))
-    sizes = [np.nanstd(item.block.y[0][:, which]) for item in recorded.items]
+    seen = [item.block.y[0][:, which] for item in recorded.items]
+    sizes = [float(np.nanstd(y)) if np.isfinite(y).any() else 0.0 for y in seen]
     size = np.sqrt(np.mean([np.mean(c**2, axis=0) for c in shown], axis=0))
-    spread = np.where(size > 0, SIZE * float(np.nanmax(sizes)) / np.where(size > 0, size, 1.0), 1.0)
+    spread = np.where(size > 0, SIZE * max(sizes) / np.where(size > 0, size, 1.0), 1.0)
     return Generic("sensor", model.sensors[which].name, tuple(each), spread, does=does)
 
 

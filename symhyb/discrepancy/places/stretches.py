@@ -3,8 +3,8 @@ r"""Stretches that nobody named: the sums and differences of two coordinates tha
     [m1]──/\/\/──[m2]      a force between the two acts on q1 − q2, behind a gear on q1 − r·q2
       └▶ q1        └▶ q2
 
-Found where the model writes them, and in the Jacobians of its forces and its inertia, whatever way
-those are written. Sizes: N samples, n coordinates.
+Found where the model writes them, and in the Jacobians of its forces, whatever way those are
+written. Sizes: N samples, n coordinates.
 """
 
 from collections.abc import Iterator, Sequence
@@ -20,7 +20,7 @@ from symhyb.model.linear import Form, linear_parts
 from symhyb.model.types import Model, On
 from symhyb.model.vocabulary import stretch_unit
 from symhyb.numeric.kernels.buffers import Array
-from symhyb.numeric.lowered.couplings import DAMPING, INERTIA, STIFFNESS, Couplings, couplings_of
+from symhyb.numeric.lowered.couplings import DAMPING, STIFFNESS, Couplings, couplings_of
 from symhyb.numeric.lowered.machine import build
 
 MOST_COORDINATES = 8  # of which every pair is looked at
@@ -29,8 +29,8 @@ LARGEST = 12  # denominator of a ratio that is read as a simple fraction
 
 
 def written_stretches(model: Model) -> tuple[On, ...]:
-    """The combinations q_i ± r·q_j with which energies, laws and bodies are written; r is a number
-    or made of parameters."""
+    """The combinations q_i ± r·q_j with which energies, laws and places of bodies are written; r is a
+    number or made of parameters."""
     moving = frozenset(c.name for c in model.coordinates)
     fixed = {item.name for item in model.parameters}
     found: dict[On, None] = {}
@@ -47,8 +47,16 @@ def _expressions(model: Model) -> Iterator[Expression]:
     yield from (item for item in energies if item is not None)
     for element in model.elements:
         yield from (value for _, value in element.values)
-    for body in model.bodies:
-        yield from (item for item in (body.angle, *body.at, *(body.joint or ())) if item)
+    for body in model.bodies:  # where one slides; the sums of angles of an arm are no such place
+        yield from (item for item in body.at if item and not _turns(item.tree))
+
+
+def _turns(node: Node) -> bool:
+    """Whether an expression holds a function, as those of links do that turn."""
+    if isinstance(node, Operation):
+        plain = node.operator in ("+", "-", "*", "/", "**", "neg")
+        return not plain or any(_turns(part) for part in node.arguments)
+    return False
 
 
 def _stretch_of(form: Form, fixed: set[str]) -> On | None:
@@ -90,13 +98,14 @@ def _has_unit(model: Model, place: On) -> bool:
 
 
 def coupled_stretches(model: Model, coordinates: Sequence[str]) -> tuple[On, ...]:
-    """The combinations q_i − r·q_j of ``coordinates`` through which energies, inertia, or laws that
-    stand on coordinates couple two of them, by the Jacobians of the lowered model."""
+    """The combinations q_i − r·q_j of ``coordinates`` through which energies, or laws that stand on
+    coordinates, couple two of them, by the Jacobians of the lowered model. Weight and inertia
+    couple the links of any arm, at whose sums of angles nothing is joined: they do not count."""
     order = [c.name for c in model.coordinates]
     if len(order) > MOST_COORDINATES:
         return ()
     placed = (e for e in model.elements if isinstance(e.place, On) and e.place.plain)
-    machine = build(replace(model, elements=tuple(placed), sensors=()))
+    machine = build(replace(model, elements=tuple(placed), sensors=(), gravity=None))
     q, v, t = states_about_start(machine)
     u = np.random.default_rng(1).standard_normal((t.size, len(model.inputs)))
     seen = couplings_of(machine, q, v, u, t)
@@ -114,14 +123,14 @@ def _pair(model: Model, seen: Couplings, i: int, j: int) -> Iterator[On]:
     where none is determined."""
     units = [stretch_unit(model, On(model.coordinates[k].name)) for k in (i, j)]
     alike = units[0].same_dimension(units[1])
-    coupled = [what for what in (STIFFNESS, DAMPING, INERTIA) if _couples(seen.entries[what], i, j)]
+    coupled = [what for what in (STIFFNESS, DAMPING) if _couples(seen.entries[what], i, j)]
     determined = [_ratio_of_change(seen.slopes[what][:, i, j], i, j) for what in coupled]
     if any(ratio is not None for ratio in determined):
         for ratio in determined:
             yield from _named(model, i, j, alike, [] if ratio is None else [ratio])
         return
     for what in coupled:
-        if what != INERTIA and not np.any(seen.slopes[what][:, i, j]):
+        if not np.any(seen.slopes[what][:, i, j]):
             yield from _named(model, i, j, alike, _even_ratios(seen.entries[what], i, j, alike))
             return
 
