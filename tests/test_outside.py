@@ -12,7 +12,7 @@ pytestmark = pytest.mark.slow
 @pytest.mark.parametrize(
     ("mass", "stiffness", "said"),
     [
-        (0.3, 60.0, "may stand in for something else (what fits best: added mass of"),
+        (0.3, 60.0, "What acts on x looks like a hidden mode"),
         (0.2, 15.0, "these recordings cannot tell the causes apart"),
     ],
     ids=["above resonance", "below it"],

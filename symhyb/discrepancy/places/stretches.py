@@ -29,8 +29,8 @@ LARGEST = 12  # denominator of a ratio that is read as a simple fraction
 
 
 def written_stretches(model: Model) -> tuple[On, ...]:
-    """The combinations q_i ± r·q_j with which energies, laws and places of bodies are written; r is a
-    number or made of parameters."""
+    """The combinations q_i ± r·q_j with which energies, laws and places of bodies are
+    written; r is a number or made of parameters."""
     moving = frozenset(c.name for c in model.coordinates)
     fixed = {item.name for item in model.parameters}
     found: dict[On, None] = {}
