@@ -203,12 +203,11 @@ def test_a_study_is_scored_by_its_expected_terms(study: Mapping[str, ModuleType]
 def test_one_of_several_expectations_is_enough(study: Mapping[str, ModuleType]) -> None:
     swing = ("friction", "phi", {"coulomb": (5.09e-4, 1e-6)})
     drag = ("drag", "phi", {"drag": (1.434e-5, 1e-7)})
-    offset = [{"channel": "encoder", "kind": "offset", "value": 8.8e-4, "sd": 1e-6}]
     inertia = [{"name": "J", "value": 1.17e-4, "sd": 1e-7}]
-    with_it = diagnosis(swing, drag, measurement=offset, parameters=inertia)
-    assert scored(study, "pendulum_single", with_it).wanted == 4
+    with_it = diagnosis(swing, drag, parameters=inertia)
+    assert scored(study, "pendulum_single", with_it).wanted == 3
     assert scored(study, "pendulum_single", with_it).complete
-    without = diagnosis(swing, drag, measurement=offset)
+    without = diagnosis(swing, drag)
     assert scored(study, "pendulum_single", without).complete
     assert scored(study, "oscillator", diagnosis()).wanted == 2
     assert not scored(study, "null", diagnosis()).complete  # the verdict has to be right too

@@ -22,7 +22,6 @@ from symhyb.correction.search.setting import Setting
 from symhyb.correction.search.strength import element_forces
 from symhyb.correction.search.trajectory import Refined, grouped
 from symhyb.discrepancy.places.hypotheses import Hypothesis
-from symhyb.model.vocabulary import KINDS
 from symhyb.numeric.kernels.buffers import Array
 
 CLAIMED = 0.95  # posterior probability of a cause that is claimed beside a class
@@ -74,7 +73,7 @@ def adequacy(prepared: Prepared, setting: Setting, final: Refined) -> Adequacy:
     classes = _classes(trials, weights)
     if not classes:
         return Adequacy(left, doubt=small)
-    return Adequacy(left, classes, small | _doubted(base.causes, trials, weights, classes))
+    return Adequacy(left, classes, small | _doubted(ground, trials, weights, classes))
 
 
 def _small(final: Refined, ground: Recorded, left: Beyond) -> frozenset[Hypothesis]:
@@ -155,27 +154,24 @@ def _classes(trials: Sequence[Fitted], weights: Array) -> tuple[tuple[Generic, f
 
 
 def _doubted(
-    causes: Sequence[Hypothesis],
+    ground: Recorded,
     trials: Sequence[Fitted],
     weights: Array,
     classes: Sequence[tuple[Generic, float]],
 ) -> frozenset[Hypothesis]:
-    """The causes that are not needed beside the classes; every number of the model or of a channel,
-    of which the columns of a class may hold a part; and laws of stretch and rate at a place where a
-    smooth force of these is the better answer."""
+    """The causes of the structure, the first of the trials, that are not needed beside the classes:
+    by their probability, or since the likeliest class leaves less without them. And every number
+    of the model or of a channel, of which the columns of a class may hold a part."""
     doubt = []
-    certain = [generic for generic, chance in classes if chance > 1 - CLAIMED]
-    smooth = {generic.where for generic in certain if generic.kind == "law"}
-    for cause in causes:
+    certain = any(chance > 1 - CLAIMED for _, chance in classes)
+    decided = trials[0].causes
+    beside = [trial for trial in trials if trial.extra and trial.extra.key == classes[0][0].key]
+    left = {trial.causes: _remainder(ground, trial) for trial in reversed(beside)}
+    for cause in decided:
         has = np.array([cause in trial.causes for trial in trials])
-        number = cause.place is None and bool(certain)
-        imitates = cause.place in smooth and _of_state(cause)
-        if number or imitates or float(weights[has].sum()) < CLAIMED:
+        number = cause.place is None and certain
+        without = left.get(tuple(one for one in decided if one != cause), np.inf)
+        leaves_less = without < left.get(decided, 0.0)
+        if number or leaves_less or float(weights[has].sum()) < CLAIMED:
             doubt.append(cause)
     return frozenset(doubt)
-
-
-def _of_state(cause: Hypothesis) -> bool:
-    """Whether the force of a cause is a function of stretch and rate."""
-    law = KINDS.get(cause.kind)
-    return law is None or (law.of_state and not law.state)
