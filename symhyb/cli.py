@@ -16,7 +16,17 @@ import typer
 
 from symhyb.cli_data import data
 from symhyb.cli_learn import learn
-from symhyb.cli_options import End, Folder, Json, Map, ModelFile, Recordings, Start, print_json
+from symhyb.cli_options import (
+    End,
+    Folder,
+    Holdout,
+    Json,
+    Map,
+    ModelFile,
+    Recordings,
+    Start,
+    print_json,
+)
 from symhyb.errors import InputError, NumericsError
 from symhyb.export.verb import export
 
@@ -187,10 +197,7 @@ def diagnose(
     model: ModelFile,
     recordings: Recordings,
     output: Folder,
-    holdout: Annotated[
-        list[Path] | None,
-        typer.Option(metavar="RECORDING", help="Unseen recording, for the proof alone. Repeat it."),
-    ] = None,
+    holdout: Holdout = None,
     columns: Map = None,
     start: Start = None,
     end: End = None,

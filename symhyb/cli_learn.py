@@ -4,12 +4,21 @@ Heavy modules are imported inside, so that help answers at once.
 """
 
 from enum import StrEnum
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from symhyb.cli_options import End, Folder, Json, Map, ModelFile, Recordings, Start, print_json
+from symhyb.cli_options import (
+    End,
+    Folder,
+    Holdout,
+    Json,
+    Map,
+    ModelFile,
+    Recordings,
+    Start,
+    print_json,
+)
 
 
 class By(StrEnum):
@@ -58,10 +67,7 @@ def learn(
             help="Learn the 'force' dF that is lacking (default), or the 'rates' dx'.",
         ),
     ] = Level.force,
-    holdout: Annotated[
-        list[Path] | None,
-        typer.Option(metavar="RECORDING", help="Unseen recording, for the proof alone. Repeat it."),
-    ] = None,
+    holdout: Holdout = None,
     columns: Map = None,
     start: Start = None,
     end: End = None,

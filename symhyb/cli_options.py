@@ -25,6 +25,10 @@ Start = Annotated[
 End = Annotated[
     float | None, typer.Option(metavar="S", help="Drop what the recordings hold after, in s.")
 ]
+Holdout = Annotated[
+    list[Path] | None,
+    typer.Option(metavar="RECORDING", help="Unseen recording, for the proof alone. Repeat it."),
+]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON for scripts instead of sentences.")]
 Folder = Annotated[
     Path, typer.Option("-o", "--output", metavar="DIR", help="Folder for the files; made if new.")
