@@ -1,5 +1,7 @@
 """What happens between a recorded input and the force that acts."""
 
+from collections.abc import Callable
+
 import numpy as np
 from bare import Bare, log_uniform, rms, share
 from numpy.random import Generator
@@ -17,16 +19,23 @@ def _step(bare: Bare) -> float:
     return 1 / bare.system.rate
 
 
+def _static(k: int, curve: Callable[[Array], Array]) -> Callable[[float, Array, Array], Array]:
+    """The k-th input acts through a curve, the others as they are."""
+
+    def act(t: float, u: Array, z: Array) -> Array:
+        acting = np.array(u)
+        acting[k] = curve(u[k])
+        return acting
+
+    return act
+
+
 def dead_band(bare: Bare, sizes: Generator, fresh: Generator) -> Change:
     """Nothing acts below a threshold, and the threshold is missing above it."""
     k, name, size = _input(bare, sizes)
     band = share(sizes) * size
 
-    def act(t: float, u: Array, z: Array) -> Array:
-        acting = np.array(u)
-        acting[k] -= np.clip(u[k], -band, band)
-        return acting
-
+    act = _static(k, lambda f: f - np.clip(f, -band, band))
     return Change(act=act, step=_step(bare), place=name, facts={"band": band})
 
 
@@ -35,11 +44,7 @@ def saturation(bare: Bare, sizes: Generator, fresh: Generator) -> Change:
     k, name, size = _input(bare, sizes)
     most = sizes.uniform(1.2, 2.0) * size
 
-    def act(t: float, u: Array, z: Array) -> Array:
-        acting = np.array(u)
-        acting[k] = np.clip(u[k], -most, most)
-        return acting
-
+    act = _static(k, lambda f: np.clip(f, -most, most))
     return Change(act=act, step=_step(bare), place=name, facts={"most": most})
 
 
@@ -48,11 +53,7 @@ def soft_saturation(bare: Bare, sizes: Generator, fresh: Generator) -> Change:
     k, name, size = _input(bare, sizes)
     most = sizes.uniform(1.5, 3.0) * size
 
-    def act(t: float, u: Array, z: Array) -> Array:
-        acting = np.array(u)
-        acting[k] = most * np.tanh(u[k] / most)
-        return acting
-
+    act = _static(k, lambda f: most * np.tanh(f / most))
     return Change(act=act, place=name, facts={"most": most})
 
 
@@ -61,11 +62,7 @@ def uneven(bare: Bare, sizes: Generator, fresh: Generator) -> Change:
     k, name, _ = _input(bare, sizes)
     more = share(sizes) * float(sizes.choice([-1.0, 1.0]))
 
-    def act(t: float, u: Array, z: Array) -> Array:
-        acting = np.array(u)
-        acting[k] += more * np.abs(u[k])
-        return acting
-
+    act = _static(k, lambda f: f + more * np.abs(f))
     return Change(act=act, step=_step(bare), place=name, facts={"more": more})
 
 
