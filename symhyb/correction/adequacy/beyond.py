@@ -13,7 +13,7 @@ import numpy as np
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Fitted, tracks_of
 from symhyb.discrepancy.likelihood.horizon import maximised
-from symhyb.discrepancy.likelihood.track import smoothed
+from symhyb.discrepancy.likelihood.track import smoothed, still
 from symhyb.numeric.kernels.buffers import Array
 
 NEGLIGIBLE = 1e-3  # of what moves a coordinate: the error of integration and interpolation
@@ -57,7 +57,7 @@ def beyond(recorded: Recorded, final: Fitted) -> Beyond:
     price = 0.5 * np.log(max(final.fit.count, 2)) * (noise.numbers - alone.numbers)
     squares = np.zeros_like(none)
     for i, one in enumerate(tracks):
-        force = smoothed(one, noise, np.zeros(final.numbers)).force
+        force = smoothed(one, noise, still(one)).force
         if final.extra is not None:
             more = final.extra.spread.size
             force = force + final.extra.each[i].force @ final.fit.values[-more:]

@@ -12,7 +12,14 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from symhyb.discrepancy.likelihood.noise import NoiseModel
-from symhyb.discrepancy.likelihood.track import Smoothed, Track, effective, log_likelihood, smoothed
+from symhyb.discrepancy.likelihood.track import (
+    Smoothed,
+    Track,
+    effective,
+    log_likelihood,
+    smoothed,
+    still,
+)
 from symhyb.numeric.kernels.buffers import Array
 
 SMALLEST = 1e-6  # of its scale: a size below is none
@@ -109,7 +116,7 @@ def maximised(
 def _cost(coding: _Coding, tracks: Sequence[Track], z: Array) -> tuple[float, Array]:
     """−ln L and its gradient by the logarithms."""
     noise = coding.model(z)
-    parts = [smoothed(one, noise, _still(one), wanted=False) for one in tracks]
+    parts = [smoothed(one, noise, still(one), wanted=False) for one in tracks]
     here = sum(part.logl for part in parts)
     if not np.isfinite(here):
         return 1e300, np.zeros_like(z)
@@ -121,11 +128,6 @@ def _cost(coding: _Coding, tracks: Sequence[Track], z: Array) -> tuple[float, Ar
             moved[at] += STEP
             slopes.append((total(tracks, coding.model(moved)) - here) / STEP)
     return -here, -np.array(slopes)
-
-
-def _still(one: Track) -> Array:
-    """No change of the free parameters."""
-    return np.zeros(one.linear.by_free.shape[3])
 
 
 def _slopes(coding: _Coding, noise: NoiseModel, parts: Sequence[Smoothed]) -> list[float]:

@@ -228,6 +228,11 @@ def white_forces(one: Track, noise: NoiseModel, forces: Array) -> Array:
     return white_columns(one, noise, b, e, np.zeros((one.x.shape[1], forces.shape[2])))
 
 
+def still(one: Track) -> Array:
+    """No change of the track's free parameters: zeros (F,)."""
+    return np.zeros(one.linear.by_free.shape[3])
+
+
 def smoothed(one: Track, noise: NoiseModel, change: Array, wanted: bool = True) -> Smoothed:
     """State, unknown force and colour with the free parameters changed by ``change`` (F,), SI;
     where these are not ``wanted``, ln L and its derivatives alone."""

@@ -89,3 +89,17 @@ def test_a_force_acts_if_it_is_certain_and_large_enough() -> None:
     assert not told(1e-4, 1e3).acts
     assert told(0.1, CERTAIN).probability == pytest.approx(1 / (1 + np.exp(-CERTAIN)))
     assert told(0.1, 1e6).probability == 1.0
+
+
+def test_numbers_of_each_recording_leave_the_force_that_acts_beyond_them() -> None:
+    """A damping of its own in each recording, and the same force pushes unseen in both."""
+    planted = markov(np.random.default_rng(2), SAMPLES, 1.0, 0.2)
+    recordings = [
+        pushed(seed, samples=SAMPLES, damping=damping, beside=planted, name=f"{seed}.csv")
+        for seed, damping in ((10, 1.6), (11, 2.6))
+    ]
+    setting = setting_of(pushed_model(), *recordings, own=("damping",))
+    cause = Hypothesis("damper", On("x"), ("damping",), (True,), own=("damping",))
+    found = fitted(setting, (cause,), ({"damping": 1.0},), setting.first_noise())
+    assert found.numbers > len(found.paths)
+    assert beyond(setting, found).force[0] == pytest.approx(1.0, rel=0.2)
