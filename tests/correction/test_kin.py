@@ -5,8 +5,8 @@ import pytest
 from law_rigs import RIG, Law, bouc_wen, lugre, numbers, on_rig, stop
 
 import symhyb as sh
-from symhyb.correction.search.kin import variants_of
 from symhyb.correction.search.preparing import prepare, settle
+from symhyb.correction.search.variants import variants_of
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.model.read import parse_model
 from symhyb.model.types import On

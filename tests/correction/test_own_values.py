@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from symhyb.correction.search.evidence import cost, weak
+from symhyb.correction.search.score import cost, weak
 from symhyb.correction.search.selection import Problem, solve
 from symhyb.correction.search.trajectory import Refined
 from symhyb.data.recording import Recording

@@ -11,17 +11,17 @@ the recordings speak against B with
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from symhyb.correction.naming.findings import cause_phrase, doubtful
 from symhyb.correction.search.conventions import RIVAL
 from symhyb.correction.search.decide import Decision
-from symhyb.correction.search.evidence import believable, named, unit_of
+from symhyb.correction.search.score import unit_of
 from symhyb.correction.search.selection import Problem
 from symhyb.correction.search.setting import Setting, around
-from symhyb.correction.search.trajectory import Refined, grouped, refine
+from symhyb.correction.search.trajectory import grouped
 from symhyb.discrepancy.fitting.normal import shortest_solution
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.results import Isolability
@@ -29,7 +29,6 @@ from symhyb.numeric.kernels.buffers import Array
 
 NEAREST = 3  # causes told beside each found one
 TOLD_MOST = 8  # rows of the matrix
-TRIED_MOST = 2  # causes that are tried because the matrix does not tell them from a found one
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,7 +53,7 @@ def isolability(setting: Setting, decision: Decision) -> Isolability | None:
         cause.family
         for trial in decision.trials
         for cause in trial.causes
-        if decision.criterion(trial) < RIVAL
+        if decision.behind(trial) < RIVAL
     }
     for mine in space.own:
         near = [other for _, other in space.others(mine)]
@@ -67,43 +66,6 @@ def isolability(setting: Setting, decision: Decision) -> Isolability | None:
         tuple(cause in space.own and cause.hypothesis not in doubt for cause in told),
         np.array([[*(space.against(a, b) for b in told), space.against(a, None)] for a in told]),
     )
-
-
-def completed(setting: Setting, decision: Decision) -> Decision:
-    """The decision with the rivals that were never tried although these recordings do not tell them
-    from a cause of the winner: each is now fitted in its place, and judged like any other."""
-    if not decision.winner.causes:
-        return decision
-    space = _Space(setting, decision)
-    done = {frozenset(cause.family for cause in trial.causes) for trial in decision.trials}
-    gone = {second.family for _, second in decision.twins}
-    offers = []
-    for mine in space.own:
-        kept = [c.hypothesis for c in space.own if c is not mine]
-        for evidence, other in space.others(mine):
-            structure = frozenset(c.family for c in (*kept, other.hypothesis))
-            plain = other.hypothesis.numbers <= mine.hypothesis.numbers
-            known = structure in done or other.hypothesis.family in gone
-            if 2 * evidence < RIVAL and plain and not known:
-                offers.append((evidence, mine, other))
-    nearest = sorted(offers, key=lambda offer: offer[0])[:TRIED_MOST]
-    trials = [_swapped(setting, decision, mine, other) for _, mine, other in nearest]
-    fresh = [trial for trial in trials if not trial.fit.reason and believable(trial)]
-    told = (
-        f"{named(trial.causes)}: these recordings would not tell it from the winner, so tried too"
-        for trial in fresh
-    )
-    return replace(decision, trials=(*decision.trials, *fresh), log=(*decision.log, *told))
-
-
-def _swapped(setting: Setting, decision: Decision, mine: _Cause, other: _Cause) -> Refined:
-    """The winner with one cause replaced, refined at the longest windows."""
-    winner, model = decision.winner, setting.windows.machine.model
-    causes, rows = list(winner.causes), list(grouped(winner))
-    first = [float(other.effect[column]) for column in other.shapes[0]]
-    causes[mine.stands] = other.hypothesis
-    rows[mine.stands] = other.hypothesis.values(first)
-    return refine(model, causes, rows, setting.stages[-1].laid, setting.sd, winner.fit.starts)
 
 
 class _Space:

@@ -19,8 +19,8 @@ import numpy as np
 from symhyb.correction.advice.bounds import bounds_of
 from symhyb.correction.advice.offers import offers
 from symhyb.correction.advice.playing import played, restrained
-from symhyb.correction.search.evidence import NOISE_SHARE, unit_of
 from symhyb.correction.search.preparing import Prepared
+from symhyb.correction.search.score import NOISE_SHARE, unit_of
 from symhyb.correction.search.setting import Setting
 from symhyb.correction.search.trajectory import Refined, grouped, refine
 from symhyb.data.recording import Recording

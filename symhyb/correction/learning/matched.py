@@ -14,8 +14,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symhyb.correction.search.evidence import SIGNIFICANT
 from symhyb.correction.search.preparing import Prepared, last_windows
+from symhyb.correction.search.score import SIGNIFICANT
 from symhyb.discrepancy.fitting.matching import fit
 from symhyb.discrepancy.fitting.task import Fit, Task
 from symhyb.model.types import Element

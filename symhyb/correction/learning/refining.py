@@ -12,8 +12,8 @@ import numpy as np
 
 from symhyb.correction.learning.orthogonal import Linear, beside, linear, on_held, solved
 from symhyb.correction.learning.seen import Seen
-from symhyb.correction.search.evidence import SIGNIFICANT
 from symhyb.correction.search.preparing import Prepared
+from symhyb.correction.search.score import SIGNIFICANT
 from symhyb.discrepancy.recorded.windows import Laid
 from symhyb.errors import NumericsError
 from symhyb.model.expression import parse_expression

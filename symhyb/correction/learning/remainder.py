@@ -15,8 +15,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symhyb.correction.learning.orthogonal import beside, linear, named_forces, on_held, solved
-from symhyb.correction.search.evidence import SIGNIFICANT
 from symhyb.correction.search.preparing import Prepared, last_windows, prepare
+from symhyb.correction.search.score import SIGNIFICANT
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.course import Course
 from symhyb.discrepancy.recorded.windows import Laid

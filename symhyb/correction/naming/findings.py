@@ -10,7 +10,7 @@ from symhyb.correction.naming.stability import unstable
 from symhyb.correction.naming.textbook import critical_share
 from symhyb.correction.search.conventions import CERTAIN, RIVAL, Exchange, exchange
 from symhyb.correction.search.decide import Decision
-from symhyb.correction.search.evidence import believable
+from symhyb.correction.search.score import believable
 from symhyb.correction.search.trajectory import Refined
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.results import (
@@ -240,8 +240,8 @@ def doubtful(decision: Decision) -> tuple[Hypothesis, ...]:
     replaces them almost as well, or they do not stay chosen when the windows are weighed anew. A
     law that the rival has with a key more or less is no loss."""
     doubt = list(unstable(decision))
-    for change, evidence, trial in rivals_of(decision):
-        if evidence < CERTAIN and not change.conventional and believable(trial):
+    for change, evidence, _ in rivals_of(decision):
+        if evidence < CERTAIN and not change.conventional:
             doubt += (
                 mine
                 for mine in change.lost
@@ -305,12 +305,10 @@ def rivals_of(decision: Decision) -> list[tuple[Exchange, float, Refined]]:
     rivals = []
     for trial in decision.trials:
         change = exchange(trial.causes, decision.winner.causes)
-        # an answer of more numbers has to be as good by itself, not by luck
-        evidence = decision.criterion(trial) if change.imitated else decision.evidence(trial)
+        evidence = decision.behind(trial)
         if {cause.family for cause in change.fresh} == {cause.family for cause in change.lost}:
             continue  # the same law, begun at other values: no rival of itself
-        extends = change.grows and not change.imitated
-        if change.fresh and change.lost and evidence < RIVAL and not extends:
+        if change.fresh and change.lost and evidence < RIVAL and believable(trial):
             rivals.append((change, evidence, trial))
     return rivals
 

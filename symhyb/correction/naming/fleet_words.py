@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 
 from symhyb.correction.naming.findings import Named, symbol_of
-from symhyb.correction.search.evidence import OUTSTANDING
 from symhyb.correction.search.fleet import Stranger
 from symhyb.correction.search.preparing import Prepared
+from symhyb.correction.search.score import OUTSTANDING
 from symhyb.correction.search.trajectory import Refined
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.checks.repeats import told_repeats

@@ -15,7 +15,7 @@ import numpy as np
 
 from symhyb.correction.search.conventions import exchange
 from symhyb.correction.search.decide import Decision
-from symhyb.correction.search.evidence import believable, cost, unit_of
+from symhyb.correction.search.score import believable, piece_of, price
 from symhyb.correction.search.trajectory import Refined
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.model.vocabulary import KINDS
@@ -29,18 +29,17 @@ WINDOWS_LEAST = 4  # fewer say nothing about each other
 def stabilities(decision: Decision) -> tuple[float | None, ...]:
     """For each cause of the winner the share of draws in which it stays chosen.
 
-    It stays where the winner's χ²/c + k ln N is below that of every trial without it, over the
-    fitted windows, weighed by the draw: the criterion that chose it, asked again. (The initial
-    states of held windows only follow; where friction sticks they may end in another minimum.)
+    It stays where the winner's score is below that of every trial without it, over all windows,
+    weighed by the draw: what chose it, asked again.
     None where too few windows are there.
     """
     winner = decision.winner
-    windows = int((~winner.fit.held).sum())
+    windows = winner.fit.chi2.size
     if windows < WINDOWS_LEAST:
         return (None,) * len(winner.causes)
     weights = np.random.default_rng(0).exponential(size=(DRAWS, windows))
     weights *= windows / weights.sum(axis=1, keepdims=True)
-    margins = [(trial, _margin(winner, trial, weights)) for trial in decision.trials]
+    margins = [(trial, _margin(decision, trial, weights)) for trial in decision.trials]
     shares = []
     for cause in winner.causes:
         kept = np.ones(DRAWS, bool)
@@ -70,11 +69,13 @@ def weakest(
     return min((share for share in known if share is not None), default=None)
 
 
-def _margin(winner: Refined, trial: Refined, weights: Array) -> Array:
-    """By how much the criterion of a trial is worse than the winner's, by draw (DRAWS,)."""
-    fitted = ~winner.fit.held
-    gain = (trial.fit.chi2 - winner.fit.chi2)[fitted] / unit_of(winner)
-    paid = cost(winner) - cost(trial) + winner.fit.prior - trial.fit.prior
+def _margin(decision: Decision, trial: Refined, weights: Array) -> Array:
+    """By how much the score of a trial is worse than the winner's, by draw (DRAWS,)."""
+    winner = decision.winner
+    if trial.fit.chi2.size != winner.fit.chi2.size:
+        return np.full(len(weights), np.inf)
+    gain = (trial.fit.chi2 - winner.fit.chi2) / piece_of(winner)
+    paid = price(winner, decision.count) - price(trial, decision.count)
     with np.errstate(invalid="ignore"):
         margin = weights @ np.where(np.isfinite(gain), gain, np.inf)
     return np.asarray(margin - paid)
@@ -86,7 +87,7 @@ def _denies(trial: Refined, winner: Refined, cause: Hypothesis) -> bool:
     told = _sort(cause)
     if trial.fit.reason or any(_sort(mine) == told for mine in trial.causes):
         return False
-    if trial.fit.chi2.size != winner.fit.chi2.size or not believable(trial):
+    if not believable(trial):
         return False
     change = exchange(trial.causes, winner.causes)
     return not change.conventional and not change.grows

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from symhyb.correction.search.evidence import SIGNIFICANT, unit_of
 from symhyb.correction.search.preparing import WINDOWS_LEAST
+from symhyb.correction.search.score import SIGNIFICANT, unit_of
 from symhyb.correction.search.setting import Setting, Stage
 from symhyb.correction.search.trajectory import Refined
 from symhyb.discrepancy.fitting.matching import fit

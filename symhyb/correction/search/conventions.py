@@ -8,7 +8,6 @@ from symhyb.discrepancy.places.hypotheses import Hypothesis
 
 CERTAIN = 4.6  # of the criterion: a rival closer than this (odds 10 to 1) leaves a cause in doubt
 RIVAL = 10.0  # of the criterion: closer than this, a rival is told
-OUTER = ("drag", "friction")  # losses that together look like viscous damping
 TWINS = 1e-5  # of 1 − ρ² between two effects: the same, as discrete windows show it
 
 
@@ -35,16 +34,6 @@ class Exchange:
         """Whether more numbers come than go: an extension rather than a rival."""
         fresh, lost = (sum(cause.numbers for cause in side) for side in (self.fresh, self.lost))
         return fresh > lost
-
-    @property
-    def imitated(self) -> bool:
-        """Whether dry friction and drag come for the damper that imitates them: no extension of it,
-        but another answer (:mod:`~.losses`)."""
-        kinds = tuple(sorted(cause.kind for cause in self.fresh))
-        if kinds != OUTER or [cause.kind for cause in self.lost] != ["damper"]:
-            return False
-        plain = all(cause.numbers == 1 for cause in (*self.fresh, *self.lost))
-        return plain and len({cause.place for cause in (*self.fresh, *self.lost)}) == 1
 
 
 def exchange(one: Sequence[Hypothesis], other: Sequence[Hypothesis]) -> Exchange:

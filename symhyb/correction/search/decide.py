@@ -1,333 +1,231 @@
-"""Which causes are believed: structures refined on trajectories, judged on held windows.
+"""Which causes are believed: one list, one score, one search.
 
-1. Linear screens at growing window lengths, and sparse regression on the weak form, name
-   structures worth a trial.
-2. At the longest windows the trials are refined by simulation error. From no cause upwards, a
-   larger structure is taken only if it is significant on fitted *and* on held windows for coloured
-   residuals, and takes a stated part of the mismatch that is then left.
-3. Terms are added, swapped and dropped around the winner until nothing changes.
+1. Linear screens at growing window lengths, and sparse regression on the weak form, name the
+   structures to begin with.
+2. Around the structure of the best score every exchange of causes is weighed on the Gram matrix
+   along its simulation; the most promising, each cause left out, and what only a fitted law
+   suggests (variants, further lines, products) are fitted at full nonlinearity.
+3. That goes on until no structure that was fitted is better.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import chain
 
-from symhyb.correction.search.beyond import (
-    bends,
-    deeper,
-    last_resort,
-    lean,
-    more_lines,
-    twin_variants,
-    variants,
-)
+import numpy as np
+
 from symhyb.correction.search.conventions import CERTAIN, exact_twins, exchange, precedence
-from symhyb.correction.search.evidence import (
-    HOPE,
+from symhyb.correction.search.exchanges import HOPE, distinct, exchanges
+from symhyb.correction.search.formulas import beside, candidates, instead
+from symhyb.correction.search.lines import lines_of
+from symhyb.correction.search.score import (
     NEAR_NOISE,
-    PART_LEFT,
-    SIGNIFICANT,
-    criterion,
-    earns,
-    excess,
-    named,
-    price,
+    believable,
+    cost,
+    left,
+    piece_of,
+    samples,
+    score,
+    weak,
 )
-from symhyb.correction.search.losses import two_for_one
-from symhyb.correction.search.merging import one_for_two, one_law
-from symhyb.correction.search.moves import (
-    PROMISE,
-    TRIALS,
-    additions,
-    plainer,
-    simplifications,
-    swaps,
-)
-from symhyb.correction.search.selection import (
-    LARGEST,
-    Problem,
-    Subset,
-    best_subsets,
-    reach,
-    solve,
-    without,
-)
+from symhyb.correction.search.selection import Problem, Subset, best_subsets, solve, without
 from symhyb.correction.search.setting import Setting, along_motion
 from symhyb.correction.search.trajectory import Refined, grouped
-from symhyb.correction.search.trials import Say, Trials, first_guess
+from symhyb.correction.search.trials import Row, Say, Trials, first_guess
+from symhyb.correction.search.variants import variants_of
 from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.numeric.kernels.buffers import Array
 
-VOID = 0.1  # of what the linear problem promised: less means that its promises are void
-ROUNDS = 6
-BASES = 2  # structures with one cause more, from which a second step is tried
+BEGUN = 10  # structures that the search begins with
+BEGUN_LARGEST = 3  # causes of one of them
+ROUNDS = 12
 
 
 @dataclass(frozen=True, slots=True)
 class Decision:
-    """The structure that is believed (``winner``), every other that was refined (``trials``), and
-    ``twins``: causes that no recording of this kind tells from another one. ``luck`` is by how much
-    the χ²/c of a trial may differ from the winner's by noise alone, one deviation."""
+    """The structure that is believed (``winner``), the ``best`` by its score alone (convention may
+    name another one), all that were refined (``trials``), and ``twins``: causes that no recording
+    of this kind tells from another one. ``count`` causes competed. Some trials may have been
+    ``judged`` along whole recordings: by how much each is worse than the winner there."""
 
     winner: Refined
     nothing: Refined
     trials: tuple[Refined, ...]
     twins: tuple[tuple[Hypothesis, Hypothesis], ...]
     log: tuple[str, ...]
-    luck: tuple[tuple[Refined, float], ...] = ()
+    count: int = 1
+    best: Refined | None = None
+    judged: tuple[tuple[Refined, float], ...] = ()
 
-    def criterion(self, trial: Refined) -> float:
-        """Δ of χ²/c + k ln N to the winner; positive is worse."""
-        return criterion(trial, self.winner) - criterion(self.winner, self.winner)
-
-    def evidence(self, trial: Refined) -> float:
-        """The criterion less two deviations of luck: what can be counted on."""
-        luck = next((spread for known, spread in self.luck if known is trial), 0.0)
-        return self.criterion(trial) - 2 * luck
+    def behind(self, trial: Refined) -> float:
+        """By how much the score of a trial is worse than the best: twice ln of the odds."""
+        for known, worse in self.judged:
+            if known is trial:
+                return worse
+        best = self.best or self.winner
+        unit = piece_of(best)
+        return score(trial, unit, self.count) - score(best, unit, self.count)
 
 
 def decide(setting: Setting, proposals: Sequence[Subset], say: Say) -> Decision:
     """Choose a structure. ``proposals`` are subsets from other screens, by cause index."""
-    log: list[str] = []
-    variants = {i for i, cause in enumerate(setting.hypotheses) if cause.variant}
-    pool = {subset.causes for subset in proposals if not variants & {*subset.causes}}
+    pool = {subset.causes for subset in proposals}
     problems = []
     for stage in setting.stages:
         say(f"screening {len(setting.hypotheses)} causes on windows of {stage.length_s:.3g} s")
         problem = along_motion(setting, stage)
         twins = exact_twins(problem)
-        problem = without(problem, {second for _, second in twins} | variants)
-        sizes = best_subsets(problem)
-        pool |= {s.causes for sized in sizes for s in _distinct(problem, sized)[:TRIALS]}
+        problem = without(problem, {second for _, second in twins})
+        sizes = best_subsets(problem, BEGUN_LARGEST)
+        pool |= {s.causes for sized in sizes[1:] for s in distinct(problem, sized)[:BEGUN]}
         problems.append((sizes[-1][0].chi2 / max(sizes[0][0].chi2, 1e-300), problem))
     # where the linear problem explains most, its promises are worth most
     problem = min(problems, key=lambda pair: pair[0])[1]
-    subsets = [subset for causes in sorted(pool) if (subset := solve(problem, causes)) is not None]
-    trials = Trials(setting, variants, say, twins)
+    trials = Trials(setting, say, twins)
     nothing = trials.refined(())
-    winner = _climb(trials, nothing, problem, subsets, log)
-    past = [winner]
+    best, log = nothing, []
+    for subset in _begun(trials, nothing, problem, pool):
+        if best.fit.scale > NEAR_NOISE or len(subset.causes) < len(best.causes):
+            _tried(trials, subset.causes, first_guess(problem, subset))
+            best = _best(trials)
     for _ in range(ROUNDS):
-        better = _improved(trials, winner, problem, log)
-        if better is winner:
-            better = _passed_by(trials, winner, log)
-        if better is winner:
-            better = _ahead(trials, winner, log)
-        if any(better is one for one in past):
+        _look_around(trials, best)
+        better = _best(trials)
+        if better is best and best.fit.scale > NEAR_NOISE:
+            _without_a_name(trials, best, nothing)
+            better = _best(trials)
+        log.append(_sentence(trials, better, best))
+        if better is best:
             break
-        winner = better
-        past.append(winner)
-    winner = last_resort(trials, winner, nothing, log)
-    winner = _conventional(trials, winner, problem)
+        best = better
+    winner = _conventional(trials, best, problem)
     named = tuple((setting.hypotheses[a], setting.hypotheses[b]) for a, b in twins)
-    return Decision(winner, nothing, tuple(trials.done.values()), named, tuple(log))
+    done = tuple(trials.done.values())
+    return Decision(winner, nothing, done, named, tuple(log), trials.count, best)
 
 
-def _conventional(trials: Trials, winner: Refined, problem: Problem) -> Refined:
+def _begun(
+    trials: Trials, nothing: Refined, problem: Problem, pool: set[tuple[int, ...]]
+) -> list[Subset]:
+    """The subsets of the pool that the linear problem ranks first."""
+    empty = solve(problem, ())
+    found = [s for causes in sorted(pool) if (s := solve(problem, causes)) is not None]
+    if empty is None or not found:
+        return []
+    size = samples(nothing)
+    unit = max(min(s.chi2 + s.held for s in found) / size, 1.0)
+    number, choice = np.log(size), 2 * np.log(max(trials.count, 1))
+
+    def gain(subset: Subset, paid: float = 1.0) -> float:
+        promised = (empty.chi2 + empty.held - subset.chi2 - subset.held) / unit
+        price = subset.numbers * number + len(subset.causes) * choice
+        return float(promised - paid * price)
+
+    ranked = sorted((s for s in found if gain(s, HOPE) > 0), key=lambda s: -gain(s))
+    return distinct(problem, ranked)[:BEGUN]
+
+
+def _best(trials: Trials) -> Refined:
+    """The structure of the best score among those that can be believed. What is left by the one
+    that fits best, its numbers paid, is the unit in which all are compared."""
+    length_s = trials.setting.stages[-1].length_s
+    done = [
+        trial
+        for trial in trials.done.values()
+        if not trial.fit.reason and (not trial.causes or believable(trial, length_s))
+    ]
+    if not done:
+        return trials.refined(())
+    unit = piece_of(min(done, key=lambda trial: left(trial) + piece_of(trial) * cost(trial)))
+    return min(done, key=lambda trial: score(trial, unit, trials.count))
+
+
+def _sentence(trials: Trials, better: Refined, before: Refined) -> str:
+    if better is before:
+        return f"{better.name}: nothing that was tried is better"
+    unit = piece_of(better)
+    gain = score(before, unit, trials.count) - score(better, unit, trials.count)
+    return f"{better.name} instead of {before.name}: better by {gain:.3g}"
+
+
+def _look_around(trials: Trials, base: Refined) -> None:
+    """Fit what may be better than the best so far."""
+    own, rows = trials.causes(base), grouped(base)
+    smaller = [trials.refined(*_but(own, rows, {i}), base.fit.starts) for i in range(len(own))]
+    for offer in exchanges(trials, base):
+        _tried(trials, offer.causes, offer.rows, base.fit.starts)
+    if base.fit.scale < NEAR_NOISE:
+        return
+    for causes, begun, starts in _suggested(trials, base, smaller):
+        _tried(trials, causes, begun, starts)
+
+
+def _without_a_name(trials: Trials, best: Refined, nothing: Refined) -> None:
+    """Fit formulas beside the best structure, and in place of it."""
+    book = candidates(trials.setting)
+    for cause, row in beside(trials.setting, book, best):
+        causes = (*trials.causes(best), trials.index(cause))
+        _tried(trials, causes, [*grouped(best), row], best.fit.starts)
+    for cause, row in instead(trials.setting, book, nothing):
+        _tried(trials, (trials.index(cause),), [row])
+
+
+def _tried(
+    trials: Trials,
+    causes: Sequence[int],
+    rows: Sequence[Row],
+    starts: Sequence[Array] | None = None,
+) -> None:
+    """Fit a structure, and without the causes that do not stand out in it."""
+    trial = trials.refined(causes, rows, starts)
+    gone = set() if trial.fit.reason else set(weak(trial))
+    if gone and len(gone) < len(trial.causes):
+        trials.refined(*_but(trials.causes(trial), grouped(trial), gone), trial.fit.starts)
+
+
+def _but(own: Sequence[int], rows: Sequence[Row], gone: set[int]) -> tuple[list[int], list[Row]]:
+    """Causes and their values without some."""
+    kept = [i for i in range(len(own)) if i not in gone]
+    return [own[i] for i in kept], [rows[i] for i in kept]
+
+
+def _suggested(
+    trials: Trials, base: Refined, smaller: Sequence[Refined]
+) -> Iterator[tuple[Sequence[int], Sequence[Row], Sequence[Array] | None]]:
+    """What a fitted structure that leaves more than noise suggests: variants of its laws, also in
+    place of two laws at a place (it is given without each of its causes: ``smaller``), further
+    lines beside a line."""
+    yield from _varied(trials, base, base.causes)
+    for gone, trial in zip(base.causes, smaller, strict=True):
+        if not trial.fit.reason and gone.place is not None:
+            yield from _varied(trials, trial, [c for c in trial.causes if c.place == gone.place])
+    own, rows = trials.causes(base), grouped(base)
+    for lines, more in lines_of(trials.setting, base):
+        yield (*own, *map(trials.index, lines)), [*rows, *more], base.fit.starts
+
+
+def _varied(
+    trials: Trials, base: Refined, which: Sequence[Hypothesis]
+) -> Iterator[tuple[Sequence[int], Sequence[Row], Sequence[Array] | None]]:
+    """A structure with each of some causes replaced by a variant of its law."""
+    own, rows = trials.causes(base), grouped(base)
+    for i, cause in enumerate(base.causes):
+        if cause in which:
+            for other, row in variants_of(trials.setting, cause, rows[i]):
+                causes = [*own[:i], trials.index(other), *own[i + 1 :]]
+                yield causes, [*rows[:i], row, *rows[i + 1 :]], base.fit.starts
+
+
+def _conventional(trials: Trials, best: Refined, problem: Problem) -> Refined:
     """Where convention names one of two causes that noise cannot tell apart, the one it names."""
+    unit = piece_of(best)
     for trial in trials.done.values():
-        change = exchange(trial.causes, winner.causes)
+        change = exchange(trial.causes, best.causes)
         if change.pair is None or not change.conventional:
             continue
         first, second = (
             precedence(problem.hypotheses.index(cause), cause) for cause in change.pair
         )
-        if first < second and abs(criterion(trial, winner) - criterion(winner, winner)) < CERTAIN:
+        behind = score(trial, unit, trials.count) - score(best, unit, trials.count)
+        if first < second and abs(behind) < CERTAIN:
             return trial
-    return winner
-
-
-def _climb(
-    trials: Trials, nothing: Refined, problem: Problem, pool: list[Subset], log: list[str]
-) -> Refined:
-    """From no cause upwards: the smallest larger structure that earns its place, and so on.
-
-    A structure is refined only if the linear problem promises a part of what the best of all takes,
-    on held windows as well.
-    """
-    winner, left, held = nothing, problem.gram[-1, -1], problem.held[-1, -1]
-    floor = min((subset.chi2 for subset in pool), default=0.0)
-    for size in range(1, LARGEST + 1):
-        if winner is not nothing and winner.fit.scale < NEAR_NOISE:
-            break  # what is left, if anything, shows only along the winner's own simulation
-        sized = sorted((s for s in pool if len(s.causes) == size), key=lambda s: s.chi2)
-        promising = [
-            s
-            for s in _distinct(problem, sized)
-            if left - s.chi2 > max(PROMISE * (left - floor), HOPE * _price(trials, winner, s))
-            and s.held <= held
-        ]
-        tried = [trials.refined(s.causes, first_guess(problem, s)) for s in promising[:TRIALS]]
-        kept = [winner.fit.train - trial.fit.train for trial in tried]
-        if tried and max(kept) < VOID * (left - promising[0].chi2):
-            break  # along simulations the linear problem does not hold here
-        tried = [trial for trial in tried if trials.believed(trial)]
-        if not tried:
-            continue
-        best = _plainest(tried)
-        earned, sentence = earns(best, winner, trials.count)
-        fitter = criterion(best, best) < criterion(winner, best) - SIGNIFICANT
-        if not earned and best.numbers <= winner.numbers and fitter:
-            earned, sentence = True, f"{named(best.causes)}: fits better with as few numbers"
-        log.append(sentence)
-        if earned:
-            winner = best
-            subset = solve(problem, trials.causes(best))
-            left, held = (left, held) if subset is None else (subset.chi2, subset.held)
-    return winner
-
-
-def _price(trials: Trials, winner: Refined, subset: Subset) -> float:
-    """What Δχ² a subset must reach against the winner to be taken, if its residuals are white."""
-    numbers, causes = subset.numbers - winner.numbers, len(subset.causes) - len(winner.causes)
-    return SIGNIFICANT + price(winner, numbers, causes, trials.count)
-
-
-def _plainest(tried: Sequence[Refined]) -> Refined:
-    """The best of structures with as many causes each: one with more numbers must earn them."""
-    closest = min(tried, key=lambda trial: trial.fit.train)
-    best: Refined | None = None
-    for trial in sorted(tried, key=lambda trial: (trial.numbers, criterion(trial, closest))):
-        if best is None or (
-            criterion(trial, closest) < criterion(best, closest)
-            and (trial.numbers == best.numbers or earns(trial, best)[0])
-        ):
-            best = trial
-    assert best is not None
     return best
-
-
-def _distinct(problem: Problem, subsets: Sequence[Subset]) -> list[Subset]:
-    """The first of every set of subsets that differ in the shapes of their laws alone."""
-    first: dict[frozenset[object], Subset] = {}
-    for subset in subsets:
-        family = frozenset(problem.hypotheses[cause].family for cause in subset.causes)
-        first.setdefault(family, subset)
-    return list(first.values())
-
-
-def _improved(trials: Trials, winner: Refined, problem: Problem, log: list[str]) -> Refined:
-    """The winner with one cause added, swapped or dropped, if that is better; else itself."""
-    more = list(filter(trials.believed, deeper(trials, winner)))
-    for trial in more:  # where one law with a number more says it all, no second law is tried
-        earned, sentence = earns(trial, winner)
-        if earned and trial.fit.scale < NEAR_NOISE:
-            log.append(sentence)
-            return trial
-    for trial in filter(trials.believed, additions(trials, winner)):
-        earned, sentence = earns(trial, winner, trials.count)
-        log.append(sentence)
-        if earned:
-            return trial
-    plain = (*variants(trials, winner), *twin_variants(trials, winner))
-    for trial in (*filter(trials.believed, plain), *more):
-        earned, sentence = earns(trial, winner)
-        log.append(sentence)
-        if earned:
-            return trial
-    for trial in filter(trials.believed, more_lines(trials, winner)):
-        earned, sentence = earns(trial, winner, trials.count)
-        log.append(sentence)
-        if earned:
-            return trial
-    for trial in filter(trials.believed, swaps(trials, winner, problem)):
-        better = criterion(trial, winner) < criterion(winner, winner) - SIGNIFICANT
-        if better and (trial.numbers <= winner.numbers or earns(trial, winner)[0]):
-            log.append(f"{named(trial.causes)} instead of {named(winner.causes)}: fits better")
-            return trial
-    for trial in filter(trials.believed, (*one_for_two(trials, winner), *one_law(trials, winner))):
-        if not earns(winner, trial)[0]:
-            log.append(
-                f"{named(trial.causes)} instead of {named(winner.causes)}: says it with less"
-            )
-            return trial
-    for trial in two_for_one(trials, winner, problem):
-        log.append(f"{named(trial.causes)} instead of {named(winner.causes)}: fits better")
-        return trial
-    for simpler in (*simplifications(trials, winner), *plainer(trials, winner, problem)):
-        worse = criterion(simpler, winner) > criterion(winner, winner) + SIGNIFICANT
-        if worse and simpler.numbers >= winner.numbers and winner.fit.scale < NEAR_NOISE:
-            continue  # two laws that say less with as many numbers
-        earned, sentence = earns(winner, simpler)
-        log.append(sentence)
-        if not earned:
-            return simpler
-    for i, cause in enumerate(trials.causes(winner)):
-        rest = [c for c in trials.causes(winner) if c != cause]
-        kept = [row for j, row in enumerate(grouped(winner)) if j != i]
-        smaller = trials.refined(rest, kept)
-        earned, sentence = earns(winner, smaller)
-        log.append(sentence)
-        if not earned:
-            return smaller
-        for single in filter(trials.believed, deeper(trials, smaller, winner.causes[i].place)):
-            earned, sentence = earns(winner, single)
-            log.append(sentence)
-            if not earned:
-                return single
-    return winner
-
-
-def _passed_by(trials: Trials, winner: Refined, log: list[str]) -> Refined:
-    """The structure that fits best of those tried on the way which are no larger than the winner,
-    without what does not stand out in it, if it is better (with as many numbers significantly so):
-    the steps led past it. Else the winner."""
-
-    def better(trial: Refined) -> bool:
-        least = SIGNIFICANT if trial.numbers == winner.numbers else 0.0
-        return criterion(trial, winner) < criterion(winner, winner) - least
-
-    others = [
-        trial
-        for trial in trials.done.values()
-        if trial.numbers <= winner.numbers
-        and len(trial.causes) <= len(winner.causes)
-        and better(trial)
-    ]
-    for other in sorted(others, key=lambda trial: criterion(trial, winner))[:BASES]:
-        for trial in (other, *lean(trials, other)):
-            if better(trial) and trials.believed(trial):
-                log.append(f"{named(trial.causes)} instead of {named(winner.causes)}: fits better")
-                return trial
-    return winner
-
-
-def _ahead(trials: Trials, winner: Refined, log: list[str]) -> Refined:
-    """Where more than noise is left and no single step pays: the winner with one cause more that
-    fits better but takes too little by itself, and from there a variant or one more, where the
-    linear problem lets both together take enough; if that earns its place against the winner. Else
-    the winner."""
-    if winner.fit.scale < NEAR_NOISE:
-        return winner
-    better = criterion(winner, winner) - SIGNIFICANT
-    bases = [
-        trial
-        for trial in trials.done.values()
-        if len(trial.causes) == len(winner.causes) + 1
-        and {*winner.causes} < {*trial.causes}
-        and criterion(trial, winner) < better
-        and trials.believed(trial)
-    ]
-    for base in sorted(bases, key=lambda trial: criterion(trial, winner))[:BASES]:
-        bent, more = _hopeful(trials, winner, base)
-        added = additions(trials, base) if more else iter(())
-        for trial in chain(variants(trials, base, bent), added):
-            if trials.believed(trial):
-                earned, sentence = earns(trial, winner, trials.count)
-                log.append(sentence)
-                if earned:
-                    return trial
-    return winner
-
-
-def _hopeful(trials: Trials, winner: Refined, base: Refined) -> tuple[set[int], bool]:
-    """The variants of causes of ``base`` that could take enough together with what it has more than
-    the winner, and whether one cause more could."""
-    hypotheses, own = trials.setting.hypotheses, trials.causes(base)
-    (extra,) = (c for c in own if c not in trials.causes(winner))
-    if extra >= len(hypotheses):
-        return set(), False
-    problem, left = trials.along(winner), excess(winner.fit.train, winner)
-    share = {c: reach(problem, extra, c) / left for c in range(len(hypotheses)) if c not in own}
-    bent = {c for c in share if any(bends(hypotheses[c], mine) for mine in base.causes)}
-    hopeful = {c for c in bent if share[c] > PART_LEFT}
-    return hopeful, any(share[c] > 1 - (1 - PART_LEFT) ** 2 for c in share if c not in bent)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import chdtrc
 
-from symhyb.correction.search.evidence import OUTSTANDING
+from symhyb.correction.search.score import OUTSTANDING
 from symhyb.correction.search.setting import Setting, Stage
 from symhyb.correction.search.trajectory import Refined, grouped, keys_of, refine
 from symhyb.discrepancy.places.hypotheses import Hypothesis

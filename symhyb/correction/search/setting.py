@@ -1,6 +1,9 @@
 """What a decision works on: hypotheses, windows at growing lengths, and the screens over them."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from symhyb.correction.search.screen import screen
 from symhyb.correction.search.selection import Problem
@@ -65,4 +68,66 @@ def around(setting: Setting, winner: Refined) -> Problem:
         floor,
         each=[winner.of(item.source[0]) for item in laid],
         own=winner.own_columns,
+    )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Part:
+    """What a cause of a fitted structure does in the problem along it: its ``columns``, and their
+    coefficients (F,), SI, that make its effect."""
+
+    columns: tuple[int, ...]
+    effect: Array
+
+
+def effects(setting: Setting, winner: Refined, problem: Problem) -> tuple[Part, ...]:
+    """The part of each cause of a structure in the problem :func:`around` it."""
+    first = len(problem.columns) - len(setting.dull)
+    told = {cause.path: problem.columns[first + i] for i, cause in enumerate(setting.dull)}
+    rest = [path for path in winner.paths if path not in told]
+    own = {*winner.own_columns}
+    each: dict[str, list[int]] = {
+        path: [column] for path, column in zip(rest, problem.always, strict=False)
+    }
+    more = iter(problem.always[len(rest) :])
+    laid = setting.stages[-1].laid
+    for _ in laid[1:]:
+        for path in rest:
+            if winner.machine.column(path) in own:
+                each[path].append(next(more))
+    found, row = [], 0
+    for cause in winner.causes:
+        paths = winner.paths[row : row + cause.numbers]
+        row += cause.numbers
+        grows = {"value", "amplitude", *cause.terms, *cause.tied}
+        keys = ("value",) if cause.place is None else cause.keys
+        effect = np.zeros(len(problem.gram) - 1)
+        columns: list[int] = []
+        for path, key in zip(paths, keys, strict=True):
+            column = winner.machine.column(path)
+            base = winner.machine.values[column] if cause.place is None else 0.0
+            mine = told.get(path) or tuple(each[path])
+            columns += mine
+            for which, target in enumerate(mine):
+                value = winner.of(laid[which].source[0])[column] - base
+                effect[target] = value if key in grows else 0.0
+        found.append(Part(tuple(columns), effect))
+    return tuple(found)
+
+
+def exchanged(problem: Problem, parts: Sequence[Part], out: Sequence[int]) -> Problem:
+    """The problem in which the causes ``out`` of the structure along which it was made are gone,
+    and those that stay may move."""
+    effect = np.sum([parts[i].effect for i in out], axis=0) if out else np.zeros(len(problem.lower))
+    gone = {column for i in out for column in parts[i].columns}
+    stay = [c for i, part in enumerate(parts) if i not in out for c in part.columns]
+    always = [column for column in problem.always if column not in gone]
+    always += [column for column in stay if column not in always]
+    mix = np.eye(len(problem.gram))
+    mix[:-1, -1] = effect
+    return replace(
+        problem,
+        gram=mix.T @ problem.gram @ mix,
+        held=mix.T @ problem.held @ mix,
+        always=tuple(always),
     )

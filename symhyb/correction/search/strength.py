@@ -2,16 +2,12 @@
 
 from dataclasses import replace
 
-import numpy as np
-
 from symhyb.correction.search.trajectory import Refined
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.course import course_of
 from symhyb.discrepancy.recorded.motion import Motion
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.kernels.vector import along
-
-SMALL = 0.05  # of the force that a structure adds at a coordinate: a cause that is worth a name
 
 
 def element_forces(
@@ -28,18 +24,3 @@ def element_forces(
     forces = flat.reshape(c.t.size, -1, machine.n).swapaxes(1, 2)
     stretch, rate, _ = along(machine.pathways, (c.q, c.v, c.t, p), (3,), c.t.size)
     return forces, stretch, rate
-
-
-def shares(trial: Refined, recording: Recording, motion: Motion) -> Array:
-    """RMS of each force cause (E,) over the RMS of what all of them add, dimensionless, at the
-    coordinate where it weighs most."""
-    count = sum(cause.place is not None for cause in trial.causes)
-    if count == 0:
-        return np.zeros(0)
-    forces = element_forces(trial, recording, motion)[0]
-    own = forces[:, :, forces.shape[2] - count :]
-    size = np.sqrt(np.mean(own**2, axis=0))
-    total = np.sqrt(np.mean(own.sum(axis=2) ** 2, axis=0))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        part = np.where(size > 0, size / total[:, None], 0.0)
-    return np.asarray(np.max(part, axis=0))

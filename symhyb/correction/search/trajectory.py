@@ -45,6 +45,11 @@ class Refined:
         return int(self.fit.values.size)
 
     @property
+    def name(self) -> str:
+        """The causes, in a line of the log."""
+        return " + ".join(map(str, self.causes)) or "the model as it is"
+
+    @property
     def own_columns(self) -> tuple[int, ...]:
         """Columns in p of the numbers that each recording has its own value of."""
         own = [key in cause.own for cause in self.causes for key in keys_of(cause)]

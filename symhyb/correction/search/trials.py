@@ -4,10 +4,8 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from symhyb.correction.search.evidence import NEAR_NOISE, believable, named
 from symhyb.correction.search.selection import Problem, Subset
 from symhyb.correction.search.setting import Setting, around
-from symhyb.correction.search.strength import SMALL, shares
 from symhyb.correction.search.trajectory import Refined, grouped, refine
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.numeric.kernels.buffers import Array
@@ -15,21 +13,21 @@ from symhyb.numeric.kernels.buffers import Array
 NEXT_TO_NONE = 1e-3  # of the mean of the others: where a recording without a cause begins
 
 Say = Callable[[str], None]
+Row = dict[str, float]
 
 
 class Trials:
-    """Structures refined at the longest windows, each once; the second of ``twins``, and causes
-    that are ``dropped``, are not tried."""
+    """Structures refined at the longest windows, each once; the second of ``twins`` is not
+    tried."""
 
     def __init__(
         self,
         setting: Setting,
-        dropped: set[int],
         say: Say,
         twins: Sequence[tuple[int, int]] = (),
     ):
         self.setting, self.say, self.twins = setting, say, tuple(twins)
-        self.dropped = dropped | {second for _, second in twins}
+        self.dropped = {second for _, second in twins}
         self.done: dict[tuple[int, ...], Refined] = {}
         self.known = list(setting.hypotheses)
         self._along: dict[tuple[int, ...], Problem] = {}
@@ -45,7 +43,7 @@ class Trials:
         key = tuple(sorted(causes))
         if key not in self.done:
             chosen = [self.known[cause] for cause in causes]
-            self.say("trying " + named(chosen))
+            self.say("trying " + (" + ".join(map(str, chosen)) or "the model as it is"))
             found = self._fitted(chosen, values, starts)
             part = self._best_part(key)
             if part is not None and not found.fit.train <= part.fit.train:
@@ -85,17 +83,6 @@ class Trials:
         """How many causes compete."""
         return len({cause.family for cause in self.setting.hypotheses}) - len(self.dropped)
 
-    def believed(self, trial: Refined) -> bool:
-        """Whether its values are believable, and where more than noise is left, also worth a name:
-        what the structure still lacks bends every small force to its purpose."""
-        if not believable(trial, self.setting.stages[-1].length_s):
-            return False
-        if trial.fit.scale < NEAR_NOISE or len(trial.causes) < 2:
-            return True
-        sources = [item.source for item in self.setting.stages[-1].laid]
-        sizes = np.max([shares(trial, *source) for source in sources], axis=0)
-        return bool(np.all(sizes > SMALL))
-
     def causes(self, trial: Refined) -> tuple[int, ...]:
         """The numbers of a structure's causes."""
         return tuple(map(self.index, trial.causes))
@@ -105,10 +92,6 @@ class Trials:
         if cause not in self.known:
             self.known.append(cause)
         return self.known.index(cause)
-
-    def listed(self, trial: Refined) -> bool:
-        """Whether the linear problems hold every cause of a structure."""
-        return max(self.causes(trial), default=-1) < len(self.setting.hypotheses)
 
 
 def _joining(

@@ -7,13 +7,12 @@ fit the others is named, and does not choose with them.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from symhyb.correction.advice.isolability import completed
+from symhyb.correction.adequacy.finalists import settled
 from symhyb.correction.learning.sparse import propose
 from symhyb.correction.naming.fleet_words import misfit
 from symhyb.correction.search.beginnings import active_part, changed, contradicted
 from symhyb.correction.search.decide import Decision, decide
 from symhyb.correction.search.fleet import Stranger, parted, strangers, without
-from symhyb.correction.search.luck import with_luck
 from symhyb.correction.search.preparing import Prepared
 from symhyb.correction.search.selection import Subset
 from symhyb.correction.search.setting import Setting
@@ -64,7 +63,8 @@ def choose(prepared: Prepared, setting: Setting, say: Say) -> Choice:
             else parted(setting, decision.winner, odd[0])
         )
         decision = decide(setting, proposals, say)
-    decision = with_luck(setting, completed(setting, decision))
+    say("holding what is close against whole recordings")
+    decision = settled(prepared, setting, decision)
     return Choice(setting, decision, places, change, misfits)
 
 

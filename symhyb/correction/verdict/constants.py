@@ -10,7 +10,7 @@ from dataclasses import replace
 
 from symhyb.correction.naming.findings import reestimated
 from symhyb.correction.search.conventions import CERTAIN
-from symhyb.correction.search.evidence import NEAR_NOISE, SIGNIFICANT, criterion, earns
+from symhyb.correction.search.score import NEAR_NOISE, SIGNIFICANT, piece_of, score
 from symhyb.correction.search.screen import screen
 from symhyb.correction.search.selection import solve
 from symhyb.correction.search.setting import Setting
@@ -33,7 +33,7 @@ def with_constant(answer: Diagnosis, choice: Choice) -> Diagnosis:
     winner, nothing = choice.decision.winner, choice.decision.nothing
     if answer.verdict == "nothing missing" or winner.owned:
         return answer
-    found = wrong_constant(choice.setting, winner, nothing)
+    found = wrong_constant(choice.setting, winner, nothing, choice.decision.count)
     if found is None:
         return answer
     trial, evidence = found
@@ -58,10 +58,10 @@ def with_constant(answer: Diagnosis, choice: Choice) -> Diagnosis:
 
 
 def wrong_constant(
-    setting: Setting, winner: Refined, nothing: Refined
+    setting: Setting, winner: Refined, nothing: Refined, count: int
 ) -> tuple[Refined, float] | None:
     """The held parameter, as a structure by itself, that explains the recordings down to their
-    noise with no more numbers than ``winner``, about as well or better, and its criterion against
+    noise with no more numbers than ``winner``, about as well or better, and its score against
     the winner's (negative: better); None if there is none."""
     best: tuple[Refined, float] | None = None
     for cause, change in _promising(setting, nothing):
@@ -72,9 +72,13 @@ def wrong_constant(
             setting.stages[-1].laid,
             setting.sd,
         )
-        if trial.fit.reason or not trial.fit.scale < NEAR_NOISE or not earns(trial, nothing)[0]:
+        if trial.fit.reason or not trial.fit.scale < NEAR_NOISE:
             continue
-        evidence = criterion(trial, trial) - criterion(winner, trial)
+        unit = piece_of(trial)
+        mine = score(trial, unit, count)
+        if not mine < score(nothing, unit, count):
+            continue
+        evidence = mine - score(winner, unit, count)
         fewer = not winner.causes or trial.numbers <= winner.numbers
         if fewer and evidence < CERTAIN and (best is None or evidence < best[1]):
             best = trial, evidence

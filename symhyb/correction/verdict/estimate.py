@@ -7,9 +7,9 @@ import numpy as np
 
 from symhyb.correction.naming.findings import Named, doubtful, named
 from symhyb.correction.naming.fleet_words import drift_sentence
-from symhyb.correction.search.evidence import NEAR_NOISE, weak
 from symhyb.correction.search.fleet import Stranger, drifting, widened
 from symhyb.correction.search.preparing import Prepared
+from symhyb.correction.search.score import NEAR_NOISE, weak
 from symhyb.correction.search.setting import Setting, Stage
 from symhyb.correction.search.trajectory import Refined, grouped, refine
 from symhyb.correction.verdict.choice import Choice

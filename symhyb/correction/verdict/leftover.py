@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from symhyb.correction.naming.findings import cause_phrase
-from symhyb.correction.search.evidence import SIGNIFICANT, unit_of
+from symhyb.correction.search.score import SIGNIFICANT, unit_of
 from symhyb.correction.search.screen import screen
 from symhyb.correction.search.selection import Problem, solve
 from symhyb.correction.search.setting import Setting, around

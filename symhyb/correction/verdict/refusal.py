@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from symhyb.correction.advice.advice import other_speeds
-from symhyb.correction.search.evidence import part_taken
+from symhyb.correction.search.score import part_left
 from symhyb.correction.search.trajectory import Refined
 from symhyb.discrepancy.checks.suspicion import gain_of
 from symhyb.discrepancy.places.meeting import meeting
@@ -127,7 +127,7 @@ def if_explained(diagnosis: Diagnosis, winner: Refined, nothing: Refined) -> Dia
     """The diagnosis, undecided where the best structure leaves a part of the mismatch that is more
     than noise: what it holds then may stand in for something else."""
     claims = diagnosis.found or diagnosis.parameters or diagnosis.measurement
-    left = 1 - part_taken(winner, nothing)
+    left = part_left(winner, nothing)
     if not claims or not left > LEFT_MOST or not winner.fit.scale > UNEXPLAINED:
         return diagnosis
     times = f"{number_text(float(np.sqrt(winner.fit.scale)), digits=2)} times the noise"

@@ -6,8 +6,7 @@ began, a simulation over the whole recording adds up forces and not errors of th
 the better judge; the held windows have to agree. On a free integrator it is not, because there
 every small error adds up for ever.
 
-Where more than noise is left, odds from that rest mean little between two causes that leave much
-the same: one is told only if it takes half of what the other leaves, as any cause has to.
+They are compared by the score of the search, in the unit of what the better one leaves.
 """
 
 from collections.abc import Callable, Sequence
@@ -15,25 +14,21 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symhyb.correction.search.evidence import (
-    HOPE,
+from symhyb.correction.search.conventions import RIVAL
+from symhyb.correction.search.exchanges import HOPE
+from symhyb.correction.search.preparing import SAMPLES_MOST, Prepared
+from symhyb.correction.search.score import (
     NEAR_NOISE,
-    PART_LEFT,
     SIGNIFICANT,
-    criterion,
-    earns,
-    excess,
-    named,
-    part_taken,
-    price,
+    believable,
+    piece_of,
+    samples,
+    score,
     unit_of,
 )
-from symhyb.correction.search.moves import PROMISE
-from symhyb.correction.search.preparing import SAMPLES_MOST, Prepared
 from symhyb.correction.search.selection import Problem, Subset, solve, without
 from symhyb.correction.search.setting import Setting, Stage, around
 from symhyb.correction.search.trajectory import Refined, grouped, refine
-from symhyb.correction.search.trials import Trials
 from symhyb.correction.verdict.choice import Choice
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.recorded.runs import laid_on
@@ -51,7 +46,7 @@ Say = Callable[[str], None]
 @dataclass(frozen=True, slots=True)
 class Completed:
     """The chosen structure with one cause more, fitted over whole recordings (``final``, at
-    ``stage``), and with every rival of that cause, best first, by how much its criterion is worse;
+    ``stage``), and with every rival of that cause, best first, by how much its score is worse;
     ``log`` says how they were judged."""
 
     final: Refined
@@ -85,17 +80,19 @@ def completed_over_all(prepared: Prepared, choice: Choice, say: Say) -> Complete
     found = [
         trial
         for trial in _tried(choice, setting, base)
-        if _stands(setting, winner, base, trial, log)
+        if _stands(setting, winner, base, trial, choice.decision.count, log)
     ]
     if not found:
         return None
-    best = min(found, key=lambda trial: criterion(trial, base))
+    unit = piece_of(min(found, key=lambda trial: trial.fit.train))
+    ranked = sorted((score(trial, unit, 1), i) for i, trial in enumerate(found))
+    best = found[ranked[0][1]]
     rivals = [
-        (trial, criterion(trial, best) - criterion(best, best))
-        for trial in found
-        if trial is not best and not part_taken(best, trial) > PART_LEFT
+        (found[i], behind - ranked[0][0])
+        for behind, i in ranked[1:]
+        if behind - ranked[0][0] < RIVAL
     ]
-    return Completed(best, stage, tuple(sorted(rivals, key=lambda pair: pair[1])), tuple(log))
+    return Completed(best, stage, tuple(rivals), tuple(log))
 
 
 def whole_of(prepared: Prepared, setting: Setting) -> Stage | None:
@@ -140,16 +137,16 @@ def forgets(trial: Refined, stage: Stage) -> bool:
 
 def _tried(choice: Choice, setting: Setting, base: Refined) -> list[Refined]:
     """The structure with each cause of one number that the linear problem over whole recordings
-    promises, refined; those that are worth a name."""
-    trials = Trials(setting, {i for i, c in enumerate(setting.hypotheses) if c.variant}, _silent)
+    promises, refined; those that can be believed."""
     gone = {setting.hypotheses.index(second) for _, second in choice.decision.twins}
-    problem = without(around(setting, base), trials.dropped | gone)
+    gone |= {i for i, cause in enumerate(setting.hypotheses) if cause.variant}
+    problem = without(around(setting, base), gone)
     tried = []
-    for subset in _promised(problem, base, trials.count):
+    for subset in _promised(problem, base, choice.decision.count):
         cause = problem.hypotheses[subset.causes[0]]
         rows = [*grouped(base), cause.values(list(subset.values))]
         trial = _over_all(setting, (*base.causes, cause), base, rows, base.fit.starts)
-        if trials.believed(trial):
+        if believable(trial):
             tried.append(trial)
     return tried
 
@@ -159,36 +156,40 @@ def _promised(problem: Problem, base: Refined, count: int) -> list[Subset]:
     empty = solve(problem, ())
     if empty is None:
         return []
-    taken = {(c.kind, c.place, c.path, term) for c in base.causes for term in c.terms}
-    least = HOPE * (SIGNIFICANT + price(base, 1, 1, count)) * unit_of(base)
+    known = {(c.kind, c.place, c.path, term) for c in base.causes for term in c.terms}
+    price = np.log(samples(base)) + 2 * np.log(max(count, 1))
     best: dict[object, Subset] = {}
     for i, cause in enumerate(problem.hypotheses):
-        told = {(cause.kind, cause.place, cause.path, term) for term in cause.terms}
-        if cause.numbers > 1 or told & taken or (subset := solve(problem, (i,))) is None:
+        terms = {(cause.kind, cause.place, cause.path, term) for term in cause.terms}
+        if cause.numbers > 1 or terms & known or (subset := solve(problem, (i,))) is None:
             continue
-        gain = empty.chi2 - subset.chi2
-        worth = gain > least and gain > PROMISE * excess(empty.chi2, base)
+        worth = empty.chi2 - subset.chi2 > HOPE * price * piece_of(base)
         if worth and (cause.family not in best or subset.chi2 < best[cause.family].chi2):
             best[cause.family] = subset
     return sorted(best.values(), key=lambda subset: subset.chi2)[:TRIED_MOST]
 
 
 def _stands(
-    setting: Setting, winner: Refined, base: Refined, trial: Refined, log: list[str]
+    setting: Setting,
+    winner: Refined,
+    base: Refined,
+    trial: Refined,
+    count: int,
+    log: list[str],
 ) -> bool:
     """Whether the added cause earns its place over whole recordings, and the held ones of the
     longest windows, at which ``winner`` was fitted, agree."""
-    count = len({cause.family for cause in setting.hypotheses})
-    earned, sentence = earns(trial, base, count)
-    log.append(f"over whole recordings: {sentence}")
-    if not earned or not winner.fit.held.any():
-        return earned
+    unit = piece_of(trial)
+    gain = score(base, unit, count) - score(trial, unit, count)
+    log.append(f"{trial.name} over whole recordings, against {base.name}: better by {gain:.3g}")
+    if not gain > 0 or not winner.fit.held.any():
+        return gain > 0
     model, laid = setting.windows.machine.model, setting.stages[-2].laid
-    larger = refine(model, trial.causes, grouped(trial), laid, setting.sd, winner.fit.starts).fit
-    held = (winner.fit.validation - larger.validation) / (larger.scale * larger.correlation)
-    agreed = not larger.reason and held > SIGNIFICANT
+    larger = refine(model, trial.causes, grouped(trial), laid, setting.sd, winner.fit.starts)
+    held = (winner.fit.validation - larger.fit.validation) / unit_of(larger)
+    agreed = not larger.fit.reason and held > SIGNIFICANT
     said = "agree" if agreed else "do not agree"
-    log.append(f"{named(trial.causes)}: held windows {said} ({held:.3g})")
+    log.append(f"{trial.name}: held windows {said} ({held:.3g})")
     return agreed
 
 
@@ -210,7 +211,3 @@ def _over_all(
         everything=True,
         careful=True,
     )
-
-
-def _silent(line: str) -> None:
-    """Say nothing."""

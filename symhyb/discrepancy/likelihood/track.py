@@ -229,7 +229,7 @@ def white_forces(one: Track, noise: NoiseModel, forces: Array) -> Array:
 
 
 def still(one: Track) -> Array:
-    """No change of the track's free parameters: zeros (F,)."""
+    """No change of the track's free parameters: zeros (F,), SI."""
     return np.zeros(one.linear.by_free.shape[3])
 
 

@@ -1,13 +1,14 @@
-"""Products as the last resort: which of them the linear problem promises, where the laws that have
-a name leave more than noise."""
+"""Formulas without a name, where no law that has one explains the recordings: products of what
+moves and what acts, the most promising of them by the linear problem."""
 
 from collections.abc import Sequence
 
-from symhyb.correction.search.evidence import SIGNIFICANT, excess, unit_of
+from symhyb.correction.search.score import SIGNIFICANT, unit_of
 from symhyb.correction.search.screen import screen
 from symhyb.correction.search.selection import Subset, solve
 from symhyb.correction.search.setting import Setting
 from symhyb.correction.search.trajectory import Refined
+from symhyb.correction.search.trials import Row
 from symhyb.discrepancy.places.hypotheses import Hypothesis, Library
 from symhyb.discrepancy.places.products import product_library, products
 from symhyb.model.types import On
@@ -16,8 +17,6 @@ from symhyb.numeric.runs.windows import WindowModel
 
 PROMISE = 0.3  # of what is left, which the linear problem must promise before a trial
 TRIALS = 3
-
-Row = dict[str, float]
 
 
 def candidates(setting: Setting) -> Library:
@@ -73,5 +72,5 @@ def worth(empty: Subset, subset: Subset, base: Refined, unit: float | None = Non
     """Whether a linear problem promises enough for a trial: a significant part of what a structure
     leaves; ``unit`` is χ² of one independent sample (default: that of the structure)."""
     gain = empty.chi2 - subset.chi2
-    significant = gain / (unit_of(base) if unit is None else unit) > SIGNIFICANT
-    return significant and gain > PROMISE * excess(empty.chi2, base)
+    more = max(empty.chi2 - float(base.fit.count[~base.fit.held].sum()), 1e-12)
+    return gain / (unit_of(base) if unit is None else unit) > SIGNIFICANT and gain > PROMISE * more

@@ -3,11 +3,12 @@
 from dataclasses import replace
 from itertools import combinations
 
-from symhyb.correction.search.last_resort import Row, worth
+from symhyb.correction.search.formulas import worth
 from symhyb.correction.search.screen import screen
 from symhyb.correction.search.selection import solve
 from symhyb.correction.search.setting import Setting
 from symhyb.correction.search.trajectory import Refined, grouped
+from symhyb.correction.search.trials import Row
 from symhyb.discrepancy.places.hypotheses import Hypothesis, library
 from symhyb.laws.lines import NARROW, WAVE
 from symhyb.model.vocabulary import KINDS
@@ -16,7 +17,7 @@ from symhyb.numeric.runs.windows import WindowModel
 OVERTONES = (2.0, 3.0, 0.5)  # times the frequency that was found
 
 
-def overtones(setting: Setting, winner: Refined) -> list[tuple[tuple[Hypothesis, ...], list[Row]]]:
+def lines_of(setting: Setting, winner: Refined) -> list[tuple[tuple[Hypothesis, ...], list[Row]]]:
     """The best line more and the best two of them, with first guesses, where the linearisation
     along the winner's simulation promises a part of what is left."""
     offered = _lines(setting, winner)

@@ -1,0 +1,54 @@
+"""Which of the structures that windows cannot tell apart is believed: the innovations decide.
+
+Windows with free beginnings are quick and robust, and lose what acts slowly. Structures whose
+scores are too close for a decision are fitted along whole recordings by the innovations likelihood,
+in which an unknown force stands for what all of them lack.
+"""
+
+from dataclasses import replace
+
+from symhyb.correction.adequacy.evidence import evidence
+from symhyb.correction.adequacy.recorded import recorded
+from symhyb.correction.adequacy.structure import fitted
+from symhyb.correction.search.conventions import CERTAIN, exchange
+from symhyb.correction.search.decide import Decision
+from symhyb.correction.search.preparing import Prepared
+from symhyb.correction.search.score import believable
+from symhyb.correction.search.setting import Setting
+from symhyb.correction.search.trajectory import Refined, grouped
+
+FINALISTS_MOST = 4
+
+
+def settled(prepared: Prepared, setting: Setting, decision: Decision) -> Decision:
+    """The decision with its winner chosen among the structures of almost its score."""
+    finalists = _finalists(setting, decision)
+    ground = recorded(prepared, setting) if len(finalists) > 1 else None
+    if ground is None:
+        return decision
+    found = []
+    for trial in finalists:
+        one = fitted(ground, trial.causes, grouped(trial), ground.first_noise())
+        found.append((evidence(ground, one), trial))
+    best, winner = max(found, key=lambda pair: pair[0])
+    if not best > found[0][0]:
+        winner = finalists[0]
+    judged = tuple((trial, 2 * (best - mine)) for mine, trial in found)
+    log = tuple(f"{trial.name}: {-worse / 2:.3g} of ln evidence" for trial, worse in judged)
+    return replace(decision, winner=winner, judged=judged, log=(*decision.log, *log))
+
+
+def _finalists(setting: Setting, decision: Decision) -> list[Refined]:
+    """The winner, and the structures of almost its score that are another answer, best first."""
+    winner, length_s = decision.winner, setting.stages[-1].length_s
+    near = [
+        trial
+        for trial in sorted(decision.trials, key=decision.behind)
+        if trial is not winner
+        and not trial.fit.reason
+        and decision.behind(trial) < CERTAIN
+        and not exchange(trial.causes, winner.causes).conventional
+        and {cause.family for cause in trial.causes} != {cause.family for cause in winner.causes}
+        and believable(trial, length_s)
+    ]
+    return [winner, *near[: FINALISTS_MOST - 1]]

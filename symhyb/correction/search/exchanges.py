@@ -1,0 +1,120 @@
+"""Exchanges of causes that the linear problem along a structure's simulation promises.
+
+One Gram matrix along the simulation answers for every exchange: a cause that goes puts its effect
+back into the residual, those that stay may move, and any others may come.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from symhyb.correction.search.score import piece_of, samples
+from symhyb.correction.search.selection import Problem, Subset, best_subsets, solve, without
+from symhyb.correction.search.setting import effects, exchanged
+from symhyb.correction.search.trajectory import Refined, grouped
+from symhyb.correction.search.trials import Row, Trials, first_guess
+from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.laws.friction_dynamic import STATIC_FIRST
+
+OUT, IN = 2, 2  # causes that go, and that come, at once; not two for two
+TRIED = 8  # exchanges of one structure that are refined, the most promising
+HOPE = 0.5  # of what an exchange costs: the linear problem may promise too little
+SLACK = 5.0  # of the score: what promises to be worse by less may be better, or a rival
+
+
+@dataclass(frozen=True, slots=True)
+class Offer:
+    """A structure in place of another one: the numbers of its ``causes``, and ``rows`` of values,
+    by key, SI, at which their fit begins; ``gain`` of the score, as the linear problem has it."""
+
+    causes: tuple[int, ...]
+    rows: tuple[Row, ...]
+    gain: float
+
+
+def exchanges(trials: Trials, base: Refined) -> Iterator[Offer]:
+    """The most promising exchanges of a fitted structure, best first, one for each set of laws
+    whatever their shapes."""
+    offered = sorted(_all(trials, base), key=lambda offer: -offer.gain)
+    seen: set[object] = set()
+    for offer in offered:
+        families = frozenset(trials.known[cause].family for cause in offer.causes)
+        if families not in seen:
+            seen.add(families)
+            yield offer
+        if len(seen) == TRIED:
+            return
+
+
+def _all(trials: Trials, base: Refined) -> Iterator[Offer]:
+    along = trials.along(base)
+    parts = effects(trials.setting, base, along)
+    still = solve(exchanged(along, parts, ()), ())
+    if still is None:
+        return
+    own, rows, unit = trials.causes(base), grouped(base), piece_of(base)
+    number, choice = np.log(samples(base)), 2 * np.log(max(trials.count, 1))
+    for many in range(min(OUT, len(own)) + 1):
+        for out in combinations(range(len(own)), many):
+            gone = [base.causes[i] for i in out]
+            stay = [i for i in range(len(own)) if i not in out]
+            problem = _open(
+                trials, exchanged(along, parts, out), [base.causes[i] for i in stay], gone
+            )
+            for sized in best_subsets(problem, IN if many < OUT else 1)[1:]:
+                for subset in distinct(problem, sized)[:TRIED]:
+                    more = subset.numbers - sum(cause.numbers for cause in gone)
+                    price = more * number + (len(subset.causes) - many) * choice
+                    taken = still.chi2 + still.held - subset.chi2 - subset.held
+                    gain = float(taken / unit - price)
+                    if gain > -max(HOPE * price, SLACK):
+                        fresh = _begun(problem, subset, gone, [rows[i] for i in out])
+                        yield Offer(
+                            (*(own[i] for i in stay), *subset.causes),
+                            (*(rows[i] for i in stay), *fresh),
+                            gain,
+                        )
+
+
+def _open(
+    trials: Trials, problem: Problem, kept: Sequence[Hypothesis], gone: Sequence[Hypothesis]
+) -> Problem:
+    """The problem in which what is ``gone``, and the terms of what is ``kept``, cannot come
+    again."""
+    held = {(cause.subject, term) for cause in kept for term in cause.terms}
+    barred = {
+        c
+        for c, cause in enumerate(problem.hypotheses)
+        if cause in gone
+        or (cause not in kept and any((cause.subject, term) in held for term in cause.terms))
+    }
+    return without(problem, barred | trials.dropped)
+
+
+def _begun(
+    problem: Problem, subset: Subset, gone: Sequence[Hypothesis], rows: Sequence[Row]
+) -> list[Row]:
+    """First guesses of the causes of a subset; a variant begins at the plain law in whose place it
+    comes."""
+    found: list[Row] = list(first_guess(problem, subset))
+    for i, index in enumerate(subset.causes):
+        cause = problem.hypotheses[index]
+        for plain, row in zip(gone, rows, strict=True):
+            if cause.variant and not plain.variant and cause.extends(plain):
+                terms = [row.get(term, 0.0) for term in cause.terms]
+                if "static" in cause.terms:
+                    terms[cause.terms.index("static")] = STATIC_FIRST * row["coulomb"]
+                kept = {key: value for key, value in row.items() if key in cause.keys}
+                found[i] = {**cause.values(terms), **kept}
+    return found
+
+
+def distinct(problem: Problem, subsets: Sequence[Subset]) -> list[Subset]:
+    """The first of every set of subsets that differ in the shapes of their laws alone."""
+    first: dict[frozenset[object], Subset] = {}
+    for subset in subsets:
+        family = frozenset(problem.hypotheses[cause].family for cause in subset.causes)
+        first.setdefault(family, subset)
+    return list(first.values())

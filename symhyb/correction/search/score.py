@@ -1,0 +1,160 @@
+"""The one score of a structure, and which structures physics and their own deviations allow.
+
+    χ²/u + Σ price of a number + 2 ln p for each cause         the smaller, the better
+
+χ² is what the structure leaves on all windows, fitted and held; u is χ² of one independent piece
+of that, the same for all that are compared; a number costs ln N (N samples); a cause is chosen
+among p. It is −2 ln of the posterior probability up to a constant: 4.6 are odds of 10 to 1.
+
+Sources: Schwarz, Annals of Statistics 6, 1978 (k ln N); Chen & Chen, Biometrika 95, 2008 (the price
+of a long list); Kennedy & O'Hagan, Journal of the Royal Statistical Society B 63, 2001 (what a
+model lacks is no noise).
+"""
+
+from collections.abc import Mapping
+from math import inf
+
+import numpy as np
+from scipy.special import ndtr, ndtri
+
+from symhyb.correction.search.trajectory import Refined, grouped, own_key
+from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.discrepancy.words.formula import LAW
+from symhyb.model.vocabulary import key_of
+from symhyb.numeric.kernels.buffers import Array
+
+SIGNIFICANT = 10.0  # of twice ln of the odds: 150 to 1
+OUTSTANDING = 3.0  # standard deviations, of the strength of a cause
+NEAR_NOISE = 1.1  # χ² per sample: how well the noise is known
+PIECES = 20.0  # independent pieces of what a model lacks: a cause then takes about half of it
+NOISE_SHARE = 0.02  # of the noise: less than this is never said to be left
+
+
+def score(trial: Refined, unit: float, candidates: int) -> float:
+    """The score of a fitted structure in a ``unit``, chosen among so many ``candidates``."""
+    return left(trial) / unit + price(trial, candidates)
+
+
+def price(trial: Refined, candidates: int) -> float:
+    """What a structure costs: its numbers, and having chosen its causes among ``candidates``.
+
+    A parameter that states an sd was not chosen: its χ² against what was known of it counts
+    instead, but no more than the law costs that does the same.
+    """
+    chosen = sum(1 for cause in trial.causes if not _stated(trial, cause))
+    choice = 2 * np.log(max(candidates, 1))
+    prior = min(trial.fit.prior, len(trial.causes) * (np.log(samples(trial)) + choice))
+    return float(cost(trial) + prior + chosen * choice)
+
+
+def left(trial: Refined) -> float:
+    """χ² of all windows."""
+    return trial.fit.train + trial.fit.validation
+
+
+def samples(trial: Refined) -> float:
+    """How many samples the windows have."""
+    return max(float(trial.fit.count.sum()), 2.0)
+
+
+def cost(trial: Refined) -> float:
+    """k ln N of a structure; a number that every recording has of its own is known from the samples
+    of that recording alone, and costs their logarithm."""
+    size, recordings = samples(trial), len(trial.owned)
+    if not recordings:
+        return float(trial.numbers * np.log(size))
+    shared = len(set.intersection(*map(set, trial.owned)))
+    own = trial.numbers - shared
+    return float(shared * np.log(size) + own * np.log(max(size / recordings, 2.0)))
+
+
+def unit_of(trial: Refined) -> float:
+    """χ² of one independent sample: residual variance times its correlation."""
+    return trial.fit.scale * trial.fit.correlation
+
+
+def piece_of(trial: Refined) -> float:
+    """χ² of one independent piece of what a structure leaves: of its residuals by their
+    correlation, and of what is more than noise as one of few. A missing force repeats wherever the
+    motion does; that the samples are many makes it no better known."""
+    return max(unit_of(trial), (left(trial) - NEAR_NOISE * samples(trial)) / PIECES)
+
+
+def part_left(trial: Refined, nothing: Refined) -> float:
+    """The share of the squared mismatch beyond the noise that a structure leaves."""
+    floor = samples(nothing)
+    before, after = left(nothing), left(trial)
+    if not np.isfinite(before):
+        return 0.0
+    return 1 - (before - after) / max(before - min(floor, after), NOISE_SHARE * floor)
+
+
+def _stated(trial: Refined, cause: Hypothesis) -> bool:
+    """Whether a cause is a parameter of the model that states an sd."""
+    if cause.kind != "parameter":
+        return False
+    return any(item.path == cause.path and item.sd for item in trial.machine.model.all_parameters())
+
+
+def believable(trial: Refined, length_s: float = inf) -> bool:
+    """Whether physics allows the fitted values and each strength stands out of its own deviation. A
+    law that differs by direction, or is a formula without a name, is claimed only where it explains
+    the recordings down to their noise: they fit whatever is left.
+
+    A memory that outlasts windows of ``length_s`` (s) cannot be told from their initial states.
+    """
+    if trial.fit.reason or weak(trial):
+        return False
+    for cause, values in zip(trial.causes, grouped(trial), strict=True):
+        if cause.kind == "relaxation" and values["damping"] > length_s * values["stiffness"]:
+            return False
+        if ("skew" in cause.terms or cause.kind == LAW) and not trial.fit.scale < NEAR_NOISE:
+            return False
+        if cause.kind == "friction" and values.get("static", inf) < values["coulomb"]:
+            return False
+    return True
+
+
+def weak(trial: Refined) -> tuple[int, ...]:
+    """The causes, by their place in the structure, whose strength or added key does not stand out
+    of its own deviation."""
+    first, found = 0, []
+    spread = np.sqrt(np.diag(trial.fit.covariance))
+    for i, (cause, values) in enumerate(zip(trial.causes, grouped(trial), strict=True)):
+        stands = _strong(trial, i, first, spread)
+        if not (stands and _added_stands(cause, values, spread[first : first + cause.numbers])):
+            found.append(i)
+        first += cause.numbers
+    return tuple(found)
+
+
+def _strong(trial: Refined, which: int, first: int, spread: Array) -> bool:
+    """Whether the strength of a cause, whose numbers begin at ``first``, stands out of its own
+    deviation (``spread`` of all numbers, SI); where every recording has its own, that of any one,
+    as far out as the largest of so many may be by chance: not every machine need show the cause."""
+    cause, values = trial.causes[which], grouped(trial)[which]
+    key, strength = next(iter(values.items()))
+    if key in cause.own and trial.owned:
+        least = -ndtri(ndtr(-OUTSTANDING) / len(trial.owned))
+        return any(
+            abs(values[own_key(key, recording)]) > least * spread[columns[first]]
+            for (recording, _), columns in zip(trial.each, trial.owned, strict=True)
+        )
+    if "static" in cause.terms:
+        strength = values["static"] - values["coulomb"]
+    return bool(abs(strength) > OUTSTANDING * spread[first])
+
+
+def _added_stands(cause: Hypothesis, values: Mapping[str, float], spread: Array) -> bool:
+    """Whether every key that was added to a plain law stands out of its own deviation (``spread``
+    (k,), SI, in the order of ``values``): an exponent from 1, breakaway from sliding friction, and
+    what may have either sign by the sign that the plain law has not."""
+    for key, sd in zip(list(values)[: cause.numbers], spread, strict=True):
+        declared = key_of(cause.kind, key) if key in cause.added else None
+        plain = declared.plain(values) if declared else None
+        if declared is None or plain is None:
+            continue
+        beyond = -values[key] if declared.either_sign else values[key] - plain
+        if not beyond > OUTSTANDING * sd:
+            return False
+    return True
