@@ -97,8 +97,8 @@ def conclude(
     tell("estimating motion and noise")
     prepared, setting = _prepared(model, recordings, holdout, own)
     choice = choose(prepared, setting, tell)
-    nothing, winner = choice.decision.nothing, choice.decision.winner
-    if nothing.fit.reason and not winner.causes:
+    nothing, selected = choice.decision.nothing, choice.decision.selected
+    if nothing.fit.reason and not selected.causes:
         raise NumericsError(f"the model cannot be simulated: {nothing.fit.reason}")
     tell("estimating values")
     known = estimate(prepared, choice, tell)
@@ -108,11 +108,11 @@ def conclude(
     known = replace(known, doubt=known.doubt | judged.doubt)
     tell("removing each cause once, for its share")
     shown = prove(prepared, setting, final, known.stage, known.items)
-    left = leftover(setting, known.seen or winner) if known.tells else ()
+    left = leftover(setting, known.seen or selected) if known.tells else ()
     answer = concluded(model, prepared, choice, known, shown, left, judged)
     answer = _of_several(answer, final, choice.misfits, repeats_said(prepared))
     answer = in_part(_noted(answer, known.drifts), choice.change)
-    answer = if_explained(answer, winner, nothing)
+    answer = if_explained(answer, selected, nothing)
     answer = if_bounded(answer, final, nothing, prepared.runs, prepared.holdout)
     answer = if_long_enough(answer, prepared.runs)
     answer = if_apart(answer, prepared.model, prepared.runs)
@@ -144,7 +144,7 @@ def _remembered(answer: Diagnosis, prepared: Prepared, setting: Setting) -> Diag
     """The answer with whether the missing force, if there is any, is a function of the state."""
     if answer.verdict != "missing physics" and answer.remainder != 1.0:
         return answer
-    longest = setting.stages[-1].laid  # there the missing force stands out of the noise most
+    longest = setting.stages[-1].cuts  # there the missing force stands out of the noise most
     values = prepared.machine.values
     memory = memoryless(setting.library, setting.windows, longest, values, setting.sd)
     return replace(answer, memory=memory)

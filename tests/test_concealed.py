@@ -138,11 +138,11 @@ def test_a_constant_force_has_the_offset_of_the_input_as_its_twin(study: Study) 
         if plans.plan_of(seed).kind in ("constant", "offset.input")
         and not isinstance(case := draw.draw(seed), int)
     )
-    twins = [rival["instead"] for rival in case.rivals if rival["apart"] < 1e-6]
-    assert {"channel": "f", "kind": "offset"} in twins or {
+    equals = [rival["instead"] for rival in case.rivals if rival["apart"] < 1e-6]
+    assert {"channel": "f", "kind": "offset"} in equals or {
         "place": "x",
         "kind": "constant",
-    } in twins
+    } in equals
 
 
 def test_a_seal_hides_and_opens(study: Study, tmp_path: Path) -> None:

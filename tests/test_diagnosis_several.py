@@ -1,4 +1,4 @@
-"""Several recordings at once: own values, strangers, repeats; and effects that begin half-way."""
+"""Several recordings at once: own values, outliers, repeats; and effects that begin half-way."""
 
 from collections.abc import Callable
 from dataclasses import replace

@@ -589,7 +589,11 @@ def test_the_real_circuit_hardens(tmp_path: Path, public_file: Callable[..., Pat
     assert len(result.checks) == 4
     assert [one for one in result.checks if not one.passed] == []
     assert result.diagnosis.found[0].element.kind == "spring"
-    assert {effect.element.kind for effect in result.diagnosis.found} == {"spring", "constant"}
+    kinds = {effect.element.kind for effect in result.diagnosis.found}
+    # without a small loss the unseen free run is off by a quarter more
+    assert {"spring", "constant"} <= kinds <= {"spring", "constant", "drag"}
+    (terms,) = (item.estimates for item in result.diagnosis.found if item.element.kind == "spring")
+    assert {one.term for one in terms} == {"quadratic", "cubic"}
 
 
 @pytest.mark.slow

@@ -59,10 +59,10 @@ def finished(model: Model, recordings: Recording | Sequence[Recording]) -> Finis
         return Finished(model, float("nan"))
     machine = prepared.machine
     columns = tuple(machine.column(item.path) for item in free)
-    laid = tuple(item.suited(machine) for item in last_windows(prepared, spread=False))
+    cuts = tuple(item.suited(machine) for item in last_windows(prepared, spread=False))
     mean, spread = machine.values[list(columns)], np.array([_known(item, found) for item in free])
     lower, upper = np.array([_bounds(model, item) for item in free]).T
-    task = Task(laid, prepared.sd, lower, upper, mean, spread, everything=True)
+    task = Task(cuts, prepared.sd, lower, upper, mean, spread, everything=True)
     fitted = fit(WindowModel(machine, columns), task, machine.values)
     if fitted.reason:
         raise NumericsError(f"the corrected model cannot be simulated: {fitted.reason}")

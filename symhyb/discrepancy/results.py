@@ -47,9 +47,9 @@ class Found:
     ``law`` is the force law with the kind's keys (``coulomb*tanh(s'/transition)``); ``share`` the
     increase of the unseen squared window error when this element is removed and the rest refitted,
     over the error before any correction. ``stability`` is the share of resampled windows in which
-    its causes stay chosen; None where there are too few windows. ``own`` are the values that are
-    each recording's own, by the name of the recording; ``element`` and ``estimates`` hold those of
-    the first.
+    its causes stay chosen; None where there are too few windows. ``probability`` is the posterior
+    one; None of what only whole recordings added. ``own`` are the values that are each recording's
+    own, by the name of the recording; ``element`` and ``estimates`` hold those of the first.
     """
 
     element: Element
@@ -59,6 +59,7 @@ class Found:
     sentence: str
     active: Activity | None = None
     stability: float | None = None
+    probability: float | None = None
     own: tuple[tuple[str, tuple[Estimate, ...]], ...] = ()
 
 
@@ -137,9 +138,9 @@ class Lie:
 class Alternative:
     """What the data cannot rule out; exactly one of ``place``, ``channel``, ``parameter`` is set.
 
-    ``evidence`` is the difference of the criterion to the winner (0: as good; larger: worse);
-    ``options`` are words of an element, the side of a gap. Alternatives with the same number
-    ``together``, above 0, are one: each holds only beside the others.
+    ``evidence`` is the difference of the criterion to the selected structure (0: as good; larger:
+    worse); ``options`` are words of an element, the side of a gap. Alternatives with the same
+    number ``together``, above 0, are one: each holds only beside the others.
     """
 
     instead_of: str | None

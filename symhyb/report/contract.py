@@ -1,9 +1,10 @@
 """The output contract: a diagnosis and its verdict as the mapping that ``diagnosis.json`` holds.
 
 Valid under ``diagnosis.schema.json`` beside this file. Keys of that schema are stable; ``format``,
-``options``, ``channels``, ``classes``, ``log``, ``memory``, ``notes``, ``stability``, ``own``,
-``misfits``, ``repeats``, ``isolability``, ``manoeuvre``, ``remainder.notes`` and the scores
-``*_rmse``, ``force_residual``, ``force_band_hz`` and ``carries`` are extensions of it.
+``options``, ``channels``, ``classes``, ``log``, ``memory``, ``notes``, ``stability``,
+``probability``, ``own``, ``misfits``, ``repeats``, ``isolability``, ``manoeuvre``,
+``remainder.notes`` and the scores ``*_rmse``, ``force_residual``, ``force_band_hz`` and ``carries``
+are extensions of it.
 """
 
 import math
@@ -135,6 +136,7 @@ def _found(effect: Found) -> dict[str, Any]:
         "sentence": effect.sentence,
         **_active(effect.active),
         "stability": finite(effect.stability),
+        "probability": finite(effect.probability),
         **({"own": {name: _estimates(own) for name, own in effect.own}} if effect.own else {}),
     }
 

@@ -87,7 +87,7 @@ def tables(diagnosis: Diagnosis, verdict: Verdict, units: Mapping[str, Unit]) ->
 def _found_table(diagnosis: Diagnosis) -> Table:
     return Table(
         "Found effects",
-        ("element", "term", "value", "share", "place", "stays chosen"),
+        ("element", "term", "value", "share", "place", "stays chosen", "probability"),
         tuple(
             (
                 effect.element.name,
@@ -96,11 +96,12 @@ def _found_table(diagnosis: Diagnosis) -> Table:
                 percent_text(effect.share),
                 place_text(effect.element.place),
                 "" if effect.stability is None else percent_text(effect.stability),
+                "" if effect.probability is None else percent_text(effect.probability),
             )
             for effect in diagnosis.found
             for estimate in effect.estimates
         ),
-        (2, 3, 5),
+        (2, 3, 5, 6),
     )
 
 

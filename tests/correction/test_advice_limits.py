@@ -80,7 +80,7 @@ def rig() -> tuple[Prepared, Refined]:
     recording = Recording("rig.csv", t, inputs, {"upper": x[:, 0], "lower": x[:, 1]}, (), "")
     prepared = prepare(two_on_a_post(), recording)
     setting = settle(prepared)
-    return prepared, refine(prepared.model, (), (), setting.stages[0].laid, setting.sd)
+    return prepared, refine(prepared.model, (), (), setting.stages[0].cuts, setting.sd)
 
 
 def test_a_manoeuvre_of_an_imposed_coordinate_is_played(rig: tuple[Prepared, Refined]) -> None:

@@ -46,7 +46,7 @@ def test_the_force_on_an_uncertain_mass_is_no_better_known_than_the_mass(
     setting = settle(prepared)
     stage = setting.stages[-1]
     final = refine(
-        prepared.model, (PUSH,), [{"constant": 2.5}], stage.laid, setting.sd, everything=True
+        prepared.model, (PUSH,), [{"constant": 2.5}], stage.cuts, setting.sd, everything=True
     )
     value, narrow = final.value("cause0.constant")
     wide = with_what_is_held(prepared.model, setting, final, stage)

@@ -58,7 +58,7 @@ def test_what_was_recorded_bounds_what_is_asked_for() -> None:
     assert all(plan.amplitude <= 3 * peak and plan.duration <= 18 for plan in driven)
 
     setting = settle(prepared)
-    nothing = refine(prepared.model, (), (), setting.stages[0].laid, setting.sd)
+    nothing = refine(prepared.model, (), (), setting.stages[0].cuts, setting.sd)
     release = Manoeuvre("x", "release", 0.01, "m", 3.0, 0.005)
     recording, motion = played(prepared, nothing, release)
     # m x'' + d x' + k x = 0 let go at 0.01 m
@@ -83,7 +83,7 @@ def test_the_matrix_knows_twins_and_what_stands_out() -> None:
     prepared = prepare(spring_model(), spring_recording(5, {"drag": 2.0}, duration=8.0))
     setting = settle(prepared)
     middle = setting.stages[min(1, len(setting.stages) - 1)]
-    found = propose(prepared.machine, setting.library, middle.laid, 5 / prepared.shortest)
+    found = propose(prepared.machine, setting.library, middle.cuts, 5 / prepared.shortest)
     matrix = isolability(setting, decide(setting, found, lambda line: None))
     assert matrix is not None
     assert matrix.causes[0] == "drag quadratic in speed on x"

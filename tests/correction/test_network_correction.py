@@ -301,8 +301,8 @@ def test_a_spring_does_no_work_on_closed_orbits(seen: Seen) -> None:
 
 def test_it_sees_what_it_is_told_to_see(model: Model, recording: Recording) -> None:
     prepared = prepare(model, recording)
-    laid = last_windows(prepared, spread=True)
-    found = see(prepared, laid, "x", ("f", "t", "x'"))
+    cuts = last_windows(prepared, spread=True)
+    found = see(prepared, cuts, "x", ("f", "t", "x'"))
     rows = np.searchsorted(recording.t, found.t)
     assert found.x[:, 0] == pytest.approx(recording.inputs["f"][rows])
     assert found.x[:, 1] == pytest.approx(found.t)

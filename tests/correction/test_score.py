@@ -96,6 +96,12 @@ def test_what_is_more_than_noise_comes_in_few_pieces() -> None:
     assert piece_of(trial(chi2=50.0, correlation=1e3)) == 5e4
 
 
+def test_what_repeated_runs_differ_by_is_no_better_known_for_many_samples() -> None:
+    one = trial(chi2=3.0)
+    spread = replace(one, fit=replace(one.fit, floor=4.0))
+    assert piece_of(spread) == pytest.approx(4.0 * W * EACH / PIECES)
+
+
 def test_where_something_is_lacking_a_cause_must_take_about_half() -> None:
     """One number chosen among 30, where what is left is a hundred times the noise."""
     base = trial(chi2=100.0)

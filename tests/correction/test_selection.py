@@ -6,7 +6,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from symhyb.correction.search.conventions import exact_twins
+from symhyb.correction.search.conventions import indistinguishable
 from symhyb.correction.search.selection import Problem, best_subsets, reach, solve, without
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.model.types import On
@@ -57,7 +57,7 @@ def test_every_size_has_the_subset_of_exhaustive_search(
 
 
 def test_sets_that_are_solved_side_by_side_are_those_that_are_solved_alone() -> None:
-    """With priors, bounds, least sizes, twins, a column that is always in, a cause of two columns
+    """With priors, bounds, least sizes, equals, a column that is always in, a cause of two columns
     and one of which every recording has its own number."""
     random = np.random.default_rng(11)
     columns = random.standard_normal((300, 12)) * np.exp(random.normal(size=12))
@@ -130,7 +130,7 @@ def test_columns_that_are_alike_are_refused_together_and_named_as_twins() -> Non
     columns = np.column_stack([first, -2 * first, random.standard_normal(300)])
     reduced = problem(columns, first)
     assert solve(reduced, (0, 1)) is None
-    assert exact_twins(reduced) == ((0, 1),)
+    assert indistinguishable(reduced) == ((0, 1),)
     assert solve(without(reduced, {1}), (1,)) is None
 
 

@@ -15,7 +15,7 @@ def test_the_weak_form_is_regressed_without_storing_its_rows(
 ) -> None:
     prepared = prepare(spring_model(), spring_recording(5, {"drag": 2.0}, duration=6.0))
     setting = settle(prepared)
-    given = prepared.machine, setting.library, setting.stages[0].laid
+    given = prepared.machine, setting.library, setting.stages[0].cuts
     band = 5 / prepared.shortest
     whole = list(sparse.weak_rows(*given[:2], given[2][0], band))
     monkeypatch.setattr(sparse, "BLOCK", 1)
@@ -47,5 +47,5 @@ def test_rows_that_are_not_finite_propose_nothing(monkeypatch: pytest.MonkeyPatc
     setting = settle(prepared)
     columns = sum(map(len, setting.library.columns))
     monkeypatch.setattr(sparse, "weak_rows", lambda *_: iter([np.full((9, columns + 1), np.nan)]))
-    laid = setting.stages[0].laid
-    assert sparse.propose(prepared.machine, setting.library, laid, 5 / prepared.shortest) == ()
+    cuts = setting.stages[0].cuts
+    assert sparse.propose(prepared.machine, setting.library, cuts, 5 / prepared.shortest) == ()

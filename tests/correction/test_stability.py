@@ -4,7 +4,7 @@ outweigh all others."""
 import numpy as np
 import pytest
 
-from symhyb.correction.naming.stability import STABLE, stabilities, unstable, weakest
+from symhyb.correction.naming.stability import stabilities, weakest
 from symhyb.correction.search.decide import Decision
 from symhyb.correction.search.trajectory import Refined
 from symhyb.discrepancy.fitting.task import Fit
@@ -33,14 +33,13 @@ def trial(cause: Hypothesis | None, chi2: np.ndarray) -> Refined:
 def decision(rival: np.ndarray, nothing: np.ndarray | None = None) -> Decision:
     """Friction that leaves noise, against a damper and the bare model by window."""
     bare = trial(None, np.full(W, 400.0) if nothing is None else nothing)
-    winner, other = trial(FRICTION, np.full(W, 100.0)), trial(DAMPER, rival)
-    return Decision(winner, bare, (bare, winner, other), (), ())
+    selected, other = trial(FRICTION, np.full(W, 100.0)), trial(DAMPER, rival)
+    return Decision(selected, bare, (bare, selected, other), (), ())
 
 
 def test_evidence_of_all_windows_is_stable() -> None:
     chosen = decision(np.full(W, 103.0))
     assert stabilities(chosen) == (1.0,)
-    assert unstable(chosen) == ()
 
 
 def test_evidence_of_one_window_against_all_others_is_doubt() -> None:
@@ -48,8 +47,7 @@ def test_evidence_of_one_window_against_all_others_is_doubt() -> None:
     rival[4] += 60.0
     (share,) = stabilities(decision(rival))
     assert share is not None
-    assert 0.2 < share < STABLE
-    assert unstable(decision(rival)) == (FRICTION,)
+    assert 0.2 < share < 0.8
 
 
 def test_an_effect_that_few_windows_show_is_not_lost_by_the_draw() -> None:

@@ -50,10 +50,10 @@ def chosen(one: Recording) -> tuple[Prepared, Choice]:
     prepared = prepare(roll(), one)
     setting = settle(prepared)
     (drag,) = [cause for cause in setting.hypotheses if cause.kind == "drag"]
-    laid, model = setting.stages[-1].laid, prepared.model
-    nothing = refine(model, (), (), laid, setting.sd)
-    winner = refine(model, (drag,), ({"drag": DRAG},), laid, setting.sd, careful=True)
-    return prepared, Choice(setting, Decision(winner, nothing, (winner,), (), ()), (), None, ())
+    cuts, model = setting.stages[-1].cuts, prepared.model
+    nothing = refine(model, (), (), cuts, setting.sd)
+    selected = refine(model, (drag,), ({"drag": DRAG},), cuts, setting.sd, careful=True)
+    return prepared, Choice(setting, Decision(selected, nothing, (selected,), (), ()), (), None, ())
 
 
 def completed(one: Recording) -> Completed | None:
@@ -134,5 +134,5 @@ def _forgotten(model: Model, one: Recording) -> bool:
     setting = settle(prepared)
     stage = whole_of(prepared, setting)
     assert stage is not None
-    assert [len(item.start) for item in stage.laid] == [1]
-    return forgets(refine(prepared.model, (), (), stage.laid, setting.sd, everything=True), stage)
+    assert [len(item.start) for item in stage.cuts] == [1]
+    return forgets(refine(prepared.model, (), (), stage.cuts, setting.sd, everything=True), stage)

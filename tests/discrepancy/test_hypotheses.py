@@ -10,9 +10,9 @@ from symhyb.discrepancy.places.candidates import force_hypotheses
 from symhyb.discrepancy.places.hypotheses import (
     Hypothesis,
     Library,
-    dull_hypotheses,
     library,
     natural_length,
+    parametric_hypotheses,
     places_of,
     with_channels,
 )
@@ -108,7 +108,7 @@ def test_dull_causes_are_parameters_with_sd_and_every_channel() -> None:
         {"k": (5.0, "N/m", 0.1), "c": (-1.0, "N", 0.2)},
         inputs={"f": {"unit": "N"}},
     )
-    found = dull_hypotheses(with_channels(model))
+    found = parametric_hypotheses(with_channels(model))
     assert [(h.kind, h.path, h.positive[0]) for h in found] == [
         ("parameter", "k", True),
         ("parameter", "c", False),

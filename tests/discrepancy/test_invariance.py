@@ -149,17 +149,17 @@ def columns(way: Writing, family: str) -> tuple[Array, Array]:
     residual and of laws at logical places, initial states removed, and the samples they count."""
     record, machine = recorded(family), build(way.model)
     motion = motion_of(record, machine)
-    laid = lay(record, machine, motion, 0.6)
-    assert laid is not None
+    cuts = lay(record, machine, motion, 0.6)
+    assert cuts is not None
     places = tuple(way.places.values())
     tried = tuple(h for place in places for h in _laws(way, place))
     laws = library(way.model, places, tried)
-    forces = laws.forces(laid.course(laws.machine))[laid.rows]
+    forces = laws.forces(cuts.course(laws.machine))[cuts.rows]
     model = WindowModel(machine)
-    linear = model.along(laid.block, laid.states, machine.values)
-    residual = laid.block.y - linear.output - linear.from_defect()
+    linear = model.along(cuts.block, cuts.states, machine.values)
+    residual = cuts.block.y - linear.output - linear.from_defect()
     sd = np.array([np.nanstd(y) for y in record.sensors.values()]) * 0.01
-    reduced = reduce(residual, linear.from_start(), linear.from_forces(forces), sd, laid.held)
+    reduced = reduce(residual, linear.from_start(), linear.from_forces(forces), sd, cuts.held)
     return reduced.grams, reduced.count
 
 

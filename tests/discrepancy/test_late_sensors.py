@@ -12,7 +12,7 @@ from symhyb.data.recording import Recording
 from symhyb.discrepancy.fitting.matching import fit
 from symhyb.discrepancy.fitting.task import Fit, Task
 from symhyb.discrepancy.recorded.motion import motion_of
-from symhyb.discrepancy.recorded.windows import Laid, lay
+from symhyb.discrepancy.recorded.windows import Cut, lay
 from symhyb.numeric.lowered.machine import Machine, build
 from symhyb.numeric.runs.windows import WindowModel
 
@@ -68,11 +68,11 @@ def rig(*free: str) -> tuple[Machine, WindowModel]:
     return machine, WindowModel(machine, tuple(machine.column(name) for name in free))
 
 
-def windows(of: Recording) -> Laid:
+def windows(of: Recording) -> Cut:
     machine, _ = rig("speed.delay")
-    laid = lay(of, machine, motion_of(of, machine), 1.0)
-    assert laid is not None
-    return laid
+    cuts = lay(of, machine, motion_of(of, machine), 1.0)
+    assert cuts is not None
+    return cuts
 
 
 def fitted(*free: str) -> Fit:
@@ -100,16 +100,16 @@ def test_no_gain_stands_for_a_part_of_it() -> None:
 def test_signals_are_taken_later_by_whole_samples() -> None:
     machine, model = rig("speed.delay")
     run, p = recorded(), machine.values.copy()
-    laid = windows(run)
+    cuts = windows(run)
     p[machine.column("speed.delay")] = 0.4 * STEP
-    assert laid.in_time(model, p) is laid
+    assert cuts.in_time(model, p) is cuts
     p[machine.column("speed.delay")] = LATE
-    later = laid.in_time(model, p)
+    later = cuts.in_time(model, p)
     assert later.block.late == pytest.approx((0.0, 7 * STEP))
-    assert np.array_equal(later.block.y[0, :, 1], run.sensors["speed"][laid.rows[0] + 7])
-    assert np.array_equal(later.block.y[..., 0], laid.block.y[..., 0])
+    assert np.array_equal(later.block.y[0, :, 1], run.sensors["speed"][cuts.rows[0] + 7])
+    assert np.array_equal(later.block.y[..., 0], cuts.block.y[..., 0])
     assert later.in_time(model, p) is later
-    assert np.isnan(later.block.y[-1, laid.rows[-1] + 7 >= T.size, 1]).all()
+    assert np.isnan(later.block.y[-1, cuts.rows[-1] + 7 >= T.size, 1]).all()
     assert later.in_time(model, machine.values).block.late == ()
 
 
@@ -127,9 +127,9 @@ def test_nothing_is_taken_across_a_gap() -> None:
     machine, model = rig("speed.delay")
     p = machine.values.copy()
     p[machine.column("speed.delay")] = LATE
-    laid = windows(short)
-    late = laid.in_time(model, p).block
-    then = laid.rows + 7
+    cuts = windows(short)
+    late = cuts.in_time(model, p).block
+    then = cuts.rows + 7
     inside = then < short.t.size
     across = np.zeros_like(inside)
     across[inside] = short.t[then[inside]] - late.t[inside] > 0.1

@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 from symhyb.discrepancy.fitting.matching import fit
 from symhyb.discrepancy.fitting.task import Fit, Task
 from symhyb.discrepancy.recorded.motion import motion_of
-from symhyb.discrepancy.recorded.windows import Laid, lay
+from symhyb.discrepancy.recorded.windows import Cut, lay
 from symhyb.numeric.lowered.machine import Machine, build
 from symhyb.numeric.runs.windows import WindowModel
 
@@ -55,7 +55,7 @@ def rig(*free: str) -> tuple[Machine, WindowModel]:
     return machine, WindowModel(machine, tuple(machine.column(name) for name in free))
 
 
-def laid(seed: int, sd: float = SD, length_s: float = 0.8, coloured: float = 0.0) -> Laid:
+def cut(seed: int, sd: float = SD, length_s: float = 0.8, coloured: float = 0.0) -> Cut:
     noise = sd * np.random.default_rng(seed).normal(size=T.size)
     for i in range(1, T.size):
         noise[i] = coloured * noise[i - 1] + np.sqrt(1 - coloured**2) * noise[i]
@@ -66,7 +66,7 @@ def laid(seed: int, sd: float = SD, length_s: float = 0.8, coloured: float = 0.0
     return windows
 
 
-def task(windows: Laid, size: int, **more: object) -> Task:
+def task(windows: Cut, size: int, **more: object) -> Task:
     unbounded = {
         "lower": np.full(size, -np.inf),
         "upper": np.full(size, np.inf),
@@ -76,7 +76,7 @@ def task(windows: Laid, size: int, **more: object) -> Task:
     return Task((windows,), **{"sd": np.array([SD]), **unbounded, **more})  # type: ignore[arg-type]
 
 
-def fitted(windows: Laid, start: Mapping[str, float] | None = None, **more: object) -> Fit:
+def fitted(windows: Cut, start: Mapping[str, float] | None = None, **more: object) -> Fit:
     """Fit k, d and b from 320, 1 and 2, or from ``start``."""
     machine, model = rig("k", "d", "b")
     p = machine.values.copy()
@@ -90,7 +90,7 @@ def scattered() -> tuple[Array, Array]:
     """Twenty repetitions with new noise: (estimate − truth)/sd and sd, (20, 3)."""
     misses, deviations = [], []
     for seed in range(20):
-        found = fitted(laid(seed))
+        found = fitted(cut(seed))
         sd = np.sqrt(np.diag(found.covariance))
         misses.append((found.values - [K, D, B]) / sd)
         deviations.append(sd)
@@ -112,13 +112,13 @@ def test_deviations_are_calibrated() -> None:
 
 def test_without_noise_the_truth_is_met() -> None:
     """What is left is the error of the steps of the window and of the input between samples."""
-    found = fitted(laid(0, sd=0.0), decrease=1e-9)
+    found = fitted(cut(0, sd=0.0), decrease=1e-9)
     assert found.values == pytest.approx([K, D, B], rel=2e-3)
     assert found.reason == ""
 
 
 def test_the_fit_does_not_depend_on_where_it_starts() -> None:
-    windows = laid(1)
+    windows = cut(1)
     near = fitted(windows, decrease=1e-8)
     far = fitted(windows, {"k": 200.0, "d": 6.0, "b": 0.0}, decrease=1e-8, iterations=40)
     sd = np.sqrt(np.diag(near.covariance))
@@ -127,12 +127,12 @@ def test_the_fit_does_not_depend_on_where_it_starts() -> None:
 
 @pytest.mark.parametrize("k", [50.0, 500.0, 1000.0])
 def test_a_start_far_from_the_truth_is_no_obstacle_over_short_windows(k: float) -> None:
-    found = fitted(laid(1), {"k": k, "d": 0.0, "b": 0.0}, iterations=40)
+    found = fitted(cut(1), {"k": k, "d": 0.0, "b": 0.0}, iterations=40)
     assert found.values[0] == pytest.approx(K, rel=0.01)
 
 
 def test_chi_squared_of_a_true_model_is_the_number_of_samples() -> None:
-    found = fitted(laid(2))
+    found = fitted(cut(2))
     assert found.count.tolist() == [79, 79, 79, 79, 79, 79]
     assert found.held.tolist() == [False, False, True, False, False, True]
     assert found.train == pytest.approx(4 * 79, rel=0.25)
@@ -145,7 +145,7 @@ def test_a_missing_law_shows_in_chi_squared_on_held_windows_too() -> None:
     machine, model = rig("k", "d")
     p = machine.values.copy()
     p[machine.column("b")] = 0.0
-    windows = laid(3)
+    windows = cut(3)
     without = fit(model, task(windows, 2), p)
     found = fitted(windows)
     assert without.train > found.train + 20
@@ -154,7 +154,7 @@ def test_a_missing_law_shows_in_chi_squared_on_held_windows_too() -> None:
 
 def test_held_windows_do_not_move_the_values() -> None:
     """They are to judge what the others found; here they show another machine altogether."""
-    windows = laid(4)
+    windows = cut(4)
     y = windows.block.y.copy()
     y[windows.held] *= 1.3
     spoilt = replace(windows, block=replace(windows.block, y=y))
@@ -166,7 +166,7 @@ def test_held_windows_do_not_move_the_values() -> None:
 
 
 def test_everything_uses_the_held_windows() -> None:
-    windows = laid(5)
+    windows = cut(5)
     some, every = fitted(windows), fitted(windows, everything=True)
     assert not every.held.any()
     assert np.all(np.diag(every.covariance) < np.diag(some.covariance))
@@ -174,7 +174,7 @@ def test_everything_uses_the_held_windows() -> None:
 
 def test_initial_states_are_fitted_on_held_windows_too() -> None:
     """χ² of a held window falls to the noise although its start was far off."""
-    windows = laid(6)
+    windows = cut(6)
     off = replace(windows, start=windows.start + np.array([2e-3, 0.05]))
     found = fitted(off)
     assert found.validation == pytest.approx(fitted(windows).validation, rel=0.05)
@@ -186,7 +186,7 @@ def test_initial_states_are_fitted_on_held_windows_too() -> None:
 
 def test_a_held_window_that_was_thrown_off_begins_anew_at_the_measured_motion() -> None:
     """From a start where drag is all that counts, whole steps lead nowhere."""
-    windows = laid(6)
+    windows = cut(6)
     machine, model = rig("k", "d", "b")
     thrown = windows.start + np.outer(windows.held, [5.0, 3e3])
     found = fit(model, task(windows, 3), machine.values, [thrown])
@@ -194,7 +194,7 @@ def test_a_held_window_that_was_thrown_off_begins_anew_at_the_measured_motion() 
 
 
 def test_missing_samples_are_left_out() -> None:
-    windows = laid(7)
+    windows = cut(7)
     y = windows.block.y.copy()
     y[:, 20:40] = np.nan
     holed = replace(windows, block=replace(windows.block, y=y))
@@ -205,7 +205,7 @@ def test_missing_samples_are_left_out() -> None:
 
 
 def test_bounds_are_kept_and_the_rest_is_fitted() -> None:
-    windows = laid(8)
+    windows = cut(8)
     lower, upper = np.array([0.0, 0.0, 0.0]), np.array([280.0, 10.0, 10.0])
     found = fitted(windows, lower=lower, upper=upper)
     assert found.values[0] == pytest.approx(280.0)
@@ -214,7 +214,7 @@ def test_bounds_are_kept_and_the_rest_is_fitted() -> None:
 
 
 def test_a_prior_pulls_and_narrows() -> None:
-    windows = laid(9)
+    windows = cut(9)
     free = fitted(windows, decrease=1e-8)
     sd = np.sqrt(np.diag(free.covariance))
     prior = {"mean": free.values + sd, "spread": np.array([np.inf, sd[1], np.inf])}
@@ -224,13 +224,13 @@ def test_a_prior_pulls_and_narrows() -> None:
 
 
 def test_coloured_residuals_widen_the_deviations() -> None:
-    white, red = fitted(laid(10)), fitted(laid(10, coloured=0.8))
+    white, red = fitted(cut(10)), fitted(cut(10, coloured=0.8))
     assert red.correlation > 3
     assert red.covariance[0, 0] > 2 * white.covariance[0, 0]
 
 
 def test_a_sensor_that_is_noisier_than_stated_widens_the_deviations() -> None:
-    honest, proud = (fitted(laid(11, sd=4 * SD), sd=np.array([sd])) for sd in (4 * SD, SD))
+    honest, proud = (fitted(cut(11, sd=4 * SD), sd=np.array([sd])) for sd in (4 * SD, SD))
     assert proud.scale == pytest.approx(16, rel=0.3)
     ratio = np.sqrt(np.diag(proud.covariance) / np.diag(honest.covariance))
     assert ratio == pytest.approx(np.ones(3), rel=0.25)
@@ -239,14 +239,14 @@ def test_a_sensor_that_is_noisier_than_stated_widens_the_deviations() -> None:
 def test_numbers_that_the_data_cannot_tell_apart_are_uncertain() -> None:
     """Mass, stiffness, damping, drag and gain of the motor may all be multiplied by one number."""
     machine, model = rig("m", "k", "d", "b", "gain")
-    found = fit(model, task(laid(12), 5), machine.values)
+    found = fit(model, task(cut(12), 5), machine.values)
     sd = np.sqrt(np.diag(found.covariance))
     assert np.all(sd > found.values)
 
 
 def test_what_the_data_do_tell_is_found_beside_what_they_cannot() -> None:
     machine, model = rig("m", "k", "d", "b", "gain")
-    m, k, d, _, gain = fit(model, task(laid(12), 5), machine.values).values
+    m, k, d, _, gain = fit(model, task(cut(12), 5), machine.values).values
     assert k / m == pytest.approx(K / M, rel=0.005)
     assert d / m == pytest.approx(D / M, rel=0.2)
     assert gain / m == pytest.approx(1 / M, rel=0.01)
@@ -257,7 +257,7 @@ def test_a_machine_without_free_parameters_fits_only_its_states() -> None:
     p = machine.values.copy()
     for name, value in (("k", K), ("d", D), ("b", B)):
         p[machine.column(name)] = value
-    found = fit(model, task(laid(13), 0), p)
+    found = fit(model, task(cut(13), 0), p)
     assert found.values.shape == (0,)
     assert found.covariance.shape == (0, 0)
     assert found.train == pytest.approx(4 * 79, rel=0.25)
@@ -265,8 +265,8 @@ def test_a_machine_without_free_parameters_fits_only_its_states() -> None:
 
 def test_several_recordings_are_fitted_together() -> None:
     machine, model = rig("k", "d", "b")
-    one, two = laid(14), laid(15)
-    both = fit(model, replace(task(one, 3), laid=(one, two)), machine.values)
+    one, two = cut(14), cut(15)
+    both = fit(model, replace(task(one, 3), cuts=(one, two)), machine.values)
     assert len(both.starts) == 2
     assert both.chi2.shape == (12,)
     single = fit(model, task(one, 3), machine.values)
@@ -276,7 +276,7 @@ def test_several_recordings_are_fitted_together() -> None:
 
 
 def test_a_start_from_which_the_simulation_explodes_fails_with_a_reason() -> None:
-    windows = laid(16)
+    windows = cut(16)
     machine, model = rig("k", "d", "b")
     found = fit(model, task(windows, 3), machine.values, [np.full((6, 2), 1e200)])
     assert "without bound" in found.reason

@@ -15,8 +15,8 @@ from symhyb.model.read import parse_model
 def asked(law: Law) -> Memory | None:
     prepared = prepare(parse_model(RIG, "rig.toml"), on_rig(law, 1))
     setting = settle(prepared)
-    laid, values = setting.stages[-1].laid, prepared.machine.values
-    return memoryless(setting.library, setting.windows, laid, values, setting.sd)
+    cuts, values = setting.stages[-1].cuts, prepared.machine.values
+    return memoryless(setting.library, setting.windows, cuts, values, setting.sd)
 
 
 def test_a_stop_is_a_function_of_the_state() -> None:

@@ -1,4 +1,4 @@
-"""Windows laid on a recording, their initial states removed, and correlated residuals counted."""
+"""Windows cuts on a recording, their initial states removed, and correlated residuals counted."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from symhyb.discrepancy.recorded.motion import Motion
 from symhyb.discrepancy.recorded.windows import (
     SAMPLES_LEAST,
-    Laid,
+    Cut,
     correlation_time,
     lay,
     merge,
@@ -30,14 +30,14 @@ def resting(t: Array, n: int = 1) -> Motion:
     return Motion(t, q, 10 * q, still, small, small, small, np.full(1, 1e-3), 0.1)
 
 
-def laid(length_s: float, t: Array = T, place: Array | None = None, **more: object) -> Laid | None:
+def cut(length_s: float, t: Array = T, place: Array | None = None, **more: object) -> Cut | None:
     place = np.sin(t) if place is None else place
     run = recording(t, {"f": np.cos(t)}, place=place)
     return lay(run, MACHINE, resting(t), length_s, **more)  # type: ignore[arg-type]
 
 
 def test_windows_share_their_ends_and_cover_the_recording() -> None:
-    windows = laid(0.5)
+    windows = cut(0.5)
     assert windows is not None
     block = windows.block
     assert block.t.shape == (7, 51)
@@ -51,31 +51,31 @@ def test_windows_share_their_ends_and_cover_the_recording() -> None:
 
 
 def test_every_third_window_validates() -> None:
-    windows = laid(0.5)
+    windows = cut(0.5)
     assert windows is not None
     assert windows.held.tolist() == [False, False, True, False, False, True, False]
 
 
 def test_substeps_go_with_their_intervals() -> None:
     parts = np.arange(1, 400)
-    windows = laid(0.5, substeps=parts)
+    windows = cut(0.5, substeps=parts)
     assert windows is not None
     assert windows.block.substeps[2].tolist() == list(range(101, 151))
 
 
 def test_a_window_has_enough_samples_and_fits_the_recording() -> None:
-    short = laid(0.01)
+    short = cut(0.01)
     assert short is not None
     assert short.block.t.shape[1] == SAMPLES_LEAST
-    whole = laid(3.99)
+    whole = cut(3.99)
     assert whole is not None
     assert whole.block.t.shape == (1, 400)
-    assert laid(4.2) is None
+    assert cut(4.2) is None
 
 
 def test_windows_across_a_gap_in_time_are_left_out() -> None:
     t = np.concatenate([T[:120], T[120:] + 3.0])
-    windows = laid(0.5, t=t)
+    windows = cut(0.5, t=t)
     assert windows is not None
     spans = np.ptp(windows.block.t, axis=1)
     assert spans.max() < 0.75
@@ -86,7 +86,7 @@ def test_windows_that_miss_too_many_samples_are_left_out() -> None:
     place = np.sin(T)
     place[150:190] = np.nan  # 40 of the 51 samples of the fourth window
     place[::5] = np.nan
-    windows = laid(0.5, place=place)
+    windows = cut(0.5, place=place)
     assert windows is not None
     assert windows.block.t[:, 0] == pytest.approx(0.5 * np.array([0, 1, 2, 4, 5, 6]))
     assert windows.held.tolist() == [False, False, True, False, False, True]
@@ -95,13 +95,13 @@ def test_windows_that_miss_too_many_samples_are_left_out() -> None:
 @pytest.mark.parametrize("lost", [0.3, 0.6])
 def test_windows_are_kept_where_samples_are_missing_everywhere(lost: float) -> None:
     place = np.where(np.random.default_rng(1).random(T.size) < lost, np.nan, np.sin(T))
-    windows = laid(1.0, place=place)
+    windows = cut(1.0, place=place)
     assert windows is not None
     assert len(windows.start) == 3
 
 
 def test_windows_with_hardly_a_sample_are_left_out() -> None:
-    assert laid(0.5, place=np.where(np.arange(T.size) % 10 == 0, np.sin(T), np.nan)) is None
+    assert cut(0.5, place=np.where(np.arange(T.size) % 10 == 0, np.sin(T), np.nan)) is None
 
 
 def test_a_sensor_that_was_not_recorded_does_not_count_as_missing() -> None:

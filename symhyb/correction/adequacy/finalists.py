@@ -17,11 +17,11 @@ from symhyb.correction.search.score import believable
 from symhyb.correction.search.setting import Setting
 from symhyb.correction.search.trajectory import Refined, grouped
 
-FINALISTS_MOST = 4
+FINALISTS_MOST = 8
 
 
 def settled(prepared: Prepared, setting: Setting, decision: Decision) -> Decision:
-    """The decision with its winner chosen among the structures of almost its score."""
+    """The decision with its selected chosen among the structures of almost its score."""
     finalists = _finalists(setting, decision)
     ground = recorded(prepared, setting) if len(finalists) > 1 else None
     if ground is None:
@@ -30,25 +30,26 @@ def settled(prepared: Prepared, setting: Setting, decision: Decision) -> Decisio
     for trial in finalists:
         one = fitted(ground, trial.causes, grouped(trial), ground.first_noise())
         found.append((evidence(ground, one), trial))
-    best, winner = max(found, key=lambda pair: pair[0])
+    best, selected = max(found, key=lambda pair: pair[0])
     if not best > found[0][0]:
-        winner = finalists[0]
+        selected = finalists[0]
     judged = tuple((trial, 2 * (best - mine)) for mine, trial in found)
     log = tuple(f"{trial.name}: {-worse / 2:.3g} of ln evidence" for trial, worse in judged)
-    return replace(decision, winner=winner, judged=judged, log=(*decision.log, *log))
+    return replace(decision, selected=selected, judged=judged, log=(*decision.log, *log))
 
 
 def _finalists(setting: Setting, decision: Decision) -> list[Refined]:
-    """The winner, and the structures of almost its score that are another answer, best first."""
-    winner, length_s = decision.winner, setting.stages[-1].length_s
+    """The selected structure, and the structures of almost its score that are another answer, best
+    first."""
+    selected, length_s = decision.selected, setting.stages[-1].length_s
     near = [
         trial
         for trial in sorted(decision.trials, key=decision.behind)
-        if trial is not winner
+        if trial is not selected
         and not trial.fit.reason
         and decision.behind(trial) < CERTAIN
-        and not exchange(trial.causes, winner.causes).conventional
-        and {cause.family for cause in trial.causes} != {cause.family for cause in winner.causes}
+        and not exchange(trial.causes, selected.causes).conventional
+        and {cause.family for cause in trial.causes} != {cause.family for cause in selected.causes}
         and believable(trial, length_s)
     ]
-    return [winner, *near[: FINALISTS_MOST - 1]]
+    return [selected, *near[: FINALISTS_MOST - 1]]

@@ -20,7 +20,7 @@ from symhyb.correction.adequacy.structure import ClassName, Fitted, Generic, tra
 from symhyb.discrepancy.likelihood.track import Extra, white_columns, white_problem
 from symhyb.discrepancy.recorded.course import course_of
 from symhyb.discrepancy.recorded.residual import discrepancy
-from symhyb.discrepancy.recorded.windows import Laid
+from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.model.types import Place
 from symhyb.numeric.kernels.buffers import Array
 
@@ -285,7 +285,7 @@ def _computed(recorded: Recorded, trial: Fitted, which: int) -> Array:
     return np.asarray(tracks_of(recorded, trial)[which].linear.output[0])
 
 
-def _moved(recorded: Recorded, item: Laid) -> tuple[Array, Array, Array]:
+def _moved(recorded: Recorded, item: Cut) -> tuple[Array, Array, Array]:
     """Stretch and rate (N, places) and directions (N, n, places) along a stretch."""
     course = item.course(recorded.library.machine)
     stretch, rate = recorded.library.motion(course)
@@ -293,7 +293,7 @@ def _moved(recorded: Recorded, item: Laid) -> tuple[Array, Array, Array]:
     return stretch[rows], rate[rows], recorded.library.directions(course)[rows]
 
 
-def _push(recorded: Recorded, item: Laid, which: int) -> tuple[Array, Array]:
+def _push(recorded: Recorded, item: Cut, which: int) -> tuple[Array, Array]:
     """An input (N,) and the generalized force (N, n) of one unit of it."""
     machine, (recording, motion) = recorded.windows.machine, item.source
     model, rows = machine.model, item.rows[0]

@@ -11,7 +11,7 @@ from symhyb.discrepancy.likelihood.noise import NoiseModel
 from symhyb.discrepancy.likelihood.track import track
 from symhyb.discrepancy.places.hypotheses import Hypothesis, Library
 from symhyb.discrepancy.recorded.runs import Run
-from symhyb.discrepancy.recorded.windows import SAMPLES_LEAST, Laid, stretches
+from symhyb.discrepancy.recorded.windows import SAMPLES_LEAST, Cut, stretches
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.runs.windows import WindowModel
 
@@ -33,7 +33,7 @@ class Recorded:
     library: Library
     parametric: tuple[Hypothesis, ...]
     windows: WindowModel
-    items: tuple[Laid, ...]
+    items: tuple[Cut, ...]
     recording: tuple[int, ...]
     sd: Array
     scale: Array
@@ -103,7 +103,7 @@ def recorded(prepared: Prepared, setting: Setting) -> Recorded | None:
     )
     return Recorded(
         setting.library,
-        setting.dull,
+        setting.parametric,
         setting.windows,
         items,
         tuple(known.index(which) for _, which in found),
@@ -118,11 +118,11 @@ def recorded(prepared: Prepared, setting: Setting) -> Recorded | None:
 
 def _runs(prepared: Prepared, setting: Setting) -> list[Run]:
     """The runs that the decision was made on."""
-    used = {id(item.source[0]) for item in setting.stages[-1].laid}
+    used = {id(item.source[0]) for item in setting.stages[-1].cuts}
     return [run for run in prepared.runs if id(run.recording) in used]
 
 
-def _probe_sizes(library: Library, items: Sequence[Laid]) -> Array:
+def _probe_sizes(library: Library, items: Sequence[Cut]) -> Array:
     """RMS (n, C) of the force of every probe at every coordinate along the measured motion, SI."""
     squares, count = 0.0, 0
     for item in items:
@@ -132,7 +132,7 @@ def _probe_sizes(library: Library, items: Sequence[Laid]) -> Array:
     return np.asarray(np.sqrt(squares / max(count, 1)))
 
 
-def force_scale(model: WindowModel, items: Sequence[Laid]) -> Array:
+def force_scale(model: WindowModel, items: Sequence[Cut]) -> Array:
     """The force (n,) that moves each coordinate, SI: the RMS of the one whose impulses would make
     the measured changes of speed; where no state answers, what the sensors show of it."""
     machine = model.machine

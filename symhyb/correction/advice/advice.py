@@ -20,7 +20,7 @@ from symhyb.discrepancy.results import Manoeuvre
 from symhyb.discrepancy.words.wording import joined, number_text, quantity_text
 from symhyb.model.types import Model
 
-PAIRS_MOST = 3  # rivals of the winner that a manoeuvre is designed for
+PAIRS_MOST = 3  # rivals of the selected structure that a manoeuvre is designed for
 PERIODS_WANTED, SIGNAL_WANTED = 10.0, 30.0  # of a recording that may tell something
 ODDS_SHOWN = 1e6
 
@@ -28,8 +28,9 @@ ODDS_SHOWN = 1e6
 def advise(
     prepared: Prepared, setting: Setting, decision: Decision
 ) -> tuple[str | None, Manoeuvre | None]:
-    """The manoeuvre that tells the winner from its rivals, as a sentence and for a program; both
-    None where there is no rival, and no manoeuvre where only another sensor would help."""
+    """The manoeuvre that tells the selected structure from its rivals, as a sentence and for a
+    program; both None where there is no rival, and no manoeuvre where only another sensor would
+    help."""
     pairs = _pairs(decision)
     if not pairs:
         return None, None
@@ -41,7 +42,8 @@ def advise(
 
 
 def _pairs(decision: Decision) -> list[Rivals]:
-    """The winner with each rival that is not ranked by convention alone, the closest first."""
+    """The selected structure with each rival that is not ranked by convention alone, the closest
+    first."""
     pairs = []
     for change, evidence, trial in sorted(rivals_of(decision), key=lambda rival: rival[1]):
         if not change.conventional and not trial.fit.reason and evidence < RIVAL:
@@ -49,7 +51,7 @@ def _pairs(decision: Decision) -> list[Rivals]:
                 joined([cause_phrase(cause) for cause in side])
                 for side in (change.lost, change.fresh)
             )
-            pairs.append(Rivals(decision.winner, trial, (lost, fresh)))
+            pairs.append(Rivals(decision.selected, trial, (lost, fresh)))
     return pairs[:PAIRS_MOST]
 
 

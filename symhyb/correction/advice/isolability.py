@@ -1,9 +1,9 @@
 """Which causes the recordings at hand can tell apart, and by how much.
 
-Along the winner's own simulation the effect of every cause on the sensors is linear. Initial states
-of the windows and the winner's other causes are projected out of it. Of the effect a of one cause,
-at the size found, another cause B can imitate all but the rest r = a − B b; where a is the truth,
-the recordings speak against B with
+Along the selected structure's own simulation the effect of every cause on the sensors is linear.
+Initial states of the windows and the selected structure's other causes are projected out of it. Of
+the effect a of one cause, at the size found, another cause B can imitate all but the rest r = a − B
+b; where a is the truth, the recordings speak against B with
 
     E = |r|² / 2c = (1 − ρ²) |a|² / 2c        ln of the odds; ρ: correlation of a with B
 
@@ -20,8 +20,7 @@ from symhyb.correction.search.conventions import RIVAL
 from symhyb.correction.search.decide import Decision
 from symhyb.correction.search.score import unit_of
 from symhyb.correction.search.selection import Problem
-from symhyb.correction.search.setting import Setting, around
-from symhyb.correction.search.trajectory import grouped
+from symhyb.correction.search.setting import Setting, around, effects
 from symhyb.discrepancy.fitting.normal import shortest_solution
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.results import Isolability
@@ -34,7 +33,8 @@ TOLD_MOST = 8  # rows of the matrix
 @dataclass(frozen=True, slots=True, eq=False)
 class _Cause:
     """A cause in the reduced problem: its columns in each shape that is tried, what it is, and
-    which cause of the winner (by index) it is or stands for. ``effect`` (F,) are coefficients."""
+    which cause of the selected structure (by index) it is or stands for. ``effect`` (F,) are
+    coefficients."""
 
     hypothesis: Hypothesis
     shapes: tuple[tuple[int, ...], ...]
@@ -43,9 +43,9 @@ class _Cause:
 
 
 def isolability(setting: Setting, decision: Decision) -> Isolability | None:
-    """The matrix of the winner's causes, their rivals and the causes that come nearest to them;
-    None if nothing was found."""
-    if not decision.winner.causes:
+    """The matrix of the selected structure's causes, their rivals and the causes that come nearest
+    to them; None if nothing was found."""
+    if not decision.selected.causes:
         return None
     space, doubt = _Space(setting, decision), doubtful(decision)
     chosen = list(space.own)
@@ -69,40 +69,28 @@ def isolability(setting: Setting, decision: Decision) -> Isolability | None:
 
 
 class _Space:
-    """The effects of all causes along the winner's simulation, as Gram matrix of all windows."""
+    """The effects of all causes along the selected structure's simulation, as Gram matrix of all
+    windows."""
 
     def __init__(self, setting: Setting, decision: Decision):
-        self.winner = decision.winner
-        self.problem = around(setting, self.winner)
+        self.selected = decision.selected
+        self.problem = around(setting, self.selected)
         self.gram = self.problem.gram + self.problem.held
         self.gram = computable(self.gram[:-1, :-1]) + np.diag(self.problem.prior)
-        self.unit = unit_of(self.winner)
-        self.own = tuple(self._own(setting))
-
-    def _own(self, setting: Setting) -> "list[_Cause]":
-        problem, winner = self.problem, self.winner
-        dull = {
-            cause.path: problem.columns[len(problem.columns) - len(setting.dull) + i][0]
-            for i, cause in enumerate(setting.dull)
-        }
-        rest = iter(problem.always)
-        found, row = [], 0
-        for i, (cause, values) in enumerate(zip(winner.causes, grouped(winner), strict=True)):
-            paths = winner.paths[row : row + cause.numbers]
-            columns = tuple(dull[path] if path in dull else next(rest) for path in paths)
-            effect = np.zeros(len(self.gram))
-            grows = {"value", "amplitude", *cause.terms, *cause.tied}
-            keys = ("value",) if cause.place is None else cause.keys
-            for column, key in zip(columns, keys, strict=True):
-                effect[column] = values[key] if key in grows else 0.0
-            found.append(_Cause(cause, (columns,), i, effect))
-            row += cause.numbers
-        return found
+        self.unit = unit_of(self.selected)
+        self.own = tuple(
+            _Cause(cause, (part.columns,), i, part.effect)
+            for i, (cause, part) in enumerate(
+                zip(
+                    self.selected.causes, effects(setting, self.selected, self.problem), strict=True
+                )
+            )
+        )
 
     def others(self, mine: _Cause) -> list[tuple[float, _Cause]]:
         """Every other cause with what the recordings say against it where ``mine`` acts, in the
         shape and at the size in which it comes nearest; the nearest first."""
-        taken = {(c.kind, c.place, c.path) for c in self.winner.causes}
+        taken = {(c.kind, c.place, c.path) for c in self.selected.causes}
         best: dict[tuple[object, ...], tuple[float, _Cause]] = {}
         for hypothesis, columns in zip(self.problem.hypotheses, self.problem.columns, strict=True):
             key = hypothesis.kind, hypothesis.place, hypothesis.path
@@ -127,8 +115,8 @@ class _Space:
         return min(self._imitated(true, columns)[0] for columns in shapes) / (2 * self.unit)
 
     def _imitated(self, true: _Cause, columns: Sequence[int]) -> tuple[float, Array]:
-        """|rest|² of an effect that ``columns`` imitate, and their coefficients; the winner's other
-        causes may move too. What physics forbids imitates nothing."""
+        """|rest|² of an effect that ``columns`` imitate, and their coefficients; the selected
+        structure's other causes may move too. What physics forbids imitates nothing."""
         beside = [
             c
             for other in self.own

@@ -25,7 +25,7 @@ from symhyb.correction.search.setting import Setting
 from symhyb.correction.search.trajectory import Refined, grouped, refine
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.motion import Motion
-from symhyb.discrepancy.recorded.runs import Run, laid_on
+from symhyb.discrepancy.recorded.runs import Run, cut_into_windows
 from symhyb.discrepancy.results import Manoeuvre
 
 ODDS = 100.0  # to 1: decisive
@@ -137,12 +137,12 @@ def expected(
     first = prepared.runs[0]
     run = Run(recording, motion, setting.sd, first.steps, first.fine)
     length = min(setting.stages[-1].length_s, recording.duration / WINDOWS)
-    laid = laid_on(run, prepared.machine, length)
-    if laid is None:
+    cuts = cut_into_windows(run, prepared.machine, length)
+    if cuts is None:
         return 0.0
     with np.errstate(all="ignore"):  # a number may have no effect at all in a manoeuvre
         fitted = refine(
-            prepared.model, rival.causes, grouped(rival), (laid,), setting.sd, everything=True
+            prepared.model, rival.causes, grouped(rival), (cuts,), setting.sd, everything=True
         ).fit
     if fitted.reason:
         return 0.0

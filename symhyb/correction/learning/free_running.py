@@ -17,7 +17,7 @@ from symhyb.discrepancy.recorded.motion import motion_of
 from symhyb.discrepancy.recorded.residual import applied_force, discrepancy
 from symhyb.discrepancy.recorded.sampling import as_sampled
 from symhyb.discrepancy.recorded.signals import measured
-from symhyb.discrepancy.recorded.windows import Laid
+from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.discrepancy.results import Comparison, Score, Trace, Verdict
 from symhyb.discrepancy.words.wording import percent_text
 from symhyb.model.types import Model
@@ -32,11 +32,11 @@ STARTS = "those of the smoothed motion"
 Role = Literal["train", "holdout"]
 
 
-def closer(prepared: Prepared, laid: Sequence[Laid], law: Law) -> bool:
+def closer(prepared: Prepared, cuts: Sequence[Cut], law: Law) -> bool:
     """Whether the rates of held windows are significantly closer to those measured, over windows;
     each coordinate counts by the size of its rates."""
     gains, machine = [], prepared.machine
-    for item in laid:
+    for item in cuts:
         course = item.course(machine)
         wanted, made = lacking(machine, course, "rates"), values_along(machine, course, law)
         scale = np.sqrt(np.mean(wanted**2, axis=0))

@@ -50,11 +50,11 @@ def matched(
     whole = replace(prepared.model, elements=(*prepared.model.elements, *elements))
     machine = build(whole, keep=False)
     columns = tuple(machine.column(path) for path in free.paths)
-    laid = tuple(item.suited(machine) for item in last_windows(prepared, spread=not everything))
+    cuts = tuple(item.suited(machine) for item in last_windows(prepared, spread=not everything))
     lower = np.where(free.positive, 0.0, -np.inf) if columns else np.zeros(0)
     count = len(columns)
     task = Task(
-        laid,
+        cuts,
         prepared.sd,
         lower,
         np.full(count, np.inf),

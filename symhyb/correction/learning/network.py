@@ -120,8 +120,8 @@ def train_network(
     seen = see(prepared, chosen, on, inputs)
     trained = _trained(seen, width, members, seed)
     fitting = Fitting.of(prepared, seen, trained)
-    laid = [item.suited(fitting.model.machine) for item in chosen]
-    r, held, refined = fitting.chosen(laid)
+    cuts = [item.suited(fitting.model.machine) for item in chosen]
+    r, held, refined = fitting.chosen(cuts)
     if r is None:
         return None
     weights = with_output(joined(trained), r)

@@ -19,7 +19,7 @@ from symhyb.correction.learning.network import NAME, Trained, train_network
 from symhyb.correction.search.preparing import Prepared, last_windows
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.course import Course
-from symhyb.discrepancy.recorded.windows import END_KNOTS, Laid
+from symhyb.discrepancy.recorded.windows import END_KNOTS, Cut
 from symhyb.errors import InputError, Problem, did_you_mean
 from symhyb.mechanics.mass_text import mass_texts
 from symhyb.model.expression import evaluate, names, parse_expression
@@ -146,8 +146,8 @@ def _of_forces(
 def _of_rates(model: Model, prepared: Prepared, asked: Asked) -> Learnt:
     machine = prepared.machine
     free = [machine.model.coordinates[i].name for i in machine.free]
-    laid = last_windows(prepared, spread=True)
-    course = _joined([_rows(item, item.course(machine), ~item.held) for item in laid])
+    cuts = last_windows(prepared, spread=True)
+    course = _joined([_rows(item, item.course(machine), ~item.held) for item in cuts])
     wanted = lacking(machine, course, "rates")
     first = len(free)
     for row, name in enumerate(free):
@@ -160,7 +160,7 @@ def _of_rates(model: Model, prepared: Prepared, asked: Asked) -> Learnt:
     rows = [(n, w) for n, w in zip(free, law.rows[first:], strict=True) if w is not None]
     masses = _constant_masses(model)
     if masses is None:
-        better = closer(prepared, laid, law)
+        better = closer(prepared, cuts, law)
         correction = Correction("rates", (law,)) if better else None
         ones = tuple(One(n, seen, w, law.trust, None) for n, w in rows) if better else ()
         return Learnt(ones, None, correction, (NO_FILE,) if better else ())
@@ -229,7 +229,7 @@ def _constant_masses(model: Model) -> dict[str, float] | None:
     return masses
 
 
-def _rows(item: Laid, course: Course, windows: NDArray[np.bool_]) -> Course:
+def _rows(item: Cut, course: Course, windows: NDArray[np.bool_]) -> Course:
     """The samples of some windows of a course, without the ends of the smoothed motion."""
     rows = item.rows[windows][:, :-1].ravel()  # the last of a window is the first of the next
     margin = END_KNOTS * item.source[1].spacing_s

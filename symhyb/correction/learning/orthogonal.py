@@ -15,7 +15,7 @@ from symhyb.discrepancy.fitting.matching import fit
 from symhyb.discrepancy.fitting.task import starts_only
 from symhyb.discrepancy.recorded.course import Course
 from symhyb.discrepancy.recorded.residual import discrepancy
-from symhyb.discrepancy.recorded.windows import Laid, correlation_time, merge, reduce
+from symhyb.discrepancy.recorded.windows import Cut, correlation_time, merge, reduce
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.lowered.machine import Machine
 from symhyb.numeric.runs.windows import WindowModel
@@ -61,10 +61,10 @@ class Linear:
     samples: float
 
 
-def linear(model: WindowModel, laid: Sequence[Laid], p: Array, sd: Array) -> Linear:
+def linear(model: WindowModel, cuts: Sequence[Cut], p: Array, sd: Array) -> Linear:
     """The reply of the windows to all terms around the simulation with ``p`` (P,), SI."""
     parts, residuals = [], []
-    for item in laid:
+    for item in cuts:
         starts = fit(WindowModel(model.machine), starts_only(item, sd), p).starts[0]
         slopes = model.differentiate(item.block, starts, p)
         residual = item.block.y - slopes.output

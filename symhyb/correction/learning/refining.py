@@ -14,7 +14,7 @@ from symhyb.correction.learning.orthogonal import Linear, beside, linear, on_hel
 from symhyb.correction.learning.seen import Seen
 from symhyb.correction.search.preparing import Prepared
 from symhyb.correction.search.score import SIGNIFICANT
-from symhyb.discrepancy.recorded.windows import Laid
+from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.errors import NumericsError
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import Element, On, Parameter
@@ -95,29 +95,29 @@ class Fitting:
         p[list(self.model.free)] = r
         return p
 
-    def at(self, laid: Sequence[Laid], r: Array) -> Linear | None:
+    def at(self, cuts: Sequence[Cut], r: Array) -> Linear | None:
         """The reply of the windows around r (T,); None if the simulation runs away."""
         with np.errstate(over="ignore", invalid="ignore"):
             try:
-                step = linear(self.model, laid, self.with_output(r), self.sd)
+                step = linear(self.model, cuts, self.with_output(r), self.sd)
             except np.linalg.LinAlgError:
                 return None
         return step if np.isfinite(step.gram).all() and np.isfinite(step.held).all() else None
 
-    def chosen(self, laid: Sequence[Laid]) -> tuple[Array | None, tuple[float, float, float], bool]:
+    def chosen(self, cuts: Sequence[Cut]) -> tuple[Array | None, tuple[float, float, float], bool]:
         """The output weights (T,) that held windows choose (None for no network at all), χ² per
         sample of these for nothing, trained and refined, and whether it is the refined one."""
-        nothing = self.at(laid, np.zeros_like(self.r))
+        nothing = self.at(cuts, np.zeros_like(self.r))
         if nothing is None:
             raise NumericsError("the corrected model cannot be simulated along the recordings")
-        trained = self.at(laid, self.r)
+        trained = self.at(cuts, self.r)
         helps = trained is not None and _better(trained, nothing)
         r, step = (self.r, trained) if helps and trained else (np.zeros_like(self.r), nothing)
         finer, refined = r, step
         for _ in range(ROUNDS):
             ridge = min(RIDGES, key=lambda size: on_held(refined, self.basis, size))
             moved = finer + solved(refined.gram, self.basis, ridge)
-            after = self.at(laid, moved)
+            after = self.at(cuts, moved)
             if after is None or on_held(after, None) >= on_held(refined, None):
                 break
             finer, refined = moved, after

@@ -19,7 +19,7 @@ from symhyb.correction.search.preparing import Prepared, last_windows, prepare
 from symhyb.correction.search.score import SIGNIFICANT
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.course import Course
-from symhyb.discrepancy.recorded.windows import Laid
+from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.errors import InputError, Problem
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import Element, Model, On, Parameter
@@ -95,8 +95,8 @@ def remainder(
     free = tuple(machine.column(f"{NAME}.{_name(term)}") for term in powers)
     window_model = WindowModel(machine, free)
     chosen = last_windows(prepared, spread=True)
-    laid = [item.suited(machine) for item in chosen]
-    step = linear(window_model, laid, machine.values, prepared.sd)
+    cuts = [item.suited(machine) for item in chosen]
+    step = linear(window_model, cuts, machine.values, prepared.sd)
     held = [on_held(step, None)]
     for degree in range(1, DEGREE_MOST + 1):
         basis = _orthogonal(prepared, place, powers, degree)
@@ -104,9 +104,9 @@ def remainder(
     degree = _chosen(held, step.unit)
     if degree == 0:
         return None
-    laid = [item.suited(machine) for item in last_windows(prepared, spread=False)]
+    cuts = [item.suited(machine) for item in last_windows(prepared, spread=False)]
     basis = _orthogonal(prepared, place, powers, degree)
-    values = _fitted(window_model, laid, prepared.sd, basis)
+    values = _fitted(window_model, cuts, prepared.sd, basis)
     few = _powers(degree)  # the first ones of all powers
     element = _element(model, place, few, values[: len(few)].tolist())
     scaled = tuple(chi2 / step.samples for chi2 in held)
@@ -190,10 +190,10 @@ def _orthogonal(prepared: Prepared, place: _Place, powers: Sequence[Powers], deg
     return basis
 
 
-def _fitted(model: WindowModel, laid: Sequence[Laid], sd: Array, basis: Array) -> Array:
+def _fitted(model: WindowModel, cuts: Sequence[Cut], sd: Array, basis: Array) -> Array:
     """The coefficients (T,), SI, within ``basis`` (T, D), from all windows."""
     p = model.machine.values.copy()
-    laid = [replace(item, held=np.zeros_like(item.held)) for item in laid]
+    cuts = [replace(item, held=np.zeros_like(item.held)) for item in cuts]
     for _ in range(STEPS):
-        p[list(model.free)] += solved(linear(model, laid, p, sd).gram, basis)
+        p[list(model.free)] += solved(linear(model, cuts, p, sd).gram, basis)
     return np.asarray(p[list(model.free)])

@@ -13,7 +13,7 @@ from symhyb.correction.learning.orthogonal import named_forces
 from symhyb.correction.search.preparing import Prepared
 from symhyb.discrepancy.recorded.course import Course
 from symhyb.discrepancy.recorded.residual import discrepancy
-from symhyb.discrepancy.recorded.windows import END_KNOTS, Laid
+from symhyb.discrepancy.recorded.windows import END_KNOTS, Cut
 from symhyb.errors import InputError, Problem, did_you_mean
 from symhyb.model.types import Model
 from symhyb.numeric.kernels.buffers import Array
@@ -46,7 +46,7 @@ class Seen:
         return tuple((low, high) for low, high in ends)
 
 
-def see(prepared: Prepared, laid: Sequence[Laid], on: str | None, inputs: Sequence[str]) -> Seen:
+def see(prepared: Prepared, cuts: Sequence[Cut], on: str | None, inputs: Sequence[str]) -> Seen:
     """The samples of some windows for a network on a coordinate (default: the only free one).
 
     Raises:
@@ -58,7 +58,7 @@ def see(prepared: Prepared, laid: Sequence[Laid], on: str | None, inputs: Sequen
     index = [c.name for c in model.coordinates].index(place)
     _require_known(model, names)
     parts: list[tuple[Array, ...]] = []
-    for run, item in enumerate(laid):
+    for run, item in enumerate(cuts):
         course, motion = item.course(machine), item.source[1]
         rows = item.rows[:, :-1]  # the last sample of a window is the first of the next one
         held = np.repeat(item.held, rows.shape[1])
@@ -78,7 +78,7 @@ def see(prepared: Prepared, laid: Sequence[Laid], on: str | None, inputs: Sequen
             )
         )
     x, force, laws, q, v, t, run_of, fitted = map(np.concatenate, zip(*parts, strict=True))
-    recordings = tuple(item.source[0].name for item in laid)
+    recordings = tuple(item.source[0].name for item in cuts)
     seen = Seen(place, names, x, force, laws, q, v, t, run_of, fitted, recordings)
     for name, (low, high) in zip(names, seen.box, strict=True):
         if not low < high:

@@ -19,7 +19,7 @@ import numpy as np
 from symhyb.correction.learning.regression import BLOCK, Optimizer, fitted
 from symhyb.correction.search.selection import Subset
 from symhyb.discrepancy.places.hypotheses import Library
-from symhyb.discrepancy.recorded.windows import Laid
+from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.errors import InputError, Problem, did_you_mean
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.kernels.factor import Factor, factor_of
@@ -36,11 +36,11 @@ TERMS_MOST = 5
 
 
 def propose(
-    machine: Machine, library: Library, laid: Sequence[Laid], band_hz: float
+    machine: Machine, library: Library, cuts: Sequence[Cut], band_hz: float
 ) -> tuple[Subset, ...]:
     """Subsets of the force hypotheses with their coefficients (SI), from STLSQ over thresholds.
 
-    ``laid`` are windows with smoothed motion, ``band_hz`` the highest modulation. Rows of every
+    ``cuts`` are windows with smoothed motion, ``band_hz`` the highest modulation. Rows of every
     coordinate are scaled to equal weight, columns to unit length. The rows are never stored
     together: they are reduced to a factor, block by block. No proposals with constraints.
     """
@@ -49,7 +49,7 @@ def propose(
     names = [f"{h} {term}" for h in library.hypotheses for term in h.terms]
 
     def rows() -> Iterator[Array]:
-        for item in laid:
+        for item in cuts:
             yield from weak_rows(machine, library, item, band_hz)
 
     try:
@@ -122,7 +122,7 @@ def supports(factor: Factor, name: OptimizerName) -> tuple[tuple[int, ...], ...]
     return tuple(sorted(found, key=lambda kept: (len(kept), kept)))
 
 
-def weak_rows(machine: Machine, library: Library, item: Laid, band_hz: float) -> Iterator[Array]:
+def weak_rows(machine: Machine, library: Library, item: Cut, band_hz: float) -> Iterator[Array]:
     """The weak form over windows, some windows at a time: rows (R, C + 1), the candidates per SI
     unit of each coefficient and, last, the right-hand side, dimensionless: all over the RMS of the
     right-hand side by coordinate."""

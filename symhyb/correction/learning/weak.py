@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from symhyb.correction.learning.sparse import modulated
 from symhyb.correction.search.preparing import Prepared
 from symhyb.discrepancy.recorded.course import Course
-from symhyb.discrepancy.recorded.runs import laid_within
-from symhyb.discrepancy.recorded.windows import Laid
+from symhyb.discrepancy.recorded.runs import cut_within
+from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.errors import InputError, Problem
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.kernels.vector import along
@@ -52,7 +52,7 @@ def weak_form(prepared: Prepared, texts: Sequence[str], formulation: Formulation
     seen = features(machine, texts)
     parts: list[tuple[Array, Array]] = []
     count, windows = 0, []
-    for item in _laid(prepared):
+    for item in _cut_into(prepared):
         c = item.course(machine)
         (values,) = along(seen, (c.q, c.v, c.u, c.t, machine.values), (4,), c.t.size)
         carried, rest = _sides(machine, c, formulation)
@@ -67,11 +67,11 @@ def weak_form(prepared: Prepared, texts: Sequence[str], formulation: Formulation
     return WeakForm(tuple(texts), columns, right, np.concatenate(windows))
 
 
-def _laid(prepared: Prepared) -> list[Laid]:
+def _cut_into(prepared: Prepared) -> list[Cut]:
     total = sum(run.recording.duration for run in prepared.runs)
     length = min(PERIODS * prepared.shortest, total / WINDOWS_LEAST)
-    laid = [laid_within(run, prepared.machine, length) for run in prepared.runs]
-    found = [item for item in laid if item is not None]
+    cuts = [cut_within(run, prepared.machine, length) for run in prepared.runs]
+    found = [item for item in cuts if item is not None]
     if sum(len(item.start) for item in found) < 3:
         names = ", ".join(run.recording.name for run in prepared.runs)
         text = f"{names}: too short or too full of gaps for three windows of {length:.3g} s"

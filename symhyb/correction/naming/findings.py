@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symhyb.correction.naming.stability import unstable
+from symhyb.correction.naming.probability import FOUND, probabilities
 from symhyb.correction.naming.textbook import critical_share
-from symhyb.correction.search.conventions import CERTAIN, RIVAL, Exchange, exchange
+from symhyb.correction.search.conventions import RIVAL, Exchange, exchange
 from symhyb.correction.search.decide import Decision
 from symhyb.correction.search.score import believable
 from symhyb.correction.search.trajectory import Refined
@@ -236,35 +236,31 @@ def cause_phrase(cause: Hypothesis) -> str:
 
 
 def doubtful(decision: Decision) -> tuple[Hypothesis, ...]:
-    """Causes of the winner that these recordings cannot tell: a rival that could be believed
-    replaces them almost as well, or they do not stay chosen when the windows are weighed anew. A
-    law that the rival has with a key more or less is no loss."""
-    doubt = list(unstable(decision))
-    for change, evidence, _ in rivals_of(decision):
-        if evidence < CERTAIN and not change.conventional:
-            doubt += (
-                mine
-                for mine in change.lost
-                if not any(mine.extends(other) or other.extends(mine) for other in change.fresh)
-            )
-    return tuple(cause for cause in decision.winner.causes if cause in doubt)
+    """Causes of the selected structure that are not probable enough."""
+    chances = zip(decision.selected.causes, probabilities(decision), strict=True)
+    return tuple(cause for cause, chance in chances if chance < FOUND)
 
 
 def alternatives_of(
-    model: Model, decision: Decision, names: Mapping[Hypothesis, str]
+    model: Model,
+    decision: Decision,
+    names: Mapping[Hypothesis, str],
+    doubt: Collection[Hypothesis] = (),
 ) -> tuple[Alternative, ...]:
-    """What the data cannot rule out: causes in doubt, exact twins of what was found, and rivals
+    """What the data cannot rule out: causes in doubt, exact equals of what was found, and rivals
     within reach.
 
-    ``names`` are the elements (or paths) under which certain causes of the winner are told.
+    ``names`` are the elements (or paths) under which certain causes of the selected structure are
+    told.
     """
-    winner = decision.winner
+    selected, unsure = decision.selected, doubtful(decision)
     rows = [
-        _alternative(model, cause, _told_values(winner, cause), None, 0.0)
-        for cause in doubtful(decision)
+        _alternative(model, cause, _told_values(selected, cause), None, 0.0)
+        for cause in selected.causes
+        if cause in unsure or (cause in doubt and cause.place is None)
     ]
-    for first, second in decision.twins:
-        if first in winner.causes:
+    for first, second in decision.equals:
+        if first in selected.causes:
             rows.append(_alternative(model, second, {}, names.get(first), 0.0))
     for number, (change, evidence, trial) in enumerate(rivals_of(decision), 1):
         instead_of = names.get(change.lost[0])
@@ -272,7 +268,7 @@ def alternatives_of(
             values = _told_values(trial, cause)
             row = _alternative(model, cause, values, instead_of, max(evidence, 0.0))
             rows.append(replace(row, together=number if len(change.fresh) > 1 else 0))
-    rows += _sided(model, winner, names)
+    rows += _sided(model, selected, names)
     return tuple(sorted(rows, key=lambda row: row.evidence))
 
 
@@ -281,31 +277,33 @@ def alternative_of(model: Model, trial: Refined, cause: Hypothesis, evidence: fl
     return _alternative(model, cause, _told_values(trial, cause), None, evidence)
 
 
-def _sided(model: Model, winner: Refined, names: Mapping[Hypothesis, str]) -> Iterator[Alternative]:
+def _sided(
+    model: Model, selected: Refined, names: Mapping[Hypothesis, str]
+) -> Iterator[Alternative]:
     """Dry friction that differs by direction, in place of dry friction and a constant force on one
     coordinate: whether the place slides or holds, the two are the same."""
-    at = {(cause.kind, cause.place): i for i, cause in enumerate(winner.causes)}
-    for i, cause in enumerate(winner.causes):
+    at = {(cause.kind, cause.place): i for i, cause in enumerate(selected.causes)}
+    for i, cause in enumerate(selected.causes):
         j = at.get(("constant", cause.place))
         if cause.kind != "friction" or cause.terms != ("coulomb",) or j is None:
             continue
-        values = _values(winner, [i])
+        values = _values(selected, [i])
         level, spread = values["coulomb"]
-        push, push_sd = winner.value(f"cause{j}.constant")
+        push, push_sd = selected.value(f"cause{j}.constant")
         share = -push / level
         if isinstance(cause.place, On) and abs(share) < SKEW:
             sd = float(np.hypot(push_sd, share * spread)) / level
             told = {"coulomb": (level, spread), "asymmetry": (share, sd)}
-            yield _alternative(model, cause, told, names.get(winner.causes[j]), 0.0)
+            yield _alternative(model, cause, told, names.get(selected.causes[j]), 0.0)
 
 
 def rivals_of(decision: Decision) -> list[tuple[Exchange, float, Refined]]:
-    """Trials within reach of the winner that replace some of its causes: what they exchange, the
-    difference of the criterion, the trial."""
+    """Trials within reach of the selected structure that replace some of its causes: what they
+    exchange, the difference of the criterion, the trial."""
     rivals = []
     for trial in decision.trials:
-        change = exchange(trial.causes, decision.winner.causes)
-        evidence = decision.behind(trial)
+        change = exchange(trial.causes, decision.selected.causes)
+        evidence = decision.against(trial)
         if {cause.family for cause in change.fresh} == {cause.family for cause in change.lost}:
             continue  # the same law, begun at other values: no rival of itself
         if change.fresh and change.lost and evidence < RIVAL and believable(trial):

@@ -1,4 +1,4 @@
-"""Several recordings in words and values: strangers, repeats, and what is each recording's own."""
+"""Several recordings in words and values: outliers, repeats, and what is each recording's own."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from symhyb.correction.naming.findings import Named, symbol_of
-from symhyb.correction.search.fleet import Stranger
+from symhyb.correction.search.fleet import Outlier
 from symhyb.correction.search.preparing import Prepared
 from symhyb.correction.search.score import OUTSTANDING
 from symhyb.correction.search.trajectory import Refined
@@ -20,34 +20,34 @@ from symhyb.model.vocabulary import key_of, key_unit
 from symhyb.units import ONE, Unit
 
 
-def misfit(final: Refined, stranger: Stranger, recordings: Sequence[Recording]) -> Misfit:
+def misfit(final: Refined, outlier: Outlier, recordings: Sequence[Recording]) -> Misfit:
     """Name a recording that does not fit the others, and say in what."""
-    name = recordings[stranger.recording].name
-    if stranger.cause < 0:
-        (mine, _), (rest, _) = stranger.value, stranger.others
+    name = recordings[outlier.recording].name
+    if outlier.cause < 0:
+        (mine, _), (rest, _) = outlier.value, outlier.others
         said = (
             f"{name} does not fit the others: what is left of it is "
             f"{number_text(np.sqrt(mine), digits=2)}"
             f" times its noise, of the others {number_text(np.sqrt(rest), digits=2)} times"
         )
-        numbers = (*stranger.value, *stranger.others)
-        return Misfit(name, "remainder", *numbers, "1", stranger.chance, said + ".")
-    cause = final.causes[stranger.cause]
-    unit, quantity = unit_of_key(final.machine.model, cause, stranger.key), _words(cause, stranger)
+        numbers = (*outlier.value, *outlier.others)
+        return Misfit(name, "remainder", *numbers, "1", outlier.chance, said + ".")
+    cause = final.causes[outlier.cause]
+    unit, quantity = unit_of_key(final.machine.model, cause, outlier.key), _words(cause, outlier)
     (value, sd), (rest, rest_sd) = (
-        (pair[0] / unit.factor, pair[1] / unit.factor) for pair in (stranger.value, stranger.others)
+        (pair[0] / unit.factor, pair[1] / unit.factor) for pair in (outlier.value, outlier.others)
     )
     first, second = small_text(value, unit.text, sd), small_text(rest, unit.text, rest_sd)
     if len(recordings) == 2:
-        other = recordings[1 - stranger.recording].name
+        other = recordings[1 - outlier.recording].name
         said = f"{name} and {other} do not fit each other: {quantity} is {first} against {second}"
     else:
         said = f"{name} does not fit the others: its {quantity} is {first} against {second}"
-    return Misfit(name, quantity, value, sd, rest, rest_sd, unit.text, stranger.chance, said + ".")
+    return Misfit(name, quantity, value, sd, rest, rest_sd, unit.text, outlier.chance, said + ".")
 
 
 def drift_sentence(
-    final: Refined, odd: Stranger, so: str = "the deviation that is given covers both"
+    final: Refined, odd: Outlier, so: str = "the deviation that is given covers both"
 ) -> str:
     """Say that a number is not the same in both halves of the recordings, and what follows."""
     cause = final.causes[odd.cause]
@@ -71,10 +71,10 @@ def unit_of_key(model: Model, cause: Hypothesis, key: str) -> Unit:
     return declared[cause.path].unit if cause.path in declared else ONE
 
 
-def _words(cause: Hypothesis, stranger: Stranger) -> str:
+def _words(cause: Hypothesis, outlier: Outlier) -> str:
     if cause.place is None:
         return cause.path if cause.kind == "parameter" else f"{cause.kind} of {cause.path}"
-    return f"{noun_of(cause.kind, stranger.key)} {place_text(cause.place)}"
+    return f"{noun_of(cause.kind, outlier.key)} {place_text(cause.place)}"
 
 
 def noun_of(kind: str, key: str) -> str:

@@ -1,11 +1,12 @@
 """Whether a choice holds when the windows are weighed anew.
 
-One criterion says how much better the winner is over all windows together; it does not say whether
-a few windows carry that. So the windows are resampled: every draw weighs them by exponential
-weights (the Bayesian bootstrap: Rubin, Annals of Statistics 9, 1981), and each cause is asked
-whether the winner still beats every structure without it. The fitted trials give χ² by window, so
-no draw costs a fit. A plain bootstrap would leave windows out altogether, and an effect that shows
-in two of nine would be lost in a tenth of the draws by the draw alone.
+One score says how much better the selected structure is over all windows together; it does not
+say whether a few windows carry that. So the windows are resampled: every draw weighs them by
+exponential weights (the Bayesian bootstrap: Rubin, Annals of Statistics 9, 1981), and each cause is
+asked whether the selected structure still beats every structure without it. The fitted trials give
+χ² by window, so no draw costs a fit. A plain bootstrap would leave windows out altogether, and an
+effect that shows in two of nine would be lost in a tenth of the draws by the draw alone. The share
+is told; what decides is the probability.
 """
 
 from collections.abc import Mapping, Sequence
@@ -21,43 +22,36 @@ from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.model.vocabulary import KINDS
 from symhyb.numeric.kernels.buffers import Array
 
-DRAWS = 400  # a share near the threshold is then known to 1.4 %
-STABLE = 0.8  # of the draws; a dozen windows know a share near it to one in ten
+DRAWS = 400  # a share of 0.9 is then known to 1.5 %
 WINDOWS_LEAST = 4  # fewer say nothing about each other
 
 
 def stabilities(decision: Decision) -> tuple[float | None, ...]:
-    """For each cause of the winner the share of draws in which it stays chosen.
+    """For each cause of the selected structure the share of draws in which it stays chosen.
 
-    It stays where the winner's score is below that of every trial without it, over all windows,
-    weighed by the draw: what chose it, asked again.
-    None where too few windows are there.
+    It stays where the selected structure's score is below that of every trial without it, over all
+    windows, weighed by the draw: what chose it, asked again. None where too few windows are there.
     """
-    winner = decision.winner
-    windows = winner.fit.chi2.size
+    selected = decision.selected
+    windows = selected.fit.chi2.size
     if windows < WINDOWS_LEAST:
-        return (None,) * len(winner.causes)
+        return (None,) * len(selected.causes)
     weights = np.random.default_rng(0).exponential(size=(DRAWS, windows))
     weights *= windows / weights.sum(axis=1, keepdims=True)
-    margins = [(trial, _margin(decision, trial, weights)) for trial in decision.trials]
+    judged = [trial for trial, _ in decision.judged]  # along whole recordings, not by windows
+    margins = [
+        (trial, _margin(decision, trial, weights))
+        for trial in decision.trials
+        if not any(trial is one for one in judged)
+    ]
     shares = []
-    for cause in winner.causes:
+    for cause in selected.causes:
         kept = np.ones(DRAWS, bool)
         for trial, margin in margins:
-            if _denies(trial, winner, cause):
+            if _denies(trial, selected, cause):
                 kept &= margin > 0
         shares.append(float(np.mean(kept)))
     return tuple(shares)
-
-
-def unstable(decision: Decision) -> tuple[Hypothesis, ...]:
-    """The causes of the winner that do not stay chosen in four of five draws."""
-    shares = stabilities(decision)
-    return tuple(
-        cause
-        for cause, share in zip(decision.winner.causes, shares, strict=True)
-        if share is not None and share < STABLE
-    )
 
 
 def weakest(
@@ -70,18 +64,18 @@ def weakest(
 
 
 def _margin(decision: Decision, trial: Refined, weights: Array) -> Array:
-    """By how much the score of a trial is worse than the winner's, by draw (DRAWS,)."""
-    winner = decision.winner
-    if trial.fit.chi2.size != winner.fit.chi2.size:
+    """By how much the score of a trial is worse than the selected structure's, by draw (DRAWS,)."""
+    selected = decision.selected
+    if trial.fit.chi2.size != selected.fit.chi2.size:
         return np.full(len(weights), np.inf)
-    gain = (trial.fit.chi2 - winner.fit.chi2) / piece_of(winner)
-    paid = price(winner, decision.count) - price(trial, decision.count)
+    gain = (trial.fit.chi2 - selected.fit.chi2) / piece_of(selected)
+    paid = price(selected, decision.count) - price(trial, decision.count)
     with np.errstate(invalid="ignore"):
         margin = weights @ np.where(np.isfinite(gain), gain, np.inf)
     return np.asarray(margin - paid)
 
 
-def _denies(trial: Refined, winner: Refined, cause: Hypothesis) -> bool:
+def _denies(trial: Refined, selected: Refined, cause: Hypothesis) -> bool:
     """Whether a trial is an answer without this cause: the law in another shape is no denial, an
     extension that was refused is none, and what convention tells apart no window does."""
     told = _sort(cause)
@@ -89,7 +83,7 @@ def _denies(trial: Refined, winner: Refined, cause: Hypothesis) -> bool:
         return False
     if not believable(trial):
         return False
-    change = exchange(trial.causes, winner.causes)
+    change = exchange(trial.causes, selected.causes)
     return not change.conventional and not change.grows
 
 

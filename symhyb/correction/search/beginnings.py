@@ -10,7 +10,7 @@ from symhyb.correction.search.setting import Setting, Stage
 from symhyb.correction.search.trajectory import Refined
 from symhyb.discrepancy.fitting.matching import fit
 from symhyb.discrepancy.fitting.task import starts_only
-from symhyb.discrepancy.recorded.windows import Laid
+from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.discrepancy.results import Change, Diagnosis, PlaceShare
 from symhyb.discrepancy.words.occurrence_words import change_words
 from symhyb.numeric.kernels.buffers import Array
@@ -31,14 +31,14 @@ def active_part(setting: Setting, change: Change | None) -> Setting:
         return setting
     stages: list[Stage] = []
     for stage in setting.stages:
-        kept = tuple(item for one in stage.laid if (item := _acting(one, change)) is not None)
+        kept = tuple(item for one in stage.cuts if (item := _acting(one, change)) is not None)
         if not kept or (stages and sum(len(item.start) for item in kept) < WINDOWS_LEAST):
             break
         stages.append(Stage(stage.length_s, kept))
     return replace(setting, stages=tuple(stages)) if stages else setting
 
 
-def _acting(item: Laid, change: Change) -> Laid | None:
+def _acting(item: Cut, change: Change) -> Cut | None:
     """The windows that lie wholly where the effect acts; None if there are none."""
     if item.source[0].name != change.recording:
         return item
@@ -49,23 +49,23 @@ def _acting(item: Laid, change: Change) -> Laid | None:
     return item.chosen(rows) if rows.size else None
 
 
-def contradicted(whole: Setting, winner: Refined, change: Change) -> bool:
+def contradicted(whole: Setting, selected: Refined, change: Change) -> bool:
     """Whether what was found where the effect acts makes the rest of the recording worse: else it
     may act throughout, in a motion that does not show it there."""
     rest = replace(change, kind="ends" if change.kind == "begins" else "begins")
-    items = [item for item in whole.stages[-1].laid if item.source[0].name == change.recording]
-    laid = [part for item in items if (part := _acting(item, rest)) is not None]
-    if not laid:
+    items = [item for item in whole.stages[-1].cuts if item.source[0].name == change.recording]
+    cuts = [part for item in items if (part := _acting(item, rest)) is not None]
+    if not cuts:
         return True
     model = whole.windows.machine
     with_it, without_it = (
-        sum(float(_followed(machine, p, item, whole.sd).sum()) for item in laid)
-        for machine, p in ((winner.machine, winner.p), (model, model.values))
+        sum(float(_followed(machine, p, item, whole.sd).sum()) for item in cuts)
+        for machine, p in ((selected.machine, selected.p), (model, model.values))
     )
-    return with_it - without_it > SIGNIFICANT * unit_of(winner)
+    return with_it - without_it > SIGNIFICANT * unit_of(selected)
 
 
-def _followed(machine: Machine, p: Array, item: Laid, sd: Array) -> Array:
+def _followed(machine: Machine, p: Array, item: Cut, sd: Array) -> Array:
     """χ² (W,) of windows by a machine as it is, with parameters ``p`` (P,) in SI."""
     return fit(WindowModel(machine), starts_only(item.suited(machine), sd), p).chi2
 

@@ -66,7 +66,7 @@ def drifting(setting: Setting, again: Again) -> Lie | None:
     ``again`` prepares the recordings anew with clocks put right.
     """
     stage = _stage(setting)
-    names = [c.path.removesuffix(".delay") for c in setting.dull if c.kind == "delay"]
+    names = [c.path.removesuffix(".delay") for c in setting.parametric if c.kind == "delay"]
     first = _fits(setting, stage)
     if not first:
         return None
@@ -86,8 +86,8 @@ def drifting(setting: Setting, again: Again) -> Lie | None:
     left = max(last.left - last.floor, NOISE_SHARE * last.floor)
     if not last.takes(begun, TAKES) or _rival(setting, stage) - begun.floor < RIVAL_LEFT * left:
         return None
-    twins = [names[i] for i in near if i != best]
-    return _told(setting.windows.machine.model, names[best], drift, twins)
+    equals = [names[i] for i in near if i != best]
+    return _told(setting.windows.machine.model, names[best], drift, equals)
 
 
 def _followed(name: str, index: int, begun: _Fit, again: Again) -> tuple[float, _Fit]:
@@ -114,7 +114,7 @@ def _staged(setting: Setting) -> tuple[Setting, Stage]:
 
 def _fits(setting: Setting, stage: Stage) -> list[_Fit]:
     """The drift of every channel, fitted by itself; none where too few windows tell."""
-    delays = [i for i, cause in enumerate(setting.dull) if cause.kind == "delay"]
+    delays = [i for i, cause in enumerate(setting.parametric) if cause.kind == "delay"]
     grams, held, times, count = _windows(setting, stage, delays)
     if times.size < WINDOWS_LEAST or not held.any() or not np.isfinite(grams).all():
         return []
@@ -153,7 +153,7 @@ def _windows(
     """Grams (W, D + 1, D + 1) of the delays and the residual, held flags, times since the start of
     the recording in s, and counts (W,)."""
     model, parts, times = setting.windows, [], []
-    for item in stage.laid:
+    for item in stage.cuts:
         item = item.suited(model.machine)
         linear = model.along(item.block, item.states, model.machine.values)
         residual = item.block.y - linear.output - linear.from_defect()
@@ -172,12 +172,12 @@ def _rival(setting: Setting, stage: Stage) -> float:
     return min((one.chi2 for one in found if one is not None), default=np.inf)
 
 
-def _told(model: Model, best: str, drift: float, twins: Sequence[str]) -> Lie:
-    """A clock that is claimed: ``drift`` is how much the delay of ``best`` grows, s/s; ``twins``
+def _told(model: Model, best: str, drift: float, equals: Sequence[str]) -> Lie:
+    """A clock that is claimed: ``drift`` is how much the delay of ``best`` grows, s/s; ``equals``
     would show in the same way."""
-    rivals = tuple(Lie("clock", (other,), drift) for other in twins)
-    sentence = f"the clocks of {joined([best, *twins])} run apart by {percent_text(abs(drift))}"
-    if not twins:
+    rivals = tuple(Lie("clock", (other,), drift) for other in equals)
+    sentence = f"the clocks of {joined([best, *equals])} run apart by {percent_text(abs(drift))}"
+    if not equals:
         speed = drift if best in {sensor.name for sensor in model.sensors} else -drift
         way = "fast" if speed > 0 else "slow"
         sentence = f"the clock of {best} runs {percent_text(abs(speed))} {way} against all others"

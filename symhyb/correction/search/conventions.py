@@ -44,7 +44,7 @@ def exchange(one: Sequence[Hypothesis], other: Sequence[Hypothesis]) -> Exchange
     )
 
 
-def exact_twins(problem: Problem) -> tuple[tuple[int, int], ...]:
+def indistinguishable(problem: Problem) -> tuple[tuple[int, int], ...]:
     """Pairs of causes whose effects are the same on these windows, the one to be named first.
 
     A parameter that may be estimated goes before a force, a force before a channel, an input

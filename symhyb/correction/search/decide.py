@@ -13,18 +13,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symhyb.correction.search.conventions import CERTAIN, exact_twins, exchange, precedence
+from symhyb.correction.search.conventions import RIVAL, exchange, indistinguishable, precedence
 from symhyb.correction.search.exchanges import HOPE, distinct, exchanges
 from symhyb.correction.search.formulas import beside, candidates, instead
 from symhyb.correction.search.lines import lines_of
 from symhyb.correction.search.score import (
     NEAR_NOISE,
     believable,
+    choice_of,
     cost,
     left,
     piece_of,
     samples,
     score,
+    uncertain,
     weak,
 )
 from symhyb.correction.search.selection import Problem, Subset, best_subsets, solve, without
@@ -35,22 +37,23 @@ from symhyb.correction.search.variants import variants_of
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.numeric.kernels.buffers import Array
 
-BEGUN = 10  # structures that the search begins with
+BEGUN = 4  # structures of each size that the search begins with
 BEGUN_LARGEST = 3  # causes of one of them
 ROUNDS = 12
 
 
 @dataclass(frozen=True, slots=True)
 class Decision:
-    """The structure that is believed (``winner``), the ``best`` by its score alone (convention may
-    name another one), all that were refined (``trials``), and ``twins``: causes that no recording
-    of this kind tells from another one. ``count`` causes competed. Some trials may have been
-    ``judged`` along whole recordings: by how much each is worse than the winner there."""
+    """The structure that is believed (``selected``), the ``best`` by its score alone (convention
+    may name another one), all that were refined (``trials``), and ``equals``: causes that no
+    recording of this kind tells from another one. ``count`` causes competed. Some trials may have
+    been ``judged`` along whole recordings: by how much each is worse than the selected structure
+    there."""
 
-    winner: Refined
+    selected: Refined
     nothing: Refined
     trials: tuple[Refined, ...]
-    twins: tuple[tuple[Hypothesis, Hypothesis], ...]
+    equals: tuple[tuple[Hypothesis, Hypothesis], ...]
     log: tuple[str, ...]
     count: int = 1
     best: Refined | None = None
@@ -61,9 +64,17 @@ class Decision:
         for known, worse in self.judged:
             if known is trial:
                 return worse
-        best = self.best or self.winner
+        best = self.best or self.selected
         unit = piece_of(best)
         return score(trial, unit, self.count) - score(best, unit, self.count)
+
+    def against(self, trial: Refined) -> float:
+        """The same at even odds of a parameter and a law: an ``sd`` says how far a parameter may be
+        off, and not how likely it is that it, rather than a law, is what acts."""
+        if any(known is trial for known, _ in self.judged):
+            return self.behind(trial)
+        more = uncertain(trial) - uncertain(self.best or self.selected)
+        return self.behind(trial) + more * choice_of(self.count)
 
 
 def decide(setting: Setting, proposals: Sequence[Subset], say: Say) -> Decision:
@@ -73,18 +84,18 @@ def decide(setting: Setting, proposals: Sequence[Subset], say: Say) -> Decision:
     for stage in setting.stages:
         say(f"screening {len(setting.hypotheses)} causes on windows of {stage.length_s:.3g} s")
         problem = along_motion(setting, stage)
-        twins = exact_twins(problem)
-        problem = without(problem, {second for _, second in twins})
+        equals = indistinguishable(problem)
+        problem = without(problem, {second for _, second in equals})
         sizes = best_subsets(problem, BEGUN_LARGEST)
         pool |= {s.causes for sized in sizes[1:] for s in distinct(problem, sized)[:BEGUN]}
         problems.append((sizes[-1][0].chi2 / max(sizes[0][0].chi2, 1e-300), problem))
     # where the linear problem explains most, its promises are worth most
     problem = min(problems, key=lambda pair: pair[0])[1]
-    trials = Trials(setting, say, twins)
+    trials = Trials(setting, say, equals)
     nothing = trials.refined(())
     best, log = nothing, []
     for subset in _begun(trials, nothing, problem, pool):
-        if best.fit.scale > NEAR_NOISE or len(subset.causes) < len(best.causes):
+        if best.fit.scale > NEAR_NOISE or _cheaper(subset, best):
             _tried(trials, subset.causes, first_guess(problem, subset))
             best = _best(trials)
     for _ in range(ROUNDS):
@@ -97,16 +108,17 @@ def decide(setting: Setting, proposals: Sequence[Subset], say: Say) -> Decision:
         if better is best:
             break
         best = better
-    winner = _conventional(trials, best, problem)
-    named = tuple((setting.hypotheses[a], setting.hypotheses[b]) for a, b in twins)
+    selected = _conventional(trials, best, problem)
+    named = tuple((setting.hypotheses[a], setting.hypotheses[b]) for a, b in equals)
     done = tuple(trials.done.values())
-    return Decision(winner, nothing, done, named, tuple(log), trials.count, best)
+    return Decision(selected, nothing, done, named, tuple(log), trials.count, best)
 
 
 def _begun(
     trials: Trials, nothing: Refined, problem: Problem, pool: set[tuple[int, ...]]
 ) -> list[Subset]:
-    """The subsets of the pool that the linear problem ranks first."""
+    """The subsets of the pool that the linear problem ranks first, a few of each size, the small
+    ones first."""
     empty = solve(problem, ())
     found = [s for causes in sorted(pool) if (s := solve(problem, causes)) is not None]
     if empty is None or not found:
@@ -121,7 +133,14 @@ def _begun(
         return float(promised - paid * price)
 
     ranked = sorted((s for s in found if gain(s, HOPE) > 0), key=lambda s: -gain(s))
-    return distinct(problem, ranked)[:BEGUN]
+    each = [[s for s in ranked if len(s.causes) == many] for many in range(1, BEGUN_LARGEST + 1)]
+    return [s for sized in each for s in distinct(problem, sized)[:BEGUN]]
+
+
+def _cheaper(subset: Subset, best: Refined) -> bool:
+    """Whether a subset has fewer causes or numbers than a structure, and more of neither."""
+    theirs, mine = (len(best.causes), best.numbers), (len(subset.causes), subset.numbers)
+    return mine != theirs and mine[0] <= theirs[0] and mine[1] <= theirs[1]
 
 
 def _best(trials: Trials) -> Refined:
@@ -216,7 +235,8 @@ def _varied(
 
 
 def _conventional(trials: Trials, best: Refined, problem: Problem) -> Refined:
-    """Where convention names one of two causes that noise cannot tell apart, the one it names."""
+    """Where convention names one of two causes that windows hardly tell apart, the one it names: a
+    delay moves what the windows hold."""
     unit = piece_of(best)
     for trial in trials.done.values():
         change = exchange(trial.causes, best.causes)
@@ -226,6 +246,6 @@ def _conventional(trials: Trials, best: Refined, problem: Problem) -> Refined:
             precedence(problem.hypotheses.index(cause), cause) for cause in change.pair
         )
         behind = score(trial, unit, trials.count) - score(best, unit, trials.count)
-        if first < second and abs(behind) < CERTAIN:
+        if first < second and abs(behind) < RIVAL:
             return trial
     return best

@@ -16,9 +16,9 @@ from scipy.special import chdtrc
 
 from symhyb.correction.search.score import OUTSTANDING
 from symhyb.correction.search.setting import Setting, Stage
-from symhyb.correction.search.trajectory import Refined, grouped, keys_of, refine
+from symhyb.correction.search.trajectory import Refined, element_name, grouped, keys_of, refine
 from symhyb.discrepancy.places.hypotheses import Hypothesis
-from symhyb.discrepancy.recorded.windows import Laid
+from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.errors import InputError, Problem, did_you_mean
 from symhyb.model.types import Model
 from symhyb.model.vocabulary import KINDS
@@ -82,7 +82,7 @@ def owning(
 
 
 @dataclass(frozen=True, slots=True)
-class Stranger:
+class Outlier:
     """A recording (its index) that does not fit the others: the number in which it differs most
     (index of the cause, key), its own value and that of the others, each with one sd, SI;
     ``distance`` is (x − y)ᵀ(C + D)⁻¹(x − y) over the shared numbers, ``chance`` how often a
@@ -106,21 +106,21 @@ class _Estimate:
     covariance: Array
 
 
-def strangers(model: Model, final: Refined, stage: Stage, sd: Array) -> tuple[Stranger, ...]:
+def outliers(model: Model, final: Refined, stage: Stage, sd: Array) -> tuple[Outlier, ...]:
     """The recordings that do not fit the others, the worst first; less than half of them. Of two
-    that differ neither is the stranger: the second is given, beside the first. ``sd`` (m,) is the
+    that differ neither is the outlier: the second is given, beside the first. ``sd`` (m,) is the
     noise of the sensors, SI."""
     keys = _shared(final)
     known = _each(model, final, stage, sd, [n for n, _, _ in keys]) if keys else {}
-    found: list[Stranger] = []
-    while len(known) > 1 and len(found) < max((len(stage.laid) - 1) // 2, 1):
-        apart = [_against(i, known, keys, len(stage.laid)) for i in known]
+    found: list[Outlier] = []
+    while len(known) > 1 and len(found) < max((len(stage.cuts) - 1) // 2, 1):
+        apart = [_against(i, known, keys, len(stage.cuts)) for i in known]
         worst = max((s for s in apart if s), key=lambda s: s.distance, default=None)
         if worst is None:
             break
         found.append(worst)
         del known[worst.recording]
-    if found or len(stage.laid) < 3:
+    if found or len(stage.cuts) < 3:
         return tuple(found)
     left = _unexplained(final, stage)
     return () if left is None else (left,)
@@ -137,7 +137,7 @@ def _each(
 ) -> dict[int, _Estimate]:
     """The shared numbers of every recording alone, where it determines them."""
     found = {}
-    for i, item in enumerate(stage.laid):
+    for i, item in enumerate(stage.cuts):
         if len(item.start) < WINDOWS_LEAST:
             continue
         fit = _alone(model, final, stage, sd, i).fit
@@ -152,7 +152,7 @@ def _against(
     known: Mapping[int, _Estimate],
     keys: Sequence[tuple[int, int, str]],
     recordings: int,
-) -> Stranger | None:
+) -> Outlier | None:
     """One recording against the others, if it differs beyond chance and by more than a tenth."""
     mine, rest = known[which], _joined([other for i, other in known.items() if i != which])
     offset, spread = mine.value - rest.value, mine.covariance + rest.covariance
@@ -166,13 +166,13 @@ def _against(
     own, others = (
         (float(one.value[n]), float(np.sqrt(one.covariance[n, n]))) for one in (mine, rest)
     )
-    return Stranger(which, *keys[n][1:], own, others, distance, chance)
+    return Outlier(which, *keys[n][1:], own, others, distance, chance)
 
 
-def _unexplained(final: Refined, stage: Stage) -> Stranger | None:
+def _unexplained(final: Refined, stage: Stage) -> Outlier | None:
     """The recording in which the structure leaves more than in the others together, if one does
     beyond the deviation of a mean square, and beyond what the noise is known to."""
-    sizes = [len(item.start) for item in stage.laid]
+    sizes = [len(item.start) for item in stage.cuts]
     bounds = np.cumsum([0, *sizes])
     fit, worst = final.fit, None
     for i, (a, b) in enumerate(pairwise(bounds)):
@@ -190,7 +190,7 @@ def _unexplained(final: Refined, stage: Stage) -> Stranger | None:
             continue
         if worst is None or mine > worst.value[0]:
             distance = ((mine - rest) / deviation) ** 2
-            worst = Stranger(
+            worst = Outlier(
                 i,
                 -1,
                 "",
@@ -202,19 +202,19 @@ def _unexplained(final: Refined, stage: Stage) -> Stranger | None:
     return worst
 
 
-def drifting(model: Model, final: Refined, stage: Stage, sd: Array) -> Stranger | None:
+def drifting(model: Model, final: Refined, stage: Stage, sd: Array) -> Outlier | None:
     """The shared number that differs most between the first halves of the recordings (``others``)
     and the second (``value``), if one does beyond chance and by more than a tenth: a law that
     changes on the way is not the constant one that was fitted. ``sd`` (m,) is the noise, SI."""
     keys = _shared(final)
-    if not keys or any(len(item.start) < 2 * WINDOWS_LEAST for item in stage.laid):
+    if not keys or any(len(item.start) < 2 * WINDOWS_LEAST for item in stage.cuts):
         return None
     rows = [n for n, _, _ in keys]
     known = {}
     for half in (0, 1):
-        laid = [item.chosen(_half(item, half)) for item in stage.laid]
+        cuts = [item.chosen(_half(item, half)) for item in stage.cuts]
         start = [*grouped(final)]
-        fit = refine(model, final.causes, start, laid, sd, everything=True).fit
+        fit = refine(model, final.causes, start, cuts, sd, everything=True).fit
         covariance = fit.covariance[np.ix_(rows, rows)]
         if fit.reason or not np.isfinite(covariance).all():
             return None
@@ -222,13 +222,13 @@ def drifting(model: Model, final: Refined, stage: Stage, sd: Array) -> Stranger 
     return _against(1, known, keys, 1)
 
 
-def _half(item: Laid, which: int) -> NDArray[np.int64]:
+def _half(item: Cut, which: int) -> NDArray[np.int64]:
     """The windows of the first or the second half of a recording."""
     middle = len(item.start) // 2
     return np.arange(middle) if which == 0 else np.arange(middle, len(item.start))
 
 
-def widened(final: Refined, odd: Stranger) -> Refined:
+def widened(final: Refined, odd: Outlier) -> Refined:
     """The structure with the deviation of the drifting number as wide as its two values."""
     told = [(i, key) for i, cause in enumerate(final.causes) for key in keys_of(cause)]
     n = told.index((odd.cause, odd.key))
@@ -239,33 +239,51 @@ def widened(final: Refined, odd: Stranger) -> Refined:
 
 def without(setting: Setting, gone: Sequence[int]) -> Setting:
     """The setting without some recordings (their indices at the last stage)."""
-    names = [setting.stages[-1].laid[i].source[0] for i in gone]
+    names = [setting.stages[-1].cuts[i].source[0] for i in gone]
     stages = [
-        Stage(stage.length_s, tuple(item for item in stage.laid if item.source[0] not in names))
+        Stage(stage.length_s, tuple(item for item in stage.cuts if item.source[0] not in names))
         for stage in setting.stages
     ]
-    return replace(setting, stages=tuple(stage for stage in stages if stage.laid))
+    return replace(setting, stages=tuple(stage for stage in stages if stage.cuts))
 
 
-def parted(setting: Setting, winner: Refined, stranger: Stranger) -> Setting:
-    """The setting in which the number that differs is each recording's own."""
-    told = winner.causes[stranger.cause]
+def parted(
+    setting: Setting, selected: Refined, outlier: Outlier, rivals: Sequence[Hypothesis] = ()
+) -> Setting:
+    """The setting in which the number that differs is each recording's own; of ``rivals`` that may
+    take its cause's place, the strength."""
+    differs = selected.causes[outlier.cause]
+    keys = {(cause.kind, cause.place, cause.path): keys_of(cause)[0] for cause in rivals}
+    keys[differs.kind, differs.place, differs.path] = outlier.key
 
     def own(cause: Hypothesis) -> Hypothesis:
-        same = (cause.kind, cause.place, cause.path) == (told.kind, told.place, told.path)
-        if not same or stranger.key not in keys_of(cause) or stranger.key in cause.own:
+        key = keys.get((cause.kind, cause.place, cause.path))
+        if key is None or key not in keys_of(cause) or key in cause.own:
             return cause
-        return replace(cause, own=(*cause.own, stranger.key))
+        return replace(cause, own=(*cause.own, key))
 
     library = replace(setting.library, hypotheses=tuple(map(own, setting.library.hypotheses)))
-    return replace(setting, library=library, dull=tuple(map(own, setting.dull)))
+    return replace(setting, library=library, parametric=tuple(map(own, setting.parametric)))
+
+
+def own_value(selected: Refined, outlier: Outlier) -> Outlier | None:
+    """In what a recording differs from the other one, as a structure with own numbers has it; None
+    if it has none."""
+    for i, cause in enumerate(selected.causes):
+        for key in keys_of(cause):
+            if key in cause.own and key != "phase" and selected.owned:
+                path = cause.path if cause.place is None else f"{element_name(i)}.{key}"
+                which = outlier.recording
+                value, others = (selected.value_of(path, j) for j in (which, 1 - which))
+                return replace(outlier, cause=i, key=key, value=value, others=others)
+    return None
 
 
 def _alone(model: Model, final: Refined, stage: Stage, sd: Array, which: int) -> Refined:
     """The structure fitted to all windows of one recording."""
-    recording = stage.laid[which].source[0]
+    recording = stage.cuts[which].source[0]
     start = [_first(row, recording.name) for row in grouped(final)]
-    return refine(model, final.causes, start, (stage.laid[which],), sd, everything=True)
+    return refine(model, final.causes, start, (stage.cuts[which],), sd, everything=True)
 
 
 def _first(row: Mapping[str, float], name: str) -> dict[str, float]:

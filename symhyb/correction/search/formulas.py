@@ -31,11 +31,11 @@ def candidates(setting: Setting) -> Library:
     return product_library(model, products(model, transitions))
 
 
-def beside(setting: Setting, book: Library, winner: Refined) -> list[tuple[Hypothesis, Row]]:
+def beside(setting: Setting, book: Library, selected: Refined) -> list[tuple[Hypothesis, Row]]:
     """The products that promise most of what a fitted structure leaves, along its simulation."""
-    columns = tuple(winner.machine.column(path) for path in winner.paths)
-    model = WindowModel(winner.machine, columns)
-    return _promised(setting, book, model, winner.p, winner, winner.fit.starts)
+    columns = tuple(selected.machine.column(path) for path in selected.paths)
+    model = WindowModel(selected.machine, columns)
+    return _promised(setting, book, model, selected.p, selected, selected.fit.starts)
 
 
 def instead(setting: Setting, book: Library, nothing: Refined) -> list[tuple[Hypothesis, Row]]:
@@ -54,7 +54,7 @@ def _promised(
 ) -> list[tuple[Hypothesis, Row]]:
     if not book.hypotheses:
         return []
-    problem = screen(book, model, (), setting.stages[-1].laid, p, setting.sd, starts)
+    problem = screen(book, model, (), setting.stages[-1].cuts, p, setting.sd, starts)
     empty = solve(problem, ())
     if empty is None:
         return []

@@ -17,22 +17,22 @@ from symhyb.numeric.runs.windows import WindowModel
 OVERTONES = (2.0, 3.0, 0.5)  # times the frequency that was found
 
 
-def lines_of(setting: Setting, winner: Refined) -> list[tuple[tuple[Hypothesis, ...], list[Row]]]:
+def lines_of(setting: Setting, selected: Refined) -> list[tuple[tuple[Hypothesis, ...], list[Row]]]:
     """The best line more and the best two of them, with first guesses, where the linearisation
-    along the winner's simulation promises a part of what is left."""
-    offered = _lines(setting, winner)
+    along the selected structure's simulation promises a part of what is left."""
+    offered = _lines(setting, selected)
     if not offered:
         return []
     book = library(setting.windows.machine.model, (), offered)
-    columns = tuple(winner.machine.column(path) for path in winner.paths)
+    columns = tuple(selected.machine.column(path) for path in selected.paths)
     problem = screen(
         book,
-        WindowModel(winner.machine, columns),
+        WindowModel(selected.machine, columns),
         (),
-        setting.stages[-1].laid,
-        winner.p,
+        setting.stages[-1].cuts,
+        selected.p,
         setting.sd,
-        winner.fit.starts,
+        selected.fit.starts,
     )
     empty = solve(problem, ())
     found = []
@@ -43,7 +43,7 @@ def lines_of(setting: Setting, winner: Refined) -> list[tuple[tuple[Hypothesis, 
             if (subset := solve(problem, chosen)) is not None
         ]
         best = min(subsets, key=lambda s: s.chi2, default=None)
-        if empty is None or best is None or not worth(empty, best, winner):
+        if empty is None or best is None or not worth(empty, best, selected):
             continue
         rows = [
             offered[cause].values(best.values[2 * i : 2 * i + 2].tolist())
@@ -57,10 +57,10 @@ def _is_line(cause: Hypothesis) -> bool:
     return cause.kind in KINDS and KINDS[cause.kind].terms is WAVE
 
 
-def _lines(setting: Setting, winner: Refined) -> tuple[Hypothesis, ...]:
-    """Lines that are not in the winner, at the places of those that are."""
+def _lines(setting: Setting, selected: Refined) -> tuple[Hypothesis, ...]:
+    """Lines that are not in the selected structure, at the places of those that are."""
     offered: list[Hypothesis] = []
-    for cause, row in zip(winner.causes, grouped(winner), strict=True):
+    for cause, row in zip(selected.causes, grouped(selected), strict=True):
         if not _is_line(cause):
             continue
         (key,) = cause.refined
@@ -69,7 +69,7 @@ def _lines(setting: Setting, winner: Refined) -> tuple[Hypothesis, ...]:
         offered += [h for h in setting.hypotheses if h.family == cause.family]
     known = [
         (cause.kind, cause.place, row[cause.refined[0]])
-        for cause, row in zip(winner.causes, grouped(winner), strict=True)
+        for cause, row in zip(selected.causes, grouped(selected), strict=True)
         if _is_line(cause)
     ]
     fresh: list[Hypothesis] = []

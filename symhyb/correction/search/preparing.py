@@ -20,8 +20,8 @@ from symhyb.discrepancy.places.candidates import (
     transition_share,
 )
 from symhyb.discrepancy.places.hypotheses import (
-    dull_hypotheses,
     library,
+    parametric_hypotheses,
     places_of,
     with_channels,
 )
@@ -29,9 +29,9 @@ from symhyb.discrepancy.places.points import point_hypotheses
 from symhyb.discrepancy.recorded.course import course_of
 from symhyb.discrepancy.recorded.motion import motion_of
 from symhyb.discrepancy.recorded.residual import discrepancy
-from symhyb.discrepancy.recorded.runs import Run, laid_within, noise_sd, with_noise
+from symhyb.discrepancy.recorded.runs import Run, cut_within, noise_sd, with_noise
 from symhyb.discrepancy.recorded.sampling import as_sampled
-from symhyb.discrepancy.recorded.windows import Laid
+from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.discrepancy.results import Lie
 from symhyb.errors import InputError, Problem
 from symhyb.laws.reach import Reach
@@ -139,12 +139,12 @@ def settle(prepared: Prepared, own: Sequence[str] = ()) -> Setting:
         *point_hypotheses(model, motions, narrow),
     )
     causes = library(model, places, owning(model, tried, own))
-    dull = owning(model, dull_hypotheses(model), own)
-    windows = WindowModel(machine, tuple(machine.column(cause.path) for cause in dull))
+    parametric = owning(model, parametric_hypotheses(model), own)
+    windows = WindowModel(machine, tuple(machine.column(cause.path) for cause in parametric))
     sag = _sag(prepared)
     return Setting(
         causes,
-        dull,
+        parametric,
         windows,
         _stages(prepared),
         prepared.sd,
@@ -205,8 +205,8 @@ def _stages(prepared: Prepared) -> tuple[Stage, ...]:
     longest = _foreseen(prepared, shortest, total / WINDOWS_LEAST)
     stages: list[Stage] = []
     for length in _lengths(shortest, longest):
-        laid = [_spread(laid_within(run, prepared.machine, length), share) for run in prepared.runs]
-        calm = [None if item is None else _foreseeable(prepared, item) for item in laid]
+        cuts = [_spread(cut_within(run, prepared.machine, length), share) for run in prepared.runs]
+        calm = [None if item is None else _foreseeable(prepared, item) for item in cuts]
         kept = tuple(item for item in calm if item is not None)
         enough = sum(len(item.start) for item in kept) >= WINDOWS_LEAST
         if not kept or (stages and not enough):
@@ -219,29 +219,29 @@ def _stages(prepared: Prepared) -> tuple[Stage, ...]:
     return tuple(stages)
 
 
-def last_windows(prepared: Prepared, *, spread: bool) -> tuple[Laid, ...]:
+def last_windows(prepared: Prepared, *, spread: bool) -> tuple[Cut, ...]:
     """The windows of the last stage: those that decide, or where not ``spread`` all of their
     length, for values."""
     last = _stages(prepared)[-1]
     if spread:
-        return last.laid
-    laid = [laid_within(run, prepared.machine, last.length_s) for run in prepared.runs]
-    calm = [None if item is None else _foreseeable(prepared, item) for item in laid]
+        return last.cuts
+    cuts = [cut_within(run, prepared.machine, last.length_s) for run in prepared.runs]
+    calm = [None if item is None else _foreseeable(prepared, item) for item in cuts]
     return tuple(item for item in calm if item is not None)
 
 
 def _foreseen(prepared: Prepared, shortest: float, longest: float) -> float:
     """The longest windows in s of which most can be foreseen."""
     while longest > shortest:
-        laid = [laid_within(run, prepared.machine, longest) for run in prepared.runs]
-        calm = [_calm(prepared, item) for item in laid if item is not None]
+        cuts = [cut_within(run, prepared.machine, longest) for run in prepared.runs]
+        calm = [_calm(prepared, item) for item in cuts if item is not None]
         if calm and np.mean(np.concatenate(calm)) >= CALM_LEAST:
             break
         longest *= SHORTER
     return longest
 
 
-def _foreseeable(prepared: Prepared, item: Laid) -> Laid | None:
+def _foreseeable(prepared: Prepared, item: Cut) -> Cut | None:
     """The windows that can be foreseen, if there are any."""
     calm = _calm(prepared, item)
     if calm.all():
@@ -249,7 +249,7 @@ def _foreseeable(prepared: Prepared, item: Laid) -> Laid | None:
     return item.chosen(np.flatnonzero(calm)) if calm.any() else None
 
 
-def _calm(prepared: Prepared, item: Laid) -> NDArray[np.bool_]:
+def _calm(prepared: Prepared, item: Cut) -> NDArray[np.bool_]:
     """The windows (W,) along whose measured motion no error of the state at the start shows
     ``GROWN`` times more in the outputs than if no force acted."""
     model = WindowModel(prepared.machine)
@@ -296,7 +296,7 @@ def _lengths(shortest: float, longest: float) -> list[float]:
     return [shortest * ratio ** (i / max(steps, 1)) for i in range(steps + 1)]
 
 
-def _spread(item: Laid | None, share: float) -> Laid | None:
+def _spread(item: Cut | None, share: float) -> Cut | None:
     """A share of the windows, evenly spread, of recordings that are longer than a search needs."""
     if item is None or share >= 1:
         return item

@@ -17,7 +17,7 @@ from math import inf
 import numpy as np
 from scipy.special import ndtr, ndtri
 
-from symhyb.correction.search.trajectory import Refined, grouped, own_key
+from symhyb.correction.search.trajectory import Refined, gathered, grouped, keys_of, own_key
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.words.formula import LAW
 from symhyb.model.vocabulary import key_of
@@ -41,10 +41,19 @@ def price(trial: Refined, candidates: int) -> float:
     A parameter that states an sd was not chosen: its χ² against what was known of it counts
     instead, but no more than the law costs that does the same.
     """
-    chosen = sum(1 for cause in trial.causes if not _stated(trial, cause))
-    choice = 2 * np.log(max(candidates, 1))
+    choice = choice_of(candidates)
     prior = min(trial.fit.prior, len(trial.causes) * (np.log(samples(trial)) + choice))
-    return float(cost(trial) + prior + chosen * choice)
+    return float(cost(trial) + prior + (len(trial.causes) - uncertain(trial)) * choice)
+
+
+def choice_of(candidates: int) -> float:
+    """What it costs to have chosen one cause."""
+    return float(2 * np.log(max(candidates, 1)))
+
+
+def uncertain(trial: Refined) -> int:
+    """How many of the causes are parameters that state an sd."""
+    return sum(prior_sd(trial, cause) < inf for cause in trial.causes)
 
 
 def left(trial: Refined) -> float:
@@ -58,14 +67,26 @@ def samples(trial: Refined) -> float:
 
 
 def cost(trial: Refined) -> float:
-    """k ln N of a structure; a number that every recording has of its own is known from the samples
-    of that recording alone, and costs their logarithm."""
-    size, recordings = samples(trial), len(trial.owned)
-    if not recordings:
-        return float(trial.numbers * np.log(size))
-    shared = len(set.intersection(*map(set, trial.owned)))
-    own = trial.numbers - shared
-    return float(shared * np.log(size) + own * np.log(max(size / recordings, 2.0)))
+    """What the numbers of a structure cost: ln N each, of a number that every recording has of its
+    own ln of the samples of that recording, from which alone it is known; of a parameter that
+    states an sd by how much the recordings narrow that, if it is less (Laplace's approximation)."""
+    size, recordings = samples(trial), max(len(trial.owned), 1)
+    keys = [(cause, key) for cause in trial.causes for key in keys_of(cause)]
+    each = np.array([np.log(max(size / (recordings if key in c.own else 1), 2)) for c, key in keys])
+    known = np.array([prior_sd(trial, cause) for cause, _ in keys])
+    price = gathered(each, trial.owned)
+    spread = np.sqrt(np.diag(trial.fit.covariance))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        narrowed = 2 * np.log(np.maximum(gathered(known, trial.owned) / spread, 1.0))
+    return float(np.sum(np.fmin(price, narrowed)))
+
+
+def prior_sd(trial: Refined, cause: Hypothesis) -> float:
+    """The sd that a parameter of the model states, SI; infinite for any other cause."""
+    if cause.kind != "parameter":
+        return inf
+    declared = {item.path: item.si_sd for item in trial.machine.model.all_parameters()}
+    return declared.get(cause.path) or inf
 
 
 def unit_of(trial: Refined) -> float:
@@ -75,25 +96,22 @@ def unit_of(trial: Refined) -> float:
 
 def piece_of(trial: Refined) -> float:
     """χ² of one independent piece of what a structure leaves: of its residuals by their
-    correlation, and of what is more than noise as one of few. A missing force repeats wherever the
-    motion does; that the samples are many makes it no better known."""
-    return max(unit_of(trial), (left(trial) - NEAR_NOISE * samples(trial)) / PIECES)
+    correlation, and of what is more than noise, or differs between repeated runs, as one of few. A
+    missing force repeats wherever the motion does; that the samples are many makes it no better
+    known."""
+    lacking = max(left(trial) - NEAR_NOISE * samples(trial), trial.fit.floor * samples(trial))
+    return max(unit_of(trial), lacking / PIECES)
 
 
 def part_left(trial: Refined, nothing: Refined) -> float:
-    """The share of the squared mismatch beyond the noise that a structure leaves."""
-    floor = samples(nothing)
-    before, after = left(nothing), left(trial)
+    """The share of the squared mismatch beyond the noise that a structure leaves, on held windows
+    (on the fitted ones where none is held)."""
+    held = nothing.fit.held if nothing.fit.held.any() else ~nothing.fit.held
+    floor = float(nothing.fit.count[held].sum())
+    before, after = float(nothing.fit.chi2[held].sum()), float(trial.fit.chi2[held].sum())
     if not np.isfinite(before):
         return 0.0
     return 1 - (before - after) / max(before - min(floor, after), NOISE_SHARE * floor)
-
-
-def _stated(trial: Refined, cause: Hypothesis) -> bool:
-    """Whether a cause is a parameter of the model that states an sd."""
-    if cause.kind != "parameter":
-        return False
-    return any(item.path == cause.path and item.sd for item in trial.machine.model.all_parameters())
 
 
 def believable(trial: Refined, length_s: float = inf) -> bool:

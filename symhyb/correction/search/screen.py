@@ -13,7 +13,7 @@ import numpy as np
 from symhyb.correction.search.selection import Problem
 from symhyb.discrepancy.places.hypotheses import GAIN_REACH, Hypothesis, Library
 from symhyb.discrepancy.recorded.course import Course
-from symhyb.discrepancy.recorded.windows import Laid, reduce
+from symhyb.discrepancy.recorded.windows import Cut, reduce
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.lowered.dynamics import state_form
 from symhyb.numeric.runs.windows import WindowModel
@@ -24,8 +24,8 @@ DELAY_LEAST = 0.25  # samples: less is a matter of how a signal was held between
 def screen(
     library: Library,
     model: WindowModel,
-    dull: Sequence[Hypothesis],
-    laid: Sequence[Laid],
+    parametric: Sequence[Hypothesis],
+    cuts: Sequence[Cut],
     p: Array,
     sd: Array,
     starts: Sequence[Array] | None = None,
@@ -35,21 +35,23 @@ def screen(
 ) -> Problem:
     """Reduce windows to a linear problem in the forces of ``library`` and the free parameters.
 
-    The first free parameters of ``model`` are those of the ``dull`` causes; any others are in every
-    subset. With ``starts`` (one (W, X) a recording) the linearisation is along the simulation from
-    there instead of the motion. A gain closer to 1 than ``gain_floor`` is none. ``p`` (P,), ``sd``
-    (m,) in SI; with ``each``, a vector of parameters for every recording instead of ``p``. The free
-    parameters ``own`` (their columns in p) have a value in each recording, as causes may.
+    The first free parameters of ``model`` are those of the ``parametric`` causes; any others are in
+    every subset. With ``starts`` (one (W, X) a recording) the linearisation is along the simulation
+    from there instead of the motion. A gain closer to 1 than ``gain_floor`` is none. ``p`` (P,),
+    ``sd`` (m,) in SI; with ``each``, a vector of parameters for every recording instead of ``p``.
+    The free parameters ``own`` (their columns in p) have a value in each recording, as causes may.
     """
     parts = []
     forces, free = sum(map(len, library.columns)), len(model.free)
-    given = (*library.columns, *((forces + i,) for i in range(len(dull))))
-    always = tuple(range(forces + len(dull), forces + free))
-    causes = (*library.hypotheses, *dull)
+    given = (*library.columns, *((forces + i,) for i in range(len(parametric))))
+    always = tuple(range(forces + len(parametric), forces + free))
+    causes = (*library.hypotheses, *parametric)
     mine = [c for cause, told in zip(causes, given, strict=True) if cause.own for c in told]
-    mine += [forces + i for i, column in enumerate(model.free) if column in own and i >= len(dull)]
-    extra = copies(mine, forces + free, len(laid))
-    for i, fine in enumerate(laid):
+    mine += [
+        forces + i for i, column in enumerate(model.free) if column in own and i >= len(parametric)
+    ]
+    extra = copies(mine, forces + free, len(cuts))
+    for i, fine in enumerate(cuts):
         now = p if each is None else each[i]
         item = fine.suited(model.machine).in_time(model, now)
         if starts is None:
@@ -63,18 +65,20 @@ def screen(
             reduce(
                 residual,
                 linear.from_start()[..., : model.form.moving],
-                apart(np.concatenate(columns, axis=3), mine, i, len(laid)),
+                apart(np.concatenate(columns, axis=3), mine, i, len(cuts)),
                 sd,
                 item.held,
             )
         )
     forces, free = sum(map(len, library.columns)), len(model.free)
-    source = [*range(forces + free), *(mine * (len(laid) - 1))]
+    source = [*range(forces + free), *(mine * (len(cuts) - 1))]
     declared = {item.path: item.si for item in model.machine.model.all_parameters()}
-    lower, upper = _bounds(library, dull, free, declared)
-    prior = np.concatenate([np.zeros(forces), _priors(model, dull), np.zeros(free - len(dull))])
-    floors = [_least(cause, gain_floor, laid, declared) for cause in dull]
-    least = np.concatenate([np.zeros(forces), floors, np.zeros(free - len(dull))])
+    lower, upper = _bounds(library, parametric, free, declared)
+    prior = np.concatenate(
+        [np.zeros(forces), _priors(model, parametric), np.zeros(free - len(parametric))]
+    )
+    floors = [_least(cause, gain_floor, cuts, declared) for cause in parametric]
+    least = np.concatenate([np.zeros(forces), floors, np.zeros(free - len(parametric))])
     return Problem(
         gram=np.sum([part.grams[~part.held].sum(axis=0) for part in parts], axis=0),
         held=np.sum([part.grams[part.held].sum(axis=0) for part in parts], axis=0),
@@ -85,7 +89,7 @@ def screen(
         lower=lower[source],
         upper=upper[source],
         least=least[source],
-        recordings=tuple(item.source[0].name for item in laid),
+        recordings=tuple(item.source[0].name for item in cuts),
     )
 
 
@@ -117,17 +121,17 @@ def widened(
 
 
 def _least(
-    cause: Hypothesis, gain_floor: float, laid: Sequence[Laid], values: Mapping[str, float]
+    cause: Hypothesis, gain_floor: float, cuts: Sequence[Cut], values: Mapping[str, float]
 ) -> float:
-    """The smallest size of a dull cause that is worth a name, SI."""
+    """The smallest size of a parametric cause that is worth a name, SI."""
     if cause.kind == "delay":
-        return DELAY_LEAST * float(np.median(np.diff(laid[0].block.t, axis=1)))
+        return DELAY_LEAST * float(np.median(np.diff(cuts[0].block.t, axis=1)))
     if cause.kind in ("parameter", "gain"):
         return gain_floor * abs(float(values[cause.path]))
     return 0.0
 
 
-def _probe_forces(library: Library, item: Laid, simulated: Array | None) -> Array:
+def _probe_forces(library: Library, item: Cut, simulated: Array | None) -> Array:
     """Forces of all probes (W, L, n, C) along the windows: along the measured motion, or along
     ``simulated`` states (W, L, X); what remembers follows the measured motion always."""
     machine, rows = library.machine, item.rows
@@ -149,18 +153,18 @@ def _probe_forces(library: Library, item: Laid, simulated: Array | None) -> Arra
 
 
 def _bounds(
-    library: Library, dull: Sequence[Hypothesis], free: int, values: Mapping[str, float]
+    library: Library, parametric: Sequence[Hypothesis], free: int, values: Mapping[str, float]
 ) -> tuple[Array, Array]:
     """Bounds of the coefficients: dissipation is positive, a gain is off by half at most."""
-    reach = [GAIN_REACH * abs(values[h.path]) if h.kind == "gain" else np.inf for h in dull]
+    reach = [GAIN_REACH * abs(values[h.path]) if h.kind == "gain" else np.inf for h in parametric]
     lower = [0.0 if sign else -np.inf for h in library.hypotheses for sign in h.positive]
     upper = [np.inf] * len(lower) + reach
     lower += [-one for one in reach]
-    rest = np.full(free - len(dull), np.inf)
+    rest = np.full(free - len(parametric), np.inf)
     return np.concatenate([lower, -rest]), np.concatenate([upper, rest])
 
 
-def _priors(model: WindowModel, dull: Sequence[Hypothesis]) -> Array:
+def _priors(model: WindowModel, parametric: Sequence[Hypothesis]) -> Array:
     """1/sd² of the parameters that state an sd, 0 for gains and offsets, SI."""
     spread = {item.path: item.si_sd for item in model.machine.model.all_parameters()}
-    return np.array([0.0 if (sd := spread[h.path]) is None else sd**-2 for h in dull])
+    return np.array([0.0 if (sd := spread[h.path]) is None else sd**-2 for h in parametric])

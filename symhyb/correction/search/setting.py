@@ -9,7 +9,7 @@ from symhyb.correction.search.screen import screen
 from symhyb.correction.search.selection import Problem
 from symhyb.correction.search.trajectory import Refined
 from symhyb.discrepancy.places.hypotheses import Hypothesis, Library
-from symhyb.discrepancy.recorded.windows import Laid
+from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.runs.windows import WindowModel
 
@@ -19,18 +19,18 @@ class Stage:
     """One window length in s and the windows of all recordings at it."""
 
     length_s: float
-    laid: tuple[Laid, ...]
+    cuts: tuple[Cut, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """What a decision works on: force hypotheses lowered, dull causes, windows prepared for the
-    model with all dull causes free, stages from short to long, noise ``sd`` (m,) SI, and
+    """What a decision works on: force hypotheses lowered, parametric causes, windows prepared for
+    the model with all parametric causes free, stages from short to long, noise ``sd`` (m,) SI, and
     the smallest gain error that interpolation between samples cannot feign, and the relative
     ``accuracy`` of fitted values that the numerics allow."""
 
     library: Library
-    dull: tuple[Hypothesis, ...]
+    parametric: tuple[Hypothesis, ...]
     windows: WindowModel
     stages: tuple[Stage, ...]
     sd: Array
@@ -40,34 +40,36 @@ class Setting:
     @property
     def hypotheses(self) -> tuple[Hypothesis, ...]:
         """All causes, in the order of the reduced problems."""
-        return (*self.library.hypotheses, *self.dull)
+        return (*self.library.hypotheses, *self.parametric)
 
 
 def along_motion(setting: Setting, stage: Stage) -> Problem:
     """The reduced problem of one stage along the measured motion."""
     model = setting.windows
     p, floor = model.machine.values, setting.gain_floor
-    return screen(setting.library, model, setting.dull, stage.laid, p, setting.sd, gain_floor=floor)
+    return screen(
+        setting.library, model, setting.parametric, stage.cuts, p, setting.sd, gain_floor=floor
+    )
 
 
-def around(setting: Setting, winner: Refined) -> Problem:
-    """The reduced problem along the winner's simulation, its own numbers always in."""
-    paths = [*(cause.path for cause in setting.dull), *winner.paths]
+def around(setting: Setting, selected: Refined) -> Problem:
+    """The reduced problem along the selected structure's simulation, its own numbers always in."""
+    paths = [*(cause.path for cause in setting.parametric), *selected.paths]
     unique = list(dict.fromkeys(paths))
-    model = WindowModel(winner.machine, tuple(winner.machine.column(path) for path in unique))
-    laid = setting.stages[-1].laid
-    starts, floor = winner.fit.starts, setting.gain_floor
+    model = WindowModel(selected.machine, tuple(selected.machine.column(path) for path in unique))
+    cuts = setting.stages[-1].cuts
+    starts, floor = selected.fit.starts, setting.gain_floor
     return screen(
         setting.library,
         model,
-        setting.dull,
-        laid,
-        winner.p,
+        setting.parametric,
+        cuts,
+        selected.p,
         setting.sd,
         starts,
         floor,
-        each=[winner.of(item.source[0]) for item in laid],
-        own=winner.own_columns,
+        each=[selected.of(item.source[0]) for item in cuts],
+        own=selected.own_columns,
     )
 
 
@@ -80,36 +82,36 @@ class Part:
     effect: Array
 
 
-def effects(setting: Setting, winner: Refined, problem: Problem) -> tuple[Part, ...]:
+def effects(setting: Setting, selected: Refined, problem: Problem) -> tuple[Part, ...]:
     """The part of each cause of a structure in the problem :func:`around` it."""
-    first = len(problem.columns) - len(setting.dull)
-    told = {cause.path: problem.columns[first + i] for i, cause in enumerate(setting.dull)}
-    rest = [path for path in winner.paths if path not in told]
-    own = {*winner.own_columns}
+    first = len(problem.columns) - len(setting.parametric)
+    told = {cause.path: problem.columns[first + i] for i, cause in enumerate(setting.parametric)}
+    rest = [path for path in selected.paths if path not in told]
+    own = {*selected.own_columns}
     each: dict[str, list[int]] = {
         path: [column] for path, column in zip(rest, problem.always, strict=False)
     }
     more = iter(problem.always[len(rest) :])
-    laid = setting.stages[-1].laid
-    for _ in laid[1:]:
+    cuts = setting.stages[-1].cuts
+    for _ in cuts[1:]:
         for path in rest:
-            if winner.machine.column(path) in own:
+            if selected.machine.column(path) in own:
                 each[path].append(next(more))
     found, row = [], 0
-    for cause in winner.causes:
-        paths = winner.paths[row : row + cause.numbers]
+    for cause in selected.causes:
+        paths = selected.paths[row : row + cause.numbers]
         row += cause.numbers
         grows = {"value", "amplitude", *cause.terms, *cause.tied}
         keys = ("value",) if cause.place is None else cause.keys
         effect = np.zeros(len(problem.gram) - 1)
         columns: list[int] = []
         for path, key in zip(paths, keys, strict=True):
-            column = winner.machine.column(path)
-            base = winner.machine.values[column] if cause.place is None else 0.0
+            column = selected.machine.column(path)
+            base = selected.machine.values[column] if cause.place is None else 0.0
             mine = told.get(path) or tuple(each[path])
             columns += mine
             for which, target in enumerate(mine):
-                value = winner.of(laid[which].source[0])[column] - base
+                value = selected.of(cuts[which].source[0])[column] - base
                 effect[target] = value if key in grows else 0.0
         found.append(Part(tuple(columns), effect))
     return tuple(found)

@@ -1,7 +1,7 @@
 """A structure (a set of causes) fitted on trajectories, at full nonlinearity.
 
 The model with its candidate elements is an ordinary model; its terms, the shapes that are worth a
-number and the dull parameters are fitted by :mod:`symhyb.discrepancy.fitting.matching`.
+number and the parametric parameters are fitted by :mod:`symhyb.discrepancy.fitting.matching`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -13,7 +13,7 @@ from symhyb.data.recording import Recording
 from symhyb.discrepancy.fitting.matching import TRIAL_DECREASE, TRIAL_ITERATIONS, fit
 from symhyb.discrepancy.fitting.task import Fit, Task
 from symhyb.discrepancy.places.hypotheses import GAIN_REACH, Hypothesis
-from symhyb.discrepancy.recorded.windows import Laid
+from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.laws import LAWS
 from symhyb.model.types import Element, Model
 from symhyb.numeric.kernels.buffers import Array
@@ -90,7 +90,7 @@ def refine(
     model: Model,
     causes: Sequence[Hypothesis],
     start: Sequence[Mapping[str, float]],
-    laid: Sequence[Laid],
+    cuts: Sequence[Cut],
     sd: Array,
     starts: Sequence[Array] | None = None,
     everything: bool = False,
@@ -116,19 +116,19 @@ def refine(
     for i, cause in enumerate(causes):
         if cause.place is None:
             p[machine.column(cause.path)] += start[i]["value"]
-    laid = [item.suited(machine) for item in laid]
-    owned = shared_out(causes, len(laid))
-    step = float(np.median(np.diff(laid[0].block.t, axis=1)))
-    begin = _beginning(machine, causes, start, laid, p[list(free)])
+    cuts = [item.suited(machine) for item in cuts]
+    owned = shared_out(causes, len(cuts))
+    step = float(np.median(np.diff(cuts[0].block.t, axis=1)))
+    begin = _beginning(machine, causes, start, cuts, p[list(free)])
     bounds = [gathered(row, owned) for row in limits_of(machine, causes, step)]
     lower, upper, mean, spread = bounds
-    task = Task(tuple(laid), sd, lower, upper, mean, spread, everything, own=owned, first=begin)
+    task = Task(tuple(cuts), sd, lower, upper, mean, spread, everything, own=owned, first=begin)
     if not careful:
         task = replace(task, decrease=TRIAL_DECREASE, iterations=TRIAL_ITERATIONS)
-    begun = None if starts is None else [_begun(*pair) for pair in zip(laid, starts, strict=True)]
+    begun = None if starts is None else [_begun(*pair) for pair in zip(cuts, starts, strict=True)]
     fitted = fit(WindowModel(machine, free), task, p, begun)
     each = tuple(
-        (item.source[0], task.filled(i, p, free, fitted.values)) for i, item in enumerate(laid)
+        (item.source[0], task.filled(i, p, free, fitted.values)) for i, item in enumerate(cuts)
     )
     p[list(free)] = fitted.values[: len(free)]
     found = Refined(tuple(causes), machine, paths, p, fitted)
@@ -173,15 +173,15 @@ def _beginning(
     machine: Machine,
     causes: Sequence[Hypothesis],
     start: Sequence[Mapping[str, float]],
-    laid: Sequence[Laid],
+    cuts: Sequence[Cut],
     first: Array,
 ) -> Array | None:
     """Where all numbers begin, SI; None if all are shared."""
-    owned = shared_out(causes, len(laid))
+    owned = shared_out(causes, len(cuts))
     if not owned:
         return None
     full = gathered(first, owned)
-    for item, columns in zip(laid, owned, strict=True):
+    for item, columns in zip(cuts, owned, strict=True):
         i = 0
         for cause, row in zip(causes, start, strict=True):
             base = machine.values[machine.column(cause.path)] if cause.place is None else 0.0
@@ -193,7 +193,7 @@ def _beginning(
     return full
 
 
-def _begun(item: Laid, start: Array) -> Array:
+def _begun(item: Cut, start: Array) -> Array:
     """Initial states of another structure for windows of this one, which may have other inner
     states."""
     full = item.start.copy()
@@ -202,7 +202,7 @@ def _begun(item: Laid, start: Array) -> Array:
     return full
 
 
-def own_values(trial: Refined, item: Laid, sd: Array) -> Array:
+def own_values(trial: Refined, item: Cut, sd: Array) -> Array:
     """The parameters (P,), SI, of a recording that was not fitted: its own numbers are fitted to
     its windows as initial states are, all others stay. A phase is tried all around."""
     own = trial.own_columns

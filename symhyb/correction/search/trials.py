@@ -17,17 +17,17 @@ Row = dict[str, float]
 
 
 class Trials:
-    """Structures refined at the longest windows, each once; the second of ``twins`` is not
+    """Structures refined at the longest windows, each once; the second of ``equals`` is not
     tried."""
 
     def __init__(
         self,
         setting: Setting,
         say: Say,
-        twins: Sequence[tuple[int, int]] = (),
+        equals: Sequence[tuple[int, int]] = (),
     ):
-        self.setting, self.say, self.twins = setting, say, tuple(twins)
-        self.dropped = {second for _, second in twins}
+        self.setting, self.say, self.equals = setting, say, tuple(equals)
+        self.dropped = {second for _, second in equals}
         self.done: dict[tuple[int, ...], Refined] = {}
         self.known = list(setting.hypotheses)
         self._along: dict[tuple[int, ...], Problem] = {}
@@ -60,7 +60,7 @@ class Trials:
         starts: Sequence[Array] | None,
     ) -> Refined:
         stage, model = self.setting.stages[-1], self.setting.windows.machine.model
-        return refine(model, causes, values, stage.laid, self.setting.sd, starts)
+        return refine(model, causes, values, stage.cuts, self.setting.sd, starts)
 
     def _best_part(self, key: Sequence[int]) -> Refined | None:
         """The structure that fits best of those known ones that hold only causes of this one."""

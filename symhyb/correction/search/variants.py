@@ -57,7 +57,7 @@ def pace_of(setting: Setting, place: Place) -> Pace:
     index = setting.library.places.index(place)
     parts = [
         setting.library.motion(item.course(setting.library.machine))
-        for item in setting.stages[0].laid
+        for item in setting.stages[0].cuts
     ]
     stretch = np.concatenate([s[:, index] - s[:, index].mean() for s, _ in parts])
     rate = np.concatenate([r[:, index] for _, r in parts])

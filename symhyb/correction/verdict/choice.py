@@ -11,11 +11,13 @@ from symhyb.correction.adequacy.finalists import settled
 from symhyb.correction.learning.sparse import propose
 from symhyb.correction.naming.fleet_words import misfit
 from symhyb.correction.search.beginnings import active_part, changed, contradicted
+from symhyb.correction.search.conventions import RIVAL
 from symhyb.correction.search.decide import Decision, decide
-from symhyb.correction.search.fleet import Stranger, parted, strangers, without
+from symhyb.correction.search.fleet import Outlier, outliers, own_value, parted, without
 from symhyb.correction.search.preparing import Prepared
 from symhyb.correction.search.selection import Subset
 from symhyb.correction.search.setting import Setting
+from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.places.locate import locate
 from symhyb.discrepancy.results import Change, Misfit, PlaceShare
 
@@ -38,34 +40,48 @@ def choose(prepared: Prepared, setting: Setting, say: Say) -> Choice:
     """Screen all causes, map the places and decide."""
     say("sparse regression on the weak form")
     middle = setting.stages[min(1, len(setting.stages) - 1)]
-    proposals = propose(prepared.machine, setting.library, middle.laid, 5 / prepared.shortest)
+    proposals = propose(prepared.machine, setting.library, middle.cuts, 5 / prepared.shortest)
     say("mapping the places")
     places = locate(
         setting.library,
         setting.windows,
-        middle.laid,
+        middle.cuts,
         prepared.machine.values,
         setting.sd,
-        setting.stages[0].laid,
+        setting.stages[0].cuts,
     )
     setting, decision, change = _where_it_acts(setting, proposals, places, say)
-    odd: tuple[Stranger, ...] = ()
-    laid = setting.stages[-1].laid
-    if len(laid) > 1:
+    odd: tuple[Outlier, ...] = ()
+    cuts = setting.stages[-1].cuts
+    if len(cuts) > 1:
         say("holding the recordings against each other")
-        odd = strangers(prepared.model, decision.winner, setting.stages[-1], setting.sd)
-    misfits = tuple(misfit(decision.winner, one, [i.source[0] for i in laid]) for one in odd)
+        odd = outliers(prepared.model, decision.selected, setting.stages[-1], setting.sd)
+    misfits = tuple(misfit(decision.selected, one, [i.source[0] for i in cuts]) for one in odd)
     if odd:
         say("deciding again, with what does not fit by itself")
         setting = (
             without(setting, [one.recording for one in odd])
-            if len(laid) > 2
-            else parted(setting, decision.winner, odd[0])
+            if len(cuts) > 2
+            else parted(setting, decision.selected, odd[0], _rivals(decision, odd[0]))
         )
         decision = decide(setting, proposals, say)
+        if len(cuts) == 2 and (own := own_value(decision.selected, odd[0])) is not None:
+            misfits = (misfit(decision.selected, own, [i.source[0] for i in cuts]),)
     say("holding what is close against whole recordings")
     decision = settled(prepared, setting, decision)
     return Choice(setting, decision, places, change, misfits)
+
+
+def _rivals(decision: Decision, odd: Outlier) -> list[Hypothesis]:
+    """What may take the place of the cause in which a recording differs."""
+    place = decision.selected.causes[odd.cause].place
+    return [
+        cause
+        for trial in decision.trials
+        if place is not None and not trial.fit.reason and decision.behind(trial) < RIVAL
+        for cause in trial.causes
+        if cause.place == place and cause not in decision.selected.causes
+    ]
 
 
 def _where_it_acts(
@@ -75,7 +91,7 @@ def _where_it_acts(
     change = changed(places)
     part = active_part(setting, change)
     decision = decide(part, proposals, say)
-    if change is None or contradicted(setting, decision.winner, change):
+    if change is None or contradicted(setting, decision.selected, change):
         return part, decision, change
     say("deciding again, for it may act throughout")
     return setting, decide(setting, proposals, say), None

@@ -18,6 +18,7 @@ from symhyb.correction.naming.findings import (
     reestimated,
 )
 from symhyb.correction.naming.fleet_words import with_own
+from symhyb.correction.naming.probability import probabilities
 from symhyb.correction.naming.stability import stabilities, weakest
 from symhyb.correction.search.decide import Decision
 from symhyb.correction.search.preparing import Prepared
@@ -72,10 +73,10 @@ def concluded(
     found = _told(model, prepared, decision, known, shown)
     parameters = reestimated(model, final, known.doubt)
     faults = channel_faults(final, known.doubt)
-    titles = {cause: _title(cause, found) for cause in decision.winner.causes}
+    titles = {cause: _title(cause, found) for cause in decision.selected.causes}
     alternatives = (
         *added_alternatives(model, known.completed),
-        *alternatives_of(model, decision, titles),
+        *alternatives_of(model, decision, titles, known.doubt),
     )
     verdict = _verdict(known, judged, found, bool(faults), bool(parameters))
     sentence = verdict_sentence(
@@ -130,20 +131,24 @@ def _measured_noise(model: Model, prepared: Prepared) -> dict[str, float]:
 def _told(
     model: Model, prepared: Prepared, decision: Decision, known: Estimated, shown: Proof
 ) -> tuple[Found, ...]:
-    """Every found effect with its element, share, activity, stability and sentence."""
+    """Every found effect with its element, share, activity, stability, probability and sentence."""
     provenance = (
         ("by", "sparse"),
         ("from", ", ".join(run.recording.name for run in prepared.runs)),
         ("nrmse", (float(f"{shown.before:.4g}"), float(f"{shown.after:.4g}"))),
     )
     final, items = known.final, known.items
-    firm = dict(zip(decision.winner.causes, stabilities(decision), strict=True))
+    causes = decision.selected.causes
+    firm = dict(zip(causes, stabilities(decision), strict=True))
+    sure = dict(zip(causes, probabilities(decision), strict=True))
     found = []
     for item, name, share in zip(items, element_names(model, items), shown.shares, strict=True):
         active = _active(prepared, final, item)
         one = found_of(model, item, name, provenance, share, active)
-        stable = weakest(firm, [final.causes[i] for i in item.causes])
-        found.append(replace(with_own(model, final, item, one), stability=stable))
+        mine = [final.causes[i] for i in item.causes]
+        one = with_own(model, final, item, one)
+        stable, chance = weakest(firm, mine), weakest(sure, mine)
+        found.append(replace(one, stability=stable, probability=chance))
     return tuple(sorted(found, key=lambda item: -(item.share or 0.0)))
 
 

@@ -22,6 +22,7 @@ from symhyb.discrepancy.results import Alternative, Diagnosis, Estimate
 from symhyb.discrepancy.words.wording import parameter_phrase
 from symhyb.numeric.runs.windows import WindowModel
 
+REACH = 2.0  # times its value, or a part of it: a number further off is no slip of the scale
 PART = 1 / 2  # of the mismatch, which the linear problem must promise before a trial
 TRIED = 2
 CURE = "If it may be wrong, state its sd in the file, and it competes"
@@ -30,10 +31,10 @@ CURE = "If it may be wrong, state its sd in the file, and it competes"
 def with_constant(answer: Diagnosis, choice: Choice) -> Diagnosis:
     """The answer with the held number of the model that would say as much, if there is one; where
     it says more than all causes, nothing else is claimed."""
-    winner, nothing = choice.decision.winner, choice.decision.nothing
-    if answer.verdict == "nothing missing" or winner.owned:
+    selected, nothing = choice.decision.selected, choice.decision.nothing
+    if answer.verdict == "nothing missing" or selected.owned:
         return answer
-    found = wrong_constant(choice.setting, winner, nothing, choice.decision.count)
+    found = wrong_constant(choice.setting, selected, nothing, choice.decision.count)
     if found is None:
         return answer
     trial, evidence = found
@@ -41,13 +42,13 @@ def with_constant(answer: Diagnosis, choice: Choice) -> Diagnosis:
     told = Estimate(number.name, number.value, number.sd, number.unit, "value")
     rival = Alternative(None, "parameter", (told,), max(evidence, 0.0), parameter=number.name)
     said = parameter_phrase(number)
-    if winner.causes and evidence < -SIGNIFICANT:
+    if selected.causes and evidence < -SIGNIFICANT:
         reason = f"A number that the model file holds explains more than all causes: {said}. {CURE}"
         answer = withdrawn(
             answer, f"{reason}; until that is settled no physics is named", "of causes fits best"
         )
         return replace(answer, alternatives=(rival, *answer.alternatives))
-    doing = "says as much" if winner.causes else "explains it"
+    doing = "says as much" if selected.causes else "explains it"
     sentence = f"One number that the model file holds {doing}: {said}. {CURE}."
     return replace(
         answer,
@@ -58,36 +59,42 @@ def with_constant(answer: Diagnosis, choice: Choice) -> Diagnosis:
 
 
 def wrong_constant(
-    setting: Setting, winner: Refined, nothing: Refined, count: int
+    setting: Setting, selected: Refined, nothing: Refined, count: int
 ) -> tuple[Refined, float] | None:
     """The held parameter, as a structure by itself, that explains the recordings down to their
-    noise with no more numbers than ``winner``, about as well or better, and its score against
-    the winner's (negative: better); None if there is none."""
+    noise with no more numbers than ``selected``, about as well or better, and its score against
+    the selected structure's (negative: better); None if there is none."""
     best: tuple[Refined, float] | None = None
     for cause, change in _promising(setting, nothing):
         trial = refine(
             setting.windows.machine.model,
             (cause,),
             [{"value": change}],
-            setting.stages[-1].laid,
+            setting.stages[-1].cuts,
             setting.sd,
         )
-        if trial.fit.reason or not trial.fit.scale < NEAR_NOISE:
+        if trial.fit.reason or not trial.fit.scale < NEAR_NOISE or not _near(trial, cause):
             continue
         unit = piece_of(trial)
         mine = score(trial, unit, count)
         if not mine < score(nothing, unit, count):
             continue
-        evidence = mine - score(winner, unit, count)
-        fewer = not winner.causes or trial.numbers <= winner.numbers
+        evidence = mine - score(selected, unit, count)
+        fewer = not selected.causes or trial.numbers <= selected.numbers
         if fewer and evidence < CERTAIN and (best is None or evidence < best[1]):
             best = trial, evidence
     return best
 
 
+def _near(trial: Refined, cause: Hypothesis) -> bool:
+    """Whether a fitted number is of the size that the file states."""
+    held = trial.machine.values[trial.machine.column(cause.path)]
+    return bool(1 / REACH < trial.value(cause.path)[0] / held < REACH)
+
+
 def _promising(setting: Setting, nothing: Refined) -> Sequence[tuple[Hypothesis, float]]:
     """The held parameters that could take most of the mismatch, with their changes, SI."""
-    machine, laid = setting.windows.machine, setting.stages[-1].laid
+    machine, cuts = setting.windows.machine, setting.stages[-1].cuts
     held = [
         wrong_parameter(item)
         for item in machine.model.parameters
@@ -97,7 +104,7 @@ def _promising(setting: Setting, nothing: Refined) -> Sequence[tuple[Hypothesis,
         return []
     columns = tuple(machine.column(cause.path) for cause in held)
     problem = screen(
-        setting.library, WindowModel(machine, columns), held, laid, machine.values, setting.sd
+        setting.library, WindowModel(machine, columns), held, cuts, machine.values, setting.sd
     )
     base, first = solve(problem, ()), len(setting.library.hypotheses)
     if base is None:

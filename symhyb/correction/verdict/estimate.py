@@ -7,7 +7,7 @@ import numpy as np
 
 from symhyb.correction.naming.findings import Named, doubtful, named
 from symhyb.correction.naming.fleet_words import drift_sentence
-from symhyb.correction.search.fleet import Stranger, drifting, widened
+from symhyb.correction.search.fleet import Outlier, drifting, widened
 from symhyb.correction.search.preparing import Prepared
 from symhyb.correction.search.score import NEAR_NOISE, weak
 from symhyb.correction.search.setting import Setting, Stage
@@ -53,7 +53,7 @@ def estimate(prepared: Prepared, choice: Choice, say: Say) -> Estimated:
     completed = completed_over_all(prepared, choice, say)
     if completed is not None:
         return estimate_completed(prepared, choice, completed)
-    final, stage = valued(choice.setting, choice.decision.winner, prepared)
+    final, stage = valued(choice.setting, choice.decision.selected, prepared)
     doubt = frozenset({*doubtful(choice.decision), *(final.causes[i] for i in weak(final))})
     drift = drifting(prepared.model, final, stage, choice.setting.sd)
     final = with_what_is_held(prepared.model, choice.setting, final, stage)
@@ -77,15 +77,15 @@ def estimate_completed(prepared: Prepared, choice: Choice, completed: Completed)
         prepared.model,
         final.causes,
         grouped(final),
-        stage.laid,
+        stage.cuts,
         choice.setting.sd,
-        choice.decision.winner.fit.starts,
+        choice.decision.selected.fit.starts,
     )
     return Estimated(final, stage, doubt | more, said, completed, seen)
 
 
 def _drifted(
-    choice: Choice, final: Refined, drift: Stranger | None
+    choice: Choice, final: Refined, drift: Outlier | None
 ) -> tuple[Refined, frozenset[Hypothesis], tuple[str, ...]]:
     """The structure where one of its numbers is not constant, the cause that is in doubt for that,
     and the sentence that says so."""
@@ -93,24 +93,24 @@ def _drifted(
         return final, frozenset(), ()
     moved = final.causes[drift.cause]
     steady = moved.kind in KINDS and KINDS[moved.kind].steady
-    if steady and choice.decision.winner.fit.scale > NEAR_NOISE:
+    if steady and choice.decision.selected.fit.scale > NEAR_NOISE:
         said = drift_sentence(final, drift, "so something else looks like it")
         return final, frozenset({moved}), (said,)
     return widened(final, drift), frozenset(), (drift_sentence(final, drift),)
 
 
-def valued(setting: Setting, winner: Refined, prepared: Prepared) -> tuple[Refined, Stage]:
-    """The winner refitted on all windows, at the window length that determines its values best:
-    short windows carry more noise, long ones more of what the model still lacks. Where nothing more
-    is lacking that is the longest."""
+def valued(setting: Setting, selected: Refined, prepared: Prepared) -> tuple[Refined, Stage]:
+    """The selected structure refitted on all windows, at the window length that determines its
+    values best: short windows carry more noise, long ones more of what the model still lacks. Where
+    nothing more is lacking that is the longest."""
     best: tuple[float, Refined, Stage] | None = None
     for stage in reversed(setting.stages):
-        starts = winner.fit.starts if stage is setting.stages[-1] else None
+        starts = selected.fit.starts if stage is setting.stages[-1] else None
         trial = refine(
             prepared.model,
-            winner.causes,
-            grouped(winner),
-            stage.laid,
+            selected.causes,
+            grouped(selected),
+            stage.cuts,
             setting.sd,
             starts,
             everything=True,
@@ -123,5 +123,5 @@ def valued(setting: Setting, winner: Refined, prepared: Prepared) -> tuple[Refin
         if best is not None and best[1].fit.scale < NEAR_NOISE:
             break
     if best is None:
-        return winner, setting.stages[-1]
+        return selected, setting.stages[-1]
     return replace(best[1], accuracy=setting.accuracy), best[2]

@@ -20,7 +20,7 @@ from symhyb.model.types import Model
 def with_what_is_held(model: Model, setting: Setting, final: Refined, stage: Stage) -> Refined:
     """The structure with deviations that allow for the parameters that are held. Its values stay:
     the corrected model states those parameters as before."""
-    held = _uncertain(model, setting.dull, final)
+    held = _uncertain(model, setting.parametric, final)
     if not held or not final.numbers:
         return final
     start = [*grouped(final), *({"value": 0.0} for _ in held)]
@@ -28,36 +28,45 @@ def with_what_is_held(model: Model, setting: Setting, final: Refined, stage: Sta
         model,
         (*final.causes, *held),
         start,
-        stage.laid,
+        stage.cuts,
         setting.sd,
         final.fit.starts,
         everything=True,
     )
     if freed.fit.reason:
         return final
-    rows = _rows(final, len(held))
+    rows = _rows(final, held, freed)
     old, new = np.diag(final.fit.covariance), np.diag(freed.fit.covariance)[rows]
     wider = np.sqrt(np.maximum(new / np.maximum(old, 1e-300), 1.0))
     covariance = final.fit.covariance * np.outer(wider, wider)
     return replace(final, fit=replace(final.fit, covariance=covariance))
 
 
-def _uncertain(model: Model, dull: Sequence[Hypothesis], final: Refined) -> tuple[Hypothesis, ...]:
-    """The parameters that state an sd and are not among the causes; shared by all recordings."""
+def _uncertain(
+    model: Model, parametric: Sequence[Hypothesis], final: Refined
+) -> tuple[Hypothesis, ...]:
+    """The parameters that state an sd and are not among the causes."""
     spread = {item.path: item.sd for item in model.all_parameters()}
     chosen = {cause.path for cause in final.causes if cause.place is None}
     return tuple(
         cause
-        for cause in dull
+        for cause in parametric
         if cause.kind == "parameter"
-        and not cause.own
         and spread.get(cause.path) is not None
         and cause.path not in chosen
     )
 
 
-def _rows(final: Refined, more: int) -> list[int]:
-    """Where the numbers of a structure stand among those with ``more`` shared ones behind the
-    first recording's."""
-    first = sum(len(keys_of(cause)) for cause in final.causes)
-    return [i if i < first else i + more for i in range(final.numbers)]
+def _rows(final: Refined, held: Sequence[Hypothesis], freed: Refined) -> list[int]:
+    """Where the numbers of a structure stand among those with ``held`` ones behind the causes."""
+    if not freed.owned:
+        return list(range(final.numbers))
+    mine = [key in cause.own for cause in final.causes for key in keys_of(cause)]
+    rows = list(range(len(mine)))
+    if not final.owned:
+        return rows
+    own = sum(mine)
+    for columns in freed.owned[1:]:
+        fresh = [c for c in columns if c >= len(mine) + len(held)]
+        rows += fresh[:own]
+    return rows

@@ -27,28 +27,30 @@ LEAST = 0.02  # of what is left: told
 TOLD = 5
 
 
-def leftover(setting: Setting, winner: Refined) -> tuple[str, ...]:
+def leftover(setting: Setting, selected: Refined) -> tuple[str, ...]:
     """Sentences on what would take a part of the remainder on held windows, largest first."""
-    taken = {cause.family for cause in winner.causes}
+    taken = {cause.family for cause in selected.causes}
     parts: dict[str, float] = {}
     laws = _laws(setting)
-    model = WindowModel(winner.machine, tuple(winner.machine.column(path) for path in winner.paths))
-    laid = setting.stages[-1].laid
+    model = WindowModel(
+        selected.machine, tuple(selected.machine.column(path) for path in selected.paths)
+    )
+    cuts = setting.stages[-1].cuts
     for problem in (
-        around(setting, winner),
+        around(setting, selected),
         screen(
             laws,
             model,
             (),
-            laid,
-            winner.p,
+            cuts,
+            selected.p,
             setting.sd,
-            winner.fit.starts,
-            each=[winner.of(item.source[0]) for item in laid],
-            own=winner.own_columns,
+            selected.fit.starts,
+            each=[selected.of(item.source[0]) for item in cuts],
+            own=selected.own_columns,
         ),
     ):
-        for hypothesis, part in _promises(problem, winner):
+        for hypothesis, part in _promises(problem, selected):
             if hypothesis.family not in taken:
                 said = _said(hypothesis)
                 parts[said] = max(part, parts.get(said, 0.0))
@@ -65,12 +67,12 @@ def _said(hypothesis: Hypothesis) -> str:
     return hypothesis.path if probe else cause_phrase(hypothesis)
 
 
-def _promises(problem: Problem, winner: Refined) -> list[tuple[Hypothesis, float]]:
+def _promises(problem: Problem, selected: Refined) -> list[tuple[Hypothesis, float]]:
     """Each cause that is significant on fitted and held windows, with the part it would take."""
     base = solve(problem, ())
     if base is None:
         return []
-    floor = float(winner.fit.count[winner.fit.held].sum())
+    floor = float(selected.fit.count[selected.fit.held].sum())
     result = []
     for index, hypothesis in enumerate(problem.hypotheses):
         subset = solve(problem, (index,))
@@ -78,7 +80,7 @@ def _promises(problem: Problem, winner: Refined) -> list[tuple[Hypothesis, float
             continue
         gains = base.chi2 - subset.chi2, base.held - subset.held
         part = gains[1] / max(base.held - min(floor, subset.held), 1e-12)
-        if min(gains) / unit_of(winner) > SIGNIFICANT and part > LEAST:
+        if min(gains) / unit_of(selected) > SIGNIFICANT and part > LEAST:
             result.append((hypothesis, part))
     return result
 
@@ -89,7 +91,7 @@ def _laws(setting: Setting) -> Library:
     hypotheses: list[Hypothesis] = []
     elements: list[Element] = []
     for i, coordinate in enumerate(model.coordinates):
-        x, motions = coordinate.name, [item.source[1] for item in setting.stages[0].laid]
+        x, motions = coordinate.name, [item.source[1] for item in setting.stages[0].cuts]
         states, rates = [m.q[:, i] for m in motions], [m.v[:, i] for m in motions]
         centre = float(np.mean([np.mean(s) for s in states]))
         speed = max(float(np.max(np.abs(rate))) for rate in rates) or 1.0

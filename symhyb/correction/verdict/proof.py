@@ -11,8 +11,8 @@ from symhyb.correction.search.setting import Setting, Stage
 from symhyb.correction.search.trajectory import Refined, grouped, own_values, refine
 from symhyb.discrepancy.fitting.matching import TRIAL_DECREASE, TRIAL_ITERATIONS, fit
 from symhyb.discrepancy.fitting.task import Task, starts_only
-from symhyb.discrepancy.recorded.runs import laid_within
-from symhyb.discrepancy.recorded.windows import Laid
+from symhyb.discrepancy.recorded.runs import cut_within
+from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.runs.windows import WindowModel
 
@@ -66,27 +66,27 @@ def _refitted(
     causes = [final.causes[i] for i in chosen]
     rows = grouped(final)
     first = [rows[j] for j in chosen]
-    laid = zip(final.fit.starts, stage.laid, strict=True)
-    here = all(len(start) == len(item.start) for start, item in laid)  # fitted in these windows
+    cuts = zip(final.fit.starts, stage.cuts, strict=True)
+    here = all(len(start) == len(item.start) for start, item in cuts)  # fitted in these windows
     starts = None if final.machine.inner_states or not here else final.fit.starts
     everything = bool(prepared.holdout)
-    return refine(prepared.model, causes, first, stage.laid, setting.sd, starts, everything)
+    return refine(prepared.model, causes, first, stage.cuts, setting.sd, starts, everything)
 
 
 def _unseen(prepared: Prepared, stage: Stage, trial: Refined) -> _Unseen:
     """Errors of a fitted structure on the unseen recordings, or on the held windows."""
-    laid = stage.laid
+    cuts = stage.cuts
     if prepared.holdout:
-        found = [laid_within(run, trial.machine, stage.length_s) for run in prepared.holdout]
-        laid = tuple(item for item in found if item is not None)
-    laid = tuple(item.suited(trial.machine) for item in laid)
-    if not laid:
+        found = [cut_within(run, trial.machine, stage.length_s) for run in prepared.holdout]
+        cuts = tuple(item for item in found if item is not None)
+    cuts = tuple(item.suited(trial.machine) for item in cuts)
+    if not cuts:
         return _Unseen(float("nan"), float("nan"), float("nan"))
     late = tuple(c.path.removesuffix(".delay") for c in trial.causes if c.kind == "delay")
     model = WindowModel(trial.machine, late=late)
     residual, measured, cost, count = [], [], 0.0, 0.0
-    any_held = any(item.held.any() for item in laid)
-    for item in laid:
+    any_held = any(item.held.any() for item in cuts)
+    for item in cuts:
         p = own_values(trial, item, prepared.sd) if prepared.holdout else trial.of(item.source[0])
         item = item.in_time(model, p)
         fitted = fit(model, _still(item, prepared.sd), p)
@@ -102,7 +102,7 @@ def _unseen(prepared: Prepared, stage: Stage, trial: Refined) -> _Unseen:
     return _Unseen(cost, count, nrmse)
 
 
-def _still(item: Laid, sd: Array) -> Task:
+def _still(item: Cut, sd: Array) -> Task:
     """The windows of one recording with no number to fit but their initial states."""
     return replace(starts_only(item, sd), decrease=TRIAL_DECREASE, iterations=TRIAL_ITERATIONS)
 

@@ -15,7 +15,7 @@ from symhyb.correction.search.trajectory import Refined
 from symhyb.discrepancy.checks.suspicion import gain_of
 from symhyb.discrepancy.places.meeting import meeting
 from symhyb.discrepancy.recorded.passages import one_way, passed_at_one_speed
-from symhyb.discrepancy.recorded.runs import Run, laid_on
+from symhyb.discrepancy.recorded.runs import Run, cut_into_windows
 from symhyb.discrepancy.recorded.windows import END_KNOTS
 from symhyb.discrepancy.results import Alternative, Diagnosis, Found, Lie, Measurement
 from symhyb.discrepancy.words.wording import (
@@ -55,7 +55,7 @@ def with_lies(diagnosis: Diagnosis, model: Model, lies: Sequence[Lie], scale: fl
         for name in lie.channels
         if (name, "gain") not in known
     ]
-    twins = [
+    equals = [
         Alternative(None, "gain", (), 0.0, channel=name)
         for lie in claimed
         for rival in lie.rivals
@@ -66,7 +66,7 @@ def with_lies(diagnosis: Diagnosis, model: Model, lies: Sequence[Lie], scale: fl
         diagnosis,
         lies=tuple(lies),
         measurement=(*gains, *diagnosis.measurement),
-        alternatives=(*twins, *diagnosis.alternatives),
+        alternatives=(*equals, *diagnosis.alternatives),
         notes=(*suspected, *diagnosis.notes),
     )
     if claimed:
@@ -123,14 +123,14 @@ def _as_alternative(item: Found) -> Alternative:
     )
 
 
-def if_explained(diagnosis: Diagnosis, winner: Refined, nothing: Refined) -> Diagnosis:
+def if_explained(diagnosis: Diagnosis, selected: Refined, nothing: Refined) -> Diagnosis:
     """The diagnosis, undecided where the best structure leaves a part of the mismatch that is more
     than noise: what it holds then may stand in for something else."""
     claims = diagnosis.found or diagnosis.parameters or diagnosis.measurement
-    left = part_left(winner, nothing)
-    if not claims or not left > LEFT_MOST or not winner.fit.scale > UNEXPLAINED:
+    left = part_left(selected, nothing)
+    if not claims or not left > LEFT_MOST or not selected.fit.scale > UNEXPLAINED:
         return diagnosis
-    times = f"{number_text(float(np.sqrt(winner.fit.scale)), digits=2)} times the noise"
+    times = f"{number_text(float(np.sqrt(selected.fit.scale)), digits=2)} times the noise"
     return withdrawn(
         diagnosis,
         "Model and recordings differ by more than the noise, and no cause that symhyb knows "
@@ -191,21 +191,21 @@ def runs_away(machine: Machine, run: Run) -> float | None:
         2 * END_KNOTS * run.motion.spacing_s
     )  # where smoothing may swing: room to begin behind it
     duration = run.recording.duration
-    laid = laid_on(run, machine, max(duration * (1 - 1e-9) - ends, duration / 2))
-    if laid is None:
+    cuts = cut_into_windows(run, machine, max(duration * (1 - 1e-9) - ends, duration / 2))
+    if cuts is None:
         return None
-    laid = laid.suited(machine).first()
-    y = laid.block.y[0]
+    cuts = cuts.suited(machine).first()
+    y = cuts.block.y[0]
     seen = np.isfinite(y).any(axis=0)
     reach = np.nanmax(y[:, seen], axis=0) - np.nanmin(y[:, seen], axis=0)
     centre = np.nanmean(y[:, seen], axis=0)
-    model, start, passed = WindowModel(machine), laid.start, 0.0
+    model, start, passed = WindowModel(machine), cuts.start, 0.0
     for _ in range(2):
         with np.errstate(all="ignore"):
-            x, output = model.simulate(laid.block, start, machine.values)
+            x, output = model.simulate(cuts.block, start, machine.values)
             far = ~(np.abs(output[0][:, seen] - centre) < RUNAWAY * reach + 1e-12).all(axis=1)
         if far.any():
-            t = laid.block.t[0]
+            t = cuts.block.t[0]
             return passed + float(t[int(np.argmax(far))] - t[0])
         start, passed = x[:, -1], passed + run.recording.duration
     return None

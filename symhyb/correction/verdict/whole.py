@@ -31,8 +31,8 @@ from symhyb.correction.search.setting import Setting, Stage, around
 from symhyb.correction.search.trajectory import Refined, grouped, refine
 from symhyb.correction.verdict.choice import Choice
 from symhyb.discrepancy.places.hypotheses import Hypothesis
-from symhyb.discrepancy.recorded.runs import laid_on
-from symhyb.discrepancy.recorded.windows import Laid
+from symhyb.discrepancy.recorded.runs import cut_into_windows
+from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.runs.windows import WindowModel
 
@@ -63,8 +63,8 @@ class Completed:
 def completed_over_all(prepared: Prepared, choice: Choice, say: Say) -> Completed | None:
     """The choice with the cause that whole recordings add to it; None where they add none, where
     hardly more than noise is left, or where whole recordings are no judge."""
-    setting, winner = choice.setting, choice.decision.winner
-    if not winner.causes or winner.fit.scale < NEAR_NOISE or winner.owned:
+    setting, selected = choice.setting, choice.decision.selected
+    if not selected.causes or selected.fit.scale < NEAR_NOISE or selected.owned:
         return None
     if choice.change is not None or choice.misfits:  # what is whole is in question itself
         return None
@@ -73,14 +73,14 @@ def completed_over_all(prepared: Prepared, choice: Choice, say: Say) -> Complete
         return None
     say("judging over whole recordings")
     setting = replace(setting, stages=(*setting.stages, stage))
-    base = _over_all(setting, winner.causes, winner, grouped(winner), ())
+    base = _over_all(setting, selected.causes, selected, grouped(selected), ())
     if base.fit.reason or not forgets(base, stage):
         return None
     log: list[str] = []
     found = [
         trial
         for trial in _tried(choice, setting, base)
-        if _stands(setting, winner, base, trial, choice.decision.count, log)
+        if _stands(setting, selected, base, trial, choice.decision.count, log)
     ]
     if not found:
         return None
@@ -99,17 +99,17 @@ def whole_of(prepared: Prepared, setting: Setting) -> Stage | None:
     """Every recording as one window; None where one has gaps, or is one window already, or where
     they have more samples than a search takes: one long window cannot run side by side with others.
     """
-    if sum(item.source[0].t.size for item in setting.stages[-1].laid) > SAMPLES_MOST:
+    if sum(item.source[0].t.size for item in setting.stages[-1].cuts) > SAMPLES_MOST:
         return None
-    laid: list[Laid] = []
-    for item in setting.stages[-1].laid:
+    cuts: list[Cut] = []
+    for item in setting.stages[-1].cuts:
         run = next(run for run in prepared.runs if run.recording is item.source[0])
         t = run.recording.t
-        one = laid_on(run, prepared.machine, (t.size - 1) * float(np.median(np.diff(t))))
+        one = cut_into_windows(run, prepared.machine, (t.size - 1) * float(np.median(np.diff(t))))
         if one is None or len(item.start) < 2:
             return None
-        laid.append(one)
-    return Stage(max(float(np.ptp(item.block.t)) for item in laid), tuple(laid))
+        cuts.append(one)
+    return Stage(max(float(np.ptp(item.block.t)) for item in cuts), tuple(cuts))
 
 
 def forgets(trial: Refined, stage: Stage) -> bool:
@@ -120,7 +120,7 @@ def forgets(trial: Refined, stage: Stage) -> bool:
     half = len(model.form.free)
     if half == 0:  # all motion is given: there is no beginning to forget
         return False
-    for item, start in zip(stage.laid, trial.fit.starts, strict=True):
+    for item, start in zip(stage.cuts, trial.fit.starts, strict=True):
         suited = item.suited(trial.machine)
         spread = suited.states.reshape(-1, suited.states.shape[2]).std(axis=0)[: 2 * half]
         p = trial.of(item.source[0])
@@ -138,7 +138,7 @@ def forgets(trial: Refined, stage: Stage) -> bool:
 def _tried(choice: Choice, setting: Setting, base: Refined) -> list[Refined]:
     """The structure with each cause of one number that the linear problem over whole recordings
     promises, refined; those that can be believed."""
-    gone = {setting.hypotheses.index(second) for _, second in choice.decision.twins}
+    gone = {setting.hypotheses.index(second) for _, second in choice.decision.equals}
     gone |= {i for i, cause in enumerate(setting.hypotheses) if cause.variant}
     problem = without(around(setting, base), gone)
     tried = []
@@ -171,22 +171,22 @@ def _promised(problem: Problem, base: Refined, count: int) -> list[Subset]:
 
 def _stands(
     setting: Setting,
-    winner: Refined,
+    selected: Refined,
     base: Refined,
     trial: Refined,
     count: int,
     log: list[str],
 ) -> bool:
     """Whether the added cause earns its place over whole recordings, and the held ones of the
-    longest windows, at which ``winner`` was fitted, agree."""
+    longest windows, at which ``selected`` was fitted, agree."""
     unit = piece_of(trial)
     gain = score(base, unit, count) - score(trial, unit, count)
     log.append(f"{trial.name} over whole recordings, against {base.name}: better by {gain:.3g}")
-    if not gain > 0 or not winner.fit.held.any():
+    if not gain > 0 or not selected.fit.held.any():
         return gain > 0
-    model, laid = setting.windows.machine.model, setting.stages[-2].laid
-    larger = refine(model, trial.causes, grouped(trial), laid, setting.sd, winner.fit.starts)
-    held = (winner.fit.validation - larger.fit.validation) / unit_of(larger)
+    model, cuts = setting.windows.machine.model, setting.stages[-2].cuts
+    larger = refine(model, trial.causes, grouped(trial), cuts, setting.sd, selected.fit.starts)
+    held = (selected.fit.validation - larger.fit.validation) / unit_of(larger)
     agreed = not larger.fit.reason and held > SIGNIFICANT
     said = "agree" if agreed else "do not agree"
     log.append(f"{trial.name}: held windows {said} ({held:.3g})")
@@ -205,7 +205,7 @@ def _over_all(
         setting.windows.machine.model,
         causes,
         rows,
-        setting.stages[-1].laid,
+        setting.stages[-1].cuts,
         setting.sd,
         starts or None,
         everything=True,

@@ -356,17 +356,17 @@ def said(lie: Lie) -> str:
             return f"the time column is in {lie.word}, not in s"
 
 
-def _claim(lie: Lie, before: Misfit, after: Misfit, twins: Sequence[str]) -> str:
+def _claim(lie: Lie, before: Misfit, after: Misfit, equals: Sequence[str]) -> str:
     cure = {
         "swap": " (map each to the other's column to be rid of this)",
         "time": f" (map t to its column in {lie.word} to be rid of this)",
     }.get(lie.kind, "")
     sentence = f"{said(lie)}{cure}: as recorded, {_share(before)}; put right, {_share(after)}"
-    return sentence + (f" (the same would be seen if {joined(twins, 'or')})" if twins else "")
+    return sentence + (f" (the same would be seen if {joined(equals, 'or')})" if equals else "")
 
 
-def _suspicion(lie: Lie, before: Misfit, after: Misfit, twins: Sequence[str]) -> str:
-    rivals = f", or {joined(twins, 'or')}" if twins else ""
+def _suspicion(lie: Lie, before: Misfit, after: Misfit, equals: Sequence[str]) -> str:
+    rivals = f", or {joined(equals, 'or')}" if equals else ""
     return (
         f"perhaps {said(lie)}{rivals}: as recorded, {_share(before)}; put right, {_share(after)}, "
         "which is not enough to claim it"

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symhyb.discrepancy.recorded.windows import Laid
+from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.lowered.inner import inner_along
 from symhyb.numeric.runs.windows import WindowModel
@@ -29,7 +29,7 @@ class Anchor:
     by_free: Array
 
 
-def anchored(model: WindowModel, item: Laid, p: Array, slopes: bool = False) -> Anchor:
+def anchored(model: WindowModel, item: Cut, p: Array, slopes: bool = False) -> Anchor:
     """The anchor of the windows under parameters ``p`` (P,), SI; ``slopes`` where asked for."""
     starts, free = item.rows[:, 0], model.free
     asked = [i for i, column in enumerate(free) if slopes and column in _acting(model)]
@@ -45,7 +45,7 @@ def anchored(model: WindowModel, item: Laid, p: Array, slopes: bool = False) -> 
     return Anchor(along[starts], np.sqrt((SPREAD * size) ** 2 + blur**2) + 1e-300, by_free)
 
 
-def off_anchor(model: WindowModel, item: Laid, p: Array, start: Array) -> Array:
+def off_anchor(model: WindowModel, item: Cut, p: Array, start: Array) -> Array:
     """Squared deviations (W,) of initial states ``start`` (W, X) from their anchor, in its spread,
     dimensionless."""
     first = 2 * len(model.form.free)
@@ -61,7 +61,7 @@ def _acting(model: WindowModel) -> set[int]:
     return set(inner.jac_sparsity(0, 5).get_triplet()[1])
 
 
-def _along(model: WindowModel, item: Laid, p: Array) -> Array:
+def _along(model: WindowModel, item: Cut, p: Array) -> Array:
     course = item.course(model.machine)
     motion = course.q, course.v, course.a
     return inner_along(model.machine, course.t, motion, course.u, p)

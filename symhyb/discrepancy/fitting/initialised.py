@@ -14,7 +14,7 @@ from symhyb.data.recording import Recording
 from symhyb.discrepancy.fitting.matching import fit
 from symhyb.discrepancy.fitting.task import starts_only
 from symhyb.discrepancy.recorded.motion import motion_of
-from symhyb.discrepancy.recorded.runs import Run, laid_on, noise_sd, with_noise
+from symhyb.discrepancy.recorded.runs import Run, cut_into_windows, noise_sd, with_noise
 from symhyb.discrepancy.recorded.sampling import as_sampled
 from symhyb.discrepancy.recorded.signals import acting, measured
 from symhyb.errors import InputError, Problem
@@ -60,14 +60,14 @@ def initialised_run(model: Model, recording: Recording, samples: int = SAMPLES) 
     head = recording.crop(end=float(recording.t[samples - 1]))
     first = Run(head, motion_of(head, machine), np.empty(0))
     (run,) = with_noise([first], noise_sd([first], machine), WindowModel(machine))
-    laid = laid_on(run, machine, head.duration)
-    if laid is None:
+    cuts = cut_into_windows(run, machine, head.duration)
+    if cuts is None:
         raise InputError(Problem("its first samples have gaps", file=recording.name))
     whole = _whole(recording, machine, run.steps)
-    laid = replace(laid.first(), block=replace(laid.first().block, record=whole.record))
-    laid = laid.suited(machine)
+    cuts = replace(cuts.first(), block=replace(cuts.first().block, record=whole.record))
+    cuts = cuts.suited(machine)
     window = WindowModel(machine)
-    start = fit(window, starts_only(laid, run.sd), machine.values).starts[0]
+    start = fit(window, starts_only(cuts, run.sd), machine.values).starts[0]
     _, y = window.simulate(whole, start, machine.values)
     sensors = machine.model.sensors
     factors = np.array([sensor.unit.factor for sensor in sensors])

@@ -17,7 +17,7 @@ from symhyb.discrepancy.fitting.anchors import anchored
 from symhyb.discrepancy.fitting.normal import bounded_step, inverse_of
 from symhyb.discrepancy.fitting.squares import best_of, squares
 from symhyb.discrepancy.fitting.task import Fit, Task
-from symhyb.discrepancy.recorded.windows import Laid, correlation_time
+from symhyb.discrepancy.recorded.windows import Cut, correlation_time
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.runs.windows import WindowModel
 
@@ -58,7 +58,7 @@ def fit(model: WindowModel, task: Task, p: Array, starts: Sequence[Array] | None
     """
     first = p[list(model.free)] if task.first is None else task.first
     values = np.clip(first, task.lower, task.upper)
-    now = _on_constraints(model, task, p, values, starts or [item.start for item in task.laid])
+    now = _on_constraints(model, task, p, values, starts or [item.start for item in task.cuts])
     task = _in_time(model, task, p, values)
     cost = _cost(model, task, p, values, now)
     if not np.isfinite(cost):
@@ -79,9 +79,9 @@ def fit(model: WindowModel, task: Task, p: Array, starts: Sequence[Array] | None
 
 def _in_time(model: WindowModel, task: Task, p: Array, values: Array) -> Task:
     """The task with signals of late sensors in time with the model; itself where they are."""
-    full = (task.filled(i, p, model.free, values) for i in range(len(task.laid)))
-    laid = tuple(item.in_time(model, one) for item, one in zip(task.laid, full, strict=True))
-    return task if all(map(is_, laid, task.laid)) else replace(task, laid=laid)
+    full = (task.filled(i, p, model.free, values) for i in range(len(task.cuts)))
+    cuts = tuple(item.in_time(model, one) for item, one in zip(task.cuts, full, strict=True))
+    return task if all(map(is_, cuts, task.cuts)) else replace(task, cuts=cuts)
 
 
 def _on_constraints(
@@ -90,7 +90,7 @@ def _on_constraints(
     """Initial states moved onto the constraints of the machine, if it has any."""
     return [
         model.closed(item.block, start, task.filled(i, p, model.free, values))
-        for i, (item, start) in enumerate(zip(task.laid, starts, strict=True))
+        for i, (item, start) in enumerate(zip(task.cuts, starts, strict=True))
     ]
 
 
@@ -129,7 +129,7 @@ def _tried(
     """Cost and initial states after a step; a window that it would throw off stays where it is, or
     takes a part of it."""
     chosen, shown = [], []
-    for i, (item, start, move) in enumerate(zip(task.laid, starts, moved, strict=True)):
+    for i, (item, start, move) in enumerate(zip(task.cuts, starts, moved, strict=True)):
         full = task.filled(i, p, model.free, values)
         shares = SHARES if values.size else SHARES_ALONE
         begins = [model.closed(item.block, start + share * move, full) for share in shares]
@@ -148,13 +148,13 @@ def _settled(
     now = list(starts)
     fulls = [task.filled(i, p, model.free, values) for i in range(len(now))]
     shown = []
-    for i, (item, full) in enumerate(zip(task.laid, fulls, strict=True)):
+    for i, (item, full) in enumerate(zip(task.cuts, fulls, strict=True)):
         measured = model.closed(item.block, item.start, full)
         now[i], costs = best_of(model, item, full, (now[i], measured), task.sd)
         shown.append(costs)
     for _ in range(HELD_ROUNDS):
         parts = _linearise(model, task, p, values, now)
-        for i, (item, full) in enumerate(zip(task.laid, fulls, strict=True)):
+        for i, (item, full) in enumerate(zip(task.cuts, fulls, strict=True)):
             move = _start_step(parts[i], np.zeros_like(values), 0.0)[0]
             steps = [model.closed(item.block, now[i] + x * move, full) for x in SHARES_ALONE[:-1]]
             known = now[i], shown[i]
@@ -168,7 +168,7 @@ def _cost(
     """Squared whitened residuals of the fitted windows, plus the prior."""
     shown = [
         squares(model, item, task.filled(i, p, model.free, values), start, task.sd)
-        for i, (item, start) in enumerate(zip(task.laid, starts, strict=True))
+        for i, (item, start) in enumerate(zip(task.cuts, starts, strict=True))
     ]
     return _total(task, values, shown)
 
@@ -177,7 +177,7 @@ def _total(task: Task, values: Array, shown: Sequence[Array]) -> float:
     """The squares (W,) of the windows of each recording, of those that are fitted, plus the prior;
     inf where one does not stay bounded."""
     total = _prior(task, values)
-    for item, costs in zip(task.laid, shown, strict=True):
+    for item, costs in zip(task.cuts, shown, strict=True):
         total += float(np.sum(costs if task.everything else costs[~item.held]))
     return total if np.isfinite(total) else np.inf
 
@@ -191,7 +191,7 @@ def _linearise(
     model: WindowModel, task: Task, p: Array, values: Array, starts: Sequence[Array]
 ) -> list[_Part]:
     parts = []
-    for i, (item, start) in enumerate(zip(task.laid, starts, strict=True)):
+    for i, (item, start) in enumerate(zip(task.cuts, starts, strict=True)):
         full = task.filled(i, p, model.free, values)
         with np.errstate(over="ignore", invalid="ignore"):  # a window that runs away
             linear = model.differentiate(item.block, start, full)
@@ -220,7 +220,7 @@ def _spread_out(part: _Part, own: Sequence[int], size: int) -> _Part:
     return replace(part, by_free=wide)
 
 
-def _held_back(part: _Part, model: WindowModel, item: Laid, p: Array, start: Array) -> _Part:
+def _held_back(part: _Part, model: WindowModel, item: Cut, p: Array, start: Array) -> _Part:
     """With one row more for each inner state, which ties its start to its anchor."""
     first = 2 * len(model.form.free)
     windows, states = start.shape
@@ -292,19 +292,19 @@ def _finish(
     with np.errstate(over="ignore", invalid="ignore"):
         chi2 = np.concatenate([np.sum(j[..., count] ** 2, axis=1) for j in joined])
     chi2 = np.where(np.isfinite(chi2), chi2, np.inf)
-    seen = np.concatenate([np.isfinite(i.block.y).sum(axis=(1, 2)) for i in task.laid])
+    seen = np.concatenate([np.isfinite(i.block.y).sum(axis=(1, 2)) for i in task.cuts])
     held = np.concatenate([~part.used for part in parts])
     states = parts[0].by_start.shape[2] - inner
     used = [j[part.used] for j, part in zip(joined, parts, strict=True)]
     shown = [j[:, : j.shape[1] - inner, count] for j in used]
-    correlation = correlation_time(shown, task.laid[0].block.y.shape[2])
+    correlation = correlation_time(shown, task.cuts[0].block.y.shape[2])
     gram = np.diag(1 / task.spread**2)
     for j in used:
         gram = gram + np.einsum("wai,waj->ij", j[..., :count], j[..., :count])
     if not np.isfinite(gram).all():
         return _failed(task, starts, values)
     degrees = max(float((seen - states)[~held].sum()) - count, 1.0)
-    floor = max(item.floor for item in task.laid)
+    floor = max(item.floor for item in task.cuts)
     scale = max(float(chi2[~held].sum()) / degrees, floor)
     covariance = inverse_of(gram) * scale * correlation
     return Fit(
@@ -321,7 +321,7 @@ def _finish(
 
 
 def _failed(task: Task, starts: list[Array], values: Array) -> Fit:
-    windows = sum(len(item.start) for item in task.laid)
-    held = np.concatenate([item.held for item in task.laid])
+    windows = sum(len(item.start) for item in task.cuts)
+    held = np.concatenate([item.held for item in task.cuts])
     worst, unknown = np.full(windows, np.inf), np.full((values.size, values.size), np.inf)
     return Fit(values, unknown, worst, np.ones(windows, int), held, 1.0, tuple(starts), UNBOUNDED)

@@ -14,9 +14,9 @@ from symhyb.discrepancy.fitting.matching import fit
 from symhyb.discrepancy.fitting.task import starts_only
 from symhyb.discrepancy.recorded.course import course_of
 from symhyb.discrepancy.recorded.residual import applied_force, discrepancy
-from symhyb.discrepancy.recorded.runs import Run, laid_on
+from symhyb.discrepancy.recorded.runs import Run, cut_into_windows
 from symhyb.discrepancy.recorded.signals import driving, measured
-from symhyb.discrepancy.recorded.windows import Laid
+from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.discrepancy.results import Score
 from symhyb.numeric.kernels.buffers import Array, on_lines
 from symhyb.numeric.lowered.dynamics import StateForm
@@ -123,18 +123,18 @@ def _fitted_start(model: WindowModel, run: Run) -> Array:
     short = replace(run, recording=thinned(run.recording, factor), motion=run.motion.every(factor))
     first = course_of(run.recording, model.machine, run.motion).states[0]
     starts: list[Array] = [first, _stated(model.form, first)]
-    laid: Laid | None = None
+    cuts: Cut | None = None
     for share in RUN_SHARES:
-        laid = laid_on(short, model.machine, share * short.recording.duration)
-        if laid is None:
+        cuts = cut_into_windows(short, model.machine, share * short.recording.duration)
+        if cuts is None:
             continue
-        laid = laid.first().suited(model.machine)
-        task = replace(starts_only(laid, run.sd), iterations=10)
+        cuts = cuts.first().suited(model.machine)
+        task = replace(starts_only(cuts, run.sd), iterations=10)
         begin = [starts[-1 if share > RUN_SHARES[0] else 0][None]]
         starts.append(fit(model, task, model.machine.values, begin).starts[0][0])
-    if laid is None:
+    if cuts is None:
         return starts[0]
-    return starts[int(np.argmin(_run_costs(model, laid, np.stack(starts), run.sd)))]
+    return starts[int(np.argmin(_run_costs(model, cuts, np.stack(starts), run.sd)))]
 
 
 def _stated(form: StateForm, first: Array) -> Array:
@@ -143,10 +143,10 @@ def _stated(form: StateForm, first: Array) -> Array:
     return form.state(q, v, first[2 * len(form.free) :])
 
 
-def _run_costs(model: WindowModel, laid: Laid, starts: Array, sd: Array) -> Array:
+def _run_costs(model: WindowModel, cuts: Cut, starts: Array, sd: Array) -> Array:
     """Squared whitened residuals (S,) of one window from each of ``starts`` (S, X), side by side;
     inf where it does not stay bounded."""
-    block = laid.chosen(np.zeros(len(starts), int)).block
+    block = cuts.chosen(np.zeros(len(starts), int)).block
     with np.errstate(over="ignore", invalid="ignore"):
         _, y = model.simulate(block, starts, model.machine.values)
         error = np.where(np.isfinite(block.y), (block.y - y) / sd, 0.0)
@@ -156,13 +156,13 @@ def _run_costs(model: WindowModel, laid: Laid, starts: Array, sd: Array) -> Arra
 
 def _window_errors(model: WindowModel, run: Run, window_s: float) -> Array:
     """Squared errors (W·L, m) over windows with fitted initial states; no rows without windows."""
-    laid = laid_on(run, model.machine, window_s)
-    if laid is None:
+    cuts = cut_into_windows(run, model.machine, window_s)
+    if cuts is None:
         return np.empty((0, len(model.machine.model.sensors)))
-    laid = laid.suited(model.machine)
-    fitted = fit(model, starts_only(laid, run.sd), model.machine.values)
-    _, y = model.simulate(laid.block, fitted.starts[0], model.machine.values)
-    return np.asarray(((laid.block.y - y) ** 2).reshape(-1, y.shape[2]))
+    cuts = cuts.suited(model.machine)
+    fitted = fit(model, starts_only(cuts, run.sd), model.machine.values)
+    _, y = model.simulate(cuts.block, fitted.starts[0], model.machine.values)
+    return np.asarray(((cuts.block.y - y) ** 2).reshape(-1, y.shape[2]))
 
 
 def forces_of(machine: Machine, run: Run, band_hz: float | None) -> tuple[Array, Array]:

@@ -5,13 +5,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from symhyb.discrepancy.fitting.anchors import off_anchor
-from symhyb.discrepancy.recorded.windows import Laid
+from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.kernels.chains_source import LANES
 from symhyb.numeric.runs.windows import WindowModel
 
 
-def squares(model: WindowModel, item: Laid, p: Array, start: Array, sd: Array) -> Array:
+def squares(model: WindowModel, item: Cut, p: Array, start: Array, sd: Array) -> Array:
     """Squared whitened residuals of each window (W,) that begins at ``start`` (W, X), off-anchor
     inner states included; ``p`` (P,) and noise ``sd`` (m,) in SI."""
     with np.errstate(over="ignore", invalid="ignore"):
@@ -23,7 +23,7 @@ def squares(model: WindowModel, item: Laid, p: Array, start: Array, sd: Array) -
 
 def best_of(
     model: WindowModel,
-    item: Laid,
+    item: Cut,
     p: Array,
     begins: Sequence[Array],
     sd: Array,

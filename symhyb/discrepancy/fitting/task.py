@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from symhyb.discrepancy.recorded.windows import Laid
+from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.numeric.kernels.buffers import Array
 
 DECREASE = 1e-5  # of the cost, predicted: stop
@@ -68,7 +68,7 @@ class Task:
     numbers its free parameters are; ``first`` is then where all these numbers begin.
     """
 
-    laid: tuple[Laid, ...]
+    cuts: tuple[Cut, ...]
     sd: Array
     lower: Array
     upper: Array
@@ -87,8 +87,8 @@ class Task:
         return full
 
 
-def starts_only(laid: Laid, sd: Array) -> Task:
+def starts_only(cuts: Cut, sd: Array) -> Task:
     """The task for windows of one recording, noise ``sd`` (m,) in SI, in which nothing but initial
     states is to be fitted."""
     none = np.zeros(0)
-    return Task((laid,), sd, none, none, none, none)
+    return Task((cuts,), sd, none, none, none, none)

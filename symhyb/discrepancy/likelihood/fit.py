@@ -15,7 +15,7 @@ from symhyb.discrepancy.fitting.normal import bounded_step, inverse_of
 from symhyb.discrepancy.likelihood.horizon import maximised, total
 from symhyb.discrepancy.likelihood.noise import NoiseModel
 from symhyb.discrepancy.likelihood.track import Extra, Track, smoothed, track, white_problem
-from symhyb.discrepancy.recorded.windows import Laid
+from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.runs.windows import WindowModel
 
@@ -34,7 +34,7 @@ class Task:
     numbers its free parameters are, where recordings have numbers of their own; the sizes of the
     columns of ``extra`` (one for each stretch, or none) are the last numbers, shared by all."""
 
-    items: tuple[Laid, ...]
+    items: tuple[Cut, ...]
     recording: tuple[int, ...]
     floor: Array
     lower: Array

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from symhyb.discrepancy.likelihood.filter import smooth, whiten
 from symhyb.discrepancy.likelihood.noise import NoiseModel
-from symhyb.discrepancy.recorded.windows import Laid
+from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.runs.windows import Linear, WindowModel
 
@@ -29,7 +29,7 @@ class Track:
     SI."""
 
     linear: Linear
-    item: Laid
+    item: Cut
     residual: Array
     seen: NDArray[np.bool_]
     step_s: Array
@@ -79,7 +79,7 @@ class Smoothed:
 
 def track(
     model: WindowModel,
-    item: Laid,
+    item: Cut,
     states: Array,
     p: Array,
     extra: Extra | None = None,
@@ -120,7 +120,7 @@ def _with_extra(linear: Linear, extra: Extra, sizes: Array) -> Linear:
     )
 
 
-def _known_start(model: WindowModel, item: Laid, linear: Linear) -> Array:
+def _known_start(model: WindowModel, item: Cut, linear: Linear) -> Array:
     """Covariance (X, X) of the first state about the measured motion: places and speeds by as much
     as they move, inner states by a share of it, all within the constraints."""
     moving = 2 * len(model.form.free)

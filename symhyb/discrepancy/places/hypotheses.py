@@ -1,10 +1,11 @@
-"""What could be wrong: laws of the vocabulary at places, and the dull causes.
+"""What could be wrong: laws of the vocabulary at places, and the parametric causes.
 
 The vocabulary of elements is the vocabulary of hypotheses. A force hypothesis is an ordinary
 element with unknown coefficients; its *probes* are the same element with one coefficient set to
-one, so that the force of any combination is linear in the coefficients. A dull cause is a parameter
-that may be estimated, or gain, offset or delay of a channel. All compete in one list; which laws
-are tried where, and in what shapes, is said by :mod:`symhyb.discrepancy.places.candidates`.
+one, so that the force of any combination is linear in the coefficients. A parametric cause is a
+parameter that may be estimated, or gain, offset or delay of a channel. All compete in one list;
+which laws are tried where, and in what shapes, is said by
+:mod:`symhyb.discrepancy.places.candidates`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -179,7 +180,7 @@ class Hypothesis:
         return tuple(result)
 
 
-def dull_hypotheses(model: Model) -> tuple[Hypothesis, ...]:
+def parametric_hypotheses(model: Model) -> tuple[Hypothesis, ...]:
     """Parameters that state an ``sd``, and gain, offset and delay of every channel.
 
     ``model`` must come from :func:`with_channels`.

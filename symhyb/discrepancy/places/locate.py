@@ -22,7 +22,7 @@ from symhyb.discrepancy.places.occurrence import (
     still,
 )
 from symhyb.discrepancy.recorded.residual import discrepancy
-from symhyb.discrepancy.recorded.windows import Laid, merge, reduce
+from symhyb.discrepancy.recorded.windows import Cut, merge, reduce
 from symhyb.discrepancy.results import Activity, Change, Occurrence, PlaceShare
 from symhyb.discrepancy.words.occurrence_words import occurrence_sentence
 from symhyb.numeric.kernels.buffers import Array
@@ -37,10 +37,10 @@ ACTIVE_SHARE = 0.1  # of the largest force: acting
 def locate(
     library: Library,
     model: WindowModel,
-    laid: Sequence[Laid],
+    cuts: Sequence[Cut],
     p: Array,
     sd: Array,
-    fine: Sequence[Laid] = (),
+    fine: Sequence[Cut] = (),
 ) -> tuple[PlaceShare, ...]:
     """The map of places, each with the explained share on held windows, where it is active, and
     when, at which frequencies and beyond which amplitude.
@@ -48,7 +48,7 @@ def locate(
     ``p`` (P,) and ``sd`` (m,) in SI; on ``fine``, shorter windows, the moment of a change is found.
     The share is None where no window is held or nothing is left.
     """
-    seen = _Seen.of(library, model, laid, p)
+    seen = _Seen.of(library, model, cuts, p)
     short = _Seen.of(library, model, fine, p) if fine else None
     result = []
     for index, place in enumerate(library.places):
@@ -76,7 +76,7 @@ def locate(
                 np.where(calm[placed.recording == i][:, None], 0.0, force)
                 for i, force in enumerate(acting)
             ]
-        active = _activity(seen.laid, motions, acting)
+        active = _activity(seen.cuts, motions, acting)
         told = _occurrence(seen, index, corners, values, placed, change)
         result.append(PlaceShare(place, share, active, told))
     return tuple(sorted(result, key=lambda item: -(item.explained or 0.0)))
@@ -88,36 +88,36 @@ class _Seen:
 
     library: Library
     machine: Machine
-    laid: tuple[Laid, ...]
+    cuts: tuple[Cut, ...]
     linears: tuple[Linear, ...]
 
     @classmethod
-    def of(cls, library: Library, model: WindowModel, laid: Sequence[Laid], p: Array) -> "_Seen":
-        suited = tuple(item.suited(model.machine) for item in laid)
+    def of(cls, library: Library, model: WindowModel, cuts: Sequence[Cut], p: Array) -> "_Seen":
+        suited = tuple(item.suited(model.machine) for item in cuts)
         linears = tuple(model.along(item.block, item.states, p) for item in suited)
         return cls(library, model.machine, suited, linears)
 
     @property
     def names(self) -> list[str]:
-        return [item.source[0].name for item in self.laid]
+        return [item.source[0].name for item in self.cuts]
 
     def motions(self, index: int) -> list[tuple[Array, Array, Array]]:
         """Stretch, rate and generalized unit force at a place, recording by recording."""
-        return [_motion(self.library, item, index) for item in self.laid]
+        return [_motion(self.library, item, index) for item in self.cuts]
 
     def placed(self, index: int, corners: Sequence[Array], sd: Array) -> Placed:
         """The windows reduced to the force surface of one place."""
         parts = []
         motions = self.motions(index)
         for item, linear, (stretch, rate, unit) in zip(
-            self.laid, self.linears, motions, strict=True
+            self.cuts, self.linears, motions, strict=True
         ):
             forces = unit[..., None] * surface(stretch, rate, corners)[:, :, None, :]
             residual = item.block.y - linear.output - linear.from_defect()
             columns = linear.from_forces(forces)
             parts.append(reduce(residual, linear.from_start(), columns, sd, item.held))
         grams, count, held = merge(parts)
-        times = [item.block.t[:, [0, -1]] for item in self.laid]
+        times = [item.block.t[:, [0, -1]] for item in self.cuts]
         which = [np.full(len(t), i) for i, t in enumerate(times)]
         return Placed(grams, count, held, np.concatenate(which), np.concatenate(times))
 
@@ -131,7 +131,7 @@ def _occurrence(
     change: Change | None,
 ) -> Occurrence:
     """When and how the mismatch acts at a place, along the first recording."""
-    first, library = seen.laid[0], seen.library
+    first, library = seen.cuts[0], seen.library
     course = first.course(library.machine)
     stretch, rate = (part[:, index] for part in library.motion(course))
     bare = first.course(seen.machine)
@@ -185,7 +185,7 @@ def activity(t: Array, stretch: Array, rate: Array, force: Array) -> Activity | 
     return Activity(*ranges, spans[:50])
 
 
-def _motion(library: Library, item: Laid, index: int) -> tuple[Array, Array, Array]:
+def _motion(library: Library, item: Cut, index: int) -> tuple[Array, Array, Array]:
     """Stretch and rate (W, L) of a place and the generalized unit force there (W, L, n)."""
     course, rows = item.course(library.machine), item.rows
     stretch, rate = library.motion(course)
@@ -232,9 +232,9 @@ def explained(gram: Array, values: Array, floor: float) -> float | None:
 
 
 def _activity(
-    laid: Sequence[Laid], motions: Sequence[tuple[Array, Array, Array]], acting: Sequence[Array]
+    cuts: Sequence[Cut], motions: Sequence[tuple[Array, Array, Array]], acting: Sequence[Array]
 ) -> Activity | None:
     """Activity over the first recording (times of several recordings do not join)."""
-    item, (stretch, rate, _), force = laid[0], motions[0], acting[0]
+    item, (stretch, rate, _), force = cuts[0], motions[0], acting[0]
     flat = [part.reshape(-1) for part in (item.block.t, stretch, rate, force)]
     return activity(*flat)

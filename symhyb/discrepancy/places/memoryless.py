@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from symhyb.discrepancy.places.hypotheses import Library
 from symhyb.discrepancy.places.locate import explained, hats, knots, surface
-from symhyb.discrepancy.recorded.windows import Laid, Reduced, reduce
+from symhyb.discrepancy.recorded.windows import Cut, Reduced, reduce
 from symhyb.discrepancy.results import Memory
 from symhyb.discrepancy.words.wording import percent_text
 from symhyb.model.vocabulary import KINDS
@@ -49,20 +49,20 @@ class Bumps:
 
 
 def memoryless(
-    library: Library, model: WindowModel, laid: Sequence[Laid], p: Array, sd: Array
+    library: Library, model: WindowModel, cuts: Sequence[Cut], p: Array, sd: Array
 ) -> Memory | None:
     """How much of the mismatch a function of the state explains on held windows, without and with
     memory; None where no window is held, or nothing is left but noise.
 
     ``p`` (P,) and ``sd`` (m,) in SI.
     """
-    laid = [item.suited(model.machine) for item in laid]
+    cuts = [item.suited(model.machine) for item in cuts]
     coordinates = len(model.machine.free) or model.machine.n
-    bumps = _bumps([_variables(item, model) for item in laid], coordinates)
+    bumps = _bumps([_variables(item, model) for item in cuts], coordinates)
     remembering = _columns(library, [k.name for k in KINDS.values() if k.state])
     known = _columns(library, [k.name for k in KINDS.values() if not k.state and k.of_state])
     sums = _Sums()
-    for item in laid:
+    for item in cuts:
         state = _functions(item, model, bumps)[:, : FUNCTIONS_MOST // coordinates]
         laws = library.forces(item.course(library.machine))
         forces = np.concatenate(
@@ -166,7 +166,7 @@ def memory_sentence(state: float, past: float) -> str:
     )
 
 
-def _variables(item: Laid, model: WindowModel) -> Array:
+def _variables(item: Cut, model: WindowModel) -> Array:
     """q, q' and u (N, 2n + k) along a recording, SI."""
     course = item.course(model.machine)
     return np.concatenate([course.q, course.v, course.u], axis=1)
@@ -186,7 +186,7 @@ def _bumps(variables: Sequence[Array], coordinates: int) -> Bumps:
     return Bumps(mean, spread, centres, width, corners)
 
 
-def _functions(item: Laid, model: WindowModel, bumps: Bumps) -> Array:
+def _functions(item: Cut, model: WindowModel, bumps: Bumps) -> Array:
     """Functions of the state (N, B) along a recording: products of its parts, piecewise linear
     functions of each part, surfaces over each position and its rate, Gaussians, and what jumps with
     the sign of a rate, alone and times each position and its size."""

@@ -9,7 +9,7 @@ from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.course import course_of
 from symhyb.discrepancy.recorded.motion import Motion
 from symhyb.discrepancy.recorded.residual import discrepancy
-from symhyb.discrepancy.recorded.windows import Laid, lay, reversals
+from symhyb.discrepancy.recorded.windows import Cut, lay, reversals
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import Element, On
 from symhyb.numeric.kernels.buffers import Array
@@ -44,17 +44,19 @@ class Run:
     floor: float = 0.0
 
 
-def laid_on(run: Run, machine: Machine, length_s: float) -> Laid | None:
+def cut_into_windows(run: Run, machine: Machine, length_s: float) -> Cut | None:
     """Windows of one run, ``length_s`` in s, with finer steps near reversals of a coordinate."""
     parts = run.steps * np.where(reversals(run.motion.v), run.fine, 1)
-    laid = lay(run.recording, machine, run.motion, length_s, parts)
-    return laid if laid is None else replace(laid, floor=run.floor, steps=run.steps)
+    cuts = lay(run.recording, machine, run.motion, length_s, parts)
+    return cuts if cuts is None else replace(cuts, floor=run.floor, steps=run.steps)
 
 
-def laid_within(run: Run, machine: Machine, length_s: float) -> Laid | None:
+def cut_within(run: Run, machine: Machine, length_s: float) -> Cut | None:
     """The same; a run shorter than ``length_s`` is one window, for all of it counts."""
     t = run.recording.t
-    return laid_on(run, machine, min(length_s, float(np.median(np.diff(t))) * (t.size - 1)))
+    return cut_into_windows(
+        run, machine, min(length_s, float(np.median(np.diff(t))) * (t.size - 1))
+    )
 
 
 def noise_sd(runs: Sequence[Run], machine: Machine) -> Array:
@@ -108,11 +110,11 @@ def _steps_needed(model: WindowModel, run: Run) -> int:
     length = float(run.motion.periods().min())
     samples = run.recording.t.size - 1
 
-    def laid(steps: int) -> Laid | None:
+    def cut(steps: int) -> Cut | None:
         parts = steps * np.ones(samples, np.int64)
         return lay(run.recording, model.machine, run.motion, length, parts)
 
-    return _enough(model, run, laid, _for_bends(model, run), STEPS_MOST)
+    return _enough(model, run, cut, _for_bends(model, run), STEPS_MOST)
 
 
 def _for_bends(model: WindowModel, run: Run) -> int:
@@ -149,14 +151,14 @@ def _fine_needed(machine: Machine, run: Run) -> int:
     steep = build(replace(model, elements=(*model.elements, *frictions)), keep=False)
     length = float(run.motion.periods().min())
 
-    def laid(fine: int) -> Laid | None:
-        return laid_on(replace(run, fine=fine), steep, length)
+    def cut(fine: int) -> Cut | None:
+        return cut_into_windows(replace(run, fine=fine), steep, length)
 
-    return _enough(WindowModel(steep), run, laid, first, FINE_MOST)
+    return _enough(WindowModel(steep), run, cut, first, FINE_MOST)
 
 
 def _enough(
-    model: WindowModel, run: Run, laid_with: Callable[[int], Laid | None], first: int, most: int
+    model: WindowModel, run: Run, cut_with: Callable[[int], Cut | None], first: int, most: int
 ) -> int:
     """The smallest of ``first``, 2·``first`` … ``most`` steps that the noise does not tell from
     twice as many."""
@@ -167,11 +169,11 @@ def _enough(
     coarse: Array | None = None
     steps = first
     while steps <= 2 * most:
-        laid = laid_with(steps)
-        if laid is None:
+        cuts = cut_with(steps)
+        if cuts is None:
             return first
         with np.errstate(over="ignore", invalid="ignore"):
-            _, fine = model.simulate(laid.block, laid.start, values)
+            _, fine = model.simulate(cuts.block, cuts.start, values)
             if coarse is not None:
                 error = np.sqrt(np.mean((fine - coarse) ** 2, axis=1))
                 if np.mean((error > allowed).any(axis=1)) <= WINDOWS_WORSE:

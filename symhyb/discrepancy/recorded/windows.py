@@ -33,8 +33,8 @@ SWUNG = 1.5  # times as fast as anywhere else
 
 
 @dataclass(frozen=True, slots=True)
-class Laid:
-    """Windows laid on one recording: the block, start states (W, X) and the ``states`` (W, L, X)
+class Cut:
+    """Windows cuts on one recording: the block, start states (W, X) and the ``states`` (W, L, X)
     from smoothing, SI, and ``held`` (W,), True where a window only validates. ``rows`` (W, L) are
     the samples of the recording, ``source`` where they come from. ``floor`` is the mean square by
     which repeated runs differ beyond their noise, in units of the noise: less proves nothing.
@@ -54,7 +54,7 @@ class Laid:
         recording, motion = self.source
         return course_of(recording, machine, motion)
 
-    def chosen(self, rows: NDArray[np.int64]) -> "Laid":
+    def chosen(self, rows: NDArray[np.int64]) -> "Cut":
         """Some of the windows; of these every third validates."""
         whole = self.block
         block = replace(
@@ -64,7 +64,7 @@ class Laid:
             y=whole.y[rows],
             substeps=whole.substeps[rows],
         )
-        return Laid(
+        return Cut(
             block,
             self.start[rows],
             self.states[rows],
@@ -75,7 +75,7 @@ class Laid:
             self.steps,
         )
 
-    def until(self, last: int) -> "Laid":
+    def until(self, last: int) -> "Cut":
         """The samples before ``last`` of every window."""
         whole = self.block
         block = replace(
@@ -88,7 +88,7 @@ class Laid:
         states, rows = self.states[:, :last], self.rows[:, :last]
         return replace(self, block=block, states=states, rows=rows)
 
-    def suited(self, machine: Machine) -> "Laid":
+    def suited(self, machine: Machine) -> "Cut":
         """The windows for another machine with the same coordinates: with its inner states, and
         with the fewest steps everywhere unless it has a steep law. With few samples a period every
         sample is near a reversal, so the fewest are not those that happen to occur."""
@@ -101,7 +101,7 @@ class Laid:
         parts = np.full_like(item.block.substeps, item.steps)
         return replace(item, block=replace(item.block, substeps=parts))
 
-    def in_time(self, model: WindowModel, p: Array) -> "Laid":
+    def in_time(self, model: WindowModel, p: Array) -> "Cut":
         """The windows with what late sensors recorded under ``p`` (P,), SI, taken whole samples
         later: the model is asked for the rest of their delays alone, at most half a sample, over
         which a state may be extrapolated. So the noise stays as recorded."""
@@ -126,7 +126,7 @@ class Laid:
             columns.append(np.where(apart < EVEN * step, y[then, j], np.nan))
         return replace(self, block=replace(self.block, y=np.stack(columns, axis=2), late=late))
 
-    def first(self) -> "Laid":
+    def first(self) -> "Cut":
         """The first window alone."""
         return self.chosen(np.array([0]))
 
@@ -137,7 +137,7 @@ def lay(
     motion: Motion,
     length_s: float,
     substeps: NDArray[np.int64] | None = None,
-) -> Laid | None:
+) -> Cut | None:
     """Lay windows of ``length_s`` seconds without overlap; every third one validates.
 
     Windows that straddle a gap in time or miss more samples than others are left out. ``substeps``
@@ -167,7 +167,7 @@ def lay(
 
 def stretches(
     recording: Recording, machine: Machine, motion: Motion, steps: int, fine: int
-) -> list[Laid]:
+) -> list[Cut]:
     """Every stretch of a recording without a gap in time, as one window each; ``steps`` between two
     samples, each ``fine`` times finer near a reversal."""
     t = recording.t
@@ -190,7 +190,7 @@ def _cut(
     rows: NDArray[np.int64],
     parts: NDArray[np.int64],
     steps: int,
-) -> Laid:
+) -> Cut:
     """Windows of the samples ``rows`` (W, L)."""
     y, course = measured(recording, machine), course_of(recording, machine, motion)
     states = course.states[rows]
@@ -199,7 +199,7 @@ def _cut(
     recorded = recording.t, np.column_stack(inputs) if inputs else np.empty((recording.t.size, 0))
     recorded = finer(*recorded, *bent_columns(machine.model.inputs))
     block = Block(recording.t[rows], course.drive[rows], y[rows], parts[rows[:, :-1]], recorded)
-    return Laid(block, states[:, 0], states, held, rows, (recording, motion), steps=steps)
+    return Cut(block, states[:, 0], states, held, rows, (recording, motion), steps=steps)
 
 
 def _settled(motion: Motion, step: float) -> int:

@@ -258,7 +258,7 @@ def functions(exported: Exported) -> tuple[ca.Function, ...]:
 
 
 def serialised(exported: Exported) -> str:
-    """The value function in CasADi's own form, which is unsafe to load from strangers."""
+    """The value function in CasADi's own form, which is unsafe to load from outliers."""
     return str(exported.value.serialize())
 
 

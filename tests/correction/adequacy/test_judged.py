@@ -24,7 +24,7 @@ def judged(recording: Recording, *decided: tuple[Hypothesis, Mapping[str, float]
     prepared = prepare(pushed_model(), recording)
     setting = settle(prepared)
     causes, rows = [cause for cause, _ in decided], [row for _, row in decided]
-    final = refine(prepared.model, causes, rows, setting.stages[-1].laid, setting.sd)
+    final = refine(prepared.model, causes, rows, setting.stages[-1].cuts, setting.sd)
     return adequacy(prepared, setting, final)
 
 
