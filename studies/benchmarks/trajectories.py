@@ -119,9 +119,9 @@ def matched(given: Record) -> Callable[[], Fit]:
     none, free = np.zeros(4), np.full(4, np.inf)
     tasks = []
     for samples in WINDOWS:
-        cuts = lay(run, machine, motion, samples * STEP)
-        assert cuts is not None
-        tasks.append(Task((cuts,), np.array([NOISE]), none, free, none, free, everything=True))
+        cut = lay(run, machine, motion, samples * STEP)
+        assert cut is not None
+        tasks.append(Task((cut,), np.array([NOISE]), none, free, none, free, everything=True))
     rough = replace(tasks[0], decrease=TRIAL_DECREASE, iterations=TRIAL_ITERATIONS)
 
     def work() -> Fit:

@@ -138,7 +138,7 @@ class Lie:
 class Alternative:
     """What the data cannot rule out; exactly one of ``place``, ``channel``, ``parameter`` is set.
 
-    ``evidence`` is the difference of the criterion to the selected structure (0: as good; larger:
+    ``evidence`` is the difference of the score to the best structure (0: as good; larger:
     worse); ``options`` are words of an element, the side of a gap. Alternatives with the same
     number ``together``, above 0, are one: each holds only beside the others.
     """

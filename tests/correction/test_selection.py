@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from symhyb.correction.search.conventions import indistinguishable
-from symhyb.correction.search.selection import Problem, best_subsets, reach, solve, without
+from symhyb.correction.search.selection import Problem, best_subsets, solve, without
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.model.types import On
 
@@ -168,20 +168,3 @@ def test_a_coefficient_too_small_for_a_name_is_refused() -> None:
     )
     assert solve(reduced, (0,)) is not None
     assert solve(small, (0,)) is None
-
-
-def test_reach_is_what_a_cause_could_take_at_most(data: tuple[np.ndarray, np.ndarray]) -> None:
-    """Beside the column that is always in, and with a copy of it: a copy takes nothing."""
-    columns, right = data
-    columns[:, 5] = 2 * columns[:, 1]
-    whole = replace(problem(columns, right), always=(1,))
-    for cause in (0, 2, 3, 4):
-        left = [
-            right - part @ np.linalg.lstsq(part, right)[0]
-            for part in (columns[:, [1]], columns[:, [1, cause]])
-        ]
-        taken = left[0] @ left[0] - left[1] @ left[1]
-        assert reach(whole, cause) == pytest.approx(float(taken), rel=1e-9)
-    assert reach(whole, 5) == pytest.approx(0, abs=1e-9)
-    forbidden = replace(whole, upper=np.full(6, -np.inf))
-    assert reach(forbidden, 4) == reach(whole, 4)

@@ -149,17 +149,17 @@ def columns(way: Writing, family: str) -> tuple[Array, Array]:
     residual and of laws at logical places, initial states removed, and the samples they count."""
     record, machine = recorded(family), build(way.model)
     motion = motion_of(record, machine)
-    cuts = lay(record, machine, motion, 0.6)
-    assert cuts is not None
+    cut = lay(record, machine, motion, 0.6)
+    assert cut is not None
     places = tuple(way.places.values())
     tried = tuple(h for place in places for h in _laws(way, place))
     laws = library(way.model, places, tried)
-    forces = laws.forces(cuts.course(laws.machine))[cuts.rows]
+    forces = laws.forces(cut.course(laws.machine))[cut.rows]
     model = WindowModel(machine)
-    linear = model.along(cuts.block, cuts.states, machine.values)
-    residual = cuts.block.y - linear.output - linear.from_defect()
+    linear = model.along(cut.block, cut.states, machine.values)
+    residual = cut.block.y - linear.output - linear.from_defect()
     sd = np.array([np.nanstd(y) for y in record.sensors.values()]) * 0.01
-    reduced = reduce(residual, linear.from_start(), linear.from_forces(forces), sd, cuts.held)
+    reduced = reduce(residual, linear.from_start(), linear.from_forces(forces), sd, cut.held)
     return reduced.grams, reduced.count
 
 

@@ -70,9 +70,9 @@ def rig(*free: str) -> tuple[Machine, WindowModel]:
 
 def windows(of: Recording) -> Cut:
     machine, _ = rig("speed.delay")
-    cuts = lay(of, machine, motion_of(of, machine), 1.0)
-    assert cuts is not None
-    return cuts
+    cut = lay(of, machine, motion_of(of, machine), 1.0)
+    assert cut is not None
+    return cut
 
 
 def fitted(*free: str) -> Fit:
@@ -100,16 +100,16 @@ def test_no_gain_stands_for_a_part_of_it() -> None:
 def test_signals_are_taken_later_by_whole_samples() -> None:
     machine, model = rig("speed.delay")
     run, p = recorded(), machine.values.copy()
-    cuts = windows(run)
+    cut = windows(run)
     p[machine.column("speed.delay")] = 0.4 * STEP
-    assert cuts.in_time(model, p) is cuts
+    assert cut.in_time(model, p) is cut
     p[machine.column("speed.delay")] = LATE
-    later = cuts.in_time(model, p)
+    later = cut.in_time(model, p)
     assert later.block.late == pytest.approx((0.0, 7 * STEP))
-    assert np.array_equal(later.block.y[0, :, 1], run.sensors["speed"][cuts.rows[0] + 7])
-    assert np.array_equal(later.block.y[..., 0], cuts.block.y[..., 0])
+    assert np.array_equal(later.block.y[0, :, 1], run.sensors["speed"][cut.rows[0] + 7])
+    assert np.array_equal(later.block.y[..., 0], cut.block.y[..., 0])
     assert later.in_time(model, p) is later
-    assert np.isnan(later.block.y[-1, cuts.rows[-1] + 7 >= T.size, 1]).all()
+    assert np.isnan(later.block.y[-1, cut.rows[-1] + 7 >= T.size, 1]).all()
     assert later.in_time(model, machine.values).block.late == ()
 
 
@@ -127,9 +127,9 @@ def test_nothing_is_taken_across_a_gap() -> None:
     machine, model = rig("speed.delay")
     p = machine.values.copy()
     p[machine.column("speed.delay")] = LATE
-    cuts = windows(short)
-    late = cuts.in_time(model, p).block
-    then = cuts.rows + 7
+    cut = windows(short)
+    late = cut.in_time(model, p).block
+    then = cut.rows + 7
     inside = then < short.t.size
     across = np.zeros_like(inside)
     across[inside] = short.t[then[inside]] - late.t[inside] > 0.1

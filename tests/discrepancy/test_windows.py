@@ -1,4 +1,4 @@
-"""Windows cuts on a recording, their initial states removed, and correlated residuals counted."""
+"""Windows cut on a recording, their initial states removed, and correlated residuals counted."""
 
 import numpy as np
 import pytest

@@ -86,7 +86,7 @@ def test_the_header_says_names_units_and_sign() -> None:
 
 
 def test_text_of_a_model_cannot_leave_its_comment() -> None:
-    """A title from a outlier is not code."""
+    """A title that a stranger wrote is not code."""
     odd = replace(element(), title="a */ int evil; /* b \\")
     for text in c_files(odd).values():
         assert "*/ int evil" not in text

@@ -56,12 +56,12 @@ def test_windows_follow_the_spline_and_its_delay(delay: float) -> None:
     t = np.arange(300) * STEP
     x, v = steady(t)
     recording = Recording("r", t, {"f": np.sin(RATE * (t + delay))}, {"laser": x}, (), "")
-    cuts = lay(recording, machine, motion_of(recording, machine), 2.0, np.full(299, 8))
-    assert cuts is not None
-    start = np.column_stack([x, v])[cuts.rows[:, 0]]
-    _, y = WindowModel(machine).simulate(cuts.block, start, machine.values)
-    inner = cuts.rows[:, 0] > 5  # the delayed signal is not known before its first sample
-    assert np.abs(y - x[cuts.rows][..., None])[inner].max() * 2 * RATE < 2e-3
+    cut = lay(recording, machine, motion_of(recording, machine), 2.0, np.full(299, 8))
+    assert cut is not None
+    start = np.column_stack([x, v])[cut.rows[:, 0]]
+    _, y = WindowModel(machine).simulate(cut.block, start, machine.values)
+    inner = cut.rows[:, 0] > 5  # the delayed signal is not known before its first sample
+    assert np.abs(y - x[cut.rows][..., None])[inner].max() * 2 * RATE < 2e-3
 
 
 def test_other_columns_stay_lines() -> None:

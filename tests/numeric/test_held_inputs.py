@@ -97,11 +97,11 @@ def test_windows_follow_the_staircase_and_its_delay(
 ) -> None:
     recording, states = recorded(delay)
     machine = build(model(f', between = "held", delay = {delay}'))
-    cuts = lay(recording, machine, motion_of(recording, machine), 2.0, np.full(299, steps))
-    assert cuts is not None
-    start = states[cuts.rows[:, 0]]
-    x, _ = WindowModel(machine).simulate(cuts.block, start, machine.values)
-    assert np.abs(x - states[cuts.rows]).max(axis=(0, 1)) / np.ptp(states, axis=0) == pytest.approx(
+    cut = lay(recording, machine, motion_of(recording, machine), 2.0, np.full(299, steps))
+    assert cut is not None
+    start = states[cut.rows[:, 0]]
+    x, _ = WindowModel(machine).simulate(cut.block, start, machine.values)
+    assert np.abs(x - states[cut.rows]).max(axis=(0, 1)) / np.ptp(states, axis=0) == pytest.approx(
         0.0, abs=allowed
     )
 
@@ -111,23 +111,23 @@ def test_the_slope_by_the_delay_of_a_held_input_is_that_of_differences() -> None
     machine = build(model(', between = "held", delay = { value = 0.01, sd = 0.01 }'))
     column = machine.column("f.delay")
     window = WindowModel(machine, (column,))
-    cuts = lay(recording, machine, motion_of(recording, machine), 2.0, np.full(299, 4))
-    assert cuts is not None
-    start, p = states[cuts.rows[:, 0]], machine.values.copy()
+    cut = lay(recording, machine, motion_of(recording, machine), 2.0, np.full(299, 4))
+    assert cut is not None
+    start, p = states[cut.rows[:, 0]], machine.values.copy()
     p[column] = 0.0171
-    slope = window.differentiate(cuts.block, start, p).from_free()[..., 0]
+    slope = window.differentiate(cut.block, start, p).from_free()[..., 0]
     sides = []
     for change in (-1e-5, 1e-5):
         moved = p.copy()
         moved[column] += change
-        sides.append(window.simulate(cuts.block, start, moved)[1])
+        sides.append(window.simulate(cut.block, start, moved)[1])
     assert slope == pytest.approx((sides[1] - sides[0]) / 2e-5, abs=1e-4 * np.abs(slope).max())
     # and the model with the right delay is nearer than one with another
     p[column] = 0.017
-    best = window.simulate(cuts.block, start, p)[1]
+    best = window.simulate(cut.block, start, p)[1]
     p[column] = 0.027
-    other = window.simulate(cuts.block, start, p)[1]
-    y = cuts.block.y
+    other = window.simulate(cut.block, start, p)[1]
+    y = cut.block.y
     assert np.abs(best - y).max() < 0.05 * np.abs(other - y).max()
 
 

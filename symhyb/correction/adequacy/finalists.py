@@ -21,7 +21,7 @@ FINALISTS_MOST = 8
 
 
 def settled(prepared: Prepared, setting: Setting, decision: Decision) -> Decision:
-    """The decision with its selected chosen among the structures of almost its score."""
+    """The decision with the structure selected among those of almost its score."""
     finalists = _finalists(setting, decision)
     ground = recorded(prepared, setting) if len(finalists) > 1 else None
     if ground is None:

@@ -247,8 +247,8 @@ def alternatives_of(
     names: Mapping[Hypothesis, str],
     doubt: Collection[Hypothesis] = (),
 ) -> tuple[Alternative, ...]:
-    """What the data cannot rule out: causes in doubt, exact equals of what was found, and rivals
-    within reach.
+    """What the data cannot rule out: causes in doubt, what is indistinguishable from what was
+    found, and rivals within reach.
 
     ``names`` are the elements (or paths) under which certain causes of the selected structure are
     told.
@@ -299,7 +299,7 @@ def _sided(
 
 def rivals_of(decision: Decision) -> list[tuple[Exchange, float, Refined]]:
     """Trials within reach of the selected structure that replace some of its causes: what they
-    exchange, the difference of the criterion, the trial."""
+    exchange, the difference of the score, the trial."""
     rivals = []
     for trial in decision.trials:
         change = exchange(trial.causes, decision.selected.causes)

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from symhyb.correction.search.selection import Problem
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 
-CERTAIN = 4.6  # of the criterion: a rival closer than this (odds 10 to 1) leaves a cause in doubt
-RIVAL = 10.0  # of the criterion: closer than this, a rival is told
-TWINS = 1e-5  # of 1 − ρ² between two effects: the same, as discrete windows show it
+CERTAIN = 4.6  # of the score, odds of 10 to 1: closer ones meet again on whole runs
+RIVAL = 10.0  # of the score: closer than this, a rival is told
+SAME = 1e-5  # of 1 − ρ² between two effects: the same, as discrete windows show it
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ def indistinguishable(problem: Problem) -> tuple[tuple[int, int], ...]:
                 continue
             b = problem.columns[second][0]
             power = problem.gram[a, a] * problem.gram[b, b]
-            if power > 0 and 1 - problem.gram[a, b] ** 2 / power < TWINS:
+            if power > 0 and 1 - problem.gram[a, b] ** 2 / power < SAME:
                 pairs.append((first, second))
                 gone.add(second)
     return tuple(pairs)

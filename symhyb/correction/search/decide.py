@@ -125,7 +125,7 @@ def _begun(
         return []
     size = samples(nothing)
     unit = max(min(s.chi2 + s.held for s in found) / size, 1.0)
-    number, choice = np.log(size), 2 * np.log(max(trials.count, 1))
+    number, choice = np.log(size), choice_of(trials.count)
 
     def gain(subset: Subset, paid: float = 1.0) -> float:
         promised = (empty.chi2 + empty.held - subset.chi2 - subset.held) / unit

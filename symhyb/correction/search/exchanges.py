@@ -10,7 +10,7 @@ from itertools import combinations
 
 import numpy as np
 
-from symhyb.correction.search.score import piece_of, samples
+from symhyb.correction.search.score import choice_of, piece_of, samples
 from symhyb.correction.search.selection import Problem, Subset, best_subsets, solve, without
 from symhyb.correction.search.setting import effects, exchanged
 from symhyb.correction.search.trajectory import Refined, grouped
@@ -55,7 +55,7 @@ def _all(trials: Trials, base: Refined) -> Iterator[Offer]:
     if still is None:
         return
     own, rows, unit = trials.causes(base), grouped(base), piece_of(base)
-    number, choice = np.log(samples(base)), 2 * np.log(max(trials.count, 1))
+    number, choice = np.log(samples(base)), choice_of(trials.count)
     for many in range(min(OUT, len(own)) + 1):
         for out in combinations(range(len(own)), many):
             gone = [base.causes[i] for i in out]

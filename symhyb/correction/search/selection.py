@@ -157,20 +157,6 @@ def _side_by_side(problem: Problem, sets: Sequence[tuple[int, ...]]) -> list[Sub
     ]
 
 
-def reach(problem: Problem, *causes: int) -> float:
-    """By how much χ² could fall at most with the columns of some causes, whatever their signs and
-    bounds, beside those that are always in; directions that the data cannot tell count for none."""
-    least, more = [], [column for cause in causes for column in problem.columns[cause]]
-    for columns in (list(problem.always), [*problem.always, *more]):
-        block = problem.gram[np.ix_(columns, columns)] + np.diag(problem.prior[columns])
-        scale = np.sqrt(np.maximum(np.diag(block), 1e-300))
-        values, vectors = np.linalg.eigh(block / np.outer(scale, scale))
-        along = vectors.T @ (problem.gram[columns, -1] / scale)
-        told = values > (values[-1] if values.size else 0.0) / CONDITION
-        least.append(float(problem.gram[-1, -1] - np.sum(along[told] ** 2 / values[told])))
-    return least[0] - least[1]
-
-
 def _fitted(problem: Problem, joined: Sequence[int]) -> Array | None:
     """Least squares (C,) of some columns; None if the data cannot tell them, or one that no sign
     forbids is out of its bounds."""

@@ -1,7 +1,7 @@
 """A structure (a set of causes) fitted on trajectories, at full nonlinearity.
 
 The model with its candidate elements is an ordinary model; its terms, the shapes that are worth a
-number and the parametric parameters are fitted by :mod:`symhyb.discrepancy.fitting.matching`.
+number and the parametric causes are fitted by :mod:`symhyb.discrepancy.fitting.matching`.
 """
 
 from collections.abc import Mapping, Sequence

@@ -26,7 +26,7 @@ class Trials:
         say: Say,
         equals: Sequence[tuple[int, int]] = (),
     ):
-        self.setting, self.say, self.equals = setting, say, tuple(equals)
+        self.setting, self.say = setting, say
         self.dropped = {second for _, second in equals}
         self.done: dict[tuple[int, ...], Refined] = {}
         self.known = list(setting.hypotheses)

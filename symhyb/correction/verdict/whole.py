@@ -21,6 +21,7 @@ from symhyb.correction.search.score import (
     NEAR_NOISE,
     SIGNIFICANT,
     believable,
+    choice_of,
     piece_of,
     samples,
     score,
@@ -157,7 +158,7 @@ def _promised(problem: Problem, base: Refined, count: int) -> list[Subset]:
     if empty is None:
         return []
     known = {(c.kind, c.place, c.path, term) for c in base.causes for term in c.terms}
-    price = np.log(samples(base)) + 2 * np.log(max(count, 1))
+    price = np.log(samples(base)) + choice_of(count)
     best: dict[object, Subset] = {}
     for i, cause in enumerate(problem.hypotheses):
         terms = {(cause.kind, cause.place, cause.path, term) for term in cause.terms}

@@ -131,7 +131,7 @@ def _alike(first: Recording, second: Recording) -> bool:
 
 def _regular(runs: Sequence[Run], group: Sequence[int], sensors: Sequence[str]) -> list[int]:
     """The runs of a group without one that differs from all others by far more than they do: it is
-    a outlier among them, not a measure of their spread."""
+    an outlier among them, not a measure of their spread."""
     members = list(group)
     while len(members) > OTHERS_LEAST:
         spreads = {

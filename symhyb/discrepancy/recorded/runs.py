@@ -47,8 +47,8 @@ class Run:
 def cut_into_windows(run: Run, machine: Machine, length_s: float) -> Cut | None:
     """Windows of one run, ``length_s`` in s, with finer steps near reversals of a coordinate."""
     parts = run.steps * np.where(reversals(run.motion.v), run.fine, 1)
-    cuts = lay(run.recording, machine, run.motion, length_s, parts)
-    return cuts if cuts is None else replace(cuts, floor=run.floor, steps=run.steps)
+    cut = lay(run.recording, machine, run.motion, length_s, parts)
+    return cut if cut is None else replace(cut, floor=run.floor, steps=run.steps)
 
 
 def cut_within(run: Run, machine: Machine, length_s: float) -> Cut | None:

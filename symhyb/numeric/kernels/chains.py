@@ -70,7 +70,7 @@ class Chains:
 
 
 class _Engine:
-    """A program cuts out for the machine: slots of values, instruction lists, loads and stores."""
+    """A program laid out for the machine: slots of values, instruction lists, loads and stores."""
 
     def __init__(self, code: Program, run: Callable[..., None]):
         self._code, self._run = code, run

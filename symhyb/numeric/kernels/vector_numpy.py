@@ -102,7 +102,7 @@ def supported(program: Program) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """A program cuts out on registers.
+    """A program laid out on registers.
 
     Every value has one place in a list: columns of the inputs, then of the outputs, then registers,
     then numbers. Sizes: I varying inputs, O stores.

@@ -258,7 +258,7 @@ def functions(exported: Exported) -> tuple[ca.Function, ...]:
 
 
 def serialised(exported: Exported) -> str:
-    """The value function in CasADi's own form, which is unsafe to load from outliers."""
+    """The value function in CasADi's own form, which is unsafe to load where others sent it."""
     return str(exported.value.serialize())
 
 
