@@ -26,6 +26,7 @@ from symhyb.correction.verdict.proof import prove
 from symhyb.correction.verdict.refusal import (
     if_apart,
     if_bounded,
+    if_confirmed,
     if_explained,
     if_long_enough,
     with_lies,
@@ -113,6 +114,7 @@ def conclude(
     answer = _of_several(answer, final, choice.misfits, repeats_said(prepared))
     answer = in_part(_noted(answer, known.drifts), choice.change)
     answer = if_explained(answer, selected, nothing)
+    answer = if_confirmed(answer, shown, bool(prepared.holdout))
     answer = if_bounded(answer, final, nothing, prepared.runs, prepared.holdout)
     answer = if_long_enough(answer, prepared.runs)
     answer = if_apart(answer, prepared.model, prepared.runs)

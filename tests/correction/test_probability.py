@@ -70,3 +70,8 @@ def test_a_cause_that_every_good_structure_holds_stays_certain() -> None:
 
 def test_another_shape_of_the_law_is_the_law() -> None:
     assert probabilities(decided(trial(FRICTION), trial(FINE))) == pytest.approx((1.0,))
+
+
+def test_a_structure_that_could_not_be_compared_takes_no_share() -> None:
+    chosen = decided(trial(FRICTION), trial(DAMPER, worse=np.inf))
+    assert probabilities(chosen) == pytest.approx((1.0,))

@@ -27,6 +27,7 @@ from symhyb.numeric.kernels.buffers import call, mapped
 from symhyb.numeric.lowered.dynamics import state_form
 from symhyb.numeric.lowered.inner import inner_along
 from symhyb.numeric.lowered.machine import Machine, build
+from symhyb.units import parse_unit
 
 BAND = Between("post", "tip")
 T = np.linspace(0, 4, 401)
@@ -265,3 +266,15 @@ def test_hypotheses_are_said_in_words() -> None:
     assert said[0] == "constant (constant) between post and tip"
     assert "friction (coulomb, static, stribeck) between post and tip" in said
     assert "gap (side upper, stiffness, clearance) between post and tip" in said
+
+
+def test_the_coefficient_of_a_formula_has_the_unit_that_makes_it_a_force() -> None:
+    model = cart_pole()
+    place = On(model.coordinates[0].name)
+    formula = f"{place.coordinate}'**3"
+    unit = Hypothesis("law", place, ("coefficient",), (True,), path=formula).unit(
+        model, "coefficient"
+    )
+    assert unit.factor == 1.0
+    assert unit * parse_unit("m^3/s^3") == parse_unit("N")
+    assert Hypothesis("damper", place, ("damping",), (True,)).unit(model, "damping").text == "N*s/m"

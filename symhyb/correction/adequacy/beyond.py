@@ -13,6 +13,7 @@ import numpy as np
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Fitted, tracks_of
 from symhyb.discrepancy.likelihood.horizon import maximised
+from symhyb.discrepancy.likelihood.noise import NoiseModel
 from symhyb.discrepancy.likelihood.track import smoothed, still
 from symhyb.numeric.kernels.buffers import Array
 
@@ -23,12 +24,14 @@ CERTAIN = 4.6  # of ln of the odds (100 to 1) that a force acts
 @dataclass(frozen=True, slots=True, eq=False)
 class Beyond:
     """The unknown force (RMS, ``force`` (n,), SI), its ``share`` (n,) of what moves the coordinate,
-    its correlation time, and ``evidence``: ln of the odds against sensors alone."""
+    its correlation time, and ``evidence``: ln of the odds against sensors ``alone``, of which this
+    is the likeliest noise."""
 
     force: Array
     share: Array
     memory_s: float
     evidence: float
+    alone: NoiseModel | None = None
 
     @property
     def acts(self) -> bool:
@@ -64,4 +67,5 @@ def beyond(recorded: Recorded, final: Fitted) -> Beyond:
         squares += np.sum(force**2, axis=0)
     size = np.sqrt(squares / sum(len(one.residual) for one in tracks))
     share = np.where(recorded.scale > 0, size / recorded.scale_or_inf[:, 0], 0.0)
-    return Beyond(size, share, noise.memory_s, float(final.fit.logl - without - price))
+    evidence = float(final.fit.logl - without - price)
+    return Beyond(size, share, noise.memory_s, evidence, alone)

@@ -15,6 +15,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from symhyb.correction.adequacy.classes.catalogue import classes_of
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Fitted
 from symhyb.correction.search.trajectory import gathered, keys_of
@@ -43,7 +44,7 @@ def evidence(recorded: Recorded, trial: Fitted) -> float:
     noise = 0.5 * trial.fit.noise.numbers * np.log(max(trial.fit.count, 2))
     odds = len(trial.causes) * np.log(max(candidates(recorded), 2))
     if trial.extra is not None:
-        odds += np.log(max(classes(recorded), 2))
+        odds += np.log(max(classes(recorded), 2) * trial.extra.tried)
     return float(trial.fit.logl - 0.5 * off @ off - 0.5 * volume - noise - odds)
 
 
@@ -66,10 +67,7 @@ def candidates(recorded: Recorded) -> int:
 
 def classes(recorded: Recorded) -> int:
     """How many generic classes compete."""
-    model = recorded.windows.machine.model
-    numbers = sum(item.sd is not None for item in model.parameters)
-    channels = 2 * len(model.inputs) + 3 * len(model.sensors)
-    return 2 * len(recorded.library.places) + channels + numbers
+    return len(classes_of(recorded))
 
 
 def priors(recorded: Recorded, trial: Fitted) -> tuple[Array, Array]:
@@ -93,8 +91,8 @@ def priors(recorded: Recorded, trial: Fitted) -> tuple[Array, Array]:
     mean, spread = (gathered(np.array(row), trial.owned) for row in (means, spreads))
     if trial.extra is None:
         return mean, spread
-    none = np.zeros(trial.extra.spread.size)
-    return np.append(mean, none), np.append(spread, trial.extra.spread)
+    more = trial.extra
+    return np.append(mean, more.mean * more.spread), np.append(spread, more.spread)
 
 
 def _channel_sd(recorded: Recorded, cause: Hypothesis, value: float, sd: float | None) -> float:

@@ -7,6 +7,8 @@ in which an unknown force stands for what all of them lack.
 
 from dataclasses import replace
 
+import numpy as np
+
 from symhyb.correction.adequacy.evidence import evidence
 from symhyb.correction.adequacy.recorded import recorded
 from symhyb.correction.adequacy.structure import fitted
@@ -31,6 +33,8 @@ def settled(prepared: Prepared, setting: Setting, decision: Decision) -> Decisio
         one = fitted(ground, trial.causes, grouped(trial), ground.first_noise())
         found.append((evidence(ground, one), trial))
     best, selected = max(found, key=lambda pair: pair[0])
+    if not np.isfinite(best):  # none of them could be followed along whole recordings
+        return decision
     if not best > found[0][0]:
         selected = finalists[0]
     judged = tuple((trial, 2 * (best - mine)) for mine, trial in found)

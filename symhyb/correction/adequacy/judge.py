@@ -7,16 +7,24 @@ place of all of them. A class is an answer where it is more probable and takes a
 acts beyond; a cause is claimed beside it only where it is still needed.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symhyb.correction.adequacy.beyond import NOTHING, Beyond, beyond
+from symhyb.correction.adequacy.beyond import NEGLIGIBLE, NOTHING, Beyond, beyond
+from symhyb.correction.adequacy.channel_noise import faulty_sensors, noisy_input
+from symhyb.correction.adequacy.classes.catalogue import classes_of
+from symhyb.correction.adequacy.classes.worth import around, worth_of
 from symhyb.correction.adequacy.evidence import evidence
-from symhyb.correction.adequacy.generic import classes_of, worth_of
 from symhyb.correction.adequacy.recorded import Recorded, recorded
-from symhyb.correction.adequacy.structure import Fitted, Generic, Row, fitted
+from symhyb.correction.adequacy.structure import (
+    Fitted,
+    Generic,
+    Likely,
+    Row,
+    fitted,
+)
 from symhyb.correction.search.preparing import Prepared
 from symhyb.correction.search.setting import Setting
 from symhyb.correction.search.strength import element_forces
@@ -28,7 +36,9 @@ CLAIMED = 0.95  # posterior probability of a cause that is claimed beside a clas
 MENTIONED = 0.05  # posterior probability of a class that is worth a word
 CLASSES_MOST = 3  # that are fitted, the best of the linear problem
 PART_OF_BEYOND = 1 / 3  # of the force that acts beyond: a law that is claimed beside it has more
+MOST_BEYOND = 1 / 3  # of what moves a coordinate: where more acts beyond, nothing is known
 HALF = 0.5  # of the power of what acts beyond the causes: a class takes at least so much
+LEFT_MOST = 0.1  # of the power of what acts: what leaves more does not explain it
 CERTAIN = 4.6  # of ln evidence (100 to 1): closer, two classes cannot be distinguished
 
 
@@ -38,7 +48,7 @@ class Adequacy:
     probabilities, and the causes that are in ``doubt`` beside them."""
 
     beyond: Beyond
-    classes: tuple[tuple[Generic, float], ...] = ()
+    classes: tuple[Likely, ...] = ()
     doubt: frozenset[Hypothesis] = frozenset()
 
     @property
@@ -49,7 +59,7 @@ class Adequacy:
     @property
     def class_probability(self) -> float:
         """The posterior probability that one of the classes acts."""
-        return sum(chance for _, chance in self.classes)
+        return sum(one.probability for one in self.classes)
 
 
 def adequacy(prepared: Prepared, setting: Setting, final: Refined) -> Adequacy:
@@ -62,25 +72,30 @@ def adequacy(prepared: Prepared, setting: Setting, final: Refined) -> Adequacy:
     if base.fit.reason:
         return Adequacy(NOTHING)
     left = beyond(ground, base)
+    if left.alone is not None and left.evidence < 0:
+        base = _scored(ground, fitted(ground, final.causes, rows, left.alone, base.fit.states))
     small = _small(final, ground, left)
     trials = [base]
-    if left.acts:
+    if left.acts or base.fit.noise.coloured:
         trials += _raced(ground, base, rows, base)
     if base.causes:  # laws by name may only imitate a class
         bare = _scored(ground, fitted(ground, (), (), ground.first_noise()))
         trials += [bare, *_raced(ground, bare, (), base)]
-    weights = _weights(trials)
-    classes = _classes(trials, weights)
+    enough = [trial for trial in trials if trial.extra and _suffices(ground, trial, base)]
+    classes = _classes(trials, {trial.extra.key for trial in enough if trial.extra})
     if not classes:
-        return Adequacy(left, doubt=small)
-    return Adequacy(left, classes, small | _doubted(ground, trials, weights, classes))
+        faults = (*faulty_sensors(ground, base), *noisy_input(ground, left))
+        return Adequacy(left, faults, small)
+    return Adequacy(left, classes, small | _doubted(ground, trials, enough, classes))
 
 
 def _small(final: Refined, ground: Recorded, left: Beyond) -> frozenset[Hypothesis]:
     """The laws whose force is small against what acts beyond, at every coordinate: they may be a
-    part of it."""
+    part of it. All causes where that is a large part of what moves a coordinate."""
     if not left.acts:
         return frozenset()
+    if np.any(left.share > MOST_BEYOND):
+        return frozenset(final.causes)
     squares, counts = 0.0, 0
     for item in ground.items:
         forces = element_forces(final, *item.source)[0][item.rows[0]]
@@ -98,34 +113,56 @@ def _scored(ground: Recorded, trial: Fitted) -> Fitted:
 
 
 def _raced(ground: Recorded, start: Fitted, rows: Sequence[Row], decided: Fitted) -> list[Fitted]:
-    """A structure with each of the best generic classes beside it, in place of each of its causes
-    and of all of them: those that may be better than what was ``decided``, and take half of what
-    acts beyond it."""
+    """A structure with each of the best generic classes beside it, in place of the causes at its
+    place and of all; with the best of these in place of each cause too. Those that may be better
+    than what was ``decided``, and take half of what acts beyond it."""
     makers, offered = classes_of(ground), []
+    here = around(ground, start)
     for maker in makers:
-        generic = maker(ground, start)
-        gain = worth_of(ground, start, generic) - np.log(len(makers))
-        if start.evidence + gain > decided.evidence:
+        generic = maker(here)
+        gain = worth_of(here, generic) - np.log(len(makers) * generic.tried)
+        if start.evidence + gain > decided.evidence - CERTAIN:
             offered.append((gain, generic))
     offered.sort(key=lambda pair: -pair[0])
-    noise, found = ground.revived(start.fit.noise), []
-    causes = start.causes
-    for _, generic in offered[:CLASSES_MOST]:
-        sets = [tuple(range(len(causes)))]
-        sets += [tuple(j for j in sets[0] if j != i) for i in range(len(causes))]
-        sets += [()] if len(causes) > 1 else []
-        for kept in sets:
-            chosen, begin = [causes[i] for i in kept], [rows[i] for i in kept]
-            trial = fitted(ground, chosen, begin, noise, start.fit.states, extra=generic)
-            trial = _scored(ground, trial)
-            if _remainder(ground, trial) <= HALF * _remainder(ground, decided):
-                found.append(trial)
-    return found
+    noise, most = ground.revived(start.fit.noise), HALF * _remainder(ground, decided)
+
+    def tried(generic: Generic, kept: Sequence[int]) -> Fitted:
+        causes, begin = [start.causes[i] for i in kept], [rows[i] for i in kept]
+        return _scored(
+            ground, fitted(ground, causes, begin, noise, start.fit.states, extra=generic)
+        )
+
+    def answers(trials: Sequence[Fitted]) -> list[Fitted]:
+        return [t for t in trials if _explains(ground, t) or _remainder(ground, t) <= most]
+
+    every = tuple(range(len(start.causes)))
+    found = answers(
+        [
+            tried(generic, kept)
+            for _, generic in offered[:CLASSES_MOST]
+            for kept in _kept(start.causes, generic)
+        ]
+    )
+    best = max(found, key=lambda trial: trial.evidence, default=None)
+    if best is None or best.extra is None or len(every) < 2:
+        return found
+    single = [tried(best.extra, tuple(j for j in every if j != i)) for i in every]
+    return [*found, *answers(single)]
+
+
+def _kept(causes: Sequence[Hypothesis], generic: Generic) -> list[tuple[int, ...]]:
+    """Which of the causes are kept beside a class: all, those elsewhere, none."""
+    every = tuple(range(len(causes)))
+    elsewhere = tuple(i for i in every if causes[i].place not in (None, generic.where))
+    return list(dict.fromkeys([every, elsewhere, ()]))
 
 
 def _remainder(ground: Recorded, trial: Fitted) -> float:
-    """The power of the unknown force, over that of what moves the coordinates."""
-    return float(np.sum((trial.fit.noise.force / ground.scale_or_inf[:, 0]) ** 2))
+    """The power of the unknown force over that of what moves the coordinates, and of the colour of
+    the sensors over that of what they show."""
+    noise = trial.fit.noise
+    force = np.sum((noise.force / ground.scale_or_inf[:, 0]) ** 2)
+    return float(force + np.sum((noise.colour / ground.shown) ** 2))
 
 
 def _weights(trials: Sequence[Fitted]) -> Array:
@@ -135,43 +172,63 @@ def _weights(trials: Sequence[Fitted]) -> Array:
     return np.asarray(weight / weight.sum())
 
 
-def _classes(trials: Sequence[Fitted], weights: Array) -> tuple[tuple[Generic, float], ...]:
-    """The classes with their probabilities, the likeliest first. What a sensor does may be what its
-    input does: where the two cannot be distinguished, the input is named for both."""
-    found: dict[object, tuple[Generic, float]] = {}
-    for trial, weight in zip(trials, weights, strict=True):
+def _classes(trials: Sequence[Fitted], enough: Collection[object]) -> tuple[Likely, ...]:
+    """The classes with their probabilities, the likeliest first; ``enough`` are those that explain
+    all. What a sensor does may be what its input does: where the two cannot be distinguished, the
+    input is named for both."""
+    found: dict[object, Likely] = {}
+    for trial, weight in zip(trials, _weights(trials), strict=True):
         if trial.extra is not None:
-            known = found.get(trial.extra.key, (trial.extra, 0.0))
-            found[trial.extra.key] = known[0], known[1] + float(weight)
-    ranked = sorted(found.values(), key=lambda pair: -pair[1])
-    for i, (generic, chance) in enumerate(ranked[1:], 1):
-        first, best = ranked[0]
-        if first.kind == "sensor" and generic.kind in ("input", "lag"):
-            if chance > best * np.exp(-CERTAIN):
-                ranked = [(generic, chance + best), *ranked[1:i], *ranked[i + 1 :]]
+            key = trial.extra.key
+            known = found.get(key, Likely(trial.extra, 0.0, key in enough))
+            found[key] = known._replace(probability=known.probability + float(weight))
+    ranked = sorted(found.values(), key=lambda one: -one.probability)
+    for i, one in enumerate(ranked[1:], 1):
+        first = ranked[0]
+        if first.generic.kind == "sensor" and one.generic.kind in ("input", "lag"):
+            if one.probability > first.probability * np.exp(-CERTAIN):
+                both = one._replace(probability=one.probability + first.probability)
+                ranked = [both, *ranked[1:i], *ranked[i + 1 :]]
             break
-    return tuple(pair for pair in ranked if pair[1] > MENTIONED)
+    return tuple(one for one in ranked if one.probability > MENTIONED)
 
 
 def _doubted(
     ground: Recorded,
     trials: Sequence[Fitted],
-    weights: Array,
-    classes: Sequence[tuple[Generic, float]],
+    enough: Sequence[Fitted],
+    classes: Sequence[Likely],
 ) -> frozenset[Hypothesis]:
-    """The causes of the structure, the first of the trials, that are not needed beside the classes:
-    by their probability, or since the likeliest class leaves less without them. And every number
-    of the model or of a channel, of which the columns of a class may hold a part."""
+    """The causes of the structure, the first of the trials, that are not needed beside the classes.
+    A law is not where the likeliest class explains all without it, or leaves less than with it, or
+    where structures without it that explain what acts (``enough``) are as probable. No number of
+    the model or of a channel is, for the columns of a class may hold a part of any."""
     doubt = []
-    certain = any(chance > 1 - CLAIMED for _, chance in classes)
+    certain = any(one.probability > CLAIMED and one.whole for one in classes)
+    likely, first = classes[0].probability > HALF, classes[0].generic.key
     decided = trials[0].causes
-    beside = [trial for trial in trials if trial.extra and trial.extra.key == classes[0][0].key]
+    beside = [trial for trial in enough if trial.extra and trial.extra.key == first]
     left = {trial.causes: _remainder(ground, trial) for trial in reversed(beside)}
     for cause in decided:
-        has = np.array([cause in trial.causes for trial in trials])
         number = cause.place is None and certain
         without = left.get(tuple(one for one in decided if one != cause), np.inf)
-        leaves_less = without < left.get(decided, 0.0)
-        if number or leaves_less or float(weights[has].sum()) < CLAIMED:
+        spared = without < left.get(decided, 0.0) or any(
+            cause not in trial.causes and _explains(ground, trial) for trial in beside
+        )
+        having = [trial for trial in trials if cause in trial.causes]
+        lacking = [trial for trial in enough if cause not in trial.causes]
+        chance = float(_weights([*having, *lacking])[: len(having)].sum())
+        if number or (spared and likely) or chance < CLAIMED:
             doubt.append(cause)
     return frozenset(doubt)
+
+
+def _suffices(ground: Recorded, trial: Fitted, decided: Fitted) -> bool:
+    """Whether a structure explains what acts beyond the decided one."""
+    most = LEFT_MOST * _remainder(ground, decided)
+    return _explains(ground, trial) or _remainder(ground, trial) <= most
+
+
+def _explains(ground: Recorded, trial: Fitted) -> bool:
+    """Whether a structure leaves nothing that is worth a word."""
+    return not trial.fit.reason and _remainder(ground, trial) <= NEGLIGIBLE**2

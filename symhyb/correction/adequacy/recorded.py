@@ -53,6 +53,14 @@ class Recorded:
         return np.where(self.scale > 0, self.scale, np.inf)[:, None]
 
     @property
+    def shown(self) -> Array:
+        """The RMS (m,) of what each sensor shows about its mean, SI; infinite where nothing."""
+        y = np.concatenate([item.block.y[0] for item in self.items])
+        seen = np.isfinite(y).any(axis=0)
+        size = np.nanstd(np.where(seen, y, 0.0), axis=0)
+        return np.where(size > 0, size, np.inf)
+
+    @property
     def recordings(self) -> int:
         """How many recordings there are."""
         return 1 + max(self.recording)

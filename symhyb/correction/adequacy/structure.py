@@ -6,8 +6,8 @@ are free in every structure: they are uncertain, whether they are named or not.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Literal
+from dataclasses import dataclass, field, replace
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -37,7 +37,14 @@ Row = Mapping[str, float]
 
 
 ClassName = Literal[
-    "law", "input", "lag", "hidden mode", "time-varying", "sensor", "unmeasured force"
+    "law",
+    "coupling",
+    "input",
+    "lag",
+    "hidden mode",
+    "time-varying",
+    "sensor",
+    "unmeasured force",
 ]
 
 
@@ -45,20 +52,37 @@ ClassName = Literal[
 class Generic:
     """A class of effects: its ``kind``, ``where`` it acts (a place, or the name of a channel or of
     a number), its columns for ``each`` stretch with the prior deviation ``spread`` (K,) of their
-    coefficients, what describes the one that fits best (a ``figure`` in Hz or s, or NaN), and of a
-    sensor what it does."""
+    coefficients and the prior ``mean`` (K,) in such deviations, what describes the one that fits
+    best (a ``figure`` in Hz or s, or NaN), what a channel ``does``, the ``other`` coordinate of a
+    coupling, and out of how many sets of columns these were the best (``tried``)."""
 
     kind: ClassName
     where: Place | str
     each: tuple[Extra, ...]
     spread: Array
     figure: float = float("nan")
-    does: Literal["", "drifts", "bends", "lags"] = ""
+    does: Literal["", "drifts", "bends", "lags", "jumps", "holds", "fades", "noisy"] = ""
+    other: str = ""
+    tried: int = 1
+    mean: Array = field(default_factory=lambda: np.zeros(0))
+
+    def __post_init__(self) -> None:
+        if not self.mean.size:
+            object.__setattr__(self, "mean", np.zeros_like(self.spread))
 
     @property
     def key(self) -> tuple[object, ...]:
         """What makes two of them the same class."""
-        return self.kind, self.where, self.does
+        return self.kind, self.where, self.does, self.other
+
+
+class Likely(NamedTuple):
+    """A class with its posterior ``probability``, and whether it explains all that acts beyond the
+    decided structure (``whole``) or only the better part of it."""
+
+    generic: Generic
+    probability: float
+    whole: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,7 +152,8 @@ def fitted(
     task = Task(items, recorded.recording, floor, lower, upper, mean, spread, owned)
     if extra is not None:
         task = _with_columns(task, extra)
-        first = np.concatenate([p[list(free)] if first is None else first, np.zeros(task.more)])
+        begin = extra.mean * extra.spread
+        first = np.concatenate([p[list(free)] if first is None else first, begin])
     begun = None
     if states is not None:
         begun = [_begun(item.states[0], x) for item, x in zip(items, states, strict=True)]
@@ -150,7 +175,7 @@ def _with_columns(task: Task, extra: Generic) -> Task:
         task,
         lower=np.append(task.lower, np.full(count, -np.inf)),
         upper=np.append(task.upper, np.full(count, np.inf)),
-        mean=np.append(task.mean, np.zeros(count)),
+        mean=np.append(task.mean, extra.mean * extra.spread),
         spread=np.append(task.spread, extra.spread),
         extra=extra.each,
     )

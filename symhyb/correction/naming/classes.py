@@ -2,7 +2,7 @@
 
 from math import isfinite
 
-from symhyb.correction.adequacy.structure import Generic
+from symhyb.correction.adequacy.structure import Generic, Likely
 from symhyb.discrepancy.results import ClassFound
 from symhyb.discrepancy.words.amounts import percent_text, quantity_text
 from symhyb.model.types import Place, place_text
@@ -11,19 +11,21 @@ _DOES = {
     "drifts": "it drifts",
     "bends": "it is not linear",
     "lags": "it lags",
+    "jumps": "it jumps or freezes at times",
     "": "it deviates",
 }
 
 
-def class_found(generic: Generic, probability: float) -> ClassFound:
+def class_found(one: Likely) -> ClassFound:
     """A class as a result, with its sentence."""
-    where = generic.where
+    generic, where = one.generic, one.generic.where
+    said = f"{_said(generic)} (probability {percent_text(one.probability)})"
     name = where if isinstance(where, str) else None
     number = generic.kind == "time-varying"
     return ClassFound(
         generic.kind,
-        probability,
-        f"{_said(generic)} (probability {percent_text(probability)}).",
+        one.probability,
+        f"{said}." if one.whole else f"{said}, which explains the better part of it.",
         figure=generic.figure if isfinite(generic.figure) else None,
         place=None if isinstance(where, str) else where,
         channel=None if number else name,
@@ -44,6 +46,20 @@ def _said(generic: Generic) -> str:
         case "hidden mode":
             frequency = quantity_text(figure, "Hz", digits=2)
             return f"What acts {at} looks like a hidden mode near {frequency}"
+        case "coupling" if generic.other:
+            return (
+                f"What acts {at} follows the motion of {generic.other}, or the reverse, by a "
+                "coupling that the model lacks"
+            )
+        case "coupling":
+            return f"The input {at} acts where the model says that it does not"
+        case "input" if generic.does == "fades":
+            return f"The input {at} acts by a factor that changes with time"
+        case "input" if generic.does == "noisy":
+            return f"The record of the input {at} looks noisy: another force acts"
+        case "input" if generic.does == "holds":
+            hold = quantity_text(figure, "s", digits=2)
+            return f"The input {at} acts as a staircase, each value held for {hold}"
         case "input":
             return f"The input {at} does not act in proportion to what was recorded of it"
         case "lag":

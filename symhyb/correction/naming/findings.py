@@ -324,17 +324,9 @@ def _alternative(
 ) -> Alternative:
     estimates = []
     exponent = values.get("exponent", (1.0, 0.0))[0]
-    if cause.kind == LAW and isinstance(cause.place, On):
+    if cause.place is not None:
         for key, (value, sd) in values.items():
-            unit = law_unit(model, cause.place, cause.path, key)
-            if np.isfinite(sd):
-                scaled = value / unit.factor, sd / unit.factor
-                estimates.append(
-                    Estimate(symbol_of(model, cause.kind, key), *scaled, unit.text, key)
-                )
-    elif cause.place is not None:
-        for key, (value, sd) in values.items():
-            unit = key_unit(model, cause.kind, key, cause.place, exponent)
+            unit = cause.unit(model, key, exponent)
             if np.isfinite(sd):
                 scaled = value / unit.factor, sd / unit.factor
                 estimates.append(

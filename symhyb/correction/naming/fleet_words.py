@@ -16,7 +16,7 @@ from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.results import Estimate, Found, Misfit, Reestimated, Repeats
 from symhyb.discrepancy.words.amounts import joined, number_text, quantity_text, small_text
 from symhyb.model.types import Model, place_text
-from symhyb.model.vocabulary import key_of, key_unit
+from symhyb.model.vocabulary import key_of
 from symhyb.units import ONE, Unit
 
 
@@ -66,7 +66,7 @@ def drift_sentence(
 def unit_of_key(model: Model, cause: Hypothesis, key: str) -> Unit:
     """The unit of a number of a cause, as the model file writes it."""
     if cause.place is not None:
-        return key_unit(model, cause.kind, key, cause.place, dict(cause.shape).get("exponent", 1.0))
+        return cause.unit(model, key, dict(cause.shape).get("exponent", 1.0))
     declared = {item.path: item for item in model.all_parameters()}
     return declared[cause.path].unit if cause.path in declared else ONE
 

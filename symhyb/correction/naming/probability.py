@@ -27,8 +27,7 @@ def probabilities(decision: Decision) -> tuple[float, ...]:
         if trial is selected or (not trial.causes and not trial.fit.reason) or believable(trial)
     ]
     behind = np.array([decision.against(trial) for trial in trials])
-    behind = np.where(np.isfinite(behind), behind, np.inf)
-    weights = np.exp(-(behind - behind.min()) / 2)
+    weights = np.where(np.isfinite(behind), np.exp(-(behind - np.nanmin(behind)) / 2), 0.0)
     weights /= weights.sum()
     return tuple(
         float(weights[[_holds(trial, cause, selected) for trial in trials]].sum())

@@ -83,8 +83,7 @@ def concluded(
         verdict, found, parameters, faults, alternatives, beyond=not judged.adequate
     )
     classes = _classes(model, judged)
-    rest = " ".join([*(one.sentence for one in classes), beyond_sentence(model, judged.beyond)])
-    rest = rest.strip()
+    rest = _rest(model, judged, classes, bool(found or parameters or faults))
     poor = too_poor(prepared.runs, [sensor.name for sensor in model.sensors])
     if verdict == "nothing missing" and poor:
         verdict = "undecided"
@@ -197,7 +196,7 @@ def _verdict(
 
 def _classes(model: Model, judged: Adequacy) -> tuple[ClassFound, ...]:
     """The generic classes that act; an unmeasured force where something acts and none of them."""
-    found = tuple(class_found(generic, p) for generic, p in judged.classes)
+    found = tuple(map(class_found, judged.classes))
     if found or not judged.beyond.acts:
         return found
     i = int(np.argmax(judged.beyond.share))
@@ -208,10 +207,18 @@ def _classes(model: Model, judged: Adequacy) -> tuple[ClassFound, ...]:
     return (ClassFound("unmeasured force", judged.beyond.probability, said, place=place),)
 
 
-def beyond_sentence(model: Model, beyond: Beyond) -> str:
-    """What acts beyond the named causes, in words; empty if nothing does."""
-    if not beyond.acts:
-        return ""
+def _rest(model: Model, judged: Adequacy, classes: tuple[ClassFound, ...], named: bool) -> str:
+    """What acts that was not named, in words; empty if nothing does. How large an unmeasured force
+    is stands in the last sentence."""
+    said = [one.sentence for one in classes if one.kind != "unmeasured force"]
+    if judged.beyond.acts:
+        how = "Beyond what is named acts a force" if named else "A force acts"
+        said.append(f"{how} that no cause explains: {_amounts(model, judged.beyond)}.")
+    return " ".join(said)
+
+
+def _amounts(model: Model, beyond: Beyond) -> str:
+    """The unknown force at every coordinate where it acts."""
     parts = []
     for i, coordinate in enumerate(model.coordinates):
         if beyond.share[i] > NEGLIGIBLE:
@@ -219,7 +226,7 @@ def beyond_sentence(model: Model, beyond: Beyond) -> str:
             amount = quantity_text(float(beyond.force[i]) / unit.factor, unit.text, digits=2)
             share = percent_text(float(beyond.share[i]))
             parts.append(f"{amount} RMS on {coordinate.name} ({share} of what moves it)")
-    return f"Beyond what is named acts a force that no cause explains: {joined(parts)}."
+    return joined(parts)
 
 
 def _clouds(prepared: Prepared, final: Refined, run: Run) -> list[Cloud]:

@@ -9,9 +9,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from symhyb.correction.adequacy.judge import LEFT_MOST
 from symhyb.correction.advice.advice import other_speeds
 from symhyb.correction.search.score import part_left
 from symhyb.correction.search.trajectory import Refined
+from symhyb.correction.verdict.proof import Proof
 from symhyb.discrepancy.checks.suspicion import gain_of
 from symhyb.discrepancy.places.meeting import meeting
 from symhyb.discrepancy.recorded.passages import one_way, passed_at_one_speed
@@ -31,8 +33,8 @@ from symhyb.numeric.lowered.machine import Machine
 from symhyb.numeric.runs.windows import WindowModel
 
 RUNAWAY = 100.0  # times the range that was measured: further away a simulation has run away
+WORSE = 1.05  # times the window error without: a correction that predicts worse is none
 UNEXPLAINED = 2.0  # χ² per sample that found physics may leave while a channel is suspected
-LEFT_MOST = 0.1  # of the squared mismatch, on held windows: what leaves more is not named
 REPAIRED_LEFT = (
     " Put right, recordings and model still differ by more than the noise, and no cause that "
     "symhyb knows accounts for the rest."
@@ -136,6 +138,22 @@ def if_explained(diagnosis: Diagnosis, selected: Refined, nothing: Refined) -> D
         "Model and recordings differ by more than the noise, and no cause that symhyb knows "
         f"accounts for it: the best leaves {percent_text(left)} of the squared mismatch, "
         f"{times}, and may stand in for something else",
+    )
+
+
+def if_confirmed(diagnosis: Diagnosis, shown: Proof, unseen: bool) -> Diagnosis:
+    """The diagnosis, undecided where windows that were not fitted are foretold worse with what is
+    claimed than without, or cannot be simulated with it at all."""
+    claims = diagnosis.found or diagnosis.parameters or diagnosis.measurement
+    if not claims or shown.after <= WORSE * shown.before or not np.isfinite(shown.before):
+        return diagnosis
+    where = "unseen recordings" if unseen else "windows held out of the fit"
+    before, after = percent_text(shown.before), percent_text(shown.after)
+    how = f"rises from {before} to {after}" if np.isfinite(shown.after) else "is not finite"
+    return withdrawn(
+        diagnosis,
+        f"The best correction is refused, for it foretells less than the model as given: on "
+        f"{where} the window NRMSE {how}",
     )
 
 

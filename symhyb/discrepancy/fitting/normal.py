@@ -13,11 +13,14 @@ ALIKE = 1e-10  # the same, below which columns are one and the same: their share
 
 
 def bounded_step(gram: Array, right: Array, damping: float, lower: Array, upper: Array) -> Array:
-    """Minimise ½ xᵀ G x − rᵀ x (F,) within bounds, columns scaled to unit length; SI."""
-    if right.size == 0:
-        return np.zeros(0)
+    """Minimise ½ xᵀ G x − rᵀ x (F,) within bounds, columns scaled to unit length; SI. There is no
+    step where a run away left numbers that are not finite."""
     scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
-    unit = gram / np.outer(scale, scale) + (damping + 1e-12) * np.eye(right.size)
+    with np.errstate(over="ignore"):
+        balance = np.outer(scale, scale)
+    if right.size == 0 or not all(np.isfinite(part).all() for part in (gram, balance, right)):
+        return np.zeros_like(right)
+    unit = gram / balance + (damping + 1e-12) * np.eye(right.size)
     triangle = np.linalg.cholesky(unit + 1e-12 * np.eye(right.size)).T
     target = np.linalg.solve(triangle.T, right / scale)
     x = np.linalg.solve(triangle, target)

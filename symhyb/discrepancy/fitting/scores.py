@@ -162,7 +162,8 @@ def _window_errors(model: WindowModel, run: Run, window_s: float) -> Array:
     cuts = cuts.suited(model.machine)
     fitted = fit(model, starts_only(cuts, run.sd), model.machine.values)
     _, y = model.simulate(cuts.block, fitted.starts[0], model.machine.values)
-    return np.asarray(((cuts.block.y - y) ** 2).reshape(-1, y.shape[2]))
+    with np.errstate(over="ignore", invalid="ignore"):  # a window that runs away is infinitely far
+        return np.asarray(((cuts.block.y - y) ** 2).reshape(-1, y.shape[2]))
 
 
 def forces_of(machine: Machine, run: Run, band_hz: float | None) -> tuple[Array, Array]:

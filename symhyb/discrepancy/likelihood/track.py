@@ -55,10 +55,18 @@ class Track:
 @dataclass(frozen=True, slots=True, eq=False)
 class Extra:
     """Columns that no parameter of the model makes: generalized ``force`` (N, n, K) and parts of
-    what the sensors show, ``output`` (N, m, K), for a coefficient of 1, SI."""
+    what the sensors show, ``output`` (N, m, K), for a coefficient of 1, SI. Forces run straight
+    from sample to sample; where they jump, ``before`` (N, n, K) has them just before each."""
 
     force: Array
     output: Array
+    before: Array | None = None
+
+    def driving(self, linear: Linear) -> tuple[Array, Array]:
+        """What the columns do to the next state (N - 1, X, K) and to the sensors (N, m, K)."""
+        before = self.force if self.before is None else self.before
+        pushed = linear.left[0] @ self.force[:-1] + linear.right[0] @ before[1:]
+        return pushed, linear.by_force[0] @ self.force + self.output
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -105,8 +113,7 @@ def track(
 
 
 def _with_extra(linear: Linear, extra: Extra, sizes: Array) -> Linear:
-    pushed = linear.left[0] @ extra.force[:-1] + linear.right[0] @ extra.force[1:]
-    shown = linear.by_force[0] @ extra.force + extra.output
+    pushed, shown = extra.driving(linear)
     begin = linear.begin_free
     if begin is not None:
         begin = np.concatenate([begin, np.zeros((*begin.shape[:2], sizes.size))], axis=2)

@@ -18,7 +18,7 @@ import numpy as np
 
 from symhyb.discrepancy.places.placements import places_of as places_of
 from symhyb.discrepancy.recorded.course import Course
-from symhyb.discrepancy.words.formula import LAW, law_element
+from symhyb.discrepancy.words.formula import LAW, law_element, law_unit
 from symhyb.laws.base import Key, Terms
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import (
@@ -37,7 +37,7 @@ from symhyb.numeric.kernels.buffers import Array, call
 from symhyb.numeric.kernels.vector import along
 from symhyb.numeric.lowered.machine import Machine, build
 from symhyb.numeric.lowered.manifold import free_part
-from symhyb.units import ONE, parse_unit
+from symhyb.units import ONE, Unit, parse_unit
 
 GAIN_REACH = 0.5  # a gain further from 1 is a wrong unit or sign, not a gain
 ASSUMED = "assumed"  # a gain, offset or delay that the file does not state
@@ -155,6 +155,14 @@ class Hypothesis:
             return plain, upper
         return (key.lower if isfinite(key.lower) else tried / key.reach), upper
 
+    def unit(self, model: Model, key: str, exponent: float = 1.0) -> Unit:
+        """The unit of a key of a force hypothesis, as the model file writes it; ``exponent`` as of
+        :func:`~symhyb.model.vocabulary.key_unit`."""
+        assert self.place is not None
+        if self.kind == LAW and isinstance(self.place, On):
+            return law_unit(model, self.place, self.path, key)
+        return key_unit(model, self.kind, key, self.place, exponent)
+
     def element(self, model: Model, name: str, values: Mapping[str, float]) -> Element:
         """The element of a force hypothesis with these values of its keys, else its shape, SI."""
         assert self.place is not None
@@ -163,7 +171,7 @@ class Hypothesis:
         own = []
         exponent = dict(self.shape).get("exponent", 1.0)
         for key, value in {**dict(self.shape), **values}.items():
-            unit = key_unit(model, self.kind, key, self.place, exponent)
+            unit = self.unit(model, key, exponent)
             own.append(Parameter(key, value / unit.factor, unit, owner=name))
         entries = tuple((item.name, parse_expression(item.name)) for item in own)
         return Element(name, self.kind, self.place, entries, tuple(own), options=self.options)

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from symhyb.correction.adequacy.beyond import CERTAIN, NEGLIGIBLE, Beyond, beyond
-from symhyb.correction.adequacy.generic import force_law
+from symhyb.correction.adequacy.classes.law import law
+from symhyb.correction.adequacy.classes.worth import around
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Fitted, fitted
 from symhyb.discrepancy.likelihood.fit import FAILED
@@ -62,8 +63,8 @@ def test_what_a_class_takes_counts_as_not_explained() -> None:
     recording = pushed(9, samples=SAMPLES, damping=2.6)
     setting = setting_of(pushed_model(), recording)
     base = unexplained(setting)
-    law = force_law(setting, base, 0)
-    found = fitted(setting, (), (), setting.revived(base.fit.noise), base.fit.states, extra=law)
+    curve = law(around(setting, base), 0)
+    found = fitted(setting, (), (), setting.revived(base.fit.noise), base.fit.states, extra=curve)
     (item,) = setting.items
     speed = item.course(setting.windows.machine).v[:, 0]
     expected = 2.0 * float(np.sqrt(np.mean(speed**2)))

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
+from symhyb.correction.adequacy.classes.catalogue import classes_of
 from symhyb.correction.adequacy.evidence import (
     candidates,
     classes,
@@ -13,7 +14,6 @@ from symhyb.correction.adequacy.evidence import (
     priors,
     strength_scales,
 )
-from symhyb.correction.adequacy.generic import classes_of
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Fitted, Generic, fitted, tracks_of
 from symhyb.discrepancy.likelihood.fit import FAILED
@@ -68,7 +68,7 @@ def prices(setting: Recorded, trial: Fitted) -> float:
     """What the score takes off for sizes of noise and for causes."""
     fit = trial.fit
     odds = len(trial.causes) * np.log(candidates(setting))
-    odds += 0 if trial.extra is None else np.log(classes(setting))
+    odds += 0 if trial.extra is None else np.log(classes(setting) * trial.extra.tried)
     return float(0.5 * fit.noise.numbers * np.log(fit.count) + odds)
 
 

@@ -1,0 +1,45 @@
+"""A number of the model that changes with time."""
+
+import numpy as np
+
+from symhyb.correction.adequacy.classes.columns import CHANGE, KNOTS_TIME, hats, pushing, waves
+from symhyb.correction.adequacy.classes.worth import Around, worths_of
+from symhyb.correction.adequacy.structure import Generic
+from symhyb.discrepancy.recorded.course import course_of
+from symhyb.discrepancy.recorded.residual import discrepancy
+
+PULSES = 200  # frequencies that are tried at most
+
+
+def changing(start: Around, path: str) -> Generic:
+    """A number that changes slowly, or at one frequency."""
+    recorded = start.recorded
+    machine = recorded.windows.machine
+    column = machine.column(path)
+    value = machine.values[column]
+    change = CHANGE * (abs(value) or 1.0)
+    slopes = []
+    for item in recorded.items:
+        recording, motion = item.source
+        moved = machine.values.copy()
+        moved[column] += change
+        course = course_of(recording, machine, motion)
+        force = discrepancy(machine, course, moved) - discrepancy(machine, course, machine.values)
+        slopes.append(-force[item.rows[0]] / change * abs(value))
+    lasts = max(float(np.ptp(item.block.t[0])) for item in recorded.items)
+    most = 2 / recorded.period_s
+    lines = np.linspace(0.5 / lasts, most, min(int(2 * lasts * most) + 1, PULSES))
+    pairs = [
+        slope[:, :, None] * waves(item.block.t[0], lines)[:, None]
+        for slope, item in zip(slopes, recorded.items, strict=True)
+    ]
+    columns = pushing(recorded, "time-varying", path, pairs)
+    gains = worths_of(start, columns, [range(2 * i, 2 * i + 2) for i in range(lines.size)])
+    line = lines[int(np.argmax(gains))]
+    forces = []
+    for slope, item in zip(slopes, recorded.items, strict=True):
+        t = item.block.t[0]
+        slow = hats(t, np.linspace(t[0], t[-1], KNOTS_TIME))
+        both = np.concatenate([slow, waves(t, line + np.array([-0.5, 0.0, 0.5]) / lasts)], axis=1)
+        forces.append(slope[:, :, None] * both[:, None])
+    return pushing(recorded, "time-varying", path, forces, float(line))

@@ -1,0 +1,75 @@
+"""A mass on a spring and a damper at a place, in the coordinates of no one."""
+
+import numpy as np
+from scipy.signal import cont2discrete, lfilter, ss2tf
+
+from symhyb.correction.adequacy.classes.columns import moved, pushing
+from symhyb.correction.adequacy.classes.worth import Around, worths_of
+from symhyb.correction.adequacy.recorded import Recorded
+from symhyb.correction.adequacy.structure import Generic
+from symhyb.numeric.kernels.buffers import Array
+
+MODES = 40  # frequencies that are tried
+IN_BAND = 0.999  # of the power of an acceleration
+DAMPINGS = (0.02, 0.2)
+
+
+def hidden_mode(start: Around, which: int) -> Generic:
+    """What the likeliest mode presses and drags with: the best of many frequencies, with its
+    neighbours."""
+    recorded = start.recorded
+    lines = np.geomspace(*_band(recorded, which), MODES)
+    best: tuple[float, float, float] | None = None
+    pairs = [range(2 * i, 2 * i + 2) for i in range(MODES)]
+    for damping in DAMPINGS:
+        tried = pushing(recorded, "hidden mode", "", _mode_forces(recorded, which, lines, damping))
+        gains = worths_of(start, tried, pairs)
+        i = int(np.argmax(gains))
+        if best is None or gains[i] > best[0]:
+            best = float(gains[i]), float(lines[i]), damping
+    assert best is not None
+    _, line, damping = best
+    near = line * np.array([0.94, 1.0, 1.06])
+    forces = _mode_forces(recorded, which, near, damping)
+    return pushing(recorded, "hidden mode", recorded.library.places[which], forces, line)
+
+
+def _band(recorded: Recorded, which: int) -> tuple[float, float]:
+    """The frequencies, Hz, between which a mode could show at a place: up to an octave above where
+    almost all power of its acceleration lies. A mode above only adds stiffness and mass."""
+    low, high = 0.3 / recorded.period_s, 0.4 / recorded.step_s
+    ends = []
+    for item in recorded.items:
+        t = item.block.t[0]
+        stretch = moved(recorded, item)[0][:, which]
+        push = np.gradient(np.gradient(stretch, t), t) * np.hanning(t.size)
+        power = np.cumsum(np.abs(np.fft.rfft(push)) ** 2)
+        line = np.searchsorted(power, IN_BAND * power[-1])
+        ends.append(2 * float(line / (t.size * recorded.step_s)))
+    return low, min(max([*ends, 2 * low]), high)
+
+
+def _mode_forces(recorded: Recorded, which: int, lines: Array, damping: float) -> list[Array]:
+    """Two columns for each frequency (Hz): what a mode presses and drags with, driven by the
+    acceleration of the place."""
+    found = []
+    for item in recorded.items:
+        s, _, directions = moved(recorded, item)
+        t = item.block.t[0]
+        drive = np.gradient(np.gradient(s[:, which], t), t)
+        columns = []
+        for line in lines:
+            w = 2 * np.pi * line
+            A = np.array([[0.0, 1.0], [-(w**2), -2 * damping * w]])
+            state = _driven(A, np.array([[0.0], [1.0]]), drive, recorded.step_s)
+            columns += [w**2 * state[:, 0], w * state[:, 1]]
+        both = np.stack(columns, axis=1)
+        found.append(directions[:, :, which, None] * both[:, None])
+    return found
+
+
+def _driven(A: Array, B: Array, drive: Array, step: float) -> Array:
+    """States (N, 2) of x' = A x + B u from rest, the drive (N,) straight between samples."""
+    discrete = cont2discrete((A, B, np.eye(2), np.zeros((2, 1))), step, "foh")[:4]
+    rows, denominator = ss2tf(*discrete)
+    return np.stack([lfilter(row, denominator, drive) for row in rows], axis=1)

@@ -1,0 +1,25 @@
+"""An input that acts by a smooth function of itself."""
+
+from symhyb.correction.adequacy.classes.columns import push_of, pushing, smooth_options
+from symhyb.correction.adequacy.classes.worth import Around, best_of
+from symhyb.correction.adequacy.structure import Generic
+
+
+def input_curve(start: Around, which: int) -> Generic:
+    """What an input pushes with besides what was recorded of it: dead bands, saturation."""
+    recorded = start.recorded
+    parts = [push_of(recorded, item, which) for item in recorded.items]
+    name = recorded.windows.machine.model.inputs[which].name
+    return best_of(
+        start,
+        [
+            pushing(
+                recorded,
+                "input",
+                name,
+                [push[:, :, None] * c[:, None] for (_, push), c in zip(parts, option, strict=True)],
+                joint=True,
+            )
+            for option in smooth_options([u for u, _ in parts])
+        ],
+    )

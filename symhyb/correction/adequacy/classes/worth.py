@@ -1,0 +1,131 @@
+"""What the columns of a class are worth around a structure, in the linear problem.
+
+Sizes: N samples, m sensors, F numbers of the structure, K columns.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from symhyb.correction.adequacy.recorded import Recorded
+from symhyb.correction.adequacy.structure import Fitted, Generic, tracks_of
+from symhyb.discrepancy.likelihood.noise import NoiseModel
+from symhyb.discrepancy.likelihood.track import Extra, Track, white_columns, white_problem
+from symhyb.numeric.kernels.buffers import Array
+
+SHARES = (1.0, 0.1, 0.01)  # of unknown force and colour that may be left beside a class
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Level:
+    """The linear problem with one noise model, dimensionless: the white residual (N·m,) of every
+    stretch and an orthonormal basis (N·m, F) of what the structure's own numbers would take, and ln
+    L (but for a constant) without that."""
+
+    noise: NoiseModel
+    parts: tuple[tuple[Array, Array], ...]
+    likely: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Around:
+    """A fitted structure, linearised, with all of the unknown force and with less of it: while it
+    acts in full it explains what the columns of a class would."""
+
+    recorded: Recorded
+    trial: Fitted
+    tracks: tuple[Track, ...]
+    levels: tuple[Level, ...]
+
+    def computed(self, which: int) -> Array:
+        """What the sensors should show (N, m), SI, along the trajectory of a stretch."""
+        return np.asarray(self.tracks[which].linear.output[0])
+
+
+def around(recorded: Recorded, trial: Fitted) -> Around:
+    """Linearise a fitted structure."""
+    tracks, full = tuple(tracks_of(recorded, trial)), trial.fit.noise
+    shares = SHARES if full.coloured or np.any(full.force > 0) else SHARES[:1]
+    levels = [
+        _level(tracks, replace(full, force=share * full.force, colour=share * full.colour))
+        for share in shares
+    ]
+    return Around(recorded, trial, tracks, tuple(levels))
+
+
+def _level(tracks: Sequence[Track], noise: NoiseModel) -> Level:
+    parts, likely = [], 0.0
+    for one in tracks:
+        residual, own, logs = white_problem(one, noise)
+        basis = np.linalg.qr(own)[0] if own.size else np.zeros((residual.size, 0))
+        residual = residual - basis @ (basis.T @ residual)
+        likely -= 0.5 * float(logs + residual @ residual)
+        parts.append((residual, basis))
+    return Level(noise, tuple(parts), likely)
+
+
+def worth_of(start: Around, columns: Generic) -> float:
+    """What a class would add to ln evidence around a structure: the best over some sizes of the
+    unknown force that is left beside it."""
+    return float(worths_of(start, columns, [range(columns.spread.size)])[0])
+
+
+def worths_of(start: Around, columns: Generic, groups: Sequence[range]) -> Array:
+    """What each group of columns would add to ln evidence by itself (G,), dimensionless."""
+    found = []
+    for level in start.levels:
+        gram = _gram(start.tracks, level, columns)
+        more = level.likely - start.levels[0].likely
+        found.append([_gain(gram, list(rows), columns.mean) + more for rows in groups])
+    return np.asarray(np.max(np.array(found), axis=0))
+
+
+def _gram(tracks: Sequence[Track], level: Level, columns: Generic) -> Array:
+    """Products (K + 1, K + 1) of the white columns, each for one prior deviation, and of the
+    residual, which comes last."""
+    gram = np.zeros((columns.spread.size + 1, columns.spread.size + 1))
+    for one, extra, (residual, own) in zip(tracks, columns.each, level.parts, strict=True):
+        pushed, shown = extra.driving(one.linear)
+        begin = np.zeros((one.x.shape[1], columns.spread.size))
+        white = white_columns(one, level.noise, pushed, -shown, begin) * columns.spread
+        joined = np.column_stack([white - own @ (own.T @ white), residual])
+        gram += joined.T @ joined
+    return gram
+
+
+def _gain(gram: Array, rows: list[int], mean: Array) -> float:
+    """ln of the evidence that columns add; their coefficients have a mean, in prior deviations."""
+    begin = mean[rows]
+    block, toward = gram[np.ix_(rows, rows)], gram[rows, -1]
+    right = toward + block @ begin
+    moved = float(begin @ toward + 0.5 * begin @ block @ begin)
+    seen = block + np.eye(len(rows))
+    solved = float(0.5 * right @ np.linalg.solve(seen, right))
+    return solved - moved - 0.5 * float(np.linalg.slogdet(seen)[1])
+
+
+def best_of(start: Around, options: Sequence[Generic]) -> Generic:
+    """The class with the columns that are worth most out of several, which it pays for."""
+    joined = _joined(options)
+    ends = np.cumsum([0, *(one.spread.size for one in options)])
+    groups = [range(a, b) for a, b in pairwise(ends)]
+    return replace(options[int(np.argmax(worths_of(start, joined, groups)))], tried=len(options))
+
+
+def _joined(options: Sequence[Generic]) -> Generic:
+    """The columns of several classes."""
+    each = tuple(
+        Extra(
+            np.concatenate([part.force for part in parts], axis=2),
+            np.concatenate([part.output for part in parts], axis=2),
+            np.concatenate(
+                [part.force if part.before is None else part.before for part in parts], axis=2
+            ),
+        )
+        for parts in zip(*(one.each for one in options), strict=True)
+    )
+    spread = np.concatenate([one.spread for one in options])
+    mean = np.concatenate([one.mean for one in options])
+    return replace(options[0], each=each, spread=spread, mean=mean)

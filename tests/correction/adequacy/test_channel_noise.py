@@ -1,0 +1,81 @@
+"""What noise tells of the channels: sensors that drift or freeze, inputs that were recorded with
+noise, and noise that is nothing but noise."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from symhyb.correction.adequacy.beyond import beyond
+from symhyb.correction.adequacy.channel_noise import faulty_sensors, noisy_input
+from symhyb.correction.adequacy.recorded import Recorded
+from symhyb.correction.adequacy.structure import Fitted, fitted
+from symhyb.data.recording import Recording
+from symhyb.discrepancy.likelihood.fit import FAILED
+from tests.pushed import NOISE, STEP, markov, pushed, pushed_model, setting_of
+
+SAMPLES = 1500
+
+
+def coloured(recording: Recording) -> tuple[Recorded, Fitted]:
+    """The model as it is with sensors alone, white and coloured."""
+    setting = setting_of(pushed_model(), recording)
+    return setting, fitted(setting, (), (), setting.first_noise().without_force())
+
+
+def frozen(recording: Recording, samples: int, every: int) -> Recording:
+    """The sensor repeats a value for some samples, again and again, beside noise of its own."""
+    seen = recording.sensors["laser"].copy()
+    for first in range(every, SAMPLES - samples, every):
+        seen[first : first + samples] = seen[first]
+    noise = NOISE * np.random.default_rng(5).standard_normal(SAMPLES)
+    return replace(recording, sensors={"laser": seen + noise})
+
+
+def test_a_colour_that_is_slower_than_the_motion_is_a_drift() -> None:
+    setting, trial = coloured(pushed(1, samples=SAMPLES, colour=(20 * NOISE, 10.0)))
+    ((found, chance, _),) = faulty_sensors(setting, trial)
+    assert (found.kind, found.where, found.does) == ("sensor", "laser", "drifts")
+    assert chance > 0.99
+
+
+def test_a_colour_of_bursts_is_a_sensor_that_freezes() -> None:
+    setting, trial = coloured(frozen(pushed(2, samples=SAMPLES, noise=NOISE / 10), 5, 75))
+    ((found, chance, _),) = faulty_sensors(setting, trial)
+    assert (found.kind, found.does) == ("sensor", "jumps")
+    assert chance > 0.99
+
+
+@pytest.mark.parametrize("memory_s", [0.04, 0.15])
+def test_a_colour_that_is_fast_and_normal_is_noise(memory_s: float) -> None:
+    setting, trial = coloured(pushed(3, samples=SAMPLES, colour=(5 * NOISE, memory_s)))
+    assert trial.fit.noise.coloured
+    assert faulty_sensors(setting, trial) == ()
+
+
+def test_a_fit_without_colour_or_that_failed_accuses_no_sensor() -> None:
+    setting, trial = coloured(pushed(4, samples=SAMPLES))
+    assert faulty_sensors(setting, trial) == ()
+    setting, trial = coloured(pushed(1, samples=SAMPLES, colour=(20 * NOISE, 10.0)))
+    assert faulty_sensors(setting, replace(trial, fit=replace(trial.fit, reason=FAILED))) == ()
+
+
+def test_a_force_without_memory_is_noise_of_the_input() -> None:
+    """The push is recorded with noise of a fifth of its size, sample by sample."""
+    made = pushed(6, samples=SAMPLES, noise=NOISE / 10)
+    noise = 0.8 * np.random.default_rng(7).standard_normal(SAMPLES)
+    setting = setting_of(pushed_model(), replace(made, inputs={"f": made.inputs["f"] + noise}))
+    left = beyond(setting, fitted(setting, (), (), setting.first_noise()))
+    assert left.acts
+    ((found, chance, _),) = noisy_input(setting, left)
+    assert (found.kind, found.where, found.does) == ("input", "f", "noisy")
+    assert chance > 0.99
+    assert noisy_input(setting, replace(left, memory_s=4 * STEP)) == ()
+
+
+def test_a_force_with_memory_is_no_noise_of_the_input() -> None:
+    planted = markov(np.random.default_rng(8), SAMPLES, 1.0, 0.2)
+    setting = setting_of(pushed_model(), pushed(8, samples=SAMPLES, beside=planted))
+    left = beyond(setting, fitted(setting, (), (), setting.first_noise()))
+    assert left.acts
+    assert noisy_input(setting, left) == ()

@@ -1,0 +1,318 @@
+"""Generic classes of effects: each planted effect is of its class, and a law by name beats them."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+from scipy.interpolate import CubicSpline
+from scipy.signal import cont2discrete
+
+from symhyb.correction.adequacy.classes.catalogue import classes_of
+from symhyb.correction.adequacy.classes.columns import smooth
+from symhyb.correction.adequacy.classes.coupling import spared_by
+from symhyb.correction.adequacy.classes.law import law
+from symhyb.correction.adequacy.classes.worth import around, best_of, worth_of, worths_of
+from symhyb.correction.adequacy.evidence import evidence
+from symhyb.correction.adequacy.recorded import Recorded
+from symhyb.correction.adequacy.structure import Fitted, Generic, fitted
+from symhyb.data.recording import Recording
+from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.model.types import On
+from tests.pushed import DAMPING, NOISE, STEP, STIFFNESS, pushed, pushed_model, pushing, setting_of
+
+Array = NDArray[np.float64]
+SAMPLES = 1000
+
+
+def seen(x: Array, force: Array, seed: int) -> Recording:
+    noise = NOISE * np.random.default_rng(900 + seed).standard_normal(x.size)
+    t = STEP * np.arange(x.size)
+    return Recording("made.csv", t, {"f": force}, {"laser": x + noise}, (), "")
+
+
+def moved(
+    seed: int,
+    acting: Callable[..., float],
+    inner: int = 0,
+    rate: Callable[..., list[float]] | None = None,
+) -> tuple[Array, Array]:
+    """Positions under the recorded push (second) and forces ``acting`` (t, x, v, f) in place of the
+    push; ``rate`` are the rates of ``inner`` further states, from (t, state, f)."""
+    t = STEP * np.arange(SAMPLES)
+    force = pushing(np.random.default_rng(seed), t)
+    push = CubicSpline(t, force)
+
+    def rates(time: float, state: Array) -> list[float]:
+        x, v = state[:2]
+        f = float(push(time))
+        total = acting(time, *state, f) - STIFFNESS * x - DAMPING * v
+        return [v, total, *(rate(time, state, f) if rate else [])]
+
+    start = np.zeros(2 + inner)
+    run = solve_ivp(rates, (0, t[-1]), start, t_eval=t, rtol=1e-8, atol=1e-10, max_step=STEP)
+    return run.y[0], force
+
+
+def saturating() -> Recording:
+    return seen(*moved(1, lambda t, x, v, f: 5.0 * np.tanh(f / 5.0)), 1)
+
+
+def lagging() -> Recording:
+    return seen(*moved(2, lambda t, x, v, a, f: a, 1, lambda t, s, f: [(f - s[2]) / 0.08]), 2)
+
+
+def with_hidden_mode() -> Recording:
+    """A mass of 0.15 kg hangs on a spring, 2.9 Hz by itself."""
+    w, mass = 2 * np.pi * 2.9, 0.15
+
+    def tension(y: float, u: float, x: float, v: float) -> float:
+        return mass * (w**2 * (y - x) + 0.1 * w * (u - v))
+
+    def rate(t: float, s: Array, f: float) -> list[float]:
+        return [s[3], -tension(s[2], s[3], s[0], s[1]) / mass]
+
+    return seen(*moved(3, lambda t, x, v, y, u, f: f + tension(y, u, x, v), 2, rate), 3)
+
+
+def pulsating() -> Recording:
+    """The stiffness swings by a tenth at 0.37 Hz."""
+    return seen(*moved(4, lambda t, x, v, f: f - 2.5 * np.sin(2 * np.pi * 0.37 * t) * x), 4)
+
+
+def drifting() -> Recording:
+    x, force = moved(5, lambda t, x, v, f: f)
+    t = STEP * np.arange(SAMPLES)
+    return seen(x + 0.08 * np.sin(2 * np.pi * t / 25), force, 5)
+
+
+def tried(setting: Recorded) -> tuple[Fitted, list[tuple[float, Generic]]]:
+    """The model as it is, and every class with its gain, the largest first."""
+    nothing = fitted(setting, (), (), setting.first_noise())
+    nothing = replace(nothing, evidence=evidence(setting, nothing))
+    start = around(setting, nothing)
+    made = [maker(start) for maker in classes_of(setting)]
+    gains = [worth_of(start, generic) - np.log(generic.tried) for generic in made]
+    order = sorted(range(len(made)), key=lambda i: -gains[i])
+    return nothing, [(gains[i], made[i]) for i in order]
+
+
+def with_class(setting: Recorded, base: Fitted, generic: Generic) -> Fitted:
+    noise = setting.revived(base.fit.noise)
+    found = fitted(setting, (), (), noise, base.fit.states, extra=generic)
+    return replace(found, evidence=evidence(setting, found))
+
+
+@pytest.mark.parametrize(
+    ("made", "kind", "where", "figure"),
+    [
+        (saturating, "input", "f", None),
+        (lagging, "lag", "f", (0.05, 0.13)),  # of 0.08 s, one of five times that are tried
+        (with_hidden_mode, "hidden mode", On("x"), (2.5, 3.3)),
+        (pulsating, "time-varying", "k", (0.34, 0.40)),
+        (drifting, "sensor", "laser", None),
+    ],
+)
+def test_a_planted_effect_is_of_its_class(
+    made: Callable[[], Recording],
+    kind: str,
+    where: object,
+    figure: tuple[float, float] | None,
+) -> None:
+    """Of the three classes that the linear problem puts first it has the best evidence by far, and
+    leaves less than a fifth of the unknown force; a sensor leaves none that is worth a word."""
+    setting = setting_of(pushed_model(), made())
+    nothing, offered = tried(setting)
+    assert nothing.fit.noise.force[0] > 0.5
+    found = [with_class(setting, nothing, generic) for _, generic in offered[:3]]
+    found.sort(key=lambda one: -one.evidence)
+    best, second = found[:2]
+    assert best.extra is not None
+    assert (best.extra.kind, best.extra.where) == (kind, where)
+    assert best.evidence - max(second.evidence, nothing.evidence) > 20
+    if figure is not None:
+        assert figure[0] < best.extra.figure < figure[1]
+    if kind != "sensor":
+        assert best.fit.noise.force[0] < 0.2 * nothing.fit.noise.force[0]
+
+
+@pytest.mark.parametrize("seed", [6, 7])
+def test_no_class_is_worth_its_price_where_nothing_is_missing(seed: int) -> None:
+    setting = setting_of(pushed_model(), pushed(seed, samples=SAMPLES))
+    nothing, offered = tried(setting)
+    assert offered[0][0] < 0
+    assert with_class(setting, nothing, offered[0][1]).evidence < nothing.evidence
+
+
+def test_a_law_by_name_beats_the_class_of_laws() -> None:
+    """A hardening spring, at largest as strong as the linear one."""
+    setting = setting_of(pushed_model(), seen(*moved(8, lambda t, x, v, f: f - 30.0 * x**3, 0), 8))
+    nothing, offered = tried(setting)
+    law = next(generic for _, generic in offered if generic.kind == "law")
+    generic = with_class(setting, nothing, law)
+    cause = Hypothesis("spring", On("x"), ("cubic",), (False,))
+    named = fitted(setting, (cause,), ({"cubic": 10.0},), setting.first_noise())
+    named = replace(named, evidence=evidence(setting, named))
+    assert generic.evidence > nothing.evidence + 20
+    assert named.evidence > generic.evidence + 20
+    spread = float(np.sqrt(named.fit.covariance[0, 0]))
+    assert abs(named.fit.values[0] - 30.0) < 3 * spread
+
+
+def held(samples: int) -> Recording:
+    """The machine sees each value of the recorded push for as many samples."""
+    t = STEP * np.arange(SAMPLES)
+    force = pushing(np.random.default_rng(21), t)
+    steps = force[np.arange(SAMPLES) // samples * samples]
+    fine = np.repeat(steps, 10)[: 10 * (SAMPLES - 1) + 1]
+    times = STEP / 10 * np.arange(fine.size)
+    A, B = np.array([[0.0, 1.0], [-STIFFNESS, -DAMPING]]), np.array([[0.0], [1.0]])
+    Ad, Bd, *_ = cont2discrete((A, B, np.eye(2), np.zeros((2, 1))), times[1], "zoh")
+    states = [np.zeros(2)]
+    for value in fine[:-1]:
+        states.append(Ad @ states[-1] + Bd[:, 0] * value)
+    return seen(np.array(states)[::10, 0], force, 21)
+
+
+@pytest.mark.parametrize("samples", [2, 4])
+def test_a_staircase_is_told_with_the_time_of_its_steps(samples: int) -> None:
+    setting = setting_of(pushed_model(), held(samples))
+    nothing, offered = tried(setting)
+    best = with_class(setting, nothing, offered[0][1])
+    assert best.extra is not None
+    assert (best.extra.kind, best.extra.does) == ("input", "holds")
+    assert best.extra.figure == pytest.approx(samples * STEP)
+    assert best.fit.values[-1] == pytest.approx(1.0, abs=0.02)  # a staircase has no size of its own
+    assert best.fit.noise.force[0] < 0.05 * nothing.fit.noise.force[0]
+
+
+PLATE = """
+symhyb = 1
+title = "A plate on two springs"
+[coordinates]
+a = { unit = "m", start = 0.0 }
+b = { unit = "m", start = 0.0 }
+[parameters]
+m = { value = 1.0, unit = "kg" }
+k = { value = 25.0, unit = "N/m" }
+l = { value = 40.0, unit = "N/m" }
+d = { value = 0.6, unit = "N*s/m" }
+[inputs]
+f = { unit = "N" }
+g = { unit = "N" }
+[bodies.plate]
+mass = "m"
+at = ["a", "b"]
+[elements.first]
+kind = "spring"
+on = "a"
+stiffness = "k"
+[elements.second]
+kind = "spring"
+on = "b"
+stiffness = "l"
+[elements.slow]
+kind = "damper"
+on = "a"
+damping = "d"
+[elements.slower]
+kind = "damper"
+on = "b"
+damping = "d"
+[elements.push]
+kind = "force"
+on = "a"
+force = "f"
+[elements.pull]
+kind = "force"
+on = "b"
+force = "g"
+[sensors]
+left = { measures = "a", unit = "m" }
+right = { measures = "b", unit = "m" }
+"""
+
+
+def plate(gyroscopic: float, leak: float) -> Recording:
+    """A plate whose directions act on each other by their speeds, or whose first push acts along
+    the second too."""
+    t, random = STEP * np.arange(SAMPLES), np.random.default_rng(31)
+    pushes = np.stack([pushing(random, t), pushing(random, t)])
+    push = CubicSpline(t, pushes, axis=1)
+
+    def rates(time: float, state: Array) -> list[float]:
+        a, b, u, v = state
+        f, g = push(time)
+        return [
+            u,
+            v,
+            f - 25.0 * a - 0.6 * u - gyroscopic * v,
+            g + leak * f - 40.0 * b - 0.6 * v + gyroscopic * u,
+        ]
+
+    run = solve_ivp(rates, (0, t[-1]), np.zeros(4), t_eval=t, rtol=1e-8, atol=1e-10, max_step=STEP)
+    left, right = run.y[:2] + NOISE * random.standard_normal((2, t.size))
+    sensors = {"left": left, "right": right}
+    return Recording("made.csv", t, {"f": pushes[0], "g": pushes[1]}, sensors, (), "")
+
+
+@pytest.mark.parametrize(
+    ("gyroscopic", "leak", "where"), [(0.5, 0.0, On("a")), (0.0, 0.1, "f")], ids=["motion", "input"]
+)
+def test_a_coupling_is_told(gyroscopic: float, leak: float, where: object) -> None:
+    setting = setting_of(pushed_model(PLATE), plate(gyroscopic, leak))
+    assert [spared_by(setting, which) for which in (0, 1)] == [[1], [0]]
+    nothing, offered = tried(setting)
+    best = offered[0][1]
+    assert (best.kind, best.where) == ("coupling", where)
+    found = with_class(setting, nothing, best)
+    assert found.evidence - nothing.evidence > 100
+    if leak:
+        assert found.fit.values[-1] == pytest.approx(leak, abs=0.01)
+    else:
+        assert found.fit.values[[1, 3]] == pytest.approx([-gyroscopic, gyroscopic], abs=0.05)
+
+
+def test_a_smooth_function_is_a_gaussian_process() -> None:
+    """Its covariance is Matern 5/2, and beyond its ends it is constant."""
+    values = np.array([-4.0, -1.0, 0.0, 0.5, 3.0, 9.0])
+    columns = smooth(values, -1.0, 3.0, 0.4)
+    at = np.clip((2 * values - 2.0) / 4.0, -1, 1)
+    far = np.sqrt(5) * np.abs(at[:, None] - at) / 0.4
+    assert columns @ columns.T == pytest.approx((1 + far + far**2 / 3) * np.exp(-far), abs=2e-3)
+
+
+def test_what_a_group_is_worth_is_that_of_its_columns_alone() -> None:
+    setting = setting_of(pushed_model(), saturating())
+    nothing = fitted(setting, (), (), setting.first_noise())
+    start = around(setting, nothing)
+    made = law(start, 0)
+    for rows in (range(2), range(2, 5)):
+        each = tuple(
+            replace(o, force=o.force[:, :, rows], output=o.output[:, :, rows]) for o in made.each
+        )
+        alone = replace(made, each=each, spread=made.spread[rows], mean=made.mean[rows])
+        grouped = worths_of(start, made, [rows])
+        assert worth_of(start, alone) == pytest.approx(float(grouped[0]), rel=1e-6)
+
+
+def test_the_best_of_several_pays_for_all() -> None:
+    setting = setting_of(pushed_model(), saturating())
+    start = around(setting, fitted(setting, (), (), setting.first_noise()))
+    first = law(start, 0)
+    worse = replace(first, each=tuple(replace(o, force=0 * o.force) for o in first.each))
+    chosen = best_of(start, [worse, first, worse])
+    assert chosen.each is first.each
+    assert chosen.tried == 3
+
+
+def test_coefficients_that_are_known_cost_nothing() -> None:
+    """A column with a prior that is narrow about its true size is worth more than a free one."""
+    setting = setting_of(pushed_model(), held(2))
+    start = around(setting, fitted(setting, (), (), setting.first_noise()))
+    stairs = next(g for g in (maker(start) for maker in classes_of(setting)) if g.does == "holds")
+    free = replace(stairs, spread=np.array([1.0]), mean=np.zeros(1))
+    wrong = replace(stairs, mean=-stairs.mean)
+    assert worth_of(start, stairs) > worth_of(start, free) > 100 > worth_of(start, wrong)

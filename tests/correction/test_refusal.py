@@ -1,0 +1,35 @@
+"""What a diagnosis must not claim: corrections that foretell less than the model as given."""
+
+import pytest
+
+from symhyb.correction.verdict.proof import Proof
+from symhyb.correction.verdict.refusal import WORSE, if_confirmed
+from tests.fakes import NOTHING, friction
+
+
+def shown(before: float, after: float) -> Proof:
+    return Proof((), None, before, after)
+
+
+@pytest.mark.parametrize("after", [0.2, 1.0, WORSE])
+def test_a_correction_that_foretells_more_or_as_much_stands(after: float) -> None:
+    diagnosis = friction()
+    assert if_confirmed(diagnosis, shown(1.0, after), unseen=True) is diagnosis
+
+
+@pytest.mark.parametrize(
+    ("after", "said"), [(1.2, "rises from 50 % to 60 %"), (float("nan"), "is not finite")]
+)
+def test_a_correction_that_foretells_less_is_withdrawn(after: float, said: str) -> None:
+    told = if_confirmed(friction(), shown(0.5, after / 2), unseen=False)
+    assert told.verdict == "undecided"
+    assert not told.found
+    assert told.alternatives[0].kind == friction().found[0].element.kind
+    assert said in told.sentence
+    assert "held out of the fit" in told.sentence
+
+
+def test_nothing_is_refused_where_nothing_is_claimed_or_compared() -> None:
+    assert if_confirmed(NOTHING, shown(0.5, 5.0), unseen=True) is NOTHING
+    diagnosis = friction()
+    assert if_confirmed(diagnosis, shown(float("nan"), float("nan")), unseen=True) is diagnosis
