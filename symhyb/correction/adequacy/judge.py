@@ -200,21 +200,26 @@ def _doubted(
     classes: Sequence[Likely],
 ) -> frozenset[Hypothesis]:
     """The causes of the structure, the first of the trials, that are not needed beside the classes.
-    A law is not where the likeliest class explains all without it, or leaves less than with it, or
-    where structures without it that explain what acts (``enough``) are as probable. No number of
-    the model or of a channel is, for the columns of a class may hold a part of any."""
+    A law is not where the likeliest class explains all without the laws at its place, and almost as
+    well: the prior sizes of its columns are guesses, which may cost 1 each. Nor where structures
+    without it that explain what acts (``enough``) have a part of the probability. No number of the
+    model or of a channel is, for the columns of a class may hold a part of any."""
     doubt = []
     certain = any(one.probability > CLAIMED and one.whole for one in classes)
-    likely, first = classes[0].probability > HALF, classes[0].generic.key
-    decided = trials[0].causes
-    beside = [trial for trial in enough if trial.extra and trial.extra.key == first]
-    left = {trial.causes: _remainder(ground, trial) for trial in reversed(beside)}
+    likely, first = classes[0].probability > HALF, classes[0].generic
+    decided, best = trials[0].causes, max(trial.evidence for trial in trials)
+    alone = [
+        trial
+        for trial in enough
+        if trial.extra
+        and trial.extra.key == first.key
+        and _explains(ground, trial)
+        and all(cause.place not in (None, first.where) for cause in trial.causes)
+        and best - trial.evidence < trial.extra.spread.size
+    ]
     for cause in decided:
         number = cause.place is None and certain
-        without = left.get(tuple(one for one in decided if one != cause), np.inf)
-        spared = without < left.get(decided, 0.0) or any(
-            cause not in trial.causes and _explains(ground, trial) for trial in beside
-        )
+        spared = any(cause not in trial.causes for trial in alone)
         having = [trial for trial in trials if cause in trial.causes]
         lacking = [trial for trial in enough if cause not in trial.causes]
         chance = float(_weights([*having, *lacking])[: len(having)].sum())
