@@ -86,7 +86,7 @@ def adequacy(prepared: Prepared, setting: Setting, final: Refined) -> Adequacy:
     if not classes:
         faults = (*faulty_sensors(ground, base), *noisy_input(ground, left))
         return Adequacy(left, faults, small)
-    return Adequacy(left, classes, small | _doubted(ground, trials, enough, classes))
+    return Adequacy(left, classes, small | _doubted(trials, enough, classes))
 
 
 def _small(final: Refined, ground: Recorded, left: Beyond) -> frozenset[Hypothesis]:
@@ -194,15 +194,14 @@ def _classes(trials: Sequence[Fitted], enough: Collection[object]) -> tuple[Like
 
 
 def _doubted(
-    ground: Recorded,
     trials: Sequence[Fitted],
     enough: Sequence[Fitted],
     classes: Sequence[Likely],
 ) -> frozenset[Hypothesis]:
     """The causes of the structure, the first of the trials, that are not needed beside the classes.
-    A law is not where the likeliest class explains all without the laws at its place, and almost as
-    well: the prior sizes of its columns are guesses, which may cost 1 each. Nor where structures
-    without it that explain what acts (``enough``) have a part of the probability. No number of the
+    A law is not where the likeliest class explains what acts (is ``enough``) without the laws at
+    its place, almost as well: the prior sizes of its columns are guesses, which may cost 1 each.
+    Nor where structures without it that explain have a part of the probability. No number of the
     model or of a channel is, for the columns of a class may hold a part of any."""
     doubt = []
     certain = any(one.probability > CLAIMED and one.whole for one in classes)
@@ -213,7 +212,6 @@ def _doubted(
         for trial in enough
         if trial.extra
         and trial.extra.key == first.key
-        and _explains(ground, trial)
         and all(cause.place not in (None, first.where) for cause in trial.causes)
         and best - trial.evidence < trial.extra.spread.size
     ]
