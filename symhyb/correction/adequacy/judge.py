@@ -16,7 +16,7 @@ from symhyb.correction.adequacy.beyond import NEGLIGIBLE, NOTHING, Beyond, beyon
 from symhyb.correction.adequacy.channel_noise import faulty_sensors, noisy_input
 from symhyb.correction.adequacy.classes.catalogue import classes_of
 from symhyb.correction.adequacy.classes.worth import around, worth_of
-from symhyb.correction.adequacy.evidence import evidence
+from symhyb.correction.adequacy.evidence import NAMELESS, evidence
 from symhyb.correction.adequacy.recorded import Recorded, recorded
 from symhyb.correction.adequacy.structure import (
     Fitted,
@@ -120,7 +120,7 @@ def _raced(ground: Recorded, start: Fitted, rows: Sequence[Row], decided: Fitted
     here = around(ground, start)
     for maker in makers:
         generic = maker(here)
-        gain = worth_of(here, generic) - np.log(len(makers) * generic.tried)
+        gain = worth_of(here, generic) - np.log(NAMELESS * len(makers) * generic.tried)
         if start.evidence + gain > decided.evidence - CERTAIN:
             offered.append((gain, generic))
     offered.sort(key=lambda pair: -pair[0])

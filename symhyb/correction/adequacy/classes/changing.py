@@ -1,5 +1,7 @@
 """A number of the model that changes with time."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from symhyb.correction.adequacy.classes.columns import CHANGE, KNOTS_TIME, hats, pushing, waves
@@ -42,4 +44,5 @@ def changing(start: Around, path: str) -> Generic:
         slow = hats(t, np.linspace(t[0], t[-1], KNOTS_TIME))
         both = np.concatenate([slow, waves(t, line + np.array([-0.5, 0.0, 0.5]) / lasts)], axis=1)
         forces.append(slope[:, :, None] * both[:, None])
-    return pushing(recorded, "time-varying", path, forces, float(line))
+    found = pushing(recorded, "time-varying", path, forces, float(line))
+    return replace(found, tried=lines.size)

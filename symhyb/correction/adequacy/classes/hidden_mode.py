@@ -1,5 +1,7 @@
 """A mass on a spring and a damper at a place, in the coordinates of no one."""
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.signal import cont2discrete, lfilter, ss2tf
 
@@ -31,7 +33,8 @@ def hidden_mode(start: Around, which: int) -> Generic:
     _, line, damping = best
     near = line * np.array([0.94, 1.0, 1.06])
     forces = _mode_forces(recorded, which, near, damping)
-    return pushing(recorded, "hidden mode", recorded.library.places[which], forces, line)
+    found = pushing(recorded, "hidden mode", recorded.library.places[which], forces, line)
+    return replace(found, tried=MODES * len(DAMPINGS))
 
 
 def _band(recorded: Recorded, which: int) -> tuple[float, float]:
