@@ -2,9 +2,13 @@
 
 Every group of channels is sampled at its own times. It is a part of the file if there are several:
 named as in the file, else numbered from 1; its times are the column ``t``.
+
+A channel may be converted by a formula that stands in the file, which asammdf runs as Python. Such
+channels are left out, and while a file is read asammdf has nothing to run a formula with.
 """
 
 import gc
+import importlib
 import io
 import logging
 import sys
@@ -20,6 +24,8 @@ from symhyb.data.table import Column, Table, headed, refusal
 from symhyb.errors import Problem
 
 TIME = "t [s]"
+CONVERTERS = ("v4_blocks", "v2_v3_blocks")
+FORMULA = "converted by a formula of the file, which is not run"
 
 
 def read_mdf(content: bytes, file: str) -> Table:
@@ -35,7 +41,7 @@ def read_mdf(content: bytes, file: str) -> Table:
     notes: list[str] = []
     columns: list[Column] = []
     why = ""
-    with _quiet() as complaints:
+    with _quiet() as complaints, _without_formulas():
         try:
             with asammdf.MDF(io.BytesIO(content)) as measurement:
                 for number, part in _parts(measurement):
@@ -51,6 +57,33 @@ def read_mdf(content: bytes, file: str) -> Table:
     if not columns:
         raise refusal(file, "holds no channel with numbers and times")
     return Table(file, tuple(columns), tuple(notes))
+
+
+@contextmanager
+def _without_formulas() -> Iterator[None]:
+    """Take from asammdf what it runs text of a file with; its rational and polynomial conversions
+    do without, by plain arithmetic."""
+
+    def refuse(*_: object, **__: object) -> None:
+        raise TypeError("a formula of a file is not run")
+
+    blocks = [importlib.import_module(f"asammdf.blocks.{name}") for name in CONVERTERS]
+    known = [(module, module.evaluate, module.lambdify) for module in blocks]
+    try:
+        for module in blocks:
+            vars(module).update(evaluate=refuse, lambdify=None)
+        yield
+    finally:
+        for module, evaluate, lambdify in known:
+            vars(module).update(evaluate=evaluate, lambdify=lambdify)
+
+
+def _has_formula(conversion: Any) -> bool:
+    """Whether a conversion, or one that it refers to, is a formula."""
+    if getattr(conversion, "formula", ""):
+        return True
+    inner = getattr(conversion, "referenced_blocks", None) or {}
+    return any(_has_formula(one) for one in inner.values() if hasattr(one, "conversion_type"))
 
 
 class _Complaints(logging.Handler):
@@ -109,11 +142,17 @@ def _group(
     if master is None:
         notes.append(f"group {part or number + 1} has no times: left out")
         return
+    if _has_formula(group.channels[master].conversion):
+        notes.append(f"the times of group {part or number + 1} are {FORMULA}: left out")
+        return
     times = np.asarray(measurement.get_master(number), dtype=np.float64)
     yield _column(TIME, times, part)
     names = [str(channel.name) for channel in group.channels]
     for index, name in enumerate(names):
         if index == master:
+            continue
+        if _has_formula(group.channels[index].conversion):
+            notes.append(f"channel {name} is {FORMULA}: left out")
             continue
         signal = measurement.get(group=number, index=index, ignore_invalidation_bits=True)
         values = _numbers(signal)

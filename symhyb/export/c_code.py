@@ -27,6 +27,9 @@ def part(name: str, events: bool = False) -> str:
     )
 
 
+_PLAIN = str.maketrans({"*": "·", "\\": "/"})
+
+
 def model_code(spec: Spec) -> str:
     """The functions of the model and their sizes, C99."""
     exported = spec.exported
@@ -179,5 +182,7 @@ def _array(name: str, values: Iterable[float], kind: str = "static const double"
 
 
 def _comment(text: str) -> str:
-    """Text that cannot end a comment."""
-    return " ".join(text.split()).replace("*/", "* /").replace("/*", "/ *").replace("\\", "/")
+    """Text that stays within a comment: without stars it cannot end one, without backslashes and
+    trigraphs (``??/``) it cannot join lines, and what cannot be printed is a space."""
+    shown = "".join(letter if letter.isprintable() else " " for letter in text)
+    return re.sub(r"\?(?=\?)", "? ", " ".join(shown.translate(_PLAIN).split()))

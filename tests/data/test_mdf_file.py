@@ -123,3 +123,36 @@ def test_damage_inside_is_a_sentence_and_nothing_is_printed(write, content, one_
     table = read_table(write("run.mf4", whole.replace(b"</HDcomment>", b"</HDcommenX>")))
     assert "the file is damaged in places, channels may be missing" in table.notes[0]
     assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("version", ["4.10", "3.30"])
+def test_a_formula_of_a_file_is_not_run(model, write, content, one_group, tmp_path, version):
+    """asammdf would run it as Python; the channel is left out, with a note."""
+    from asammdf.blocks.conversion_utils import from_dict
+
+    marker = tmp_path / "ran"
+    f, laser, accel = one_group
+    speed = signal("speed", accel.samples, accel.timestamps)
+    speed.conversion = from_dict({"formula": f"[open('{marker}','w').write('x'), X][1]"})
+    made = content([f, laser, accel, speed], version=version)
+    marker.unlink(missing_ok=True)  # what writes the file may run it
+    recording = read_recording(write("run.mf4", made), model)
+    assert not marker.exists()
+    assert "channel speed is converted by a formula of the file, which is not run" in " ".join(
+        read_table(write("again.mf4", made)).notes
+    )
+    assert set(recording.sensors) == {"laser", "accel"}
+    assert not marker.exists()
+
+
+def test_a_rational_conversion_is_computed(write, content, signals):
+    """By arithmetic alone, without what a formula would be run with."""
+    from asammdf.blocks.conversion_utils import from_dict
+
+    made = signal("f", signals["f"], signals["t"], "N")
+    factors = {"P1": 0.5, "P2": 2.0, "P3": 1.0, "P4": 0.0, "P5": 0.1, "P6": 4.0}
+    made.conversion = from_dict({f.lower(): value for f, value in factors.items()} | factors)
+    table = read_table(write("run.mf4", content([made])))
+    x = np.asarray(signals["f"])
+    read = next(column.values for column in table.columns if column.header.startswith("f"))
+    np.testing.assert_allclose(read, (0.5 * x**2 + 2 * x + 1) / (0.1 * x + 4))

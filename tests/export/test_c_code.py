@@ -85,12 +85,46 @@ def test_the_header_says_names_units_and_sign() -> None:
     assert "host adds" not in c_files(whole())["machine.h"]
 
 
+def texts(count: int) -> list[str]:
+    """Titles of strangers: what C could take for something else, among any letters of Unicode."""
+    random = np.random.default_rng(7)
+    parts = ["*", "/", "*/", "/*", "\\", "?", "??/", "\n", "\r", '"', "int evil;", "#if 0", "\x00"]
+    found = [
+        "a */ int evil; /* b \\",
+        "x *\\ int evil; \\* ",
+        '*??/\n/ __asm__(".incbin ??/"s??/""); /*',
+    ]
+    for _ in range(count):
+        letters = [chr(int(c)) for c in random.integers(1, 0x2FFF, 4)]
+        found.append("".join(random.choice([*parts, *letters], 12)))
+    return found
+
+
 def test_text_of_a_model_cannot_leave_its_comment() -> None:
-    """A title that a stranger wrote is not code."""
-    odd = replace(element(), title="a */ int evil; /* b \\")
-    for text in c_files(odd).values():
-        assert "*/ int evil" not in text
-        assert "b \\" not in text
+    """A title or an about that a stranger wrote is not code: its comment has as many
+    lines as it had and no backslashes or trigraphs, and the code behind it is the same."""
+    base = element()
+    plain, code = c_files(base)["correction.h"].split("*/", 1)
+    for text in texts(300):
+        odd = replace(
+            base, title=text, variables=tuple(replace(v, about=text) for v in base.variables)
+        )
+        header = c_files(odd)["correction.h"]
+        comment, rest = header.split("*/", 1)
+        assert comment.startswith("/*")
+        assert not any(bad in comment for bad in ("\\", "??"))
+        assert len(comment.splitlines()) == len(plain.splitlines())
+        assert rest == code
+
+
+def test_code_with_the_text_of_a_stranger_compiles_to_the_same(tmp_path: Path) -> None:
+    for i, text in enumerate(texts(5)):
+        folder = tmp_path / str(i)
+        folder.mkdir()
+        put(folder, c_files(replace(element(), title=text)))
+        told = compiled(folder, "correction.c", "correction_check.c")
+        assert "evil" not in told
+        assert b"evil" not in (folder / "program").read_bytes()
 
 
 def test_adams_source_scales_and_keeps_the_sign(tmp_path: Path) -> None:
