@@ -12,7 +12,7 @@ import numpy as np
 from scipy.stats import kurtosis
 
 from symhyb.correction.adequacy.beyond import NEGLIGIBLE, Beyond
-from symhyb.correction.adequacy.classes.coupling import spared_by
+from symhyb.correction.adequacy.classes.crossing_input import spared_by
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import NOISE_FLOOR, Fitted, Generic, Likely, tracks_of
 from symhyb.discrepancy.likelihood.horizon import maximised

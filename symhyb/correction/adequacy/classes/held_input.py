@@ -21,15 +21,11 @@ def held_input(start: Around, which: int) -> Generic:
     options = []
     for hold in range(1, LONGEST + 1):
         for first in range(hold):
-            steps = [_steps(u, hold, first) for u, _ in parts]
-            after = [
-                push[:, :, None] * s[0][:, None, None]
-                for (_, push), s in zip(parts, steps, strict=True)
-            ]
-            before = [
-                push[:, :, None] * s[1][:, None, None]
-                for (_, push), s in zip(parts, steps, strict=True)
-            ]
+            after, before = [], []
+            for u, push in parts:
+                jumps = _steps(u, hold, first)
+                after.append(push[:, :, None] * jumps[0][:, None, None])
+                before.append(push[:, :, None] * jumps[1][:, None, None])
             made = pushing(recorded, "input", name, after, hold * recorded.step_s)
             each = tuple(replace(one, before=b) for one, b in zip(made.each, before, strict=True))
             size, mean = np.array([KNOWN]), np.array([1 / KNOWN])

@@ -1,0 +1,29 @@
+"""An input that acts along a coordinate where the model says that it does not."""
+
+import numpy as np
+
+from symhyb.correction.adequacy.classes.columns import push_of, pushing
+from symhyb.correction.adequacy.classes.worth import Around
+from symhyb.correction.adequacy.recorded import Recorded
+from symhyb.correction.adequacy.structure import Generic
+
+
+def crossing_input(start: Around, which: int) -> Generic:
+    """An input that acts where the model says that it does not."""
+    recorded = start.recorded
+    model = recorded.windows.machine.model
+    parts = [push_of(recorded, item, which) for item in recorded.items]
+    spared = spared_by(recorded, which)
+    forces = []
+    for u, _ in parts:
+        pushed = np.zeros((u.size, len(model.coordinates), len(spared)))
+        for column, at in enumerate(spared):
+            pushed[:, at, column] = u
+        forces.append(pushed)
+    return pushing(recorded, "coupling", model.inputs[which].name, forces)
+
+
+def spared_by(recorded: Recorded, which: int) -> list[int]:
+    """The coordinates on which an input does not act."""
+    size = sum(np.abs(push_of(recorded, item, which)[1]).sum(axis=0) for item in recorded.items)
+    return [int(i) for i in np.flatnonzero(size == 0) if recorded.scale[i] > 0]
