@@ -35,6 +35,7 @@ from symhyb.numeric.kernels.buffers import Array
 CLAIMED = 0.95  # posterior probability of a cause that is claimed beside a class
 MENTIONED = 0.05  # posterior probability of a class that is worth a word
 CLASSES_MOST = 3  # that are fitted, the best of the linear problem
+HOPELESS = 30.0  # of ln evidence: a class that the linear problem has so far behind is not fitted
 PART_OF_BEYOND = 1 / 3  # of the force that acts beyond: a law that is claimed beside it has more
 MOST_BEYOND = 1 / 3  # of what moves a coordinate: where more acts beyond, nothing is known
 HALF = 0.5  # of the power of what acts beyond the causes: a class takes at least so much
@@ -78,7 +79,8 @@ def adequacy(prepared: Prepared, setting: Setting, final: Refined) -> Adequacy:
     trials = [base]
     if left.acts or base.fit.noise.coloured:
         trials += _raced(ground, base, rows, base)
-    if base.causes:  # laws by name may only imitate a class
+    sole = any(not trial.causes and _suffices(ground, trial, base) for trial in trials[1:])
+    if base.causes and not sole:  # laws by name may only imitate a class
         bare = _scored(ground, fitted(ground, (), (), ground.first_noise()))
         trials += [bare, *_raced(ground, bare, (), base)]
     enough = [trial for trial in trials if trial.extra and _suffices(ground, trial, base)]
@@ -124,6 +126,7 @@ def _raced(ground: Recorded, start: Fitted, rows: Sequence[Row], decided: Fitted
         if start.evidence + gain > decided.evidence - CERTAIN:
             offered.append((gain, generic))
     offered.sort(key=lambda pair: -pair[0])
+    offered = [pair for pair in offered[:CLASSES_MOST] if pair[0] > offered[0][0] - HOPELESS]
     noise, most = ground.revived(start.fit.noise), HALF * _remainder(ground, decided)
 
     def tried(generic: Generic, kept: Sequence[int]) -> Fitted:
@@ -137,14 +140,13 @@ def _raced(ground: Recorded, start: Fitted, rows: Sequence[Row], decided: Fitted
 
     every = tuple(range(len(start.causes)))
     found = answers(
-        [
-            tried(generic, kept)
-            for _, generic in offered[:CLASSES_MOST]
-            for kept in _kept(start.causes, generic)
-        ]
+        [tried(generic, kept) for _, generic in offered for kept in _kept(start.causes, generic)]
     )
     best = max(found, key=lambda trial: trial.evidence, default=None)
     if best is None or best.extra is None or len(every) < 2:
+        return found
+    enough = [trial for trial in found if _suffices(ground, trial, decided)]
+    if _alone(enough, best.extra, best.evidence):
         return found
     single = [tried(best.extra, tuple(j for j in every if j != i)) for i in every]
     return [*found, *answers(single)]
@@ -200,21 +202,13 @@ def _doubted(
 ) -> frozenset[Hypothesis]:
     """The causes of the structure, the first of the trials, that are not needed beside the classes.
     A law is not where the likeliest class explains what acts (is ``enough``) without the laws at
-    its place, almost as well: the prior sizes of its columns are guesses, which may cost 1 each.
-    Nor where structures without it that explain have a part of the probability. No number of the
-    model or of a channel is, for the columns of a class may hold a part of any."""
+    its place, nor where structures without it that explain have a part of the probability. No
+    number of the model or of a channel is, for the columns of a class may hold a part of any."""
     doubt = []
     certain = any(one.probability > CLAIMED and one.whole for one in classes)
     likely, first = classes[0].probability > HALF, classes[0].generic
     decided, best = trials[0].causes, max(trial.evidence for trial in trials)
-    alone = [
-        trial
-        for trial in enough
-        if trial.extra
-        and trial.extra.key == first.key
-        and all(cause.place not in (None, first.where) for cause in trial.causes)
-        and best - trial.evidence < trial.extra.spread.size
-    ]
+    alone = _alone(enough, first, best)
     for cause in decided:
         number = cause.place is None and certain
         spared = any(cause not in trial.causes for trial in alone)
@@ -224,6 +218,19 @@ def _doubted(
         if number or (spared and likely) or chance < CLAIMED:
             doubt.append(cause)
     return frozenset(doubt)
+
+
+def _alone(enough: Sequence[Fitted], generic: Generic, best: float) -> list[Fitted]:
+    """The structures that explain by a class without the laws at its place, almost as well as the
+    best: the prior sizes of its columns are guesses, which may cost 1 each."""
+    return [
+        trial
+        for trial in enough
+        if trial.extra
+        and trial.extra.key == generic.key
+        and all(cause.place not in (None, generic.where) for cause in trial.causes)
+        and best - trial.evidence < trial.extra.spread.size
+    ]
 
 
 def _suffices(ground: Recorded, trial: Fitted, decided: Fitted) -> bool:
