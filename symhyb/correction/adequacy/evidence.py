@@ -29,7 +29,6 @@ HELD_SD = 0.3  # relative, of a number that the file holds without an sd
 ADDED_SD = 3.0  # of what is tried first: a key that bends a plain law
 UNIFORM = 12**-0.5  # standard deviation of a uniform distribution over its range
 WIDEST = np.log(1e4)  # of a shape without bounds: the logarithm of the range that is possible
-NAMELESS = 10.0  # to 1: odds before all recordings that what acts has a name
 PLAIN_OUTSIDE = 1.0  # of the magnitude: the prior of a number that nothing else is known of
 
 
@@ -45,7 +44,7 @@ def evidence(recorded: Recorded, trial: Fitted) -> float:
     noise = 0.5 * trial.fit.noise.numbers * np.log(max(trial.fit.count, 2))
     odds = len(trial.causes) * np.log(max(candidates(recorded), 2))
     if trial.extra is not None:
-        odds += np.log(NAMELESS * max(classes(recorded), 2) * trial.extra.tried)
+        odds += np.log(max(classes(recorded), 2) * trial.extra.tried)
     return float(trial.fit.logl - 0.5 * off @ off - 0.5 * volume - noise - odds)
 
 

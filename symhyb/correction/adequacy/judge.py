@@ -16,7 +16,7 @@ from symhyb.correction.adequacy.beyond import NEGLIGIBLE, NOTHING, Beyond, beyon
 from symhyb.correction.adequacy.channel_noise import faulty_sensors, noisy_input
 from symhyb.correction.adequacy.classes.catalogue import classes_of
 from symhyb.correction.adequacy.classes.worth import around, worth_of
-from symhyb.correction.adequacy.evidence import NAMELESS, evidence
+from symhyb.correction.adequacy.evidence import evidence
 from symhyb.correction.adequacy.recorded import Recorded, recorded
 from symhyb.correction.adequacy.structure import (
     Fitted,
@@ -79,8 +79,7 @@ def adequacy(prepared: Prepared, setting: Setting, final: Refined) -> Adequacy:
     trials = [base]
     if left.acts or base.fit.noise.coloured:
         trials += _raced(ground, base, rows, base)
-    sole = any(not trial.causes and _suffices(ground, trial, base) for trial in trials[1:])
-    if base.causes and not sole:  # laws by name may only imitate a class
+    if base.causes and not _explained_alone(ground, trials):  # laws may only imitate a class
         bare = _scored(ground, fitted(ground, (), (), ground.first_noise()))
         trials += [bare, *_raced(ground, bare, (), base)]
     enough = [trial for trial in trials if trial.extra and _suffices(ground, trial, base)]
@@ -122,7 +121,7 @@ def _raced(ground: Recorded, start: Fitted, rows: Sequence[Row], decided: Fitted
     here = around(ground, start)
     for maker in makers:
         generic = maker(here)
-        gain = worth_of(here, generic) - np.log(NAMELESS * len(makers) * generic.tried)
+        gain = worth_of(here, generic) - np.log(len(makers) * generic.tried)
         if start.evidence + gain > decided.evidence - CERTAIN:
             offered.append((gain, generic))
     offered.sort(key=lambda pair: -pair[0])
@@ -231,6 +230,13 @@ def _alone(enough: Sequence[Fitted], generic: Generic, best: float) -> list[Fitt
         and all(cause.place not in (None, generic.where) for cause in trial.causes)
         and best - trial.evidence < trial.extra.spread.size
     ]
+
+
+def _explained_alone(ground: Recorded, trials: Sequence[Fitted]) -> bool:
+    """Whether the likeliest structure has a class that explains alone, without any cause."""
+    best = max(trials, key=lambda trial: trial.evidence)
+    bare = [t for t in trials[1:] if not t.causes and _suffices(ground, t, trials[0])]
+    return best.extra is not None and bool(_alone(bare, best.extra, best.evidence))
 
 
 def _suffices(ground: Recorded, trial: Fitted, decided: Fitted) -> bool:

@@ -8,7 +8,6 @@ from scipy.stats import multivariate_normal
 
 from symhyb.correction.adequacy.classes.catalogue import classes_of
 from symhyb.correction.adequacy.evidence import (
-    NAMELESS,
     candidates,
     classes,
     evidence,
@@ -69,7 +68,7 @@ def prices(setting: Recorded, trial: Fitted) -> float:
     """What the score takes off for sizes of noise and for causes."""
     fit = trial.fit
     odds = len(trial.causes) * np.log(candidates(setting))
-    odds += 0 if trial.extra is None else np.log(NAMELESS * classes(setting) * trial.extra.tried)
+    odds += 0 if trial.extra is None else np.log(classes(setting) * trial.extra.tried)
     return float(0.5 * fit.noise.numbers * np.log(fit.count) + odds)
 
 

@@ -95,13 +95,17 @@ def smooth_options(each: Sequence[Array]) -> list[list[Array]]:
     return [[smooth(values, low, high, length) for values in each] for length in LENGTHS]
 
 
+def without_span(columns: Sequence[Array], basis: Sequence[Array]) -> list[Array]:
+    """Columns (N, K), SI, of every stretch without what those of a basis (N, B), SI, would do."""
+    parts = np.linalg.lstsq(np.concatenate(basis), np.concatenate(columns), rcond=None)[0]
+    return [c - given @ parts for c, given in zip(columns, basis, strict=True)]
+
+
 def without_gain(columns: Sequence[Array], seen: Sequence[Array]) -> list[Array]:
     """Columns (N, K), SI, of every stretch without what a gain and an offset of the sensor would
     do, for what it should show (N,): what it shows follows the measured motion, and with a gain of
     its own the record would explain itself."""
-    straight = [np.stack([np.ones_like(y), y], axis=1) for y in seen]
-    parts = np.linalg.lstsq(np.concatenate(straight), np.concatenate(columns), rcond=None)[0]
-    return [c - line @ parts for c, line in zip(columns, straight, strict=True)]
+    return without_span(columns, [np.stack([np.ones_like(y), y], axis=1) for y in seen])
 
 
 def showing(

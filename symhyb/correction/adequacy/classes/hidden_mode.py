@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.signal import cont2discrete, lfilter, ss2tf
 
-from symhyb.correction.adequacy.classes.columns import moved, pushing
+from symhyb.correction.adequacy.classes.columns import moved, pushing, without_span
 from symhyb.correction.adequacy.classes.worth import Around, worths_of
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Generic
@@ -18,21 +18,21 @@ DAMPINGS = (0.02, 0.2)
 
 def hidden_mode(start: Around, which: int) -> Generic:
     """What the likeliest mode presses and drags with: the best of many frequencies, with its
-    neighbours."""
+    neighbours, beside a spring and a damper. On a motion of almost one frequency a mode does what
+    these do, and only what it does besides shows it."""
     recorded = start.recorded
     lines = np.geomspace(*_band(recorded, which), MODES)
     best: tuple[float, float, float] | None = None
-    pairs = [range(2 * i, 2 * i + 2) for i in range(MODES)]
+    groups = [[0, 1, 2 + 2 * i, 3 + 2 * i] for i in range(MODES)]
     for damping in DAMPINGS:
-        tried = pushing(recorded, "hidden mode", "", _mode_forces(recorded, which, lines, damping))
-        gains = worths_of(start, tried, pairs)
+        tried = pushing(recorded, "hidden mode", "", _forces(recorded, which, lines, damping))
+        gains = worths_of(start, tried, groups)
         i = int(np.argmax(gains))
         if best is None or gains[i] > best[0]:
             best = float(gains[i]), float(lines[i]), damping
     assert best is not None
     _, line, damping = best
-    near = line * np.array([0.94, 1.0, 1.06])
-    forces = _mode_forces(recorded, which, near, damping)
+    forces = _forces(recorded, which, line * np.array([0.94, 1.0, 1.06]), damping)
     found = pushing(recorded, "hidden mode", recorded.library.places[which], forces, line)
     return replace(found, tried=MODES * len(DAMPINGS))
 
@@ -52,23 +52,25 @@ def _band(recorded: Recorded, which: int) -> tuple[float, float]:
     return low, min(max([*ends, 2 * low]), high)
 
 
-def _mode_forces(recorded: Recorded, which: int, lines: Array, damping: float) -> list[Array]:
-    """Two columns for each frequency (Hz): what a mode presses and drags with, driven by the
-    acceleration of the place."""
-    found = []
+def _forces(recorded: Recorded, which: int, lines: Array, damping: float) -> list[Array]:
+    """Columns (N, n, 2 + 2L): of a spring and a damper, and two for each frequency (Hz), what a
+    mode that the acceleration of the place drives presses and drags with besides."""
+    simple, modes, toward = [], [], []
     for item in recorded.items:
-        s, _, directions = moved(recorded, item)
-        t = item.block.t[0]
-        drive = np.gradient(np.gradient(s[:, which], t), t)
+        s, r, directions = moved(recorded, item)
+        t, stretch = item.block.t[0], s[:, which] - s[:, which].mean()
+        drive = np.gradient(np.gradient(stretch, t), t)
         columns = []
         for line in lines:
             w = 2 * np.pi * line
             A = np.array([[0.0, 1.0], [-(w**2), -2 * damping * w]])
             state = _driven(A, np.array([[0.0], [1.0]]), drive, recorded.step_s)
             columns += [w**2 * state[:, 0], w * state[:, 1]]
-        both = np.stack(columns, axis=1)
-        found.append(directions[:, :, which, None] * both[:, None])
-    return found
+        simple.append(np.stack([stretch, r[:, which]], axis=1))
+        modes.append(np.stack(columns, axis=1))
+        toward.append(directions[:, :, which, None])
+    parts = zip(toward, simple, without_span(modes, simple), strict=True)
+    return [d * np.concatenate([a, b], axis=1)[:, None] for d, a, b in parts]
 
 
 def _driven(A: Array, B: Array, drive: Array, step: float) -> Array:

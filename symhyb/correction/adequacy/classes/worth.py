@@ -72,7 +72,7 @@ def worth_of(start: Around, columns: Generic) -> float:
     return float(worths_of(start, columns, [range(columns.spread.size)])[0])
 
 
-def worths_of(start: Around, columns: Generic, groups: Sequence[range]) -> Array:
+def worths_of(start: Around, columns: Generic, groups: Sequence[Sequence[int]]) -> Array:
     """What each group of columns would add to ln evidence by itself (G,), dimensionless."""
     found = []
     for level in start.levels:
