@@ -54,11 +54,10 @@ def estimate(prepared: Prepared, choice: Choice, say: Say) -> Estimated:
     if completed is not None:
         return estimate_completed(prepared, choice, completed)
     final, stage = valued(choice.setting, choice.decision.selected, prepared)
-    doubt = frozenset({*doubtful(choice.decision), *(final.causes[i] for i in weak(final))})
     drift = drifting(prepared.model, final, stage, choice.setting.sd)
     final = with_what_is_held(prepared.model, choice.setting, final, stage)
     final, more, said = _drifted(choice, final, drift)
-    return Estimated(final, stage, doubt | more, said)
+    return Estimated(final, stage, _doubt(choice, final) | more, said)
 
 
 def estimate_completed(prepared: Prepared, choice: Choice, completed: Completed) -> Estimated:
@@ -67,11 +66,11 @@ def estimate_completed(prepared: Prepared, choice: Choice, completed: Completed)
     stays in all the same."""
     stage, final = choice.setting.stages[-1], completed.final
     final = replace(final, accuracy=choice.setting.accuracy)
-    doubt = frozenset({*doubtful(choice.decision), *(final.causes[i] for i in weak(final))})
-    if completed.rivals:
-        doubt |= {completed.added}
     drift = drifting(prepared.model, final, stage, choice.setting.sd)
     final, more, moved = _drifted(choice, final, drift)
+    doubt = _doubt(choice, final)
+    if completed.rivals:
+        doubt |= {completed.added}
     said = (added_sentence(prepared.model, completed), *moved)
     seen = refine(
         prepared.model,
@@ -82,6 +81,11 @@ def estimate_completed(prepared: Prepared, choice: Choice, completed: Completed)
         choice.decision.selected.fit.starts,
     )
     return Estimated(final, stage, doubt | more, said, completed, seen)
+
+
+def _doubt(choice: Choice, final: Refined) -> frozenset[Hypothesis]:
+    """The causes that have rivals, or do not stand out of the deviations that are told."""
+    return frozenset({*doubtful(choice.decision), *(final.causes[i] for i in weak(final))})
 
 
 def _drifted(
