@@ -27,7 +27,7 @@ from symhyb.model.space import dimension, space_faults
 from symhyb.model.tables import Fault
 from symhyb.model.types import Body, Model
 from symhyb.model.vocabulary import KINDS
-from symhyb.units import ONE, Unit, parse_unit
+from symhyb.units import ONE, Unit, UnitError, parse_unit
 
 
 def energy_unit(model: Model, unreadable: frozenset[str]) -> tuple[Unit | None, list[Fault]]:
@@ -54,7 +54,10 @@ def energy_unit(model: Model, unreadable: frozenset[str]) -> tuple[Unit | None, 
     for body, place in zip(model.bodies, places, strict=True):
         mass = unit_in(body.mass, scope)
         if mass is not None and place is not None:
-            return mass * place**2 / second**2, []
+            try:
+                return mass * place**2 / second**2, []
+            except UnitError as error:
+                return None, [(("bodies", body.name, "at"), f"gives no unit of energy: {error}")]
     stated = (model.energy.kinetic, model.energy.potential)
     found = (unit_in(energy, scope) for energy in stated if energy is not None)
     return next((unit for unit in found if unit is not None), None), []

@@ -108,8 +108,8 @@ def _touching_faults(constraint: Constraint, model: Model, path: Path) -> Iterat
         cure = "in the plane a wheel is 'rolling', on a length and an angle"
         yield (*path, "kind"), f"a {constraint.kind} rolls in space; {cure}"
     (name,) = constraint.names
-    point = next(point for point in model.points if point.name == name)
-    if not point.body:
+    point = next((point for point in model.points if point.name == name), None)
+    if point is not None and not point.body:  # one that could not be read has its own fault
         text = f"the point '{name}' is fixed to no body; a {constraint.kind} turns with one"
         yield (*path, "point"), f"{text}: give the point a body"
 
