@@ -8,6 +8,10 @@ User mistakes are collected as :class:`Problem` values and raised together in on
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
+from unicodedata import category
+
+# what turns the direction of writing: text that reads otherwise than it is
+TURNING = frozenset("\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +30,7 @@ class Problem:
 
     def __str__(self) -> str:
         where = self.file + (f":{self.line}" if self.line else "")
-        return ": ".join(part for part in (where, self.place, self.text) if part)
+        return visible(": ".join(part for part in (where, self.place, self.text) if part))
 
 
 class SymhybError(Exception):
@@ -49,6 +53,22 @@ class InputError(SymhybError):
 
 class NumericsError(SymhybError):
     """The numerics failed; the message is the sentence that says why (exit status 3)."""
+
+
+def is_text(letter: str) -> bool:
+    """Whether a letter is one of a text: no control character (a line's end and a tab are none
+    here), none that turns the direction of writing, and none that Unicode keeps for no letter."""
+    if letter in "\n\t" or letter.isprintable():
+        return True
+    code = ord(letter)
+    noncharacter = code & 0xFFFE == 0xFFFE or 0xFDD0 <= code <= 0xFDEF
+    return not (noncharacter or letter in TURNING or category(letter) in ("Cc", "Cs", "Zl", "Zp"))
+
+
+def visible(text: str) -> str:
+    """Text that a terminal shows and does not obey: what is no letter of a text stands by its
+    number (``\\u001b``)."""
+    return "".join(letter if is_text(letter) else f"\\u{ord(letter):04x}" for letter in text)
 
 
 def did_you_mean(name: str, known: Sequence[str]) -> str:

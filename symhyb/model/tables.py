@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 
-from symhyb.errors import did_you_mean
+from symhyb.errors import did_you_mean, is_text, visible
 from symhyb.model.expression import Expression, ExpressionError, parse_expression
 from symhyb.model.source import Path
 from symhyb.units import Unit, UnitError, parse_unit
@@ -60,10 +60,15 @@ class Table:
     def text(self, key: str, required: bool = False) -> str | None:
         """Return a string."""
         value = self._get(key, required)
-        if value is None or isinstance(value, str):
-            return value
-        self.fault(f"must be text in quotes, not {describe(value)}", key)
-        return None
+        if value is None:
+            return None
+        if not isinstance(value, str):
+            self.fault(f"must be text in quotes, not {describe(value)}", key)
+            return None
+        strange = next((letter for letter in value if not is_text(letter)), None)
+        if strange is not None:
+            self.fault(f"holds {visible(strange)}, which is no letter of a text; leave it out", key)
+        return value
 
     def about(self) -> str:
         """Return the explanation, empty if there is none."""

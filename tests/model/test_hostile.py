@@ -42,3 +42,24 @@ def test_a_law_that_divides_by_zero_wherever_it_is(stiffness: str) -> None:
     text = DRIVEN_MASS.replace('stiffness = "k"', f'stiffness = "{stiffness}"')
     with pytest.raises(InputError, match=r"spring is not finite|divi"):
         build(parse_model(text, "sent.toml"))
+
+
+@pytest.mark.parametrize("letter", ["\x1b", "\x07", "\x9b", "\u202e", "\u2028", "\uffff", "\x00"])
+def test_a_text_holds_letters_alone(letter: str) -> None:
+    """No escape sequence reaches a terminal, a page or a file, not by the complaint either."""
+    escaped = f"\\u{ord(letter):04x}"
+    said = complaints(DRIVEN_MASS.replace("symhyb = 1", f'symhyb = 1\ntitle = "a{escaped}[2Jb"'))
+    assert f"title: holds {escaped}" in said
+    assert letter not in said
+
+
+def test_text_of_any_language_is_text() -> None:
+    title = "Dämpfer\\tπ/2 \\n中文 עברית नमस्ते 👩‍🔧 « »"
+    model = parse_model(DRIVEN_MASS.replace("symhyb = 1", f'symhyb = 1\ntitle = "{title}"'), "m")
+    assert "👩‍🔧" in model.title
+
+
+def test_a_key_that_is_no_text_is_complained_of_in_visible_letters() -> None:
+    said = complaints(DRIVEN_MASS + '"a\\u001b[31m" = 1\n')
+    assert "\x1b" not in said
+    assert "\\u001b[31m" in said
