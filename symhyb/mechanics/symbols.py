@@ -116,6 +116,8 @@ def _operation(operator: str, parts: list[sp.Expr]) -> sp.Expr:
             return x * y
         case "/", [x, y]:
             return x / y
+        case "**", [x, y] if x.is_Number and y.is_Number:
+            return _number(_power(float(x), float(y)))
         case "**", [x, y]:
             return x**y
         case "neg", [x]:
@@ -125,8 +127,17 @@ def _operation(operator: str, parts: list[sp.Expr]) -> sp.Expr:
     raise TypeError(f"not an operation: {operator}")
 
 
+def _power(base: float, exponent: float) -> float:
+    """A power of numbers as numbers, NaN where there is none: SymPy would write 9**9**9 out."""
+    try:
+        value = base**exponent
+    except (OverflowError, ZeroDivisionError):
+        return float("nan")
+    return value if isinstance(value, float) else float("nan")
+
+
 def _number(value: float) -> sp.Expr:
-    if value == int(value) and abs(value) <= 64:
+    if abs(value) <= 64 and value == int(value):
         return sp.Integer(int(value))
     return sp.Float(value)
 

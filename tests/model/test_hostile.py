@@ -37,6 +37,19 @@ radius = "k"
     assert "constraints.front.kind" in said
 
 
+@pytest.mark.parametrize("tower", ["9**9**9", "2**2**2**2**2**2", "0**-1", "(-2)**0.5"])
+def test_a_tower_of_powers_is_a_number_or_none(tower: str) -> None:
+    """SymPy would write 9**9**9 out, all of its 370 million digits."""
+    text = DRIVEN_MASS.replace('stiffness = "k"', f'stiffness = "k*{tower}"')
+    with pytest.raises(InputError, match="spring is not finite"):
+        build(parse_model(text, "sent.toml"))
+
+
+def test_powers_of_numbers_are_numbers() -> None:
+    text = DRIVEN_MASS.replace('stiffness = "k"', 'stiffness = "k*2**3/4**0.5"')
+    build(parse_model(text, "sent.toml"))
+
+
 @pytest.mark.parametrize("stiffness", ["k*log(0)", "k/(1 - 1)", "k*tan(0)**-1"])
 def test_a_law_that_divides_by_zero_wherever_it_is(stiffness: str) -> None:
     text = DRIVEN_MASS.replace('stiffness = "k"', f'stiffness = "{stiffness}"')
