@@ -74,7 +74,7 @@ def test_a_name_that_is_taken_or_a_wrong_unit_is_refused(duffing: Model) -> None
 
 
 def test_awkward_words_are_quoted(duffing: Model) -> None:
-    about = 'says "b = 1"\n[elements.evil]\\ \x7f ∆ é'
+    about = 'says "b = 1"\n[elements.evil]\\ \t ∆ é'
     (own,) = found_drag().parameters
     element = replace(found_drag(), parameters=(replace(own, about=about),), about=about)
     assert append_elements(duffing, [element]).elements[-1] == element

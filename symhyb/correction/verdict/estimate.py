@@ -55,9 +55,10 @@ def estimate(prepared: Prepared, choice: Choice, say: Say) -> Estimated:
         return estimate_completed(prepared, choice, completed)
     final, stage = valued(choice.setting, choice.decision.selected, prepared)
     drift = drifting(prepared.model, final, stage, choice.setting.sd)
+    doubt = _doubt(choice, _drifted(choice, final, drift)[0])
     final = with_what_is_held(prepared.model, choice.setting, final, stage)
     final, more, said = _drifted(choice, final, drift)
-    return Estimated(final, stage, _doubt(choice, final) | more, said)
+    return Estimated(final, stage, doubt | more, said)
 
 
 def estimate_completed(prepared: Prepared, choice: Choice, completed: Completed) -> Estimated:
@@ -84,7 +85,8 @@ def estimate_completed(prepared: Prepared, choice: Choice, completed: Completed)
 
 
 def _doubt(choice: Choice, final: Refined) -> frozenset[Hypothesis]:
-    """The causes that have rivals, or do not stand out of the deviations that are told."""
+    """The causes that have rivals, or do not stand out of their deviations, which are wider where a
+    number is not constant; what is known of parameters beside them is another matter."""
     return frozenset({*doubtful(choice.decision), *(final.causes[i] for i in weak(final))})
 
 
