@@ -109,12 +109,15 @@ def conclude(
     known = replace(known, doubt=known.doubt | judged.doubt)
     tell("removing each cause once, for its share")
     shown = prove(prepared, setting, final, known.stage, known.items)
+    held = shown
+    if prepared.holdout:  # what is unseen proves and never chooses
+        held = prove(replace(prepared, holdout=()), setting, final, known.stage, ())
     left = leftover(setting, known.seen or selected) if known.tells else ()
     answer = concluded(model, prepared, choice, known, shown, left, judged)
     answer = _of_several(answer, final, choice.misfits, repeats_said(prepared))
     answer = in_part(_noted(answer, known.drifts), choice.change)
     answer = if_explained(answer, selected, nothing)
-    answer = if_confirmed(answer, shown, bool(prepared.holdout))
+    answer = if_confirmed(answer, held, shown)
     answer = if_bounded(answer, final, nothing, prepared.runs, prepared.holdout)
     answer = if_long_enough(answer, prepared.runs)
     answer = if_apart(answer, prepared.model, prepared.runs)

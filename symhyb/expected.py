@@ -19,7 +19,7 @@ beside what was found. Only the finished content is judged, so nothing can leak 
 
 import json
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, get_args
@@ -94,14 +94,15 @@ def read_expected(path: str | os.PathLike[str]) -> Expected:
 def check(expected: Expected, content: Mapping[str, Any]) -> tuple[Check, ...]:
     """Compare what is expected with the content of a ``diagnosis.json``.
 
-    Of the cases of ``any_of`` the first that is met is told, else the one that comes nearest.
+    Of the cases of ``any_of`` the first that is met is told, else the one that comes nearest; what
+    it expects to be found is not counted as anything else.
     """
-    always = tuple(_checks(expected, content))
     if not expected.any_of:
-        return always
+        return tuple(_checks(expected, content))
     tried = [tuple(_checks(case, content)) for case in expected.any_of]
     missed = [sum(not one.passed for one in checks) / max(len(checks), 1) for checks in tried]
     nearest = missed.index(min(missed))
+    always = _checks(expected, content, expected.any_of[nearest].found or ())
     name = f"case {nearest + 1} of {len(tried)}: "
     return (*always, *(replace(one, subject=name + one.subject) for one in tried[nearest]))
 
@@ -195,7 +196,9 @@ def _flag(root: Table, key: str) -> bool:
     return value is True
 
 
-def _checks(expected: Expected, content: Mapping[str, Any]) -> Iterator[Check]:
+def _checks(
+    expected: Expected, content: Mapping[str, Any], also: Iterable[str] = ()
+) -> Iterator[Check]:
     if expected.verdict is not None:
         got = content["verdict"]
         yield Check("verdict", expected.verdict, got, got == expected.verdict)
@@ -203,7 +206,7 @@ def _checks(expected: Expected, content: Mapping[str, Any]) -> Iterator[Check]:
     for name, (value, within) in (expected.found or {}).items():
         yield _value_check(name, value, within, terms.get(name))
     if expected.nothing_else:
-        others = list(_others(expected, content, terms))
+        others = list(_others({*(expected.found or {}), *also}, content, terms))
         yield Check("anything else", "nothing", ", ".join(others) or "nothing", not others)
     yield from _rival_checks(expected, content, terms)
     for path, limit in (expected.at_most or {}).items():
@@ -253,10 +256,10 @@ def _value_check(name: str, value: float, within: float, number: Mapping[str, An
 
 
 def _others(
-    expected: Expected, content: Mapping[str, Any], terms: Mapping[str, Mapping[str, Any]]
+    expected: Iterable[str], content: Mapping[str, Any], terms: Mapping[str, Mapping[str, Any]]
 ) -> Iterator[str]:
-    """Name what was found beyond the expectation."""
-    wanted = {name.partition("@")[0] for name in expected.found or {}}
+    """Name what was found beyond the ``expected`` terms."""
+    wanted = {name.partition("@")[0] for name in expected}
     words = {
         f"parameter.{one['name']}": f"parameter {one['name']}" for one in content["parameters"]
     }

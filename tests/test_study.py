@@ -378,6 +378,16 @@ def test_what_holds_in_every_case_is_judged_beside_the_cases() -> None:
     assert [one.passed for one in checks] == [False, True, True, True, True]
 
 
+def test_what_the_case_that_is_met_expects_is_nothing_else() -> None:
+    """An inertia told as changed or among the alternatives, and nothing else in either case."""
+    either = Expected(nothing_else=True, any_of=EITHER.any_of)
+    assert all(one.passed for one in check(either, to_json(friction(0.5), verdict())))
+    assert all(one.passed for one in check(either, to_json(UNDECIDED, verdict())))
+    other = Expected(nothing_else=True, any_of=EITHER.any_of[1:] * 2)
+    failed = [one.subject for one in check(other, CONTENT) if not one.passed]
+    assert failed[0] == "anything else"
+
+
 def test_what_is_published_is_read_and_not_judged(tmp_path: Path) -> None:
     path = tmp_path / "expected.json"
     row = {"value": 20.4, "unit": "N", "sd": 0.1, "about": "Fc"}

@@ -24,7 +24,7 @@ from symhyb.data.table import Column, Table, headed, refusal
 from symhyb.errors import Problem
 
 TIME = "t [s]"
-CONVERTERS = ("v4_blocks", "v2_v3_blocks")
+CONVERTERS, RUNNERS = ("v4_blocks", "v2_v3_blocks"), ("evaluate", "lambdify")
 FORMULA = "converted by a formula of the file, which is not run"
 
 
@@ -67,15 +67,15 @@ def _without_formulas() -> Iterator[None]:
     def refuse(*_: object, **__: object) -> None:
         raise TypeError("a formula of a file is not run")
 
-    blocks = [importlib.import_module(f"asammdf.blocks.{name}") for name in CONVERTERS]
-    known = [(module, module.evaluate, module.lambdify) for module in blocks]
+    blocks = [vars(importlib.import_module(f"asammdf.blocks.{name}")) for name in CONVERTERS]
+    known = [{name: names[name] for name in RUNNERS if name in names} for names in blocks]
     try:
-        for module in blocks:
-            vars(module).update(evaluate=refuse, lambdify=None)
+        for names in blocks:
+            names.update(evaluate=refuse, lambdify=None)
         yield
     finally:
-        for module, evaluate, lambdify in known:
-            vars(module).update(evaluate=evaluate, lambdify=lambdify)
+        for names, kept in zip(blocks, known, strict=True):
+            names.update(kept)
 
 
 def _has_formula(conversion: Any) -> bool:

@@ -138,7 +138,11 @@ def _body_faults(body: Body, model: Model, scope: Scope, energy: Unit | None) ->
     place = ("bodies", body.name)
     if body.joint is None and body.at not in [point.at for point in model.points]:
         yield from vector_faults((*place, "at"), body.at, scope, POSITION)
-    needed = _mass_unit(energy, place_unit(body, scope))
+    needed = None
+    try:
+        needed = _mass_unit(energy, place_unit(body, scope))
+    except UnitError as error:
+        yield (*place, "at"), f"gives no unit of energy: {error}"
     yield from expression_faults((*place, "mass"), body.mass, scope, MASS, needed)
     yield from _sign_faults((*place, "mass"), body.mass, model)
     if body.angle is not None:

@@ -6,6 +6,8 @@ from symhyb.correction.verdict.proof import Proof
 from symhyb.correction.verdict.refusal import WORSE, if_confirmed
 from tests.fakes import NOTHING, friction
 
+GOOD = Proof((), None, 0.5, 0.1)
+
 
 def shown(before: float, after: float) -> Proof:
     return Proof((), None, before, after)
@@ -14,14 +16,15 @@ def shown(before: float, after: float) -> Proof:
 @pytest.mark.parametrize("after", [0.2, 1.0, WORSE])
 def test_a_correction_that_foretells_more_or_as_much_stands(after: float) -> None:
     diagnosis = friction()
-    assert if_confirmed(diagnosis, shown(1.0, after), unseen=True) is diagnosis
+    foretold = shown(1.0, after)
+    assert if_confirmed(diagnosis, foretold, foretold) is diagnosis
 
 
 @pytest.mark.parametrize(
     ("after", "said"), [(1.2, "rises from 50 % to 60 %"), (float("nan"), "is not finite")]
 )
 def test_a_correction_that_foretells_less_is_withdrawn(after: float, said: str) -> None:
-    told = if_confirmed(friction(), shown(0.5, after / 2), unseen=False)
+    told = if_confirmed(friction(), shown(0.5, after / 2), GOOD)
     assert told.verdict == "undecided"
     assert not told.found
     assert told.alternatives[0].kind == friction().found[0].element.kind
@@ -29,7 +32,15 @@ def test_a_correction_that_foretells_less_is_withdrawn(after: float, said: str) 
     assert "held out of the fit" in told.sentence
 
 
-def test_nothing_is_refused_where_nothing_is_claimed_or_compared() -> None:
-    assert if_confirmed(NOTHING, shown(0.5, 5.0), unseen=True) is NOTHING
+def test_what_is_unseen_is_said_and_withdraws_nothing() -> None:
     diagnosis = friction()
-    assert if_confirmed(diagnosis, shown(float("nan"), float("nan")), unseen=True) is diagnosis
+    told = if_confirmed(diagnosis, GOOD, shown(0.02, 1.5))
+    assert (told.verdict, told.found) == (diagnosis.verdict, diagnosis.found)
+    assert "On unseen recordings the window NRMSE rises from 2 % to 150 %" in told.sentence
+    assert told.notes[0] in told.sentence
+
+
+def test_nothing_is_refused_where_nothing_is_claimed_or_compared() -> None:
+    assert if_confirmed(NOTHING, shown(0.5, 5.0), shown(0.5, 5.0)) is NOTHING
+    diagnosis, unknown = friction(), shown(float("nan"), float("nan"))
+    assert if_confirmed(diagnosis, unknown, unknown) is diagnosis

@@ -9,6 +9,7 @@ Sizes: n coordinates, N samples.
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import expit
 
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Fitted, tracks_of
@@ -18,7 +19,7 @@ from symhyb.discrepancy.likelihood.track import smoothed, still
 from symhyb.numeric.kernels.buffers import Array
 
 NEGLIGIBLE = 1e-3  # of what moves a coordinate: the error of integration and interpolation
-CERTAIN = 4.6  # of ln of the odds (100 to 1) that a force acts
+CERTAIN = 4.6  # of ln of the odds (100 to 1): what acts, and what can be distinguished
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -41,7 +42,7 @@ class Beyond:
     @property
     def probability(self) -> float:
         """Posterior probability that a force acts, at even odds."""
-        return float(1 / (1 + np.exp(-np.clip(self.evidence, -700, 700))))
+        return float(expit(self.evidence))
 
 
 NOTHING = Beyond(np.zeros(0), np.zeros(0), 1.0, 0.0)
@@ -57,7 +58,7 @@ def beyond(recorded: Recorded, final: Fitted) -> Beyond:
     alone, without = maximised(
         tracks, recorded.revived(noise.without_force()).without_force(), recorded.sd * 1e-2
     )
-    price = 0.5 * np.log(max(final.fit.count, 2)) * (noise.numbers - alone.numbers)
+    price = noise.price(final.fit.count) - alone.price(final.fit.count)
     squares = np.zeros_like(none)
     for i, one in enumerate(tracks):
         force = smoothed(one, noise, still(one)).force

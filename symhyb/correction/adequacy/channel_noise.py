@@ -6,20 +6,21 @@ freezes. Noise is stationary, faster than the motion and, its colour taken off, 
 An unknown force that does not know its last sample comes from how an input was recorded.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
+from scipy.special import expit
 from scipy.stats import kurtosis
 
-from symhyb.correction.adequacy.beyond import NEGLIGIBLE, Beyond
+from symhyb.correction.adequacy.beyond import CERTAIN, NEGLIGIBLE, Beyond
 from symhyb.correction.adequacy.classes.crossing_input import spared_by
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import NOISE_FLOOR, Fitted, Generic, Likely, tracks_of
 from symhyb.discrepancy.likelihood.horizon import maximised
-from symhyb.discrepancy.likelihood.track import white_problem
+from symhyb.discrepancy.likelihood.noise import NoiseModel
+from symhyb.discrepancy.likelihood.track import Track, white_problem
 from symhyb.numeric.kernels.buffers import Array
 
-CERTAIN = 4.6  # of ln of the odds (100 to 1) that a sensor has a colour at all
 FAST = 3.0  # samples: no force of a machine forgets as fast
 BURSTS = 10.0  # excess kurtosis of innovations: 0 of normal noise, 3 of double exponential
 
@@ -29,16 +30,16 @@ def faulty_sensors(recorded: Recorded, trial: Fitted) -> tuple[Likely, ...]:
     noise = trial.fit.noise
     if trial.fit.reason or not noise.coloured:
         return ()
-    found = list(_faults(recorded, trial))
+    tracks = tracks_of(recorded, trial)
+    found = list(_faults(recorded, noise, tracks))
     if not found:
         return ()
-    tracks = tracks_of(recorded, trial)
     steady, without = maximised(tracks, noise.without_colour(), NOISE_FLOOR * recorded.sd)
-    price = 0.5 * np.log(max(trial.fit.count, 2)) * (noise.numbers - steady.numbers)
+    price = noise.price(trial.fit.count) - steady.price(trial.fit.count)
     gain = trial.fit.logl - without - price
     if gain < CERTAIN:
         return ()
-    return tuple(Likely(generic, float(1 / (1 + np.exp(-gain)))) for generic in found)
+    return tuple(Likely(generic, float(expit(gain))) for generic in found)
 
 
 def noisy_input(recorded: Recorded, left: Beyond) -> tuple[Likely, ...]:
@@ -54,9 +55,8 @@ def noisy_input(recorded: Recorded, left: Beyond) -> tuple[Likely, ...]:
     return ()
 
 
-def _faults(recorded: Recorded, trial: Fitted) -> Iterator[Generic]:
-    noise = trial.fit.noise
-    bursts = kurtosis(_innovations(recorded, trial), axis=0, nan_policy="omit")
+def _faults(recorded: Recorded, noise: NoiseModel, tracks: Sequence[Track]) -> Iterator[Generic]:
+    bursts = kurtosis(_innovations(noise, tracks), axis=0, nan_policy="omit")
     for j in np.flatnonzero(noise.colour):
         name = recorded.windows.machine.model.sensors[j].name
         if noise.colour_s > recorded.period_s:
@@ -65,10 +65,10 @@ def _faults(recorded: Recorded, trial: Fitted) -> Iterator[Generic]:
             yield Generic("sensor", name, (), np.zeros(0), does="jumps")
 
 
-def _innovations(recorded: Recorded, trial: Fitted) -> Array:
+def _innovations(noise: NoiseModel, tracks: Sequence[Track]) -> Array:
     """The white residuals (N, m), NaN where nothing was measured."""
     parts = []
-    for one in tracks_of(recorded, trial):
-        white = white_problem(one, trial.fit.noise)[0].reshape(one.residual.shape)
+    for one in tracks:
+        white = white_problem(one, noise)[0].reshape(one.residual.shape)
         parts.append(np.where(one.seen, white, np.nan))
     return np.concatenate(parts)

@@ -41,7 +41,7 @@ def evidence(recorded: Recorded, trial: Fitted) -> float:
     # the information holds stated priors already: that of an uncertain parameter is not less than 1
     seen = trial.fit.information * np.outer(spread, spread) + np.diag(_unstated(trial))
     volume = float(np.linalg.slogdet(seen)[1]) if seen.size else 0.0
-    noise = 0.5 * trial.fit.noise.numbers * np.log(max(trial.fit.count, 2))
+    noise = trial.fit.noise.price(trial.fit.count)
     odds = len(trial.causes) * np.log(max(candidates(recorded), 2))
     if trial.extra is not None:
         odds += np.log(max(classes(recorded), 2) * trial.extra.tried)

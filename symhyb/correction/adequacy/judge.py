@@ -2,9 +2,10 @@
 
 The structure is fitted once more by the innovations likelihood, which tells missing forces from the
 noise of sensors, whatever its colour. Where a force acts that no cause explains, generic classes
-(:mod:`~.generic`) are fitted beside the structure and in place of each of its causes, and always in
-place of all of them. A class is an answer where it is more probable and takes at least half of what
-acts beyond; a cause is claimed beside it only where it is still needed.
+(:mod:`~.classes`) are fitted beside the structure, in place of the causes at their place and of
+all; where the structure has causes also around the model as it is. A class is an answer where it is
+more probable and takes at least half of what acts beyond; a cause is withdrawn beside it where a
+class that explains that does without.
 """
 
 from collections.abc import Collection, Sequence
@@ -12,19 +13,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symhyb.correction.adequacy.beyond import NEGLIGIBLE, NOTHING, Beyond, beyond
+from symhyb.correction.adequacy.beyond import CERTAIN, NEGLIGIBLE, NOTHING, Beyond, beyond
 from symhyb.correction.adequacy.channel_noise import faulty_sensors, noisy_input
 from symhyb.correction.adequacy.classes.catalogue import classes_of
 from symhyb.correction.adequacy.classes.worth import around, worth_of
 from symhyb.correction.adequacy.evidence import evidence
 from symhyb.correction.adequacy.recorded import Recorded, recorded
-from symhyb.correction.adequacy.structure import (
-    Fitted,
-    Generic,
-    Likely,
-    Row,
-    fitted,
-)
+from symhyb.correction.adequacy.structure import Fitted, Generic, Likely, Row, fitted
 from symhyb.correction.search.preparing import Prepared
 from symhyb.correction.search.setting import Setting
 from symhyb.correction.search.strength import element_forces
@@ -40,7 +35,6 @@ PART_OF_BEYOND = 1 / 3  # of the force that acts beyond: a law that is claimed b
 MOST_BEYOND = 1 / 3  # of what moves a coordinate: where more acts beyond, nothing is known
 HALF = 0.5  # of the power of what acts beyond the causes: a class takes at least so much
 LEFT_MOST = 0.1  # of the power of what acts: what leaves more does not explain it
-CERTAIN = 4.6  # of ln evidence (100 to 1): closer, two classes cannot be distinguished
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -21,14 +21,17 @@ COLOUR_FIRST = 0.5  # of the white noise
 MEMORY_FIRST = 1 / 3  # of a period of the motion: correlation times at first
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Recorded:
     """The recordings of a decision, SI: every stretch without a gap (``items``, one window each)
     with the number of its ``recording``, force candidates lowered (``library``), ``parametric``
     candidates (numbers of the model and of its channels), the model with all of these free, the
     noise ``sd`` (m,) that smoothing measured, the ``scale`` (n,) of the force that moves each
     coordinate, the size of every probe's force there (n, C; ``probe_sizes``), the shortest period
-    of the motion, and the relative ``accuracy`` of fitted values that the numerics allow."""
+    of the motion, and the relative ``accuracy`` of fitted values that the numerics allow.
+
+    One is told from another by identity: what is computed from it is kept by it.
+    """
 
     library: Library
     parametric: tuple[Hypothesis, ...]

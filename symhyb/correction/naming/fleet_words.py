@@ -66,7 +66,7 @@ def drift_sentence(
 def unit_of_key(model: Model, cause: Hypothesis, key: str) -> Unit:
     """The unit of a number of a cause, as the model file writes it."""
     if cause.place is not None:
-        return cause.unit(model, key, dict(cause.shape).get("exponent", 1.0))
+        return cause.unit(model, key)
     declared = {item.path: item for item in model.all_parameters()}
     return declared[cause.path].unit if cause.path in declared else ONE
 

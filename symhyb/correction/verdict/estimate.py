@@ -56,7 +56,7 @@ def estimate(prepared: Prepared, choice: Choice, say: Say) -> Estimated:
     final, stage = valued(choice.setting, choice.decision.selected, prepared)
     drift = drifting(prepared.model, final, stage, choice.setting.sd)
     held = with_what_is_held(prepared.model, choice.setting, final, stage)
-    doubt = _doubt(choice, final, held)
+    doubt = _doubt(choice, final) | _vague(held)
     final, more, said = _drifted(choice, held, drift)
     return Estimated(final, stage, doubt | more, said)
 
@@ -69,7 +69,7 @@ def estimate_completed(prepared: Prepared, choice: Choice, completed: Completed)
     final = replace(final, accuracy=choice.setting.accuracy)
     drift = drifting(prepared.model, final, stage, choice.setting.sd)
     final, more, moved = _drifted(choice, final, drift)
-    doubt = _doubt(choice, completed.final, completed.final)
+    doubt = _doubt(choice, completed.final)
     if completed.rivals:
         doubt |= {completed.added}
     said = (added_sentence(prepared.model, completed), *moved)
@@ -84,13 +84,15 @@ def estimate_completed(prepared: Prepared, choice: Choice, completed: Completed)
     return Estimated(final, stage, doubt | more, said, completed, seen)
 
 
-def _doubt(choice: Choice, final: Refined, held: Refined) -> frozenset[Hypothesis]:
-    """The causes that have rivals, or do not stand out of their deviations; nor a plain law out of
-    those of the structure with what else the model is uncertain of (``held``): what bends a law
-    tells it from that."""
-    weakest = {final.causes[i] for i in weak(final)}
-    vague = {held.causes[i] for i in weak(held) if held.causes[i].numbers == 1}
-    return frozenset({*doubtful(choice.decision), *weakest, *vague})
+def _doubt(choice: Choice, final: Refined) -> frozenset[Hypothesis]:
+    """The causes that have rivals, or do not stand out of their deviations."""
+    return frozenset({*doubtful(choice.decision), *(final.causes[i] for i in weak(final))})
+
+
+def _vague(held: Refined) -> frozenset[Hypothesis]:
+    """The causes of one number that do not stand out of their deviations with what else the model
+    is uncertain of; what bends a law tells it from that."""
+    return frozenset(held.causes[i] for i in weak(held) if held.causes[i].numbers == 1)
 
 
 def _drifted(

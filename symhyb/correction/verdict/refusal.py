@@ -141,20 +141,40 @@ def if_explained(diagnosis: Diagnosis, selected: Refined, nothing: Refined) -> D
     )
 
 
-def if_confirmed(diagnosis: Diagnosis, shown: Proof, unseen: bool) -> Diagnosis:
-    """The diagnosis, undecided where windows that were not fitted are foretold worse with what is
-    claimed than without, or cannot be simulated with it at all."""
+def if_confirmed(diagnosis: Diagnosis, held: Proof, shown: Proof) -> Diagnosis:
+    """The diagnosis, undecided where windows that were ``held`` out of the fit are foretold worse
+    with what is claimed than without, or cannot be simulated with it at all.
+
+    Where that holds of the unseen recordings (``shown``) it is only said: what is unseen proves
+    and never chooses.
+    """
     claims = diagnosis.found or diagnosis.parameters or diagnosis.measurement
-    if not claims or shown.after <= WORSE * shown.before or not np.isfinite(shown.before):
+    if not claims:
         return diagnosis
-    where = "unseen recordings" if unseen else "windows held out of the fit"
+    if _worse(held):
+        return withdrawn(
+            diagnosis,
+            "The best correction is refused, for it foretells less than the model as given: on "
+            f"windows held out of the fit the window NRMSE {_rise(held)}",
+        )
+    if _worse(shown):
+        said = (
+            f"On unseen recordings the window NRMSE {_rise(shown)}: what was found does not hold "
+            "there."
+        )
+        sentence = f"{diagnosis.sentence} {said}"
+        return replace(diagnosis, sentence=sentence, notes=(said, *diagnosis.notes))
+    return diagnosis
+
+
+def _worse(shown: Proof) -> bool:
+    """Whether windows are foretold worse than without; where they cannot be compared, no."""
+    return bool(np.isfinite(shown.before) and not shown.after <= WORSE * shown.before)
+
+
+def _rise(shown: Proof) -> str:
     before, after = percent_text(shown.before), percent_text(shown.after)
-    how = f"rises from {before} to {after}" if np.isfinite(shown.after) else "is not finite"
-    return withdrawn(
-        diagnosis,
-        f"The best correction is refused, for it foretells less than the model as given: on "
-        f"{where} the window NRMSE {how}",
-    )
+    return f"rises from {before} to {after}" if np.isfinite(shown.after) else "is not finite"
 
 
 def if_bounded(

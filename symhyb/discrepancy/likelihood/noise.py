@@ -39,6 +39,11 @@ class NoiseModel:
             + int(self.coloured)
         )
 
+    def price(self, count: int) -> float:
+        """What these numbers cost in ln evidence where ``count`` values were measured, ½ ln N each
+        (Schwarz 1978)."""
+        return float(0.5 * self.numbers * np.log(max(count, 2)))
+
     def without_force(self) -> "NoiseModel":
         """The same without an unknown force."""
         return replace(self, force=np.zeros_like(self.force))

@@ -62,10 +62,14 @@ class Extra:
     output: Array
     before: Array | None = None
 
+    @property
+    def arriving(self) -> Array:
+        """The force (N, n, K), SI, just before each sample."""
+        return self.force if self.before is None else self.before
+
     def driving(self, linear: Linear) -> tuple[Array, Array]:
         """What the columns do to the next state (N - 1, X, K) and to the sensors (N, m, K)."""
-        before = self.force if self.before is None else self.before
-        pushed = linear.left[0] @ self.force[:-1] + linear.right[0] @ before[1:]
+        pushed = linear.left[0] @ self.force[:-1] + linear.right[0] @ self.arriving[1:]
         return pushed, linear.by_force[0] @ self.force + self.output
 
 

@@ -155,10 +155,12 @@ class Hypothesis:
             return plain, upper
         return (key.lower if isfinite(key.lower) else tried / key.reach), upper
 
-    def unit(self, model: Model, key: str, exponent: float = 1.0) -> Unit:
+    def unit(self, model: Model, key: str, exponent: float | None = None) -> Unit:
         """The unit of a key of a force hypothesis, as the model file writes it; ``exponent`` as of
-        :func:`~symhyb.model.vocabulary.key_unit`."""
+        :func:`~symhyb.model.vocabulary.key_unit`, by default that of its shape."""
         assert self.place is not None
+        if exponent is None:
+            exponent = dict(self.shape).get("exponent", 1.0)
         if self.kind == LAW and isinstance(self.place, On):
             return law_unit(model, self.place, self.path, key)
         return key_unit(model, self.kind, key, self.place, exponent)
@@ -169,9 +171,8 @@ class Hypothesis:
         if self.kind == LAW and isinstance(self.place, On):
             return law_element(model, name, self.place, self.path, {**dict(self.shape), **values})
         own = []
-        exponent = dict(self.shape).get("exponent", 1.0)
         for key, value in {**dict(self.shape), **values}.items():
-            unit = self.unit(model, key, exponent)
+            unit = self.unit(model, key)
             own.append(Parameter(key, value / unit.factor, unit, owner=name))
         entries = tuple((item.name, parse_expression(item.name)) for item in own)
         return Element(name, self.kind, self.place, entries, tuple(own), options=self.options)

@@ -21,6 +21,7 @@ from symhyb.correction.adequacy.structure import Fitted, Generic, fitted
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.model.types import On
+from tests.builders import damper, model_of, push, spring
 from tests.pushed import DAMPING, NOISE, STEP, STIFFNESS, pushed, pushed_model, pushing, setting_of
 
 Array = NDArray[np.float64]
@@ -188,51 +189,25 @@ def test_a_staircase_is_told_with_the_time_of_its_steps(samples: int) -> None:
     assert best.fit.noise.force[0] < 0.05 * nothing.fit.noise.force[0]
 
 
-PLATE = """
-symhyb = 1
-title = "A plate on two springs"
-[coordinates]
-a = { unit = "m", start = 0.0 }
-b = { unit = "m", start = 0.0 }
-[parameters]
-m = { value = 1.0, unit = "kg" }
-k = { value = 25.0, unit = "N/m" }
-l = { value = 40.0, unit = "N/m" }
-d = { value = 0.6, unit = "N*s/m" }
-[inputs]
-f = { unit = "N" }
-g = { unit = "N" }
-[bodies.plate]
-mass = "m"
-at = ["a", "b"]
-[elements.first]
-kind = "spring"
-on = "a"
-stiffness = "k"
-[elements.second]
-kind = "spring"
-on = "b"
-stiffness = "l"
-[elements.slow]
-kind = "damper"
-on = "a"
-damping = "d"
-[elements.slower]
-kind = "damper"
-on = "b"
-damping = "d"
-[elements.push]
-kind = "force"
-on = "a"
-force = "f"
-[elements.pull]
-kind = "force"
-on = "b"
-force = "g"
-[sensors]
-left = { measures = "a", unit = "m" }
-right = { measures = "b", unit = "m" }
-"""
+PLATE = model_of(
+    coordinates={"a": {"unit": "m", "start": 0.0}, "b": {"unit": "m", "start": 0.0}},
+    parameters={"m": (1.0, "kg"), "k": (25.0, "N/m"), "l": (40.0, "N/m"), "d": (0.6, "N*s/m")},
+    inputs={"f": {"unit": "N"}, "g": {"unit": "N"}},
+    bodies={"plate": {"mass": "m", "at": ["a", "b"]}},
+    elements={
+        "first": spring("k", "a"),
+        "second": spring("l", "b"),
+        "slow": damper("d", "a"),
+        "slower": damper("d", "b"),
+        "push": push("f", "a"),
+        "pull": push("g", "b"),
+    },
+    sensors={
+        "left": {"measures": "a", "unit": "m"},
+        "right": {"measures": "b", "unit": "m"},
+    },
+)
+"""A plate on two springs, across each other."""
 
 
 def plate(gyroscopic: float, leak: float) -> Recording:
@@ -262,7 +237,7 @@ def plate(gyroscopic: float, leak: float) -> Recording:
     ("gyroscopic", "leak", "where"), [(0.5, 0.0, On("a")), (0.0, 0.1, "f")], ids=["motion", "input"]
 )
 def test_a_coupling_is_told(gyroscopic: float, leak: float, where: object) -> None:
-    setting = setting_of(pushed_model(PLATE), plate(gyroscopic, leak))
+    setting = setting_of(PLATE, plate(gyroscopic, leak))
     assert [spared_by(setting, which) for which in (0, 1)] == [[1], [0]]
     nothing, offered = tried(setting)
     best = offered[0][1]

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from symhyb.correction.adequacy.classes.columns import CHANGE, KNOTS_TIME, hats, pushing, waves
+from symhyb.correction.adequacy.classes.columns import CHANGE, pushing, slow, waves
 from symhyb.correction.adequacy.classes.worth import Around, worths_of
 from symhyb.correction.adequacy.structure import Generic
 from symhyb.discrepancy.recorded.course import course_of
@@ -41,8 +41,9 @@ def changing(start: Around, path: str) -> Generic:
     forces = []
     for slope, item in zip(slopes, recorded.items, strict=True):
         t = item.block.t[0]
-        slow = hats(t, np.linspace(t[0], t[-1], KNOTS_TIME))
-        both = np.concatenate([slow, waves(t, line + np.array([-0.5, 0.0, 0.5]) / lasts)], axis=1)
+        both = np.concatenate(
+            [slow(t), waves(t, line + np.array([-0.5, 0.0, 0.5]) / lasts)], axis=1
+        )
         forces.append(slope[:, :, None] * both[:, None])
     found = pushing(recorded, "time-varying", path, forces, float(line))
     return replace(found, tried=lines.size)

@@ -4,6 +4,7 @@ Sizes: N samples, n coordinates, m sensors, K columns.
 """
 
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -28,16 +29,26 @@ GRID = 80  # points of a smooth function
 FINEST = 1e-5  # of the largest variance of a direction of a smooth function
 
 
-def moved(recorded: Recorded, item: Cut) -> tuple[Array, Array, Array]:
-    """Stretch and rate (N, places) and directions (N, n, places) along a stretch, SI."""
+@lru_cache(maxsize=2)
+def motions(recorded: Recorded) -> tuple[tuple[Array, Array, Array], ...]:
+    """Stretch and rate (N, places) and directions (N, n, places) along every stretch, SI."""
+    return tuple(_moved(recorded, item) for item in recorded.items)
+
+
+def _moved(recorded: Recorded, item: Cut) -> tuple[Array, Array, Array]:
     course = item.course(recorded.library.machine)
     stretch, rate = recorded.library.motion(course)
     rows = item.rows[0]
     return stretch[rows], rate[rows], recorded.library.directions(course)[rows]
 
 
-def push_of(recorded: Recorded, item: Cut, which: int) -> tuple[Array, Array]:
-    """An input (N,) and the generalized force (N, n) of one unit of it."""
+@lru_cache(maxsize=16)
+def pushes(recorded: Recorded, which: int) -> tuple[tuple[Array, Array], ...]:
+    """An input (N,) and the generalized force (N, n) of one unit of it, along every stretch, SI."""
+    return tuple(_pushed(recorded, item, which) for item in recorded.items)
+
+
+def _pushed(recorded: Recorded, item: Cut, which: int) -> tuple[Array, Array]:
     machine, (recording, motion) = recorded.windows.machine, item.source
     model, rows = machine.model, item.rows[0]
     name = model.inputs[which].name
@@ -50,10 +61,11 @@ def push_of(recorded: Recorded, item: Cut, which: int) -> tuple[Array, Array]:
     return course.u[rows, which], force[rows] / change
 
 
-def hats(values: Array, knots: Array) -> Array:
-    """Piecewise linear functions (N, K), dimensionless: 1 at one knot each, constant beyond the
-    ends."""
-    return np.stack([np.interp(values, knots, row) for row in np.eye(knots.size)], axis=1)
+def slow(t: Array) -> Array:
+    """Piecewise linear functions (N, K), dimensionless, of the times t (N,), s: 1 at one knot
+    each."""
+    knots = np.linspace(t[0], t[-1], KNOTS_TIME)
+    return np.stack([np.interp(t, knots, row) for row in np.eye(knots.size)], axis=1)
 
 
 def waves(t: Array, lines: Array) -> Array:
@@ -62,13 +74,18 @@ def waves(t: Array, lines: Array) -> Array:
     return np.stack([np.sin(turn), np.cos(turn)], axis=2).reshape(t.size, -1)
 
 
-def lagged(values: Array, times: Array, step: float) -> Array:
-    """What first-order lags take off a signal (N, K), in its unit."""
+def lag_times(recorded: Recorded) -> Array:
+    """The time constants (K,), s, that are tried."""
+    return np.geomspace(recorded.step_s, recorded.period_s, LAGS)
+
+
+def lagged(recorded: Recorded, values: Array) -> Array:
+    """What first-order lags of these times take off a signal (N, K), in its unit."""
     columns = []
-    for time in times:
-        keep = float(np.exp(-step / time))
-        slow = lfilter([1 - keep], [1.0, -keep], values, zi=[keep * values[0]])[0]
-        columns.append(slow - values)
+    for time in lag_times(recorded):
+        keep = float(np.exp(-recorded.step_s / time))
+        late = lfilter([1 - keep], [1.0, -keep], values, zi=[keep * values[0]])[0]
+        columns.append(late - values)
     return np.stack(columns, axis=1)
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from symhyb.correction.adequacy.classes.columns import push_of, pushing
+from symhyb.correction.adequacy.classes.columns import pushes, pushing
 from symhyb.correction.adequacy.classes.worth import Around
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Generic
@@ -12,10 +12,9 @@ def crossing_input(start: Around, which: int) -> Generic:
     """An input that acts where the model says that it does not."""
     recorded = start.recorded
     model = recorded.windows.machine.model
-    parts = [push_of(recorded, item, which) for item in recorded.items]
     spared = spared_by(recorded, which)
     forces = []
-    for u, _ in parts:
+    for u, _ in pushes(recorded, which):
         pushed = np.zeros((u.size, len(model.coordinates), len(spared)))
         for column, at in enumerate(spared):
             pushed[:, at, column] = u
@@ -25,5 +24,5 @@ def crossing_input(start: Around, which: int) -> Generic:
 
 def spared_by(recorded: Recorded, which: int) -> list[int]:
     """The coordinates on which an input does not act."""
-    size = sum(np.abs(push_of(recorded, item, which)[1]).sum(axis=0) for item in recorded.items)
+    size = sum(np.abs(push).sum(axis=0) for _, push in pushes(recorded, which))
     return [int(i) for i in np.flatnonzero(size == 0) if recorded.scale[i] > 0]

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from symhyb.correction.adequacy.classes.columns import push_of, pushing
+from symhyb.correction.adequacy.classes.columns import pushes, pushing
 from symhyb.correction.adequacy.classes.worth import Around, best_of
 from symhyb.correction.adequacy.structure import Generic
 from symhyb.numeric.kernels.buffers import Array
@@ -16,13 +16,12 @@ KNOWN = 0.02  # of the staircase: how well its size is known
 def held_input(start: Around, which: int) -> Generic:
     """The likeliest staircase, as it stands: it has no size of its own."""
     recorded = start.recorded
-    parts = [push_of(recorded, item, which) for item in recorded.items]
     name = recorded.windows.machine.model.inputs[which].name
     options = []
     for hold in range(1, LONGEST + 1):
         for first in range(hold):
             after, before = [], []
-            for u, push in parts:
+            for u, push in pushes(recorded, which):
                 jumps = _steps(u, hold, first)
                 after.append(push[:, :, None] * jumps[0][:, None, None])
                 before.append(push[:, :, None] * jumps[1][:, None, None])

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.signal import cont2discrete, lfilter, ss2tf
 
-from symhyb.correction.adequacy.classes.columns import moved, pushing, without_span
+from symhyb.correction.adequacy.classes.columns import motions, pushing, without_span
 from symhyb.correction.adequacy.classes.worth import Around, worths_of
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Generic
@@ -22,19 +22,17 @@ def hidden_mode(start: Around, which: int) -> Generic:
     these do, and only what it does besides shows it."""
     recorded = start.recorded
     lines = np.geomspace(*_band(recorded, which), MODES)
-    best: tuple[float, float, float] | None = None
     groups = [[0, 1, 2 + 2 * i, 3 + 2 * i] for i in range(MODES)]
+    found = []
     for damping in DAMPINGS:
         tried = pushing(recorded, "hidden mode", "", _forces(recorded, which, lines, damping))
         gains = worths_of(start, tried, groups)
         i = int(np.argmax(gains))
-        if best is None or gains[i] > best[0]:
-            best = float(gains[i]), float(lines[i]), damping
-    assert best is not None
-    _, line, damping = best
+        found.append((float(gains[i]), float(lines[i]), damping))
+    _, line, damping = max(found, key=lambda one: one[0])
     forces = _forces(recorded, which, line * np.array([0.94, 1.0, 1.06]), damping)
-    found = pushing(recorded, "hidden mode", recorded.library.places[which], forces, line)
-    return replace(found, tried=MODES * len(DAMPINGS))
+    made = pushing(recorded, "hidden mode", recorded.library.places[which], forces, line)
+    return replace(made, tried=MODES * len(DAMPINGS))
 
 
 def _band(recorded: Recorded, which: int) -> tuple[float, float]:
@@ -42,10 +40,9 @@ def _band(recorded: Recorded, which: int) -> tuple[float, float]:
     almost all power of its acceleration lies. A mode above only adds stiffness and mass."""
     low, high = 0.3 / recorded.period_s, 0.4 / recorded.step_s
     ends = []
-    for item in recorded.items:
+    for item, (s, _, _) in zip(recorded.items, motions(recorded), strict=True):
         t = item.block.t[0]
-        stretch = moved(recorded, item)[0][:, which]
-        push = np.gradient(np.gradient(stretch, t), t) * np.hanning(t.size)
+        push = np.gradient(np.gradient(s[:, which], t), t) * np.hanning(t.size)
         power = np.cumsum(np.abs(np.fft.rfft(push)) ** 2)
         line = np.searchsorted(power, IN_BAND * power[-1])
         ends.append(2 * float(line / (t.size * recorded.step_s)))
@@ -56,8 +53,7 @@ def _forces(recorded: Recorded, which: int, lines: Array, damping: float) -> lis
     """Columns (N, n, 2 + 2L): of a spring and a damper, and two for each frequency (Hz), what a
     mode that the acceleration of the place drives presses and drags with besides."""
     simple, modes, toward = [], [], []
-    for item in recorded.items:
-        s, r, directions = moved(recorded, item)
+    for item, (s, r, directions) in zip(recorded.items, motions(recorded), strict=True):
         t, stretch = item.block.t[0], s[:, which] - s[:, which].mean()
         drive = np.gradient(np.gradient(stretch, t), t)
         columns = []

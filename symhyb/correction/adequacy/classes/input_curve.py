@@ -1,6 +1,6 @@
 """An input that acts by a smooth function of itself."""
 
-from symhyb.correction.adequacy.classes.columns import push_of, pushing, smooth_options
+from symhyb.correction.adequacy.classes.columns import pushes, pushing, smooth_options
 from symhyb.correction.adequacy.classes.worth import Around, best_of
 from symhyb.correction.adequacy.structure import Generic
 
@@ -8,7 +8,7 @@ from symhyb.correction.adequacy.structure import Generic
 def input_curve(start: Around, which: int) -> Generic:
     """What an input pushes with besides what was recorded of it: dead bands, saturation."""
     recorded = start.recorded
-    parts = [push_of(recorded, item, which) for item in recorded.items]
+    parts = pushes(recorded, which)
     name = recorded.windows.machine.model.inputs[which].name
     return best_of(
         start,

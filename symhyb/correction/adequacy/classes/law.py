@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from symhyb.correction.adequacy.classes.columns import moved, pushing, smooth_options
+from symhyb.correction.adequacy.classes.columns import motions, pushing, smooth_options
 from symhyb.correction.adequacy.classes.worth import Around, best_of
 from symhyb.correction.adequacy.structure import Generic
 from symhyb.numeric.kernels.buffers import Array
@@ -16,7 +16,7 @@ def law(start: Around, which: int) -> Generic:
     """A function of the stretch or of the rate, at one of several lengths, of both as a sum, or of
     both together."""
     recorded = start.recorded
-    parts = [moved(recorded, item) for item in recorded.items]
+    parts = motions(recorded)
     toward = [directions[:, :, which, None] for _, _, directions in parts]
     by_stretch = smooth_options([s[:, which] for s, _, _ in parts])
     by_rate = smooth_options([r[:, which] for _, r, _ in parts])

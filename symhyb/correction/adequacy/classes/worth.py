@@ -35,7 +35,6 @@ class Around:
     acts in full it explains what the columns of a class would."""
 
     recorded: Recorded
-    trial: Fitted
     tracks: tuple[Track, ...]
     levels: tuple[Level, ...]
 
@@ -52,7 +51,7 @@ def around(recorded: Recorded, trial: Fitted) -> Around:
         _level(tracks, replace(full, force=share * full.force, colour=share * full.colour))
         for share in shares
     ]
-    return Around(recorded, trial, tracks, tuple(levels))
+    return Around(recorded, tracks, tuple(levels))
 
 
 def _level(tracks: Sequence[Track], noise: NoiseModel) -> Level:
@@ -78,7 +77,7 @@ def worths_of(start: Around, columns: Generic, groups: Sequence[Sequence[int]]) 
     for level in start.levels:
         gram = _gram(start.tracks, level, columns)
         more = level.likely - start.levels[0].likely
-        found.append([_gain(gram, list(rows), columns.mean) + more for rows in groups])
+        found.append([_gain(gram, rows, columns.mean) + more for rows in groups])
     return np.asarray(np.max(np.array(found), axis=0))
 
 
@@ -95,8 +94,9 @@ def _gram(tracks: Sequence[Track], level: Level, columns: Generic) -> Array:
     return gram
 
 
-def _gain(gram: Array, rows: list[int], mean: Array) -> float:
+def _gain(gram: Array, group: Sequence[int], mean: Array) -> float:
     """ln of the evidence that columns add; their coefficients have a mean, in prior deviations."""
+    rows = list(group)
     begin = mean[rows]
     block, toward = gram[np.ix_(rows, rows)], gram[rows, -1]
     right = toward + block @ begin
@@ -120,9 +120,7 @@ def _joined(options: Sequence[Generic]) -> Generic:
         Extra(
             np.concatenate([part.force for part in parts], axis=2),
             np.concatenate([part.output for part in parts], axis=2),
-            np.concatenate(
-                [part.force if part.before is None else part.before for part in parts], axis=2
-            ),
+            np.concatenate([part.arriving for part in parts], axis=2),
         )
         for parts in zip(*(one.each for one in options), strict=True)
     )
