@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from symhyb.correction.adequacy.judge import adequacy
 from symhyb.correction.advice.advice import advise
 from symhyb.correction.advice.isolability import isolability
+from symhyb.correction.naming.dispute_words import dispute_sentence
 from symhyb.correction.naming.fleet_words import parameters_with_own, repeats_said
 from symhyb.correction.search.beginnings import in_part
 from symhyb.correction.search.clocks import drifting
@@ -115,7 +116,8 @@ def conclude(
     left = leftover(setting, known.seen or selected) if known.tells else ()
     answer = concluded(model, prepared, choice, known, shown, left, judged)
     answer = _of_several(answer, final, choice.misfits, repeats_said(prepared))
-    answer = in_part(_noted(answer, known.drifts), choice.change)
+    disputes = [dispute_sentence(prepared.model, one) for one in judged.disputed]
+    answer = in_part(_noted(answer, [*known.drifts, *disputes]), choice.change)
     answer = if_explained(answer, selected, nothing)
     answer = if_confirmed(answer, held, shown)
     answer = if_bounded(answer, final, nothing, prepared.runs, prepared.holdout)

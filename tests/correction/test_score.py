@@ -13,6 +13,7 @@ from symhyb.correction.search.score import (
     cost,
     part_left,
     piece_of,
+    plain,
     price,
     score,
     unit_of,
@@ -135,3 +136,11 @@ def test_breakaway_below_sliding_friction_is_no_friction() -> None:
 def test_a_fit_that_failed_is_not_believed() -> None:
     one = trial(DAMPER)
     assert not believable(replace(one, fit=replace(one.fit, reason="ran away")))
+
+
+def test_a_law_is_plain_whose_other_numbers_may_be_nothing() -> None:
+    assert plain(trial(DAMPER, SKEWED, values=(1.0, 1.0, 0.02))) == (0, 1)
+    assert plain(trial(DAMPER, SKEWED, values=(1.0, 1.0, -0.04))) == (0,)
+    breakaway = replace(FRICTION, added=("static",))
+    assert plain(trial(breakaway, values=(1.0, 1.02))) == (0,)  # as much as when it slides
+    assert plain(trial(breakaway, values=(1.0, 1.1))) == ()

@@ -2,13 +2,15 @@
 an input.
 
 Coloured noise of a sensor explains what no force does, and so could hide a sensor that drifts or
-freezes. Noise is stationary, faster than the motion and, its colour taken off, about normal.
+freezes. Noise is stationary, faster than the motion and, its colour taken off, about normal at
+every size of the motion.
 An unknown force that does not know its last sample comes from how an input was recorded.
 """
 
 from collections.abc import Iterator, Sequence
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
 from scipy.special import expit
 from scipy.stats import kurtosis
 
@@ -22,6 +24,7 @@ from symhyb.discrepancy.likelihood.track import Track, white_problem
 from symhyb.numeric.kernels.buffers import Array
 
 FAST = 3.0  # samples: no force of a machine forgets as fast
+LEVELS = 10  # classes of the size of the motion
 BURSTS = 10.0  # excess kurtosis of innovations: 0 of normal noise, 3 of double exponential
 
 
@@ -56,7 +59,7 @@ def noisy_input(recorded: Recorded, left: Beyond) -> tuple[Likely, ...]:
 
 
 def _faults(recorded: Recorded, noise: NoiseModel, tracks: Sequence[Track]) -> Iterator[Generic]:
-    bursts = kurtosis(_innovations(noise, tracks), axis=0, nan_policy="omit")
+    bursts = kurtosis(_leveled(recorded, _innovations(noise, tracks)), axis=0, nan_policy="omit")
     for j in np.flatnonzero(noise.colour):
         name = recorded.windows.machine.model.sensors[j].name
         if noise.colour_s > recorded.period_s:
@@ -72,3 +75,20 @@ def _innovations(noise: NoiseModel, tracks: Sequence[Track]) -> Array:
         white = white_problem(one, noise)[0].reshape(one.residual.shape)
         parts.append(np.where(one.seen, white, np.nan))
     return np.concatenate(parts)
+
+
+def _leveled(recorded: Recorded, innovations: Array) -> Array:
+    """White residuals (N, m) over their RMS at each size of the motion, in ten classes: a model
+    that fails at large motion alone does so in bursts too, and no sensor is at fault."""
+    samples = max(round(recorded.period_s / recorded.step_s), 1)
+    found = np.full_like(innovations, np.nan)
+    for j, white in enumerate(innovations.T):
+        sizes = []
+        for item in recorded.items:
+            y = item.block.y[0][:, j]
+            away = np.where(np.isfinite(y), y - np.nanmean(y), 0.0)
+            sizes.append(uniform_filter1d(away**2, samples, mode="nearest"))
+        order = np.argsort(np.concatenate(sizes))
+        for chosen in np.array_split(order[np.isfinite(white[order])], LEVELS):
+            found[chosen, j] = white[chosen] / (np.sqrt(np.mean(white[chosen] ** 2)) or 1.0)
+    return found

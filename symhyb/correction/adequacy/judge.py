@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from symhyb.correction.adequacy.agreement import Disputed, disputed
 from symhyb.correction.adequacy.beyond import CERTAIN, NEGLIGIBLE, NOTHING, Beyond, beyond
 from symhyb.correction.adequacy.channel_noise import faulty_sensors, noisy_input
 from symhyb.correction.adequacy.classes.catalogue import classes_of
@@ -40,11 +41,13 @@ LEFT_MOST = 0.1  # of the power of what acts: what leaves more does not explain 
 @dataclass(frozen=True, slots=True, eq=False)
 class Adequacy:
     """What acts ``beyond`` a structure, the generic ``classes`` that it may be with their posterior
-    probabilities, and the causes that are in ``doubt`` beside them."""
+    probabilities, the causes that are in ``doubt`` beside them, and those of them that are
+    ``disputed``."""
 
     beyond: Beyond
     classes: tuple[Likely, ...] = ()
     doubt: frozenset[Hypothesis] = frozenset()
+    disputed: tuple[Disputed, ...] = ()
 
     @property
     def adequate(self) -> bool:
@@ -69,19 +72,25 @@ def adequacy(prepared: Prepared, setting: Setting, final: Refined) -> Adequacy:
     left = beyond(ground, base)
     if left.alone is not None and left.evidence < 0:
         base = _scored(ground, fitted(ground, final.causes, rows, left.alone, base.fit.states))
-    small = _small(final, ground, left)
     trials = [base]
+    raced: list[Fitted] = []
     if left.acts or base.fit.noise.coloured:
-        trials += _raced(ground, base, rows, base)
+        raced = _raced(ground, base, rows, base)
+        trials += _answers(ground, raced, base)
+    disputes: tuple[Disputed, ...] = ()
+    if left.acts:
+        better = [trial for trial in raced if trial.evidence > base.evidence + CERTAIN]
+        disputes = disputed(final, [base, *better])
+    doubt = _small(final, ground, left) | {one.cause for one in disputes}
     if base.causes and not _explained_alone(ground, trials):  # laws may only imitate a class
         bare = _scored(ground, fitted(ground, (), (), ground.first_noise()))
-        trials += [bare, *_raced(ground, bare, (), base)]
+        trials += [bare, *_answers(ground, _raced(ground, bare, (), base), base)]
     enough = [trial for trial in trials if trial.extra and _suffices(ground, trial, base)]
     classes = _classes(trials, {trial.extra.key for trial in enough if trial.extra})
     if not classes:
         faults = (*faulty_sensors(ground, base), *noisy_input(ground, left))
-        return Adequacy(left, faults, small)
-    return Adequacy(left, classes, small | _doubted(trials, enough, classes))
+        return Adequacy(left, faults, doubt, disputes)
+    return Adequacy(left, classes, doubt | _doubted(trials, enough, classes), disputes)
 
 
 def _small(final: Refined, ground: Recorded, left: Beyond) -> frozenset[Hypothesis]:
@@ -110,7 +119,7 @@ def _scored(ground: Recorded, trial: Fitted) -> Fitted:
 def _raced(ground: Recorded, start: Fitted, rows: Sequence[Row], decided: Fitted) -> list[Fitted]:
     """A structure with each of the best generic classes beside it, in place of the causes at its
     place and of all; with the best of these in place of each cause too. Those that may be better
-    than what was ``decided``, and take half of what acts beyond it."""
+    than what was ``decided``."""
     makers, offered = classes_of(ground), []
     here = around(ground, start)
     for maker in makers:
@@ -120,7 +129,7 @@ def _raced(ground: Recorded, start: Fitted, rows: Sequence[Row], decided: Fitted
             offered.append((gain, generic))
     offered.sort(key=lambda pair: -pair[0])
     offered = [pair for pair in offered[:CLASSES_MOST] if pair[0] > offered[0][0] - HOPELESS]
-    noise, most = ground.revived(start.fit.noise), HALF * _remainder(ground, decided)
+    noise = ground.revived(start.fit.noise)
 
     def tried(generic: Generic, kept: Sequence[int]) -> Fitted:
         causes, begin = [start.causes[i] for i in kept], [rows[i] for i in kept]
@@ -128,21 +137,26 @@ def _raced(ground: Recorded, start: Fitted, rows: Sequence[Row], decided: Fitted
             ground, fitted(ground, causes, begin, noise, start.fit.states, extra=generic)
         )
 
-    def answers(trials: Sequence[Fitted]) -> list[Fitted]:
-        return [t for t in trials if _explains(ground, t) or _remainder(ground, t) <= most]
-
     every = tuple(range(len(start.causes)))
-    found = answers(
-        [tried(generic, kept) for _, generic in offered for kept in _kept(start.causes, generic)]
-    )
-    best = max(found, key=lambda trial: trial.evidence, default=None)
+    found = [
+        tried(generic, kept) for _, generic in offered for kept in _kept(start.causes, generic)
+    ]
+    answers = _answers(ground, found, decided)
+    best = max(answers, key=lambda trial: trial.evidence, default=None)
     if best is None or best.extra is None or len(every) < 2:
         return found
-    enough = [trial for trial in found if _suffices(ground, trial, decided)]
+    enough = [trial for trial in answers if _suffices(ground, trial, decided)]
     if _alone(enough, best.extra, best.evidence):
         return found
-    single = [tried(best.extra, tuple(j for j in every if j != i)) for i in every]
-    return [*found, *answers(single)]
+    return [*found, *(tried(best.extra, tuple(j for j in every if j != i)) for i in every)]
+
+
+def _answers(ground: Recorded, trials: Sequence[Fitted], decided: Fitted) -> list[Fitted]:
+    """The structures that take half of what acts beyond the decided one."""
+    most = HALF * _remainder(ground, decided)
+    return [
+        trial for trial in trials if _explains(ground, trial) or _remainder(ground, trial) <= most
+    ]
 
 
 def _kept(causes: Sequence[Hypothesis], generic: Generic) -> list[tuple[int, ...]]:

@@ -33,7 +33,10 @@ def misfit(final: Refined, outlier: Outlier, recordings: Sequence[Recording]) ->
         numbers = (*outlier.value, *outlier.others)
         return Misfit(name, "remainder", *numbers, "1", outlier.chance, said + ".")
     cause = final.causes[outlier.cause]
-    unit, quantity = unit_of_key(final.machine.model, cause, outlier.key), _words(cause, outlier)
+    unit, quantity = (
+        unit_of_key(final.machine.model, cause, outlier.key),
+        subject_of(cause, outlier.key),
+    )
     (value, sd), (rest, rest_sd) = (
         (pair[0] / unit.factor, pair[1] / unit.factor) for pair in (outlier.value, outlier.others)
     )
@@ -56,7 +59,7 @@ def drift_sentence(
         small_text(value / unit.factor, unit.text, sd / unit.factor)
         for value, sd in (odd.others, odd.value)
     )
-    words = _words(cause, odd)
+    words = subject_of(cause, odd.key)
     return (
         f"{words[:1].upper()}{words[1:]} is not constant: {first} in the first half of the time, "
         f"{second} in the second; {so}."
@@ -71,10 +74,12 @@ def unit_of_key(model: Model, cause: Hypothesis, key: str) -> Unit:
     return declared[cause.path].unit if cause.path in declared else ONE
 
 
-def _words(cause: Hypothesis, outlier: Outlier) -> str:
+def subject_of(cause: Hypothesis, key: str) -> str:
+    """A number of a cause as the subject of a sentence: ``Coulomb friction on x``."""
     if cause.place is None:
-        return cause.path if cause.kind == "parameter" else f"{cause.kind} of {cause.path}"
-    return f"{noun_of(cause.kind, outlier.key)} {place_text(cause.place)}"
+        channel = cause.path.rpartition(".")[0]
+        return cause.path if cause.kind == "parameter" else f"{cause.kind} of {channel}"
+    return f"{noun_of(cause.kind, key)} {place_text(cause.place)}"
 
 
 def noun_of(kind: str, key: str) -> str:

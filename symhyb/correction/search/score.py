@@ -11,7 +11,7 @@ of a long list); Kennedy & O'Hagan, Journal of the Royal Statistical Society B 6
 model lacks is no noise).
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator
 from math import inf
 
 import numpy as np
@@ -136,14 +136,29 @@ def believable(trial: Refined, length_s: float = inf) -> bool:
 def weak(trial: Refined) -> tuple[int, ...]:
     """The causes, by their place in the structure, whose strength or added key does not stand out
     of its own deviation."""
-    first, found = 0, []
     spread = np.sqrt(np.diag(trial.fit.covariance))
-    for i, (cause, values) in enumerate(zip(trial.causes, grouped(trial), strict=True)):
-        stands = _strong(trial, i, first, spread)
-        if not (stands and _added_stands(cause, values, spread[first : first + cause.numbers])):
-            found.append(i)
-        first += cause.numbers
-    return tuple(found)
+    return tuple(
+        i
+        for i, first in enumerate(_firsts(trial))
+        if not _strong(trial, i, first, spread)
+        or any(added and not stands for added, stands in _shapes(trial, i, first, spread))
+    )
+
+
+def plain(trial: Refined) -> tuple[int, ...]:
+    """The causes, by their place in the structure, of which no number but the strength stands out
+    of its own deviation: an asymmetry of 0.01 ± 0.02 does not make a damper another law."""
+    spread = np.sqrt(np.diag(trial.fit.covariance))
+    return tuple(
+        i
+        for i, first in enumerate(_firsts(trial))
+        if not any(stands for _, stands in _shapes(trial, i, first, spread))
+    )
+
+
+def _firsts(trial: Refined) -> list[int]:
+    """Where the numbers of each cause begin."""
+    return [sum(cause.numbers for cause in trial.causes[:i]) for i in range(len(trial.causes))]
 
 
 def _strong(trial: Refined, which: int, first: int, spread: Array) -> bool:
@@ -163,16 +178,18 @@ def _strong(trial: Refined, which: int, first: int, spread: Array) -> bool:
     return bool(abs(strength) > OUTSTANDING * spread[first])
 
 
-def _added_stands(cause: Hypothesis, values: Mapping[str, float], spread: Array) -> bool:
-    """Whether every key that was added to a plain law stands out of its own deviation (``spread``
-    (k,), SI, in the order of ``values``): an exponent from 1, breakaway from sliding friction, and
-    what may have either sign by the sign that the plain law has not."""
-    for key, sd in zip(list(values)[: cause.numbers], spread, strict=True):
+def _shapes(trial: Refined, which: int, first: int, spread: Array) -> Iterator[tuple[bool, bool]]:
+    """Of each number of a cause behind its strength, whether it was added to a plain law, and
+    whether it stands out of its own deviation (``spread`` of all numbers, SI, those of the cause
+    from ``first``): what was added from what the plain law has, an exponent from 1, breakaway from
+    sliding friction, what may have either sign by the sign that the plain law has not."""
+    cause, values = trial.causes[which], grouped(trial)[which]
+    keys = list(values)[: cause.numbers]
+    for key, sd in list(zip(keys, spread[first:], strict=False))[1:]:
         declared = key_of(cause.kind, key) if key in cause.added else None
-        plain = declared.plain(values) if declared else None
-        if declared is None or plain is None:
+        usual = declared.plain(values) if declared else None
+        if declared is None or usual is None:
+            yield False, bool(abs(values[key]) > OUTSTANDING * sd)
             continue
-        beyond = -values[key] if declared.either_sign else values[key] - plain
-        if not beyond > OUTSTANDING * sd:
-            return False
-    return True
+        beyond = -values[key] if declared.either_sign else values[key] - usual
+        yield True, bool(beyond > OUTSTANDING * sd)

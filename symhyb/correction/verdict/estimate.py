@@ -9,7 +9,7 @@ from symhyb.correction.naming.findings import Named, doubtful, named
 from symhyb.correction.naming.fleet_words import drift_sentence
 from symhyb.correction.search.fleet import Outlier, drifting, widened
 from symhyb.correction.search.preparing import Prepared
-from symhyb.correction.search.score import NEAR_NOISE, weak
+from symhyb.correction.search.score import NEAR_NOISE, plain, weak
 from symhyb.correction.search.setting import Setting, Stage
 from symhyb.correction.search.trajectory import Refined, grouped, refine
 from symhyb.correction.verdict.choice import Choice
@@ -56,7 +56,7 @@ def estimate(prepared: Prepared, choice: Choice, say: Say) -> Estimated:
     final, stage = valued(choice.setting, choice.decision.selected, prepared)
     drift = drifting(prepared.model, final, stage, choice.setting.sd)
     held = with_what_is_held(prepared.model, choice.setting, final, stage)
-    doubt = _doubt(choice, final) | _vague(held)
+    doubt = _doubt(choice, final) | _vague(held, _drifted(choice, final, drift)[0])
     final, more, said = _drifted(choice, held, drift)
     return Estimated(final, stage, doubt | more, said)
 
@@ -89,10 +89,12 @@ def _doubt(choice: Choice, final: Refined) -> frozenset[Hypothesis]:
     return frozenset({*doubtful(choice.decision), *(final.causes[i] for i in weak(final))})
 
 
-def _vague(held: Refined) -> frozenset[Hypothesis]:
-    """The causes of one number that do not stand out of their deviations with what else the model
-    is uncertain of; what bends a law tells it from that."""
-    return frozenset(held.causes[i] for i in weak(held) if held.causes[i].numbers == 1)
+def _vague(held: Refined, alone: Refined) -> frozenset[Hypothesis]:
+    """The causes whose strength does not stand out of its deviation with what else the model is
+    uncertain of (``held``); what bends a law tells it from that, if it stands out by itself
+    (``alone``)."""
+    straight = set(plain(alone))
+    return frozenset(held.causes[i] for i in weak(held) if i in straight)
 
 
 def _drifted(

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from symhyb.correction.adequacy.beyond import beyond
 from symhyb.correction.adequacy.channel_noise import faulty_sensors, noisy_input
@@ -44,6 +45,19 @@ def test_a_colour_of_bursts_is_a_sensor_that_freezes() -> None:
     ((found, chance, _),) = faulty_sensors(setting, trial)
     assert (found.kind, found.does) == ("sensor", "jumps")
     assert chance > 0.99
+
+
+def test_a_model_that_fails_at_large_motion_accuses_no_sensor() -> None:
+    """A decay with noise of the sensor in proportion to the square of its size: in bursts, but
+    where the motion is large."""
+    random, t = np.random.default_rng(9), STEP * np.arange(SAMPLES)
+    x = np.exp(-0.3 * t) * np.cos(np.sqrt(25.0 - 0.09) * t)
+    fast = lfilter([1.0], [1.0, -0.8], random.standard_normal(SAMPLES))
+    noise = NOISE / 10 * random.standard_normal(SAMPLES) + NOISE * np.exp(-0.6 * t) * fast
+    made = Recording("decay.csv", t, {"f": np.zeros(SAMPLES)}, {"laser": x + noise}, (), "")
+    setting, trial = coloured(made)
+    assert trial.fit.noise.coloured
+    assert faulty_sensors(setting, trial) == ()
 
 
 @pytest.mark.parametrize("memory_s", [0.04, 0.15])

@@ -1,0 +1,71 @@
+"""Whether a claimed strength is the same by another estimator: a specification test.
+
+Of a cause that acts, every consistent estimator finds the same strength: trajectories of short
+windows, innovations with an unknown force, and these with a generic class of what acts beyond. A
+cause that only stands in for something else is another number as soon as that has a place of its
+own: a load behind a play is an added mass of 0.35 kg, and of 1.8 kg beside a hidden mode.
+
+Source: Hausman, Econometrica 46, 1978.
+"""
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from symhyb.correction.adequacy.structure import Fitted, Generic
+from symhyb.correction.search.score import OUTSTANDING
+from symhyb.correction.search.trajectory import Refined
+from symhyb.discrepancy.places.hypotheses import Hypothesis
+
+MOST_MOVED = 0.5  # of a strength: what differs by more is not the same effect
+
+
+class Disputed(NamedTuple):
+    """A cause whose strength depends on what else the structure holds: value and one deviation as
+    ``claimed`` and as found by ``another`` estimator, SI; ``beside`` is the class that it had."""
+
+    cause: Hypothesis
+    claimed: tuple[float, float]
+    another: tuple[float, float]
+    beside: Generic | None
+
+
+def disputed(final: Refined, trials: Sequence[Fitted]) -> tuple[Disputed, ...]:
+    """The causes of a structure that one of the trials gives another strength: off by more than the
+    deviations allow, and by more than half of what is claimed, each with the first such trial. A
+    trial whose class can itself be the cause (a force of stretch and rate, a change of the same
+    number) says nothing of it."""
+    claimed, found = dict(_strengths(final)), {}
+    for trial in trials:
+        for cause, (value, sd) in _strengths(trial):
+            if cause not in claimed or cause in found or _holds(trial, cause):
+                continue
+            own, own_sd = claimed[cause]
+            off, size = abs(value - own), abs(own - _usual(final, cause))
+            if off > OUTSTANDING * np.hypot(sd, own_sd) and off > MOST_MOVED * size:
+                found[cause] = Disputed(cause, (own, own_sd), (value, sd), trial.extra)
+    return tuple(found.values())
+
+
+def _holds(trial: Fitted, cause: Hypothesis) -> bool:
+    """Whether the class of a trial can take the place of the cause."""
+    generic = trial.extra
+    return generic is not None and (generic.kind == "law" or generic.where == cause.path)
+
+
+def _usual(final: Refined, cause: Hypothesis) -> float:
+    """The strength, SI, at which there is no such cause: 0 of a law, else what the file states."""
+    return 0.0 if cause.place else float(final.machine.values[final.machine.column(cause.path)])
+
+
+def _strengths(trial: Refined | Fitted) -> Iterator[tuple[Hypothesis, tuple[float, float]]]:
+    """Each cause whose strength all recordings share, with its first number and one deviation."""
+    covariance, first = trial.fit.covariance, 0
+    for cause in trial.causes:
+        if not cause.own:
+            yield (
+                cause,
+                (float(trial.fit.values[first]), float(np.sqrt(abs(covariance[first, first])))),
+            )
+        first += cause.numbers

@@ -1,0 +1,97 @@
+"""A strength that is real is the same by every estimator; what stands in for another is not."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.signal import lsim
+
+from symhyb.correction.adequacy.agreement import disputed
+from symhyb.correction.adequacy.classes.hidden_mode import hidden_mode
+from symhyb.correction.adequacy.classes.law import law
+from symhyb.correction.adequacy.classes.worth import around
+from symhyb.correction.adequacy.structure import Fitted, fitted
+from symhyb.correction.naming.dispute_words import dispute_sentence
+from symhyb.correction.search.preparing import prepare, settle
+from symhyb.correction.search.trajectory import Refined, grouped, refine
+from symhyb.data.recording import Recording
+from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.model.types import On
+from tests.pushed import (
+    DAMPING,
+    NOISE,
+    STEP,
+    STIFFNESS,
+    markov,
+    pushed,
+    pushed_model,
+    pushing,
+    setting_of,
+)
+
+SAMPLES = 1000
+MASS = Hypothesis("added_mass", On("x"), ("mass",), (True,))
+DAMPER = Hypothesis("damper", On("x"), ("damping",), (True,))
+
+
+def with_hidden_mode() -> Recording:
+    """A mass of 0.15 kg hangs on a spring, 2.9 Hz by itself."""
+    mass, w, t = 0.15, 2 * np.pi * 2.9, STEP * np.arange(SAMPLES)
+    k, d = mass * w**2, 0.1 * mass * w
+    A = [
+        [0, 1, 0, 0],
+        [-STIFFNESS - k, -DAMPING - d, k, d],
+        [0, 0, 0, 1],
+        [k / mass, d / mass, -k / mass, -d / mass],
+    ]
+    random = np.random.default_rng(3)
+    force = pushing(random, t)
+    _, x, _ = lsim((A, [[0], [1], [0], [0]], [[1, 0, 0, 0]], [[0]]), force, t)
+    seen = x + NOISE * random.standard_normal(SAMPLES)
+    return Recording("made.csv", t, {"f": force}, {"laser": seen}, (), "")
+
+
+def estimated(
+    recording: Recording, causes: Sequence[Hypothesis], rows: Sequence[Mapping[str, float]]
+) -> tuple[Refined, list[Fitted]]:
+    """A structure by windows; by innovations, and so with a hidden mode and a force of any law."""
+    prepared = prepare(pushed_model(), recording)
+    setting = settle(prepared)
+    final = refine(prepared.model, causes, rows, setting.stages[-1].cuts, setting.sd)
+    ground = setting_of(pushed_model(), recording)
+    base = fitted(ground, causes, grouped(final), ground.first_noise())
+    noise, start = ground.revived(base.fit.noise), around(ground, base)
+    which = ground.library.places.index(On("x"))
+    others = [
+        fitted(ground, causes, grouped(final), noise, base.fit.states, extra=maker(start, which))
+        for maker in (hidden_mode, law)
+    ]
+    return final, [base, *others]
+
+
+def test_an_added_mass_that_is_a_hidden_mode_is_disputed() -> None:
+    final, (base, mode, force) = estimated(with_hidden_mode(), [MASS], [{"mass": 0.1}])
+    (one,) = disputed(final, [base, mode, force])
+    assert one.cause == MASS
+    assert one.beside is mode.extra
+    assert one.another[0] == mode.fit.values[0]
+    assert abs(one.another[0] - one.claimed[0]) > 0.5 * abs(one.claimed[0])
+    said = dispute_sentence(pushed_model(), one)
+    assert said.startswith("Added mass on x would be ")
+    assert "kg beside a hidden mode: it only stands in for something else" in said
+
+
+def test_a_law_that_is_real_stays_beside_an_unmeasured_force() -> None:
+    planted = markov(np.random.default_rng(13), SAMPLES, 0.5, 0.2)
+    recording = pushed(13, samples=SAMPLES, damping=1.6, beside=planted)
+    final, trials = estimated(recording, [DAMPER], [{"damping": 0.8}])
+    assert final.fit.values[0] > 0.5
+    assert not disputed(final, trials)
+
+
+def test_a_class_that_can_be_the_cause_says_nothing_of_it() -> None:
+    final, (base, _, force) = estimated(pushed(5, damping=1.6), [DAMPER], [{"damping": 0.8}])
+    off = replace(base.fit, values=np.zeros_like(base.fit.values))
+    (one,) = disputed(final, [replace(base, fit=off)])
+    assert (one.cause, one.beside) == (DAMPER, None)
+    assert not disputed(final, [replace(base, fit=off, extra=force.extra)])
