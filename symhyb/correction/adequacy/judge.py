@@ -36,23 +36,25 @@ PART_OF_BEYOND = 1 / 3  # of the force that acts beyond: a law that is claimed b
 MOST_BEYOND = 1 / 3  # of what moves a coordinate: where more acts beyond, nothing is known
 HALF = 0.5  # of the power of what acts beyond the causes: a class takes at least so much
 LEFT_MOST = 0.1  # of the power of what acts: what leaves more does not explain it
+TOO_SHORT = "no part of the recordings without a gap is long enough"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Adequacy:
     """What acts ``beyond`` a structure, the generic ``classes`` that it may be with their posterior
     probabilities, the causes that are in ``doubt`` beside them, and those of them that are
-    ``disputed``."""
+    ``disputed``; ``unjudged`` is empty, or why nothing of this is known."""
 
     beyond: Beyond
     classes: tuple[Likely, ...] = ()
     doubt: frozenset[Hypothesis] = frozenset()
     disputed: tuple[Disputed, ...] = ()
+    unjudged: str = ""
 
     @property
     def adequate(self) -> bool:
-        """Whether nothing acts that no cause explains."""
-        return not (self.beyond.acts or self.class_probability > HALF)
+        """Whether nothing acts that no cause explains, as far as is known."""
+        return not (self.unjudged or self.beyond.acts or self.class_probability > HALF)
 
     @property
     def class_probability(self) -> float:
@@ -64,11 +66,11 @@ def adequacy(prepared: Prepared, setting: Setting, final: Refined) -> Adequacy:
     """Judge a decided structure by the recordings that it was decided on."""
     ground = recorded(prepared, setting)
     if ground is None:
-        return Adequacy(NOTHING)
+        return Adequacy(NOTHING, unjudged=TOO_SHORT)
     rows = grouped(final)
     base = _scored(ground, fitted(ground, final.causes, rows, ground.first_noise()))
     if base.fit.reason:
-        return Adequacy(NOTHING)
+        return Adequacy(NOTHING, unjudged=base.fit.reason)
     left = beyond(ground, base)
     if left.alone is not None and left.evidence < 0:
         base = _scored(ground, fitted(ground, final.causes, rows, left.alone, base.fit.states))

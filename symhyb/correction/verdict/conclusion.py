@@ -88,6 +88,9 @@ def concluded(
     if verdict == "nothing missing" and poor:
         verdict = "undecided"
         sentence = f"These recordings cannot tell: {poor}. Nothing in them contradicts the model."
+    elif verdict == "nothing missing" and judged.unjudged:
+        verdict = "undecided"
+        sentence = f"No cause that symhyb knows earned its place. {rest}"
     elif rest:
         sentence = f"{sentence} {rest}"
     noise = _measured_noise(model, prepared)
@@ -191,7 +194,8 @@ def _verdict(
     if parameters:
         return "parameters"
     # something earned its place, and all of it is in doubt; or a force acts that none explains
-    return "undecided" if known.final.causes or not judged.adequate else "nothing missing"
+    acts = not (judged.adequate or judged.unjudged)
+    return "undecided" if known.final.causes or acts else "nothing missing"
 
 
 def _classes(model: Model, judged: Adequacy) -> tuple[ClassFound, ...]:
@@ -211,6 +215,8 @@ def _rest(model: Model, judged: Adequacy, classes: tuple[ClassFound, ...], named
     """What acts that was not named, in words; empty if nothing does. How large an unmeasured force
     is stands in the last sentence."""
     said = [one.sentence for one in classes if one.kind != "unmeasured force"]
+    if judged.unjudged:
+        said.append(f"Whether anything acts beyond it could not be judged: {judged.unjudged}.")
     if judged.beyond.acts:
         how = "Beyond what is named acts a force" if named else "A force acts"
         said.append(f"{how} that no cause explains: {_amounts(model, judged.beyond)}.")

@@ -6,7 +6,9 @@ from collections.abc import Mapping
 import numpy as np
 import pytest
 
-from symhyb.correction.adequacy.judge import CLAIMED, Adequacy, adequacy
+import symhyb as sh
+from symhyb.correction.adequacy import judge
+from symhyb.correction.adequacy.judge import CLAIMED, TOO_SHORT, Adequacy, adequacy
 from symhyb.correction.search.preparing import prepare, settle
 from symhyb.correction.search.trajectory import refine
 from symhyb.data.recording import Recording
@@ -39,6 +41,17 @@ def test_a_model_that_is_right_is_adequate(colour: tuple[float, float]) -> None:
     found = judged(pushed(11, samples=SAMPLES, colour=colour))
     assert found.adequate
     assert not found.doubt
+
+
+def test_what_could_not_be_judged_is_not_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    made = pushed(11, samples=SAMPLES)
+    assert sh.diagnose(pushed_model(), made).verdict == "nothing missing"
+    monkeypatch.setattr(judge, "recorded", lambda *_: None)
+    assert not judged(made).adequate
+    diagnosis = sh.diagnose(pushed_model(), made)
+    assert diagnosis.verdict == "undecided"
+    assert diagnosis.sentence.startswith("No cause that symhyb knows earned its place. Whether")
+    assert TOO_SHORT in diagnosis.sentence
 
 
 def test_a_law_that_is_right_is_adequate_and_stays() -> None:
