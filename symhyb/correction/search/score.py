@@ -162,9 +162,10 @@ def _firsts(trial: Refined) -> list[int]:
 
 
 def _strong(trial: Refined, which: int, first: int, spread: Array) -> bool:
-    """Whether the strength of a cause, whose numbers begin at ``first``, stands out of its own
-    deviation (``spread`` of all numbers, SI); where every recording has its own, that of any one,
-    as far out as the largest of so many may be by chance: not every machine need show the cause."""
+    """Whether the strength of a cause, whose numbers begin at ``first``, stands out of the
+    deviation that is told of it, of which the accuracy of the numerics is a part; where every
+    recording has its own (``spread`` of all numbers, SI), that of any one, as far out as the
+    largest of so many may be by chance: not every machine need show the cause."""
     cause, values = trial.causes[which], grouped(trial)[which]
     key, strength = next(iter(values.items()))
     if key in cause.own and trial.owned:
@@ -175,7 +176,7 @@ def _strong(trial: Refined, which: int, first: int, spread: Array) -> bool:
         )
     if "static" in cause.terms:
         strength = values["static"] - values["coulomb"]
-    return bool(abs(strength) > OUTSTANDING * spread[first])
+    return bool(abs(strength) > OUTSTANDING * trial.value(trial.paths[first])[1])
 
 
 def _shapes(trial: Refined, which: int, first: int, spread: Array) -> Iterator[tuple[bool, bool]]:
