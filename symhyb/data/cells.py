@@ -1,5 +1,6 @@
 """Columns of numbers out of the columns of a pandas frame: dates in seconds, words a problem."""
 
+from math import inf
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -31,7 +32,7 @@ def column_of(header: str, cells: "pd.Series[Any]", file: str, first: int) -> tu
     if pd.api.types.is_complex_dtype(cells.dtype):
         values = np.full(cells.size, np.nan)
         return Column(header, values, Problem("is complex", f"column '{header}'", file)), ""
-    values = pd.to_numeric(cells, errors="coerce").to_numpy(dtype=np.float64, na_value=np.nan)
+    values = numbers_in(cells)
     bad = np.flatnonzero(np.isnan(values) & cells.notna().to_numpy())
     bad = np.array([k for k in bad if not _is_nan(cells.iloc[k])], dtype=np.intp)
     if not bad.size:
@@ -39,6 +40,26 @@ def column_of(header: str, cells: "pd.Series[Any]", file: str, first: int) -> tu
     more = f" ({bad.size} such cells)" if bad.size > 1 else ""
     text = f"'{str(cells.iloc[bad[0]])[:40]}' is not a number, in row {first + bad[0]}{more}"
     return Column(header, values, Problem(text, f"column '{header}'", file)), ""
+
+
+def numbers_in(cells: "pd.Series[Any]") -> NDArray[np.float64]:
+    """The numbers (N,) of cells, NaN where one is none; a number beyond any float is infinite."""
+    import pandas as pd
+
+    try:
+        found = pd.to_numeric(cells, errors="coerce")
+    except OverflowError:
+        found = pd.to_numeric(cells.map(_as_float), errors="coerce")
+    return np.asarray(found.to_numpy(dtype=np.float64, na_value=np.nan))
+
+
+def _as_float(cell: object) -> object:
+    if not isinstance(cell, int):
+        return cell
+    try:
+        return float(cell)
+    except OverflowError:
+        return inf if cell > 0 else -inf
 
 
 def twice(headers: list[str], file: str) -> dict[str, Problem]:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from symhyb.data.cells import numbers_in
 from symhyb.data.table import NO_UNIT, Column, Table, is_unit, refusal, split_unit
 from symhyb.errors import Problem
 
@@ -175,7 +176,7 @@ def _columns(
             continue  # a delimiter at the end of every line
         values = _dates(cells)
         if values is None:
-            values = pd.to_numeric(cells, errors="coerce").to_numpy(dtype=np.float64)
+            values = numbers_in(cells)
             cells = cells.where(~cells.isin(DASHES))  # a dash is an empty cell
         bad = np.flatnonzero(np.isnan(values) & cells.notna().to_numpy())
         problem = None

@@ -1,6 +1,7 @@
 """One door for every file format: a path in, named columns of numbers out.
 
-A new format is one more function from bytes to :class:`Table` in ``_READERS``.
+A new format is one more function from bytes to :class:`Table` in ``_READERS``; what a native parser
+reads stands in ``_NATIVE`` too.
 """
 
 import hashlib
@@ -10,6 +11,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
+from symhyb.data.apart import read_apart
 from symhyb.data.csv_file import read_csv
 from symhyb.data.json_file import read_json
 from symhyb.data.mat_file import read_mat
@@ -29,6 +31,7 @@ _READERS: Mapping[str, Callable[[bytes, str], Table]] = {
     ".mf4": read_mdf,
     ".mdf": read_mdf,
 }
+_NATIVE = frozenset(_READERS) - {".csv", ".json"}
 _FROM_TO = re.compile(r"([1-9]\d*)-([1-9]\d*)")
 
 
@@ -95,8 +98,8 @@ def _read(path: Path) -> Table:
         raise refusal(file, "is a folder, not a recording")
     if not path.exists():
         raise refusal(file, f"does not exist{_near(path)}")
-    reader = _READERS.get(path.suffix.lower())
-    if reader is None:
+    suffix = path.suffix.lower()
+    if suffix not in _READERS:
         known = ", ".join(_READERS)
         raise refusal(file, f"'{path.suffix}' is not a readable format; readable are {known}")
     try:
@@ -105,7 +108,9 @@ def _read(path: Path) -> Table:
         raise refusal(file, f"cannot be read: {error.strerror}") from error
     if not content.strip():
         raise refusal(file, "the file is empty")
-    return replace(reader(content, file), sha256=hashlib.sha256(content).hexdigest())
+    reader = _READERS[suffix]
+    table = read_apart(reader, content, file) if suffix in _NATIVE else reader(content, file)
+    return replace(table, sha256=hashlib.sha256(content).hexdigest())
 
 
 def _near(path: Path) -> str:

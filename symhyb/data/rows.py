@@ -15,6 +15,7 @@ from symhyb.data.table import Table
 from symhyb.errors import InputError, Problem
 
 SHORTEST = 20  # samples: below that no noise level can be measured
+LONGEST_S = 1e11  # 3000 years: no recording lasts as long
 LONGEST_HOLE = 3  # samples of an input that a straight line may bridge
 
 
@@ -188,7 +189,8 @@ def _dropped(count: int, which: str) -> str:
 
 
 def check_time(t: NDArray[np.float64], rows: NDArray[np.intp], table: Table) -> None:
-    """Check that ``t`` (N,) in s is there and increases; ``rows`` (N,) are the rows of the file.
+    """Check that ``t`` (N,) in s is there, increases and is not longer than a machine lasts;
+    ``rows`` (N,) are the rows of the file.
 
     Raises:
         InputError: it does not.
@@ -196,6 +198,12 @@ def check_time(t: NDArray[np.float64], rows: NDArray[np.intp], table: Table) -> 
     missing = np.flatnonzero(np.isnan(t))
     if missing.size:
         text = f"time is missing at {table.row(rows[missing[0]])}" + _more(missing.size)
+        raise InputError(Problem(text, "t", table.file))
+    first, last = (float(t.min()), float(t.max())) if t.size else (0.0, 0.0)
+    if last / 2 - first / 2 > LONGEST_S / 2:
+        text = (
+            f"time runs from {first:.9g} to {last:.9g} s, longer than any machine; check its unit"
+        )
         raise InputError(Problem(text, "t", table.file))
     wrong = np.flatnonzero(np.diff(t) <= 0) + 1
     if wrong.size:

@@ -141,3 +141,9 @@ def test_a_file_that_may_not_be_read(write, monkeypatch):
     path = write("run.csv", "t,x\n0,1\n")
     monkeypatch.setattr("pathlib.Path.read_bytes", forbidden)
     assert refused(path) == " cannot be read: Permission denied"
+
+
+def test_a_number_that_no_float_holds_is_infinite(write):
+    rows = "".join(f"{i},{i}\n" for i in range(3))
+    (_, x) = read_table(write("run.csv", f"t,x\n{rows}3,{'9' * 400}\n4,-{'9' * 400}\n")).columns
+    assert x.values.tolist() == [0.0, 1.0, 2.0, np.inf, -np.inf]

@@ -5,27 +5,30 @@ import sys
 
 import pytest
 
-from symhyb.data.formats import read_table
+from symhyb.data.mat_file import read_mat
+from symhyb.data.mdf_file import read_mdf
+from symhyb.data.parquet_file import read_parquet
+from symhyb.data.sheet_file import read_excel
 from symhyb.errors import InputError
 
 EXTRAS = ("h5py", "pyarrow.parquet", "openpyxl", "xlrd", "asammdf")
 
 
 @pytest.mark.parametrize(
-    ("name", "content", "module", "extra"),
+    ("reader", "content", "module", "extra"),
     [
-        ("run.mat", b"\x89HDF\r\n\x1a\n", "h5py", "mat73"),
-        ("run.parquet", b"PAR1PAR1", "pyarrow", "parquet"),
-        ("run.xlsx", b"PK\x03\x04", "openpyxl", "excel"),
-        ("run.xls", b"\xd0\xcf\x11\xe0", "xlrd", "excel"),
-        ("run.mf4", b"MDF     4.10", "asammdf", "mdf"),
+        (read_mat, b"\x89HDF\r\n\x1a\n", "h5py", "mat73"),
+        (read_parquet, b"PAR1PAR1", "pyarrow", "parquet"),
+        (read_excel, b"PK\x03\x04", "openpyxl", "excel"),
+        (read_excel, b"\xd0\xcf\x11\xe0", "xlrd", "excel"),
+        (read_mdf, b"MDF     4.10", "asammdf", "mdf"),
     ],
 )
-def test_a_missing_package_is_named_with_its_cure(write, monkeypatch, name, content, module, extra):
+def test_a_missing_package_is_named_with_its_cure(monkeypatch, reader, content, module, extra):
     monkeypatch.setitem(sys.modules, module, None)
     cure = rf'needs the package {module}, which .*; run: pip install "symhyb\[{extra}\]"$'
     with pytest.raises(InputError, match=cure) as caught:
-        read_table(write(name, content))
+        reader(content, "run")
     assert len(caught.value.problems) == 1
 
 

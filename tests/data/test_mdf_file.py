@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from symhyb.data.formats import read_table
+from symhyb.data.mdf_file import read_mdf
 from symhyb.data.recording import read_recording
 from symhyb.errors import InputError
 
@@ -115,7 +116,7 @@ def test_damage_inside_is_a_sentence_and_nothing_is_printed(write, content, one_
         broken = bytearray(whole)
         broken[place] ^= 0xF1
         try:
-            read_table(write("run.mf4", bytes(broken)))
+            read_mdf(bytes(broken), "run.mf4")
         except InputError as error:
             said.append(str(error))
     assert said

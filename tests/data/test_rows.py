@@ -195,3 +195,10 @@ def test_a_held_input_keeps_its_value_between_slow_samples_and_over_a_hole(model
         recording = read_recording(write("run.csv", "\n".join(["t,f,laser", *lines])), held)
         np.testing.assert_allclose(recording.inputs["f"], wanted)
         assert any(said in note for note in recording.notes)
+
+
+def test_a_time_longer_than_any_machine_lasts_is_refused(refused, signals):
+    """Differences of times as far apart as floats reach are infinite."""
+    times = 1.5e308 * np.linspace(-1, 1, signals["t"].size)
+    said = refused({**signals, "t": times})
+    assert said.startswith("t: time runs from -1.5e+308 to 1.5e+308 s, longer than any machine")

@@ -59,9 +59,8 @@ def drift_sentence(
         small_text(value / unit.factor, unit.text, sd / unit.factor)
         for value, sd in (odd.others, odd.value)
     )
-    words = subject_of(cause, odd.key)
     return (
-        f"{words[:1].upper()}{words[1:]} is not constant: {first} in the first half of the time, "
+        f"{opening_of(cause, odd.key)} is not constant: {first} in the first half of the time, "
         f"{second} in the second; {so}."
     )
 
@@ -80,6 +79,14 @@ def subject_of(cause: Hypothesis, key: str) -> str:
         channel = cause.path.rpartition(".")[0]
         return cause.path if cause.kind == "parameter" else f"{cause.kind} of {channel}"
     return f"{noun_of(cause.kind, key)} {place_text(cause.place)}"
+
+
+def opening_of(cause: Hypothesis, key: str) -> str:
+    """The subject at the beginning of a sentence; a name of the model's stays as it is written."""
+    words = subject_of(cause, key)
+    if cause.kind == "parameter":
+        return f"Parameter {words}"
+    return f"{words[:1].upper()}{words[1:]}"
 
 
 def noun_of(kind: str, key: str) -> str:

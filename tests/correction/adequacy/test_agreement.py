@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.signal import lsim
 
-from symhyb.correction.adequacy.agreement import disputed
+from symhyb.correction.adequacy.agreement import Disputed, disputed
 from symhyb.correction.adequacy.classes.hidden_mode import hidden_mode
 from symhyb.correction.adequacy.classes.law import law
 from symhyb.correction.adequacy.classes.worth import around
@@ -79,6 +79,13 @@ def test_an_added_mass_that_is_a_hidden_mode_is_disputed() -> None:
     said = dispute_sentence(pushed_model(), one)
     assert said.startswith("Added mass on x would be ")
     assert "kg beside a hidden mode: it only stands in for something else" in said
+
+
+def test_the_name_of_a_parameter_stays_as_the_model_writes_it() -> None:
+    cause = Hypothesis("parameter", None, ("value",), (False,), path="d")
+    said = dispute_sentence(pushed_model(), Disputed(cause, (0.9, 0.01), (0.6, 0.01), None))
+    assert said.startswith("Parameter d would be 0.900 ± 0.010 N·s/m, and 0.600 ± 0.010 N·s/m")
+    assert "beside an unknown force" in said
 
 
 def test_a_law_that_is_real_stays_beside_an_unmeasured_force() -> None:

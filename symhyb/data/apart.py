@@ -1,0 +1,149 @@
+"""Files of formats with a native parser are read in a process of their own.
+
+A damaged or hostile file can crash such a parser, or make it ask for memory and time without bound.
+The process has limits of both; its end by a signal becomes a sentence. It gets the bytes of the
+file and gives back numbers and text: a header in JSON and the columns behind it as they lie in
+memory, so that nothing that a stranger wrote is executed on this side either.
+"""
+
+import json
+import os
+import struct
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import asdict
+from importlib import import_module
+from signal import Signals
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symhyb.data.table import Column, Table, refusal
+from symhyb.errors import InputError, Problem
+
+MEMORY_FREE, MEMORY_TIMES = 1536 << 20, 16  # bytes of memory, and for each byte of the file
+SECONDS_FREE, BYTES_A_SECOND = 8, 200_000  # of a processor, and how fast a file is read at least
+WAITS = 4  # times the processor's seconds, by the clock
+
+_LENGTH = struct.Struct("<Q")  # of the header, before it
+_START = "from symhyb.data.apart import serve; serve()"
+_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "ARROW_IO_THREADS")
+
+
+def read_apart(reader: Callable[[bytes, str], Table], content: bytes, file: str) -> Table:
+    """What ``reader``, a function of a module, makes of the ``content`` of a ``file``.
+
+    Raises:
+        InputError: what the reader says; or it crashed, or took more memory or time than it gets.
+    """
+    seconds = SECONDS_FREE + len(content) // BYTES_A_SECOND
+    memory = MEMORY_FREE + MEMORY_TIMES * len(content)
+    order = [reader.__module__, reader.__name__, file, str(seconds), str(memory)]
+    environment = {
+        **os.environ,
+        **dict.fromkeys(_THREADS, "1"),
+        "PYTHONPATH": os.pathsep.join(filter(None, sys.path)),
+    }
+    try:
+        done = subprocess.run(
+            [sys.executable, "-c", _START, *order],
+            input=content,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            env=environment,
+            timeout=WAITS * seconds,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        raise refusal(file, _slow(WAITS * seconds)) from None
+    if done.returncode:
+        raise refusal(file, _ended(done.returncode, seconds))
+    return _unpacked(done.stdout, file)
+
+
+def serve() -> None:
+    """Read the file on standard input as the command line orders, within its limits."""
+    module, name, file, seconds, memory = sys.argv[1:]
+    out, sys.stdout = sys.stdout.buffer, sys.stderr
+    reader = getattr(import_module(module), name)
+    _limit(int(seconds), int(memory))
+    try:
+        packed = _packed(reader(sys.stdin.buffer.read(), file))
+    except InputError as error:
+        packed = _with_length({"problems": [asdict(problem) for problem in error.problems]})
+    except MemoryError:
+        said = f"needs more than the {_size(int(memory))} of memory that a file of its size gets"
+        packed = _with_length({"problems": [asdict(Problem(said, file=file))]})
+    out.write(packed)
+    out.flush()
+
+
+def _limit(seconds: int, memory: int) -> None:
+    """Bound this process; where the system has no such limits only the clock does."""
+    try:
+        import resource
+    except ImportError:
+        return
+    wanted = [(resource.RLIMIT_CPU, seconds), (resource.RLIMIT_CORE, 0)]
+    wanted.append((resource.RLIMIT_DATA, memory))
+    for what, most in wanted:
+        _, hard = resource.getrlimit(what)
+        most = most if hard == resource.RLIM_INFINITY else min(most, hard)
+        resource.setrlimit(what, (most, hard))
+
+
+def _packed(table: Table) -> bytes:
+    columns, values = [], []
+    for column in table.columns:
+        numbers = np.ascontiguousarray(column.values, float)
+        problem = None if column.problem is None else asdict(column.problem)
+        about = {"header": column.header, "part": column.part, "inside": column.inside}
+        columns.append({**about, "problem": problem, "shape": column.values.shape})
+        values.append(numbers.tobytes())
+    return _with_length({"columns": columns, "notes": table.notes}) + b"".join(values)
+
+
+def _with_length(header: dict[str, Any]) -> bytes:
+    text = json.dumps(header).encode()
+    return _LENGTH.pack(len(text)) + text
+
+
+def _unpacked(packed: bytes, file: str) -> Table:
+    try:
+        (length,) = _LENGTH.unpack_from(packed)
+        position = _LENGTH.size + length
+        header = json.loads(packed[_LENGTH.size : position])
+        problems = [Problem(**problem) for problem in header.get("problems", ())]
+        columns = []
+        for about in header.get("columns", ()):
+            shape = tuple(about.pop("shape"))
+            values: NDArray[np.float64] = np.frombuffer(
+                packed, np.float64, int(np.prod(shape)), position
+            ).reshape(shape)
+            position += values.nbytes
+            problem = about.pop("problem")
+            known = None if problem is None else Problem(**problem)
+            columns.append(Column(**about, values=values.copy(), problem=known))
+    except (ValueError, TypeError, KeyError, struct.error):
+        raise refusal(file, "its reader gave back what is no table: the file is damaged") from None
+    if problems:
+        raise InputError(problems)
+    return Table(file, tuple(columns), tuple(header["notes"]))
+
+
+def _ended(code: int, seconds: int) -> str:
+    """Why a reader ended, from its exit status."""
+    if code < 0 and Signals(-code).name in ("SIGXCPU", "SIGKILL"):
+        return _slow(seconds)
+    how = f"by signal {Signals(-code).name}" if code < 0 else f"with exit status {code}"
+    return f"its reader ended {how}: the file is damaged, or made to harm; save it once more"
+
+
+def _slow(seconds: int) -> str:
+    return f"takes longer to read than the {seconds} s that a file of its size gets"
+
+
+def _size(count: int) -> str:
+    return f"{count / 2**30:.1f} GiB"
