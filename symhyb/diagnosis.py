@@ -106,7 +106,7 @@ def conclude(
     known = estimate(prepared, choice, tell)
     final, setting = known.final, choice.setting
     tell("looking for what acts beyond")
-    judged = adequacy(prepared, choice.setting, known.final)
+    judged = adequacy(prepared, choice.setting, known.final, throughout=choice.change is None)
     known = replace(known, doubt=known.doubt | judged.doubt)
     tell("removing each cause once, for its share")
     shown = prove(prepared, setting, final, known.stage, known.items)

@@ -43,7 +43,8 @@ def column_of(header: str, cells: "pd.Series[Any]", file: str, first: int) -> tu
 
 
 def numbers_in(cells: "pd.Series[Any]") -> NDArray[np.float64]:
-    """The numbers (N,) of cells, NaN where one is none; a number beyond any float is infinite."""
+    """The numbers (N,) of cells in the unit of the file, NaN where one is none; a number beyond any
+    float is infinite."""
     import pandas as pd
 
     try:

@@ -62,8 +62,11 @@ class Adequacy:
         return sum(one.probability for one in self.classes)
 
 
-def adequacy(prepared: Prepared, setting: Setting, final: Refined) -> Adequacy:
-    """Judge a decided structure by the recordings that it was decided on."""
+def adequacy(
+    prepared: Prepared, setting: Setting, final: Refined, throughout: bool = True
+) -> Adequacy:
+    """Judge a decided structure by the recordings that it was decided on. What does not act
+    ``throughout`` has no one strength over all of them, and is not disputed for that."""
     ground = recorded(prepared, setting)
     if ground is None:
         return Adequacy(NOTHING, unjudged=TOO_SHORT)
@@ -80,7 +83,7 @@ def adequacy(prepared: Prepared, setting: Setting, final: Refined) -> Adequacy:
         raced = _raced(ground, base, rows, base)
         trials += _answers(ground, raced, base)
     disputes: tuple[Disputed, ...] = ()
-    if left.acts:
+    if left.acts and throughout:
         better = [trial for trial in raced if trial.evidence > base.evidence + CERTAIN]
         disputes = disputed(final, [base, *better])
     doubt = _small(final, ground, left) | {one.cause for one in disputes}
