@@ -184,9 +184,12 @@ def _of_several(
 def _told_apart(answer: Diagnosis, choice: Choice) -> Diagnosis:
     """The answer with what the recordings tell apart; a note where that cannot be computed."""
     try:
-        return replace(answer, isolability=isolability(choice.setting, choice.decision))
+        table = isolability(choice.setting, choice.decision)
     except Exception as error:  # no finished diagnosis is lost for it
         return _with_note(answer, "No table of which causes these recordings tell apart", error)
+    if table is not None and not (answer.found or answer.parameters or answer.measurement):
+        table = replace(table, found=(False,) * len(table.found))  # what fits best is not claimed
+    return replace(answer, isolability=table)
 
 
 def advised(concluded: Concluded, say: Say | None = None) -> Diagnosis:

@@ -96,6 +96,8 @@ def alternative_sentence(rival: Alternative, *others: Alternative) -> str:
     if not math.isfinite(rival.evidence):
         return f"{said}."
     if abs(rival.evidence) < _TIE:
+        if rival.instead_of is None:
+            return f"{said}: a part of what fits best, and in doubt."
         return f"{said}: it explains the recordings equally well."
     worse = "worse" if rival.evidence > 0.0 else "better"
     return f"{said}: {worse} by {number_text(abs(rival.evidence), digits=DIGITS)} in the criterion."

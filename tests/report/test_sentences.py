@@ -86,6 +86,8 @@ def test_rivals_say_what_they_replace_and_how_much_worse_they_are() -> None:
     assert alternative_sentence(rival) == (
         f"{opening}, instead of found_damper: it explains the recordings equally well."
     )
+    doubted = alternative_sentence(replace(rival, instead_of=None))
+    assert doubted == f"{opening}: a part of what fits best, and in doubt."
     alone = replace(rival, instead_of=None, evidence=12.34)
     assert alternative_sentence(alone) == f"{opening}: worse by 12.3 in the criterion."
     assert alternative_sentence(replace(alone, evidence=math.inf)) == f"{opening}."

@@ -246,9 +246,10 @@ def alternatives_of(
     decision: Decision,
     names: Mapping[Hypothesis, str],
     doubt: Collection[Hypothesis] = (),
+    disputed: Collection[Hypothesis] = (),
 ) -> tuple[Alternative, ...]:
-    """What the data cannot rule out: causes in doubt, what is indistinguishable from what was
-    found, and rivals within reach.
+    """What the data cannot rule out: causes in doubt (numbers, and laws that are ``disputed``),
+    what is indistinguishable from what was found, and rivals within reach.
 
     ``names`` are the elements (or paths) under which certain causes of the selected structure are
     told.
@@ -257,7 +258,7 @@ def alternatives_of(
     rows = [
         _alternative(model, cause, _told_values(selected, cause), None, 0.0)
         for cause in selected.causes
-        if cause in unsure or (cause in doubt and cause.place is None)
+        if cause in unsure or cause in disputed or (cause in doubt and cause.place is None)
     ]
     for first, second in decision.equals:
         if first in selected.causes:

@@ -74,16 +74,19 @@ def concluded(
     parameters = reestimated(model, final, known.doubt)
     faults = channel_faults(final, known.doubt)
     titles = {cause: _title(cause, found) for cause in decision.selected.causes}
+    disputed = [one.cause for one in judged.disputed]
     alternatives = (
         *added_alternatives(model, known.completed),
-        *alternatives_of(model, decision, titles, known.doubt),
+        *alternatives_of(model, decision, titles, known.doubt, disputed),
     )
     verdict = _verdict(known, judged, found, bool(faults), bool(parameters))
     sentence = verdict_sentence(
         verdict, found, parameters, faults, alternatives, beyond=not judged.adequate
     )
     classes = _classes(model, judged)
-    rest = _rest(model, judged, classes, bool(found or parameters or faults))
+    beyond = "fits best" if final.causes else ""
+    beyond = "is named" if found or parameters or faults else beyond
+    rest = _rest(model, judged, classes, beyond)
     poor = too_poor(prepared.runs, [sensor.name for sensor in model.sensors])
     if verdict == "nothing missing" and poor:
         verdict = "undecided"
@@ -211,14 +214,14 @@ def _classes(model: Model, judged: Adequacy) -> tuple[ClassFound, ...]:
     return (ClassFound("unmeasured force", judged.beyond.probability, said, place=place),)
 
 
-def _rest(model: Model, judged: Adequacy, classes: tuple[ClassFound, ...], named: bool) -> str:
+def _rest(model: Model, judged: Adequacy, classes: tuple[ClassFound, ...], beyond: str) -> str:
     """What acts that was not named, in words; empty if nothing does. How large an unmeasured force
-    is stands in the last sentence."""
+    is, ``beyond`` what, stands in the last sentence."""
     said = [one.sentence for one in classes if one.kind != "unmeasured force"]
     if judged.unjudged:
         said.append(f"Whether anything acts beyond it could not be judged: {judged.unjudged}.")
     if judged.beyond.acts:
-        how = "Beyond what is named acts a force" if named else "A force acts"
+        how = f"Beyond what {beyond} acts a force" if beyond else "A force acts"
         said.append(f"{how} that no cause explains: {_amounts(model, judged.beyond)}.")
     return " ".join(said)
 
