@@ -2,15 +2,19 @@
 of its claims."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import symhyb as sh
+from symhyb import diagnosis as story
 from symhyb.correction.adequacy import judge
+from symhyb.correction.adequacy.agreement import Disputed
 from symhyb.correction.adequacy.judge import CLAIMED, TOO_SHORT, Adequacy, adequacy
-from symhyb.correction.search.preparing import prepare, settle
-from symhyb.correction.search.trajectory import refine
+from symhyb.correction.search.preparing import Prepared, prepare, settle
+from symhyb.correction.search.setting import Setting
+from symhyb.correction.search.trajectory import Refined, refine
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.model.types import On
@@ -52,6 +56,26 @@ def test_what_could_not_be_judged_is_not_nothing(monkeypatch: pytest.MonkeyPatch
     assert diagnosis.verdict == "undecided"
     assert diagnosis.sentence.startswith("No cause that symhyb knows earned its place. Whether")
     assert TOO_SHORT in diagnosis.sentence
+
+
+def test_what_is_disputed_is_an_alternative_and_not_told_apart(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    made = pushed(12, samples=SAMPLES, damping=1.4)
+    (found,) = sh.diagnose(pushed_model(), made).found
+
+    def disputing(prepared: Prepared, setting: Setting, final: Refined, **more: bool) -> Adequacy:
+        one = tuple(Disputed(cause, (0.8, 0.01), (2.0, 0.1), None) for cause in final.causes)
+        judgement = adequacy(prepared, setting, final, **more)
+        return replace(judgement, doubt=frozenset(final.causes), disputed=one)
+
+    monkeypatch.setattr(story, "adequacy", disputing)
+    diagnosis = sh.diagnose(pushed_model(), made)
+    assert (diagnosis.verdict, diagnosis.found) == ("undecided", ())
+    assert found.element.kind in {one.kind for one in diagnosis.alternatives}
+    assert "beside an unknown force: it only stands in for something else" in diagnosis.sentence
+    assert diagnosis.isolability is not None
+    assert not any(diagnosis.isolability.found)
 
 
 def test_a_law_that_is_right_is_adequate_and_stays() -> None:
