@@ -44,11 +44,11 @@ def read_apart(reader: Callable[[bytes, str], Table], content: bytes, file: str)
     environment = {
         **os.environ,
         **dict.fromkeys(_THREADS, "1"),
-        "PYTHONPATH": os.pathsep.join(filter(None, sys.path)),
+        "PYTHONPATH": os.pathsep.join(folder or os.getcwd() for folder in sys.path),
     }
     try:
         done = subprocess.run(
-            [sys.executable, "-c", _START, *order],
+            [sys.executable, "-P", "-c", _START, *order],  # -P: no module of the folder it runs in
             input=content,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
@@ -72,10 +72,11 @@ def serve() -> None:
     try:
         packed = _packed(reader(sys.stdin.buffer.read(), file))
     except InputError as error:
-        packed = _with_length({"problems": [asdict(problem) for problem in error.problems]})
+        packed = _refused(error)
     except MemoryError:
-        said = f"needs more than the {_size(int(memory))} of memory that a file of its size gets"
-        packed = _with_length({"problems": [asdict(Problem(said, file=file))]})
+        most = f"{int(memory) / 2**30:.1f} GiB"
+        said = f"needs more than the {most} of memory that a file of its size gets"
+        packed = _refused(refusal(file, said))
     out.write(packed)
     out.flush()
 
@@ -86,9 +87,11 @@ def _limit(seconds: int, memory: int) -> None:
         import resource
     except ImportError:
         return
-    wanted = [(resource.RLIMIT_CPU, seconds), (resource.RLIMIT_CORE, 0)]
-    wanted.append((resource.RLIMIT_DATA, memory))
-    for what, most in wanted:
+    for what, most in (
+        (resource.RLIMIT_CPU, seconds),
+        (resource.RLIMIT_DATA, memory),
+        (resource.RLIMIT_CORE, 0),
+    ):
         _, hard = resource.getrlimit(what)
         most = most if hard == resource.RLIM_INFINITY else min(most, hard)
         resource.setrlimit(what, (most, hard))
@@ -103,6 +106,10 @@ def _packed(table: Table) -> bytes:
         columns.append({**about, "problem": problem, "shape": column.values.shape})
         values.append(numbers.tobytes())
     return _with_length({"columns": columns, "notes": table.notes}) + b"".join(values)
+
+
+def _refused(error: InputError) -> bytes:
+    return _with_length({"problems": [asdict(problem) for problem in error.problems]})
 
 
 def _with_length(header: dict[str, Any]) -> bytes:
@@ -143,7 +150,3 @@ def _ended(code: int, seconds: int) -> str:
 
 def _slow(seconds: int) -> str:
     return f"takes longer to read than the {seconds} s that a file of its size gets"
-
-
-def _size(count: int) -> str:
-    return f"{count / 2**30:.1f} GiB"

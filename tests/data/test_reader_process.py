@@ -98,5 +98,15 @@ def test_a_reader_without_end_is_ended(
         read_apart(endless, b"abc", "a.mat")
 
 
+def test_a_module_beside_the_recording_is_not_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("numpy", "scipy", "json"):
+        (tmp_path / f"{name}.py").write_text("open('code_ran_here', 'w').close()\n")
+    monkeypatch.chdir(tmp_path)
+    read_apart(talking, b"", "a.mat")
+    assert not (tmp_path / "code_ran_here").exists()
+
+
 def test_what_a_parser_prints_is_not_taken_for_the_table(tmp_path: Path) -> None:
     assert read_apart(talking, b"", "a.mat").columns[0].values.tolist() == [1.0, 1.0]

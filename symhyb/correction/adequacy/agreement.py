@@ -15,7 +15,7 @@ import numpy as np
 
 from symhyb.correction.adequacy.structure import Fitted, Generic
 from symhyb.correction.search.score import OUTSTANDING
-from symhyb.correction.search.trajectory import Refined
+from symhyb.correction.search.trajectory import Refined, firsts_of
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 
 MOST_MOVED = 0.5  # of a strength: what differs by more is not the same effect
@@ -61,11 +61,7 @@ def _usual(final: Refined, cause: Hypothesis) -> float:
 
 def _strengths(trial: Refined | Fitted) -> Iterator[tuple[Hypothesis, tuple[float, float]]]:
     """Each cause whose strength all recordings share, with its first number and one deviation."""
-    covariance, first = trial.fit.covariance, 0
-    for cause in trial.causes:
+    spread = np.sqrt(np.abs(np.diag(trial.fit.covariance)))
+    for cause, first in zip(trial.causes, firsts_of(trial.causes), strict=True):
         if not cause.own:
-            yield (
-                cause,
-                (float(trial.fit.values[first]), float(np.sqrt(abs(covariance[first, first])))),
-            )
-        first += cause.numbers
+            yield cause, (float(trial.fit.values[first]), float(spread[first]))

@@ -59,12 +59,12 @@ def noisy_input(recorded: Recorded, left: Beyond) -> tuple[Likely, ...]:
 
 
 def _faults(recorded: Recorded, noise: NoiseModel, tracks: Sequence[Track]) -> Iterator[Generic]:
-    bursts = kurtosis(_leveled(recorded, _innovations(noise, tracks)), axis=0, nan_policy="omit")
+    white = _innovations(noise, tracks)
     for j in np.flatnonzero(noise.colour):
         name = recorded.windows.machine.model.sensors[j].name
         if noise.colour_s > recorded.period_s:
             yield Generic("sensor", name, (), np.zeros(0), does="drifts")
-        elif bursts[j] > BURSTS:
+        elif kurtosis(_leveled(recorded, white[:, j], int(j))) > BURSTS:
             yield Generic("sensor", name, (), np.zeros(0), does="jumps")
 
 
@@ -77,18 +77,17 @@ def _innovations(noise: NoiseModel, tracks: Sequence[Track]) -> Array:
     return np.concatenate(parts)
 
 
-def _leveled(recorded: Recorded, innovations: Array) -> Array:
-    """White residuals (N, m) over their RMS at each size of the motion, in ten classes: a model
-    that fails at large motion alone does so in bursts too, and no sensor is at fault."""
+def _leveled(recorded: Recorded, white: Array, which: int) -> Array:
+    """White residuals (N,) of a sensor, of what was measured, over their RMS at each size of the
+    motion, in ten classes: a model that fails at large motion alone does so in bursts too, and no
+    sensor is at fault."""
     samples = max(round(recorded.period_s / recorded.step_s), 1)
-    found = np.full_like(innovations, np.nan)
-    for j, white in enumerate(innovations.T):
-        sizes = []
-        for item in recorded.items:
-            y = item.block.y[0][:, j]
-            away = np.where(np.isfinite(y), y - np.nanmean(y), 0.0)
-            sizes.append(uniform_filter1d(away**2, samples, mode="nearest"))
-        order = np.argsort(np.concatenate(sizes))
-        for chosen in np.array_split(order[np.isfinite(white[order])], LEVELS):
-            found[chosen, j] = white[chosen] / (np.sqrt(np.mean(white[chosen] ** 2)) or 1.0)
-    return found
+    sizes = []
+    for item in recorded.items:
+        y = item.block.y[0][:, which]
+        seen = np.isfinite(y)
+        away = np.where(seen, y - y[seen].sum() / max(seen.sum(), 1), 0.0)
+        sizes.append(uniform_filter1d(away**2, samples, mode="nearest"))
+    order = np.argsort(np.concatenate(sizes))
+    levels = np.array_split(white[order][np.isfinite(white[order])], LEVELS)
+    return np.concatenate([e / (np.sqrt(e @ e / max(e.size, 1)) or 1.0) for e in levels])

@@ -21,7 +21,7 @@ COLOUR_FIRST = 0.5  # of the white noise
 MEMORY_FIRST = 1 / 3  # of a period of the motion: correlation times at first
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
 class Recorded:
     """The recordings of a decision, SI: every stretch without a gap (``items``, one window each)
     with the number of its ``recording``, force candidates lowered (``library``), ``parametric``
@@ -30,7 +30,7 @@ class Recorded:
     coordinate, the size of every probe's force there (n, C; ``probe_sizes``), the shortest period
     of the motion, and the relative ``accuracy`` of fitted values that the numerics allow.
 
-    One is told from another by identity: what is computed from it is kept by it.
+    One is told from another by identity: what is computed from it is kept as long as it is.
     """
 
     library: Library

@@ -17,7 +17,14 @@ from math import inf
 import numpy as np
 from scipy.special import ndtr, ndtri
 
-from symhyb.correction.search.trajectory import Refined, gathered, grouped, keys_of, own_key
+from symhyb.correction.search.trajectory import (
+    Refined,
+    firsts_of,
+    gathered,
+    grouped,
+    keys_of,
+    own_key,
+)
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.words.formula import LAW
 from symhyb.model.vocabulary import key_of
@@ -139,7 +146,7 @@ def weak(trial: Refined) -> tuple[int, ...]:
     spread = np.sqrt(np.diag(trial.fit.covariance))
     return tuple(
         i
-        for i, first in enumerate(_firsts(trial))
+        for i, first in enumerate(firsts_of(trial.causes))
         if not _strong(trial, i, first, spread)
         or any(added and not stands for added, stands in _shapes(trial, i, first, spread))
     )
@@ -151,14 +158,9 @@ def plain(trial: Refined) -> tuple[int, ...]:
     spread = np.sqrt(np.diag(trial.fit.covariance))
     return tuple(
         i
-        for i, first in enumerate(_firsts(trial))
+        for i, first in enumerate(firsts_of(trial.causes))
         if not any(stands for _, stands in _shapes(trial, i, first, spread))
     )
-
-
-def _firsts(trial: Refined) -> list[int]:
-    """Where the numbers of each cause begin."""
-    return [sum(cause.numbers for cause in trial.causes[:i]) for i in range(len(trial.causes))]
 
 
 def _strong(trial: Refined, which: int, first: int, spread: Array) -> bool:

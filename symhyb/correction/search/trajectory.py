@@ -6,6 +6,7 @@ number and the parametric causes are fitted by :mod:`symhyb.discrepancy.fitting.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import accumulate
 
 import numpy as np
 
@@ -162,6 +163,11 @@ def gathered(row: Array, owned: Sequence[Sequence[int]]) -> Array:
 def keys_of(cause: Hypothesis) -> tuple[str, ...]:
     """The keys of a cause's numbers; of a parameter ``value``."""
     return ("value",) if cause.place is None else cause.keys
+
+
+def firsts_of(causes: Sequence[Hypothesis]) -> tuple[int, ...]:
+    """Where the numbers of each cause begin among those of all."""
+    return tuple(accumulate((cause.numbers for cause in causes[:-1]), initial=0))[: len(causes)]
 
 
 def own_key(key: str, recording: Recording) -> str:

@@ -68,8 +68,8 @@ def estimate_completed(prepared: Prepared, choice: Choice, completed: Completed)
     stage, final = choice.setting.stages[-1], completed.final
     final = replace(final, accuracy=choice.setting.accuracy)
     drift = drifting(prepared.model, final, stage, choice.setting.sd)
+    doubt = _doubt(choice, final)
     final, more, moved = _drifted(choice, final, drift)
-    doubt = _doubt(choice, completed.final)
     if completed.rivals:
         doubt |= {completed.added}
     said = (added_sentence(prepared.model, completed), *moved)

@@ -13,6 +13,7 @@ from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Fitted, fitted
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.likelihood.fit import FAILED
+from tests.builders import DRIVEN_MASS
 from tests.pushed import NOISE, STEP, markov, pushed, pushed_model, setting_of
 
 SAMPLES = 1500
@@ -65,6 +66,16 @@ def test_a_colour_that_is_fast_and_normal_is_noise(memory_s: float) -> None:
     setting, trial = coloured(pushed(3, samples=SAMPLES, colour=(5 * NOISE, memory_s)))
     assert trial.fit.noise.coloured
     assert faulty_sensors(setting, trial) == ()
+
+
+def test_a_sensor_that_one_recording_lacks_is_judged_by_the_other() -> None:
+    model = pushed_model(DRIVEN_MASS + 'spare = { measures = "x", unit = "m" }\n')
+    made, other = pushed(2, samples=SAMPLES, noise=NOISE / 10), pushed(3, samples=600)
+    seen = {**made.sensors, "spare": frozen(made, 5, 75).sensors["laser"]}
+    setting = setting_of(model, replace(made, sensors=seen), other)
+    trial = fitted(setting, (), (), setting.first_noise().without_force())
+    ((found, _, _),) = faulty_sensors(setting, trial)
+    assert (found.where, found.does) == ("spare", "jumps")
 
 
 def test_a_fit_without_colour_or_that_failed_accuses_no_sensor() -> None:

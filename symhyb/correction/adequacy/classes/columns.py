@@ -4,8 +4,8 @@ Sizes: N samples, n coordinates, m sensors, K columns.
 """
 
 from collections.abc import Sequence
-from functools import lru_cache
 from typing import Literal
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -29,10 +29,17 @@ GRID = 80  # points of a smooth function
 FINEST = 1e-5  # of the largest variance of a direction of a smooth function
 
 
-@lru_cache(maxsize=2)
-def motions(recorded: Recorded) -> tuple[tuple[Array, Array, Array], ...]:
+_Motions = tuple[tuple[Array, Array, Array], ...]
+_Pushes = tuple[tuple[Array, Array], ...]
+_motions: WeakKeyDictionary[Recorded, _Motions] = WeakKeyDictionary()
+_pushes: WeakKeyDictionary[Recorded, dict[int, _Pushes]] = WeakKeyDictionary()
+
+
+def motions(recorded: Recorded) -> _Motions:
     """Stretch and rate (N, places) and directions (N, n, places) along every stretch, SI."""
-    return tuple(_moved(recorded, item) for item in recorded.items)
+    if recorded not in _motions:
+        _motions[recorded] = tuple(_moved(recorded, item) for item in recorded.items)
+    return _motions[recorded]
 
 
 def _moved(recorded: Recorded, item: Cut) -> tuple[Array, Array, Array]:
@@ -42,10 +49,12 @@ def _moved(recorded: Recorded, item: Cut) -> tuple[Array, Array, Array]:
     return stretch[rows], rate[rows], recorded.library.directions(course)[rows]
 
 
-@lru_cache(maxsize=16)
-def pushes(recorded: Recorded, which: int) -> tuple[tuple[Array, Array], ...]:
+def pushes(recorded: Recorded, which: int) -> _Pushes:
     """An input (N,) and the generalized force (N, n) of one unit of it, along every stretch, SI."""
-    return tuple(_pushed(recorded, item, which) for item in recorded.items)
+    known = _pushes.setdefault(recorded, {})
+    if which not in known:
+        known[which] = tuple(_pushed(recorded, item, which) for item in recorded.items)
+    return known[which]
 
 
 def _pushed(recorded: Recorded, item: Cut, which: int) -> tuple[Array, Array]:
