@@ -319,7 +319,7 @@ def leave_run(
     exact: bool,
 ) -> None:
     """Write a simulated run, and its events if a file is named, and say so."""
-    from symhyb.simulation import events_sentence, events_table, run_table, told
+    from symhyb.simulation import events_sentence, events_table, integration_text, run_table
     from symhyb.study import staged
 
     warn(machine.notes)
@@ -328,7 +328,8 @@ def leave_run(
     if events is not None:
         with staged(events.parent) as part:
             (part / events.name).write_text(events_table(run), encoding="utf-8")
-    print(f"{output}: {run.t.size} rows from {run.t[0]:g} to {run.t[-1]:g} s, by {told(run)}")
+    span = f"{run.t.size} rows from {run.t[0]:g} to {run.t[-1]:g} s"
+    print(f"{output}: {span}, by {integration_text(run)}")
     if exact:
         print(events_sentence(run))
     warn((run.note,) if run.note else ())

@@ -30,7 +30,7 @@ from symhyb.correction.verdict.refusal import (
     if_confirmed,
     if_explained,
     if_long_enough,
-    with_lies,
+    with_faults,
 )
 from symhyb.data.cleaning import still
 from symhyb.data.recording import Recording, several
@@ -106,7 +106,8 @@ def conclude(
     known = estimate(prepared, choice, tell)
     final, setting = known.final, choice.setting
     tell("looking for what acts beyond")
-    judged = adequacy(prepared, choice.setting, known.final, throughout=choice.change is None)
+    everywhere = choice.change is None
+    judged = adequacy(prepared, choice.setting, final, known.windows, throughout=everywhere)
     known = replace(known, doubt=known.doubt | judged.doubt)
     tell("removing each cause once, for its share")
     shown = prove(prepared, setting, final, known.stage, known.items)
@@ -124,8 +125,8 @@ def conclude(
     answer = if_long_enough(answer, prepared.runs)
     answer = if_apart(answer, prepared.model, prepared.runs)
     answer = with_constant(answer, choice)
-    answer = with_lies(answer, model, prepared.lies, final.fit.scale)
-    answer = _told_apart(_remembered(answer, prepared, setting), choice)
+    answer = with_faults(answer, model, prepared.faults, final.fit.scale)
+    answer = _reported_apart(_remembered(answer, prepared, setting), choice)
     return Concluded(answer, prepared, choice)
 
 
@@ -181,7 +182,7 @@ def _of_several(
     )
 
 
-def _told_apart(answer: Diagnosis, choice: Choice) -> Diagnosis:
+def _reported_apart(answer: Diagnosis, choice: Choice) -> Diagnosis:
     """The answer with what the recordings tell apart; a note where that cannot be computed."""
     try:
         table = isolability(choice.setting, choice.decision)

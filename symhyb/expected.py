@@ -94,7 +94,7 @@ def read_expected(path: str | os.PathLike[str]) -> Expected:
 def check(expected: Expected, content: Mapping[str, Any]) -> tuple[Check, ...]:
     """Compare what is expected with the content of a ``diagnosis.json``.
 
-    Of the cases of ``any_of`` the first that is met is told, else the one that comes nearest; what
+    Of the cases of ``any_of`` the first that is met counts, else the one that comes nearest; what
     it expects to be found is not counted as anything else.
     """
     if not expected.any_of:

@@ -204,7 +204,7 @@ def learn(
         )
     tell("judging the correction")
     clean = [
-        repaired([without_faults(one, model) for one in group], prepared.lies)
+        repaired([without_faults(one, model) for one in group], prepared.faults)
         for group in (unseen, train)
     ]
     if correction is not None:
@@ -215,7 +215,7 @@ def learn(
         verdict = judge(model, corrected, clean[0], train=clean[1])
         corrected = _with_source(model, elements, by, train, verdict)
     sentence = _sentence(by, formulation, found, networks, held)
-    faults = tuple(fault.sentence for fault in prepared.lies if fault.sentence)
+    faults = tuple(fault.sentence for fault in prepared.faults if fault.sentence)
     return Learned(
         by,
         formulation,

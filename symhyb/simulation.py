@@ -94,7 +94,7 @@ METHODS = {
 }
 
 
-def told(run: Trajectory) -> str:
+def integration_text(run: Trajectory) -> str:
     """By which method a run was integrated, in words."""
     return METHODS.get(run.method, run.method)
 

@@ -118,14 +118,14 @@ def carry_out(study: Study, say: Say | None = None, leave: Leave | None = None) 
     concluded = conclude(model, train, holdout, own=study.own, say=say)
     diagnosis = concluded.diagnosis
     corrected = apply(model, diagnosis.found, diagnosis.parameters, diagnosis.measurement)
-    seen = repaired([without_faults(one, model) for one in train], diagnosis.lies)
-    corrected, told = _finish(study, corrected, corrected != model, seen, say)
-    diagnosis = replace(diagnosis, remainder_notes=(*diagnosis.remainder_notes, *told))
+    seen = repaired([without_faults(one, model) for one in train], diagnosis.faults)
+    corrected, reported = _finish(study, corrected, corrected != model, seen, say)
+    diagnosis = replace(diagnosis, remainder_notes=(*diagnosis.remainder_notes, *reported))
     say("judging the correction")
     verdict = judge(  # on what the diagnosis put right: exchanged columns, times, wrong samples
         model,
         corrected,
-        repaired([without_faults(one, model) for one in holdout], diagnosis.lies),
+        repaired([without_faults(one, model) for one in holdout], diagnosis.faults),
         train=seen,
         window_s=study.window_s,
         force_band_hz=study.force_band_hz,
@@ -162,23 +162,23 @@ def _finish(
 ) -> tuple[Model, tuple[str, ...]]:
     """The corrected model with last values (if it was ``changed`` at all), a smooth remainder and a
     network, where the study asks for them, and what is to be said of it. Nothing is named by it."""
-    told: list[str] = []
+    reported: list[str] = []
     if study.last_values and changed:
         say("fitting the last values")
         last = finished(corrected, seen)
         corrected = last.model
-        told.append(last.sentence)
+        reported.append(last.sentence)
     if study.remainder:
         say("fitting a smooth remainder")
         smooth = remainder(corrected, seen, study.remainder)
         corrected = smooth.model if smooth else corrected
-        told.append(smooth.sentence if smooth else NO_REMAINDER)
+        reported.append(smooth.sentence if smooth else NO_REMAINDER)
     if study.network:
         say("training a network")
         trained = train_network(corrected, seen, study.network)
         corrected = trained.model if trained else corrected
-        told.append(trained.sentence if trained else NO_NETWORK)
-    return corrected, tuple(told)
+        reported.append(trained.sentence if trained else NO_NETWORK)
+    return corrected, tuple(reported)
 
 
 def _first_checks(

@@ -88,7 +88,7 @@ def answer_of(**changes: Any) -> dict[str, Any]:
     return {**plain, **changes}
 
 
-def told(kind: str, place: str, term: str, value: float, sd: float) -> dict[str, Any]:
+def reported(kind: str, place: str, term: str, value: float, sd: float) -> dict[str, Any]:
     """A result that claims one force."""
     parameters = {"b": {"value": value, "sd": sd, "unit": "1", "term": term}}
     found = {"kind": kind, "place": {"on": place}, "parameters": parameters}

@@ -16,7 +16,7 @@ from symhyb.data.recording import Recording
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.recorded.motion import motion_of
 from symhyb.discrepancy.recorded.runs import Run
-from symhyb.discrepancy.results import Lie
+from symhyb.discrepancy.results import RecordingFault
 from symhyb.model.read import parse_model
 from symhyb.model.types import Model, On
 from symhyb.numeric.lowered.machine import build
@@ -215,15 +215,15 @@ def test_a_correction_that_runs_away_is_seen() -> None:
     "drift",
     [pytest.param(0.001, marks=pytest.mark.slow), pytest.param(0.005, marks=pytest.mark.slow)],
 )
-def test_a_clock_that_runs_fast_is_told(drift: float) -> None:
+def test_a_clock_that_runs_fast_is_reported(drift: float) -> None:
     model, run = chain_model(), chain_recording(3)
     t, far = run.t, run.sensors["far"]
     late = replace(run, sensors={**run.sensors, "far": np.interp(t / (1 + drift), t, far)})
-    lie = _clock(model, late)
-    assert lie is not None
-    assert (lie.kind, lie.channels) == ("clock", ("far",))
-    assert lie.factor == pytest.approx(drift, rel=0.1)
-    assert "fast against all others" in lie.sentence
+    fault = _clock(model, late)
+    assert fault is not None
+    assert (fault.kind, fault.channels) == ("clock", ("far",))
+    assert fault.factor == pytest.approx(drift, rel=0.1)
+    assert "fast against all others" in fault.sentence
 
 
 def test_clocks_that_keep_time_are_not_accused() -> None:
@@ -231,7 +231,7 @@ def test_clocks_that_keep_time_are_not_accused() -> None:
     assert _clock(spring_model(stiffness=150.0), spring_recording(4, {})) is None
 
 
-def _clock(model: Model, run: Recording) -> Lie | None:
+def _clock(model: Model, run: Recording) -> RecordingFault | None:
     setting = settle(prepare(model, run))
     return drifting(setting, lambda clocks: settle(prepare(model, run, (), clocks)))
 

@@ -262,7 +262,7 @@ def test_what_simulates_loads_nothing_that_diagnoses(
 
 
 def test_the_machine_is_described_without_names(study: dict[str, ModuleType]) -> None:
-    told = study["timing"].machine()
-    assert told["casadi"] == ca.__version__
-    assert "cores" in told["processor"]
-    assert "/" not in "".join(told.values())
+    reported = study["timing"].machine()
+    assert reported["casadi"] == ca.__version__
+    assert "cores" in reported["processor"]
+    assert "/" not in "".join(reported.values())

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 import symhyb as sh
 from symhyb.model.read import parse_model
 from symhyb.numeric.kernels.buffers import call
-from tests.concealed_bench import Study, answer_of, modules, run, told
+from tests.concealed_bench import Study, answer_of, modules, reported, run
 
 FORCES: dict[str, dict[str, float]] = {
     "spring": {"stiffness": 3.0, "quadratic": 2.0, "cubic": -1.5},
@@ -162,26 +162,26 @@ def test_a_seal_hides_and_opens(study: Study, tmp_path: Path) -> None:
 
 def test_scores_tell_hits_from_misses_twins_and_wrong_claims(study: Study) -> None:
     score = study["claims"].score_case
-    hit = score("a", told("drag", "x", "drag", 0.81, 0.01), answer_of(), 1)
+    hit = score("a", reported("drag", "x", "drag", 0.81, 0.01), answer_of(), 1)
     assert (hit.place, hit.name, hit.structure, hit.wrong) == (1, 1, True, ())
     assert (hit.covered, hit.counted) == (1, 1)
-    wrong = score("a", told("damper", "x", "damping", 0.8, 0.01), answer_of(), 1)
+    wrong = score("a", reported("damper", "x", "damping", 0.8, 0.01), answer_of(), 1)
     assert (wrong.place, wrong.name, wrong.structure, len(wrong.wrong)) == (1, 0, False, 1)
-    elsewhere = score("a", told("drag", "y", "drag", 0.8, 0.01), answer_of(), 2)
+    elsewhere = score("a", reported("drag", "y", "drag", 0.8, 0.01), answer_of(), 2)
     assert (elsewhere.place, elsewhere.name) == (0, 0)
     instead = {"place": "x", "kind": "damper"}
-    twin = answer_of(rivals=[{"of": 0, "instead": instead, "apart": 1e-9, "evidence": 0.0}])
-    assert score("a", told("damper", "x", "damping", 0.8, 0.01), twin, 1).structure
+    partner = answer_of(rivals=[{"of": 0, "instead": instead, "apart": 1e-9, "evidence": 0.0}])
+    assert score("a", reported("damper", "x", "damping", 0.8, 0.01), partner, 1).structure
     near = answer_of(rivals=[{"of": 0, "instead": instead, "apart": 1e-3, "evidence": 1.0}])
-    assert not score("a", told("damper", "x", "damping", 0.8, 0.01), near, 1).structure
-    nothing = score("a", told("drag", "x", "drag", 0.8, 0.01), answer_of(effects=[]), 1)
+    assert not score("a", reported("damper", "x", "damping", 0.8, 0.01), near, 1).structure
+    nothing = score("a", reported("drag", "x", "drag", 0.8, 0.01), answer_of(effects=[]), 1)
     assert len(nothing.wrong) == 1
     assert nothing.wanted == 0
 
 
 def spring(place: str, **orders: float) -> dict[str, Any]:
     """A result that claims one spring, every order 1 % uncertain."""
-    result = told("spring", place, "", 0.0, 0.0)
+    result = reported("spring", place, "", 0.0, 0.0)
     numbers = {k: {"value": v, "sd": abs(v) / 100, "term": k} for k, v in orders.items()}
     result["diagnosis"]["found"][0]["parameters"] = numbers
     return result

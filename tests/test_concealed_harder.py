@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from tests.concealed_bench import Study, answer_of, modules, told
+from tests.concealed_bench import Study, answer_of, modules, reported
 
 
 @pytest.fixture(scope="module")
@@ -140,7 +140,7 @@ def test_a_harder_case_conceals_the_same(study: Study, seed: int, sort: str) -> 
 
 def test_half_a_sample_of_delay_is_what_holding_amounts_to(study: Study) -> None:
     score = study["claims"].score_case
-    result = told("drag", "x", "drag", 0.81, 0.01)
+    result = reported("drag", "x", "drag", 0.81, 0.01)
     hardship = {"sort": "held", "inputs": ["f"], "delay": 0.0025}
     for value, answer, wrong in (
         (0.00253, answer_of(hardship=hardship), 0),

@@ -117,11 +117,11 @@ def test_claims_of_peers_are_scored_like_all_others(study: Study) -> None:
         "measurement": [],
         "alternatives": [],
     }
-    told = {"seconds": 0.2, "diagnosis": said, "fit": 0.4}
-    row = peer("00002-duffing", told, answer_of(), 1)
+    reported = {"seconds": 0.2, "diagnosis": said, "fit": 0.4}
+    row = peer("00002-duffing", reported, answer_of(), 1)
     assert (row.place, row.name, row.structure, row.wrong) == (1, 1, True, ())
     assert (row.covered, row.counted, row.cpu, row.fit) == (1, 1, 0.2, 0.4)
-    null = peer("00003-duffing", told, answer_of(effects=[]), 1)
+    null = peer("00003-duffing", reported, answer_of(effects=[]), 1)
     assert len(null.wrong) == 1
     silent = peer("00002-duffing", {"seconds": 1.0, "fit": 0.3}, answer_of(), 1)
     assert (silent.name, silent.wrong, silent.fit) == (0, (), 0.3)

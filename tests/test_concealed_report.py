@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from scipy.stats import binom
 
-from tests.concealed_bench import Study, answer_of, modules, run, told
+from tests.concealed_bench import Study, answer_of, modules, reported, run
 
 
 @pytest.fixture(scope="module")
@@ -23,12 +23,12 @@ def study() -> Iterator[Study]:
 def rows_of(study: Study) -> tuple[Any, ...]:
     """A hit, a refusal, a wrong name and a null case with a wrong claim."""
     score = study["claims"].score_case
-    hit = score("00002-duffing", told("drag", "x", "drag", 0.81, 0.01), answer_of(), 1)
-    nothing = told("drag", "x", "drag", 0.8, 0.01)
+    hit = score("00002-duffing", reported("drag", "x", "drag", 0.81, 0.01), answer_of(), 1)
+    nothing = reported("drag", "x", "drag", 0.8, 0.01)
     nothing["diagnosis"] |= {"found": [], "verdict": "nothing missing"}
     refusal = score("00034-duffing", nothing, answer_of(), 1)
-    wrong = score("00066-duffing", told("damper", "x", "damping", 0.8, 0.01), answer_of(), 1)
-    alarm = told("drag", "x", "drag", 0.8, 0.01) | {"cpu_seconds": 2.0}
+    wrong = score("00066-duffing", reported("damper", "x", "damping", 0.8, 0.01), answer_of(), 1)
+    alarm = reported("drag", "x", "drag", 0.8, 0.01) | {"cpu_seconds": 2.0}
     null = score("00003-duffing", alarm, answer_of(effects=[], kind="null.white"), 1)
     return replace(hit, error=1.02), refusal, wrong, null
 
@@ -102,7 +102,7 @@ def test_incomplete_draws_are_counted_apart(study: Study) -> None:
 
 def test_harder_recordings_have_a_table_of_their_own(study: Study) -> None:
     score, results = study["claims"].score_case, study["results"]
-    said = told("drag", "x", "drag", 0.81, 0.01)
+    said = reported("drag", "x", "drag", 0.81, 0.01)
     row = score("00002-duffing", said, answer_of(hardship={"sort": "held"}), 1)
     assert row.hardship == "held"
     text = study["report"].section(results.Scored("2", (row,)))

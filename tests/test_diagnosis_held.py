@@ -1,4 +1,4 @@
-"""A machine driven by a controller that holds its output: told so, nothing is missing."""
+"""A machine driven by a controller that holds its output: reported so, nothing is missing."""
 
 import numpy as np
 from builders import DRIVEN_MASS

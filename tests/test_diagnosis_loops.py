@@ -65,7 +65,7 @@ def test_friction_of_the_slider_is_named_and_measured() -> None:
     assert friction.share > 0.9
 
 
-def test_a_loop_that_lacks_nothing_is_told_so() -> None:
+def test_a_loop_that_lacks_nothing_is_reported_so() -> None:
     assert answer(0.0).verdict == "nothing missing"
 
 

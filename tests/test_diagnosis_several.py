@@ -185,12 +185,12 @@ def test_friction_that_begins_half_way_is_located_and_named() -> None:
         return dry(1.0)(t, x, v) if t >= 6.2 else 0.0
 
     diagnosis = sh.diagnose(spring_model(), recorded(1, law, "run.csv", 12.0))
-    told = diagnosis.places[0].occurrence
-    assert told is not None
-    assert told.change is not None
-    assert told.change.kind == "begins"
-    assert told.change.time_s == pytest.approx(6.2, abs=2 * told.change.width_s)
-    assert "begins at t = " in told.sentence
+    reported = diagnosis.places[0].occurrence
+    assert reported is not None
+    assert reported.change is not None
+    assert reported.change.kind == "begins"
+    assert reported.change.time_s == pytest.approx(6.2, abs=2 * reported.change.width_s)
+    assert "begins at t = " in reported.sentence
     (found,) = diagnosis.found
     assert found.element.kind == "friction"
     assert found.estimates[0].value == pytest.approx(1.0, rel=0.05)

@@ -77,8 +77,8 @@ def test_dry_friction_in_the_motor_of_a_furuta_pendulum_is_named() -> None:
     assert (found.element.kind, found.element.place) == ("friction", On("psi"))
     (estimate,) = [item for item in found.estimates if item.term == "coulomb"]
     assert abs(estimate.value - 0.008) < 4 * estimate.sd + 2e-4
-    told = [place.occurrence.sentence for place in diagnosis.places if place.occurrence]
-    assert any("On psi (joint of arm to the ground)" in sentence for sentence in told)
+    reported = [place.occurrence.sentence for place in diagnosis.places if place.occurrence]
+    assert any("On psi (joint of arm to the ground)" in sentence for sentence in reported)
 
 
 @pytest.mark.slow

@@ -36,6 +36,6 @@ def test_friction_between_two_masses_is_found_where_nobody_named_a_place(tmp_pat
     verdict = sh.judge(way.model, corrected, on=recording)
     sh.write_report(tmp_path / "report.html", diagnosis, verdict)
     sh.write_diagnosis(tmp_path / "diagnosis.json", diagnosis, verdict)
-    told = json.loads((tmp_path / "diagnosis.json").read_text(encoding="utf-8"))
-    assert [one["place"] for one in told["found"]] == [{"on": "y - x"}]
-    assert {"on": "y - x"} in [one["place"] for one in told["places"]]
+    reported = json.loads((tmp_path / "diagnosis.json").read_text(encoding="utf-8"))
+    assert [one["place"] for one in reported["found"]] == [{"on": "y - x"}]
+    assert {"on": "y - x"} in [one["place"] for one in reported["places"]]

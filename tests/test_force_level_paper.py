@@ -129,20 +129,20 @@ def test_what_runs_away_is_worse_than_everything(study: SimpleNamespace) -> None
 @pytest.mark.slow
 def test_a_set_from_end_to_end(study: SimpleNamespace) -> None:
     """One set of parameters through every learner, formulation, host and coupling."""
-    told = study.run.one(0, steps=(1e-3,), excitations=2)
-    assert study.tables.right(told["learned"])
-    first, second = told["simulated"].values()
-    assert first["sparse"]["force"][0] < told["noise"][0]
+    reported = study.run.one(0, steps=(1e-3,), excitations=2)
+    assert study.tables.right(reported["learned"])
+    first, second = reported["simulated"].values()
+    assert first["sparse"]["force"][0] < reported["noise"][0]
     assert second["default"]["force"][0] > 5 * second["sparse"]["force"][0]
     for row in study.learn.ROWS:
         for host in study.hosts.HOSTS:
-            made = told["hosts"][row][host]
+            made = reported["hosts"][row][host]
             off = [made[c]["0.001"]["coupling"][0] for c in study.hosts.COUPLINGS]
             whole = first["alone"]["force"][0]
             assert off[0] == pytest.approx(off[2], abs=1e-9)  # CasADi and model exchange
             assert off[2] < 1e-3 * whole
             assert off[2] < off[1] < 0.01 * whole
     # a network is no law: it cannot do what its noisy samples do not say
-    floor = told["nrmse"]["noise"]["force"][1]
-    assert all(told["nrmse"][row]["force"][1] > 0.9 * floor for row in study.learn.ROWS)
-    assert told["nrmse"]["sparse"]["force"][1] < 1.2 * floor
+    floor = reported["nrmse"]["noise"]["force"][1]
+    assert all(reported["nrmse"][row]["force"][1] > 0.9 * floor for row in study.learn.ROWS)
+    assert reported["nrmse"]["sparse"]["force"][1] < 1.2 * floor

@@ -73,7 +73,7 @@ def package(root: Path, code: str = FAKE) -> Path:
 def diagnosis(
     *found: tuple[str, Any, dict[str, tuple[float, float]]], **more: Any
 ) -> dict[str, Any]:
-    """What is told of a case: kind, place, and value and sd by term of every found element."""
+    """What is reported of a case: kind, place, and value and sd by term of every found element."""
     elements = [
         {
             "kind": kind,
@@ -82,9 +82,14 @@ def diagnosis(
         }
         for kind, place, terms in found
     ]
-    told = {"verdict": "missing physics", "found": elements, "parameters": [], "measurement": []}
-    told |= {"alternatives": [], **more}
-    return {"commit": "abc", "code": "1", "seconds": 2.0, "cpu_seconds": 1.5, "diagnosis": told}
+    reported = {
+        "verdict": "missing physics",
+        "found": elements,
+        "parameters": [],
+        "measurement": [],
+    }
+    reported |= {"alternatives": [], **more}
+    return {"commit": "abc", "code": "1", "seconds": 2.0, "cpu_seconds": 1.5, "diagnosis": reported}
 
 
 def test_the_list_is_what_the_rule_gives(study: Mapping[str, ModuleType]) -> None:
@@ -166,12 +171,14 @@ def test_a_case_that_does_not_end_is_stopped(
     slow = run.package_at(package(tmp_path / "slow", "import time\ntime.sleep(60)\n"))
     (case,) = run.wanted("00002-duffing", quick=False)
     (tmp_path / "cache").mkdir()
-    told = run.diagnose(case, slow, drawn, tmp_path / "cache")
-    assert told["crash"] == "not done after 0.5 s"
-    assert told["seconds"] < 20
+    reported = run.diagnose(case, slow, drawn, tmp_path / "cache")
+    assert reported["crash"] == "not done after 0.5 s"
+    assert reported["seconds"] < 20
 
 
-def test_mistakes_are_told_in_a_sentence(study: Mapping[str, ModuleType], tmp_path: Path) -> None:
+def test_mistakes_are_reported_in_a_sentence(
+    study: Mapping[str, ModuleType], tmp_path: Path
+) -> None:
     with pytest.raises(SystemExit, match=r"no such case in cases\.toml: emsp"):
         study["run"].wanted("emps,emsp", quick=False)
     with pytest.raises(SystemExit, match="holds no folder symhyb"):
@@ -180,10 +187,10 @@ def test_mistakes_are_told_in_a_sentence(study: Mapping[str, ModuleType], tmp_pa
         study["compare"].outcomes(tmp_path)
 
 
-def scored(study: Mapping[str, ModuleType], name: str, told: dict[str, Any]) -> Any:
+def scored(study: Mapping[str, ModuleType], name: str, reported: dict[str, Any]) -> Any:
     """The outcome of a listed case."""
     case = next(case for case in study["cases"].listed() if case.name == name)
-    return study["scoring"].outcome(case, told, Path())
+    return study["scoring"].outcome(case, reported, Path())
 
 
 def test_a_study_is_scored_by_its_expected_terms(study: Mapping[str, ModuleType]) -> None:
@@ -222,13 +229,13 @@ def test_an_example_is_scored_by_its_truth(
     truth = {"found": {"hub~top.coulomb": 60.0, "s.damping": [900.0, 2300.0], "a~b": "some play"}}
     truth["parameters"] = {"k_s": 21.5}
     (tmp_path / "quarter_car" / "truth.json").write_text(json.dumps(truth))
-    told = diagnosis(
+    reported = diagnosis(
         ("friction", ["top", "hub"], {"coulomb": (61.0, 1.0)}),
         ("damper", "s", {"damping": (1600.0, 10.0)}),
         ("hysteresis", ["a", "b"], {"play": (0.1, 0.01)}),
         parameters=[{"name": "k_s", "value": 21.4, "sd": 0.01}],
     )
-    row = scored(study, "example_quarter_car", told)
+    row = scored(study, "example_quarter_car", reported)
     assert (row.wanted, row.named, row.complete) == (4, 4, True)
     assert (row.right, row.counted) == (1, 2)
 

@@ -20,7 +20,7 @@ pytestmark = pytest.mark.slow
 def test_a_second_mass_that_the_model_lacks_gets_no_name(
     mass: float, stiffness: float, said: str
 ) -> None:
-    """It was told as an added mass, and as a harmonic force."""
+    """It was reported as an added mass, and as a harmonic force."""
     law = absorber(mass, stiffness, 0.5)
     diagnosis = sh.diagnose(spring_model(), driven(law, 1, inner=2))
     assert diagnosis.verdict == "undecided"
@@ -29,7 +29,7 @@ def test_a_second_mass_that_the_model_lacks_gets_no_name(
 
 
 def test_an_input_that_acts_only_beyond_a_threshold_gets_no_name() -> None:
-    """With another excitation a gain of 0.86 took most of it, and was told."""
+    """With another excitation a gain of 0.86 took most of it, and was reported."""
     diagnosis = sh.diagnose(spring_model(), driven(dead_zone(1.5), 1))
     assert diagnosis.verdict == "undecided"
     assert not any((diagnosis.found, diagnosis.parameters, diagnosis.measurement))
@@ -46,7 +46,7 @@ def test_hysteresis_that_hardens_is_measured() -> None:
         assert sd < 0.2 * abs(truth)
 
 
-def test_a_stop_without_clearance_is_told_as_one() -> None:
+def test_a_stop_without_clearance_is_reported_as_one() -> None:
     def law(x: float, v: float, z: float, f: float) -> tuple[float, float]:
         return 0.2 * STIFFNESS * max(x, 0.0), 0.0
 

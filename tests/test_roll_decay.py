@@ -27,10 +27,10 @@ def test_the_study_is_valid(name: str) -> None:
 
 
 def test_what_cannot_be_ruled_out_may_be_expected_too() -> None:
-    told = Alternative(
+    reported = Alternative(
         None, "damper", (Estimate("d", 0.21, 0.01, "N*s/m", "damping"),), 1.0, place=On("q")
     )
-    content = to_json(replace(friction(), alternatives=(told,)), verdict())
+    content = to_json(replace(friction(), alternatives=(reported,)), verdict())
     (one,) = check(Expected(alternatives={"q.damping": (0.2, 0.1)}), content)
     assert one.passed
     assert one.subject == "alternative q.damping"
@@ -71,8 +71,8 @@ def test_at_speed_damping_is_mostly_linear_and_unseen_data_choose_nothing(
     monkeypatch.setattr("symhyb.study.read_all", lambda study, model: given)
     blind = carry_out(read_study(STUDY / "at_speed" / "study.toml"))
 
-    def told(diagnosis: Diagnosis) -> dict[str, object]:  # the share alone is of unseen data
+    def reported(diagnosis: Diagnosis) -> dict[str, object]:  # the share alone is of unseen data
         return {one.element.kind: (one.element.place, one.estimates) for one in diagnosis.found}
 
-    assert len(told(blind.diagnosis)) == len(blind.diagnosis.found) == 4
-    assert told(blind.diagnosis) == told(result.diagnosis)
+    assert len(reported(blind.diagnosis)) == len(blind.diagnosis.found) == 4
+    assert reported(blind.diagnosis) == reported(result.diagnosis)

@@ -129,9 +129,9 @@ def test_a_network_is_left_beside_the_corrected_model(tmp_path: Path) -> None:
     model = read_model(study.model)
     recording = read_recording(STUDIES / "oscillator" / "train.csv", model)
     study = replace(study, network="q")
-    corrected, told = module._finish(study, model, False, [recording], lambda line: None)
-    assert len(told) == 1
-    assert told[0].startswith("A network of 30 hidden units that sees q, q'")
+    corrected, reported = module._finish(study, model, False, [recording], lambda line: None)
+    assert len(reported) == 1
+    assert reported[0].startswith("A network of 30 hidden units that sees q, q'")
     for folder in (tmp_path / "a", tmp_path / "b"):
         with staged(folder) as part:
             write_model(corrected, part / "corrected.toml")
@@ -344,7 +344,7 @@ def test_either_of_two_may_be_expected(case: int, diagnosis: Diagnosis) -> None:
     assert checks[0].subject == f"case {case} of 2: verdict"
 
 
-def test_where_neither_is_met_the_nearer_one_is_told() -> None:
+def test_where_neither_is_met_the_nearer_one_is_reported() -> None:
     checks = check(EITHER, to_json(friction(0.9), verdict()))
     assert [one.passed for one in checks] == [True, False]
     assert checks[1].subject == "case 1 of 2: q.coulomb"
@@ -379,7 +379,7 @@ def test_what_holds_in_every_case_is_judged_beside_the_cases() -> None:
 
 
 def test_what_the_case_that_is_met_expects_is_nothing_else() -> None:
-    """An inertia told as changed or among the alternatives, and nothing else in either case."""
+    """An inertia reported as changed or among the alternatives, and nothing else in either case."""
     either = Expected(nothing_else=True, any_of=EITHER.any_of)
     assert all(one.passed for one in check(either, to_json(friction(0.5), verdict())))
     assert all(one.passed for one in check(either, to_json(UNDECIDED, verdict())))
@@ -504,7 +504,7 @@ def test_the_manifest_says_what_went_in_and_no_path(fake: Fake, tmp_path: Path) 
     assert str(ROOT) not in (tmp_path / "manifest.json").read_text()
 
 
-def test_the_diagnosis_is_not_told_what_is_expected(fake: Fake, tmp_path: Path) -> None:
+def test_the_diagnosis_is_not_reported_what_is_expected(fake: Fake, tmp_path: Path) -> None:
     asked = fake(NOTHING)
     run_study(STUDIES / "null" / "study.toml", tmp_path)
     ((model, train, holdout),) = asked
@@ -687,11 +687,11 @@ def test_advice_that_fails_costs_only_the_advice(
     monkeypatch.setattr(diagnosis_module, "advise", fail)
     plain = replace(friction(), record_next=None, manoeuvre=None)
     concluded = Concluded(plain, Interrupted(), Interrupted())  # type: ignore[arg-type]
-    told = advised(concluded)
-    assert told.record_next is None
-    assert told.notes[-1].startswith(note)
-    assert told.log[-1] == told.notes[-1]
-    assert replace(told, notes=plain.notes, log=plain.log) == plain
+    reported = advised(concluded)
+    assert reported.record_next is None
+    assert reported.notes[-1].startswith(note)
+    assert reported.log[-1] == reported.notes[-1]
+    assert replace(reported, notes=plain.notes, log=plain.log) == plain
 
 
 def test_the_files_are_there_before_advice_is_sought(

@@ -115,7 +115,7 @@ def test_the_correction_is_appended_and_names_what_is_concealed(engine: ModuleTy
     assert damping == pytest.approx(engine.DAMPING, rel=0.02)
 
 
-def test_the_kept_forces_do_in_the_engine_what_is_told(
+def test_the_kept_forces_do_in_the_engine_what_is_reported(
     study: ModuleType, engine: ModuleType, kept: dict, pushes: dict[str, np.ndarray]
 ) -> None:
     """The engine alone: the pole comes upright with the corrected model's force, and only so."""
@@ -123,9 +123,9 @@ def test_the_kept_forces_do_in_the_engine_what_is_told(
     for name in ("as given", "corrected", "concealed values"):
         states = engine.replay(engine.Machine(), np.zeros(4), pushes[name], feedback.STEP)
         place, angle, _, _ = feedback.off(states[-1])
-        told = kept[name]["force alone"]
-        assert angle == pytest.approx(told["angle"], abs=1e-4)
-        assert place == pytest.approx(told["place"], abs=1e-4)
+        reported = kept[name]["force alone"]
+        assert angle == pytest.approx(reported["angle"], abs=1e-4)
+        assert place == pytest.approx(reported["place"], abs=1e-4)
         assert np.abs(pushes[name]).max() < 8.05
     assert abs(kept["as given"]["force alone"]["angle"]) > 1.0
     assert not kept["as given"]["force alone"]["held"]
@@ -170,7 +170,7 @@ def test_planning_and_playing_again_gives_what_is_kept(study: ModuleType, kept: 
     for name, file in (("as given", "machine.toml"), ("corrected", "corrected.toml")):
         played, _ = study.play(study.planned(sh.read_model(FOLDER / file)))
         for way, one in played.items():
-            told = kept[name][way]
-            assert one.angle == pytest.approx(told["angle"], abs=2e-3)
-            assert one.place == pytest.approx(told["place"], abs=2e-3)
-            assert one.held == told["held"]
+            reported = kept[name][way]
+            assert one.angle == pytest.approx(reported["angle"], abs=2e-3)
+            assert one.place == pytest.approx(reported["place"], abs=2e-3)
+            assert one.held == reported["held"]

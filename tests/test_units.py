@@ -94,7 +94,7 @@ def test_what_data_sheets_print_is_read(printed: str, written: str) -> None:
     assert parse_unit(printed).text == written
 
 
-def test_angles_are_told_from_other_numbers() -> None:
+def test_angles_are_reported_from_other_numbers() -> None:
     assert all(parse_unit(text).is_angle for text in ("rad", "deg", "mrad", "turn"))
     assert not any(parse_unit(text).is_angle for text in ("1", "rad/s", "rad^2", "mm/m", "m"))
 

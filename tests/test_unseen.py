@@ -50,7 +50,7 @@ def test_noise_is_noise_of_the_same_size() -> None:
 
 
 @pytest.mark.slow
-def test_a_correction_that_runs_away_unseen_is_told_and_not_withdrawn() -> None:
+def test_a_correction_that_runs_away_unseen_is_reported_and_not_withdrawn() -> None:
     """Found at small swings, a softening cubic has no place of rest beyond 0.42 m."""
 
     def swing(seed: int, size: float) -> sh.Recording:

@@ -45,7 +45,7 @@ def claims(diagnosis: Diagnosis) -> Claims:
         replace(one, share=None, sentence="", element=replace(one.element, found=()))
         for one in diagnosis.found
     ]
-    rest = (diagnosis.parameters, diagnosis.measurement, diagnosis.lies, diagnosis.misfits)
+    rest = (diagnosis.parameters, diagnosis.measurement, diagnosis.faults, diagnosis.misfits)
     return {
         "verdict": [diagnosis.verdict],
         "found": sorted(map(repr, found)),

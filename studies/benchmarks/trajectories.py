@@ -201,7 +201,7 @@ def rows(sizes: tuple[int, ...] = (10_000, 30_000, 100_000), repeats: int = 3) -
         times = middle(in_turns({**contenders, "ipopt": theirs}, repeats))
     small, large = min(sizes), max(sizes)
     slope = float(np.polyfit(np.log(sizes), [np.log(times[str(size)]) for size in sizes], 1)[0])
-    told = ", ".join(f"{size} samples {milliseconds(times[str(size)])}" for size in sizes)
+    reported = ", ".join(f"{size} samples {milliseconds(times[str(size)])}" for size in sizes)
     name, best = f"4 parameters, {large} samples", ours[large]()
     return [
         Row(
@@ -221,7 +221,7 @@ def rows(sizes: tuple[int, ...] = (10_000, 30_000, 100_000), repeats: int = 3) -
             1.5,
             False,
             "×",
-            f"{told}; time grows with the power {slope:.2f} of the samples",
+            f"{reported}; time grows with the power {slope:.2f} of the samples",
         ),
     ]
 

@@ -95,25 +95,25 @@ def concealed(answer: dict[str, Any]) -> list[Claim]:
     return claims
 
 
-def claimed(told: dict[str, Any]) -> list[Claim]:
+def claimed(reported: dict[str, Any]) -> list[Claim]:
     """What a diagnosis claims: forces, parameters, channels."""
     claims = []
-    for found in told["found"]:
+    for found in reported["found"]:
         values = {p["term"]: (p["value"], p["sd"]) for p in found["parameters"].values()}
         side = found.get("options", {}).get("side", "both") if found["kind"] == "gap" else ""
         claims.append(Claim(_place(found["place"]), found["kind"], values, side))
-    for one in told["parameters"]:
+    for one in reported["parameters"]:
         value = {"value": (one["value"], one["sd"])}
         claims.append(Claim(f"parameter {one['name']}", "parameter", value))
-    for one in told["measurement"]:
+    for one in reported["measurement"]:
         claims.append(Claim(one["channel"], one["kind"], {"value": (one["value"], one["sd"])}))
     return claims
 
 
-def alternatives(told: dict[str, Any]) -> list[tuple[str, str]]:
+def alternatives(reported: dict[str, Any]) -> list[tuple[str, str]]:
     """Where and kind of what a diagnosis cannot rule out."""
     found = []
-    for one in told["alternatives"]:
+    for one in reported["alternatives"]:
         if "place" in one:
             found.append((_place(one["place"]), one["kind"]))
         elif "channel" in one:
@@ -135,7 +135,7 @@ def _rival(instead: dict[str, str]) -> tuple[str, str]:
 
 
 def _stand_ins(answer: dict[str, Any], truth: Sequence[Claim]) -> list[StandIns]:
-    """For every concealed cause: what shows the same, and whether exactly (a twin) or within the
+    """For every concealed cause: what shows the same, and whether exactly (a partner) or within the
     noise."""
     first, rows = 0, []
     for claim in truth:
@@ -154,7 +154,7 @@ def _stand_ins(answer: dict[str, Any], truth: Sequence[Claim]) -> list[StandIns]
 def score_case(name: str, result: dict[str, Any], answer: dict[str, Any], n: int) -> Row:
     """Compare what was said with what was concealed."""
     truth = concealed(answer)
-    told = result.get("diagnosis")
+    reported = result.get("diagnosis")
     shares = [effect["share"] for effect in answer["effects"]]
     row = Row(
         name,
@@ -172,7 +172,7 @@ def score_case(name: str, result: dict[str, Any], answer: dict[str, Any], n: int
         hits=(0,) * len(truth),
         shares=(*shares, *[None] * (len(truth) - len(shares))),
     )
-    if told is None:
+    if reported is None:
         return replace(
             row,
             verdict="crash" if "crash" in result else "refused",
@@ -180,21 +180,23 @@ def score_case(name: str, result: dict[str, Any], answer: dict[str, Any], n: int
             missed=tuple(map(_words, truth)),
             failed=result.get("sentence") or result.get("crash", ""),
         )
-    rest, whole = _by_order(claimed(told), truth), True
+    rest, whole = _by_order(claimed(reported), truth), True
     rest = [c for c in rest if any(c.cause == t.cause for t in truth) or not _holds(c, answer)]
     pairs = list(zip(truth, _stand_ins(answer, truth), strict=True))
     placed = _placed(pairs, rest)
     hits = list(map(int, placed))
-    row = replace(row, verdict=told["verdict"], place=sum(placed))
+    row = replace(row, verdict=reported["verdict"], place=sum(placed))
     for i, (claim, stand_ins) in enumerate(pairs):
         same = next((c for c in rest if _same(c, claim, truth)), None)
-        twin = next((c for c in rest if _stands(c, claim, stand_ins, alternatives(told))), None)
+        partner = next(
+            (c for c in rest if _stands(c, claim, stand_ins, alternatives(reported))), None
+        )
         if same is not None:
             rest.remove(same)
             hits[i] = 2
             row, whole = _valued(row, claim, same), whole and _complete(claim, same)
-        elif twin is not None:
-            rest.remove(twin)
+        elif partner is not None:
+            rest.remove(partner)
             hits[i] = 2
             row = replace(row, name=row.name + 1, twins=row.twins + 1)
         else:
@@ -279,7 +281,7 @@ def _off(key: str, truth: float, value: float) -> float:
 
 
 def _stands(claim: Claim, truth: Claim, stand_ins: StandIns, spare: Iterable[Any]) -> bool:
-    """Whether a claim may stand for the truth: an exact twin, or one within the noise that names
+    """Whether a claim may stand for the truth: an exact partner, or one within the noise that names
     the truth among its alternatives."""
     exact = stand_ins.get((claim.where, claim.kind))
     if exact is None:

@@ -42,7 +42,7 @@ def diagnose(folder: Path) -> dict[str, Any]:
     import symhyb as sh
     from symhyb.report.contract import to_json
 
-    told: dict[str, Any] = {"symhyb": sh.__version__, "commit": commit()}
+    reported: dict[str, Any] = {"symhyb": sh.__version__, "commit": commit()}
     begin, spent = time.perf_counter(), cpu()
     try:
         model = sh.read_model(folder / "model.toml")
@@ -51,11 +51,11 @@ def diagnose(folder: Path) -> dict[str, Any]:
         )
         begin, spent = time.perf_counter(), cpu()
         diagnosis = sh.diagnose(model, train, holdout)
-        told |= {"seconds": time.perf_counter() - begin, "cpu_seconds": cpu() - spent}
+        reported |= {"seconds": time.perf_counter() - begin, "cpu_seconds": cpu() - spent}
         corrected = sh.apply(model, diagnosis.found, diagnosis.parameters, diagnosis.measurement)
         verdict = sh.judge(model, corrected, holdout, train=train)
-        return {**told, "diagnosis": to_json(diagnosis, verdict)}
-    except Exception as error:  # a crash is a result too: it is told, not lost
+        return {**reported, "diagnosis": to_json(diagnosis, verdict)}
+    except Exception as error:  # a crash is a result too: it is reported, not lost
         lasted = {"seconds": time.perf_counter() - begin, "cpu_seconds": cpu() - spent}
         sort = "sentence" if isinstance(error, sh.InputError | sh.NumericsError) else "crash"
-        return {**lasted, **told, sort: str(error), "traceback": traceback.format_exc()}
+        return {**lasted, **reported, sort: str(error), "traceback": traceback.format_exc()}

@@ -75,14 +75,14 @@ def sizes(axes: Any, scored: Scored) -> None:
 
 def kinds(axes: Any, scored: Scored) -> None:
     """Named causes of every kind."""
-    told = shown(scored)
-    names = sorted({row.kind for row in told["symhyb"]}, reverse=True)
-    height = 0.8 / len(told)
-    for k, (name, rows) in enumerate(told.items()):
+    reported = shown(scored)
+    names = sorted({row.kind for row in reported["symhyb"]}, reverse=True)
+    height = 0.8 / len(reported)
+    for k, (name, rows) in enumerate(reported.items()):
         mine = [[row for row in rows if row.kind == kind] for kind in names]
         y = [100 * sum(r.name for r in own) / sum(r.wanted for r in own) for own in mine]
         axes.barh(np.arange(len(names)) + 0.4 - (k + 0.5) * height, y, height, color=COLOURS[name])
-    counts = [sum(row.wanted for row in told["symhyb"] if row.kind == kind) for kind in names]
+    counts = [sum(row.wanted for row in reported["symhyb"] if row.kind == kind) for kind in names]
     words = [f"{kind} ({count})" for kind, count in zip(names, counts, strict=True)]
     axes.set_yticks(range(len(names)), words, fontsize=7)
     axes.set_xlabel("causes named, %")

@@ -84,13 +84,13 @@ def said(case: Case, folder: Path) -> dict[str, Any]:
         np.savetxt(name, columns, fmt="%.9g", delimiter=",", header=",".join(header), comments="")
         recordings.append(sh.read_recording(name, model))
     try:
-        told = sh.diagnose(model, recordings[:RUNS], recordings[RUNS])
+        reported = sh.diagnose(model, recordings[:RUNS], recordings[RUNS])
     except (sh.InputError, sh.NumericsError) as error:
         return {"verdict": "", "failed": str(error), "misfits": [], "changes": []}
     return {
-        "verdict": told.verdict,
-        "misfits": [one.recording for one in told.misfits],
-        "changes": [one for one in told.notes if "is not constant" in one],
+        "verdict": reported.verdict,
+        "misfits": [one.recording for one in reported.misfits],
+        "changes": [one for one in reported.notes if "is not constant" in one],
     }
 
 

@@ -263,7 +263,7 @@ def rivals(run: Run, sight: Sight, known: dict[str, float]) -> list[dict[str, ob
     evidence (half of Δχ²) that would still tell them apart.
 
     ``known`` is the size of the known forces at each place. Only concealed causes of one number
-    are compared: those of several numbers have no exact twin of one.
+    are compared: those of several numbers have no exact partner of one.
     """
     stated = run.system.values()
     singles = [

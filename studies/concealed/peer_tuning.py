@@ -35,8 +35,8 @@ def collect(options: argparse.Namespace) -> dict[Setting, list[Row]]:
             continue
         answer = unseal(folder / "sealed.json")
         for one, own in rows.items():
-            told = said[one.name]
-            own.append(score_peer(folder.name, told, answer, n[folder.name.split("-", 1)[1]]))
+            reported = said[one.name]
+            own.append(score_peer(folder.name, reported, answer, n[folder.name.split("-", 1)[1]]))
     return rows
 
 
@@ -96,15 +96,15 @@ def main() -> None:
     cases = len(next(iter(rows.values())))
     if not cases:
         raise SystemExit("no case has the answers of all settings: run peers.py --every first")
-    told = {
+    reported = {
         "seeds": options.seeds,
         "cases": cases,
         "tried": len(rows),
         "chosen": choose(rows),
     }
     options.write.parent.mkdir(parents=True, exist_ok=True)
-    options.write.write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
-    print(json.dumps(told, indent=1))
+    options.write.write_text(json.dumps(reported, indent=1) + "\n", encoding="utf-8")
+    print(json.dumps(reported, indent=1))
 
 
 if __name__ == "__main__":

@@ -116,7 +116,7 @@ def diagnoses(folder: Path, settings: list[Setting], fits: bool = True) -> dict[
 
 
 def network(train: Recorded, unseen: Recorded, setting: Setting) -> dict[str, Any]:
-    """A network from state and inputs to ΔF: it has no words, so its fit alone is told."""
+    """A network from state and inputs to ΔF: it has no words, so its fit alone is reported."""
     begin = time.process_time()
     e, later = estimate("deltaf", train, setting.window), estimate("deltaf", unseen, YARDSTICK)
     (wanted, scale), (truth, _) = left_over(train.system, e), left_over(train.system, later)
@@ -176,7 +176,10 @@ def main() -> None:
             begin = time.perf_counter()
             try:
                 said |= diagnoses(folder, wanted, not options.every)
-            except (np.linalg.LinAlgError, ValueError) as error:  # counts as a refusal, and is told
+            except (
+                np.linalg.LinAlgError,
+                ValueError,
+            ) as error:  # counts as a refusal, and is reported
                 said |= {one.name: {"seconds": 0.0, "crash": str(error)} for one in wanted}
             part = target.with_suffix(".part")
             part.write_text(json.dumps(said) + "\n", encoding="utf-8")

@@ -31,12 +31,12 @@ def one(seed: int, build: Path, results: Path, sort: Sort = PLAIN) -> str:
     folder = write(seed, build, sort)
     if folder is None:
         return f"{target.stem}: no complete draw"
-    told = diagnose(folder)
+    reported = diagnose(folder)
     part = target.with_suffix(".part")
-    part.write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
+    part.write_text(json.dumps(reported, indent=1) + "\n", encoding="utf-8")
     part.replace(target)
-    said = told["diagnosis"]["verdict"] if "diagnosis" in told else "failed"
-    return f"{target.stem}: {said} in {told['seconds']:.0f} s"
+    said = reported["diagnosis"]["verdict"] if "diagnosis" in reported else "failed"
+    return f"{target.stem}: {said} in {reported['seconds']:.0f} s"
 
 
 def _apart(seed: int, options: argparse.Namespace) -> None:
@@ -62,8 +62,8 @@ def _apart(seed: int, options: argparse.Namespace) -> None:
     except subprocess.TimeoutExpired:
         said = f"{seed}: not done after {LIMIT_S:g} s"
         name = folder_of(seed, options.output).name
-        told = {"seconds": LIMIT_S, "cpu_seconds": LIMIT_S, "crash": said, "commit": commit()}
-        (options.results / f"{name}.json").write_text(json.dumps(told) + "\n", encoding="utf-8")
+        reported = {"seconds": LIMIT_S, "cpu_seconds": LIMIT_S, "crash": said, "commit": commit()}
+        (options.results / f"{name}.json").write_text(json.dumps(reported) + "\n", encoding="utf-8")
     print(said, flush=True)
 
 

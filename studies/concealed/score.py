@@ -35,7 +35,9 @@ def true_text(folder: Path, answer: dict[str, Any]) -> str:
     return truth_text((folder / "model.toml").read_text(encoding="utf-8"), hidden)
 
 
-def unseen_error(folder: Path, told: dict[str, Any], answer: dict[str, Any], keep: Path) -> float:
+def unseen_error(
+    folder: Path, reported: dict[str, Any], answer: dict[str, Any], keep: Path
+) -> float:
     """RMS over channels of the unseen window error over the same with the truth in the model."""
     if not keep.exists():
         import symhyb as sh
@@ -49,14 +51,14 @@ def unseen_error(folder: Path, told: dict[str, Any], answer: dict[str, Any], kee
         keep.parent.mkdir(parents=True, exist_ok=True)
         keep.write_text(json.dumps({"window_s": verdict.window_s, "rmse": dict(scores)}) + "\n")
     oracle = json.loads(keep.read_text())["rmse"]
-    found = told["scores"]["holdout"]["after"]["window_rmse"]
+    found = reported["scores"]["holdout"]["after"]["window_rmse"]
     ratios = [found[k] / oracle[k] for k in oracle if oracle[k] and found.get(k) is not None]
     return float(np.sqrt(np.mean(np.square(ratios)))) if ratios else float("nan")
 
 
-def force_ratio(told: dict[str, Any]) -> float | None:
+def force_ratio(reported: dict[str, Any]) -> float | None:
     """RMS over coordinates of the unseen force error with what was found over that without."""
-    unseen = told["scores"]["holdout"]
+    unseen = reported["scores"]["holdout"]
     pairs = [
         (unseen["after"]["force_nrmse"].get(k), size)
         for k, size in unseen["before"]["force_nrmse"].items()
@@ -77,7 +79,7 @@ def cases(options: argparse.Namespace) -> Iterator[tuple[int, Path, dict[str, An
 
 
 def read(options: argparse.Namespace) -> Scored:
-    """All scored cases; a peer is told of only where it has answered every one of them."""
+    """All scored cases; a peer is reported of only where it has answered every one of them."""
     rows, said, commits, versions = [], [], set(), set()
     discarded, given_up = 0, 0
     for seed in seeds_of(options.seeds):
@@ -86,16 +88,16 @@ def read(options: argparse.Namespace) -> Scored:
             given_up += 1
             discarded += json.loads(discard.read_text())["discarded"]
     for seed, folder, answer in cases(options):
-        told = json.loads((options.results / f"{folder.name}.json").read_text())
-        commits.add(told.get("commit", "unknown"))
-        versions.add(told.get("symhyb", "unknown"))
+        reported = json.loads((options.results / f"{folder.name}.json").read_text())
+        commits.add(reported.get("commit", "unknown"))
+        versions.add(reported.get("symhyb", "unknown"))
         discarded += answer["discarded"]
-        row = score_case(folder.name, told, answer, plan_of(seed).system.n)
-        if "diagnosis" in told:
-            row = replace(row, fit=force_ratio(told["diagnosis"]))
-        if options.errors and "diagnosis" in told and answer["effects"]:
+        row = score_case(folder.name, reported, answer, plan_of(seed).system.n)
+        if "diagnosis" in reported:
+            row = replace(row, fit=force_ratio(reported["diagnosis"]))
+        if options.errors and "diagnosis" in reported and answer["effects"]:
             keep = options.output / "oracle" / f"{folder.name}.json"
-            error = unseen_error(folder, told["diagnosis"], answer, keep)
+            error = unseen_error(folder, reported["diagnosis"], answer, keep)
             row = replace(row, error=error if np.isfinite(error) else None)
         rows.append(row)
         path = options.peers / f"{folder.name}.json"
@@ -125,12 +127,12 @@ def peers_of(
     return rows, settings
 
 
-def score_peer(case: str, told: dict[str, Any], answer: dict[str, Any], n: int) -> Row:
+def score_peer(case: str, reported: dict[str, Any], answer: dict[str, Any], n: int) -> Row:
     """The row of a peer, by the rules for everybody; one without words (a network) claims
     nothing."""
     silent = {"verdict": "", "found": [], "parameters": [], "measurement": [], "alternatives": []}
-    whole = {"diagnosis": silent, "fit": 1.0 if "crash" in told else None, **told}
-    whole |= {"cpu_seconds": told["seconds"]}
+    whole = {"diagnosis": silent, "fit": 1.0 if "crash" in reported else None, **reported}
+    whole |= {"cpu_seconds": reported["seconds"]}
     return score_case(case, whole, answer, n)
 
 
@@ -158,7 +160,7 @@ def main() -> None:
 
 
 def misses(rows: tuple[Row, ...]) -> str:
-    """Every case that was not told completely, a line each."""
+    """Every case that was not reported completely, a line each."""
     text = ["Misses and wrong claims", ""]
     for row in rows:
         if row.wrong or row.missed or row.failed or not row.structure:

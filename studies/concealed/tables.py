@@ -206,7 +206,7 @@ def _everything(rows: Sequence[Row], words: bool) -> str:
     missed = [row for row in hidden if row.name < row.wanted]
     wrong = sum(bool(row.wrong) for row in nulls)
     fits = [row.fit for row in hidden if row.fit is not None]
-    told = [
+    reported = [
         percent(sum(row.place for row in hidden), wanted),
         percent(sum(row.name for row in hidden), wanted),
         percent(sum(row.structure for row in hidden), len(hidden)),
@@ -217,4 +217,4 @@ def _everything(rows: Sequence[Row], words: bool) -> str:
     ]
     fit = f"{np.median(fits):.2f}" if fits else "–"
     time = seconds(median_time(rows)[0]) if rows else "–"
-    return " | ".join([*(told if words else ["–"] * len(told)), fit, time]) + " |"
+    return " | ".join([*(reported if words else ["–"] * len(reported)), fit, time]) + " |"

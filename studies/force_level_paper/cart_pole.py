@@ -228,12 +228,17 @@ def one(seed: int, steps: tuple[float, ...] = STEPS) -> dict[str, Any]:
             machine, course, lacking(machine, course, "rates"), LIBRARY, learn.THRESHOLD
         ),
     }
-    told: dict[str, Any] = {"seed": seed, "said": diagnosis.sentence, "simulated": {}, "hosts": {}}
+    reported: dict[str, Any] = {
+        "seed": seed,
+        "said": diagnosis.sentence,
+        "simulated": {},
+        "hosts": {},
+    }
     for name, drive in (("as recorded", DRIVE), ("unseen", UNSEEN)):
         here, scenario = model_of(drive, data), scenario_of()
         exact = truth.simulate(plant(drive), scenario.t, START, np.zeros(2))
         alone = simulate_corrected(sh.build(here), scenario)
-        told["simulated"][name] = {"alone": {"force": error(alone.q, alone.v, exact)}}
+        reported["simulated"][name] = {"alone": {"force": error(alone.q, alone.v, exact)}}
         for row, own in elements.items():
             corrected = append_elements(here, list(own)) if own else here
             force = simulate_corrected(sh.build(corrected), scenario)
@@ -242,15 +247,15 @@ def one(seed: int, steps: tuple[float, ...] = STEPS) -> dict[str, Any]:
                 scenario,
                 Correction("rates", (rates[row],)),
             )
-            told["simulated"][name][row] = {
+            reported["simulated"][name][row] = {
                 "force": error(force.q, force.v, exact),
                 "rates": error(rate.q, rate.v, exact),
             }
             if name == "as recorded" and own:
-                told["hosts"][row] = in_hosts(
+                reported["hosts"][row] = in_hosts(
                     corrected, tuple(e.name for e in own), exact, (force.q, force.v), steps
                 )
-    return told
+    return reported
 
 
 def in_hosts(
@@ -281,10 +286,10 @@ def main() -> None:
     parser.add_argument("--results", type=Path, default=KEPT)
     options = parser.parse_args()
     first, _, last = options.seeds.partition("-")
-    told = [one(seed) for seed in range(int(first), int(last or first) + 1)]
-    for row in told:
+    reported = [one(seed) for seed in range(int(first), int(last or first) + 1)]
+    for row in reported:
         print(row["seed"], row["said"])
-    lines = ",\n".join(json.dumps(rounded(row)) for row in told)
+    lines = ",\n".join(json.dumps(rounded(row)) for row in reported)
     options.results.write_text(f"[\n{lines}\n]\n", encoding="utf-8")
 
 

@@ -222,7 +222,7 @@ def _by_step(
 
 
 def rounded(value: Any) -> Any:
-    """Four digits, which is more than is told; null for what is not finite."""
+    """Four digits, which is more than is reported; null for what is not finite."""
     if isinstance(value, dict):
         return {key: rounded(item) for key, item in value.items()}
     if isinstance(value, list):
@@ -232,9 +232,9 @@ def rounded(value: Any) -> Any:
     return float(f"{value:.4g}") if np.isfinite(value) else None
 
 
-def text_of(told: dict[str, Any]) -> str:
+def text_of(reported: dict[str, Any]) -> str:
     """JSON with a line for every key."""
-    lines = (f"{json.dumps(key)}: {json.dumps(rounded(item))}" for key, item in told.items())
+    lines = (f"{json.dumps(key)}: {json.dumps(rounded(item))}" for key, item in reported.items())
     return "{\n" + ",\n".join(lines) + "\n}\n"
 
 
@@ -243,11 +243,11 @@ def keep(seed: int, folder: Path) -> str:
     target = folder / f"{seed:03d}.json"
     if target.exists():
         return f"{seed}: there"
-    told = one(seed)
+    reported = one(seed)
     part = target.with_suffix(".part")
-    part.write_text(text_of(told), encoding="utf-8")
+    part.write_text(text_of(reported), encoding="utf-8")
     part.replace(target)
-    return f"{seed}: {told['learned']['sparse']['said']} ({told['seconds']:.0f} s)"
+    return f"{seed}: {reported['learned']['sparse']['said']} ({reported['seconds']:.0f} s)"
 
 
 def main() -> None:

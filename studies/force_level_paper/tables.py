@@ -359,20 +359,20 @@ def cart_pole(folder: Path = HERE / "results") -> str:
     file = folder / "cart_pole.json"
     if not file.exists():
         return "Not run."
-    told = json.loads(file.read_text(encoding="utf-8"))
+    reported = json.loads(file.read_text(encoding="utf-8"))
     lines = []
-    for name in told[0]["simulated"]:
+    for name in reported[0]["simulated"]:
         for row in ("alone", "default", "sparse"):
-            found = [one["simulated"][name][row] for one in told]
+            found = [one["simulated"][name][row] for one in reported]
             cells = [f"{WORDS[row]}, {name}"]
             for level in ("rates", "force"):
                 cells.append(spread(pair[level][0] for pair in found) if level in found[0] else "–")
             for host in ("Exudyn", "MuJoCo"):
-                made = [one["hosts"].get(row) for one in told]
+                made = [one["hosts"].get(row) for one in reported]
                 if name != KNOWN or None in made:
                     cells.append("–")
                     continue
-                whole = [one["simulated"][KNOWN]["alone"]["force"][0] for one in told]
+                whole = [one["simulated"][KNOWN]["alone"]["force"][0] for one in reported]
                 for coupling in ("me", "cs"):
                     lost = max(
                         100 * numbers([m[host][coupling]["0.001"]["coupling"][0]])[0] / w
@@ -389,9 +389,9 @@ def cart_pole(folder: Path = HERE / "results") -> str:
         "MuJoCo, me",
         "MuJoCo, cs",
     )
-    named = "; ".join(f"seed {one['seed']}: {one['said']}" for one in told)
+    named = "; ".join(f"seed {one['seed']}: {one['said']}" for one in reported)
     return (
-        f"Seeds of the noise: {len(told)}. The diagnosis, {named}\n\n"
+        f"Seeds of the noise: {len(reported)}. The diagnosis, {named}\n\n"
         + table(head, lines)
         + "\n\nThe columns of the hosts are coupling errors at 1 ms, worst of the seeds, over the "
         "RMSE without correction."

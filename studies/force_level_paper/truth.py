@@ -26,7 +26,9 @@ FIRST = 1e-4  # s: first step after a reversal
 HOLDS = 1 + 1e-9  # of the friction: what is torn off must slide, whatever the rounding
 NOISE = 0.015  # of the largest value of a channel
 TRAINED_ON = 0.7  # of the samples, drawn at random
-UNSTEADY = 100.0  # growth of a perturbation of the start of 1e-6: beyond, no run can be told apart
+UNSTEADY = (
+    100.0  # growth of a perturbation of the start of 1e-6: beyond, no run can be distinguished
+)
 
 
 @dataclass(frozen=True, slots=True)

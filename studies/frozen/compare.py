@@ -18,7 +18,7 @@ from run import BUILD, DRAWN
 from scoring import Outcome, outcome
 
 GROUPS = ("concealed", "null", "study", "example", "all")
-SLOWER = 1.5  # times as long: told of a case
+SLOWER = 1.5  # times as long: reported of a case
 SECONDS = 5.0  # and at least so much longer
 
 

@@ -166,7 +166,7 @@ def diagnose(case: Case, package: Package, drawn: Path, cache: Path) -> dict[str
             environment[DATA] = str(Path(environment[DATA]).resolve())
         words = [sys.executable, "-m", "symhyb", *command(case, drawn, scratch / "out")]
         status, text, seconds, spent = timed(words, environment, scratch)
-        told = {
+        reported = {
             "case": case.name,
             "commit": package.commit,
             "code": package.code,
@@ -176,11 +176,11 @@ def diagnose(case: Case, package: Package, drawn: Path, cache: Path) -> dict[str
         }
         answer = scratch / "out" / "diagnosis.json"
         if status in ANSWERED and answer.exists():
-            return {**told, "diagnosis": json.loads(answer.read_text(encoding="utf-8"))}
+            return {**reported, "diagnosis": json.loads(answer.read_text(encoding="utf-8"))}
     if status is None:
-        return {**told, "crash": f"not done after {LIMIT_S:g} s"}
+        return {**reported, "crash": f"not done after {LIMIT_S:g} s"}
     sort = "sentence" if status in REFUSED else "crash"
-    return {**told, sort: text.strip()[-1500:] or f"ended with {status}"}
+    return {**reported, sort: text.strip()[-1500:] or f"ended with {status}"}
 
 
 def one(case: Case, package: Package, results: Path, drawn: Path, cache: Path) -> str:
@@ -189,12 +189,12 @@ def one(case: Case, package: Package, results: Path, drawn: Path, cache: Path) -
     if reason:
         return f"{case.name}: {reason}"
     draw(case, drawn)
-    told = diagnose(case, package, drawn, cache)
+    reported = diagnose(case, package, drawn, cache)
     part = results / f"{case.name}.part"
-    part.write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
+    part.write_text(json.dumps(reported, indent=1) + "\n", encoding="utf-8")
     part.replace(results / f"{case.name}.json")
-    said = told["diagnosis"]["verdict"] if "diagnosis" in told else "no diagnosis"
-    return f"{case.name}: {said}, {told['cpu_seconds']:.1f} s computed"
+    said = reported["diagnosis"]["verdict"] if "diagnosis" in reported else "no diagnosis"
+    return f"{case.name}: {said}, {reported['cpu_seconds']:.1f} s computed"
 
 
 def wanted(only: str, quick: bool) -> list[Case]:
@@ -222,10 +222,10 @@ def waiting(cases: list[Case], package: Package, results: Path, again: bool) -> 
     if again:
         return cases
     for path in sorted(results.glob("*.json")):
-        told = json.loads(path.read_text(encoding="utf-8"))
-        if told["code"] != package.code:
+        reported = json.loads(path.read_text(encoding="utf-8"))
+        if reported["code"] != package.code:
             raise SystemExit(
-                f"{results} holds results of other code (commit {told['commit']}, this is "
+                f"{results} holds results of other code (commit {reported['commit']}, this is "
                 f"{package.commit}): choose another --label, or replace them with --again"
             )
     return [case for case in cases if not (results / f"{case.name}.json").exists()]

@@ -58,22 +58,22 @@ class Outcome:
         return (self.verdict, self.named, self.complete, wrong, self.right, self.counted)
 
 
-def outcome(case: Case, told: Mapping[str, Any], drawn: Path) -> Outcome:
-    """The score of what was told of a case."""
+def outcome(case: Case, reported: Mapping[str, Any], drawn: Path) -> Outcome:
+    """The score of what was reported of a case."""
     if case.seed is not None:
-        return _of_bench(case, told, drawn / case.name)
-    return _of_terms(case, told, _study_truths(case) if case.study else [_example_truth(case)])
+        return _of_bench(case, reported, drawn / case.name)
+    return _of_terms(case, reported, _study_truths(case) if case.study else [_example_truth(case)])
 
 
-def _of_bench(case: Case, told: Mapping[str, Any], folder: Path) -> Outcome:
+def _of_bench(case: Case, reported: Mapping[str, Any], folder: Path) -> Outcome:
     from claims import score_case
     from seal import unseal
 
-    row = score_case(case.name, dict(told), unseal(folder / "sealed.json"), 1)
+    row = score_case(case.name, dict(reported), unseal(folder / "sealed.json"), 1)
     return Outcome(
         case.name,
         case.group,
-        told["commit"],
+        reported["commit"],
         row.verdict,
         row.wanted,
         row.name,
@@ -81,7 +81,7 @@ def _of_bench(case: Case, told: Mapping[str, Any], folder: Path) -> Outcome:
         row.wrong,
         row.covered,
         row.counted,
-        told["cpu_seconds"],
+        reported["cpu_seconds"],
     )
 
 
@@ -122,16 +122,16 @@ def _example_truth(case: Case) -> tuple[Truth, bool]:
     return judged, True
 
 
-def _of_terms(case: Case, told: Mapping[str, Any], truths: list[tuple[Truth, bool]]) -> Outcome:
+def _of_terms(case: Case, reported: Mapping[str, Any], truths: list[tuple[Truth, bool]]) -> Outcome:
     """The score against the truth that fits best."""
-    diagnosis = told.get("diagnosis")
+    diagnosis = reported.get("diagnosis")
     if diagnosis is None:
-        verdict = "crash" if "crash" in told else "refused"
+        verdict = "crash" if "crash" in reported else "refused"
         wanted = min(len(truth) for truth, _ in truths)
-        blank = (case.name, case.group, told["commit"], verdict, wanted)
-        return Outcome(*blank, cpu=told["cpu_seconds"])
+        blank = (case.name, case.group, reported["commit"], verdict, wanted)
+        return Outcome(*blank, cpu=reported["cpu_seconds"])
     claims = list(_claims(diagnosis))
-    scored = [_against(case, told, claims, truth, strict) for truth, strict in truths]
+    scored = [_against(case, reported, claims, truth, strict) for truth, strict in truths]
     best = max(scored, key=lambda one: (one.named, one.complete, -len(one.wrong), one.right))
     return replace(best, complete=best.complete and best.verdict == _verdict(case, best.verdict))
 
@@ -166,7 +166,7 @@ def _claims(diagnosis: Mapping[str, Any]) -> Iterator[Claim]:
 
 
 def _against(
-    case: Case, told: Mapping[str, Any], claims: list[Claim], truth: Truth, strict: bool
+    case: Case, reported: Mapping[str, Any], claims: list[Claim], truth: Truth, strict: bool
 ) -> Outcome:
     """The score against one truth; an element is wrong where it has none of the wanted terms."""
     terms = {name: number for _, own in claims for name, number in own.items()}
@@ -183,15 +183,15 @@ def _against(
     return Outcome(
         case.name,
         case.group,
-        told["commit"],
-        told["diagnosis"]["verdict"],
+        reported["commit"],
+        reported["diagnosis"]["verdict"],
         len(truth),
         sum(bool(hit) for hit in hits.values()),
         all(hits.values()) and not (strict and spare),
         wrong,
         right,
         len(judged),
-        told["cpu_seconds"],
+        reported["cpu_seconds"],
     )
 
 

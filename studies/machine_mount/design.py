@@ -105,7 +105,7 @@ def by_slsqp(run: sh.Rollout, start: Array | None = None, room: float = ROOM) ->
     if not found.success:
         raise RuntimeError(found.message)
     slopes = asked["force"] + asked["slopes"]
-    return _told(run, found.x * goal.scale, asked["bounds"], slopes, begun)
+    return _reported(run, found.x * goal.scale, asked["bounds"], slopes, begun)
 
 
 def _largest(travel: Array) -> NDArray[np.int64]:
@@ -130,7 +130,7 @@ def by_opti(run: sh.Rollout) -> Design:
     asked = found.stats()
     runs = asked["n_call_nlp_f"] + asked["n_call_nlp_g"]
     slopes = asked["n_call_nlp_grad_f"] + asked["n_call_nlp_jac_g"]
-    return _told(run, found.value(at) * run.theta, runs, slopes, begun)
+    return _reported(run, found.value(at) * run.theta, runs, slopes, begun)
 
 
 def by_evolution(run: sh.Rollout, seed: int = 1) -> Design:
@@ -159,10 +159,10 @@ def by_evolution(run: sh.Rollout, seed: int = 1) -> Design:
         tol=1e-8,
         maxiter=300,
     )
-    return _told(run, found.x * goal.scale, asked, 0, begun)
+    return _reported(run, found.x * goal.scale, asked, 0, begun)
 
 
-def _told(run: sh.Rollout, theta: Array, runs: int, slopes: int, begun: float) -> Design:
+def _reported(run: sh.Rollout, theta: Array, runs: int, slopes: int, begun: float) -> Design:
     seconds, y = time.perf_counter() - begun, run(theta)
     travel = float(np.abs(y[:, 0]).max())
     return Design(float(theta[0]), float(theta[1]), rms(y)[0], travel, runs, slopes, seconds)
@@ -309,7 +309,7 @@ def picture(
 def main() -> None:
     """Design in four ways, and along the trade-off."""
     run, record = rig(), excitation()
-    delivered = _told(run, run.theta, 1, 0, time.perf_counter())
+    delivered = _reported(run, run.theta, 1, 0, time.perf_counter())
     ways = {
         "as delivered": replace(delivered, seconds=0.0),
         "SLSQP, adjoint": by_slsqp(run),
@@ -318,7 +318,7 @@ def main() -> None:
         "without symhyb": by_filter(record),
     }
     curve = trade_off(run)
-    told = {
+    reported = {
         "room_m": ROOM,
         "ways": {name: asdict(design) for name, design in ways.items()},
         "trade_off": [
@@ -330,7 +330,7 @@ def main() -> None:
         print(f"{name:24} {design}")
     for room, design in curve:
         print(f"{1e3 * room:4.1f} mm {design}")
-    (HERE / "results.json").write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
+    (HERE / "results.json").write_text(json.dumps(reported, indent=1) + "\n", encoding="utf-8")
     picture(run, delivered, ways["SLSQP, adjoint"], curve)
 
 

@@ -38,7 +38,7 @@ class Row:
 
 def score_case(name: str, result: dict[str, Any], answer: dict[str, Any]) -> Row:
     """Compare what was claimed with what acts."""
-    told = result.get("diagnosis")
+    reported = result.get("diagnosis")
     start = Row(
         name,
         answer["kind"],
@@ -48,26 +48,26 @@ def score_case(name: str, result: dict[str, Any], answer: dict[str, Any]) -> Row
         cpu=result.get("cpu_seconds"),
         sentence=str(result.get("sentence") or result.get("crash", "")),
     )
-    return start if told is None else _judged(start, told, answer)
+    return start if reported is None else _judged(start, reported, answer)
 
 
-def _judged(start: Row, told: dict[str, Any], answer: dict[str, Any]) -> Row:
-    claims = claimed(told)
+def _judged(start: Row, reported: dict[str, Any], answer: dict[str, Any]) -> Row:
+    claims = claimed(reported)
     law = next((c for c in claims if _is_truth(c, answer)), None)
     accepted = law is not None or any(_is_accepted(c, answer) for c in claims)
     wrong = [_words(c) for c in claims if not _holds(c, answer)]
     wrong += [
         f"{one['kind']} of {', '.join(one['channels'])}"
-        for one in told.get("channels", ())
+        for one in reported.get("channels", ())
         if one["kind"] not in answer["accepted"]
     ]
-    stated, where = _stated(told)
-    if not stated and _dated(told, answer):
+    stated, where = _stated(reported)
+    if not stated and _dated(reported, answer):
         stated = "time-varying"
     right = accepted or stated in answer["classes"]
     if stated and not right:
         wrong.append(f"class {stated}")
-    verdict, nothing = told["verdict"], "noise" in answer["classes"]
+    verdict, nothing = reported["verdict"], "noise" in answer["classes"]
     if verdict == "undecided":
         outcome = "class right" if right and not nothing else "refused"
     elif verdict == "nothing missing":
@@ -89,13 +89,13 @@ def _judged(start: Row, told: dict[str, Any], answer: dict[str, Any]) -> Row:
         None if law is None else _covered(law, answer),
         start.seconds,
         start.cpu,
-        told["sentence"],
+        reported["sentence"],
     )
 
 
-def _stated(told: dict[str, Any]) -> tuple[str, set[str]]:
+def _stated(reported: dict[str, Any]) -> tuple[str, set[str]]:
     """The most probable class, if it is likely, and where it is said to act."""
-    classes = told.get("classes") or []
+    classes = reported.get("classes") or []
     best = max(classes, key=lambda one: one.get("probability") or 0.0, default=None)
     if best is None or (best.get("probability") or 0.0) < LIKELY:
         return "", set()
@@ -129,10 +129,10 @@ def _is_accepted(claim: Claim, answer: dict[str, Any]) -> bool:
     return (empirical or claim.kind in answer["accepted"]) and claim.where == answer["place"]
 
 
-def _dated(told: dict[str, Any], answer: dict[str, Any]) -> bool:
+def _dated(reported: dict[str, Any], answer: dict[str, Any]) -> bool:
     """Whether a mismatch is said to begin when it does, for kinds that begin at an instant."""
     at = answer.get("facts", {}).get("at")
-    changes = [one.get("change") or {} for one in told.get("places", ())]
+    changes = [one.get("change") or {} for one in reported.get("places", ())]
     times = [change["time_s"] for change in changes if change.get("kind") == "begins"]
     return at is not None and any(abs(time - at) <= SOON for time in times)
 

@@ -28,18 +28,18 @@ def one(kind: Kind, seed: int, build: Path, results: Path) -> str:
     folder = write(kind, seed, build)
     if folder is None:
         return f"{folder_of(kind, seed, build).name}: no visible draw"
-    told = diagnose(folder)
-    keep(told, results / f"{folder.name}.json")
-    said = told["diagnosis"]["verdict"] if "diagnosis" in told else "failed"
-    return f"{folder.name}: {said} in {told['seconds']:.0f} s"
+    reported = diagnose(folder)
+    keep(reported, results / f"{folder.name}.json")
+    said = reported["diagnosis"]["verdict"] if "diagnosis" in reported else "failed"
+    return f"{folder.name}: {said} in {reported['seconds']:.0f} s"
 
 
-def keep(told: dict[str, Any], target: Path) -> None:
+def keep(reported: dict[str, Any], target: Path) -> None:
     """Write a result at once or not at all, verdict and sentence first."""
-    diagnosis = told.get("diagnosis", {})
+    diagnosis = reported.get("diagnosis", {})
     first = {key: diagnosis[key] for key in ("verdict", "sentence") if key in diagnosis}
     part = target.with_suffix(".part")
-    part.write_text(json.dumps({**first, **told}, indent=1) + "\n", encoding="utf-8")
+    part.write_text(json.dumps({**first, **reported}, indent=1) + "\n", encoding="utf-8")
     part.replace(target)
 
 

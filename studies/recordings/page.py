@@ -15,7 +15,7 @@ from typing import Any
 
 from kept import RESULTS, STUDIES, Case, cases, keep
 from picture import draw
-from words import about, knows, numbers, own_scores, rivals, score_rows, short, told
+from words import about, knows, numbers, own_scores, reported, rivals, score_rows, short
 
 from symhyb.study import run_study
 
@@ -71,7 +71,7 @@ def _section(case: Case, docs: Path) -> str:
     facts = [f"- **The model knows:** {knows(case)}"]
     if case.kept is None:
         return "\n\n".join([*parts, *facts, "Not run."])
-    facts += [f"- **{role}:** {text}" for role, text in told(case)]
+    facts += [f"- **{role}:** {text}" for role, text in reported(case)]
     facts.append(f"- **symhyb says:** *{case.kept['verdict']}*. {case.kept['sentence']}")
     if rivals(case.kept):
         facts.append(f"- **Not ruled out:** {rivals(case.kept)}.")

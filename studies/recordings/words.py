@@ -63,7 +63,7 @@ def knows(case: Case) -> str:
     return f"{model.title}. In the file: {elements}{numbers_}."
 
 
-def told(case: Case) -> Iterator[tuple[str, str]]:
+def reported(case: Case) -> Iterator[tuple[str, str]]:
     """Which recordings it learned from and was proved on."""
     for role, sources in (
         ("Learned from", case.study.train),

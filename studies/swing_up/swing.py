@@ -85,11 +85,14 @@ def play(plan: Plan) -> tuple[dict[str, Played], Array]:
     real, held = Machine(), gains(sh.build(sh.read_model(HERE / "machine.toml")), plan)
     alone, led = follow(real, plan), follow(real, plan, held.along)
     after, after_led = hold(real, alone[-1], held.upright), hold(real, led[-1], held.upright)
-    played = {"force alone": _told(plan, alone, after), "feedback": _told(plan, led, after_led)}
+    played = {
+        "force alone": _reported(plan, alone, after),
+        "feedback": _reported(plan, led, after_led),
+    }
     return played, np.concatenate([alone, after[1:]])
 
 
-def _told(plan: Plan, states: Array, after: Array) -> Played:
+def _reported(plan: Plan, states: Array, after: Array) -> Played:
     x, phi, _, _ = off(states[-1])
     travel = float(np.abs(states[:, 0]).max())
     deviation = float(np.abs(states[:, 1] - plan.states[:, 1]).max())

@@ -116,9 +116,9 @@ class Measurement:
 
 
 @dataclass(frozen=True, slots=True)
-class Lie:
-    """A channel that lies by more than a gain: a wrong ``unit`` or ``sign``, two columns exchanged
-    (``swap``), a ``time`` column in another unit, a ``clock`` that runs fast.
+class RecordingFault:
+    """A channel recorded wrongly by more than a gain: a wrong ``unit`` or ``sign``, two columns
+    exchanged (``swap``), a ``time`` column in another unit, a ``clock`` that runs fast.
 
     What is recorded is ``factor`` times what the model means; ``word`` is the unit it is in.
     ``claimed``: the evidence was decisive and the diagnosis went on with the repaired recordings;
@@ -131,7 +131,7 @@ class Lie:
     word: str = ""
     claimed: bool = False
     sentence: str = ""
-    rivals: "tuple[Lie, ...]" = ()
+    rivals: "tuple[RecordingFault, ...]" = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -343,7 +343,7 @@ class ClassFound:
 
 @dataclass(frozen=True, slots=True)
 class Diagnosis:
-    """The answer: a verdict with its sentence, what was found, and what cannot be told apart.
+    """The answer: a verdict with its sentence, what was found, and what cannot be distinguished.
 
     ``noise`` by sensor in the sensor's unit; ``log`` the story of the decision, one sentence a
     step; ``notes`` what was handled in the recordings. ``manoeuvre`` is ``record_next`` for a
@@ -364,7 +364,7 @@ class Diagnosis:
     clouds: tuple[Cloud, ...] = ()
     log: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
-    lies: tuple[Lie, ...] = ()
+    faults: tuple[RecordingFault, ...] = ()
     misfits: tuple[Misfit, ...] = ()
     repeats: tuple[Repeats, ...] = ()
     isolability: Isolability | None = None

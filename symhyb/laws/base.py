@@ -139,7 +139,8 @@ class Law:
 
     ``action`` computes F and what goes with it; None of a force that is filled in at lowering.
     ``steep`` laws need finer steps near reversals, ``stiff`` ones an implicit method; ``dry`` is
-    friction that can hold still. ``switch`` says as what an exact simulation treats its corner:
+    friction that can hold still, ``smoothed_over`` the key that says over which speed it turns
+    over. ``switch`` says as what an exact simulation treats its corner:
     a friction that *holds*, or a stop that *touches*.
 
     ``candidates`` are the shapes that are tried at a place, ``variants`` what is tried where one of
@@ -170,6 +171,7 @@ class Law:
     steep: bool = False
     stiff: bool = False
     dry: bool = False
+    smoothed_over: str = ""
     switch: Switch = ""
 
     candidates: Callable[[Reach], Iterable[Candidate]] = nothing_tried

@@ -115,6 +115,7 @@ LAW = Law(
     steep=True,
     stiff=True,
     dry=True,
+    smoothed_over="transition",
     switch="holds",
     candidates=_candidates,
     terms=Terms(added=("static",)),

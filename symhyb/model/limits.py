@@ -40,7 +40,7 @@ class Limit:
 
 
 def read_limit(table: Table, root: Table) -> Limit | None:
-    """Read the limits of one channel, None if they cannot be told; ``root`` is the whole file."""
+    """Read the limits of one channel, None if they cannot be known; ``root`` is the whole file."""
     name = table.path[-1]
     known = {"coordinates": COORDINATE_KEYS, "inputs": INPUT_KEYS}
     section = next((key for key in known if name in root.declared(key)), None)

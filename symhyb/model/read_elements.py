@@ -23,7 +23,7 @@ def read_parameter(table: Table, owner: str = "") -> Parameter | None:
 
 
 def read_element(table: Table, root: Table, dimension: int = 2) -> Element | None:
-    """Read one element, None if its kind or its place cannot be told; vectors have ``dimension``
+    """Read one element, None if its kind or place cannot be known; vectors have ``dimension``
     components."""
     kind = _kind(table)
     if kind is None:
@@ -166,8 +166,8 @@ def _complete(table: Table, kind: Law, placement: str) -> None:
     if len(given) > 1 and given[0].signal:
         table.fault(f"kind '{kind.name}' takes only one of {listed}")
     for name in kind.needs:
-        told = name in kind.strengths and not given  # by the sentence above
-        if table.lacks(name) and not told:
+        reported = name in kind.strengths and not given  # by the sentence above
+        if table.lacks(name) and not reported:
             about = kind.key(name)
             reason = f": {about.about}" if about and about.about else ""
             table.fault(f"kind '{kind.name}' needs '{name}'{reason}")

@@ -43,7 +43,7 @@ def apart_figure(matrix: Isolability) -> bytes:
 
 
 def apart_sentence(matrix: Isolability) -> str | None:
-    """Say that what was found is told from every cause of the matrix; None where it is not, or
+    """Say that what was found is distinguished from every cause; None where it is not, or
     where nothing was found."""
     rows = matrix.evidence[np.array(matrix.found, dtype=bool)]
     least = float(np.nanmin(rows)) if np.isfinite(rows).any() else 0.0

@@ -21,12 +21,12 @@ from symhyb.discrepancy.results import (
     Estimate,
     Found,
     Isolability,
-    Lie,
     Manoeuvre,
     Memory,
     Misfit,
     Occurrence,
     PlaceShare,
+    RecordingFault,
     Reestimated,
     Score,
     Verdict,
@@ -84,7 +84,7 @@ def to_json(diagnosis: Diagnosis, verdict: Verdict) -> dict[str, Any]:
             }
             for fault in diagnosis.measurement
         ],
-        "channels": [_lie(lie) for lie in diagnosis.lies],
+        "channels": [_recording_fault(fault) for fault in diagnosis.faults],
         "alternatives": [_alternative(rival) for rival in diagnosis.alternatives],
         "record_next": diagnosis.record_next,
         "manoeuvre": _manoeuvre(diagnosis.manoeuvre),
@@ -161,15 +161,17 @@ def _misfit(one: Misfit) -> dict[str, Any]:
     }
 
 
-def _lie(lie: Lie) -> dict[str, Any]:
+def _recording_fault(fault: RecordingFault) -> dict[str, Any]:
     return {
-        "kind": lie.kind,
-        "channels": list(lie.channels),
-        "factor": _fitted(lie.factor, f"{lie.kind} of {', '.join(lie.channels)}"),
-        "unit": lie.word or None,
-        "claimed": lie.claimed,
-        "sentence": lie.sentence,
-        "rivals": [{"kind": rival.kind, "channels": list(rival.channels)} for rival in lie.rivals],
+        "kind": fault.kind,
+        "channels": list(fault.channels),
+        "factor": _fitted(fault.factor, f"{fault.kind} of {', '.join(fault.channels)}"),
+        "unit": fault.word or None,
+        "claimed": fault.claimed,
+        "sentence": fault.sentence,
+        "rivals": [
+            {"kind": rival.kind, "channels": list(rival.channels)} for rival in fault.rivals
+        ],
     }
 
 
@@ -227,23 +229,23 @@ def _place_share(share: PlaceShare) -> dict[str, Any]:
     }
 
 
-def _occurrence(told: Occurrence | None) -> dict[str, Any]:
+def _occurrence(reported: Occurrence | None) -> dict[str, Any]:
     """The keys that say when and how a mismatch acts, as far as they are known."""
-    if told is None:
+    if reported is None:
         return {}
     change = None
-    if told.change is not None:
+    if reported.change is not None:
         change = {
-            "recording": told.change.recording,
-            "kind": told.change.kind,
-            "time_s": float(told.change.time_s),
-            "width_s": float(told.change.width_s),
+            "recording": reported.change.recording,
+            "kind": reported.change.kind,
+            "time_s": float(reported.change.time_s),
+            "width_s": float(reported.change.width_s),
         }
     return {
         "change": change,
-        "band_hz": None if told.band_hz is None else [float(f) for f in told.band_hz],
-        "beyond": finite(told.beyond),
-        "sentence": told.sentence,
+        "band_hz": None if reported.band_hz is None else [float(f) for f in reported.band_hz],
+        "beyond": finite(reported.beyond),
+        "sentence": reported.sentence,
     }
 
 

@@ -157,7 +157,7 @@ def test_where_nothing_sensible_remains_the_advice_says_why(rig: tuple[Prepared,
     tight = limited(prepared, Limit("y", parse_unit("mm"), rate=1e-3))
     pairs = [Rivals(truth, truth, ("drag on y", "dry friction on y"))]
     found = design(tight, settle(prepared), pairs)
-    assert found.told is None
+    assert found.expected is None
     assert not found.playable
     assert found.hindered == "the speed of y"
     assert no_manoeuvre(tight, settle(prepared), pairs, found) == (

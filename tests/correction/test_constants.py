@@ -31,7 +31,7 @@ def with_wrong(name: str, value: float) -> Model:
         pytest.param("d", 0.6, 0.8, "damper", marks=pytest.mark.slow),
     ],
 )
-def test_a_held_number_that_says_as_much_as_a_law_is_told_beside_it(
+def test_a_held_number_that_says_as_much_as_a_law_is_reported_beside_it(
     name: str, wrong: float, truth: float, kind: str
 ) -> None:
     diagnosis = sh.diagnose(with_wrong(name, wrong), spring_recording(1, {}))
@@ -88,7 +88,7 @@ encoder = {{ measures = "phi", unit = "rad" }}
 @pytest.mark.slow
 def test_no_physics_is_named_where_one_held_number_says_more_than_all_of_it() -> None:
     """A mass is inertia and weight at once, and no law of the list is both: a spring that pushes
-    away and a gain of the motor were told."""
+    away and a gain of the motor were reported."""
     truth, random = 0.6, np.random.default_rng(1)
     t = np.arange(0, 15, 0.005)
     lines, phases = np.linspace(0.2, 2.5, 12), random.uniform(0, 2 * np.pi, 12)

@@ -78,7 +78,7 @@ def test_a_product_that_has_no_name_is_found_and_said_with_a_warning(
 
 
 @pytest.mark.slow
-def test_what_has_a_name_is_told_by_it() -> None:
+def test_what_has_a_name_is_reported_by_it() -> None:
     """Dahl's friction and drag are explained by products less well; and nothing stays nothing."""
     for law, kind in (
         (lugre(1.0, 600.0), "friction_dynamic"),

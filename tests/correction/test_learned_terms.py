@@ -91,7 +91,7 @@ def test_noise_alone_chooses_nothing() -> None:
     assert chosen <= 3  # two standard errors: one in forty, of either sign
 
 
-def test_only_what_cannot_be_told_apart_is_exchanged() -> None:
+def test_only_what_cannot_be_reported_apart_is_exchanged() -> None:
     form = weak(1)
     assert exchanges(form, 0, tuple(range(5)), (1, 4)) == ()
     alike = form.columns.copy()

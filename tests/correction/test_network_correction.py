@@ -299,7 +299,7 @@ def test_a_spring_does_no_work_on_closed_orbits(seen: Seen) -> None:
     assert energy.turnover > 0
 
 
-def test_it_sees_what_it_is_told_to_see(model: Model, recording: Recording) -> None:
+def test_it_sees_what_it_is_reported_to_see(model: Model, recording: Recording) -> None:
     prepared = prepare(model, recording)
     cuts = last_windows(prepared, spread=True)
     found = see(prepared, cuts, "x", ("f", "t", "x'"))

@@ -24,20 +24,20 @@ def test_a_correction_that_foretells_more_or_as_much_stands(after: float) -> Non
     ("after", "said"), [(1.2, "rises from 50 % to 60 %"), (float("nan"), "is not finite")]
 )
 def test_a_correction_that_foretells_less_is_withdrawn(after: float, said: str) -> None:
-    told = if_confirmed(friction(), shown(0.5, after / 2), GOOD)
-    assert told.verdict == "undecided"
-    assert not told.found
-    assert told.alternatives[0].kind == friction().found[0].element.kind
-    assert said in told.sentence
-    assert "held out of the fit" in told.sentence
+    reported = if_confirmed(friction(), shown(0.5, after / 2), GOOD)
+    assert reported.verdict == "undecided"
+    assert not reported.found
+    assert reported.alternatives[0].kind == friction().found[0].element.kind
+    assert said in reported.sentence
+    assert "held out of the fit" in reported.sentence
 
 
 def test_what_is_unseen_is_said_and_withdraws_nothing() -> None:
     diagnosis = friction()
-    told = if_confirmed(diagnosis, GOOD, shown(0.02, 1.5))
-    assert (told.verdict, told.found) == (diagnosis.verdict, diagnosis.found)
-    assert "On unseen recordings the window NRMSE rises from 2 % to 150 %" in told.sentence
-    assert told.notes[0] in told.sentence
+    reported = if_confirmed(diagnosis, GOOD, shown(0.02, 1.5))
+    assert (reported.verdict, reported.found) == (diagnosis.verdict, diagnosis.found)
+    assert "On unseen recordings the window NRMSE rises from 2 % to 150 %" in reported.sentence
+    assert reported.notes[0] in reported.sentence
 
 
 def test_nothing_is_refused_where_nothing_is_claimed_or_compared() -> None:

@@ -100,10 +100,10 @@ def test_a_draw_without_the_chunk_that_tells_two_candidates_apart_shares_between
     columns[300:, 4] *= 2
     candidates = candidates_of(columns, columns[:, 3:4] + 0 * right)
     found = resampled(candidates, STLSQ(threshold=0.1), 100, 12)[:, 0]
-    told = np.abs(found - [0, 0, 0, 1, 0]).max(axis=1) < 1e-9
+    reported = np.abs(found - [0, 0, 0, 1, 0]).max(axis=1) < 1e-9
     shared = np.abs(found - [0, 0, 0, 0.5, 0.5]).max(axis=1) < 1e-9
     weights = np.random.default_rng(0).multinomial(4, np.full(4, 1 / 4), size=12)
-    assert np.array_equal(told, (weights[:, 3] > 0) & (weights[:, 3] < 4))
+    assert np.array_equal(reported, (weights[:, 3] > 0) & (weights[:, 3] < 4))
     assert np.array_equal(shared, weights[:, 3] == 0)
 
 
@@ -168,7 +168,7 @@ def test_a_chunk_that_cannot_be_drawn_is_refused(chunk: int) -> None:
         resampled(candidates_of(*problem(100, 4, 1)), STLSQ(), chunk, 3)
 
 
-def test_a_hole_in_a_signal_is_told_with_its_row() -> None:
+def test_a_hole_in_a_signal_is_reported_with_its_row() -> None:
     columns, right = problem(100, 4, 1)
     columns[77, 1] = np.nan
     for work in (

@@ -19,16 +19,16 @@ def test_the_level_is_open_by_what_the_peak_lacks() -> None:
         return (2.0 + np.exp(-((v / 0.02) ** 2))) * np.tanh(v / 5e-4)
 
     peak = -minimize_scalar(lambda v: -law(v), bounds=(0, 0.01), method="bounded").fun
-    told = widened(FRICTION)
-    assert told["static"] == (3.0, pytest.approx(np.hypot(0.01, 3.0 - peak), rel=1e-3))
-    assert told["stribeck"] == (0.02, pytest.approx(np.hypot(1e-4, 5e-4)))
-    assert told["coulomb"] == FRICTION["coulomb"]
+    reported = widened(FRICTION)
+    assert reported["static"] == (3.0, pytest.approx(np.hypot(0.01, 3.0 - peak), rel=1e-3))
+    assert reported["stribeck"] == (0.02, pytest.approx(np.hypot(1e-4, 5e-4)))
+    assert reported["coulomb"] == FRICTION["coulomb"]
 
 
 def test_a_narrow_transition_leaves_the_deviations() -> None:
-    told = widened(FRICTION | {"transition": (1e-9, float("nan"))})
-    assert told["static"][1] == pytest.approx(0.01, rel=1e-3)
-    assert told["stribeck"][1] == pytest.approx(1e-4, rel=1e-3)
+    reported = widened(FRICTION | {"transition": (1e-9, float("nan"))})
+    assert reported["static"][1] == pytest.approx(0.01, rel=1e-3)
+    assert reported["stribeck"][1] == pytest.approx(1e-4, rel=1e-3)
 
 
 def test_plain_friction_is_left_as_it_is() -> None:
@@ -37,6 +37,6 @@ def test_plain_friction_is_left_as_it_is() -> None:
 
 
 def test_a_number_that_is_held_gets_no_deviation() -> None:
-    told = widened(FRICTION | {"stribeck": (0.02, float("nan"))})
-    assert np.isnan(told["stribeck"][1])
-    assert np.isfinite(told["static"][1])
+    reported = widened(FRICTION | {"stribeck": (0.02, float("nan"))})
+    assert np.isnan(reported["stribeck"][1])
+    assert np.isfinite(reported["static"][1])

@@ -68,7 +68,7 @@ def value_of(trial: Refined, key: str) -> tuple[float, float]:
     ("size", "power", "kind", "key"),
     [(0.006, 1.0, "damper", "damping"), (0.002, 0.0, "friction", "coulomb")],
 )
-def test_a_weak_loss_beside_drag_is_told_over_the_whole_decay(
+def test_a_weak_loss_beside_drag_is_reported_over_the_whole_decay(
     size: float, power: float, kind: str, key: str
 ) -> None:
     found = completed(decay(size, power))
@@ -82,7 +82,7 @@ def test_a_weak_loss_beside_drag_is_told_over_the_whole_decay(
     assert "shows only over the whole" in added_sentence(roll(), found)
 
 
-def test_of_two_losses_that_leave_as_much_none_is_told() -> None:
+def test_of_two_losses_that_leave_as_much_none_is_reported() -> None:
     """A loss with the root of the speed is half way between dry and linear."""
     found = completed(decay(0.006, 0.5))
     assert found is not None

@@ -111,9 +111,9 @@ def test_a_stated_unit_takes_the_columns_of_an_expression_as_plain_numbers(read,
 
 
 def test_sensors_and_inputs_of_one_name_share_a_column(model, write, table, signals):
-    twin = replace(model.sensors[0], name="f", unit=parse_unit("kN"))
+    partner = replace(model.sensors[0], name="f", unit=parse_unit("kN"))
     path = write("run.csv", table(signals))
-    recording = read_recording(path, replace(model, sensors=(*model.sensors, twin)))
+    recording = read_recording(path, replace(model, sensors=(*model.sensors, partner)))
     np.testing.assert_allclose(recording.sensors["f"], recording.inputs["f"] * 1000)
 
 

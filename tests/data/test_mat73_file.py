@@ -108,9 +108,9 @@ def test_structures_cells_and_matrices_are_called_as_in_version_5(write, archive
         ]
     )
     for column in new.columns:
-        (twin,) = old.find(column.header)
-        np.testing.assert_array_equal(column.values, twin.values)
-        assert (column.part, column.inside) == (twin.part, twin.inside)
+        (partner,) = old.find(column.header)
+        np.testing.assert_array_equal(column.values, partner.values)
+        assert (column.part, column.inside) == (partner.part, partner.inside)
 
 
 def test_an_array_of_structures_is_a_part_each(model, write, archive, signals):

@@ -1,4 +1,4 @@
-"""Sensors that record late by many samples: told by their delay alone, without a gain."""
+"""Sensors that record late by many samples: reported by their delay alone, without a gain."""
 
 from functools import cache
 

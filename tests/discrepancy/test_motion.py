@@ -320,15 +320,15 @@ def test_the_spline_basis_and_its_derivatives_are_exact_on_a_quintic() -> None:
     assert value.sum(axis=1) == pytest.approx(np.ones(1500))
 
 
-@pytest.mark.parametrize(("lie", "at_most"), [("offset", 2.0), ("gain", 3.0)])
-def test_what_a_second_sensor_gets_wrong_is_no_noise(lie: str, at_most: float) -> None:
+@pytest.mark.parametrize(("fault", "at_most"), [("offset", 2.0), ("gain", 3.0)])
+def test_what_a_second_sensor_gets_wrong_is_no_noise(fault: str, at_most: float) -> None:
     """A fault of ten times the noise in a rate beside a good place counted as noise of ten and
     seven times its size; a part is left, for the splines give way to both sensors."""
     x, v, _ = sines(EVEN)
     rate = 3e-3
-    faulty = {"offset": v + 10 * rate, "gain": v * (1 + 10 * rate / v.std())}[lie]
+    faulty = {"offset": v + 10 * rate, "gain": v * (1 + 10 * rate / v.std())}[fault]
     sensors = {"p": noisy(x, 3e-4, 1), "v": noisy(faulty, rate, 2)}
-    told = motion_of(recording(EVEN, **sensors), machine(p=PLACE, v=SPEED)).sd
-    size = told / [3e-4, rate]
+    reported = motion_of(recording(EVEN, **sensors), machine(p=PLACE, v=SPEED)).sd
+    size = reported / [3e-4, rate]
     assert np.all(size > 0.85)
     assert np.all(size < at_most)

@@ -17,7 +17,7 @@ T = np.arange(2001) / 100.0
 RANDOM = np.random.default_rng(0)
 
 
-def told(values: Array, name: str = "r") -> Recording:
+def reported(values: Array, name: str = "r") -> Recording:
     return Recording(name, T, {"f": values}, {"laser": np.zeros(T.size)}, (), "")
 
 
@@ -39,18 +39,20 @@ def model(more: str = "") -> Model:
 )
 def test_left_out_samples_tell_what_is_smooth(values: Array, smooth: bool) -> None:
     assert looks_smooth(T, values) is smooth
-    assert as_sampled(model(), [told(values)]).inputs[0].between == ("smooth" if smooth else "line")
+    assert as_sampled(model(), [reported(values)]).inputs[0].between == (
+        "smooth" if smooth else "line"
+    )
 
 
 def test_few_samples_and_constant_signals_are_lines() -> None:
     few = slice(0, FEWEST - 2)
     assert not looks_smooth(T[few], np.sin(T[few]))
-    assert as_sampled(model(), [told(0 * T)]).inputs[0].between == "line"
+    assert as_sampled(model(), [reported(0 * T)]).inputs[0].between == "line"
 
 
 def test_all_recordings_must_agree_and_the_file_goes_first() -> None:
-    sine, square = told(np.sin(9 * T)), told(np.sign(np.sin(2 * T)))
-    assert as_sampled(model(), [sine, told(0 * T)]).inputs[0].between == "smooth"
+    sine, square = reported(np.sin(9 * T)), reported(np.sign(np.sin(2 * T)))
+    assert as_sampled(model(), [sine, reported(0 * T)]).inputs[0].between == "smooth"
     assert as_sampled(model(), [sine, square]).inputs[0].between == "line"
     stated = model(', between = "line"')
     assert as_sampled(stated, [sine]) is stated

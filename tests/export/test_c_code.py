@@ -64,8 +64,8 @@ def put(folder: Path, files: dict[str, str]) -> None:
 def test_the_program_that_comes_with_it_finds_no_difference(made, tmp_path: Path) -> None:
     spec: Spec = made()
     put(tmp_path, c_files(spec))
-    told = compiled(tmp_path, f"{spec.identifier}.c", f"{spec.identifier}_check.c")
-    assert told == f"0 {spec.identifier}: {SAMPLES} samples, largest relative difference 0\n"
+    reported = compiled(tmp_path, f"{spec.identifier}.c", f"{spec.identifier}_check.c")
+    assert reported == f"0 {spec.identifier}: {SAMPLES} samples, largest relative difference 0\n"
 
 
 def test_a_number_that_was_changed_is_found(tmp_path: Path) -> None:
@@ -122,18 +122,18 @@ def test_code_with_the_text_of_a_stranger_compiles_to_the_same(tmp_path: Path) -
         folder = tmp_path / str(i)
         folder.mkdir()
         put(folder, c_files(replace(element(), title=text)))
-        told = compiled(folder, "correction.c", "correction_check.c")
-        assert "evil" not in told
+        reported = compiled(folder, "correction.c", "correction_check.c")
+        assert "evil" not in reported
         assert b"evil" not in (folder / "program").read_bytes()
 
 
 def test_adams_source_scales_and_keeps_the_sign(tmp_path: Path) -> None:
     spec = spec_of(machine(), "law", ("drag", "rub"))
     put(tmp_path, adams_files(spec) | {"slv_c_utils.h": ADAMS, "driver.c": DRIVER})
-    told = compiled(tmp_path, "law.c", "driver.c")
+    reported = compiled(tmp_path, "law.c", "driver.c")
     e = spec.exported
     u = np.array([0.05])  # 50 mm/s
-    assert float(told.split()[1]) == e.evaluate(0.0, e.x, u, e.p)[1][0]
+    assert float(reported.split()[1]) == e.evaluate(0.0, e.x, u, e.p)[1][0]
     assert e.evaluate(0.0, e.x, u, e.p)[1][0] < 0  # what resists acts against the motion
 
 

@@ -71,7 +71,7 @@ def test_a_mode_stays_until_event_mode_and_is_settled_at_the_start(
         assert not instance.completedIntegratorStep()[0]
 
 
-def told(spec: Spec, u: list[float], **values: float) -> dict[str, float]:
+def reported(spec: Spec, u: list[float], **values: float) -> dict[str, float]:
     """Outputs and indicators by name, with modes and parameters set."""
     e = spec.exported
     names = [name for _, name in e.parameters]
@@ -89,8 +89,8 @@ def test_a_sign_in_a_law_is_a_mode_with_a_width_of_its_own() -> None:
     spec = spec_of(model, "dry", ("dry",), events=True)
     assert spec.exported.parameters == (("p", "fc"), ("p", "smoothing"), ("mode", "sign[1]"))
     mode = {"sign[1]": 1.0}
-    assert told(spec, [-0.3], **mode)["dF.x"] == -2.0  # frozen
-    here = told(spec, [4e-4])
+    assert reported(spec, [-0.3], **mode)["dF.x"] == -2.0  # frozen
+    here = reported(spec, [4e-4])
     assert here == pytest.approx(
         {
             "dF.x": -0.8,
@@ -99,9 +99,9 @@ def test_a_sign_in_a_law_is_a_mode_with_a_width_of_its_own() -> None:
         },
         rel=1e-14,
     )
-    sliding = told(spec, [4e-4], **mode)
+    sliding = reported(spec, [4e-4], **mode)
     assert sliding["event.sign[1].upper"] == pytest.approx(0.4 - 1 + BAND_PLAY, rel=1e-14)
-    narrow = told(spec, [1e-10], smoothing=0.0)
+    narrow = reported(spec, [1e-10], smoothing=0.0)
     assert narrow["dF.x"] == pytest.approx(-2 * 1e-10 / NARROWEST, rel=1e-14)
 
 
@@ -113,22 +113,22 @@ def test_friction_on_an_imposed_motion_switches_too() -> None:
         elements={"rub": {"kind": "friction", "on": "x", "coulomb": "fc"}},
     )
     spec = spec_of(model, "rub", ("rub",), events=True)
-    assert told(spec, [5e-5])["dF.x"] == pytest.approx(-1.0)  # transition: 1e-4 m/s
-    assert told(spec, [5e-5], rub=-1.0)["dF.x"] == 2.0
+    assert reported(spec, [5e-5])["dF.x"] == pytest.approx(-1.0)  # transition: 1e-4 m/s
+    assert reported(spec, [5e-5], rub=-1.0)["dF.x"] == 2.0
 
 
 def test_a_stop_presses_while_it_touches_and_never_pulls() -> None:
     spec = spec_of(swung(stop={**STOP, "side": "upper"}), "stop", ("stop",), events=True)
     assert [name for _, name in spec.exported.parameters[-2:]] == ["stop", "stop.press"]
     at = [0.041, -0.1]  # 1 mm deep, leaving: 20 N − 3 N
-    pressing = told(spec, at, **{"stop": 1.0, "stop.press": 1.0})
+    pressing = reported(spec, at, **{"stop": 1.0, "stop.press": 1.0})
     assert pressing["dF.x"] == pytest.approx(-17.0)
     assert pressing["event.stop"] == pytest.approx(1e-3 + STOP_PLAY, rel=1e-12)
     assert pressing["event.stop.press"] > 0
-    leaving = told(spec, [0.041, -1.0], **{"stop": 1.0, "stop.press": 1.0})
+    leaving = reported(spec, [0.041, -1.0], **{"stop": 1.0, "stop.press": 1.0})
     assert leaving["event.stop.press"] < 0
-    assert told(spec, at, **{"stop": 1.0, "stop.press": 0.0})["dF.x"] == 0.0
-    apart_from_it = told(spec, [0.03, 5.0], **{"stop": 0.0, "stop.press": 1.0})
+    assert reported(spec, at, **{"stop": 1.0, "stop.press": 0.0})["dF.x"] == 0.0
+    apart_from_it = reported(spec, [0.03, 5.0], **{"stop": 0.0, "stop.press": 1.0})
     assert apart_from_it["dF.x"] == 0.0
     assert apart_from_it["event.stop"] < 0 < apart_from_it["event.stop.press"]
 
@@ -233,5 +233,5 @@ def test_a_network_beside_friction_stays_what_it_is(tmp_path: Path) -> None:
     for v in (-0.5, 0.5):
         u = [0.4, v]
         learnt = alone.exported.evaluate(0.0, np.zeros(0), np.array(u), alone.exported.p)[1][0]
-        force = told(spec, u, rub=np.sign(v))["dF.x"]
+        force = reported(spec, u, rub=np.sign(v))["dF.x"]
         assert force == pytest.approx(learnt - 0.7 * np.sign(v), rel=1e-13)

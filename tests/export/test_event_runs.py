@@ -53,10 +53,10 @@ def imported(path: Path, spec: Spec, tolerance: float = 1e-8) -> NDArray[Any]:
     )
 
 
-def apart(run: NDArray[Any], told: Trajectory) -> tuple[float, float]:
+def apart(run: NDArray[Any], reported: Trajectory) -> tuple[float, float]:
     """The largest differences of place (m) and speed (m/s)."""
     rows = np.searchsorted(run["time"], T - 1e-9)
-    q, v = run["q.x"][rows] - told.q[:, 0], run["v.x"][rows] - told.v[:, 0]
+    q, v = run["q.x"][rows] - reported.q[:, 0], run["v.x"][rows] - reported.v[:, 0]
     return float(np.abs(q).max()), float(np.abs(v).max())
 
 
@@ -77,10 +77,10 @@ def test_fmpy_finds_no_problem_and_counts_the_indicators(
     spec = made()
     path = written(tmp_path, spec, fmi)
     assert validate_fmu(str(path)) == []
-    told = read_model_description(str(path))
-    assert told.numberOfEventIndicators == spec.exported.indicators > 0
-    assert told.coSimulation is None
-    assert told.modelExchange.needsCompletedIntegratorStep
+    reported = read_model_description(str(path))
+    assert reported.numberOfEventIndicators == spec.exported.indicators > 0
+    assert reported.coSimulation is None
+    assert reported.modelExchange.needsCompletedIntegratorStep
     with loaded(path, fmi, "me") as instance:
         if fmi == 3:
             assert instance.getNumberOfEventIndicators() == spec.exported.indicators
@@ -90,9 +90,9 @@ def test_fmpy_finds_no_problem_and_counts_the_indicators(
 def test_a_run_with_located_events_is_the_exact_one_within_the_band(fmus, fmi: int) -> None:
     """It slides, turns, sticks and breaks away; what is off is the band alone."""
     model = swung(rub=RUB)
-    told, run = exact(model), imported(fmus[fmi], whole(model))
-    assert {event.transition for event in told.events} == {"slides +", "slides -", "sticks"}
-    place, speed = apart(run, told)
+    reported, run = exact(model), imported(fmus[fmi], whole(model))
+    assert {event.transition for event in reported.events} == {"slides +", "slides -", "sticks"}
+    place, speed = apart(run, reported)
     assert place < BAND  # m: the band's speed held for a second
     assert speed < 3 * BAND
     turns = [
@@ -102,7 +102,7 @@ def test_a_run_with_located_events_is_the_exact_one_within_the_band(fmus, fmi: i
     ]
     assert set(run["mode.rub"]) == {-1.0, 0.0, 1.0}
     signs = {"slides +": 1.0, "slides -": -1.0}
-    slides = [event for event in told.events if event.transition in signs]
+    slides = [event for event in reported.events if event.transition in signs]
     first, *found = [(t, mode) for t, mode in turns if mode != 0]
     assert first == (pytest.approx(0.0, abs=1e-3), -1.0)  # from rest
     assert [mode for _, mode in found] == [signs[event.transition] for event in slides]
@@ -257,7 +257,7 @@ class Master:
                 made = self.stepped(t, length, x)
             t, x = t + length, made
             asked = self.it.completedIntegratorStep()[0]
-            assert asked == crossed  # who does not watch is told
+            assert asked == crossed  # who does not watch is reported
             if crossed:
                 self.events.append(t)
                 updated(self.it, self.fmi)

@@ -50,8 +50,8 @@ def shaft(whole: bool) -> Spec:
 def test_the_c_program_finds_no_difference(whole: bool, tmp_path: Path) -> None:
     spec = shaft(whole)
     put_files(tmp_path, c_files(spec))
-    told = compiled(tmp_path, f"{spec.identifier}.c", f"{spec.identifier}_check.c")
-    assert told == f"0 {spec.identifier}: {SAMPLES} samples, largest relative difference 0\n"
+    reported = compiled(tmp_path, f"{spec.identifier}.c", f"{spec.identifier}_check.c")
+    assert reported == f"0 {spec.identifier}: {SAMPLES} samples, largest relative difference 0\n"
 
 
 def test_elements_alone_take_both_coordinates_and_push_on_both() -> None:

@@ -67,8 +67,8 @@ def test_every_point_is_that_of_symhyb_bit_by_bit(fmus, fmi: int) -> None:
             state = (doubles(x[i]), x.shape[1])
             instance.setContinuousStates(*state)
             made = get(instance, fmi, at.rate + at.output)
-            told = np.concatenate(spec.exported.evaluate(t[i], x[i], u[i], spec.exported.p))
-            worst = max(worst, float(np.abs(made - told).max()))
+            reported = np.concatenate(spec.exported.evaluate(t[i], x[i], u[i], spec.exported.p))
+            worst = max(worst, float(np.abs(made - reported).max()))
     assert worst == 0.0
 
 
@@ -144,9 +144,9 @@ def test_the_whole_machine_moves_as_its_equations_say(
         force = 2 - 40 * x - 200 * x**3 - 0.4 * abs(v) * v - 0.5 * math.tanh(v / 1e-3)
         return [v, (force - 20 * (x - z)) / 1.2, (x - z) * 20 / 3]
 
-    told = solve_ivp(rate, (0, 2), [0.1, 0, 0.1], "Radau", t, rtol=1e-11, atol=1e-13)
-    rms = np.sqrt(np.mean((run["q.x"] - told.y[0]) ** 2))
-    assert rms < bar * np.ptp(told.y[0])
+    reported = solve_ivp(rate, (0, 2), [0.1, 0, 0.1], "Radau", t, rtol=1e-11, atol=1e-13)
+    rms = np.sqrt(np.mean((run["q.x"] - reported.y[0]) ** 2))
+    assert rms < bar * np.ptp(reported.y[0])
 
 
 @pytest.mark.parametrize("fmi", [2, 3])
@@ -164,11 +164,11 @@ def test_casadi_reads_it_again_with_the_same_values_and_slopes(fmus, fmi: int) -
         assert order_u == ["u.f"]
         p = [dict(zip((f"p.{n}" for _, n in e.parameters), e.p, strict=True))[n] for n in dae.p()]
         rates, y = again(start, u[0], p)
-        told = e.evaluate(0.0, x[0], u[0], e.p)
+        reported = e.evaluate(0.0, x[0], u[0], e.p)
         back = [order_x.index(name) for name in states]
-        assert np.array_equal(np.array(rates).reshape(-1)[back], told[0])
+        assert np.array_equal(np.array(rates).reshape(-1)[back], reported[0])
         named = dict(zip(dae.y(), np.array(y).reshape(-1), strict=True))
-        assert named["y.place"] == told[1][0]
+        assert named["y.place"] == reported[1][0]
         slope = np.array(again.factory("j", ["x", "u", "p"], ["jac:ode:x"])(start, u[0], p))
         rough = jacobian(spec, 0.0, x[0], u[0])[:3, 1:4]
         assert slope[np.ix_(back, back)] == pytest.approx(rough, rel=1e-4, abs=1e-4)
@@ -306,8 +306,8 @@ def test_other_weights_unknown_units_and_a_wrong_guid_are_seen(fmus, tmp_path: P
         pass
     spec, (t, x, u) = element(), samples(element(), 1)
     e = spec.exported
-    told = e.evaluate(t[0], x[0], u[0], e.p)[1]
-    assert e.evaluate(t[0], x[0], u[0], e.p * (1 + 1e-12))[1] != told
+    reported = e.evaluate(t[0], x[0], u[0], e.p)[1]
+    assert e.evaluate(t[0], x[0], u[0], e.p * (1 + 1e-12))[1] != reported
 
 
 def test_kinds_versions_and_platforms_that_do_not_exist_are_refused() -> None:

@@ -50,7 +50,7 @@ def reference(spec: Spec, name: str) -> int:
 
 
 def side_by_side(one: Path, other: Path, fmi: int) -> np.ndarray:
-    """Both are stepped, then each is told what the other one has. The position, m, after each of
+    """Both are stepped, then each is given what the other one has. The position, m, after each of
     the steps, as from every function here."""
     place, speed, force = (reference(host(), n) for n in ("q.x", "v.x", "u.dF"))
     seen, answer = reference(law(), "v.x"), reference(law(), "dF.x")

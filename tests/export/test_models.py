@@ -32,11 +32,11 @@ def test_the_exported_machine_has_the_rates_of_the_machine(file: Path) -> None:
     (t, x, u), f = samples(spec, 1, seed=23), len(form.free)
     rates, y = e.evaluate(float(t[0]), x[0], u[0], e.p)
     drive = (x[0], u[0], float(t[0]), machine.values, np.zeros(machine.n))
-    (told,) = call(form.rates(), drive)
+    (reported,) = call(form.rates(), drive)
     outputs, _ = call(form.outputs(), drive)
     smooth = {"rel": 1e-9, "abs": 1e-9}  # a jump of sgn is passed over 1e-3
     assert rates[:f] == pytest.approx(x[0][f : 2 * f])
-    assert rates[f:] == pytest.approx(told.reshape(-1), **smooth)
+    assert rates[f:] == pytest.approx(reported.reshape(-1), **smooth)
     assert y == pytest.approx(outputs.reshape(-1), **smooth)
     for fmi in (2, 3):
         assert f'fmiVersion="{fmi}.0"' in model_description(spec, fmi, "{}", ("cs", "me"))

@@ -26,8 +26,10 @@ def differs(path: Path, spec: Spec, fmi: int, points: int) -> float:
             instance.setTime(t[i])
             put(instance, fmi, at.input, list(u[i]))
             instance.setContinuousStates(doubles(x[i]), x.shape[1])
-            told = np.concatenate(spec.exported.evaluate(t[i], x[i], u[i], spec.exported.p))
-            worst = max(worst, float(np.abs(get(instance, fmi, at.rate + at.output) - told).max()))
+            reported = np.concatenate(spec.exported.evaluate(t[i], x[i], u[i], spec.exported.p))
+            worst = max(
+                worst, float(np.abs(get(instance, fmi, at.rate + at.output) - reported).max())
+            )
     return worst
 
 
@@ -108,9 +110,14 @@ def test_wine_computes_the_same_force(tmp_path: Path) -> None:
         check=True,
     )
     t, _, u = samples(spec, 2000, seed=13)
-    told = "".join(f"{a:.17g} {b:.17g}\n" for a, b in u)
+    reported = "".join(f"{a:.17g} {b:.17g}\n" for a, b in u)
     run = subprocess.run(
-        [wine, "driver.exe"], cwd=tmp_path, input=told, capture_output=True, text=True, check=True
+        [wine, "driver.exe"],
+        cwd=tmp_path,
+        input=reported,
+        capture_output=True,
+        text=True,
+        check=True,
     )
     made = np.array(run.stdout.split(), float)
     e = spec.exported

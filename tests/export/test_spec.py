@@ -21,7 +21,7 @@ from symhyb.numeric.lowered.network import FADE
 from symhyb.units import parse_unit
 
 
-def told(spec, x=(), u=(), t=0.0, **parameters: float) -> dict[str, float]:
+def reported(spec, x=(), u=(), t=0.0, **parameters: float) -> dict[str, float]:
     """Outputs by name."""
     e = spec.exported
     names = [name for _, name in e.parameters]
@@ -34,7 +34,7 @@ def told(spec, x=(), u=(), t=0.0, **parameters: float) -> dict[str, float]:
 
 def test_the_force_is_what_a_host_adds() -> None:
     """At +2 m/s, 0.3 m out, with the Maxwell spring at 0.1 m."""
-    force = told(element(), [0.1], [0.3, 2.0])["dF.x"]
+    force = reported(element(), [0.1], [0.3, 2.0])["dF.x"]
     assert force == pytest.approx(-0.5 - 0.4 * 4 - 20 * 0.2, rel=1e-13)
 
 
@@ -87,14 +87,14 @@ def test_an_imposed_motion_goes_in() -> None:
     assert rates == pytest.approx([0.0, 9.0 * 0.5], rel=1e-13)
 
 
-def test_a_jump_of_sgn_is_smoothed_unless_told_otherwise() -> None:
+def test_a_jump_of_sgn_is_smoothed_unless_reported_otherwise() -> None:
     model = oscillator(
         {"dry": {"kind": "law", "on": "x", "force": "-fc*sign(x')"}}, {"fc": (2.0, "N")}
     )
     spec = spec_of(model, "dry", ("dry",))
-    assert told(spec, u=[SMOOTHING])["dF.x"] == pytest.approx(-2 * math.tanh(1), rel=1e-14)
-    assert told(spec, u=[1e-9], smoothing=0.0)["dF.x"] == -2.0
-    assert told(spec, u=[1.0])["dF.x"] == -2.0
+    assert reported(spec, u=[SMOOTHING])["dF.x"] == pytest.approx(-2 * math.tanh(1), rel=1e-14)
+    assert reported(spec, u=[1e-9], smoothing=0.0)["dF.x"] == -2.0
+    assert reported(spec, u=[1.0])["dF.x"] == -2.0
 
 
 def learnt(folder: Path) -> Model:
@@ -138,14 +138,14 @@ trust = [[-1.0, 1.0]]
 def test_a_network_says_whether_it_was_trained_there(tmp_path: Path) -> None:
     spec = spec_of(learnt(tmp_path), "net", ("rest",))
     assert spec.exported.outputs == (("dF", "x"), ("trust", "rest"))
-    assert told(spec, u=[0.4]) == {
+    assert reported(spec, u=[0.4]) == {
         "dF.x": pytest.approx(3 * math.tanh(0.8), rel=1e-14),
         "trust.rest": 1.0,
     }
-    edge = told(spec, u=[1 + FADE])  # half of the way out: FADE is a share of a box 2 m wide
+    edge = reported(spec, u=[1 + FADE])  # half of the way out: FADE is a share of a box 2 m wide
     assert edge["trust.rest"] == pytest.approx(0.5, rel=1e-12)
     assert edge["dF.x"] == pytest.approx(1.5 * math.tanh(2 * (1 + FADE)), rel=1e-12)
-    assert told(spec, u=[2.0]) == {"dF.x": 0.0, "trust.rest": 0.0}
+    assert reported(spec, u=[2.0]) == {"dF.x": 0.0, "trust.rest": 0.0}
 
 
 def test_a_network_in_the_whole_machine_is_that_of_the_machine(tmp_path: Path) -> None:
@@ -155,12 +155,14 @@ def test_a_network_in_the_whole_machine_is_that_of_the_machine(tmp_path: Path) -
     assert spec.exported.outputs == (("trust", "rest"),)
     for x in (-0.7, 0.3, 1.1, 1.5):
         rates, y = spec.exported.evaluate(0.0, np.array([x, 0.5]), np.zeros(0), spec.exported.p)
-        (told,) = call(machine.acceleration, ([x], [0.5], [], [], 0.0, machine.values, [0.0], []))
-        assert rates == pytest.approx([0.5, told.item()], rel=1e-13, abs=1e-13)
-        assert y[0] == told_trust(x)
+        (reported,) = call(
+            machine.acceleration, ([x], [0.5], [], [], 0.0, machine.values, [0.0], [])
+        )
+        assert rates == pytest.approx([0.5, reported.item()], rel=1e-13, abs=1e-13)
+        assert y[0] == reported_trust(x)
 
 
-def told_trust(x: float) -> float:
+def reported_trust(x: float) -> float:
     inside = 1 - min(max(abs(x) - 1, 0) / (2 * FADE), 1)
     return pytest.approx(inside**2 * (3 - 2 * inside), abs=1e-12)
 

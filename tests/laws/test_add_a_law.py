@@ -64,8 +64,8 @@ def run(folder: Path, *command: str) -> str:
 
 def test_the_law_of_the_page_passes_the_tests_of_every_law(extended: Path) -> None:
     command = (sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-W", "error")
-    told = run(extended, *command, "-k", "magnet", "test_each_law.py")
-    assert re.search(r"\b(9|1\d) passed", told)
+    reported = run(extended, *command, "-k", "magnet", "test_each_law.py")
+    assert re.search(r"\b(9|1\d) passed", reported)
 
 
 def test_the_law_of_the_page_is_written_as_all_code_is(extended: Path) -> None:

@@ -142,9 +142,9 @@ def test_what_a_start_leaves_open_stays_open_when_written(name: str) -> None:
     assert [c.stated for c in again.coordinates] == [c.stated for c in model.coordinates]
 
 
-def test_a_difference_is_told() -> None:
-    told = changes(read(), parse_model(RIG.replace('ratio = "1/3"', 'ratio = "1/4"')))
-    assert told == ("~ constraint teeth: ratio 1/3 -> 1/4",)
+def test_a_difference_is_reported() -> None:
+    reported = changes(read(), parse_model(RIG.replace('ratio = "1/3"', 'ratio = "1/4"')))
+    assert reported == ("~ constraint teeth: ratio 1/3 -> 1/4",)
 
 
 def read() -> Model:

@@ -37,10 +37,10 @@ def test_limits_that_are_written_read_back() -> None:
 def test_what_became_of_limits_is_said() -> None:
     model = parse_model(DRIVEN_MASS + LIMITS)
     tighter = replace(model.limits[0], rate=400.0)
-    told = changes(parse_model(DRIVEN_MASS), replace(model, limits=model.limits[1:]))
-    assert told == ("+ limits of f: between = -50 and 50 N",)
-    told = changes(model, replace(model, limits=(tighter, model.limits[1])))
-    assert told == ("~ limits of x: rate 800 -> 400 mm/s",)
+    reported = changes(parse_model(DRIVEN_MASS), replace(model, limits=model.limits[1:]))
+    assert reported == ("+ limits of f: between = -50 and 50 N",)
+    reported = changes(model, replace(model, limits=(tighter, model.limits[1])))
+    assert reported == ("~ limits of x: rate 800 -> 400 mm/s",)
 
 
 @pytest.mark.parametrize(

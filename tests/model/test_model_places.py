@@ -1,4 +1,4 @@
-"""Places on expressions of coordinates: read, checked, written back, told in words."""
+"""Places on expressions of coordinates: read, checked, written back, reported in words."""
 
 import pytest
 from builders import model_of, spring
@@ -84,16 +84,16 @@ def test_a_model_is_written_as_it_was_read() -> None:
 def test_what_is_wrong_with_a_place_is_said_where_it_stands(on: object, sentence: str) -> None:
     with pytest.raises(InputError) as caught:
         shaft(on)
-    told = [str(problem) for problem in caught.value.problems]
-    assert any(sentence in text for text in told), told
+    reported = [str(problem) for problem in caught.value.problems]
+    assert any(sentence in text for text in reported), reported
 
 
-def test_all_problems_are_told_at_once() -> None:
+def test_all_problems_are_reported_at_once() -> None:
     with pytest.raises(InputError) as caught:
         shaft("q1 - w", other=spring("k", on="q1 + p"), rub={"kind": "damper", "on": "x - q1"})
-    told = " ".join(str(problem) for problem in caught.value.problems)
+    reported = " ".join(str(problem) for problem in caught.value.problems)
     for part in ("'w' is not", "'p' is not", "subtracts 'x' in mm", "needs 'damping'"):
-        assert part in told, told
+        assert part in reported, reported
 
 
 def test_a_place_in_words_and_in_a_difference_of_models() -> None:

@@ -81,7 +81,7 @@ def random_states(machine: Machine, name: str, total: int, seed: int = 1) -> Sta
 
 
 def inertial_size(machine: Machine, name: str) -> Array:
-    """The size (n,) of M q'' in the motion of a model: below its rounding nothing is told."""
+    """The size (n,) of M q'' in the motion of a model: below its rounding nothing is reported."""
     far, period, _ = SPREAD[name]
     (mass,) = call(machine.M, (start_of(name), 0.0, machine.values))
     return np.asarray(np.abs(mass) @ np.array(far) / period**2)

@@ -359,7 +359,7 @@ def test_the_reaction_of_a_rod_is_its_tension() -> None:
     assert np.abs(found.y[:, 0] - wanted).max() < 1e-8 * wanted.max()
 
 
-def test_a_reaction_that_cannot_be_told_is_refused() -> None:
+def test_a_reaction_that_cannot_be_reported_is_refused() -> None:
     gauge = '[sensors]\ngauge = { measures = "reaction(right)", unit = "N" }\n'
     with pytest.raises(InputError, match=r"sensors.gauge.measures: constraints.right repeats"):
         build(parse_model(PARALLELOGRAM + gauge))
@@ -391,7 +391,7 @@ def four_bars(count: int) -> str:
 
 def test_four_bars_side_by_side_and_where_they_can_fold_over() -> None:
     """The benchmark of the IFToMM library, A02: as long as they move as parallelograms, one angle
-    says it all; lying flat they have three freedoms, and that is told."""
+    says it all; lying flat they have three freedoms, and that is reported."""
     machine = build(parse_model(four_bars(2), "four_bars.toml"))
     found = run(machine, 4.0, 401)
     t = found.t
@@ -405,8 +405,8 @@ def test_four_bars_side_by_side_and_where_they_can_fold_over() -> None:
     assert found.q[:flat, :3] == pytest.approx(np.tile(angle[:flat, None], 3), abs=1e-5)
     assert np.abs(found.q[:flat, 3:]).max() < 1e-5
     # whether the integrator gets past it hangs on the last digit too
-    told = f"between {t[flat - 1]:.6g} and {t[flat]:.6g} s", f"after {t[flat - 1]:.6g} s"
-    assert found.note.startswith(told)
+    reported = f"between {t[flat - 1]:.6g} and {t[flat]:.6g} s", f"after {t[flat - 1]:.6g} s"
+    assert found.note.startswith(reported)
     assert "fold over" in found.note
 
 

@@ -173,8 +173,8 @@ def test_stacked_blocks_against_their_closed_form() -> None:
     run = free(model, t := np.linspace(0, 4, 401), [0.0, 0.0], [0.0, 0.0])
     assert run.complete
     first, second = 1.0 / 2.0, (1.0 + 0.5 * 2.5 / 0.5) / 2.0
-    told = [(event.element, event.transition) for event in run.events]
-    assert told == [("ground", "slides +"), ("between", "slides -")]
+    reported = [(event.element, event.transition) for event in run.events]
+    assert reported == [("ground", "slides +"), ("between", "slides -")]
     assert [event.time for event in run.events] == pytest.approx([first, second], abs=1e-9)
     together, apart = (t > first) & (t < second), t > second
     assert run.a[together, 0] == pytest.approx((2 * t[together] - 1) / 2.5, abs=1e-9)
@@ -342,11 +342,11 @@ def test_a_damped_stop_never_pulls() -> None:
     speed = 0.5 * np.exp(-decay * s) * (np.cos(omega * s) - decay / omega * np.sin(omega * s))
     depth = 0.5 / omega * np.exp(-decay * s) * np.sin(omega * s)
     out = int(np.flatnonzero(k * depth + d * speed <= 0)[0])
-    told = [(event.transition, event.time) for event in run.events]
-    assert [word for word, _ in told] == ["touches", "lets go", "leaves"]
-    assert told[1][1] == pytest.approx(0.2 + s[out], abs=2e-6)
-    assert told[2][1] == pytest.approx(0.2 + s[out] + depth[out] / -speed[out], abs=1e-5)
-    assert run.v[t > told[1][1], 0] == pytest.approx(speed[out], abs=1e-5)
+    reported = [(event.transition, event.time) for event in run.events]
+    assert [word for word, _ in reported] == ["touches", "lets go", "leaves"]
+    assert reported[1][1] == pytest.approx(0.2 + s[out], abs=2e-6)
+    assert reported[2][1] == pytest.approx(0.2 + s[out] + depth[out] / -speed[out], abs=1e-5)
+    assert run.v[t > reported[1][1], 0] == pytest.approx(speed[out], abs=1e-5)
 
 
 @pytest.mark.parametrize(
@@ -371,9 +371,9 @@ def test_leaps_in_machine_code_find_what_single_steps_find(
     monkeypatch.setattr("symhyb.numeric.runs.events.fields", lambda machine, held: None)
     slow = free(model, t, q, v)
     assert len(leaps) == count
-    told = [(event.element, event.transition) for event in fast.events]
-    assert told == [(event.element, event.transition) for event in slow.events]
-    assert len(told) > 2
+    reported = [(event.element, event.transition) for event in fast.events]
+    assert reported == [(event.element, event.transition) for event in slow.events]
+    assert len(reported) > 2
     assert [e.time for e in fast.events] == pytest.approx([e.time for e in slow.events], abs=1e-7)
     for one, other in ((fast.q, slow.q), (fast.v, slow.v), (fast.y, slow.y)):
         assert one == pytest.approx(other, abs=1e-7 * np.abs(other).max(initial=1e-3))
@@ -454,7 +454,7 @@ def test_chatter_ends_with_a_reason(monkeypatch: pytest.MonkeyPatch) -> None:
     assert np.isfinite(run.q[0]).all()
 
 
-def test_growth_without_bound_is_told() -> None:
+def test_growth_without_bound_is_reported() -> None:
     model = model_of(
         coordinates={"x": {"unit": "m"}},
         parameters={"m": (1.0, "kg"), "k": (-50.0, "N/m^3"), "R": (0.1, "N")},
@@ -469,7 +469,7 @@ def test_growth_without_bound_is_told() -> None:
     assert [event.transition for event in run.events] == ["slides +"] or run.events == ()
 
 
-def test_laws_that_stay_as_written_are_told() -> None:
+def test_laws_that_stay_as_written_are_reported() -> None:
     """sign(...) by hand, hysteresis, LuGre, friction at a point and on an imposed motion."""
     model = model_of(
         coordinates={"x": {"unit": "m"}, "b": {"unit": "m", "imposed": True}},
@@ -485,12 +485,12 @@ def test_laws_that_stay_as_written_are_told() -> None:
             "rail": {"kind": "friction", "on": "x", "coulomb": "R"},
         },
     )
-    told = left_smooth(model)
-    assert [sentence.split(" ")[0] for sentence in told] == [
+    reported = left_smooth(model)
+    assert [sentence.split(" ")[0] for sentence in reported] == [
         "elements.hand",
         "elements.wire",
         "elements.bristle",
         "elements.floor",
         "elements.belt",
     ]
-    assert "kind 'friction'" in told[0]
+    assert "kind 'friction'" in reported[0]

@@ -236,7 +236,7 @@ def test_without_a_compiler_cvodes_takes_over_silently(
     assert list(named.iterdir()) == []
 
 
-def test_a_compiler_that_fails_is_told_and_leaves_nothing(
+def test_a_compiler_that_fails_is_reported_and_leaves_nothing(
     named: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     broken = tmp_path / "brokencc"

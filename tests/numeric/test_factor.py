@@ -20,7 +20,7 @@ def names_of(joined: Array) -> list[str]:
     return [f"c{i}" for i in range(joined.shape[1] - 1)] + ["right"]
 
 
-def told(joined: Array, names: Sequence[str] = ()) -> list[str]:
+def reported(joined: Array, names: Sequence[str] = ()) -> list[str]:
     factor = factor_of(in_blocks(joined, 16), names or names_of(joined))
     return [problem.text for problem in factor.problems()]
 
@@ -139,7 +139,7 @@ def test_candidates_that_depend_on_each_other_are_named() -> None:
     x = rng.standard_normal((50, 3))
     joined = np.column_stack([x, 2 * x[:, 1], x[:, 0] - x[:, 2], 0 * x[:, 0], x[:, 0]])
     names = ["a", "b", "c", "twice", "difference", "nothing", "right"]
-    assert told(joined, names) == [
+    assert reported(joined, names) == [
         "candidate 'twice' is 2 × 'b' in every row; leave one of them out",
         "candidate 'difference' is 1 × 'a' + -1 × 'c' in every row; leave one of them out",
         "candidate 'nothing' is zero in every row; leave it out",
@@ -149,7 +149,7 @@ def test_candidates_that_depend_on_each_other_are_named() -> None:
 
 
 def test_fewer_rows_than_candidates_are_refused() -> None:
-    (text,) = told(np.random.default_rng(8).standard_normal((5, 9)))
+    (text,) = reported(np.random.default_rng(8).standard_normal((5, 9)))
     assert text.startswith("5 rows cannot tell 8 candidates apart")
 
 

@@ -103,11 +103,11 @@ def test_many_points_in_threads_give_the_numbers_of_one() -> None:
     points = goal.begin * np.linspace(0.8, 1.2, 23)[:, None]
     alone = values(goal, points)
     assert np.array_equal(alone, [goal.quiet(point) for point in points])
-    told: list[tuple[int, float]] = []
-    shared = values(goal, points, 3, lambda done, best: told.append((done, best)))
+    reported: list[tuple[int, float]] = []
+    shared = values(goal, points, 3, lambda done, best: reported.append((done, best)))
     assert np.array_equal(shared, alone)
-    assert [done for done, _ in told] == list(range(1, 24))
-    assert told[-1][1] == alone.min()
+    assert [done for done, _ in reported] == list(range(1, 24))
+    assert reported[-1][1] == alone.min()
 
 
 @needs_compiler
@@ -233,9 +233,9 @@ def test_the_example_of_the_page_runs(monkeypatch: pytest.MonkeyPatch) -> None:
     page = (root / "docs" / "optimisation.md").read_text(encoding="utf-8")
     lines = page[page.index("    import numpy") : page.index("## What there is")].splitlines()
     monkeypatch.chdir(root)
-    told: dict[str, object] = {}
-    exec(compile("\n".join(line[4:] for line in lines), "optimisation.md", "exec"), told)
-    assert told["theta"] == pytest.approx([1.1, 90.0], rel=1e-4)
+    reported: dict[str, object] = {}
+    exec(compile("\n".join(line[4:] for line in lines), "optimisation.md", "exec"), reported)
+    assert reported["theta"] == pytest.approx([1.1, 90.0], rel=1e-4)
 
 
 @pytest.mark.slow

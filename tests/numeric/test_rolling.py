@@ -221,8 +221,8 @@ def test_the_bicycle_against_the_published_benchmark(speed: float) -> None:
     assert found.size == form.moving == 10
     stiffness = 9.81 * K0 + speed**2 * K2
     lower = np.linalg.solve(M, np.hstack([stiffness, speed * C1]))
-    told = np.linalg.eigvals(np.block([[np.zeros((2, 2)), np.eye(2)], [-lower]]))
-    for root in told:
+    reported = np.linalg.eigvals(np.block([[np.zeros((2, 2)), np.eye(2)], [-lower]]))
+    for root in reported:
         nearest = found[np.argmin(np.abs(found - root))]
         assert nearest == pytest.approx(root, rel=1e-9, abs=1e-9)
     assert np.sort(np.abs(found))[:6] == pytest.approx(np.zeros(6), abs=1e-6)
@@ -257,7 +257,7 @@ def test_a_rolling_model_is_written_again_as_it_was() -> None:
 
 
 def test_a_wheel_that_is_held_twice_is_held_once() -> None:
-    """The second says nothing new: all three of its rows are left out, and that is told."""
+    """The second says nothing new: all three of its rows are left out, and that is reported."""
     twice = ROLLING.split("[constraints.ground]")[1]
     machine = build(parse_model(f"{ROLLING}[constraints.again]{twice}", "disc.toml"))
     assert machine.constraints == 3

@@ -73,9 +73,9 @@ def against(slopes: Slopes, by: Slopes) -> float:
 @pytest.mark.parametrize("make", MADE.values(), ids=MADE)
 def test_a_rollout_is_the_run_that_simulate_makes(make) -> None:
     run, scenario = make()
-    told = simulate(run.machine, scenario)
-    assert run() == pytest.approx(told.y, abs=1e-6)
-    assert run.states()[:, : run.machine.n] == pytest.approx(told.q, abs=1e-6)
+    reported = simulate(run.machine, scenario)
+    assert run() == pytest.approx(reported.y, abs=1e-6)
+    assert run.states()[:, : run.machine.n] == pytest.approx(reported.q, abs=1e-6)
 
 
 def test_slopes_of_a_free_oscillation_are_those_of_its_closed_form() -> None:

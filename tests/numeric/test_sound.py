@@ -69,7 +69,7 @@ def test_an_input_may_stand_in_a_denominator() -> None:
     assert build(model).n == 1
 
 
-def test_an_inner_state_that_is_infinite_is_told() -> None:
+def test_an_inner_state_that_is_infinite_is_reported() -> None:
     slow = {"kind": "relaxation", "on": "x", "stiffness": "k", "damping": "d"}
     model = oscillator({"slow": slow}, {"k": (5.0, "N/m"), "d": (1.0, "N*s/m")})
     assert build(model).inner_states == 1

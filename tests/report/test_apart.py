@@ -50,13 +50,13 @@ def test_the_page_draws_the_matrix_where_there_is_one(diagnosis: Diagnosis) -> N
     assert caption in render_page("t", diagnosis, verdict())
     assert caption not in render_page("t", friction(), verdict())
     picture = apart_figure(MATRIX).decode()
-    for shade in ("#f3b6ae", "#f7e0ac", "#cfe3f3"):  # in doubt, not certain, told
+    for shade in ("#f3b6ae", "#f7e0ac", "#cfe3f3"):  # in doubt, not certain, reported
         assert shade in picture
 
 
 def test_a_matrix_without_doubt_is_folded() -> None:
-    told = replace(MATRIX, evidence=np.array([[np.nan, 5.0, 800.0], [5.0, np.nan, 700.0]]))
-    page = render_page("t", replace(friction(), isolability=told), verdict())
+    reported = replace(MATRIX, evidence=np.array([[np.nan, 5.0, 800.0], [5.0, np.nan, 700.0]]))
+    page = render_page("t", replace(friction(), isolability=reported), verdict())
     assert "with odds of at least 150 to 1" in page.replace("\u00a0", " ")
     assert "<summary>The odds</summary>" in page
     page = render_page("t", replace(friction(), isolability=MATRIX), verdict())
@@ -73,7 +73,7 @@ def test_odds_are_said_where_nothing_is_in_doubt(evidence: float, said: str | No
     assert (sentence or "").endswith(f"odds {said}.") if said else sentence is None
 
 
-def test_nothing_is_told_apart_where_nothing_was_found() -> None:
+def test_nothing_is_reported_apart_where_nothing_was_found() -> None:
     assert apart_sentence(replace(MATRIX, found=(False, False))) is None
 
 

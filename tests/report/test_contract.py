@@ -9,7 +9,7 @@ from typing import Any
 import jsonschema
 import pytest
 
-from symhyb.discrepancy.results import Alternative, Diagnosis, Lie, Memory, Verdict
+from symhyb.discrepancy.results import Alternative, Diagnosis, Memory, RecordingFault, Verdict
 from symhyb.errors import NumericsError
 from symhyb.model.types import On
 from symhyb.report import exit_status, to_json
@@ -45,10 +45,14 @@ def unsaid(content: Any, schema: dict[str, Any], path: str = "") -> Iterator[str
 def rich(cases: Cases) -> tuple[Diagnosis, Verdict]:
     """A diagnosis with everything that may stand in it."""
     diagnosis, verdict = cases["missing"]()
-    twin = Lie("sign", ("motor",))
+    partner = RecordingFault("sign", ("motor",))
     return replace(
         diagnosis,
-        lies=(Lie("unit", ("encoder",), 1000.0, "mm", True, "encoder is in mm.", (twin,)),),
+        faults=(
+            RecordingFault(
+                "unit", ("encoder",), 1000.0, "mm", True, "encoder is in mm.", (partner,)
+            ),
+        ),
         memory=Memory(0.85, float("nan"), "The missing force remembers."),
         alternatives=(
             *diagnosis.alternatives,

@@ -1,4 +1,4 @@
-"""Found elements of every kind: told, written as a model file, read back and in diagnosis.json."""
+"""Found elements of every kind: said, written as a model file, read back and in diagnosis.json."""
 
 import json
 import math
@@ -171,15 +171,15 @@ def test_springs_join_and_stops_stay_apart() -> None:
         ("gap", (3,)),
     ]
     assert [item.options for item in items[1:]] == [(("side", "upper"),), (("side", "lower"),)]
-    told = [
+    reported = [
         found_of(model, item, f"found_{i}", PROVENANCE, None, None) for i, item in enumerate(items)
     ]
-    assert [one.law for one in told] == [
+    assert [one.law for one in reported] == [
         "stiffness*s + cubic*s^3",
         "stiffness*max(s - clearance, 0)",
         "stiffness*min(s + clearance, 0)",
     ]
-    assert "on the lower side" in told[2].sentence
+    assert "on the lower side" in reported[2].sentence
 
 
 def settled(model: Model, causes: tuple[Hypothesis, ...]) -> Refined:
@@ -217,8 +217,8 @@ def test_damping_is_compared_with_critical_damping_of_a_linear_model() -> None:
     critical = 2.0 * math.sqrt(1.2 * 300.0)
     assert critical_share(model, x, 0.8) == pytest.approx(0.8 / critical, rel=1e-6)
     damping = replace(item_of("damper", x), values={"damping": (0.8, 0.01)})
-    told = found_of(model, damping, "found_damper", PROVENANCE, None, None)
-    assert told.sentence == (
+    reported = found_of(model, damping, "found_damper", PROVENANCE, None, None)
+    assert reported.sentence == (
         "On x, viscous damping of 0.800 ± 0.010 N·s/m resists the motion, 2.1 % of the critical "
         "damping of the model."
     )

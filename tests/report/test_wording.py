@@ -518,8 +518,8 @@ def test_causes_that_hold_only_together_are_one_alternative() -> None:
         "(1) viscous damping of 203.5 ± 1.3 N·s/m on x or (2) drag quadratic in speed "
         "(0.40 ± 0.10 N·s²/m²) on x and dry (Coulomb) friction of 2.00 ± 0.10 N on x together."
     )
-    told = [_alternative(rival) for rival in rivals]
-    assert [row.get("together") for row in told] == [None, 1, 1]
+    reported = [_alternative(rival) for rival in rivals]
+    assert [row.get("together") for row in reported] == [None, 1, 1]
 
 
 def test_nothing_missing_says_so() -> None:

@@ -238,7 +238,7 @@ LISTED = {"law": LAW, "kind": "law, heavy"}
 
 
 @pytest.mark.parametrize(
-    ("answer", "told", "outcome"),
+    ("answer", "reported", "outcome"),
     [
         ({}, {"verdict": FORCE, "found": [claim("spring", "cubic", -9.0, 0.1)]}, "wrong"),
         ({}, {"verdict": "undecided"}, "refused"),
@@ -290,9 +290,9 @@ LISTED = {"law": LAW, "kind": "law, heavy"}
     ],
 )
 def test_an_answer_gets_its_outcome(
-    study: Study, answer: dict[str, Any], told: dict[str, Any], outcome: str
+    study: Study, answer: dict[str, Any], reported: dict[str, Any], outcome: str
 ) -> None:
-    whole = {"found": [], "parameters": [], "measurement": [], "sentence": "", **told}
+    whole = {"found": [], "parameters": [], "measurement": [], "sentence": "", **reported}
     result = {"seconds": 1.0, "diagnosis": whole}
     row = study["outcomes"].score_case("0000", result, answer_of(**answer))
     assert row.outcome == outcome
@@ -300,8 +300,8 @@ def test_an_answer_gets_its_outcome(
 
 
 def test_a_true_law_is_held_against_its_number_and_a_class_against_its_place(study: Study) -> None:
-    def row(told: dict[str, Any], **answer: Any) -> Any:
-        whole = {"found": [], "parameters": [], "measurement": [], "sentence": "", **told}
+    def row(reported: dict[str, Any], **answer: Any) -> Any:
+        whole = {"found": [], "parameters": [], "measurement": [], "sentence": "", **reported}
         result = {"seconds": 1.0, "diagnosis": whole}
         return study["outcomes"].score_case("0000", result, answer_of(**answer))
 
@@ -309,8 +309,8 @@ def test_a_true_law_is_held_against_its_number_and_a_class_against_its_place(stu
         found = [claim("drag", "drag", 0.9, sd)]
         assert row({"verdict": FORCE, "found": found}, law=LAW).covered is covered
     for place, placed in (("x", True), ("y", False)):
-        told = {"verdict": "undecided", "classes": stated("law")}
-        assert row(told, place=place).placed is placed
+        reported = {"verdict": "undecided", "classes": stated("law")}
+        assert row(reported, place=place).placed is placed
     crash = study["outcomes"].score_case("0000", {"crash": "ended"}, answer_of())
     assert crash.outcome == "failed"
 

@@ -9,15 +9,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from symhyb.correction.adequacy.evidence import evidence
+from symhyb.correction.adequacy.followed import followed
 from symhyb.correction.adequacy.recorded import recorded
-from symhyb.correction.adequacy.structure import fitted
 from symhyb.correction.search.conventions import CERTAIN, exchange
 from symhyb.correction.search.decide import Decision
 from symhyb.correction.search.preparing import Prepared
 from symhyb.correction.search.score import believable
 from symhyb.correction.search.setting import Setting
-from symhyb.correction.search.trajectory import Refined, grouped
+from symhyb.correction.search.trajectory import Refined
 
 FINALISTS_MOST = 8
 
@@ -30,8 +29,8 @@ def settled(prepared: Prepared, setting: Setting, decision: Decision) -> Decisio
         return decision
     found = []
     for trial in finalists:
-        one = fitted(ground, trial.causes, grouped(trial), ground.first_noise())
-        found.append((evidence(ground, one), trial))
+        one = followed(ground, trial, (trial, setting.stages[-1].cuts))
+        found.append((one.evidence, trial))
     best, selected = max(found, key=lambda pair: pair[0])
     if not np.isfinite(best):  # none of them could be followed along whole recordings
         return decision

@@ -9,7 +9,7 @@ class that explains that does without.
 """
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from symhyb.correction.adequacy.beyond import CERTAIN, NEGLIGIBLE, NOTHING, Beyo
 from symhyb.correction.adequacy.channel_noise import faulty_sensors, noisy_input
 from symhyb.correction.adequacy.classes.catalogue import classes_of
 from symhyb.correction.adequacy.classes.worth import around, worth_of
-from symhyb.correction.adequacy.evidence import evidence
+from symhyb.correction.adequacy.followed import Along, followed, scored
 from symhyb.correction.adequacy.recorded import Recorded, recorded
 from symhyb.correction.adequacy.structure import Fitted, Generic, Likely, Row, fitted
 from symhyb.correction.search.preparing import Prepared
@@ -63,20 +63,25 @@ class Adequacy:
 
 
 def adequacy(
-    prepared: Prepared, setting: Setting, final: Refined, throughout: bool = True
+    prepared: Prepared,
+    setting: Setting,
+    final: Refined,
+    along: Along,
+    throughout: bool = True,
 ) -> Adequacy:
-    """Judge a decided structure by the recordings that it was decided on. What does not act
-    ``throughout`` has no one strength over all of them, and is not disputed for that."""
+    """Judge a decided structure by the recordings that it was decided on, beginning ``along`` the
+    windows that it was fitted on. What does not act ``throughout`` has no one strength over all of
+    them, and is not disputed for that."""
     ground = recorded(prepared, setting)
     if ground is None:
         return Adequacy(NOTHING, unjudged=TOO_SHORT)
     rows = grouped(final)
-    base = _scored(ground, fitted(ground, final.causes, rows, ground.first_noise()))
+    base = followed(ground, final, along)
     if base.fit.reason:
         return Adequacy(NOTHING, unjudged=base.fit.reason)
     left = beyond(ground, base)
     if left.alone is not None and left.evidence < 0:
-        base = _scored(ground, fitted(ground, final.causes, rows, left.alone, base.fit.states))
+        base = scored(ground, fitted(ground, final.causes, rows, left.alone, base.fit.states))
     trials = [base]
     raced: list[Fitted] = []
     if left.acts or base.fit.noise.coloured:
@@ -88,7 +93,7 @@ def adequacy(
         disputes = disputed(final, [base, *better])
     doubt = _small(final, ground, left) | {one.cause for one in disputes}
     if base.causes and not _explained_alone(ground, trials):  # laws may only imitate a class
-        bare = _scored(ground, fitted(ground, (), (), ground.first_noise()))
+        bare = scored(ground, fitted(ground, (), (), ground.first_noise()))
         trials += [bare, *_answers(ground, _raced(ground, bare, (), base), base)]
     enough = [trial for trial in trials if trial.extra and _suffices(ground, trial, base)]
     classes = _classes(trials, {trial.extra.key for trial in enough if trial.extra})
@@ -117,10 +122,6 @@ def _small(final: Refined, ground: Recorded, left: Beyond) -> frozenset[Hypothes
     return frozenset(cause for cause, stands in zip(laws, large, strict=True) if not stands)
 
 
-def _scored(ground: Recorded, trial: Fitted) -> Fitted:
-    return replace(trial, evidence=evidence(ground, trial))
-
-
 def _raced(ground: Recorded, start: Fitted, rows: Sequence[Row], decided: Fitted) -> list[Fitted]:
     """A structure with each of the best generic classes beside it, in place of the causes at its
     place and of all; with the best of these in place of each cause too. Those that may be better
@@ -138,9 +139,7 @@ def _raced(ground: Recorded, start: Fitted, rows: Sequence[Row], decided: Fitted
 
     def tried(generic: Generic, kept: Sequence[int]) -> Fitted:
         causes, begin = [start.causes[i] for i in kept], [rows[i] for i in kept]
-        return _scored(
-            ground, fitted(ground, causes, begin, noise, start.fit.states, extra=generic)
-        )
+        return scored(ground, fitted(ground, causes, begin, noise, start.fit.states, extra=generic))
 
     every = tuple(range(len(start.causes)))
     found = [

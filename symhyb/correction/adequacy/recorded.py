@@ -30,7 +30,7 @@ class Recorded:
     coordinate, the size of every probe's force there (n, C; ``probe_sizes``), the shortest period
     of the motion, and the relative ``accuracy`` of fitted values that the numerics allow.
 
-    One is told from another by identity: what is computed from it is kept as long as it is.
+    Two are the same if they are one object: what is computed from it is kept as long as it is.
     """
 
     library: Library

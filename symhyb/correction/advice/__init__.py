@@ -1,1 +1,1 @@
-"""What to record next: what cannot be told apart, and the manoeuvre or sensor that would."""
+"""What to record next: what cannot be distinguished, and the manoeuvre or sensor that would."""

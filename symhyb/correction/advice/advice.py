@@ -1,4 +1,4 @@
-"""What to record next, in words and for a program: from what could not be told apart."""
+"""What to record next, in words and for a program: from what could not be distinguished."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -7,7 +7,7 @@ from math import exp, inf
 import numpy as np
 
 from symhyb.correction.advice.bounds import bounds_of
-from symhyb.correction.advice.manoeuvre import Design, Rivals, Told, design
+from symhyb.correction.advice.manoeuvre import Design, Expected, Rivals, design
 from symhyb.correction.advice.newsensor import telling_sensor
 from symhyb.correction.naming.findings import cause_phrase, rivals_of
 from symhyb.correction.search.conventions import RIVAL
@@ -35,9 +35,9 @@ def advise(
     if not pairs:
         return None, None
     found = design(prepared, setting, pairs)
-    if found.told is None:
+    if found.expected is None:
         return no_manoeuvre(prepared, setting, pairs, found), None
-    plan = _said(found.told, pairs, bounds_of(prepared).stated)
+    plan = _said(found.expected, pairs, bounds_of(prepared).stated)
     return plan.sentence, plan
 
 
@@ -55,24 +55,24 @@ def _pairs(decision: Decision) -> list[Rivals]:
     return pairs[:PAIRS_MOST]
 
 
-def _said(told: Told, pairs: Sequence[Rivals], stated: Sequence[str]) -> Manoeuvre:
+def _said(expected: Expected, pairs: Sequence[Rivals], stated: Sequence[str]) -> Manoeuvre:
     """The manoeuvre with what it tells apart, and its sentence; ``stated`` are the channels for
     which the model file states how far they may go."""
-    decided = [pair for pair, ok in zip(pairs, told.decided, strict=True) if ok]
-    open_ = [pair for pair, ok in zip(pairs, told.decided, strict=True) if not ok]
-    least = min(e for e, ok in zip(told.evidence, told.decided, strict=True) if ok)
+    decided = [pair for pair, ok in zip(pairs, expected.decided, strict=True) if ok]
+    open_ = [pair for pair, ok in zip(pairs, expected.decided, strict=True) if not ok]
+    least = min(e for e, ok in zip(expected.evidence, expected.decided, strict=True) if ok)
     names = tuple(dict.fromkeys(name for pair in decided for name in pair.names))
     others = joined(list(dict.fromkeys(pair.names[1] for pair in decided)))
     said = (
-        f"{_action(told.plan)}. This is expected to tell {names[0]} from {others} "
+        f"{_action(expected.plan)}. This is expected to tell {names[0]} from {others} "
         f"with odds of {_odds(least)}."
     )
-    if told.plan.beyond and told.plan.channel not in stated:
+    if expected.plan.beyond and expected.plan.channel not in stated:
         said += " It asks more of the machine than what was recorded: check that it may."
     if open_:
         left = joined(list(dict.fromkeys(pair.names[1] for pair in open_)), "or")
         said += f" No manoeuvre that was tried tells it from {left}."
-    return replace(told.plan, between=names, evidence=float(least), sentence=said)
+    return replace(expected.plan, between=names, evidence=float(least), sentence=said)
 
 
 def _odds(evidence: float) -> str:

@@ -48,13 +48,13 @@ class Design:
     """What was found to record next: the best manoeuvre, None if none tells anything; and what kept
     most of the ``hindered`` ones from going further, empty if nothing did."""
 
-    told: "Told | None"
+    expected: "Expected | None"
     hindered: str = ""
     playable: bool = True
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
+class Expected:
     """A manoeuvre with what it is expected to say about each pair of rivals, ln of the odds, and
     what it must say."""
 
@@ -71,7 +71,7 @@ class Told:
 def design(prepared: Prepared, setting: Setting, pairs: Sequence[Rivals]) -> Design:
     """The cheapest manoeuvre that tells all pairs apart, else that which tells most of them, within
     what the machine may do."""
-    best: Told | None = None
+    best: Expected | None = None
     left = FITS_MOST
     truths = [pairs[0].first, *(pair.second for pair in pairs)]
     bounds, most = bounds_of(prepared), dict[tuple[object, ...], float]()
@@ -88,18 +88,18 @@ def design(prepared: Prepared, setting: Setting, pairs: Sequence[Rivals]) -> Des
         if plan is None:
             continue
         playable = True
-        told, spent = _told(prepared, setting, pairs, plan)
+        expected, spent = _expected(prepared, setting, pairs, plan)
         left -= spent
-        if sum(told.decided) > (0 if best is None else sum(best.decided)):
-            best = told
+        if sum(expected.decided) > (0 if best is None else sum(best.decided)):
+            best = expected
         if (best is not None and all(best.decided)) or left <= 0:
             break
     return Design(best, next((what for what, _ in hindered.most_common(1)), ""), playable)
 
 
-def _told(
+def _expected(
     prepared: Prepared, setting: Setting, pairs: Sequence[Rivals], plan: Manoeuvre
-) -> tuple[Told, int]:
+) -> tuple[Expected, int]:
     """What a manoeuvre tells of each pair, and how many fits it took."""
     samples = plan.duration / plan.sampling
     needed = tuple(needed_evidence(pair, samples) for pair in pairs)
@@ -114,7 +114,7 @@ def _told(
             if worst < least:
                 break
         evidence.append(worst)
-    return Told(plan, tuple(evidence), needed), spent
+    return Expected(plan, tuple(evidence), needed), spent
 
 
 def needed_evidence(pair: Rivals, samples: float) -> float:

@@ -15,7 +15,7 @@ from symhyb.correction.search.preparing import Prepared
 from symhyb.correction.search.trajectory import Refined
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.motion import Motion
-from symhyb.discrepancy.recorded.windows import reversals
+from symhyb.discrepancy.recorded.windows import turning
 from symhyb.discrepancy.results import Manoeuvre
 from symhyb.model.vocabulary import steep
 from symhyb.numeric.kernels.buffers import Array, call
@@ -114,7 +114,8 @@ def _simulated(
     with np.errstate(over="ignore", invalid="ignore"):
         x, y = model.simulate(replace(block, substeps=parts), start, truth.p)
         if sharp and np.isfinite(x).all():
-            _, v = model.form.motion(x[0], block.d[0])
-            parts = run.steps * np.where(reversals(v), run.fine, 1)[None]
+            q, v = model.form.motion(x[0], block.d[0])
+            near = turning(truth.machine, replace(run.motion, t=block.t[0], q=q, v=v))
+            parts = run.steps * np.where(near, run.fine, 1)[None]
             x, y = model.simulate(replace(block, substeps=parts), start, truth.p)
     return x[0], y[0]

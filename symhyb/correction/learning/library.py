@@ -17,7 +17,7 @@ from symhyb.errors import InputError, Problem, did_you_mean
 LibraryName = Literal["laws", "polynomial"]
 LIBRARIES: tuple[str, ...] = get_args(LibraryName)
 DEGREE = 3  # of terms, unless another is asked for
-DEGREE_MOST = 7  # beyond, monomials of one motion can no longer be told apart
+DEGREE_MOST = 7  # beyond, monomials of one motion can no longer be distinguished
 COUPLED = 3  # coordinates of which products are tried
 
 

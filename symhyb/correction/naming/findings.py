@@ -1,4 +1,4 @@
-"""From a decided structure to what is told: elements, parameters, channel faults, rivals."""
+"""From a decided structure to what is reported: elements, parameters, channel faults, rivals."""
 
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -38,7 +38,7 @@ _CHANNEL_KINDS: Mapping[str, ChannelKind] = {
 
 @dataclass(frozen=True, slots=True)
 class Named:
-    """Force causes of one kind at one place, told as one element: their indices in the structure,
+    """Force causes of one kind at one place, one element to the reader: indices in the structure,
     SI values with sd by key (sd NaN for a key that was not fitted), and the words of its options.
     """
 
@@ -246,19 +246,18 @@ def alternatives_of(
     decision: Decision,
     names: Mapping[Hypothesis, str],
     doubt: Collection[Hypothesis] = (),
-    disputed: Collection[Hypothesis] = (),
 ) -> tuple[Alternative, ...]:
-    """What the data cannot rule out: causes in doubt (numbers, and laws that are ``disputed``),
-    what is indistinguishable from what was found, and rivals within reach.
+    """What the data cannot rule out: causes in doubt, what is indistinguishable from what was
+    found, and rivals within reach.
 
     ``names`` are the elements (or paths) under which certain causes of the selected structure are
-    told.
+    reported.
     """
     selected, unsure = decision.selected, doubtful(decision)
     rows = [
-        _alternative(model, cause, _told_values(selected, cause), None, 0.0)
+        _alternative(model, cause, _reported_values(selected, cause), None, 0.0)
         for cause in selected.causes
-        if cause in unsure or cause in disputed or (cause in doubt and cause.place is None)
+        if cause in unsure or cause in doubt
     ]
     for first, second in decision.equals:
         if first in selected.causes:
@@ -266,7 +265,7 @@ def alternatives_of(
     for number, (change, evidence, trial) in enumerate(rivals_of(decision), 1):
         instead_of = names.get(change.lost[0])
         for cause in change.fresh:
-            values = _told_values(trial, cause)
+            values = _reported_values(trial, cause)
             row = _alternative(model, cause, values, instead_of, max(evidence, 0.0))
             rows.append(replace(row, together=number if len(change.fresh) > 1 else 0))
     rows += _sided(model, selected, names)
@@ -275,7 +274,7 @@ def alternatives_of(
 
 def alternative_of(model: Model, trial: Refined, cause: Hypothesis, evidence: float) -> Alternative:
     """One cause of a fitted structure, with its values there, as an alternative by itself."""
-    return _alternative(model, cause, _told_values(trial, cause), None, evidence)
+    return _alternative(model, cause, _reported_values(trial, cause), None, evidence)
 
 
 def _sided(
@@ -294,8 +293,8 @@ def _sided(
         share = -push / level
         if isinstance(cause.place, On) and abs(share) < SKEW:
             sd = float(np.hypot(push_sd, share * spread)) / level
-            told = {"coulomb": (level, spread), "asymmetry": (share, sd)}
-            yield _alternative(model, cause, told, names.get(selected.causes[j]), 0.0)
+            reported = {"coulomb": (level, spread), "asymmetry": (share, sd)}
+            yield _alternative(model, cause, reported, names.get(selected.causes[j]), 0.0)
 
 
 def rivals_of(decision: Decision) -> list[tuple[Exchange, float, Refined]]:
@@ -312,7 +311,7 @@ def rivals_of(decision: Decision) -> list[tuple[Exchange, float, Refined]]:
     return rivals
 
 
-def _told_values(trial: Refined, cause: Hypothesis) -> dict[str, tuple[float, float]]:
+def _reported_values(trial: Refined, cause: Hypothesis) -> dict[str, tuple[float, float]]:
     return {} if cause.place is None else _values(trial, [trial.causes.index(cause)])
 
 

@@ -11,7 +11,7 @@ from symhyb.correction.search.preparing import Prepared
 from symhyb.correction.search.score import OUTSTANDING
 from symhyb.correction.search.trajectory import Refined
 from symhyb.data.recording import Recording
-from symhyb.discrepancy.checks.repeats import told_repeats
+from symhyb.discrepancy.checks.repeats import reported_repeats
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.results import Estimate, Found, Misfit, Reestimated, Repeats
 from symhyb.discrepancy.words.amounts import joined, number_text, quantity_text, small_text
@@ -97,7 +97,7 @@ def noun_of(kind: str, key: str) -> str:
 
 def repeats_said(prepared: Prepared) -> tuple[Repeats, ...]:
     """The repeated runs, with what they differ by in the units of the sensors."""
-    return told_repeats(prepared.model, prepared.runs, prepared.repeats)
+    return reported_repeats(prepared.model, prepared.runs, prepared.repeats)
 
 
 def with_own(model: Model, final: Refined, item: Named, found: Found) -> Found:
@@ -114,18 +114,18 @@ def with_own(model: Model, final: Refined, item: Named, found: Found) -> Found:
             symbol = symbol_of(model, final.causes[i].kind, key)
             numbers.append(Estimate(symbol, value / unit.factor, sd / unit.factor, unit.text, key))
         rows.append((recording.name, tuple(numbers)))
-    told = [key for _, key in keys if key != "phase"]  # a phase says nothing of the machine
+    reported = [key for _, key in keys if key != "phase"]  # a phase says nothing of the machine
     said = "; ".join(
-        f"{name} {joined([_amount(number) for number in numbers if number.term in told])}"
+        f"{name} {joined([_amount(number) for number in numbers if number.term in reported])}"
         for name, numbers in rows
         if _stands(numbers)
     )
     silent = joined([name for name, numbers in rows if not _stands(numbers)])
-    words = joined([noun_of(item.kind, key) for key in told])
+    words = joined([noun_of(item.kind, key) for key in reported])
     sentence = found.sentence
-    if told and said:
+    if reported and said:
         sentence += f" Each recording has its own {words}: {said}."
-    if told and silent:
+    if reported and silent:
         sentence += f" Of {silent} it does not stand out of its own deviation and may be none."
     return replace(found, own=tuple(rows), sentence=sentence)
 
@@ -144,12 +144,14 @@ def parameters_with_own(
         return tuple(parameters)
     units = {item.path: item.unit for item in final.machine.model.all_parameters()}
     rows = []
-    for told in parameters:
+    for reported in parameters:
         own = []
-        for which, (recording, _) in enumerate(final.each if told.name in owned else ()):
-            value, sd = (x / units[told.name].factor for x in final.value_of(told.name, which))
+        for which, (recording, _) in enumerate(final.each if reported.name in owned else ()):
+            value, sd = (
+                x / units[reported.name].factor for x in final.value_of(reported.name, which)
+            )
             own.append((recording.name, value, sd))
-        rows.append(replace(told, own=tuple(own)))
+        rows.append(replace(reported, own=tuple(own)))
     return tuple(rows)
 
 

@@ -6,7 +6,7 @@ exponential weights (the Bayesian bootstrap: Rubin, Annals of Statistics 9, 1981
 asked whether the selected structure still beats every structure without it. The fitted trials give
 χ² by window, so no draw costs a fit. A plain bootstrap would leave windows out altogether, and an
 effect that shows in two of nine would be lost in a tenth of the draws by the draw alone. The share
-is told; what decides is the probability.
+is reported; what decides is the probability.
 """
 
 from collections.abc import Mapping, Sequence
@@ -57,7 +57,7 @@ def stabilities(decision: Decision) -> tuple[float | None, ...]:
 def weakest(
     shares: Mapping[Hypothesis, float | None], causes: Sequence[Hypothesis]
 ) -> float | None:
-    """The smallest share of the causes that are told as one effect."""
+    """The smallest share of the causes that are reported as one effect."""
     bare = {replace(cause, own=()): share for cause, share in shares.items()}
     known = [bare.get(replace(cause, own=())) for cause in causes]
     return min((share for share in known if share is not None), default=None)
@@ -78,8 +78,8 @@ def _margin(decision: Decision, trial: Refined, weights: Array) -> Array:
 def _denies(trial: Refined, selected: Refined, cause: Hypothesis) -> bool:
     """Whether a trial is an answer without this cause: the law in another shape is no denial, an
     extension that was refused is none, and what convention tells apart no window does."""
-    told = _sort(cause)
-    if trial.fit.reason or any(_sort(mine) == told for mine in trial.causes):
+    reported = _sort(cause)
+    if trial.fit.reason or any(_sort(mine) == reported for mine in trial.causes):
         return False
     if not believable(trial):
         return False

@@ -20,8 +20,8 @@ from symhyb.numeric.runs.windows import WindowModel
 
 def changed(places: tuple[PlaceShare, ...]) -> Change | None:
     """The change at the place that explains most; one that explains less only mirrors it."""
-    told = places[0].occurrence if places else None
-    return None if told is None else told.change
+    reported = places[0].occurrence if places else None
+    return None if reported is None else reported.change
 
 
 def active_part(setting: Setting, change: Change | None) -> Setting:

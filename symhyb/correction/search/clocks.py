@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from symhyb.correction.search.selection import solve
 from symhyb.correction.search.setting import Setting, Stage, along_motion
 from symhyb.discrepancy.recorded.windows import merge, reduce
-from symhyb.discrepancy.results import Lie
+from symhyb.discrepancy.results import RecordingFault
 from symhyb.discrepancy.words.wording import joined, percent_text
 from symhyb.model.types import Model
 from symhyb.numeric.kernels.buffers import Array
@@ -25,13 +25,13 @@ TAKES = 0.7  # of the same, for a drift to be claimed
 SIGNIFICANT = 50.0  # fall of χ² on fitted and on held windows
 RIVAL_LEFT = 3.0  # what any single other cause leaves beyond noise, over what the drift leaves
 NOISE_SHARE = 0.05  # of the noise: what is left is not known better
-ALIKE = 1.5  # what two drifts leave beyond noise: closer, they cannot be told apart
+ALIKE = 1.5  # what two drifts leave beyond noise: closer, they cannot be distinguished
 WINDOWS_LEAST = 9
-TWINS_MOST = 2
+RIVALS_MOST = 2
 ROUNDS = 4  # of putting right: a delay of half a period is no small change
 STANDS = 0.02  # of the drift: smaller changes end the rounds
 
-Again = Callable[[tuple[Lie, ...]], Setting]
+Again = Callable[[tuple[RecordingFault, ...]], Setting]
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +60,7 @@ class _Fit:
         )
 
 
-def drifting(setting: Setting, again: Again) -> Lie | None:
+def drifting(setting: Setting, again: Again) -> RecordingFault | None:
     """The clock that explains most of the mismatch, if one does and no other cause comes close.
 
     ``again`` prepares the recordings anew with clocks put right.
@@ -81,20 +81,20 @@ def drifting(setting: Setting, again: Again) -> Lie | None:
     )
     near = [i for i, fit in enumerate(first) if fit.left - fit.floor < limit]
     # stretching the time of one channel or of the other differs in second order: try them
-    found = [(i, *_followed(names[i], i, first[i], again)) for i in near[:TWINS_MOST]]
+    found = [(i, *_followed(names[i], i, first[i], again)) for i in near[:RIVALS_MOST]]
     best, drift, last = min(found, key=lambda one: one[2].left + one[2].held_left)
     left = max(last.left - last.floor, NOISE_SHARE * last.floor)
     if not last.takes(begun, TAKES) or _rival(setting, stage) - begun.floor < RIVAL_LEFT * left:
         return None
     equals = [names[i] for i in near if i != best]
-    return _told(setting.windows.machine.model, names[best], drift, equals)
+    return _reported(setting.windows.machine.model, names[best], drift, equals)
 
 
 def _followed(name: str, index: int, begun: _Fit, again: Again) -> tuple[float, _Fit]:
     """The drift of one channel, put right and measured anew until it stands, and the last fit."""
     drift, last = begun.drift, begun
     for _ in range(ROUNDS):
-        fits = _fits(*_staged(again((Lie("clock", (name,), drift, claimed=True),))))
+        fits = _fits(*_staged(again((RecordingFault("clock", (name,), drift, claimed=True),))))
         if not fits:
             break
         last = fits[index]
@@ -172,13 +172,13 @@ def _rival(setting: Setting, stage: Stage) -> float:
     return min((one.chi2 for one in found if one is not None), default=np.inf)
 
 
-def _told(model: Model, best: str, drift: float, equals: Sequence[str]) -> Lie:
+def _reported(model: Model, best: str, drift: float, equals: Sequence[str]) -> RecordingFault:
     """A clock that is claimed: ``drift`` is how much the delay of ``best`` grows, s/s; ``equals``
     would show in the same way."""
-    rivals = tuple(Lie("clock", (other,), drift) for other in equals)
+    rivals = tuple(RecordingFault("clock", (other,), drift) for other in equals)
     sentence = f"the clocks of {joined([best, *equals])} run apart by {percent_text(abs(drift))}"
     if not equals:
         speed = drift if best in {sensor.name for sensor in model.sensors} else -drift
         way = "fast" if speed > 0 else "slow"
         sentence = f"the clock of {best} runs {percent_text(abs(speed))} {way} against all others"
-    return Lie("clock", (best,), drift, "", True, sentence, rivals)
+    return RecordingFault("clock", (best,), drift, "", True, sentence, rivals)

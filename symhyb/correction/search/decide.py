@@ -8,8 +8,9 @@
 3. That goes on until no structure that was fitted is better.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -194,14 +195,29 @@ def _tried(
     rows: Sequence[Row],
     starts: Sequence[Array] | None = None,
 ) -> None:
-    """Fit a structure, and without the causes that do not stand out in it."""
+    """Fit a structure, and without what does not stand out in it: of a variant of a law what was
+    added to it, else the cause."""
     trial = trials.refined(causes, rows, starts)
     gone = set() if trial.fit.reason else set(weak(trial))
-    if gone and len(gone) < len(trial.causes):
-        trials.refined(*_but(trials.causes(trial), grouped(trial), gone), trial.fit.starts)
+    plainer = {i: law for i in gone if (law := _plain_law(trials, trial.causes[i])) is not None}
+    if gone and (plainer or len(gone) < len(trial.causes)):
+        own, values = trials.causes(trial), grouped(trial)
+        for i, law in plainer.items():
+            own = (*own[:i], trials.index(law), *own[i + 1 :])
+            values[i] = {key: values[i].get(key, 0.0) for key in law.keys}
+        fit_again = partial(_tried, trials) if plainer else trials.refined
+        fit_again(*_but(own, values, gone - plainer.keys()), trial.fit.starts)
 
 
-def _but(own: Sequence[int], rows: Sequence[Row], gone: set[int]) -> tuple[list[int], list[Row]]:
+def _plain_law(trials: Trials, cause: Hypothesis) -> Hypothesis | None:
+    """The plain law of which a cause is a variant, None if it is none."""
+    plain = (h for h in trials.setting.hypotheses if not h.variant and cause.extends(h))
+    return next(plain, None) if cause.variant else None
+
+
+def _but(
+    own: Sequence[int], rows: Sequence[Row], gone: Collection[int]
+) -> tuple[list[int], list[Row]]:
     """Causes and their values without some."""
     kept = [i for i in range(len(own)) if i not in gone]
     return [own[i] for i in kept], [rows[i] for i in kept]

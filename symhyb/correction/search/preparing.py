@@ -32,7 +32,7 @@ from symhyb.discrepancy.recorded.residual import discrepancy
 from symhyb.discrepancy.recorded.runs import Run, cut_within, noise_sd, with_noise
 from symhyb.discrepancy.recorded.sampling import as_sampled
 from symhyb.discrepancy.recorded.windows import Cut
-from symhyb.discrepancy.results import Lie
+from symhyb.discrepancy.results import RecordingFault
 from symhyb.errors import InputError, Problem
 from symhyb.laws.reach import Reach
 from symhyb.model.types import Model, Place
@@ -59,7 +59,7 @@ GAIN_LEAST = 1e-3  # smaller gain errors are not worth a name
 class Prepared:
     """Model with channels, lowered; runs thinned to what the motion needs,
     noise ``sd`` (m,) SI, not below what ``repeats`` of one manoeuvre differ by, and the
-    ``shortest`` period of the motion in s; ``lies`` are channels that were put right, or are
+    ``shortest`` period of the motion in s; ``faults`` of the recordings were put right, or are
     suspected."""
 
     model: Model
@@ -68,7 +68,7 @@ class Prepared:
     holdout: tuple[Run, ...]
     sd: Array
     shortest: float
-    lies: tuple[Lie, ...] = ()
+    faults: tuple[RecordingFault, ...] = ()
     repeats: tuple[Repeated, ...] = ()
 
 
@@ -76,12 +76,12 @@ def prepare(
     model: Model,
     recordings: Recording | Sequence[Recording],
     holdout: Recording | Sequence[Recording] = (),
-    clocks: tuple[Lie, ...] = (),
+    clocks: tuple[RecordingFault, ...] = (),
     own: Sequence[str] = (),
 ) -> Prepared:
     """Lower the model, thin the recordings and estimate motion and noise.
 
-    Channels that lie are put right first, those whose ``clocks`` are known to drift among them.
+    Recording faults are put right first, those whose ``clocks`` are known to drift among them.
 
     Raises:
         InputError: no recording, or a coordinate that no sensor sees.
@@ -95,10 +95,10 @@ def prepare(
     machine = build(extended)
     first = [Run(r, motion_of(r, machine), np.empty(0)) for r in recordings]
     repair = suspect(machine, first)
-    lies = (*repair.told, *clocks)
-    if any(lie.claimed for lie in lies):
+    faults = (*repair.reported, *clocks)
+    if any(fault.claimed for fault in faults):
         extended, machine = repair.model, build(repair.model)
-        recordings, holdout = repaired(recordings, lies), repaired(holdout, lies)
+        recordings, holdout = repaired(recordings, faults), repaired(holdout, faults)
         first = [Run(r, motion_of(r, machine), np.empty(0)) for r in recordings]
     periods = np.concatenate([run.motion.periods() for run in first])
     shortest = float(np.min(periods))
@@ -114,7 +114,7 @@ def prepare(
     runs = [replace(run, floor=floor) for run in runs]
     windows = WindowModel(machine)
     train, unseen = (with_noise(group, sd, windows) for group in (runs, proofs))
-    return Prepared(extended, machine, train, unseen, sd, shortest, lies, repeats)
+    return Prepared(extended, machine, train, unseen, sd, shortest, faults, repeats)
 
 
 def _recorded(runs: Sequence[Run]) -> NDArray[np.bool_]:

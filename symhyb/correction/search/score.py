@@ -126,7 +126,7 @@ def believable(trial: Refined, length_s: float = inf) -> bool:
     law that differs by direction, or is a formula without a name, is claimed only where it explains
     the recordings down to their noise: they fit whatever is left.
 
-    A memory that outlasts windows of ``length_s`` (s) cannot be told from their initial states.
+    A memory that outlasts windows of ``length_s`` (s) is indistinguishable from initial states.
     """
     if trial.fit.reason or weak(trial):
         return False
@@ -165,7 +165,7 @@ def plain(trial: Refined) -> tuple[int, ...]:
 
 def _strong(trial: Refined, which: int, first: int, spread: Array) -> bool:
     """Whether the strength of a cause, whose numbers begin at ``first``, stands out of the
-    deviation that is told of it, of which the accuracy of the numerics is a part; where every
+    deviation that is reported of it, of which the accuracy of the numerics is a part; where every
     recording has its own (``spread`` of all numbers, SI), that of any one, as far out as the
     largest of so many may be by chance: not every machine need show the cause."""
     cause, values = trial.causes[which], grouped(trial)[which]

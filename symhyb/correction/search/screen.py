@@ -46,7 +46,7 @@ def screen(
     given = (*library.columns, *((forces + i,) for i in range(len(parametric))))
     always = tuple(range(forces + len(parametric), forces + free))
     causes = (*library.hypotheses, *parametric)
-    mine = [c for cause, told in zip(causes, given, strict=True) if cause.own for c in told]
+    mine = [c for cause, reported in zip(causes, given, strict=True) if cause.own for c in reported]
     mine += [
         forces + i for i, column in enumerate(model.free) if column in own and i >= len(parametric)
     ]
@@ -83,7 +83,7 @@ def screen(
         gram=np.sum([part.grams[~part.held].sum(axis=0) for part in parts], axis=0),
         held=np.sum([part.grams[part.held].sum(axis=0) for part in parts], axis=0),
         hypotheses=causes,
-        columns=tuple(widened(told, mine, extra) for told in given),
+        columns=tuple(widened(reported, mine, extra) for reported in given),
         always=widened(always, mine, extra),
         prior=prior[source],
         lower=lower[source],
@@ -114,10 +114,10 @@ def apart(columns: Array, mine: Sequence[int], which: int, recordings: int) -> A
 
 
 def widened(
-    told: Sequence[int], mine: Sequence[int], extra: Sequence[Mapping[int, int]]
+    reported: Sequence[int], mine: Sequence[int], extra: Sequence[Mapping[int, int]]
 ) -> tuple[int, ...]:
-    """The columns ``told`` with those of every other recording, recording by recording."""
-    return (*told, *(row[c] for row in extra for c in told if c in mine))
+    """The columns ``reported`` with those of every other recording, recording by recording."""
+    return (*reported, *(row[c] for row in extra for c in reported if c in mine))
 
 
 def _least(

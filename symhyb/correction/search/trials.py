@@ -1,6 +1,7 @@
 """Structures refined at the longest windows, each once."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -60,7 +61,8 @@ class Trials:
         starts: Sequence[Array] | None,
     ) -> Refined:
         stage, model = self.setting.stages[-1], self.setting.windows.machine.model
-        return refine(model, causes, values, stage.cuts, self.setting.sd, starts)
+        found = refine(model, causes, values, stage.cuts, self.setting.sd, starts)
+        return replace(found, accuracy=self.setting.accuracy)
 
     def _best_part(self, key: Sequence[int]) -> Refined | None:
         """The structure that fits best of those known ones that hold only causes of this one."""

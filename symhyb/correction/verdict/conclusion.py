@@ -70,14 +70,13 @@ def concluded(
     """The diagnosis of one choice, and what acts beyond it (``judged``); ``left`` are sentences on
     what is visible in the rest."""
     decision, final = choice.decision, known.final
-    found = _told(model, prepared, decision, known, shown)
+    found = _reported(model, prepared, decision, known, shown)
     parameters = reestimated(model, final, known.doubt)
     faults = channel_faults(final, known.doubt)
     titles = {cause: _title(cause, found) for cause in decision.selected.causes}
-    disputed = [one.cause for one in judged.disputed]
     alternatives = (
         *added_alternatives(model, known.completed),
-        *alternatives_of(model, decision, titles, known.doubt, disputed),
+        *alternatives_of(model, decision, titles, known.doubt),
     )
     verdict = _verdict(known, judged, found, bool(faults), bool(parameters))
     sentence = verdict_sentence(
@@ -133,7 +132,7 @@ def _measured_noise(model: Model, prepared: Prepared) -> dict[str, float]:
     return noise
 
 
-def _told(
+def _reported(
     model: Model, prepared: Prepared, decision: Decision, known: Estimated, shown: Proof
 ) -> tuple[Found, ...]:
     """Every found effect with its element, share, activity, stability, probability and sentence."""

@@ -1,4 +1,4 @@
-"""The values of a chosen structure, from all windows, and which of its causes are told."""
+"""The values of a chosen structure, from all windows, and which of its causes are reported."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -17,13 +17,14 @@ from symhyb.correction.verdict.held import with_what_is_held
 from symhyb.correction.verdict.whole import Completed, Say, completed_over_all
 from symhyb.correction.verdict.whole_words import added_sentence
 from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.model.vocabulary import KINDS
 
 
 @dataclass(frozen=True, slots=True)
 class Estimated:
     """The structure with its final values, the ``stage`` of windows that proves it, its causes in
-    ``doubt``, which are not told, sentences on numbers that change on the way, and what whole
+    ``doubt``, which are not reported, sentences on numbers that change on the way, and what whole
     recordings added (``completed``), with the structure as it is ``seen`` in the windows then."""
 
     final: Refined
@@ -34,8 +35,13 @@ class Estimated:
     seen: Refined | None = None
 
     @property
+    def windows(self) -> tuple[Refined, Sequence[Cut]]:
+        """The structure as it was fitted on windows, and these."""
+        return self.seen or self.final, self.stage.cuts
+
+    @property
     def items(self) -> Sequence[Named]:
-        """The effects that are told."""
+        """The effects that are reported."""
         causes = self.final.causes
         return [
             item for item in named(self.final) if not self.doubt & {causes[i] for i in item.causes}
@@ -43,7 +49,7 @@ class Estimated:
 
     @property
     def tells(self) -> bool:
-        """Whether any cause is told."""
+        """Whether any cause is reported."""
         return self.doubt < {*self.final.causes}
 
 

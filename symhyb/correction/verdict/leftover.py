@@ -23,8 +23,8 @@ from symhyb.model.types import Element, Model, On
 from symhyb.numeric.lowered.machine import build
 from symhyb.numeric.runs.windows import WindowModel
 
-LEAST = 0.02  # of what is left: told
-TOLD = 5
+LEAST = 0.02  # of what is left: reported
+REPORTED = 5
 
 
 def leftover(setting: Setting, selected: Refined) -> tuple[str, ...]:
@@ -54,7 +54,7 @@ def leftover(setting: Setting, selected: Refined) -> tuple[str, ...]:
             if hypothesis.family not in taken:
                 said = _said(hypothesis)
                 parts[said] = max(part, parts.get(said, 0.0))
-    ranked = sorted(parts.items(), key=lambda item: -item[1])[:TOLD]
+    ranked = sorted(parts.items(), key=lambda item: -item[1])[:REPORTED]
     return tuple(
         f"{name[0].upper()}{name[1:]} would take {percent_text(part)} of what is left."
         for name, part in ranked

@@ -19,7 +19,7 @@ from symhyb.numeric.runs.windows import WindowModel
 
 @dataclass(frozen=True, slots=True)
 class Proof:
-    """By unseen windows: the ``share`` of each told effect, the ``remainder`` (both of the squared
+    """By unseen windows: the ``share`` of each effect, the ``remainder`` (both of the squared
     error before correction; None where not computable), and the mean window NRMSE ``before`` and
     ``after``."""
 
@@ -41,7 +41,7 @@ class _Unseen:
 def prove(
     prepared: Prepared, setting: Setting, final: Refined, stage: Stage, items: Sequence[Named]
 ) -> Proof:
-    """Remove each told effect once, refit the rest on the training windows, and see.
+    """Remove each reported effect once, refit the rest on the training windows, and see.
 
     Without unseen recordings the windows that were held out of the fit stand in for them.
     """

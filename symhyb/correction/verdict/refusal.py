@@ -1,7 +1,7 @@
-"""What a diagnosis must not claim: physics where a channel lies, laws that let the model run away,
-anything from a recording shorter than its own motion.
+"""What a diagnosis must not claim: physics where a recording is at fault, laws that let the model
+run away, anything from a recording shorter than its own motion.
 
-Each function takes a diagnosis and returns it with the claim withdrawn or the lie told first.
+Each function takes a diagnosis and returns it with the claim withdrawn or the fault reported first.
 """
 
 from collections.abc import Sequence
@@ -19,7 +19,7 @@ from symhyb.discrepancy.places.meeting import meeting
 from symhyb.discrepancy.recorded.passages import one_way, passed_at_one_speed
 from symhyb.discrepancy.recorded.runs import Run, cut_into_windows
 from symhyb.discrepancy.recorded.windows import END_KNOTS
-from symhyb.discrepancy.results import Alternative, Diagnosis, Found, Lie, Measurement
+from symhyb.discrepancy.results import Alternative, Diagnosis, Found, Measurement, RecordingFault
 from symhyb.discrepancy.words.wording import (
     effect_phrase,
     joined,
@@ -41,54 +41,56 @@ REPAIRED_LEFT = (
 )
 
 
-def with_lies(diagnosis: Diagnosis, model: Model, lies: Sequence[Lie], scale: float) -> Diagnosis:
-    """The diagnosis of repaired recordings with the lies that were claimed told first.
+def with_faults(
+    diagnosis: Diagnosis, model: Model, faults: Sequence[RecordingFault], scale: float
+) -> Diagnosis:
+    """The diagnosis of repaired recordings with the faults that were claimed reported first.
 
     ``scale`` is χ² per sample of what was decided. A suspicion that was not claimed withdraws
     physics that leaves more than noise.
     """
-    claimed = [lie for lie in lies if lie.claimed]
-    suspected = [lie.sentence for lie in lies if not lie.claimed]
+    claimed = [fault for fault in faults if fault.claimed]
+    suspected = [fault.sentence for fault in faults if not fault.claimed]
     known = {(fault.channel, fault.kind) for fault in diagnosis.measurement}
     gains = [
-        Measurement(name, "gain", gain_of(model, lie, name), 0.0, "1")
-        for lie in claimed
-        if lie.kind in ("unit", "sign")
-        for name in lie.channels
+        Measurement(name, "gain", gain_of(model, fault, name), 0.0, "1")
+        for fault in claimed
+        if fault.kind in ("unit", "sign")
+        for name in fault.channels
         if (name, "gain") not in known
     ]
     equals = [
         Alternative(None, "gain", (), 0.0, channel=name)
-        for lie in claimed
-        for rival in lie.rivals
+        for fault in claimed
+        for rival in fault.rivals
         if rival.kind in ("unit", "sign")
         for name in rival.channels
     ]
-    told = replace(
+    reported = replace(
         diagnosis,
-        lies=tuple(lies),
+        faults=tuple(faults),
         measurement=(*gains, *diagnosis.measurement),
         alternatives=(*equals, *diagnosis.alternatives),
         notes=(*suspected, *diagnosis.notes),
     )
     if claimed:
-        return _told_first(told, "; ".join(lie.sentence for lie in claimed))
+        return _reported_first(reported, "; ".join(fault.sentence for fault in claimed))
     if suspected and diagnosis.found and scale > UNEXPLAINED:
         reason = f"A channel may lie: {suspected[0]}."
-        return withdrawn(told, f"{reason} Until that is settled no physics is named")
+        return withdrawn(reported, f"{reason} Until that is settled no physics is named")
     if suspected and diagnosis.verdict == "undecided":
-        return replace(told, sentence=f"{diagnosis.sentence} {_capital(suspected[0])}.")
-    return told
+        return replace(reported, sentence=f"{diagnosis.sentence} {_capital(suspected[0])}.")
+    return reported
 
 
-def _told_first(diagnosis: Diagnosis, lie: str) -> Diagnosis:
+def _reported_first(diagnosis: Diagnosis, fault: str) -> Diagnosis:
     match diagnosis.verdict:
         case "nothing missing":
-            sentence = f"The physics of the model holds, the measurement does not: {lie}."
+            sentence = f"The physics of the model holds, the measurement does not: {fault}."
         case "undecided":
-            sentence = f"The measurement is wrong: {lie}.{REPAIRED_LEFT}"
+            sentence = f"The measurement is wrong: {fault}.{REPAIRED_LEFT}"
         case _:
-            sentence = f"The measurement is wrong: {lie}. Put right: {diagnosis.sentence}"
+            sentence = f"The measurement is wrong: {fault}. Put right: {diagnosis.sentence}"
     verdict = diagnosis.verdict
     if verdict != "missing physics":
         verdict = "measurement"
@@ -264,12 +266,12 @@ def if_long_enough(diagnosis: Diagnosis, runs: Sequence[Run]) -> Diagnosis:
         )
     if not passed_at_one_speed(runs):
         return diagnosis
-    told = withdrawn(
+    reported = withdrawn(
         diagnosis,
         "These recordings cannot tell: nothing comes back in them, and every place is passed at "
         "one speed alone, so that forces of place, of speed and of time look alike",
     )
-    return replace(told, record_next=other_speeds(runs))
+    return replace(reported, record_next=other_speeds(runs))
 
 
 def if_apart(diagnosis: Diagnosis, model: Model, runs: Sequence[Run]) -> Diagnosis:

@@ -9,7 +9,7 @@ from symhyb.model.types import Model
 
 
 def added_alternatives(model: Model, completed: Completed | None) -> tuple[Alternative, ...]:
-    """The added cause and its rivals, best first; none where it has no rival, for it is told."""
+    """The added cause and its rivals, best first; none where it has no rival: it is found."""
     if completed is None or not completed.rivals:
         return ()
     pairs = [(completed.final, 0.0), *completed.rivals]

@@ -1,1 +1,1 @@
-"""What is looked at first: rest, modes, response, energy, timing, repeats, channels that lie."""
+"""What is looked at first: rest, modes, response, energy, timing, repeats, faults of recordings."""

@@ -22,7 +22,7 @@ from symhyb.numeric.kernels.vector import along
 from symhyb.numeric.lowered.linear import energy_depends_on_time
 from symhyb.numeric.lowered.machine import Machine
 
-SURE = 3.0  # standard deviations, from which work unaccounted is told as such
+SURE = 3.0  # standard deviations, from which work unaccounted is reported as such
 ENDS = 3.0  # knots of the smoothed motion that are left out at either end
 STANDING = 1e-9  # of the kinetic energy: what rounding may leave to a machine that stands
 SMALL = 1e-3  # of the energy that went around: an element that took less is not listed

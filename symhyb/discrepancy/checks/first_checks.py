@@ -22,7 +22,7 @@ from symhyb.discrepancy.checks.modes import (
     steady_slopes,
     without_dry_friction,
 )
-from symhyb.discrepancy.checks.repeats import repeated, told_repeats
+from symhyb.discrepancy.checks.repeats import repeated, reported_repeats
 from symhyb.discrepancy.checks.response import Response, driven, response_of
 from symhyb.discrepancy.checks.standstill import Standstill, standstill_of
 from symhyb.discrepancy.checks.timing import Timing, timing_of
@@ -108,7 +108,7 @@ def first_checks(
     """Check one recording against a machine.
 
     ``motion`` is that of the recording where it is known. ``corrected`` is the machine after a
-    correction, whose modes are told too. ``simulated`` are free runs (N,) by name and sensor, SI,
+    correction, whose modes are shown too. ``simulated`` are free runs (N,) by name and sensor, SI,
     to be held against the recording; without it the machine is simulated from the smoothed start.
 
     Raises:
@@ -161,7 +161,7 @@ def repeats_of(
     """Which of several recordings repeat one manoeuvre, and what they differ by."""
     pairs = zip(recordings, motions, strict=True)
     runs = [Run(recording, motion, np.empty(0)) for recording, motion in pairs]
-    return told_repeats(model, runs, repeated(runs, [sensor.name for sensor in model.sensors]))
+    return reported_repeats(model, runs, repeated(runs, [sensor.name for sensor in model.sensors]))
 
 
 def _standstill(machine: Machine, motion: Motion, course: Course) -> Standstill | str:

@@ -65,7 +65,7 @@ def floor_of(groups: Sequence[Repeated], sensors: int) -> Array:
     return np.asarray(np.max([np.zeros(sensors), *rows], axis=0))
 
 
-def told_repeats(
+def reported_repeats(
     model: Model, runs: Sequence[Run], groups: Sequence[Repeated]
 ) -> tuple[Repeats, ...]:
     """The groups of repeated runs in words, with what they differ by in the units of sensors."""

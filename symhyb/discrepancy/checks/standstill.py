@@ -21,7 +21,7 @@ from symhyb.numeric.lowered.machine import Machine
 STILL = 3.0  # standard deviations of the speed: slower stands still
 SLOW = 0.01  # of the largest speed: what stands still moves no faster than this either
 LASTS = 1.0  # periods of the motion, that a standstill lasts at least: a turning point is none
-SURE = 3.0  # standard deviations, by which a place must be off to be told
+SURE = 3.0  # standard deviations, by which a place must be off to be reported
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,7 +115,7 @@ def _sentence(
         said = f"{when}, where the model has no place of rest: {joined(forces)} must hold it there"
         return f"{said}; {why}"
     parts = [f"{name} {quantity_text(value, units[name], sd[name])}" for name, value in off.items()]
-    told = f"{when}; off the model's place of rest by {joined(parts)}"
+    reported = f"{when}; off the model's place of rest by {joined(parts)}"
     if right:
-        return f"{told}: right within the noise"
-    return f"{told}: {'dry friction of the model may hold it' if held else 'not explained'}"
+        return f"{reported}: right within the noise"
+    return f"{reported}: {'dry friction of the model may hold it' if held else 'not explained'}"

@@ -1,9 +1,9 @@
-"""Channels that lie: a wrong unit or sign, exchanged columns, a time column in another unit.
+"""Faults of a recording: a wrong unit or sign, exchanged columns, a time column in another unit.
 
 These would mislead the estimate of the motion itself, so they are tried before everything else, but
-only where a model misses more than any ordinary cause could explain (:mod:`.misfit`). A lie is
+only where a model misses more than any ordinary cause could explain (:mod:`.misfit`). A fault is
 claimed where the repaired recordings leave a tenth of that and the model then explains nine tenths
-of all forces; one that helps and does less is told as a suspicion and changes nothing.
+of all forces; one that helps and does less is reported as a suspicion and changes nothing.
 """
 
 from collections.abc import Iterator, Sequence
@@ -19,7 +19,7 @@ from symhyb.data.thin import thinned
 from symhyb.discrepancy.fitting.misfit import Misfit, misfit
 from symhyb.discrepancy.recorded.motion import motion_of
 from symhyb.discrepancy.recorded.runs import SAMPLES_TELL, Run
-from symhyb.discrepancy.results import Lie
+from symhyb.discrepancy.results import RecordingFault
 from symhyb.discrepancy.words.wording import joined, percent_text
 from symhyb.errors import InputError
 from symhyb.model.types import Input, Model, Parameter, Sensor
@@ -29,16 +29,16 @@ from symhyb.numeric.runs.between import held_columns
 from symhyb.units import ONE, Unit, parse_unit
 
 SUSPECT = 2e-3  # of all squared forces, that no ordinary cause takes: below, nothing is suspected
-CLEARED = 0.1  # of the misfit may be left, for a lie to be claimed
-EXPLAINED = 0.1  # of all squared forces may be left to ordinary causes, for a lie to be claimed
-TAKEN = 0.3  # of what the model as recorded leaves may be left, for a lie to be claimed
-HELPS = 0.3  # of the misfit may be left, for a suspicion to be told
-ALIKE = 3.0  # two lies whose misfits are closer than this cannot be told apart
+CLEARED = 0.1  # of the misfit may be left, for a fault to be claimed
+EXPLAINED = 0.1  # of all squared forces may be left to ordinary causes, for a fault to be claimed
+TAKEN = 0.3  # of what the model as recorded leaves may be left, for a fault to be claimed
+HELPS = 0.3  # of the misfit may be left, for a suspicion to be reported
+ALIKE = 3.0  # two faults whose misfits are closer than this cannot be distinguished
 LEVEL = 1e-4  # of squares: smaller misfits are alike
 SAMPLES_MOST = 1200  # of a recording, that are looked at
 SPACINGS_TRIED = (1.6, 4.0, 8.0, 16.0, 32.0, 64.0)  # samples between two knots
 SAMPLES_PERIOD = 80  # of the shortest period, that are kept
-LIE_LEAST = 1.5  # a factor closer to 1 is a gain
+MISREAD_LEAST = 1.5  # a factor closer to 1 is a gain
 
 UNITS = (
     "m",
@@ -85,29 +85,30 @@ PLURALS = {"deg": "degrees", "turn": "revolutions", "inch": "inches"}
 
 @dataclass(frozen=True, slots=True)
 class Repair:
-    """Model and recordings without the lies that were claimed, ``told`` the lies of any weight."""
+    """Model and recordings without the faults that were claimed; ``reported`` are those of any
+    weight."""
 
     model: Model
-    told: tuple[Lie, ...]
+    reported: tuple[RecordingFault, ...]
 
 
-def repaired(given: Sequence[Recording], lies: Sequence[Lie]) -> tuple[Recording, ...]:
+def repaired(given: Sequence[Recording], faults: Sequence[RecordingFault]) -> tuple[Recording, ...]:
     """Recordings with what no model file can say put right: exchanged columns, the unit of time.
 
     Wrong units and signs stay in them: the corrected model states their gain.
     """
-    claimed = [lie for lie in lies if lie.claimed]
+    claimed = [fault for fault in faults if fault.claimed]
     return tuple(_undone(recording, claimed) for recording in given)
 
 
-def _undone(recording: Recording, lies: Sequence[Lie]) -> Recording:
-    for lie in lies:
-        if lie.kind == "time":
-            recording = replace(recording, t=recording.t / lie.factor)
-        if lie.kind == "clock":
-            recording = _retimed(recording, lie)
-        if lie.kind == "swap":
-            first, second = lie.channels
+def _undone(recording: Recording, faults: Sequence[RecordingFault]) -> Recording:
+    for fault in faults:
+        if fault.kind == "time":
+            recording = replace(recording, t=recording.t / fault.factor)
+        if fault.kind == "clock":
+            recording = _retimed(recording, fault)
+        if fault.kind == "swap":
+            first, second = fault.channels
             sensors, inputs = dict(recording.sensors), dict(recording.inputs)
             side = sensors if first in sensors else inputs
             if first in side and second in side:
@@ -116,11 +117,11 @@ def _undone(recording: Recording, lies: Sequence[Lie]) -> Recording:
     return recording
 
 
-def _retimed(recording: Recording, lie: Lie) -> Recording:
+def _retimed(recording: Recording, fault: RecordingFault) -> Recording:
     """A recording in which a channel's delay no longer grows."""
     sensors, inputs = dict(recording.sensors), dict(recording.inputs)
-    grown = lie.factor * (recording.t - recording.t[0])
-    for name in lie.channels:
+    grown = fault.factor * (recording.t - recording.t[0])
+    for name in fault.channels:
         if name in sensors:  # what it shows at t + d was true at t
             at = recording.t + grown
             known = np.isfinite(sensors[name])
@@ -132,7 +133,7 @@ def _retimed(recording: Recording, lie: Lie) -> Recording:
 
 
 def suspect(machine: Machine, runs: Sequence[Run]) -> Repair:
-    """Try all lies where the model as given misses more than ordinary causes explain.
+    """Try all faults where the model as given misses more than ordinary causes explain.
 
     ``machine`` is that of a model that states the gains of all channels, ``runs`` have their
     motion; costs one look at ΔF where nothing is suspected.
@@ -150,46 +151,48 @@ def suspect(machine: Machine, runs: Sequence[Run]) -> Repair:
     if plain is None or before is None or before.worst < SUSPECT:
         return Repair(model, ())
     inputs, scored = {item.name for item in model.inputs}, []
-    for lie in lies_of(model, short):
-        changed = replace(machine, model=with_lie(model, lie))
+    for fault in recording_faults_of(model, short):
+        changed = replace(machine, model=with_fault(model, fault))
         values = np.array([item.si for item in changed.model.all_parameters()])
         changed = replace(changed, values=values)
-        moved = lie.kind == "time" or not inputs.issuperset(lie.channels)
-        tried = [_undone(recording, [lie]) for recording in short]
+        moved = fault.kind == "time" or not inputs.issuperset(fault.channels)
+        tried = [_undone(recording, [fault]) for recording in short]
         if moved:
-            scale = lie.factor if lie.kind == "time" else 1.0
+            scale = fault.factor if fault.kind == "time" else 1.0
             found = _along(changed, tried, spacing / scale)
         else:
             found = tuple(replace(r, recording=one) for r, one in zip(plain, tried, strict=True))
         after = None if found is None else _measured(changed, found)
         if after is not None:
-            scored.append((lie, after))
+            scored.append((fault, after))
     return _judged(model, before, scored)
 
 
 def _turned(run: Run) -> bool:
-    """Whether a recording lasts a period of some motion: less shows no shape to tell lies by."""
+    """Whether a recording lasts a period of some motion: less shows no shape to tell faults by."""
     return bool(np.min(run.motion.periods()) < (1 - 1e-9) * run.recording.duration)
 
 
-def _judged(model: Model, before: Misfit, scored: Sequence[tuple[Lie, Misfit]]) -> Repair:
+def _judged(
+    model: Model, before: Misfit, scored: Sequence[tuple[RecordingFault, Misfit]]
+) -> Repair:
     """Claim what clears the misfit and explains the forces, tell what helps, else nothing."""
-    clear = [(lie, after) for lie, after in scored if _clears(before, after)]
-    helps = [(lie, after) for lie, after in scored if _helps(before, after)]
+    clear = [(fault, after) for fault, after in scored if _clears(before, after)]
+    helps = [(fault, after) for fault, after in scored if _helps(before, after)]
     able = clear or helps
     if not able:
         return Repair(model, ())
     limit = ALIKE * max(min(after.worst for _, after in able), LEVEL)
-    near = [(lie, after) for lie, after in able if after.worst < limit]
-    lie, after = min(near, key=lambda pair: _rank(pair[0], model))
-    others = tuple(other for other, _ in near if other is not lie)
-    sentence = (_claim if clear else _suspicion)(lie, before, after, tuple(map(said, others)))
-    told = replace(lie, claimed=bool(clear), sentence=sentence, rivals=others)
-    return Repair(with_lie(model, told) if clear else model, (told,))
+    near = [(fault, after) for fault, after in able if after.worst < limit]
+    fault, after = min(near, key=lambda pair: _rank(pair[0], model))
+    others = tuple(other for other, _ in near if other is not fault)
+    sentence = (_claim if clear else _suspicion)(fault, before, after, tuple(map(said, others)))
+    reported = replace(fault, claimed=bool(clear), sentence=sentence, rivals=others)
+    return Repair(with_fault(model, reported) if clear else model, (reported,))
 
 
 def _clears(before: Misfit, after: Misfit) -> bool:
-    """Whether nothing but this lie explains the misfit; sensors that contradict each other need
+    """Whether nothing but this fault explains the misfit; sensors that contradict each other need
     no forces to tell it."""
     explains = after.plain < EXPLAINED and after.plain < TAKEN * before.plain
     contradict = before.senses > SUSPECT and after.senses < CLEARED * before.senses
@@ -257,15 +260,15 @@ def _shortened(run: Run, machine: Machine) -> Recording:
     )
 
 
-def lies_of(model: Model, recordings: Sequence[Recording]) -> Iterator[Lie]:
-    """Every lie worth a trial: signs and units of each channel and of all sensors of one unit
+def recording_faults_of(model: Model, recordings: Sequence[Recording]) -> Iterator[RecordingFault]:
+    """Every fault worth a trial: signs and units of each channel and of all sensors of one unit
     together, exchanged columns, the unit of time."""
     present = [s for s in model.sensors if all(s.name in r.sensors for r in recordings)]
     channels: list[Input | Sensor] = [*model.inputs, *present]
     for channel in channels:
-        yield Lie("sign", (channel.name,), -1.0)
+        yield RecordingFault("sign", (channel.name,), -1.0)
         for word, factor in misreadings(channel.unit):
-            yield Lie("unit", (channel.name,), factor, word)
+            yield RecordingFault("unit", (channel.name,), factor, word)
     for word in TOGETHER:
         factors = {
             s.name: factor
@@ -274,12 +277,12 @@ def lies_of(model: Model, recordings: Sequence[Recording]) -> Iterator[Lie]:
             if other.split("/")[0] == word
         }
         if len(factors) > 1 and max(factors.values()) < 1.001 * min(factors.values()):
-            yield Lie("unit", tuple(factors), max(factors.values()), word)
+            yield RecordingFault("unit", tuple(factors), max(factors.values()), word)
     sensed, driven = [s.name for s in present], [item.name for item in model.inputs]
     for pair in (*combinations(sensed, 2), *combinations(driven, 2)):
-        yield Lie("swap", pair)
+        yield RecordingFault("swap", pair)
     for word, factor in TIMES:
-        yield Lie("time", ("t",), factor, word)
+        yield RecordingFault("time", ("t",), factor, word)
 
 
 def misreadings(unit: Unit) -> Iterator[tuple[str, float]]:
@@ -292,7 +295,7 @@ def misreadings(unit: Unit) -> Iterator[tuple[str, float]]:
         turns = "rad" in text or "deg" in text or "turn" in text or text == "rpm"
         if not unit.same_dimension(other) or turns != _turns(unit):
             continue
-        if max(factor, 1 / factor) > LIE_LEAST and round(log(factor), 6) not in seen:
+        if max(factor, 1 / factor) > MISREAD_LEAST and round(log(factor), 6) not in seen:
             seen.add(round(log(factor), 6))
             yield text, factor
 
@@ -301,74 +304,75 @@ def _turns(unit: Unit) -> bool:
     return any(word in unit.text for word in ("rad", "deg", "turn", "rpm", "rev"))
 
 
-def with_lie(model: Model, lie: Lie) -> Model:
+def with_fault(model: Model, fault: RecordingFault) -> Model:
     """The model whose channels state the gains of a wrong unit or sign."""
-    if lie.kind not in ("unit", "sign"):
+    if fault.kind not in ("unit", "sign"):
         return model
     return replace(
         model,
-        inputs=tuple(_misread(item, lie, 1 / lie.factor) for item in model.inputs),
-        sensors=tuple(_misread(item, lie, lie.factor) for item in model.sensors),
+        inputs=tuple(_misread(item, fault, 1 / fault.factor) for item in model.inputs),
+        sensors=tuple(_misread(item, fault, fault.factor) for item in model.sensors),
     )
 
 
 Channel = TypeVar("Channel", Input, Sensor)
 
 
-def _misread(channel: Channel, lie: Lie, factor: float) -> Channel:
-    if channel.name not in lie.channels:
+def _misread(channel: Channel, fault: RecordingFault, factor: float) -> Channel:
+    if channel.name not in fault.channels:
         return channel
     gain = channel.gain or Parameter("gain", 1.0, ONE, owner=channel.name)
     return replace(channel, gain=replace(gain, value=gain.value * factor))
 
 
-def gain_of(model: Model, lie: Lie, name: str) -> float:
-    """The gain of a channel of the model as given, with a lie that was claimed."""
-    changed = with_lie(model, lie)
+def gain_of(model: Model, fault: RecordingFault, name: str) -> float:
+    """The gain of a channel of the model as given, with a fault that was claimed."""
+    changed = with_fault(model, fault)
     channels: list[Input | Sensor] = [*changed.inputs, *changed.sensors]
     gain = next(channel.gain for channel in channels if channel.name == name)
     return 1.0 if gain is None else gain.value
 
 
-def _rank(lie: Lie, model: Model) -> tuple[int, int, int]:
-    """Which of two lies that fit alike is named: a sign before a unit before an exchange before
+def _rank(fault: RecordingFault, model: Model) -> tuple[int, int, int]:
+    """Which of two faults that fit alike is named: a sign before a unit before an exchange before
     the time, an input before a sensor, all sensors of a unit before a single one."""
     order = ("sign", "unit", "swap", "time", "clock")
     inputs = {item.name for item in model.inputs}
-    return order.index(lie.kind), int(not inputs & {*lie.channels}), -len(lie.channels)
+    return order.index(fault.kind), int(not inputs & {*fault.channels}), -len(fault.channels)
 
 
-def said(lie: Lie) -> str:
-    """Say a lie as a clause: ``encoder is recorded in degrees``."""
-    names = joined(lie.channels)
-    verb = "is" if len(lie.channels) == 1 else "are"
-    match lie.kind:
+def said(fault: RecordingFault) -> str:
+    """Say a fault as a clause: ``encoder is recorded in degrees``."""
+    names = joined(fault.channels)
+    verb = "is" if len(fault.channels) == 1 else "are"
+    match fault.kind:
         case "sign":
             return f"{names} {verb} recorded with the opposite sign"
         case "unit":
-            word = PLURALS.get(lie.word, lie.word)
+            word = PLURALS.get(fault.word, fault.word)
             return f"{names} {verb} recorded in {word}"
         case "swap":
             return f"the columns of {names} are exchanged"
         case "clock":
             return f"the clock of {names} does not keep the time of the other channels"
         case _:
-            return f"the time column is in {lie.word}, not in s"
+            return f"the time column is in {fault.word}, not in s"
 
 
-def _claim(lie: Lie, before: Misfit, after: Misfit, equals: Sequence[str]) -> str:
+def _claim(fault: RecordingFault, before: Misfit, after: Misfit, equals: Sequence[str]) -> str:
     cure = {
         "swap": " (map each to the other's column to be rid of this)",
-        "time": f" (map t to its column in {lie.word} to be rid of this)",
-    }.get(lie.kind, "")
-    sentence = f"{said(lie)}{cure}: as recorded, {_share(before)}; put right, {_share(after)}"
+        "time": f" (map t to its column in {fault.word} to be rid of this)",
+    }.get(fault.kind, "")
+    sentence = f"{said(fault)}{cure}: as recorded, {_share(before)}; put right, {_share(after)}"
     return sentence + (f" (the same would be seen if {joined(equals, 'or')})" if equals else "")
 
 
-def _suspicion(lie: Lie, before: Misfit, after: Misfit, equals: Sequence[str]) -> str:
+def _suspicion(fault: RecordingFault, before: Misfit, after: Misfit, equals: Sequence[str]) -> str:
     rivals = f", or {joined(equals, 'or')}" if equals else ""
     return (
-        f"perhaps {said(lie)}{rivals}: as recorded, {_share(before)}; put right, {_share(after)}, "
+        f"perhaps {said(fault)}{rivals}: as recorded, {_share(before)}; "
+        f"put right, {_share(after)}, "
         "which is not enough to claim it"
     )
 

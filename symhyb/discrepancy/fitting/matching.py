@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symhyb.discrepancy.fitting.anchors import anchored
+from symhyb.discrepancy.fitting.gentle import gentle
 from symhyb.discrepancy.fitting.normal import bounded_step, inverse_of
 from symhyb.discrepancy.fitting.squares import best_of, squares
 from symhyb.discrepancy.fitting.task import Fit, Task
@@ -30,6 +31,7 @@ SHARES_ALONE = (1.0, 0.3, 0.0)  # where no parameter moves with it; the last is 
 HELD_ROUNDS = 2  # of steps for the initial states alone, when the parameters stand
 ROUNDS = 3  # of both
 LATE_ROUNDS = 3  # more, where the delay of a sensor moves by samples
+EXPLAINED = 2.0  # of χ² per sample: a beginning that leaves less needs no gentle friction
 SETTLED = 0.01  # of the cost: if settling takes more, the parameters move again
 
 
@@ -54,11 +56,36 @@ def fit(model: WindowModel, task: Task, p: Array, starts: Sequence[Array] | None
     """Fit the free parameters of ``model`` from ``p`` (P,) in SI by damped Gauss–Newton steps.
 
     Initial states start at ``starts`` (W, X) of each recording (default: those of the smoothed
-    motion) and are fitted on every window, parameters on those that are not held.
+    motion) and are fitted on every window, parameters on those that are not held. With dry friction
+    they begin where gentle friction ends, unless they explain the windows already.
     """
     first = p[list(model.free)] if task.first is None else task.first
     values = np.clip(first, task.lower, task.upper)
-    now = _on_constraints(model, task, p, values, starts or [item.start for item in task.cuts])
+    begun = list(starts or [item.start for item in task.cuts])
+    softer = gentle(model.machine, task.cuts, p)
+    if softer is not None and not _explained(model, task, p, values, begun):
+        found = _fitted(model, task, softer.p, values, begun)
+        if not found.reason:
+            begun = list(found.starts)
+            kept = [column in softer.kept for column in model.free]
+            values = values if task.own else np.where(kept, values, found.values)
+    return _fitted(model, task, p, values, begun)
+
+
+def _explained(
+    model: WindowModel, task: Task, p: Array, values: Array, starts: Sequence[Array]
+) -> bool:
+    """Whether all windows, held ones too, are met down to a few times their noise as they begin."""
+    count = sum(int(np.isfinite(item.block.y).sum()) for item in task.cuts)
+    cost = _cost(model, replace(task, everything=True), p, values, starts)
+    return bool(cost < EXPLAINED * count)
+
+
+def _fitted(
+    model: WindowModel, task: Task, p: Array, values: Array, starts: Sequence[Array]
+) -> Fit:
+    """Parameters from ``values`` and initial states from ``starts``, fitted as they are."""
+    now = _on_constraints(model, task, p, values, starts)
     task = _in_time(model, task, p, values)
     cost = _cost(model, task, p, values, now)
     if not np.isfinite(cost):

@@ -20,7 +20,7 @@ from symhyb.numeric.kernels.vector import along
 from symhyb.numeric.lowered.machine import Machine
 from symhyb.numeric.lowered.manifold import free_part
 
-NOISE_RATIO = 2.0  # measured noise this far from the stated sd is told
+NOISE_RATIO = 2.0  # measured noise this far from the stated sd is reported
 
 
 @dataclass(frozen=True, slots=True, eq=False)

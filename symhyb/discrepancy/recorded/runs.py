@@ -9,7 +9,7 @@ from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.course import course_of
 from symhyb.discrepancy.recorded.motion import Motion
 from symhyb.discrepancy.recorded.residual import discrepancy
-from symhyb.discrepancy.recorded.windows import Cut, lay, reversals
+from symhyb.discrepancy.recorded.windows import Cut, lay
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import Element, On
 from symhyb.numeric.kernels.buffers import Array
@@ -45,10 +45,10 @@ class Run:
 
 
 def cut_into_windows(run: Run, machine: Machine, length_s: float) -> Cut | None:
-    """Windows of one run, ``length_s`` in s, with finer steps near reversals of a coordinate."""
-    parts = run.steps * np.where(reversals(run.motion.v), run.fine, 1)
+    """Windows of one run, ``length_s`` in s, to be suited to a machine."""
+    parts = np.full(run.recording.t.size - 1, run.steps)
     cut = lay(run.recording, machine, run.motion, length_s, parts)
-    return cut if cut is None else replace(cut, floor=run.floor, steps=run.steps)
+    return cut if cut is None else replace(cut, floor=run.floor, steps=run.steps, fine=run.fine)
 
 
 def cut_within(run: Run, machine: Machine, length_s: float) -> Cut | None:
@@ -98,9 +98,9 @@ def too_poor(runs: Sequence[Run], sensors: Sequence[str]) -> str:
 
 def with_noise(runs: Sequence[Run], sd: Array, model: WindowModel) -> tuple[Run, ...]:
     """The runs with this noise (m,), SI, and as many integration steps as it asks for."""
-    told = [replace(run, sd=sd) for run in runs]
-    told = [replace(run, steps=_steps_needed(model, run)) for run in told]
-    return tuple(replace(run, fine=_fine_needed(model.machine, run)) for run in told)
+    reported = [replace(run, sd=sd) for run in runs]
+    reported = [replace(run, steps=_steps_needed(model, run)) for run in reported]
+    return tuple(replace(run, fine=_fine_needed(model.machine, run)) for run in reported)
 
 
 def _steps_needed(model: WindowModel, run: Run) -> int:
@@ -131,7 +131,7 @@ def _for_bends(model: WindowModel, run: Run) -> int:
 
 
 def _fine_needed(machine: Machine, run: Run) -> int:
-    """The same near reversals, for a model with as much dry friction as the force that the model
+    """How much finer near reversals, for as much dry friction as the force that the model
     lacks could hold; where every interval has many steps already, fewer times as many are tried."""
     first = max(FINE_LEAST // run.steps, 1)
     missing = discrepancy(machine, course_of(run.recording, machine, run.motion), machine.values)
@@ -152,7 +152,8 @@ def _fine_needed(machine: Machine, run: Run) -> int:
     length = float(run.motion.periods().min())
 
     def cut(fine: int) -> Cut | None:
-        return cut_into_windows(replace(run, fine=fine), steep, length)
+        found = cut_into_windows(replace(run, fine=fine), steep, length)
+        return None if found is None else found.suited(steep)
 
     return _enough(WindowModel(steep), run, cut, first, FINE_MOST)
 

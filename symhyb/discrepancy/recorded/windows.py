@@ -8,6 +8,7 @@ Sizes: W windows, L samples a window, m sensors, n coordinates, F columns.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +17,9 @@ from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.course import Course, course_of
 from symhyb.discrepancy.recorded.motion import Motion
 from symhyb.discrepancy.recorded.signals import measured
-from symhyb.model.vocabulary import steep
+from symhyb.model.vocabulary import KINDS
 from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.kernels.vector import along
 from symhyb.numeric.lowered.dynamics import state_form
 from symhyb.numeric.lowered.machine import Machine
 from symhyb.numeric.runs.between import bent_columns, finer
@@ -38,7 +40,8 @@ class Cut:
     from smoothing, SI, and ``held`` (W,), True where a window only validates. ``rows`` (W, L) are
     the samples of the recording, ``source`` where they come from. ``floor`` is the mean square by
     which repeated runs differ beyond their noise, in units of the noise: less proves nothing.
-    ``steps`` are the integration steps between two samples that laws without jumps need."""
+    ``steps`` are the integration steps between two samples that laws without jumps need, ``fine``
+    how many times as many a steep law takes near a reversal of the place where it acts."""
 
     block: Block
     start: Array
@@ -48,6 +51,7 @@ class Cut:
     source: tuple[Recording, Motion]
     floor: float = 0.0
     steps: int = 1
+    fine: int = 1
 
     def course(self, machine: Machine) -> Course:
         """The whole course that the windows are cut from."""
@@ -73,6 +77,7 @@ class Cut:
             self.source,
             self.floor,
             self.steps,
+            self.fine,
         )
 
     def until(self, last: int) -> "Cut":
@@ -89,16 +94,14 @@ class Cut:
         return replace(self, block=block, states=states, rows=rows)
 
     def suited(self, machine: Machine) -> "Cut":
-        """The windows for another machine with the same coordinates: with its inner states, and
-        with the fewest steps everywhere unless it has a steep law. With few samples a period every
-        sample is near a reversal, so the fewest are not those that happen to occur."""
+        """The windows for a machine with the same coordinates: with its inner states, and with
+        finer steps near the reversals of places where it has steep laws."""
         item = self
         if machine.inner_states or state_form(machine).size != self.start.shape[1]:
             states = self.course(machine).states[self.rows]
             item = replace(self, start=states[:, 0], states=states)
-        if steep(machine.model):
-            return item
-        parts = np.full_like(item.block.substeps, item.steps)
+        near = turning(machine, self.source[1])[self.rows[:, :-1]]
+        parts = item.steps * np.where(near, item.fine, 1)
         return replace(item, block=replace(item.block, substeps=parts))
 
     def in_time(self, model: WindowModel, p: Array) -> "Cut":
@@ -141,7 +144,8 @@ def lay(
     """Lay windows of ``length_s`` seconds without overlap; every third one validates.
 
     Windows that straddle a gap in time or miss more samples than others are left out. ``substeps``
-    (N − 1,) are the integration steps between the samples of the recording, default one. Returns
+    (N − 1,) are the integration steps between the samples of the recording, default one, until the
+    windows are suited to a machine. Returns
     None if the recording holds no window.
     """
     step = float(np.median(np.diff(recording.t)))
@@ -169,17 +173,17 @@ def stretches(
     recording: Recording, machine: Machine, motion: Motion, steps: int, fine: int
 ) -> list[Cut]:
     """Every stretch of a recording without a gap in time, as one window each; ``steps`` between two
-    samples, each ``fine`` times finer near a reversal."""
+    samples, each ``fine`` times finer for a steep law near its reversals."""
     t = recording.t
     step = float(np.median(np.diff(t)))
     begin = _settled(motion, step)
     ends = np.flatnonzero(np.diff(t) > GAP * step) + 1
-    parts = steps * np.where(reversals(motion.v), fine, 1)
+    parts = np.full(t.size - 1, steps)
     found = []
     for first, last in zip([begin, *ends], [*ends, t.size], strict=True):
         if last - max(first, begin) >= SAMPLES_LEAST:
             rows = np.arange(max(first, begin), last)[None]
-            found.append(_cut(recording, machine, motion, rows, parts, steps))
+            found.append(replace(_cut(recording, machine, motion, rows, parts, steps), fine=fine))
     return found
 
 
@@ -210,6 +214,23 @@ def _settled(motion: Motion, step: float) -> int:
     if size.shape[0] < 20 * end or size.shape[1] == 0:
         return 0
     return end if bool((size[:end] > SWUNG * size[end:-end].max(axis=0)).any()) else 0
+
+
+@lru_cache(maxsize=64)
+def turning(machine: Machine, motion: Motion) -> NDArray[np.bool_]:
+    """Intervals between samples (N − 1,) near a reversal or a rest of a place where the machine has
+    a steep law. A place is not a coordinate: friction in a strut between two masses turns over
+    where their difference does, and not where either mass does."""
+    elements = machine.model.elements
+    sharp = [i for i, element in enumerate(elements) if KINDS[element.kind].steep]
+    if not sharp:
+        return np.zeros(motion.t.size - 1, bool)
+    given = motion.q, motion.v, motion.t, machine.values
+    _, rates, _ = along(machine.pathways, given, (3,), motion.t.size)
+    rates = rates[:, sharp]
+    if np.isnan(rates).all(axis=0).any():  # at a point the place has no one direction
+        rates = np.concatenate([rates[:, ~np.isnan(rates).all(axis=0)], motion.v], axis=1)
+    return reversals(rates)
 
 
 def reversals(rates: Array) -> NDArray[np.bool_]:

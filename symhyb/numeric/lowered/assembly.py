@@ -27,7 +27,7 @@ DEPENDENT = 1e-5  # of the length of a row of J: what is left of it beside the r
 # a loop locks, Newton's method finds the place, a double root, to the square root of CLOSED only
 BESIDE = 0.02  # how far beside the start dependence is tried again, of the size of a coordinate
 TRIES = 3
-TOLD = 1e-3  # of a stated start: a smaller move is what rounding in the file leaves
+REPORTED = 1e-3  # of a stated start: a smaller move is what rounding in the file leaves
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +83,7 @@ def assembled(model: Model) -> Model:
     if before is not None and np.array_equal(q, q_closed) and np.array_equal(v, v_closed):
         return model
     left_out, notes = _repeated(gaps, q_closed)
-    _require_told(model, left_out)
+    _require_reported(model, left_out)
     moves = _moves(model, q_closed, v_closed)
     rows = tuple(label for label in gaps.labels if label not in left_out)
     found = Assembly(
@@ -92,7 +92,7 @@ def assembled(model: Model) -> Model:
     return replace(model, assembly=found)
 
 
-def _require_told(model: Model, left_out: Sequence[str]) -> None:
+def _require_reported(model: Model, left_out: Sequence[str]) -> None:
     """No sensor may show the reaction of a constraint that repeats others: any share of the load
     may go through it."""
     problems = [
@@ -362,7 +362,7 @@ def _moves(model: Model, q: Array, v: Array) -> tuple[str, ...]:
         pairs = (("start", c.start, place, unit), ("start_rate", c.start_rate, speed, rate))
         for key, was, value, text in pairs:
             now = value / c.unit.factor
-            least = TOLD if key in c.stated else 1e-9
+            least = REPORTED if key in c.stated else 1e-9
             if abs(now - was) <= least * max(abs(now), abs(was), 1e-6):
                 continue
             said = f"{key} of {c.name} is {now:.6g}{text}"

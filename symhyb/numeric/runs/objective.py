@@ -44,7 +44,7 @@ class Objective:
 
     ``cost`` takes y (N, m), SI, and returns the number and its slopes (N, m); ``vary`` names what
     the optimiser changes, of "free" (parameters), "start" and "inputs", one vector in this order.
-    After each evaluation ``watch`` is told how many there were and the lowest value so far; if it
+    After each evaluation ``watch`` is given how many there were and the lowest value so far; if it
     returns True, the optimiser is left through :class:`Stopped`. Nothing is printed.
 
     Attributes:
@@ -126,7 +126,7 @@ def values(
     """The values (S,) of an objective at many ``points`` (S, D), both in its own units, on several
     threads; the numbers do not depend on how many.
 
-    ``watch`` is told, in this thread, how many are done and the lowest so far; if it returns True,
+    ``watch`` is given, in this thread, how many are done and the lowest so far; if it returns True,
     those that have not begun are left out (NaN)."""
     points, found = np.asarray(points, float), np.full(len(points), np.nan)
     with ThreadPoolExecutor(max(threads, 1)) as pool:

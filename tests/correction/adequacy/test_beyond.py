@@ -82,14 +82,14 @@ def test_a_fit_that_failed_tells_of_no_force() -> None:
 
 
 def test_a_force_acts_if_it_is_certain_and_large_enough() -> None:
-    def told(share: float, evidence: float) -> Beyond:
+    def reported(share: float, evidence: float) -> Beyond:
         return Beyond(np.array([1.0]), np.array([share]), 0.1, evidence)
 
-    assert told(0.1, CERTAIN + 0.1).acts
-    assert not told(0.1, CERTAIN - 0.1).acts
-    assert not told(1e-4, 1e3).acts
-    assert told(0.1, CERTAIN).probability == pytest.approx(1 / (1 + np.exp(-CERTAIN)))
-    assert told(0.1, 1e6).probability == 1.0
+    assert reported(0.1, CERTAIN + 0.1).acts
+    assert not reported(0.1, CERTAIN - 0.1).acts
+    assert not reported(1e-4, 1e3).acts
+    assert reported(0.1, CERTAIN).probability == pytest.approx(1 / (1 + np.exp(-CERTAIN)))
+    assert reported(0.1, 1e6).probability == 1.0
 
 
 def test_numbers_of_each_recording_leave_the_force_that_acts_beyond_them() -> None:

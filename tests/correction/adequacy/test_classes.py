@@ -178,7 +178,7 @@ def held(samples: int) -> Recording:
 
 
 @pytest.mark.parametrize("samples", [2, 4])
-def test_a_staircase_is_told_with_the_time_of_its_steps(samples: int) -> None:
+def test_a_staircase_is_reported_with_the_time_of_its_steps(samples: int) -> None:
     setting = setting_of(pushed_model(), held(samples))
     nothing, offered = tried(setting)
     best = with_class(setting, nothing, offered[0][1])
@@ -236,7 +236,7 @@ def plate(gyroscopic: float, leak: float) -> Recording:
 @pytest.mark.parametrize(
     ("gyroscopic", "leak", "where"), [(0.5, 0.0, On("a")), (0.0, 0.1, "f")], ids=["motion", "input"]
 )
-def test_a_coupling_is_told(gyroscopic: float, leak: float, where: object) -> None:
+def test_a_coupling_is_reported(gyroscopic: float, leak: float, where: object) -> None:
     setting = setting_of(PLATE, plate(gyroscopic, leak))
     assert [spared_by(setting, which) for which in (0, 1)] == [[1], [0]]
     nothing, offered = tried(setting)

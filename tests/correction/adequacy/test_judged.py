@@ -11,6 +11,7 @@ import symhyb as sh
 from symhyb import diagnosis as story
 from symhyb.correction.adequacy import judge
 from symhyb.correction.adequacy.agreement import Disputed
+from symhyb.correction.adequacy.followed import Along
 from symhyb.correction.adequacy.judge import CLAIMED, TOO_SHORT, Adequacy, adequacy
 from symhyb.correction.search.preparing import Prepared, prepare, settle
 from symhyb.correction.search.setting import Setting
@@ -31,7 +32,7 @@ def judged(recording: Recording, *decided: tuple[Hypothesis, Mapping[str, float]
     setting = settle(prepared)
     causes, rows = [cause for cause, _ in decided], [row for _, row in decided]
     final = refine(prepared.model, causes, rows, setting.stages[-1].cuts, setting.sd)
-    return adequacy(prepared, setting, final)
+    return adequacy(prepared, setting, final, (final, setting.stages[-1].cuts))
 
 
 def saturated(seed: int) -> Recording:
@@ -58,15 +59,17 @@ def test_what_could_not_be_judged_is_not_nothing(monkeypatch: pytest.MonkeyPatch
     assert TOO_SHORT in diagnosis.sentence
 
 
-def test_what_is_disputed_is_an_alternative_and_not_told_apart(
+def test_what_is_disputed_is_an_alternative_and_not_reported_apart(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     made = pushed(12, samples=SAMPLES, damping=1.4)
     (found,) = sh.diagnose(pushed_model(), made).found
 
-    def disputing(prepared: Prepared, setting: Setting, final: Refined, **more: bool) -> Adequacy:
+    def disputing(
+        prepared: Prepared, setting: Setting, final: Refined, along: Along, **more: bool
+    ) -> Adequacy:
         one = tuple(Disputed(cause, (0.8, 0.01), (2.0, 0.1), None) for cause in final.causes)
-        judgement = adequacy(prepared, setting, final, **more)
+        judgement = adequacy(prepared, setting, final, along, **more)
         return replace(judgement, doubt=frozenset(final.causes), disputed=one)
 
     monkeypatch.setattr(story, "adequacy", disputing)

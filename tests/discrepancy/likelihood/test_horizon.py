@@ -1,4 +1,4 @@
-"""The noise model by maximum likelihood: planted forces and coloured sensors are told apart."""
+"""The noise model by maximum likelihood: planted forces and coloured sensors are distinguished."""
 
 from dataclasses import replace
 
@@ -55,7 +55,7 @@ def test_white_noise_alone_leaves_no_force_and_no_colour(seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_a_coloured_sensor_and_an_unknown_force_are_told_apart(seed: int) -> None:
+def test_a_coloured_sensor_and_an_unknown_force_are_reported_apart(seed: int) -> None:
     coloured = along(pushed(seed, samples=SAMPLES, colour=(5 * NOISE, 0.05)))
     forced = along(pushed(seed, samples=SAMPLES, beside=unknown(seed, 0.5, 0.3)))
     gains = []

@@ -140,8 +140,8 @@ damping = "d"
 
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_damper_by_direction_beside_a_damping_that_may_be_estimated(seed: int) -> None:
-    """The plain damper is the twin of the parameter; what differs by direction is told all the
-    same, and no constant force in its place."""
+    """A plain damper is indistinguishable from the parameter; what differs by direction is named
+    all the same, and no constant force in its place."""
     d, skew = 37.0, -0.09
 
     def law(_: float, rate: float, *__: float) -> tuple[float, float]:
@@ -151,9 +151,9 @@ def test_a_damper_by_direction_beside_a_damping_that_may_be_estimated(seed: int)
     diagnosis = sh.diagnose(model, on_rig(law, seed, noise=0.02))
     assert [(one.element.kind, one.element.place) for one in diagnosis.found] == [("damper", X)]
     assert diagnosis.parameters == ()
-    told = {one.term: (one.value, one.sd) for one in diagnosis.found[0].estimates}
-    assert told["damping"][0] == pytest.approx(d - 30.0, abs=0.5)
-    product = told["damping"][0] * told["asymmetry"][0]
+    reported = {one.term: (one.value, one.sd) for one in diagnosis.found[0].estimates}
+    assert reported["damping"][0] == pytest.approx(d - 30.0, abs=0.5)
+    product = reported["damping"][0] * reported["asymmetry"][0]
     assert product == pytest.approx(d * skew, rel=0.1)
 
 

@@ -1,4 +1,4 @@
-"""Channels that lie: each is told first and put right, and no ordinary physics looks like one."""
+"""Faults of recordings: each is said first and put right; no ordinary physics looks like one."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -12,7 +12,7 @@ from symhyb.discrepancy.checks.suspicion import repaired, suspect
 from symhyb.discrepancy.places.hypotheses import with_channels
 from symhyb.discrepancy.recorded.motion import motion_of
 from symhyb.discrepancy.recorded.runs import Run
-from symhyb.discrepancy.results import Lie
+from symhyb.discrepancy.results import RecordingFault
 from symhyb.model.types import Model
 from symhyb.numeric.lowered.machine import build
 from tests.liars import chain_model, chain_recording, pendulum_model, pendulum_recording
@@ -21,9 +21,9 @@ from tests.rigs import spring_model, spring_recording
 DEGREES = 180 / np.pi
 
 
-def told(model: Model, run: Recording) -> tuple[Lie, ...]:
+def reported(model: Model, run: Recording) -> tuple[RecordingFault, ...]:
     machine = build(with_channels(model))
-    return suspect(machine, [Run(run, motion_of(run, machine), np.empty(0))]).told
+    return suspect(machine, [Run(run, motion_of(run, machine), np.empty(0))]).reported
 
 
 def shown(run: Recording, **factors: float) -> Recording:
@@ -38,27 +38,27 @@ def shown(run: Recording, **factors: float) -> Recording:
 @pytest.mark.parametrize(
     ("factor", "word"), [(DEGREES, "deg"), (1 / (2 * np.pi), "turn"), (1000.0, "mrad")]
 )
-def test_an_angle_in_another_unit_is_told_and_not_physics(factor: float, word: str) -> None:
-    (lie,) = told(pendulum_model(), shown(pendulum_recording(1), encoder=factor))
-    assert lie.claimed
-    assert (lie.kind, lie.channels, lie.word) == ("unit", ("encoder",), word)
-    assert lie.factor == pytest.approx(factor)
+def test_an_angle_in_another_unit_is_reported_and_not_physics(factor: float, word: str) -> None:
+    (fault,) = reported(pendulum_model(), shown(pendulum_recording(1), encoder=factor))
+    assert fault.claimed
+    assert (fault.kind, fault.channels, fault.word) == ("unit", ("encoder",), word)
+    assert fault.factor == pytest.approx(factor)
 
 
 @pytest.mark.parametrize("noise", [0.001, 0.05])
-def test_degrees_are_told_beside_friction_and_under_noise(noise: float) -> None:
+def test_degrees_are_reported_beside_friction_and_under_noise(noise: float) -> None:
     run = pendulum_recording(5, {"coulomb": 0.2}, noise=noise)
-    (lie,) = told(pendulum_model(), shown(run, encoder=DEGREES))
-    assert lie.claimed
-    assert (lie.channels, lie.word) == (("encoder",), "deg")
+    (fault,) = reported(pendulum_model(), shown(run, encoder=DEGREES))
+    assert fault.claimed
+    assert (fault.channels, fault.word) == (("encoder",), "deg")
 
 
-def test_where_an_input_and_a_sensor_cannot_be_told_apart_the_input_is_named() -> None:
+def test_where_an_input_and_a_sensor_cannot_be_reported_apart_the_input_is_named() -> None:
     run = spring_recording(1, {}, duration=8.0)
-    (metres,) = told(spring_model(), shown(run, laser=1000.0))
+    (metres,) = reported(spring_model(), shown(run, laser=1000.0))
     assert (metres.kind, metres.channels, metres.word) == ("unit", ("f",), "kN")
     assert [rival.channels for rival in metres.rivals] == [("laser",)]
-    (sign,) = told(spring_model(), shown(run, laser=-1.0))
+    (sign,) = reported(spring_model(), shown(run, laser=-1.0))
     assert (sign.kind, sign.channels) == ("sign", ("f",))
     assert "laser is recorded with the opposite sign" in sign.sentence
 
@@ -77,32 +77,32 @@ def test_two_sensors_of_one_motion_tell_which_of_them_lies(
     factors: Mapping[str, float], kind: str, word: str
 ) -> None:
     run = shown(pendulum_recording(2, gyro=True), **factors)
-    (lie,) = told(pendulum_model(gyro=True), run)
-    assert lie.claimed
-    assert (lie.kind, set(lie.channels), lie.word) == (kind, set(factors), word)
+    (fault,) = reported(pendulum_model(gyro=True), run)
+    assert fault.claimed
+    assert (fault.kind, set(fault.channels), fault.word) == (kind, set(factors), word)
 
 
-def test_exchanged_columns_are_told_and_put_right() -> None:
+def test_exchanged_columns_are_reported_and_put_right() -> None:
     run = chain_recording(3)
     crossed = replace(run, sensors={"near": run.sensors["far"], "far": run.sensors["near"]})
-    (lie,) = told(chain_model(), crossed)
-    assert lie.claimed
-    assert (lie.kind, set(lie.channels)) == ("swap", {"near", "far"})
-    (right,) = repaired([crossed], [lie])
+    (fault,) = reported(chain_model(), crossed)
+    assert fault.claimed
+    assert (fault.kind, set(fault.channels)) == ("swap", {"near", "far"})
+    (right,) = repaired([crossed], [fault])
     np.testing.assert_array_equal(right.sensors["near"], run.sensors["near"])
 
 
-def test_a_sign_of_one_place_among_two_is_told() -> None:
-    (lie,) = told(chain_model(), shown(chain_recording(3), far=-1.0))
-    assert (lie.claimed, lie.kind, lie.channels) == (True, "sign", ("far",))
+def test_a_sign_of_one_place_among_two_is_reported() -> None:
+    (fault,) = reported(chain_model(), shown(chain_recording(3), far=-1.0))
+    assert (fault.claimed, fault.kind, fault.channels) == (True, "sign", ("far",))
 
 
-def test_a_time_column_in_milliseconds_is_told_and_put_right() -> None:
+def test_a_time_column_in_milliseconds_is_reported_and_put_right() -> None:
     run = spring_recording(1, {}, duration=8.0)
     late = replace(run, t=1000 * run.t)
-    (lie,) = told(spring_model(), late)
-    assert (lie.claimed, lie.kind, lie.word) == (True, "time", "ms")
-    np.testing.assert_allclose(repaired([late], [lie])[0].t, run.t)
+    (fault,) = reported(spring_model(), late)
+    assert (fault.claimed, fault.kind, fault.word) == (True, "time", "ms")
+    np.testing.assert_allclose(repaired([late], [fault])[0].t, run.t)
 
 
 @pytest.mark.parametrize(
@@ -131,7 +131,7 @@ def test_a_time_column_in_milliseconds_is_told_and_put_right() -> None:
     ],
 )
 def test_large_missing_forces_are_no_lies(model: Model, run: Recording) -> None:
-    assert told(model, run) == ()
+    assert reported(model, run) == ()
 
 
 def test_a_wrong_unit_is_said_first_and_the_diagnosis_goes_on() -> None:

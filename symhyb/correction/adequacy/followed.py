@@ -1,0 +1,65 @@
+"""A decided structure along whole recordings, from the trajectories that its windows found.
+
+The likelihood is linear about a trajectory. Where a law is steep, dry friction above all, the
+smoothed motion is no such trajectory: its rates are off by far more than friction takes to turn
+over, so that it shows neither when a place sticks nor which way it slides. The windows of the
+search, simulated from their fitted initial states, do.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from symhyb.correction.adequacy.evidence import evidence
+from symhyb.correction.adequacy.recorded import Recorded
+from symhyb.correction.adequacy.structure import Fitted, fitted
+from symhyb.correction.search.trajectory import Refined, grouped
+from symhyb.discrepancy.recorded.windows import Cut
+from symhyb.model.vocabulary import steep
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.runs.windows import WindowModel
+
+Along = tuple[Refined, Sequence[Cut]]
+"""A structure as it was fitted on windows, and these."""
+
+
+def followed(ground: Recorded, trial: Refined, along: Along) -> Fitted:
+    """A structure fitted along whole recordings, with its evidence. One with a steep law begins
+    along its windows, and without an unknown force too: along a trajectory that is wrong a force is
+    what puts it right."""
+    rows, noise = grouped(trial), ground.first_noise()
+    if not steep(trial.machine.model):
+        return scored(ground, fitted(ground, trial.causes, rows, noise))
+    states = trajectories(ground, *along)
+    found = [
+        scored(ground, fitted(ground, trial.causes, rows, one, states))
+        for one in (noise, noise.without_force())
+    ]
+    return max(found, key=lambda one: one.evidence)
+
+
+def scored(ground: Recorded, trial: Fitted) -> Fitted:
+    """A fitted structure with its evidence."""
+    return replace(trial, evidence=evidence(ground, trial))
+
+
+def trajectories(ground: Recorded, trial: Refined, cuts: Sequence[Cut]) -> tuple[Array, ...]:
+    """Trajectories (N, X) of every stretch, SI: the simulated windows, and the measured motion
+    where there is none or one runs away."""
+    model, found = WindowModel(trial.machine), []
+    for stretch in ground.items:
+        states = stretch.suited(trial.machine).states[0].copy()
+        first = int(stretch.rows[0, 0])
+        for item, starts in zip(cuts, trial.fit.starts, strict=True):
+            if item.source[0] is not stretch.source[0]:
+                continue
+            suited = item.suited(trial.machine)
+            with np.errstate(over="ignore", invalid="ignore"):
+                x, _ = model.simulate(suited.block, starts, trial.of(item.source[0]))
+            for window, rows in zip(x, suited.rows - first, strict=True):
+                inside = (rows >= 0) & (rows < len(states))
+                if np.isfinite(window).all():
+                    states[rows[inside]] = window[inside]
+        found.append(states)
+    return tuple(found)
