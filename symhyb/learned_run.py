@@ -15,6 +15,7 @@ from symhyb.model.read import read_model
 from symhyb.model.write import write_model
 from symhyb.report.files import write_diagnosis, write_simulation
 from symhyb.report.learned import learned_json, render_learned
+from symhyb.report.learned_document import LearnedDocument
 from symhyb.study import StudyResult, carry_out, read_all, sha256_of, staged, versions
 from symhyb.study_file import Study
 
@@ -46,7 +47,7 @@ class Outcome:
         """The diagnosis and its verdict, if one was asked for."""
         return None if self.beside is None else (self.beside.diagnosis, self.beside.verdict)
 
-    def content(self) -> dict[str, Any]:
+    def content(self) -> LearnedDocument:
         """What ``learned.json`` holds."""
         return learned_json(self.learned, _manifest(self), self.diagnosed)
 

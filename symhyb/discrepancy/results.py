@@ -325,6 +325,18 @@ class Manoeuvre:
     sentence: str = ""
 
 
+ClassName = Literal[
+    "law",
+    "coupling",
+    "input",
+    "lag",
+    "hidden mode",
+    "time-varying",
+    "sensor",
+    "unmeasured force",
+]
+
+
 @dataclass(frozen=True, slots=True)
 class ClassFound:
     """A class of effects that no law by name stands for: its ``kind``, its posterior
@@ -332,7 +344,7 @@ class ClassFound:
     the time of a lag in s), and where it acts: at a ``place``, in a ``channel`` or in a
     ``parameter``."""
 
-    kind: str
+    kind: ClassName
     probability: float
     sentence: str
     figure: float | None = None

@@ -1,16 +1,13 @@
 """The output contract: a diagnosis and its verdict as the mapping that ``diagnosis.json`` holds.
 
-Valid under ``diagnosis.schema.json`` beside this file. Keys of that schema are stable; ``format``,
-``options``, ``channels``, ``classes``, ``log``, ``memory``, ``notes``, ``stability``,
-``probability``, ``own``, ``misfits``, ``repeats``, ``isolability``, ``manoeuvre``,
-``remainder.notes`` and the scores ``*_rmse``, ``force_residual``, ``force_band_hz`` and ``carries``
-are extensions of it.
+What it holds is stated as types in :mod:`symhyb.report.document`; what is not required there was
+added to the first contract.
 """
 
 import math
 import sys
 from collections.abc import Iterable, Mapping
-from typing import Any
+from typing import Literal
 
 from symhyb.discrepancy.results import (
     Activity,
@@ -33,22 +30,35 @@ from symhyb.discrepancy.results import (
 )
 from symhyb.errors import NumericsError
 from symhyb.model.types import At, Between, On, Place
+from symhyb.report.document import (
+    ActivityEntry,
+    AlternativeEntry,
+    ClassEntry,
+    ComparisonEntry,
+    DiagnosisDocument,
+    Estimates,
+    FaultEntry,
+    FoundEntry,
+    IsolabilityEntry,
+    LearnedScoresEntry,
+    ManoeuvreEntry,
+    MemoryEntry,
+    MisfitEntry,
+    Numbers,
+    OccurrenceKeys,
+    ParameterEntry,
+    PlaceEntry,
+    PlaceShareEntry,
+    ScoreEntry,
+    Somewhere,
+)
 
-FORMAT = 1
+FORMAT: Literal[1] = 1
 UNBOUNDED = sys.float_info.max
 """Stands for a standard deviation or an evidence that is infinite: JSON has no infinity."""
 
-_SCORES = (
-    "force_nrmse",
-    "window_nrmse",
-    "free_run_nrmse",
-    "force_residual",
-    "window_rmse",
-    "free_run_rmse",
-)
 
-
-def to_json(diagnosis: Diagnosis, verdict: Verdict) -> dict[str, Any]:
+def to_json(diagnosis: Diagnosis, verdict: Verdict) -> DiagnosisDocument:
     """Give the diagnosis as plain mappings, lists, text and finite numbers.
 
     A number that could not be computed becomes null; where the contract demands a number, a
@@ -63,17 +73,7 @@ def to_json(diagnosis: Diagnosis, verdict: Verdict) -> dict[str, Any]:
         "verdict": diagnosis.verdict,
         "sentence": diagnosis.sentence,
         "found": [_found(effect) for effect in diagnosis.found],
-        "parameters": [
-            {
-                "name": parameter.name,
-                "was": _fitted(parameter.was, parameter.name),
-                "value": _fitted(parameter.value, parameter.name),
-                "sd": _bounded(parameter.sd),
-                "unit": parameter.unit,
-                **_own(parameter),
-            }
-            for parameter in diagnosis.parameters
-        ],
+        "parameters": [_parameter(parameter) for parameter in diagnosis.parameters],
         "measurement": [
             {
                 "channel": fault.channel,
@@ -93,7 +93,7 @@ def to_json(diagnosis: Diagnosis, verdict: Verdict) -> dict[str, Any]:
             "share": finite(diagnosis.remainder),
             "notes": list(diagnosis.remainder_notes),
         },
-        "scores": scores_json(verdict),
+        "scores": {**scores_json(verdict), "window_s": _fitted(verdict.window_s, "window_s")},
         "noise": {sensor: float(sd) for sensor, sd in diagnosis.noise.items() if math.isfinite(sd)},
         "places": [_place_share(share) for share in diagnosis.places],
         "misfits": [_misfit(one) for one in diagnosis.misfits],
@@ -123,31 +123,44 @@ def finite(value: float | None) -> float | None:
     return None if value is None or not math.isfinite(value) else float(value)
 
 
-def _found(effect: Found) -> dict[str, Any]:
+def _found(effect: Found) -> FoundEntry:
     element = effect.element
-    return {
+    entry: FoundEntry = {
         "name": element.name,
         "kind": element.kind,
         "place": _place(element.place),
-        **_options(element.options),
         "law": effect.law,
         "parameters": _estimates(effect.estimates),
         "share": finite(effect.share),
         "sentence": effect.sentence,
-        **_active(effect.active),
         "stability": finite(effect.stability),
         "probability": finite(effect.probability),
-        **({"own": {name: _estimates(own) for name, own in effect.own}} if effect.own else {}),
     }
+    if element.options:
+        entry["options"] = dict(element.options)
+    if effect.active is not None:
+        entry["active"] = _active(effect.active)
+    if effect.own:
+        entry["own"] = {name: _estimates(own) for name, own in effect.own}
+    return entry
 
 
-def _own(parameter: Reestimated) -> dict[str, Any]:
-    """The key ``own`` with the values of every recording, or nothing."""
-    rows = {name: {"value": value, "sd": _bounded(sd)} for name, value, sd in parameter.own}
-    return {"own": rows} if rows else {}
+def _parameter(parameter: Reestimated) -> ParameterEntry:
+    entry: ParameterEntry = {
+        "name": parameter.name,
+        "was": _fitted(parameter.was, parameter.name),
+        "value": _fitted(parameter.value, parameter.name),
+        "sd": _bounded(parameter.sd),
+        "unit": parameter.unit,
+    }
+    if parameter.own:
+        entry["own"] = {
+            name: {"value": value, "sd": _bounded(sd)} for name, value, sd in parameter.own
+        }
+    return entry
 
 
-def _misfit(one: Misfit) -> dict[str, Any]:
+def _misfit(one: Misfit) -> MisfitEntry:
     return {
         "recording": one.recording,
         "quantity": one.quantity,
@@ -161,7 +174,7 @@ def _misfit(one: Misfit) -> dict[str, Any]:
     }
 
 
-def _recording_fault(fault: RecordingFault) -> dict[str, Any]:
+def _recording_fault(fault: RecordingFault) -> FaultEntry:
     return {
         "kind": fault.kind,
         "channels": list(fault.channels),
@@ -175,24 +188,31 @@ def _recording_fault(fault: RecordingFault) -> dict[str, Any]:
     }
 
 
-def _alternative(rival: Alternative) -> dict[str, Any]:
-    where: dict[str, Any] = {
-        "place": None if rival.place is None else _place(rival.place),
-        "channel": rival.channel,
-        "parameter": rival.parameter,
-    }
-    return {
+def _alternative(rival: Alternative) -> AlternativeEntry:
+    entry: AlternativeEntry = {
         "instead_of": rival.instead_of,
         "kind": rival.kind,
-        **{key: value for key, value in where.items() if value is not None},
-        **_options(rival.options),
-        **({"together": rival.together} if rival.together else {}),
         "parameters": _estimates(rival.estimates),
         "evidence": _bounded(rival.evidence),
     }
+    _put_where(entry, rival)
+    if rival.options:
+        entry["options"] = dict(rival.options)
+    if rival.together:
+        entry["together"] = rival.together
+    return entry
 
 
-def _manoeuvre(plan: Manoeuvre | None) -> dict[str, Any] | None:
+def _put_where(entry: Somewhere, one: Alternative | ClassFound) -> None:
+    if one.place is not None:
+        entry["place"] = _place(one.place)
+    if one.channel is not None:
+        entry["channel"] = one.channel
+    if one.parameter is not None:
+        entry["parameter"] = one.parameter
+
+
+def _manoeuvre(plan: Manoeuvre | None) -> ManoeuvreEntry | None:
     if plan is None:
         return None
     return {
@@ -210,7 +230,7 @@ def _manoeuvre(plan: Manoeuvre | None) -> dict[str, Any] | None:
     }
 
 
-def _isolability(matrix: Isolability | None) -> dict[str, Any] | None:
+def _isolability(matrix: Isolability | None) -> IsolabilityEntry | None:
     if matrix is None:
         return None
     return {
@@ -220,52 +240,47 @@ def _isolability(matrix: Isolability | None) -> dict[str, Any] | None:
     }
 
 
-def _place_share(share: PlaceShare) -> dict[str, Any]:
-    return {
+def _place_share(share: PlaceShare) -> PlaceShareEntry:
+    entry: PlaceShareEntry = {
         "place": _place(share.place),
         "explained": finite(share.explained),
-        **_active(share.active),
-        **_occurrence(share.occurrence),
     }
+    if share.active is not None:
+        entry["active"] = _active(share.active)
+    if share.occurrence is not None:
+        _put_occurrence(entry, share.occurrence)
+    return entry
 
 
-def _occurrence(reported: Occurrence | None) -> dict[str, Any]:
-    """The keys that say when and how a mismatch acts, as far as they are known."""
-    if reported is None:
-        return {}
-    change = None
-    if reported.change is not None:
-        change = {
-            "recording": reported.change.recording,
-            "kind": reported.change.kind,
-            "time_s": float(reported.change.time_s),
-            "width_s": float(reported.change.width_s),
+def _put_occurrence(entry: OccurrenceKeys, known: Occurrence) -> None:
+    """When and how a mismatch acts."""
+    entry["change"] = None
+    if known.change is not None:
+        entry["change"] = {
+            "recording": known.change.recording,
+            "kind": known.change.kind,
+            "time_s": float(known.change.time_s),
+            "width_s": float(known.change.width_s),
         }
-    return {
-        "change": change,
-        "band_hz": None if reported.band_hz is None else [float(f) for f in reported.band_hz],
-        "beyond": finite(reported.beyond),
-        "sentence": reported.sentence,
-    }
+    entry["band_hz"] = None if known.band_hz is None else [float(f) for f in known.band_hz]
+    entry["beyond"] = finite(known.beyond)
+    entry["sentence"] = known.sentence
 
 
-def _class(one: ClassFound) -> dict[str, Any]:
+def _class(one: ClassFound) -> ClassEntry:
     """A generic class with its probability and where it acts: exactly one of place, channel and
     parameter."""
-    where: dict[str, Any] = {"channel": one.channel, "parameter": one.parameter}
-    where = {key: name for key, name in where.items() if name is not None}
-    if one.place is not None:
-        where = {"place": _place(one.place)}
-    return {
+    entry: ClassEntry = {
         "kind": one.kind,
-        **where,
         "probability": float(one.probability),
         "figure": finite(one.figure),
         "sentence": one.sentence,
     }
+    _put_where(entry, one)
+    return entry
 
 
-def _memory(memory: Memory | None) -> dict[str, Any] | None:
+def _memory(memory: Memory | None) -> MemoryEntry | None:
     if memory is None:
         return None
     return {
@@ -275,7 +290,7 @@ def _memory(memory: Memory | None) -> dict[str, Any] | None:
     }
 
 
-def scores_json(verdict: Verdict) -> dict[str, Any]:
+def scores_json(verdict: Verdict) -> LearnedScoresEntry:
     """Give the scores of a verdict; ``window_s`` is null where none is over windows."""
     return {
         "window_s": finite(verdict.window_s),
@@ -287,19 +302,26 @@ def scores_json(verdict: Verdict) -> dict[str, Any]:
     }
 
 
-def _comparison(comparison: Comparison) -> dict[str, Any]:
+def _comparison(comparison: Comparison) -> ComparisonEntry:
     return {"before": _score(comparison.before), "after": _score(comparison.after)}
 
 
-def _score(score: Score) -> dict[str, dict[str, float | None]]:
-    return {name: _channels(getattr(score, name)) for name in _SCORES}
+def _score(score: Score) -> ScoreEntry:
+    return {
+        "force_nrmse": _channels(score.force_nrmse),
+        "window_nrmse": _channels(score.window_nrmse),
+        "free_run_nrmse": _channels(score.free_run_nrmse),
+        "force_residual": _channels(score.force_residual),
+        "window_rmse": _channels(score.window_rmse),
+        "free_run_rmse": _channels(score.free_run_rmse),
+    }
 
 
-def _channels(values: Mapping[str, float | None]) -> dict[str, float | None]:
+def _channels(values: Mapping[str, float | None]) -> Numbers:
     return {name: finite(value) for name, value in values.items()}
 
 
-def _estimates(estimates: Iterable[Estimate]) -> dict[str, dict[str, Any]]:
+def _estimates(estimates: Iterable[Estimate]) -> Estimates:
     return {
         estimate.name: {
             "value": _fitted(estimate.value, estimate.name),
@@ -311,7 +333,7 @@ def _estimates(estimates: Iterable[Estimate]) -> dict[str, dict[str, Any]]:
     }
 
 
-def _place(place: Place) -> dict[str, Any]:
+def _place(place: Place) -> PlaceEntry:
     match place:
         case On(coordinate):
             return {"on": coordinate}
@@ -321,23 +343,14 @@ def _place(place: Place) -> dict[str, Any]:
             return {"at": point}
 
 
-def _options(options: Iterable[tuple[str, str]]) -> dict[str, Any]:
-    """The key ``options`` with the words of an element (the side of a gap), or nothing."""
-    words = dict(options)
-    return {"options": words} if words else {}
-
-
-def _active(active: Activity | None) -> dict[str, Any]:
-    """The key ``active`` with the ranges that are known, or nothing."""
-    if active is None:
-        return {}
-    ranges = {"stretch": active.stretch, "rate": active.rate}
-    known: dict[str, Any] = {
-        name: [float(bound) for bound in bounds]
-        for name, bounds in ranges.items()
-        if all(map(math.isfinite, bounds))
-    }
-    return {"active": {**known, "time": [[float(start), float(end)] for start, end in active.time]}}
+def _active(active: Activity) -> ActivityEntry:
+    """When a force acts, and the ranges that are known."""
+    entry: ActivityEntry = {"time": [[float(start), float(end)] for start, end in active.time]}
+    if all(map(math.isfinite, active.stretch)):
+        entry["stretch"] = [float(bound) for bound in active.stretch]
+    if all(map(math.isfinite, active.rate)):
+        entry["rate"] = [float(bound) for bound in active.rate]
+    return entry
 
 
 def _bounded(value: float) -> float:

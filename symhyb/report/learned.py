@@ -2,18 +2,19 @@
 
 import json
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Literal
 
 from symhyb.discrepancy.results import Diagnosis, Verdict
 from symhyb.discrepancy.words.wording import number_text, quantity_text
 from symhyb.learning import Learned, LearnedTerm
 from symhyb.numeric.lowered.network import stored
 from symhyb.report.contract import finite, scores_json
+from symhyb.report.learned_document import BesideEntry, LearnedDocument, TermEntry
 from symhyb.report.page import score_picture, template, trace_pictures
 from symhyb.report.sentences import method_sentences, score_sentences
 from symhyb.report.tables import Table, score_table
 
-FORMAT = 1
+FORMAT: Literal[1] = 1
 _OF_A_DIAGNOSIS = ("Share of", "Stays chosen")  # scores that only it has
 
 
@@ -21,7 +22,7 @@ def learned_json(
     learned: Learned,
     manifest: Mapping[str, Any] | None = None,
     beside: tuple[Diagnosis, Verdict] | None = None,
-) -> dict[str, Any]:
+) -> LearnedDocument:
     """Give what was learned as plain mappings, lists, text and finite numbers; docs/learn.md states
     every key. ``beside`` is the answer of a diagnosis of the same recordings.
 
@@ -95,7 +96,7 @@ def render_learned(
     )
 
 
-def _term(one: LearnedTerm) -> dict[str, Any]:
+def _term(one: LearnedTerm) -> TermEntry:
     return {
         "place": {"on": one.coordinate},
         "term": one.term,
@@ -109,7 +110,7 @@ def _term(one: LearnedTerm) -> dict[str, Any]:
     }
 
 
-def _beside(diagnosis: Diagnosis, verdict: Verdict) -> dict[str, Any]:
+def _beside(diagnosis: Diagnosis, verdict: Verdict) -> BesideEntry:
     """What a diagnosis says of the same recordings; all of it is in diagnosis.json."""
     return {
         "verdict": diagnosis.verdict,

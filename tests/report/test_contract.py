@@ -14,6 +14,7 @@ from symhyb.errors import NumericsError
 from symhyb.model.types import On
 from symhyb.report import exit_status, to_json
 from symhyb.report.contract import UNBOUNDED
+from symhyb.report.schema import SCHEMAS, text_of
 
 Cases = dict[str, Callable[[], tuple[Diagnosis, Verdict]]]
 SCHEMA = json.loads(resources.files("symhyb.report").joinpath("diagnosis.schema.json").read_text())
@@ -27,8 +28,10 @@ def test_every_verdict_is_valid_and_strict_json(case: tuple[Diagnosis, Verdict])
 
 def unsaid(content: Any, schema: dict[str, Any], path: str = "") -> Iterator[str]:
     """The keys of ``content`` of which the schema says nothing."""
-    for form in schema.get("oneOf", []):
+    for form in schema.get("anyOf", []):
         schema = schema | form
+    if "$ref" in schema:
+        schema = SCHEMA["$defs"][schema["$ref"].rpartition("/")[2]]
     if isinstance(content, list):
         for entry in content:
             yield from unsaid(entry, schema.get("items", {}), f"{path}[]")
@@ -86,6 +89,21 @@ def test_the_schema_says_every_key_that_is_written(cases: Cases) -> None:
 def test_the_schema_refuses_what_is_not_agreed(cases: Cases, key: str, value: object) -> None:
     with pytest.raises(jsonschema.ValidationError):
         jsonschema.validate(to_json(*rich(cases)) | {key: value}, SCHEMA)
+
+
+@pytest.mark.parametrize("name", SCHEMAS)
+def test_the_schemas_are_those_of_the_types(name: str) -> None:
+    """``python -m symhyb.report.schema`` writes them."""
+    assert resources.files("symhyb.report").joinpath(name).read_text("utf-8") == text_of(name)
+
+
+def test_what_is_said_of_a_type_is_said_where_its_keys_are() -> None:
+    place = SCHEMA["$defs"]["PlaceForm"]
+    for entry in ({"on": "x"}, {"between": ["a", "b"]}):
+        jsonschema.validate(entry, place)
+    for entry in ({}, {"on": "x", "at": "p"}, {"between": ["a"]}, {"of": "x"}):
+        with pytest.raises(jsonschema.ValidationError):
+            jsonschema.validate(entry, place)
 
 
 def test_found_effects_say_place_terms_and_numbers(cases: Cases) -> None:

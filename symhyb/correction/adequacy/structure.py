@@ -26,6 +26,7 @@ from symhyb.discrepancy.likelihood.fit import Fit, Task, fit
 from symhyb.discrepancy.likelihood.noise import NoiseModel
 from symhyb.discrepancy.likelihood.track import Extra, Track, track
 from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.discrepancy.results import ClassName
 from symhyb.model.types import Element, Place
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.lowered.machine import Machine, build
@@ -34,18 +35,6 @@ from symhyb.numeric.runs.windows import WindowModel
 NOISE_FLOOR = 1e-2  # of the noise that smoothing measured: no sensor is better
 
 Row = Mapping[str, float]
-
-
-ClassName = Literal[
-    "law",
-    "coupling",
-    "input",
-    "lag",
-    "hidden mode",
-    "time-varying",
-    "sensor",
-    "unmeasured force",
-]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

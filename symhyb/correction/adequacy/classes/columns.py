@@ -12,11 +12,12 @@ from scipy.interpolate import CubicSpline
 from scipy.signal import lfilter
 
 from symhyb.correction.adequacy.recorded import Recorded
-from symhyb.correction.adequacy.structure import ClassName, Generic
+from symhyb.correction.adequacy.structure import Generic
 from symhyb.discrepancy.likelihood.track import Extra
 from symhyb.discrepancy.recorded.course import course_of
 from symhyb.discrepancy.recorded.residual import discrepancy
 from symhyb.discrepancy.recorded.windows import Cut
+from symhyb.discrepancy.results import ClassName
 from symhyb.model.types import Place
 from symhyb.numeric.kernels.buffers import Array
 
