@@ -13,6 +13,7 @@ from symhyb.correction.advice.advice import advise
 from symhyb.correction.advice.isolability import isolability
 from symhyb.correction.naming.dispute_words import dispute_sentence
 from symhyb.correction.naming.fleet_words import parameters_with_own, repeats_said
+from symhyb.correction.naming.jitter_words import jitter_sentence
 from symhyb.correction.search.beginnings import in_part
 from symhyb.correction.search.clocks import drifting
 from symhyb.correction.search.preparing import Prepared, prepare, settle
@@ -119,6 +120,8 @@ def conclude(
     answer = _of_several(answer, final, choice.misfits, repeats_said(prepared))
     disputes = [dispute_sentence(prepared.model, one) for one in judged.disputed]
     answer = in_part(_noted(answer, [*known.drifts, *disputes]), choice.change)
+    clocks = tuple(jitter_sentence(one) for one in judged.jitter)
+    answer = replace(answer, notes=(*clocks, *answer.notes))
     answer = if_explained(answer, selected, nothing)
     answer = if_confirmed(answer, held, shown)
     answer = if_bounded(answer, final, nothing, prepared.runs, prepared.holdout)

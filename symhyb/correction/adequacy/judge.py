@@ -18,6 +18,7 @@ from symhyb.correction.adequacy.beyond import CERTAIN, NEGLIGIBLE, NOTHING, Beyo
 from symhyb.correction.adequacy.channel_noise import faulty_sensors, noisy_input
 from symhyb.correction.adequacy.classes.catalogue import classes_of
 from symhyb.correction.adequacy.classes.worth import around, worth_of
+from symhyb.correction.adequacy.clock_jitter import Jitter, jittering
 from symhyb.correction.adequacy.followed import Along, followed, scored
 from symhyb.correction.adequacy.recorded import Recorded, recorded
 from symhyb.correction.adequacy.structure import Fitted, Generic, Likely, Row, fitted
@@ -43,13 +44,15 @@ TOO_SHORT = "no part of the recordings without a gap is long enough"
 class Adequacy:
     """What acts ``beyond`` a structure, the generic ``classes`` that it may be with their posterior
     probabilities, the causes that are in ``doubt`` beside them, and those of them that are
-    ``disputed``; ``unjudged`` is empty, or why nothing of this is known."""
+    ``disputed``; the ``jitter`` of clocks; ``unjudged`` is empty, or why nothing of this is
+    known."""
 
     beyond: Beyond
     classes: tuple[Likely, ...] = ()
     doubt: frozenset[Hypothesis] = frozenset()
     disputed: tuple[Disputed, ...] = ()
     unjudged: str = ""
+    jitter: tuple[Jitter, ...] = ()
 
     @property
     def adequate(self) -> bool:
@@ -99,7 +102,8 @@ def adequacy(
     classes = _classes(trials, {trial.extra.key for trial in enough if trial.extra})
     if not classes:
         faults = (*faulty_sensors(ground, base), *noisy_input(ground, left))
-        return Adequacy(left, faults, doubt, disputes)
+        jitter = () if left.acts or faults else jittering(ground, base)
+        return Adequacy(left, faults, doubt, disputes, jitter=jitter)
     return Adequacy(left, classes, doubt | _doubted(trials, enough, classes), disputes)
 
 

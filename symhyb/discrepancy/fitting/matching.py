@@ -291,7 +291,7 @@ def _step(
         gram = gram + np.einsum("wai,waj->ij", used[..., :count], used[..., :count])
         right = right + np.einsum("wai,wa->i", used[..., :count], used[..., count])
     change = bounded_step(gram, right, damping, task.lower - values, task.upper - values)
-    predicted = float(2 * right @ change - change @ gram @ change)
+    predicted = float(2 * right @ change - change @ gram @ change) if change.any() else 0.0
     steps = [_start_step(part, change, damping) for part in parts]
     predicted += sum(gain for _, gain in steps)
     return change, [moved for moved, _ in steps], predicted
