@@ -135,7 +135,7 @@ def test_generators_and_peers_share_no_code_with_symhyb() -> None:
         for path in FOLDER.glob("*.py")
         if re.search(r"^\s*(import|from) symhyb", path.read_text(encoding="utf-8"), re.M)
     }
-    assert using == {"diagnosing.py", "fleets.py", "score.py"}
+    assert using == {"diagnosing.py", "fleets.py", "score.py", "threshold.py"}
 
 
 def test_tuning_takes_the_best_f1_and_the_best_quiet_setting(study: Study) -> None:

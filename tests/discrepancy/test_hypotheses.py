@@ -102,7 +102,7 @@ def test_a_place_that_never_moves_loses_no_energy() -> None:
     assert {h.kind for h in tried} == {"constant", "spring"}
 
 
-def test_dull_causes_are_parameters_with_sd_and_every_channel() -> None:
+def test_parametric_causes_are_parameters_with_sd_and_every_channel() -> None:
     own = {**damper("d"), "parameters": {"d": (3.0, "N*s/m", 0.5), "e": (1.0, "N")}}
     model = oscillator(
         {"hold": spring("k"), "oil": own, "motor": push("f"), "bias": push("c")},

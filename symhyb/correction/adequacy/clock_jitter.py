@@ -52,8 +52,9 @@ def jittering(recorded: Recorded, trial: Fitted) -> tuple[Jitter, ...]:
 
 
 def growing(white: Array, signal: Array) -> tuple[float, float]:
-    """By how much residuals (N,) grow with a ``signal`` (N,), as the root of the variance for each
-    of its squares, and ln of how much likelier that is than that they do not."""
+    """By how much dimensionless residuals (N,) grow with a ``signal`` (N,), as the root of their
+    variance for each of its squares (in 1/its unit, SI), and ln of how much likelier that is than
+    that they do not."""
     size = float(np.abs(signal).max(initial=0.0))
     if size == 0:
         return 0.0, 0.0

@@ -135,8 +135,6 @@ def believable(trial: Refined, length_s: float = inf) -> bool:
             return False
         if ("skew" in cause.terms or cause.kind == LAW) and not trial.fit.scale < NEAR_NOISE:
             return False
-        if cause.kind == "friction" and values.get("static", inf) < values["coulomb"]:
-            return False
     return True
 
 
@@ -176,9 +174,10 @@ def _strong(trial: Refined, which: int, first: int, spread: Array) -> bool:
             abs(values[own_key(key, recording)]) > least * spread[columns[first]]
             for (recording, _), columns in zip(trial.each, trial.owned, strict=True)
         )
-    if "static" in cause.terms:
-        strength = values["static"] - values["coulomb"]
-    return bool(abs(strength) > OUTSTANDING * trial.value(trial.paths[first])[1])
+    least = OUTSTANDING * trial.value(trial.paths[first])[1]
+    if "static" in cause.terms:  # what breaks away at less than it slides with is no such friction
+        return bool(values["static"] - values["coulomb"] > least)
+    return bool(abs(strength) > least)
 
 
 def _shapes(trial: Refined, which: int, first: int, spread: Array) -> Iterator[tuple[bool, bool]]:
