@@ -40,7 +40,7 @@ def noise_like(recording: Recording, seed: int = 0, scale: float = 1.0) -> Recor
 
 def claims(diagnosis: Diagnosis) -> Claims:
     """All that is claimed, without what the unseen recordings are there to say: shares, and with
-    them the order, and scores in the provenance of an element."""
+    them the order, also of what was withdrawn, and scores in the provenance of an element."""
     found = [
         replace(one, share=None, sentence="", element=replace(one.element, found=()))
         for one in diagnosis.found
@@ -50,7 +50,7 @@ def claims(diagnosis: Diagnosis) -> Claims:
         "verdict": [diagnosis.verdict],
         "found": sorted(map(repr, found)),
         "rest": [repr(one) for group in rest for one in group],
-        "alternatives": [repr(one) for one in diagnosis.alternatives],
+        "alternatives": sorted(map(repr, diagnosis.alternatives)),
     }
 
 

@@ -17,7 +17,8 @@ from symhyb.correction.learning.free_running import closer
 from symhyb.correction.learning.matched import Signs, Worth, matched, price_of, weakest, worth
 from symhyb.correction.learning.proposing import Regression, Sparse, regression
 from symhyb.correction.learning.written import Chosen, Written, as_forces, as_rates
-from symhyb.correction.search.preparing import ACCURACY, Prepared, last_windows
+from symhyb.correction.search.preparing import Prepared, last_windows
+from symhyb.correction.search.trajectory import ACCURACY
 from symhyb.discrepancy.fitting.task import Fit
 from symhyb.errors import InputError, NumericsError, Problem
 from symhyb.mechanics.mass_text import mass_texts

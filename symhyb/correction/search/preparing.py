@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from symhyb.correction.search.fleet import check_own, owning
 from symhyb.correction.search.setting import Setting, Stage
+from symhyb.correction.search.trajectory import ACCURACY
 from symhyb.data.cleaning import without_faults
 from symhyb.data.recording import Recording, several
 from symhyb.data.thin import thinned
@@ -51,7 +52,6 @@ STAGES_MOST = 4
 GROWN = 10.0  # times an error of the initial state may grow: a window beyond has many minima
 CALM_LEAST = 2 / 3  # of the windows: if more errors grow so, windows are ...
 SHORTER = 0.7  # ... shortened to this
-ACCURACY = 2e-3  # relative, of a fitted value: fixed steps, held inputs, smoothed friction
 GAIN_LEAST = 1e-3  # smaller gain errors are not worth a name
 
 

@@ -18,6 +18,7 @@ import numpy as np
 from scipy.special import ndtr, ndtri
 
 from symhyb.correction.search.trajectory import (
+    ACCURACY,
     Refined,
     firsts_of,
     gathered,
@@ -174,10 +175,13 @@ def _strong(trial: Refined, which: int, first: int, spread: Array) -> bool:
             abs(values[own_key(key, recording)]) > least * spread[columns[first]]
             for (recording, _), columns in zip(trial.each, trial.owned, strict=True)
         )
-    least = OUTSTANDING * trial.value(trial.paths[first])[1]
     if "static" in cause.terms:  # what breaks away at less than it slides with is no such friction
-        return bool(values["static"] - values["coulomb"] > least)
-    return bool(abs(strength) > least)
+        i, j = first, first + list(values).index("static")
+        covariance = trial.fit.covariance
+        apart = covariance[i, i] + covariance[j, j] - 2 * covariance[i, j]
+        least = np.hypot(np.sqrt(max(apart, 0.0)), ACCURACY * abs(strength))
+        return bool(values["static"] - values["coulomb"] > OUTSTANDING * least)
+    return bool(abs(strength) > OUTSTANDING * trial.value(trial.paths[first])[1])
 
 
 def _shapes(trial: Refined, which: int, first: int, spread: Array) -> Iterator[tuple[bool, bool]]:

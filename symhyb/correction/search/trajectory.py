@@ -78,6 +78,7 @@ class Refined:
         return value, float(np.hypot(spread, self.accuracy * abs(value)))
 
 
+ACCURACY = 2e-3  # relative, of a fitted value: fixed steps, held inputs, smoothed friction
 # what no gain can feign
 EXACT = frozenset({"delay", *(key.name for law in LAWS for key in law.keys if key.exact)})
 

@@ -1,7 +1,6 @@
 """Structures refined at the longest windows, each once."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -61,8 +60,7 @@ class Trials:
         starts: Sequence[Array] | None,
     ) -> Refined:
         stage, model = self.setting.stages[-1], self.setting.windows.machine.model
-        found = refine(model, causes, values, stage.cuts, self.setting.sd, starts)
-        return replace(found, accuracy=self.setting.accuracy)
+        return refine(model, causes, values, stage.cuts, self.setting.sd, starts)
 
     def _best_part(self, key: Sequence[int]) -> Refined | None:
         """The structure that fits best of those known ones that hold only causes of this one."""

@@ -27,6 +27,7 @@ from symhyb.numeric.runs.windows import Block, WindowModel
 
 FINITE_SHARE = 0.7  # of the samples of the fullest quarter of windows, that must be there
 SLOW_SHARE = 0.02
+STILL = 2.0  # standard deviations: a rate that is nearer to none may be none
 GAP = 1.5  # steps between two samples: more is a gap in time
 SAMPLES_LEAST = 12  # samples a window has at least
 EVEN = 0.25  # samples: what was recorded a whole number of samples later lies this near
@@ -226,22 +227,27 @@ def turning(machine: Machine, motion: Motion) -> NDArray[np.bool_]:
     if not sharp:
         return np.zeros(motion.t.size - 1, bool)
     given = motion.q, motion.v, motion.t, machine.values
-    _, rates, _ = along(machine.pathways, given, (3,), motion.t.size)
+    _, rates, directions = along(machine.pathways, given, (3,), motion.t.size)
     rates = rates[:, sharp]
+    ways = directions.reshape(motion.t.size, -1, machine.n)[:, sharp]
+    sd = np.sqrt(np.mean((ways * motion.v_sd) ** 2, axis=0).sum(axis=1))
     if np.isnan(rates).all(axis=0).any():  # at a point the place has no one direction
-        rates = np.concatenate([rates[:, ~np.isnan(rates).all(axis=0)], motion.v], axis=1)
-    return reversals(rates)
+        known = ~np.isnan(rates).all(axis=0)
+        rates = np.concatenate([rates[:, known], motion.v], axis=1)
+        sd = np.concatenate([sd[known], motion.v_sd])
+    return reversals(rates, sd)
 
 
-def reversals(rates: Array) -> NDArray[np.bool_]:
+def reversals(rates: Array, sd: Array | float = 0.0) -> NDArray[np.bool_]:
     """Intervals between samples (N − 1,) near a reversal or a rest of one of ``rates`` (N, places),
     SI.
 
     There dry friction turns over or holds, and the integration needs finer steps: where a rate
-    changes sign, three intervals to either side, and where it is below 2 % of its largest.
+    changes sign, three intervals to either side, and where it is below 2 % of its largest, or may
+    be none with a deviation ``sd`` (places,).
     """
     size = np.abs(rates).max(axis=0)
-    slow = (np.abs(rates) < SLOW_SHARE * size).any(axis=1)
+    slow = (np.abs(rates) < np.maximum(SLOW_SHARE * size, STILL * sd)).any(axis=1)
     turns = (np.sign(rates[1:]) * np.sign(rates[:-1]) <= 0).any(axis=1) | slow[1:] | slow[:-1]
     near = np.convolve(turns.astype(float), np.ones(7), mode="same") > 0
     return near[: turns.size]
