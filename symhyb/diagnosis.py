@@ -129,7 +129,7 @@ def conclude(
     answer = if_apart(answer, prepared.model, prepared.runs)
     answer = with_constant(answer, choice)
     answer = with_faults(answer, model, prepared.faults, final.fit.scale)
-    answer = _reported_apart(_remembered(answer, prepared, setting), choice)
+    answer = _with_isolability(_remembered(answer, prepared, setting), choice)
     return Concluded(answer, prepared, choice)
 
 
@@ -185,7 +185,7 @@ def _of_several(
     )
 
 
-def _reported_apart(answer: Diagnosis, choice: Choice) -> Diagnosis:
+def _with_isolability(answer: Diagnosis, choice: Choice) -> Diagnosis:
     """The answer with what the recordings tell apart; a note where that cannot be computed."""
     try:
         table = isolability(choice.setting, choice.decision)

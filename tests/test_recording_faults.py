@@ -23,7 +23,7 @@ DEGREES = 180 / np.pi
 
 def reported(model: Model, run: Recording) -> tuple[RecordingFault, ...]:
     machine = build(with_channels(model))
-    return suspect(machine, [Run(run, motion_of(run, machine), np.empty(0))]).reported
+    return suspect(machine, [Run(run, motion_of(run, machine), np.empty(0))]).faults
 
 
 def shown(run: Recording, **factors: float) -> Recording:

@@ -76,9 +76,9 @@ def finished(model: Model, recordings: Recording | Sequence[Recording]) -> Finis
 
 def _known(item: Parameter, found: set[str]) -> float:
     """What was known of a number before these recordings, as one deviation in SI: nothing of what
-    they reported themselves."""
-    reported = item.owner in found or item.was is not None
-    return np.inf if reported else float(item.si_sd or np.inf)
+    comes from them."""
+    fitted = item.owner in found or item.was is not None
+    return np.inf if fitted else float(item.si_sd or np.inf)
 
 
 def _bounds(model: Model, item: Parameter) -> tuple[float, float]:

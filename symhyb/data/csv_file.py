@@ -104,8 +104,8 @@ def _units_below(rows: list[Line], delimiter: str, width: int) -> list[str]:
         return []
     if any(_is_number(cell.replace(",", ".")) and cell != "1" for cell in cells):
         return []
-    reported = [i for i, cell in enumerate(cells) if cell not in ("", "1") and is_unit(cell)]
-    numbers = [i for i in reported if _is_number(below[i].replace(",", "."))]
+    units = [i for i, cell in enumerate(cells) if cell not in ("", "1") and is_unit(cell)]
+    numbers = [i for i in units if _is_number(below[i].replace(",", "."))]
     return cells if any(cells[i] not in NO_UNIT for i in numbers) else []
 
 

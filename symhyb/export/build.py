@@ -45,7 +45,7 @@ PLATFORMS: Mapping[str, Platform] = {
     "linux64": Platform(
         "linux64", "x86_64-linux", "x86_64-linux-gnu.2.17", ".so", ("-fPIC", "-Wl,--build-id=none")
     ),
-    # Windows libraries carry the time of linking unless reported otherwise
+    # Windows libraries carry the time of linking unless the linker is told otherwise
     "win64": Platform(
         "win64",
         "x86_64-windows",

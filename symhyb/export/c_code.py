@@ -94,7 +94,7 @@ def _header(spec: Spec) -> str:
     name, upper = spec.identifier, spec.identifier.upper()
     e = spec.exported
     sizes = (("NX", e.states), ("NU", e.inputs), ("NY", e.outputs), ("NP", e.parameters))
-    reported = [
+    listed = [
         f"   {v.role:9} {v.name} [{v.unit.text}] {_comment(v.about)}"
         for v in spec.variables
         if v.role not in ("time", "rate")
@@ -108,7 +108,7 @@ def _header(spec: Spec) -> str:
             "",
             "     x', y = f(t, x, u, p)      in SI, arrays in this order:",
             "",
-            *reported,
+            *listed,
             "",
             *sign,
             "   Safe to call from several threads; nothing is global. */",

@@ -43,7 +43,7 @@ def model_description(spec: Spec, fmi: int, token: str, kinds: Sequence[str]) ->
     )
     ET.SubElement(root, "DefaultExperiment", startTime="0.0", stepSize=repr(STEP))
     variables = ET.SubElement(root, "ModelVariables")
-    for variable in reported(spec, fmi):
+    for variable in listed(spec, fmi):
         (_variable2 if fmi == 2 else _variable3)(variables, spec, variable)
     _structure(ET.SubElement(root, "ModelStructure"), spec, fmi)
     ET.indent(root)
@@ -60,7 +60,7 @@ def build_description(spec: Spec) -> str:
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, "unicode") + "\n"
 
 
-def reported(spec: Spec, fmi: int) -> tuple[Variable, ...]:
+def listed(spec: Spec, fmi: int) -> tuple[Variable, ...]:
     """The variables that are listed: FMI 3 asks for the time, FMI 2 does well without it."""
     return tuple(v for v in spec.variables if fmi == 3 or v.role != "time")
 
@@ -149,12 +149,12 @@ def _variable3(parent: ET.Element, spec: Spec, variable: Variable) -> None:
 
 
 def _head(spec: Spec, variable: Variable) -> dict[str, str]:
-    reported = {
+    head = {
         "name": variable.name,
         "valueReference": str(variable.reference),
         "description": variable.about,
     }
-    return reported | _traits(spec, variable)
+    return head | _traits(spec, variable)
 
 
 def _structure(structure: ET.Element, spec: Spec, fmi: int) -> None:

@@ -14,7 +14,7 @@ backwards (F pairs), and the depth of each stop and the force it would press wit
 
 *Banded* equations are for solvers of other programs, which know neither forces that hold nor jumps:
 a friction turns within its ``transition`` w along a straight line, and what is an input is the
-*mode*. Behind the sensors comes, for each mode, the argument by which it is reported:
+*mode*. Behind the sensors comes, for each mode, the argument that decides it:
 
     friction      F = sigma·g(s')·(1 + sigma·asymmetry), sigma = mode + (1 − mode²)·s'/w
                   mode −1, 0, +1 by s'/w: below −1, between, above +1
@@ -98,8 +98,8 @@ def _with(
     outputs: Sequence[sp.Expr],
 ) -> Equations:
     symbols = replace(equations.symbols, u=(*equations.symbols.u, *inputs))
-    reported = (*equations.outputs, *outputs)
-    return replace(equations, symbols=symbols, terms=tuple(terms), outputs=reported)
+    shown = (*equations.outputs, *outputs)
+    return replace(equations, symbols=symbols, terms=tuple(terms), outputs=shown)
 
 
 def _term(equations: Equations, i: int) -> Term:

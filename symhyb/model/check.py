@@ -31,7 +31,7 @@ from symhyb.units import ONE, Unit, UnitError, parse_unit
 
 
 def energy_unit(model: Model, unreadable: frozenset[str]) -> tuple[Unit | None, list[Fault]]:
-    """Return the unit of T and V, None where it cannot be reported.
+    """Return the unit of T and V, None where it cannot be known.
 
     J as soon as a coordinate is a length or an angle or a body has its place in lengths. Else it
     follows from the first mass · place² / s², or from the energies that are stated. A model needs
@@ -66,7 +66,7 @@ def energy_unit(model: Model, unreadable: frozenset[str]) -> tuple[Unit | None, 
 def faults_of(model: Model, energy: Unit | None, unreadable: frozenset[str]) -> Iterator[Fault]:
     """Yield everything that is wrong in a model whose tables could be read.
 
-    ``energy`` is the unit of energies, None where it cannot be reported: what depends on it is then
+    ``energy`` is the unit of energies, None where it cannot be known: what depends on it is then
     not checked. An expression with an unreadable name is not checked for units.
     """
     scope = scope_of(model, unreadable)

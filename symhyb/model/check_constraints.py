@@ -74,7 +74,7 @@ def held_unit(constraint: Constraint, model: Model, scope: Scope) -> Unit:
 
 
 def _needed(constraint: Constraint, key: str, scope: Scope) -> Unit | None:
-    """The unit that a key must have; None where any will do, or where it cannot be reported."""
+    """The unit that a key must have; None where any will do, or where it cannot be known."""
     if key in ("length", "height") or constraint.kind in TOUCHING:
         return parse_unit("m")
     if key in ("zero", "rate"):

@@ -65,7 +65,7 @@ def _use(key: Key) -> Use:
 def _needed(
     element: Element, key: str, declared: Key, value: Expression, model: Model, scope: Scope
 ) -> Unit | None:
-    """Return the unit that a key must have, None where it cannot be reported."""
+    """Return the unit that a key must have, None where it cannot be known."""
     if not declared.exponent:
         return key_unit(model, element.kind, key, element.place)
     exponent = element.value(declared.exponent)

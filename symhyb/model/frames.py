@@ -68,7 +68,7 @@ def _hanging_faults(
 ) -> Iterator[Fault]:
     """The parent, the joint and the centre of mass of a body that hangs."""
     place = ("bodies", body.name)
-    if body.parent and body.parent != body.name and not _reported(body, model):
+    if body.parent and body.parent != body.name and not _known_by_a_point(body, model):
         yield from carrier_faults((*place, "parent"), body.parent, model, scope, unreadable)
     named = [point.at for point in model.points]
     for key, vector in (("joint", body.joint), ("at", body.at)):
@@ -77,7 +77,7 @@ def _hanging_faults(
         yield from _fixed_faults((*place, key), vector, scope)
 
 
-def _reported(body: Body, model: Model) -> bool:
+def _known_by_a_point(body: Body, model: Model) -> bool:
     """Whether a point where the body hangs already tells that its carrier is unknown."""
     return any(point.body == body.parent and point.at == body.joint for point in model.points)
 
@@ -94,14 +94,14 @@ def _fixed_faults(path: Path, vector: Vector, scope: Scope) -> Iterator[Fault]:
 def _circle_faults(model: Model) -> Iterator[Fault]:
     """Bodies that hang on themselves, through others or directly: each circle once."""
     parents = {body.name: body.parent for body in model.bodies if body.joint is not None}
-    reported: set[str] = set()
+    known: set[str] = set()
     for name in parents:
         chain = [name]
         while (parent := parents.get(chain[-1], "")) and parent not in chain:
             chain.append(parent)
-        if parent != name or name in reported:
+        if parent != name or name in known:
             continue
-        reported.update(chain)
+        known.update(chain)
         text = "hangs on itself"
         if len(chain) > 1:
             text += ": " + " -> ".join((*chain, name))

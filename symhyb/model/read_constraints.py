@@ -8,7 +8,7 @@ PLAIN = {"zero": "equation", "rate": "nonholonomic"}  # keys that tell the kind
 
 
 def read_constraint(table: Table) -> Constraint | None:
-    """Read one constraint, None if its kind or what it holds together cannot be reported."""
+    """Read one constraint, None if its kind or what it holds together cannot be known."""
     plain = next((PLAIN[key] for key in PLAIN if key in table.entries), None)
     name = plain if plain and table.lacks("kind") else table.text("kind", required=True)
     if name is not None and name not in CONSTRAINTS:
@@ -29,10 +29,10 @@ def read_constraint(table: Table) -> Constraint | None:
     axes = [(key, _axis(table, key, default)) for key, default in kind.axes]
     if names is None or any(key not in given for key in kind.needs):
         return None
-    reported = tuple((key, axis) for key, axis in axes if axis is not None)
-    if len(reported) < len(axes):
+    known = tuple((key, axis) for key, axis in axes if axis is not None)
+    if len(known) < len(axes):
         return None
-    return Constraint(table.path[-1], name, names, tuple(given.items()), about, reported)
+    return Constraint(table.path[-1], name, names, tuple(given.items()), about, known)
 
 
 def _axis(table: Table, key: str, default: str) -> str | None:

@@ -166,8 +166,8 @@ def _complete(table: Table, kind: Law, placement: str) -> None:
     if len(given) > 1 and given[0].signal:
         table.fault(f"kind '{kind.name}' takes only one of {listed}")
     for name in kind.needs:
-        reported = name in kind.strengths and not given  # by the sentence above
-        if table.lacks(name) and not reported:
+        faulted = name in kind.strengths and not given  # by the sentence above
+        if table.lacks(name) and not faulted:
             about = kind.key(name)
             reason = f": {about.about}" if about and about.about else ""
             table.fault(f"kind '{kind.name}' needs '{name}'{reason}")

@@ -108,7 +108,7 @@ def vector_unit(vector: Vector, scope: Scope) -> Unit | None:
 
 
 def unit_in(expression: Expression, scope: Scope) -> Unit | None:
-    """Return the unit of an expression, None if it has none or cannot be reported."""
+    """Return the unit of an expression, None if it has none or cannot be known."""
     try:
         return unit_of(expression, lambda name: _unit_of_name(name, scope), scope.shown)
     except (ExpressionError, LookupError):

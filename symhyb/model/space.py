@@ -49,7 +49,7 @@ def vectors(model: Model) -> Iterator[tuple[Path, Vector]]:
 
 def space_faults(model: Model, scope: Scope, inertia: Unit | None) -> Iterator[Fault]:
     """Yield mixtures of plane and space, and what is wrong with how bodies in space are turned;
-    ``inertia`` is the unit of a moment of inertia, None where it cannot be reported."""
+    ``inertia`` is the unit of a moment of inertia, None where it cannot be known."""
     size = dimension(model)
     yield from _mixture_faults(model, size)
     taken: dict[str, str] = {}

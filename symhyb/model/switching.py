@@ -65,23 +65,23 @@ def modes(model: Model) -> tuple[tuple[str, int], ...]:
 
 def left_smooth(model: Model) -> tuple[str, ...]:
     """One sentence for each law with a corner that an exact simulation leaves as it is written."""
-    reported = []
+    said = []
     for element in model.elements:
         name = f"elements.{element.name}"
         if _rubs(element) and isinstance(element.place, At):
-            reported.append(f"{name} acts at a point, in two directions: it stays smoothed")
+            said.append(f"{name} acts at a point, in two directions: it stays smoothed")
         elif _rubs(element) and not _holds(model, element):
-            reported.append(
+            said.append(
                 f"{name} acts on an imposed motion, which it cannot hold: it stays smoothed"
             )
         elif KINDS[element.kind].state and KINDS[element.kind].steep:
-            reported.append(f"{name} has an inner state and is smooth by itself: it stays as it is")
+            said.append(f"{name} has an inner state and is smooth by itself: it stays as it is")
         elif any(switches(expression.tree) for _, expression in element.values):
-            reported.append(
+            said.append(
                 f"{name} is written with sign(...), whose jumps are not located: write it as kind "
                 "'friction' to have it stick exactly"
             )
-    return tuple(reported)
+    return tuple(said)
 
 
 def switches(node: Node) -> bool:

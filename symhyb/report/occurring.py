@@ -14,33 +14,33 @@ if TYPE_CHECKING:
 _LEAST = 1e-3  # of what is left over: that a logarithmic axis shows
 
 
-def occurrence_figure(reported: Occurrence) -> bytes:
+def occurrence_figure(occurrence: Occurrence) -> bytes:
     """Draw when a place's mismatch acts (what is left of every window, as it is and with the best
     force of the place's own motion) and at which frequencies."""
-    with drawing(4.2 if reported.lines.size else 2.3) as figure:
-        panels = figure.subplots(2 if reported.lines.size else 1, 1, squeeze=False)[:, 0]
-        _when(panels[0], reported)
-        if reported.lines.size:
-            _frequencies(panels[1], reported)
+    with drawing(4.2 if occurrence.lines.size else 2.3) as figure:
+        panels = figure.subplots(2 if occurrence.lines.size else 1, 1, squeeze=False)[:, 0]
+        _when(panels[0], occurrence)
+        if occurrence.lines.size:
+            _frequencies(panels[1], occurrence)
         return svg(figure)
 
 
-def _when(panel: "Axes", reported: Occurrence) -> None:
+def _when(panel: "Axes", occurrence: Occurrence) -> None:
     for values, color, word in (
-        (reported.before, BEFORE, "as it is"),
-        (reported.after, AFTER, "best force here"),
+        (occurrence.before, BEFORE, "as it is"),
+        (occurrence.after, AFTER, "best force here"),
     ):
-        panel.step(reported.t, np.maximum(values, _LEAST), where="mid", color=color, label=word)
+        panel.step(occurrence.t, np.maximum(values, _LEAST), where="mid", color=color, label=word)
     panel.axhline(1.0, color=QUIET, lw=0.8, ls="--", label="noise")
     panel.set_yscale("log")
     panel.yaxis.set_major_formatter(lambda value, _: number_text(float(value)))
     panel.yaxis.set_minor_formatter("")
     panel.set_title("squared error / noise")
-    if reported.change is not None:
-        panel.axvline(reported.change.time_s, color=LAW)
+    if occurrence.change is not None:
+        panel.axvline(occurrence.change.time_s, color=LAW)
         panel.annotate(
-            f"{reported.change.kind} ",
-            (reported.change.time_s, 0.97),
+            f"{occurrence.change.kind} ",
+            (occurrence.change.time_s, 0.97),
             xycoords=panel.get_xaxis_transform(),
             color=LAW,
             ha="right",
@@ -50,10 +50,10 @@ def _when(panel: "Axes", reported: Occurrence) -> None:
     panel.set_xlabel("time [s]")
 
 
-def _frequencies(panel: "Axes", reported: Occurrence) -> None:
-    panel.fill_between(reported.lines, 0.0, reported.power, color=AFTER, lw=0.0)
-    if reported.band_hz is not None:
-        panel.axvspan(*reported.band_hz, color="#eef1f4", zorder=0)
+def _frequencies(panel: "Axes", occurrence: Occurrence) -> None:
+    panel.fill_between(occurrence.lines, 0.0, occurrence.power, color=AFTER, lw=0.0)
+    if occurrence.band_hz is not None:
+        panel.axvspan(*occurrence.band_hz, color="#eef1f4", zorder=0)
     panel.set_title("power of the missing force, over its largest")
     panel.set_xlabel("frequency [Hz]")
     panel.set_ylim(0.0, 1.05)

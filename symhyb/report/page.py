@@ -237,14 +237,16 @@ def _occurrences(diagnosis: Diagnosis, model: Model | None) -> list[Picture]:
     """When and at which frequencies the mismatch acts at the places that explain most of it."""
     drawn: list[Picture] = []
     for row in diagnosis.places:
-        reported = row.occurrence
-        if reported is None or reported.t.size < 2 or len(drawn) == _PLACES_SHOWN:
+        occurrence = row.occurrence
+        if occurrence is None or occurrence.t.size < 2 or len(drawn) == _PLACES_SHOWN:
             continue
         where = place_text(row.place) if model is None else place_words(model, row.place)
-        said = reported.sentence or f"{where[:1].upper()}{where[1:]}, the mismatch acts throughout."
+        said = (
+            occurrence.sentence or f"{where[:1].upper()}{where[1:]}, the mismatch acts throughout."
+        )
         drawn.append(
             Picture(
-                _image(occurrence_figure(reported)),
+                _image(occurrence_figure(occurrence)),
                 f"What is left of the windows over time {where}, and the power of the missing "
                 "force over frequency.",
                 said,

@@ -321,7 +321,7 @@ def test_a_force_that_is_late(late: float) -> None:
     model = driven_model({"hold": spring("k"), "motor": push("f")})  # its damping is not known
     (found,) = first_checks(build(model), run).timing.late
     assert found.delay == pytest.approx(late, abs=2e-3)
-    assert found.reported == (late > 0)
+    assert found.claimed == (late > 0)
 
 
 def test_a_sensor_that_is_late_against_another() -> None:
@@ -336,13 +336,13 @@ def test_a_sensor_that_is_late_against_another() -> None:
     checks = first_checks(build(model), recording(t, {"f": run.inputs["f"]}, **shifted))
     delays = {one.channel: one for one in checks.timing.late}
     assert delays["speed"].delay == pytest.approx(0.03, abs=2e-3)
-    assert delays["speed"].reported
+    assert delays["speed"].claimed
     assert "late against the other sensors" in delays["speed"].sentence
 
 
 def test_a_single_sine_tells_no_delay_of_its_force() -> None:
     (found,) = first_checks(build(driven_model()), turning(driven_model())).timing.late
-    assert found.delay is None or not found.reported
+    assert found.delay is None or not found.claimed
 
 
 def test_a_channel_that_is_held_between_samples() -> None:
@@ -382,7 +382,7 @@ def test_a_motion_that_is_hardly_shown_tells_no_delay() -> None:
     t = np.arange(1500) / 200
     run = run_of(driven_model(), t, 5 * broad(t, 0.5, 5.0), sd=0.02, late=0.02)
     late = first_checks(build(driven_model()), run).timing.late
-    assert not any(one.reported for one in late)
+    assert not any(one.claimed for one in late)
 
 
 def test_a_sensor_that_is_missing_and_one_with_holes() -> None:

@@ -59,7 +59,7 @@ def noisy_input(recorded: Recorded, left: Beyond) -> tuple[Likely, ...]:
 
 
 def _faults(recorded: Recorded, noise: NoiseModel, tracks: Sequence[Track]) -> Iterator[Generic]:
-    white = _innovations(noise, tracks)
+    white = innovations(noise, tracks)
     for j in np.flatnonzero(noise.colour):
         name = recorded.windows.machine.model.sensors[j].name
         if noise.colour_s > recorded.period_s:
@@ -68,8 +68,8 @@ def _faults(recorded: Recorded, noise: NoiseModel, tracks: Sequence[Track]) -> I
             yield Generic("sensor", name, (), np.zeros(0), does="jumps")
 
 
-def _innovations(noise: NoiseModel, tracks: Sequence[Track]) -> Array:
-    """The white residuals (N, m), NaN where nothing was measured."""
+def innovations(noise: NoiseModel, tracks: Sequence[Track]) -> Array:
+    """The white residuals (N, m) of all stretches, 1, NaN where nothing was measured."""
     parts = []
     for one in tracks:
         white = white_problem(one, noise)[0].reshape(one.residual.shape)

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from symhyb.correction.adequacy.beyond import CERTAIN
+from symhyb.correction.adequacy.channel_noise import innovations
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Fitted, tracks_of
-from symhyb.discrepancy.likelihood.track import white_problem
 from symhyb.numeric.kernels.buffers import Array
 
 GRID = np.geomspace(0.03, 30, 121)  # of the noise, that jitter makes at the largest rate
@@ -32,13 +32,11 @@ class Jitter:
 
 def jittering(recorded: Recorded, trial: Fitted) -> tuple[Jitter, ...]:
     """The sensors whose noise is that of their clock, beside a structure that is adequate."""
-    parts = []
-    for one in tracks_of(recorded, trial):
-        white = white_problem(one, trial.fit.noise)[0].reshape(one.residual.shape)
-        shown, t = one.linear.output[0], one.item.block.t[0]
-        parts.append((np.where(one.seen, white, np.nan), shown, np.gradient(shown, t, axis=0)))
-    white, shown, rate = (np.concatenate(part) for part in zip(*parts, strict=True))
-    found = []
+    tracks, found = tracks_of(recorded, trial), []
+    white = innovations(trial.fit.noise, tracks)
+    outputs = [(one.linear.output[0], one.item.block.t[0]) for one in tracks]
+    shown = np.concatenate([y for y, _ in outputs])
+    rate = np.concatenate([np.gradient(y, t, axis=0) for y, t in outputs])
     for j, sensor in enumerate(recorded.windows.machine.model.sensors):
         seen, noise = np.isfinite(white[:, j]), float(trial.fit.noise.white[j])
         if not seen.any() or noise <= 0:

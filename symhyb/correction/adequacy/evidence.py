@@ -84,9 +84,9 @@ def priors(recorded: Recorded, trial: Fitted) -> tuple[Array, Array]:
                 means.append(item.si)
                 spreads.append(_channel_sd(recorded, cause, item.si, item.si_sd))
             else:
-                reported = _law_prior(recorded, cause, key, value, strengths)
-                means.append(reported[0])
-                spreads.append(reported[1])
+                middle, width = _law_prior(recorded, cause, key, value, strengths)
+                means.append(middle)
+                spreads.append(width)
             i += 1
     mean, spread = (gathered(np.array(row), trial.owned) for row in (means, spreads))
     if trial.extra is None:

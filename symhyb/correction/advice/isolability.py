@@ -7,7 +7,7 @@ b; where a is the truth, the recordings speak against B with
 
     E = |r|² / 2c = (1 − ρ²) |a|² / 2c        ln of the odds; ρ: correlation of a with B
 
-(c: χ² of one independent sample). Sizes: F columns of the reduced problem, C causes reported.
+(c: χ² of one independent sample). Sizes: F columns of the reduced problem, C causes listed.
 """
 
 from collections.abc import Sequence
@@ -26,8 +26,8 @@ from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.results import Isolability
 from symhyb.numeric.kernels.buffers import Array
 
-NEAREST = 3  # causes reported beside each found one
-REPORTED_MOST = 8  # rows of the matrix
+NEAREST = 3  # causes listed beside each found one
+LISTED_MOST = 8  # rows of the matrix
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,12 +60,12 @@ def isolability(setting: Setting, decision: Decision) -> Isolability | None:
         near.sort(key=lambda other: other.hypothesis.family not in rivals)
         chosen += near[:NEAREST]
     unique = {cause.hypothesis.family: cause for cause in reversed(chosen)}
-    reported = sorted(unique.values(), key=lambda cause: chosen.index(cause))[:REPORTED_MOST]
+    listed = sorted(unique.values(), key=lambda cause: chosen.index(cause))[:LISTED_MOST]
     return Isolability(
-        tuple(cause_phrase(cause.hypothesis) for cause in reported),
-        tuple(cause in space.own and cause.hypothesis not in doubt for cause in reported),
+        tuple(cause_phrase(cause.hypothesis) for cause in listed),
+        tuple(cause in space.own and cause.hypothesis not in doubt for cause in listed),
         np.array(
-            [[*(space.against(a, b) for b in reported), space.against(a, None)] for a in reported]
+            [[*(space.against(a, b) for b in listed), space.against(a, None)] for a in listed]
         ),
     )
 

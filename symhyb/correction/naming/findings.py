@@ -255,7 +255,7 @@ def alternatives_of(
     """
     selected, unsure = decision.selected, doubtful(decision)
     rows = [
-        _alternative(model, cause, _reported_values(selected, cause), None, 0.0)
+        _alternative(model, cause, _fitted_values(selected, cause), None, 0.0)
         for cause in selected.causes
         if cause in unsure or cause in doubt
     ]
@@ -265,7 +265,7 @@ def alternatives_of(
     for number, (change, evidence, trial) in enumerate(rivals_of(decision), 1):
         instead_of = names.get(change.lost[0])
         for cause in change.fresh:
-            values = _reported_values(trial, cause)
+            values = _fitted_values(trial, cause)
             row = _alternative(model, cause, values, instead_of, max(evidence, 0.0))
             rows.append(replace(row, together=number if len(change.fresh) > 1 else 0))
     rows += _sided(model, selected, names)
@@ -274,7 +274,7 @@ def alternatives_of(
 
 def alternative_of(model: Model, trial: Refined, cause: Hypothesis, evidence: float) -> Alternative:
     """One cause of a fitted structure, with its values there, as an alternative by itself."""
-    return _alternative(model, cause, _reported_values(trial, cause), None, evidence)
+    return _alternative(model, cause, _fitted_values(trial, cause), None, evidence)
 
 
 def _sided(
@@ -293,8 +293,8 @@ def _sided(
         share = -push / level
         if isinstance(cause.place, On) and abs(share) < SKEW:
             sd = float(np.hypot(push_sd, share * spread)) / level
-            reported = {"coulomb": (level, spread), "asymmetry": (share, sd)}
-            yield _alternative(model, cause, reported, names.get(selected.causes[j]), 0.0)
+            lopsided = {"coulomb": (level, spread), "asymmetry": (share, sd)}
+            yield _alternative(model, cause, lopsided, names.get(selected.causes[j]), 0.0)
 
 
 def rivals_of(decision: Decision) -> list[tuple[Exchange, float, Refined]]:
@@ -311,7 +311,7 @@ def rivals_of(decision: Decision) -> list[tuple[Exchange, float, Refined]]:
     return rivals
 
 
-def _reported_values(trial: Refined, cause: Hypothesis) -> dict[str, tuple[float, float]]:
+def _fitted_values(trial: Refined, cause: Hypothesis) -> dict[str, tuple[float, float]]:
     return {} if cause.place is None else _values(trial, [trial.causes.index(cause)])
 
 

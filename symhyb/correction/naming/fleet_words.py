@@ -114,18 +114,18 @@ def with_own(model: Model, final: Refined, item: Named, found: Found) -> Found:
             symbol = symbol_of(model, final.causes[i].kind, key)
             numbers.append(Estimate(symbol, value / unit.factor, sd / unit.factor, unit.text, key))
         rows.append((recording.name, tuple(numbers)))
-    reported = [key for _, key in keys if key != "phase"]  # a phase says nothing of the machine
+    named = [key for _, key in keys if key != "phase"]  # a phase says nothing of the machine
     said = "; ".join(
-        f"{name} {joined([_amount(number) for number in numbers if number.term in reported])}"
+        f"{name} {joined([_amount(number) for number in numbers if number.term in named])}"
         for name, numbers in rows
         if _stands(numbers)
     )
     silent = joined([name for name, numbers in rows if not _stands(numbers)])
-    words = joined([noun_of(item.kind, key) for key in reported])
+    words = joined([noun_of(item.kind, key) for key in named])
     sentence = found.sentence
-    if reported and said:
+    if named and said:
         sentence += f" Each recording has its own {words}: {said}."
-    if reported and silent:
+    if named and silent:
         sentence += f" Of {silent} it does not stand out of its own deviation and may be none."
     return replace(found, own=tuple(rows), sentence=sentence)
 
@@ -144,14 +144,14 @@ def parameters_with_own(
         return tuple(parameters)
     units = {item.path: item.unit for item in final.machine.model.all_parameters()}
     rows = []
-    for reported in parameters:
+    for parameter in parameters:
         own = []
-        for which, (recording, _) in enumerate(final.each if reported.name in owned else ()):
+        for which, (recording, _) in enumerate(final.each if parameter.name in owned else ()):
             value, sd = (
-                x / units[reported.name].factor for x in final.value_of(reported.name, which)
+                x / units[parameter.name].factor for x in final.value_of(parameter.name, which)
             )
             own.append((recording.name, value, sd))
-        rows.append(replace(reported, own=tuple(own)))
+        rows.append(replace(parameter, own=tuple(own)))
     return tuple(rows)
 
 

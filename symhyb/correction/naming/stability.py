@@ -78,8 +78,8 @@ def _margin(decision: Decision, trial: Refined, weights: Array) -> Array:
 def _denies(trial: Refined, selected: Refined, cause: Hypothesis) -> bool:
     """Whether a trial is an answer without this cause: the law in another shape is no denial, an
     extension that was refused is none, and what convention tells apart no window does."""
-    reported = _sort(cause)
-    if trial.fit.reason or any(_sort(mine) == reported for mine in trial.causes):
+    mine = _sort(cause)
+    if trial.fit.reason or any(_sort(other) == mine for other in trial.causes):
         return False
     if not believable(trial):
         return False

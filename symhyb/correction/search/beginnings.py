@@ -20,8 +20,8 @@ from symhyb.numeric.runs.windows import WindowModel
 
 def changed(places: tuple[PlaceShare, ...]) -> Change | None:
     """The change at the place that explains most; one that explains less only mirrors it."""
-    reported = places[0].occurrence if places else None
-    return None if reported is None else reported.change
+    known = places[0].occurrence if places else None
+    return None if known is None else known.change
 
 
 def active_part(setting: Setting, change: Change | None) -> Setting:

@@ -87,7 +87,7 @@ def drifting(setting: Setting, again: Again) -> RecordingFault | None:
     if not last.takes(begun, TAKES) or _rival(setting, stage) - begun.floor < RIVAL_LEFT * left:
         return None
     equals = [names[i] for i in near if i != best]
-    return _reported(setting.windows.machine.model, names[best], drift, equals)
+    return _named(setting.windows.machine.model, names[best], drift, equals)
 
 
 def _followed(name: str, index: int, begun: _Fit, again: Again) -> tuple[float, _Fit]:
@@ -172,7 +172,7 @@ def _rival(setting: Setting, stage: Stage) -> float:
     return min((one.chi2 for one in found if one is not None), default=np.inf)
 
 
-def _reported(model: Model, best: str, drift: float, equals: Sequence[str]) -> RecordingFault:
+def _named(model: Model, best: str, drift: float, equals: Sequence[str]) -> RecordingFault:
     """A clock that is claimed: ``drift`` is how much the delay of ``best`` grows, s/s; ``equals``
     would show in the same way."""
     rivals = tuple(RecordingFault("clock", (other,), drift) for other in equals)

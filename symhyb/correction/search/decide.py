@@ -10,7 +10,6 @@
 
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
@@ -205,8 +204,11 @@ def _tried(
         for i, law in plainer.items():
             own = (*own[:i], trials.index(law), *own[i + 1 :])
             values[i] = {key: values[i].get(key, 0.0) for key in law.keys}
-        fit_again = partial(_tried, trials) if plainer else trials.refined
-        fit_again(*_but(own, values, gone - plainer.keys()), trial.fit.starts)
+        rest = _but(own, values, gone - plainer.keys())
+        if plainer:
+            _tried(trials, *rest, trial.fit.starts)
+        else:
+            trials.refined(*rest, trial.fit.starts)
 
 
 def _plain_law(trials: Trials, cause: Hypothesis) -> Hypothesis | None:

@@ -68,14 +68,14 @@ def owning(
         else:
             mine = tuple(key for key in cause.keys if key in own and key not in parameters)
         result.append(replace(cause, own=tuple(dict.fromkeys((*cause.own, *mine)))))
-    reported = {cause.path for cause in causes}
+    chosen = {cause.path for cause in causes}
     if not any(cause.place is None for cause in causes):
         return tuple(result)
     return (
         *(
             Hypothesis("parameter", None, ("value",), (item.value > 0,), path=path, own=("value",))
             for path, item in parameters.items()
-            if path in own and path not in reported
+            if path in own and path not in chosen
         ),
         *result,
     )
@@ -128,8 +128,8 @@ def outliers(model: Model, final: Refined, stage: Stage, sd: Array) -> tuple[Out
 
 def _shared(final: Refined) -> list[tuple[int, int, str]]:
     """The numbers that all recordings share: their index, cause and key."""
-    reported = [(i, cause, key) for i, cause in enumerate(final.causes) for key in keys_of(cause)]
-    return [(n, i, key) for n, (i, cause, key) in enumerate(reported) if key not in cause.own]
+    numbers = [(i, cause, key) for i, cause in enumerate(final.causes) for key in keys_of(cause)]
+    return [(n, i, key) for n, (i, cause, key) in enumerate(numbers) if key not in cause.own]
 
 
 def _each(
@@ -230,8 +230,8 @@ def _half(item: Cut, which: int) -> NDArray[np.int64]:
 
 def widened(final: Refined, odd: Outlier) -> Refined:
     """The structure with the deviation of the drifting number as wide as its two values."""
-    reported = [(i, key) for i, cause in enumerate(final.causes) for key in keys_of(cause)]
-    n = reported.index((odd.cause, odd.key))
+    numbers = [(i, key) for i, cause in enumerate(final.causes) for key in keys_of(cause)]
+    n = numbers.index((odd.cause, odd.key))
     covariance = final.fit.covariance.copy()
     covariance[n, n] = max(covariance[n, n], ((odd.value[0] - odd.others[0]) / 2) ** 2)
     return replace(final, fit=replace(final.fit, covariance=covariance))

@@ -95,7 +95,7 @@ def prepare(
     machine = build(extended)
     first = [Run(r, motion_of(r, machine), np.empty(0)) for r in recordings]
     repair = suspect(machine, first)
-    faults = (*repair.reported, *clocks)
+    faults = (*repair.faults, *clocks)
     if any(fault.claimed for fault in faults):
         extended, machine = repair.model, build(repair.model)
         recordings, holdout = repaired(recordings, faults), repaired(holdout, faults)

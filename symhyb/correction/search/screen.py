@@ -46,7 +46,7 @@ def screen(
     given = (*library.columns, *((forces + i,) for i in range(len(parametric))))
     always = tuple(range(forces + len(parametric), forces + free))
     causes = (*library.hypotheses, *parametric)
-    mine = [c for cause, reported in zip(causes, given, strict=True) if cause.own for c in reported]
+    mine = [c for cause, columns in zip(causes, given, strict=True) if cause.own for c in columns]
     mine += [
         forces + i for i, column in enumerate(model.free) if column in own and i >= len(parametric)
     ]
@@ -83,7 +83,7 @@ def screen(
         gram=np.sum([part.grams[~part.held].sum(axis=0) for part in parts], axis=0),
         held=np.sum([part.grams[part.held].sum(axis=0) for part in parts], axis=0),
         hypotheses=causes,
-        columns=tuple(widened(reported, mine, extra) for reported in given),
+        columns=tuple(widened(one, mine, extra) for one in given),
         always=widened(always, mine, extra),
         prior=prior[source],
         lower=lower[source],
@@ -114,10 +114,10 @@ def apart(columns: Array, mine: Sequence[int], which: int, recordings: int) -> A
 
 
 def widened(
-    reported: Sequence[int], mine: Sequence[int], extra: Sequence[Mapping[int, int]]
+    columns: Sequence[int], mine: Sequence[int], extra: Sequence[Mapping[int, int]]
 ) -> tuple[int, ...]:
-    """The columns ``reported`` with those of every other recording, recording by recording."""
-    return (*reported, *(row[c] for row in extra for c in reported if c in mine))
+    """``columns`` of one recording with those of every other recording, recording by recording."""
+    return (*columns, *(row[c] for row in extra for c in columns if c in mine))
 
 
 def _least(

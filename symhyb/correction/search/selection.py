@@ -87,8 +87,8 @@ def solve(problem: Problem, causes: Sequence[int]) -> Subset | None:
         if not forbidden:
             break
         none |= forbidden
-    reported = dict(zip(joined, fitted, strict=True))
-    if not all(_sized(problem, reported, cause) for cause in causes):
+    coefficients = dict(zip(joined, fitted, strict=True))
+    if not all(_sized(problem, coefficients, cause) for cause in causes):
         return None
     last = problem.gram.shape[0] - 1
     mix = np.zeros(last + 1)
@@ -96,7 +96,7 @@ def solve(problem: Problem, causes: Sequence[int]) -> Subset | None:
     chi2, held = float(mix @ problem.gram @ mix), float(mix @ problem.held @ mix)
     penalty = float(np.sum(problem.prior[joined] * fitted**2)) if joined else 0.0
     numbers = sum(problem.hypotheses[cause].numbers for cause in causes)
-    values = np.array([reported.get(c, 0.0) for c in columns])
+    values = np.array([coefficients.get(c, 0.0) for c in columns])
     return Subset(tuple(causes), values, chi2 + penalty, held, numbers)
 
 
@@ -120,10 +120,8 @@ def _solved(problem: Problem, sets: Sequence[tuple[int, ...]]) -> list[Subset]:
 def _side_by_side(problem: Problem, sets: Sequence[tuple[int, ...]]) -> list[Subset]:
     """The subsets (S) that the data can tell and whose coefficients are in bounds and large
     enough; all sets have as many columns."""
-    reported = np.array(
-        [[c for cause in causes for c in problem.columns[cause]] for causes in sets]
-    )
-    joined = np.hstack([reported, np.tile(np.array(problem.always, int), (len(sets), 1))])
+    chosen = np.array([[c for cause in causes for c in problem.columns[cause]] for causes in sets])
+    joined = np.hstack([chosen, np.tile(np.array(problem.always, int), (len(sets), 1))])
     width = joined.shape[1]
     block = problem.gram[joined[:, :, None], joined[:, None, :]]
     block[:, range(width), range(width)] += problem.prior[joined]
@@ -137,7 +135,7 @@ def _side_by_side(problem: Problem, sets: Sequence[tuple[int, ...]]) -> list[Sub
     right = problem.gram[columns, -1] / size
     values = np.linalg.solve(unit, right[..., None])[..., 0] / size
     good = np.all((values >= problem.lower[columns]) & (values <= problem.upper[columns]), axis=1)
-    count = reported.shape[1]
+    count = chosen.shape[1]
     good &= np.all(np.abs(values[:, :count]) >= problem.least[columns[:, :count]], axis=1)
     able, columns, values = able[good], columns[good], values[good]
     last = np.full((len(able), 1), len(problem.gram) - 1)
@@ -187,8 +185,8 @@ def _apart(problem: Problem, cause: int) -> bool:
 def _sized(problem: Problem, values: Mapping[int, float], cause: int) -> bool:
     """Whether the numbers of a cause, by column, are worth a name: all of them, or those of one
     recording at least where each has its own."""
-    reported = problem.columns[cause]
-    large = [c in values and abs(values[c]) >= problem.least[c] for c in reported]
+    columns = problem.columns[cause]
+    large = [c in values and abs(values[c]) >= problem.least[c] for c in columns]
     return any(large) if _apart(problem, cause) else all(large)
 
 

@@ -85,10 +85,8 @@ class Part:
 def effects(setting: Setting, selected: Refined, problem: Problem) -> tuple[Part, ...]:
     """The part of each cause of a structure in the problem :func:`around` it."""
     first = len(problem.columns) - len(setting.parametric)
-    reported = {
-        cause.path: problem.columns[first + i] for i, cause in enumerate(setting.parametric)
-    }
-    rest = [path for path in selected.paths if path not in reported]
+    of_path = {cause.path: problem.columns[first + i] for i, cause in enumerate(setting.parametric)}
+    rest = [path for path in selected.paths if path not in of_path]
     own = {*selected.own_columns}
     each: dict[str, list[int]] = {
         path: [column] for path, column in zip(rest, problem.always, strict=False)
@@ -110,7 +108,7 @@ def effects(setting: Setting, selected: Refined, problem: Problem) -> tuple[Part
         for path, key in zip(paths, keys, strict=True):
             column = selected.machine.column(path)
             base = selected.machine.values[column] if cause.place is None else 0.0
-            mine = reported.get(path) or tuple(each[path])
+            mine = of_path.get(path) or tuple(each[path])
             columns += mine
             for which, target in enumerate(mine):
                 value = selected.of(cuts[which].source[0])[column] - base

@@ -64,14 +64,14 @@ class Refined:
     def value_of(self, path: str, which: int) -> tuple[float, float]:
         """Fitted value and one standard deviation of a parameter in one recording, SI."""
         i = self.owned[which][self.paths.index(path)] if self.owned else self.paths.index(path)
-        return self._reported(path, i)
+        return self._with_accuracy(path, i)
 
     def value(self, path: str) -> tuple[float, float]:
         """Fitted value and one standard deviation of a parameter, SI; the relative ``accuracy``
         of the numerics is part of the deviation of a force, not of a time or a place."""
-        return self._reported(path, self.paths.index(path))
+        return self._with_accuracy(path, self.paths.index(path))
 
-    def _reported(self, path: str, i: int) -> tuple[float, float]:
+    def _with_accuracy(self, path: str, i: int) -> tuple[float, float]:
         value, spread = float(self.fit.values[i]), float(np.sqrt(self.fit.covariance[i, i]))
         if path.rpartition(".")[2] in EXACT:
             return value, spread
@@ -193,9 +193,9 @@ def _beginning(
         for cause, row in zip(causes, start, strict=True):
             base = machine.values[machine.column(cause.path)] if cause.place is None else 0.0
             for key in keys_of(cause):
-                reported = own_key(key, item.source[0])
-                if key in cause.own and reported in row:
-                    full[columns[i]] = base + row[reported]
+                mine = own_key(key, item.source[0])
+                if key in cause.own and mine in row:
+                    full[columns[i]] = base + row[mine]
                 i += 1
     return full
 

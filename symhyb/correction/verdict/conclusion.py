@@ -70,7 +70,7 @@ def concluded(
     """The diagnosis of one choice, and what acts beyond it (``judged``); ``left`` are sentences on
     what is visible in the rest."""
     decision, final = choice.decision, known.final
-    found = _reported(model, prepared, decision, known, shown)
+    found = _found(model, prepared, decision, known, shown)
     parameters = reestimated(model, final, known.doubt)
     faults = channel_faults(final, known.doubt)
     titles = {cause: _title(cause, found) for cause in decision.selected.causes}
@@ -132,7 +132,7 @@ def _measured_noise(model: Model, prepared: Prepared) -> dict[str, float]:
     return noise
 
 
-def _reported(
+def _found(
     model: Model, prepared: Prepared, decision: Decision, known: Estimated, shown: Proof
 ) -> tuple[Found, ...]:
     """Every found effect with its element, share, activity, stability, probability and sentence."""

@@ -39,8 +39,8 @@ def with_constant(answer: Diagnosis, choice: Choice) -> Diagnosis:
         return answer
     trial, evidence = found
     (number,) = reestimated(trial.machine.model, trial)
-    reported = Estimate(number.name, number.value, number.sd, number.unit, "value")
-    rival = Alternative(None, "parameter", (reported,), max(evidence, 0.0), parameter=number.name)
+    estimate = Estimate(number.name, number.value, number.sd, number.unit, "value")
+    rival = Alternative(None, "parameter", (estimate,), max(evidence, 0.0), parameter=number.name)
     said = parameter_phrase(number)
     if selected.causes and evidence < -SIGNIFICANT:
         reason = f"A number that the model file holds explains more than all causes: {said}. {CURE}"

@@ -44,7 +44,7 @@ REPAIRED_LEFT = (
 def with_faults(
     diagnosis: Diagnosis, model: Model, faults: Sequence[RecordingFault], scale: float
 ) -> Diagnosis:
-    """The diagnosis of repaired recordings with the faults that were claimed reported first.
+    """The diagnosis of repaired recordings with the faults that were claimed said first.
 
     ``scale`` is χ² per sample of what was decided. A suspicion that was not claimed withdraws
     physics that leaves more than noise.
@@ -66,7 +66,7 @@ def with_faults(
         if rival.kind in ("unit", "sign")
         for name in rival.channels
     ]
-    reported = replace(
+    answer = replace(
         diagnosis,
         faults=tuple(faults),
         measurement=(*gains, *diagnosis.measurement),
@@ -74,16 +74,16 @@ def with_faults(
         notes=(*suspected, *diagnosis.notes),
     )
     if claimed:
-        return _reported_first(reported, "; ".join(fault.sentence for fault in claimed))
+        return _faults_first(answer, "; ".join(fault.sentence for fault in claimed))
     if suspected and diagnosis.found and scale > UNEXPLAINED:
         reason = f"A channel may lie: {suspected[0]}."
-        return withdrawn(reported, f"{reason} Until that is settled no physics is named")
+        return withdrawn(answer, f"{reason} Until that is settled no physics is named")
     if suspected and diagnosis.verdict == "undecided":
-        return replace(reported, sentence=f"{diagnosis.sentence} {_capital(suspected[0])}.")
-    return reported
+        return replace(answer, sentence=f"{diagnosis.sentence} {_capital(suspected[0])}.")
+    return answer
 
 
-def _reported_first(diagnosis: Diagnosis, fault: str) -> Diagnosis:
+def _faults_first(diagnosis: Diagnosis, fault: str) -> Diagnosis:
     match diagnosis.verdict:
         case "nothing missing":
             sentence = f"The physics of the model holds, the measurement does not: {fault}."

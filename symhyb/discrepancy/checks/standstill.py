@@ -115,7 +115,7 @@ def _sentence(
         said = f"{when}, where the model has no place of rest: {joined(forces)} must hold it there"
         return f"{said}; {why}"
     parts = [f"{name} {quantity_text(value, units[name], sd[name])}" for name, value in off.items()]
-    reported = f"{when}; off the model's place of rest by {joined(parts)}"
+    begin = f"{when}; off the model's place of rest by {joined(parts)}"
     if right:
-        return f"{reported}: right within the noise"
-    return f"{reported}: {'dry friction of the model may hold it' if held else 'not explained'}"
+        return f"{begin}: right within the noise"
+    return f"{begin}: {'dry friction of the model may hold it' if held else 'not explained'}"

@@ -85,11 +85,11 @@ PLURALS = {"deg": "degrees", "turn": "revolutions", "inch": "inches"}
 
 @dataclass(frozen=True, slots=True)
 class Repair:
-    """Model and recordings without the faults that were claimed; ``reported`` are those of any
+    """Model and recordings without the faults that were claimed; ``faults`` are those of any
     weight."""
 
     model: Model
-    reported: tuple[RecordingFault, ...]
+    faults: tuple[RecordingFault, ...]
 
 
 def repaired(given: Sequence[Recording], faults: Sequence[RecordingFault]) -> tuple[Recording, ...]:
@@ -187,8 +187,8 @@ def _judged(
     fault, after = min(near, key=lambda pair: _rank(pair[0], model))
     others = tuple(other for other, _ in near if other is not fault)
     sentence = (_claim if clear else _suspicion)(fault, before, after, tuple(map(said, others)))
-    reported = replace(fault, claimed=bool(clear), sentence=sentence, rivals=others)
-    return Repair(with_fault(model, reported) if clear else model, (reported,))
+    named = replace(fault, claimed=bool(clear), sentence=sentence, rivals=others)
+    return Repair(with_fault(model, named) if clear else model, (named,))
 
 
 def _clears(before: Misfit, after: Misfit) -> bool:

@@ -27,32 +27,32 @@ from symhyb.numeric.kernels.vector import along
 from symhyb.numeric.lowered.machine import Machine, build
 
 SURE = 4.0  # standard deviations, and
-SAMPLES_LATE = 0.5  # of a sample, from which a delay is reported
+SAMPLES_LATE = 0.5  # of a sample, from which a delay is claimed
 GRID = 41  # delays that are tried first
 REACH = 0.25  # of the shortest period: the longest delay that is looked for, either way
 REACH_MOST = 0.1  # of the recording
 ROUNDS = 4
-POOR = 0.1  # of a signal's power: where noise or what is left has more, no delay is reported
+POOR = 0.1  # of a signal's power: where noise or what is left has more, no delay is claimed
 CLEAN = 2.0  # times the noise of the force: more is left where physics is missing too
-SEEN = 0.1  # of what a delay changes in a signal, that nothing else can make, for it to be reported
+SEEN = 0.1  # of what a delay changes in a signal, that nothing else can make, for it to be claimed
 CHANGES_LEAST = 20  # of a held channel, that show at which rate it changes
 SENSORS_MOST = 4  # held against the others one by one: each costs an estimate of the motion
 SHOWN = "nothing shows it closely enough to tell a delay"
 FEIGNED = "but the model lacks more than that, which may feign it"
 UNTOLD = "this motion tells no delay"
-JITTER = 0.01  # of a sample: times that are further from even are reported
+JITTER = 0.01  # of a sample: times that are further from even are mentioned
 
 
 @dataclass(frozen=True, slots=True)
 class Late:
     """By how much a ``channel`` shows or acts later than ``against`` says, s, one ``sd``; None
-    where the recording cannot tell; ``reason`` says why it is not ``reported``."""
+    where the recording cannot tell; ``reason`` says why it is not ``claimed``."""
 
     channel: str
     against: str
     delay: float | None
     sd: float
-    reported: bool
+    claimed: bool
     reason: str = ""
 
     @property
@@ -64,7 +64,7 @@ class Late:
         if self.reason:
             way = "late" if self.delay > 0 else "early"
             return f"{self.channel} against {self.against}: {amount} {way} fits best, {self.reason}"
-        if not self.reported:
+        if not self.claimed:
             return f"{self.channel} against {self.against}: no delay ({amount})"
         return f"{self.channel} is {amount} {'late' if self.delay > 0 else 'early'} against " + (
             self.against
@@ -270,5 +270,5 @@ def _late(
         return Late(channel, against, None, sd, False, "no delay within reach fits")
     if float(np.sqrt(np.mean(left**2))) > CLEAN * noise:
         return Late(channel, against, delay, sd, False, FEIGNED)
-    reported = abs(delay) > SURE * sd and abs(delay) > SAMPLES_LATE * step
-    return Late(channel, against, delay, sd, reported)
+    claimed = abs(delay) > SURE * sd and abs(delay) > SAMPLES_LATE * step
+    return Late(channel, against, delay, sd, claimed)

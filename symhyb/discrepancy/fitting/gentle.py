@@ -11,10 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symhyb.discrepancy.recorded.windows import Cut
+from symhyb.discrepancy.recorded.windows import Cut, rates_of
 from symhyb.model.vocabulary import KINDS
 from symhyb.numeric.kernels.buffers import Array
-from symhyb.numeric.kernels.vector import along
 from symhyb.numeric.lowered.machine import Machine
 
 SHARE = 1e-2  # of the largest rate at the place, over which friction turns over
@@ -48,10 +47,5 @@ def gentle(machine: Machine, cuts: Sequence[Cut], p: Array) -> Gentle | None:
 
 def _fastest(machine: Machine, cuts: Sequence[Cut], element: int) -> float:
     """The largest rate at the place of an element along the measured motion, SI; 0 at a point."""
-    fastest = 0.0
-    for item in cuts:
-        motion = item.source[1]
-        given = motion.q, motion.v, motion.t, machine.values
-        _, rates, _ = along(machine.pathways, given, (3,), motion.t.size)
-        fastest = max(fastest, float(np.max(np.abs(np.nan_to_num(rates[:, element])))))
-    return fastest
+    rates = [rates_of(machine, item.source[1])[0][:, element] for item in cuts]
+    return max(float(np.abs(np.nan_to_num(rate)).max()) for rate in rates)

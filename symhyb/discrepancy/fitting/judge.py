@@ -39,8 +39,8 @@ def judge(
     (default: 20 of those periods).
     """
     unseen, seen = several(on), several(train)
-    reported = seen or unseen
-    machines = build(as_sampled(model, reported)), build(as_sampled(corrected, reported))
+    used = seen or unseen
+    machines = build(as_sampled(model, used)), build(as_sampled(corrected, used))
     runs = {"train": _runs(machines[0], seen), "holdout": _runs(machines[0], unseen)}
     period = min(
         (float(run.motion.periods().min()) for group in runs.values() for run in group), default=1.0

@@ -180,11 +180,11 @@ class Hypothesis:
     def probes(self, model: Model, name: str) -> tuple[Element, ...]:
         """One element a term: this term 1, the others 0, the shape as set."""
         result = []
-        reported_apart = self._read.probes if self.variant else {}
+        apart = self._read.probes if self.variant else {}
         for i, term in enumerate(self.terms):
             called = f"{name}_{term}"
             unit = [float(i == j) for j in range(len(self.terms))]
-            values = reported_apart.get(term) or self.values(unit)
+            values = apart.get(term) or self.values(unit)
             result.append(self.element(model, called, values))
         return tuple(result)
 

@@ -77,8 +77,8 @@ def locate(
                 for i, force in enumerate(acting)
             ]
         active = _activity(seen.cuts, motions, acting)
-        reported = _occurrence(seen, index, corners, values, placed, change)
-        result.append(PlaceShare(place, share, active, reported))
+        occurrence = _occurrence(seen, index, corners, values, placed, change)
+        result.append(PlaceShare(place, share, active, occurrence))
     return tuple(sorted(result, key=lambda item: -(item.explained or 0.0)))
 
 

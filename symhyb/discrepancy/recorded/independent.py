@@ -108,6 +108,6 @@ def placed_with(machine: Machine, q: Array, t: Array, shown: Array) -> Array:
     placed = np.zeros(machine.n)
     for both in np.concatenate([shown[rows], slope], axis=1):
         scaled = both / np.maximum(np.linalg.norm(both, axis=1, keepdims=True), 1e-300)
-        reported = np.linalg.pinv(scaled, rcond=1e-6) @ scaled
-        placed = np.maximum(placed, np.diag(reported) > 1 - 1e-6)
+        resolved = np.linalg.pinv(scaled, rcond=1e-6) @ scaled
+        placed = np.maximum(placed, np.diag(resolved) > 1 - 1e-6)
     return placed

@@ -278,7 +278,7 @@ def _fit(
     first: Array | Independent | None = None,
 ) -> _Fit:
     """Splines fitted to measurements, from the declared start or from places ``first`` (N, n); of
-    the independent coordinates alone where these are reported."""
+    the independent coordinates alone where these are known."""
     basis = spline_basis(t, spacing)
     few = first if isinstance(first, Independent) else None
     n, size = machine.n if few is None else len(few.chosen), basis[0].shape[1]

@@ -98,9 +98,9 @@ def too_poor(runs: Sequence[Run], sensors: Sequence[str]) -> str:
 
 def with_noise(runs: Sequence[Run], sd: Array, model: WindowModel) -> tuple[Run, ...]:
     """The runs with this noise (m,), SI, and as many integration steps as it asks for."""
-    reported = [replace(run, sd=sd) for run in runs]
-    reported = [replace(run, steps=_steps_needed(model, run)) for run in reported]
-    return tuple(replace(run, fine=_fine_needed(model.machine, run)) for run in reported)
+    known = [replace(run, sd=sd) for run in runs]
+    stepped = [replace(run, steps=_steps_needed(model, run)) for run in known]
+    return tuple(replace(run, fine=_fine_needed(model.machine, run)) for run in stepped)
 
 
 def _steps_needed(model: WindowModel, run: Run) -> int:

@@ -21,7 +21,7 @@ def as_sampled(model: Model, recordings: Sequence[Recording]) -> Model:
 
 
 def _looks(item: Input, recordings: Sequence[Recording]) -> str:
-    reported = [(r.t, r.inputs[item.name]) for r in recordings if item.name in r.inputs]
-    varying = [(t, values) for t, values in reported if np.ptp(values) > 0]
+    recorded = [(r.t, r.inputs[item.name]) for r in recordings if item.name in r.inputs]
+    varying = [(t, values) for t, values in recorded if np.ptp(values) > 0]
     smooth = bool(varying) and all(looks_smooth(t, values) for t, values in varying)
     return "smooth" if smooth else "line"

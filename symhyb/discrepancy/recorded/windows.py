@@ -145,8 +145,8 @@ def lay(
     """Lay windows of ``length_s`` seconds without overlap; every third one validates.
 
     Windows that straddle a gap in time or miss more samples than others are left out. ``substeps``
-    (N − 1,) are the integration steps between the samples of the recording, default one, until the
-    windows are suited to a machine. Returns
+    (N − 1,) are the integration steps between the samples of the recording, default one, until
+    the windows are suited to a machine. Returns
     None if the recording holds no window.
     """
     step = float(np.median(np.diff(recording.t)))
@@ -217,7 +217,16 @@ def _settled(motion: Motion, step: float) -> int:
     return end if bool((size[:end] > SWUNG * size[end:-end].max(axis=0)).any()) else 0
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=16)
+def rates_of(machine: Machine, motion: Motion) -> tuple[Array, Array]:
+    """The rate at the place of every element (N, E) along a motion, NaN at points, and one standard
+    deviation of it (E,), SI."""
+    given = motion.q, motion.v, motion.t, machine.values
+    _, rates, directions = along(machine.pathways, given, (3,), motion.t.size)
+    ways = directions.reshape(motion.t.size, -1, machine.n)
+    return rates, np.sqrt(np.mean((ways * motion.v_sd) ** 2, axis=0).sum(axis=1))
+
+
 def turning(machine: Machine, motion: Motion) -> NDArray[np.bool_]:
     """Intervals between samples (N − 1,) near a reversal or a rest of a place where the machine has
     a steep law. A place is not a coordinate: friction in a strut between two masses turns over
@@ -226,13 +235,9 @@ def turning(machine: Machine, motion: Motion) -> NDArray[np.bool_]:
     sharp = [i for i, element in enumerate(elements) if KINDS[element.kind].steep]
     if not sharp:
         return np.zeros(motion.t.size - 1, bool)
-    given = motion.q, motion.v, motion.t, machine.values
-    _, rates, directions = along(machine.pathways, given, (3,), motion.t.size)
-    rates = rates[:, sharp]
-    ways = directions.reshape(motion.t.size, -1, machine.n)[:, sharp]
-    sd = np.sqrt(np.mean((ways * motion.v_sd) ** 2, axis=0).sum(axis=1))
-    if np.isnan(rates).all(axis=0).any():  # at a point the place has no one direction
-        known = ~np.isnan(rates).all(axis=0)
+    rates, sd = (part[..., sharp] for part in rates_of(machine, motion))
+    known = ~np.isnan(rates).all(axis=0)
+    if not known.all():  # at a point the place has no one direction
         rates = np.concatenate([rates[:, known], motion.v], axis=1)
         sd = np.concatenate([sd[known], motion.v_sd])
     return reversals(rates, sd)

@@ -27,15 +27,15 @@ COLUMNS_MOST = 1000  # their buffers are on the stack, and that of a thread may 
 
 @lru_cache(maxsize=1)
 def processor() -> str:
-    """What *native* means on this machine; empty where it cannot be reported."""
+    """What *native* means on this machine; empty where it cannot be known."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     except OSError:
         return ""
-    reported = [
+    traits = [
         line for line in lines if line.startswith(("model name", "flags", "Features", "CPU "))
     ]
-    return hashlib.sha256("\n".join(sorted(set(reported))).encode()).hexdigest() if reported else ""
+    return hashlib.sha256("\n".join(sorted(set(traits))).encode()).hexdigest() if traits else ""
 
 
 @lru_cache(maxsize=1)

@@ -83,7 +83,7 @@ def assembled(model: Model) -> Model:
     if before is not None and np.array_equal(q, q_closed) and np.array_equal(v, v_closed):
         return model
     left_out, notes = _repeated(gaps, q_closed)
-    _require_reported(model, left_out)
+    _require_shown(model, left_out)
     moves = _moves(model, q_closed, v_closed)
     rows = tuple(label for label in gaps.labels if label not in left_out)
     found = Assembly(
@@ -92,7 +92,7 @@ def assembled(model: Model) -> Model:
     return replace(model, assembly=found)
 
 
-def _require_reported(model: Model, left_out: Sequence[str]) -> None:
+def _require_shown(model: Model, left_out: Sequence[str]) -> None:
     """No sensor may show the reaction of a constraint that repeats others: any share of the load
     may go through it."""
     problems = [

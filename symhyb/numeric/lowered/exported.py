@@ -114,8 +114,8 @@ def export_elements(model: Model, names: Sequence[str], events: bool = False) ->
     rows = [i for i in range(machine.n) if not forces[i].is_zero()]
     rates, rest = parts.inner[memory], parts.rest[memory]
     y = ca.vertcat(forces[rows], *(hole.trust() for hole in holes))
-    reported = [] if modes is None else [modes.that_matter(ca.vertcat(y, rates)).arguments]
-    drawn = ca.vertcat(y, rates, rest, *(hole.inputs for hole in holes), *reported)
+    deciding = [] if modes is None else [modes.that_matter(ca.vertcat(y, rates)).arguments]
+    drawn = ca.vertcat(y, rates, rest, *(hole.inputs for hole in holes), *deciding)
     coordinates, recorded = _names(model)
     where = [("q", parts.q, coordinates), ("v", parts.v, coordinates), ("u", parts.u, recorded)]
     inputs, pieces, starts = _used(where, drawn, _starts(machine))
@@ -309,7 +309,7 @@ def _exported(
         machine.model,
         states,
         inputs,
-        (*outputs, *calm.reported),
+        (*outputs, *calm.deciding),
         (*names, *calm.names),
         rest.numel(),
         made["value"],

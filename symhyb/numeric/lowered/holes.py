@@ -40,7 +40,7 @@ class Hole:
 class Parts:
     """Symbols of a model, on them the generalized ``forces`` (n, E) of its elements with a hole for
     each network, the rates of the inner states and their values at rest; where modes are wanted,
-    these (M, 1) and the ``arguments`` (M, 1) by which they are reported. SI."""
+    these (M, 1) and the ``arguments`` (M, 1) that decide them. SI."""
 
     q: ca.SX
     v: ca.SX
@@ -99,8 +99,8 @@ def _opened(model: Model, modes: bool) -> Parts:
 
     fills = {e.name: catching(e.name, e.network) for e in model.elements if e.network is not None}
     equations = derive(model)
-    reported = banded(model, equations) if modes else equations
-    low = Lowered(reported, fills)
+    written = banded(model, equations) if modes else equations
+    low = Lowered(written, fills)
     forces = ca.densify(ca.horzcat(*low.forces))
     k = len(model.inputs)
     return Parts(
@@ -115,7 +115,7 @@ def _opened(model: Model, modes: bool) -> Parts:
         ca.densify(low.rest),
         tuple(holes.values()),
         low.u[k:, 0],
-        low.column(reported.outputs[len(equations.outputs) :]),
+        low.column(written.outputs[len(equations.outputs) :]),
     )
 
 

@@ -217,11 +217,11 @@ def _lowered(model: Model, opening: Opening = "closed") -> dict[str, ca.Function
         return ca.Function(name, arguments, dense, labels, made, {"cse": True})
 
     here, moving = [q, v, z, u, t, p], [q, v, a, z, u, t, p]
-    reported = {"input_matrix": function("input_matrix", [q, v, t, p], [slope])} if linear else {}
+    optional = {"input_matrix": function("input_matrix", [q, v, t, p], [slope])} if linear else {}
     if loops is not None:
-        reported |= lowered_closure(low, loops)
-        reported["shared"] = function("shared", [q, t, p], [-ca.jacobian(lacking, w)])
-    return reported | {
+        optional |= lowered_closure(low, loops)
+        optional["shared"] = function("shared", [q, t, p], [-ca.jacobian(lacking, w)])
+    return optional | {
         "M": function("M", [q, t, p], [mass], "q t p"),
         "k_c": function("k_c", [q, v, t, p], [k_c], "q v t p"),
         "k_e": function("k_e", here, [k_e], "q v z u t p"),

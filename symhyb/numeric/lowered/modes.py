@@ -1,7 +1,7 @@
 """Laws that jump, made ready for solvers that know no jumps: smoothed, or in one mode at a time.
 
 A mode is a number that stays while a solver integrates; indicators tell when it has to change.
-With the argument a by which a mode is reported, and a play h about its limits against chatter:
+With the argument a that decides a mode, and a play h about its limits against chatter:
 
     3 modes   a = x/w of a jump sgn x over the half width w      sgn x -> m + (1 − m²)·a
 
@@ -39,7 +39,7 @@ class Modes:
     ways: tuple[int, ...] = ()
 
     def that_matter(self, results: ca.SX) -> "Modes":
-        """Those that ``results`` depend on, and those that these are reported by."""
+        """Those that ``results`` depend on, and those that decide these."""
         seen = results
         while True:
             flags = ca.sum1(ca.DM(ca.jacobian_sparsity(seen, self.symbols), 1)).full().reshape(-1)
@@ -75,7 +75,7 @@ class Modes:
 @dataclass(frozen=True, slots=True, eq=False)
 class Calmed:
     """``rates`` and ``y`` without a jump, indicators behind the latter; ``more`` parameters that
-    they depend on, with ``names`` (kind, name) and ``values``; what is ``reported`` by indicators
+    they depend on, with ``names`` (kind, name) and ``values``; the ``deciding`` outputs
     and in how many ``ways`` each mode, the last parameters, can be."""
 
     rates: ca.SX
@@ -83,7 +83,7 @@ class Calmed:
     more: ca.SX
     names: Names = ()
     values: tuple[float, ...] = ()
-    reported: Names = ()
+    deciding: Names = ()
     ways: tuple[int, ...] = ()
 
 
@@ -134,18 +134,18 @@ def _in_modes(
     steps = program(function)
     if steps is None:
         raise TypeError("laws that are to be in modes are made of scalar operations")
-    symbols, reported = list[ca.SX](), list[ca.SX]()
+    symbols, deciding = list[ca.SX](), list[ca.SX]()
 
     def banded(x: ca.SX) -> ca.SX:
         symbols.append(ca.SX.sym(f"m{len(symbols)}"))
-        reported.append(x / ca.fmax(width, NARROWEST))
-        return symbols[-1] + (1 - symbols[-1] ** 2) * reported[-1]
+        deciding.append(x / ca.fmax(width, NARROWEST))
+        return symbols[-1] + (1 - symbols[-1] ** 2) * deciding[-1]
 
     *results, before = _rewritten(steps, arguments, banded)
     names = tuple(f"sign[{i + 1}]" for i in range(len(symbols)))
     return results, Modes(
         ca.vertcat(known.symbols, *symbols),
-        ca.vertcat(before, *reported),
+        ca.vertcat(before, *deciding),
         (*known.names, *names),
         (*known.ways, *(3 for _ in names)),
     )

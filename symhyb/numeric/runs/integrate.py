@@ -332,7 +332,7 @@ def _observe(
     still = np.zeros(form.machine.n)
     y, a = along(form.outputs(), (x, d, t, values, still), repeated=(3, 4), samples=total)
     z = x[:, 2 * len(form.free) :]
-    return Trajectory(t, q, v, a, y, z, _reported(form.machine, q, reason), method)
+    return Trajectory(t, q, v, a, y, z, _ending(form.machine, q, reason), method)
 
 
 def drive_at(form: StateForm, scenario: Scenario) -> Array:
@@ -341,7 +341,7 @@ def drive_at(form: StateForm, scenario: Scenario) -> Array:
     return on_lines(scenario.t_u, _drive(form, scenario), scenario.t)
 
 
-def _reported(machine: Machine, q: Array, reason: str) -> str:
+def _ending(machine: Machine, q: Array, reason: str) -> str:
     """Why a run ended, with the gimbal lock that it ran into, if it did: the last row of q (N, n)
     that was computed may lie a little before it."""
     last = np.flatnonzero(np.isfinite(q).all(axis=1))[-1:]

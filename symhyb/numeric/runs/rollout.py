@@ -337,6 +337,6 @@ def _pushed(function: ca.Function) -> ca.Function:
     moves = [ca.SX.sym("move", symbol.numel()) for symbol in (x, d, p)]
     result = function(x, d, t, p)
     change = ca.densify(ca.jtimes(result, ca.vertcat(x, d, p), ca.vertcat(*moves)))
-    reported = ca.vertcat(result, change) if function.name() == "field" else change
+    results = ca.vertcat(result, change) if function.name() == "field" else change
     both = [ca.vertcat(*pair) for pair in zip((x, d, p), moves, strict=True)]
-    return ca.Function("pushed", [both[0], both[1], t, both[2]], [reported], {"cse": True})
+    return ca.Function("pushed", [both[0], both[1], t, both[2]], [results], {"cse": True})
