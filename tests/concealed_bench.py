@@ -33,6 +33,7 @@ NAMES = (
     "run",
     "peer_library",
     "peer_motion",
+    "peer_stepwise",
     "peer_regression",
     "peers",
     "peer_tuning",

@@ -105,6 +105,37 @@ def test_a_packed_regression_is_that_of_all_rows(study: Study) -> None:
     assert spread[[0, 2]] == pytest.approx(np.sqrt(np.diag(cov)), rel=0.02)
 
 
+def recorded(study: Study, name: str, effects: tuple[Any, ...], seed: int) -> Any:
+    """What a stepwise fit sees: the exact motion with 0.5 % of white noise."""
+    system, _, e = exact(study, name, effects, seed)
+    random = np.random.default_rng(seed + 1)
+    noise = 5e-3 * np.sqrt(np.mean(e.q**2, axis=1, keepdims=True))
+    q = e.q + noise * random.standard_normal(e.q.shape)
+    cell = None
+    if system.imposed:
+        q, level = e.q, 5e-3 * np.sqrt(np.mean(e.cell**2))
+        cell = e.cell + level * random.standard_normal(e.cell.shape)
+    return study["peer_motion"].Recorded(system, e.t, e.u, q, None, cell)
+
+
+@pytest.mark.parametrize(
+    ("name", "kind", "key", "size"),
+    [("duffing", "drag", "drag", 8.0), ("rig", "friction", "coulomb", 6.0)],
+)
+def test_the_stepwise_fit_finds_one_clear_term(
+    study: Study, name: str, kind: str, key: str, size: float
+) -> None:
+    effect = study["laws"].Effect(kind, "x", {key: size})
+    said = study["peer_stepwise"].stepwise(recorded(study, name, (effect,), 3))["diagnosis"]
+    first = next(found for found in said["found"] if found["kind"] == kind)
+    assert first["parameters"][key]["value"] == pytest.approx(size, rel=0.1)
+
+
+def test_the_stepwise_fit_leaves_a_whole_model_alone(study: Study) -> None:
+    said = study["peer_stepwise"].stepwise(recorded(study, "oscillator", (), 5))["diagnosis"]
+    assert (said["verdict"], said["found"], said["parameters"]) == ("nothing missing", [], [])
+
+
 def test_claims_of_peers_are_scored_like_all_others(study: Study) -> None:
     library, peer = study["peer_library"], study["score"].score_peer
     terms = list(library._plain("x", True))
