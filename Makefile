@@ -12,7 +12,7 @@ export PIP_NO_INPUT := 1
 export OMP_NUM_THREADS := 1
 export OPENBLAS_NUM_THREADS := 1
 
-.PHONY: test demo slow windows masters lint types layers docs all install clean
+.PHONY: test demo slow fuzz windows masters lint types layers docs all install clean
 
 test: $(READY)
 	$(BIN)/python -m pytest -q -n 2
@@ -22,6 +22,11 @@ demo: $(READY)
 
 slow: $(READY)
 	$(BIN)/python -m pytest -q -n 2 -m slow
+
+# 20 000 inputs made to hurt for every reader; make fuzz COUNT=1000000 takes a night
+COUNT ?= 20000
+fuzz: $(READY)
+	$(BIN)/python studies/reliability/fuzz.py --count $(COUNT)
 
 # needs mingw and wine
 windows: $(READY)

@@ -293,12 +293,18 @@ def diff(
 def run(
     study: Annotated[Path, typer.Argument(metavar="STUDY", help="Study file.")],
     output: Folder,
+    within: Annotated[
+        list[Path] | None,
+        typer.Option(metavar="FOLDER", help="Folder that the study may name files of. Repeat it."),
+    ] = None,
 ) -> None:
     """Run a study: a diagnosis with a manifest.
 
     Leaves the files of diagnose and manifest.json (hashes, versions, duration) in DIR. Where
     expected.json lies beside the study, what came out is held against it; a failed expectation
-    ends with exit status 1, otherwise the status is that of the diagnosis.
+    ends with exit status 1, otherwise the status is that of the diagnosis. A study names files of
+    its own folder, of its project (the nearest folder above it with .git or pyproject.toml), and
+    of the folders that --within allows.
 
     \b
     Example:
@@ -308,7 +314,7 @@ def run(
     from symhyb.study import run_study
 
     with progress() as say:
-        result = run_study(study, output, say)
+        result = run_study(study, output, say, within or ())
     print_result(result, output)
     if result.checks:
         print_checks(result.checks)

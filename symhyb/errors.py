@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from unicodedata import category
 
+PLACE_MOST, TEXT_MOST = 200, 1000  # letters of a problem that are shown
+
 # what turns the direction of writing: text that reads otherwise than it is
 TURNING = frozenset("\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
 
@@ -30,7 +32,8 @@ class Problem:
 
     def __str__(self) -> str:
         where = self.file + (f":{self.line}" if self.line else "")
-        return visible(": ".join(part for part in (where, self.place, self.text) if part))
+        parts = (where, _cut(self.place, PLACE_MOST), _cut(self.text, TEXT_MOST))
+        return visible(": ".join(part for part in parts if part))
 
 
 class SymhybError(Exception):
@@ -69,6 +72,10 @@ def visible(text: str) -> str:
     """Text that a terminal shows and does not obey: what is no letter of a text stands by its
     number (``\\u001b``)."""
     return "".join(letter if is_text(letter) else f"\\u{ord(letter):04x}" for letter in text)
+
+
+def _cut(text: str, most: int) -> str:
+    return text if len(text) <= most else text[: most - 1] + "…"
 
 
 def did_you_mean(name: str, known: Sequence[str]) -> str:

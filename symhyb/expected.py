@@ -21,11 +21,11 @@ import json
 import os
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any, get_args
 
 from symhyb.discrepancy.results import VerdictName
 from symhyb.errors import InputError, Problem, did_you_mean
+from symhyb.limits import text_of
 from symhyb.model.tables import Fault, Table, describe
 from symhyb.published import Published, read_published
 
@@ -72,9 +72,9 @@ def read_expected(path: str | os.PathLike[str]) -> Expected:
         InputError: every problem of the file.
     """
     try:
-        content = json.loads(Path(path).read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise InputError(Problem(f"cannot be read: {error}", file=str(path))) from None
+        content = json.loads(text_of(path))
+    except (ValueError, RecursionError) as error:
+        raise InputError(Problem(f"is no JSON: {error}", file=str(path))) from None
     faults: list[Fault] = []
     if not isinstance(content, dict):
         raise InputError(Problem("must be a mapping in braces", file=str(path)))

@@ -11,6 +11,7 @@ from symhyb.discrepancy.recorded.motion import given_motion
 from symhyb.discrepancy.recorded.sampling import as_sampled
 from symhyb.discrepancy.recorded.signals import driving
 from symhyb.errors import InputError, NumericsError, Problem
+from symhyb.limits import RUN_ROWS
 from symhyb.model.expression import Name, parse_expression
 from symhyb.model.types import Model, Sensor
 from symhyb.numeric.kernels.buffers import Array, held_at, on_line, on_lines
@@ -19,7 +20,6 @@ from symhyb.numeric.runs.integrate import Trajectory, simulate
 from symhyb.numeric.runs.scenario import Scenario
 from symhyb.units import parse_unit
 
-MOST_ROWS = 5_000_000
 _CLOCK = Sensor("t", parse_expression("t"), parse_unit("s"))
 
 
@@ -164,7 +164,7 @@ def _times(model: Model, driven: Recording | None, end: float | None, step: floa
     if not np.isfinite(step) or not 0 < step <= last - first:
         length = f"the {last - first:g} s of the simulation"
         raise InputError(Problem(f"a step of {step:g} s does not fit into {length}"))
-    if (last - first) / step > MOST_ROWS:
-        raise InputError(Problem(f"a step of {step:g} s makes more than {MOST_ROWS:,} rows"))
+    if (last - first) / step > RUN_ROWS:
+        raise InputError(Problem(f"a step of {step:g} s makes more than {RUN_ROWS:,} rows"))
     rows = int((last - first) / step + 1e-6) + 1
     return first + step * np.arange(rows, dtype=np.float64)

@@ -81,15 +81,19 @@ class StudyResult:
 
 
 def run_study(
-    path: str | os.PathLike[str], directory: str | os.PathLike[str], say: Say | None = None
+    path: str | os.PathLike[str],
+    directory: str | os.PathLike[str],
+    say: Say | None = None,
+    within: Sequence[str | os.PathLike[str]] = (),
 ) -> StudyResult:
-    """Run the study that a file states, and leave its files in ``directory``.
+    """Run the study that a file states, and leave its files in ``directory``. Model and recordings
+    may lie in the folder of the study, in its project, and in the folders ``within``.
 
     Raises:
         InputError: the study, its model or a recording is wrong, or nothing can be written.
         NumericsError: the numerics failed; nothing is written.
     """
-    study = read_study(path)
+    study = read_study(path, within)
     beside = Path(path).with_name("expected.json")
     expected = read_expected(beside) if beside.is_file() else Expected()
     require_folder(directory)

@@ -26,7 +26,7 @@ force_band_hz = 60
 import os
 import re
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice, takewhile
 from pathlib import Path
@@ -35,8 +35,10 @@ from symhyb.data.catalogue import named, unknown
 from symhyb.data.formats import split_part
 from symhyb.data.rows import Span
 from symhyb.errors import InputError, Problem, did_you_mean
+from symhyb.limits import text_of
 from symhyb.model.source import scan
 from symhyb.model.tables import Fault, Table, describe
+from symhyb.study_folders import Folders, folders_of
 
 FORMAT = 1
 """The version of the study file that is read."""
@@ -94,14 +96,17 @@ class Study:
         return {**(self.columns or {}), **dict(source.columns)}
 
 
-def read_study(path: str | os.PathLike[str]) -> Study:
-    """Read and check a study file; model and recordings are looked for, but not read yet.
+def read_study(
+    path: str | os.PathLike[str], within: Sequence[str | os.PathLike[str]] = ()
+) -> Study:
+    """Read and check a study file; model and recordings are looked for, but not read yet. They may
+    lie in the folder of the study, in its project, and in the folders ``within``.
 
     Raises:
         InputError: every problem of the file, each with file, line and dotted name.
     """
     file = Path(path)
-    text = _text(file)
+    text = text_of(file)
     try:
         document = tomllib.loads(text)
     except (ValueError, RecursionError) as error:
@@ -109,23 +114,10 @@ def read_study(path: str | os.PathLike[str]) -> Study:
     faults: list[Fault] = []
     root = Table((), document, faults).checked(SECTIONS)
     _check_format(root)
-    study = _study(root, file)
+    study = _study(root, file, folders_of(file, within))
     if faults:
         raise InputError(sorted(_problems(faults, text, file), key=lambda problem: problem.line))
     return study
-
-
-def _text(file: Path) -> str:
-    try:
-        text = file.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError:
-        raise InputError(Problem("is not UTF-8 text", file=str(file))) from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(Problem(f"cannot be read: {reason}", file=str(file))) from None
-    if not text.strip():
-        raise InputError(Problem("the file is empty", file=str(file)))
-    return text
 
 
 def _check_format(root: Table) -> None:
@@ -136,7 +128,7 @@ def _check_format(root: Table) -> None:
         root.fault(f"must be the number {FORMAT}, not {describe(version)}", "symhyb")
 
 
-def _study(root: Table, file: Path) -> Study:
+def _study(root: Table, file: Path, folders: Folders) -> Study:
     score = root.table("score") or Table((), {}, root.faults)
     score = score.checked(("window_s", "force_band_hz"))
     finish = root.table("finish") or Table((), {}, root.faults)
@@ -145,9 +137,9 @@ def _study(root: Table, file: Path) -> Study:
     if not root.entries.get("train") and root.lacks("train"):
         root.fault("[[train]] is missing: name at least one recording to learn from")
     return Study(
-        model=_file(root, "model", name, file) or Path(),
-        train=tuple(_sources(root, "train", file)),
-        holdout=tuple(_sources(root, "holdout", file)),
+        model=_file(root, "model", name, folders) or Path(),
+        train=tuple(_sources(root, "train", folders)),
+        holdout=tuple(_sources(root, "holdout", folders)),
         columns=_map(root),
         title=root.text("title") or "",
         about=root.about(),
@@ -184,7 +176,7 @@ def _own(root: Table) -> tuple[str, ...]:
     return tuple(listed)
 
 
-def _sources(root: Table, key: str, study: Path) -> Iterator[Source]:
+def _sources(root: Table, key: str, folders: Folders) -> Iterator[Source]:
     """Read the recordings under ``[[train]]`` or ``[[holdout]]``."""
     listed = root.entries.get(key, [])
     if not isinstance(listed, list) or not all(isinstance(entry, dict) for entry in listed):
@@ -201,19 +193,16 @@ def _sources(root: Table, key: str, study: Path) -> Iterator[Source]:
         if data:
             _check_data(table, data)
         own = tuple((_map(table) or {}).items())
-        yield Source(_file(table, "file", file, study), data, _span(table), own)
+        yield Source(_file(table, "file", file, folders), data, _span(table), own)
 
 
-def _file(table: Table, key: str, name: str | None, study: Path) -> Path | None:
-    """Return the path that a name in the study file means, and see whether there is such a file."""
-    if name is None:
+def _file(table: Table, key: str, name: str | None, folders: Folders) -> Path | None:
+    """Return the path that a name in the study file means, if there is such a file."""
+    try:
+        return None if name is None else folders.path(name)
+    except ValueError as error:
+        table.fault(str(error), key)
         return None
-    path = Path(os.path.normpath(study.parent / name))
-    if not split_part(path)[0].is_file():
-        beside = path.parent.iterdir() if path.parent.is_dir() else ()
-        near = did_you_mean(path.name, sorted(other.name for other in beside))
-        table.fault(f"there is no file '{name}'{near}", key)
-    return path
 
 
 def _check_data(table: Table, data: str) -> None:
@@ -231,15 +220,15 @@ def _check_data(table: Table, data: str) -> None:
 
 
 def _span(table: Table) -> Span:
-    match table.entries.get("span"):
-        case None:
-            return (None, None)
-        case [int() | float() as start, int() | float() as end] if start < end:
-            return (float(start), float(end))
-        case value:
-            said = value if isinstance(value, list) else describe(value)
-            table.fault(f"must be [start, end] in s, the start first, not {said}", "span")
-            return (None, None)
+    value = table.entries.get("span")
+    if value is None:
+        return (None, None)
+    pair = table.numbers(value, "span", 2, "[start, end] in s, the start first")
+    if pair is None:
+        return (None, None)
+    if pair[0] >= pair[1]:
+        table.fault(f"must be [start, end] in s, the start first, not {value}", "span")
+    return (pair[0], pair[1])
 
 
 def _positive(table: Table, key: str) -> float | None:

@@ -13,6 +13,7 @@ from functools import lru_cache
 from typing import Any
 
 from symhyb.errors import did_you_mean
+from symhyb.limits import UNIT_LETTERS
 
 DIMENSIONS = (
     "[length]",
@@ -153,7 +154,7 @@ def parse_unit(text: str) -> Unit:
     Raises:
         UnitError: an unknown name, a wrong sign, or a scale with an offset.
     """
-    if len(text) > 100:
+    if len(text) > UNIT_LETTERS:
         raise UnitError(f"'{text[:40]}…' is too long for a unit")
     result = ONE
     atoms = _atoms(text)

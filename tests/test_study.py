@@ -19,6 +19,7 @@ from symhyb.discrepancy.results import Alternative, Diagnosis, Estimate, Measure
 from symhyb.errors import InputError, NumericsError
 from symhyb.expected import Expected, check, found_terms, read_expected
 from symhyb.model.read import read_model
+from symhyb.model.tables import shorten
 from symhyb.model.types import Between, On
 from symhyb.model.write import write_model
 from symhyb.published import Reference
@@ -238,8 +239,54 @@ def test_a_study_needs_recordings(write: Write, train: str, said: str) -> None:
 
 
 def test_a_study_that_is_not_there(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="cannot be read: No such file"):
+    with pytest.raises(InputError, match="there is no such file"):
         read_study(tmp_path / "study.toml")
+
+
+# --- which files a study may name ---------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "name", ["/etc/passwd", "../../../../../../../../etc/passwd", "../secret.csv", "link.csv"]
+)
+def test_a_study_names_no_file_outside_of_its_folder(
+    write: Write, tmp_path: Path, name: str
+) -> None:
+    (tmp_path / "secret.csv").write_text("t,x\n0,1\n")
+    path = write(STUDY.replace("a.csv", name))
+    (path.parent / "link.csv").symlink_to(tmp_path / "secret.csv")
+    (said,) = problems(path)
+    assert said.startswith("10: train[1].file: ")
+    assert f"'{shorten(name)}' lies outside of the study's folder and project" in said
+
+
+def test_what_lies_elsewhere_is_not_listed(write: Write, tmp_path: Path) -> None:
+    (tmp_path / "secret.csv").touch()
+    (said,) = problems(write(STUDY.replace("a.csv", "../secre.csv")))
+    assert "secret" not in said
+
+
+def test_a_study_may_name_files_of_its_project(write: Write, tmp_path: Path) -> None:
+    (tmp_path / "models.toml").touch()
+    path = write(STUDY.replace("model.toml", "../models.toml"))
+    assert "--within FOLDER" in problems(path)[0]
+    assert read_study(path, within=[tmp_path]).model == tmp_path / "models.toml"
+    (tmp_path / ".git").mkdir()
+    assert read_study(path).model == tmp_path / "models.toml"
+
+
+def test_the_home_folder_is_no_project(
+    write: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "pyproject.toml").touch()
+    (tmp_path / "models.toml").touch()
+    monkeypatch.setenv("HOME", str(tmp_path))
+    assert "outside" in problems(write(STUDY.replace("model.toml", "../models.toml")))[0]
+
+
+@pytest.mark.parametrize(("name", "said"), [("a" * 5000, "too long"), ("a\\u0000", "no name of")])
+def test_what_cannot_be_the_name_of_a_file(write: Write, name: str, said: str) -> None:
+    assert said in problems(write(STUDY.replace("a.csv", name)))[-1]
 
 
 def test_a_recording_may_have_entries_of_the_map_for_itself(write: Write) -> None:
@@ -453,7 +500,7 @@ def test_places_between_points_have_a_name() -> None:
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("{", "cannot be read"),
+        ("{", "is no JSON"),
         ("[]", "must be a mapping"),
         ('{"verdit": "x"}', "did you mean 'verdict'?"),
         ('{"found": {"x.c": {"value": 1}}}', "found.x.c: 'within' is missing"),
@@ -522,7 +569,8 @@ def test_a_study_passes_its_scores_on(
     text = (path / "study.toml").read_text() + "[score]\nwindow_s = 0.5\nforce_band_hz = 20\n"
     text = text.replace("../../models", str(ROOT / "models"))
     text = text.replace('"train.csv"', f'"{path / "train.csv"}"\nspan = [0, 10]')
-    result = run_study(write(text.replace('"holdout.csv"', f'"{path / "holdout.csv"}"')), tmp_path)
+    text = text.replace('"holdout.csv"', f'"{path / "holdout.csv"}"')
+    result = run_study(write(text), tmp_path, within=[ROOT])
     assert (asked["window_s"], asked["force_band_hz"]) == (0.5, 20.0)
     assert result.train[0].t[-1] == pytest.approx(10.0)
     assert result.checks == ()

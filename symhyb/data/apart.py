@@ -22,10 +22,13 @@ from numpy.typing import NDArray
 
 from symhyb.data.table import Column, Table, refusal
 from symhyb.errors import InputError, Problem
-
-MEMORY_FREE, MEMORY_TIMES = 1536 << 20, 16  # bytes of memory, and for each byte of the file
-SECONDS_FREE, BYTES_A_SECOND = 8, 200_000  # of a processor, and how fast a file is read at least
-WAITS = 4  # times the processor's seconds, by the clock
+from symhyb.limits import (
+    READER_BYTES_A_SECOND,
+    READER_MEMORY,
+    READER_MEMORY_EACH,
+    READER_SECONDS,
+    READER_WAITS,
+)
 
 _LENGTH = struct.Struct("<Q")  # of the header, before it
 _START = "from symhyb.data.apart import serve; serve()"
@@ -38,8 +41,8 @@ def read_apart(reader: Callable[[bytes, str], Table], content: bytes, file: str)
     Raises:
         InputError: what the reader says; or it crashed, or took more memory or time than it gets.
     """
-    seconds = SECONDS_FREE + len(content) // BYTES_A_SECOND
-    memory = MEMORY_FREE + MEMORY_TIMES * len(content)
+    seconds = READER_SECONDS + len(content) // READER_BYTES_A_SECOND
+    memory = READER_MEMORY + READER_MEMORY_EACH * len(content)
     order = [reader.__module__, reader.__name__, file, str(seconds), str(memory)]
     environment = {
         **os.environ,
@@ -53,11 +56,11 @@ def read_apart(reader: Callable[[bytes, str], Table], content: bytes, file: str)
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
             env=environment,
-            timeout=WAITS * seconds,
+            timeout=READER_WAITS * seconds,
             check=False,
         )
     except subprocess.TimeoutExpired:
-        raise refusal(file, _slow(WAITS * seconds)) from None
+        raise refusal(file, _slow(READER_WAITS * seconds)) from None
     if done.returncode:
         raise refusal(file, _ended(done.returncode, seconds))
     return _unpacked(done.stdout, file)

@@ -19,7 +19,8 @@ from symhyb.data.mdf_file import read_mdf
 from symhyb.data.parquet_file import read_parquet
 from symhyb.data.sheet_file import read_excel
 from symhyb.data.table import PART, Table, choose, following, refusal
-from symhyb.errors import did_you_mean
+from symhyb.errors import did_you_mean, visible
+from symhyb.limits import RECORDING_BYTES, content_of
 
 _READERS: Mapping[str, Callable[[bytes, str], Table]] = {
     ".csv": read_csv,
@@ -102,15 +103,26 @@ def _read(path: Path) -> Table:
     if suffix not in _READERS:
         known = ", ".join(_READERS)
         raise refusal(file, f"'{path.suffix}' is not a readable format; readable are {known}")
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise refusal(file, f"cannot be read: {error.strerror}") from error
+    content = content_of(path, RECORDING_BYTES)
     if not content.strip():
         raise refusal(file, "the file is empty")
     reader = _READERS[suffix]
     table = read_apart(reader, content, file) if suffix in _NATIVE else reader(content, file)
-    return replace(table, sha256=hashlib.sha256(content).hexdigest())
+    return replace(_named_visibly(table), sha256=hashlib.sha256(content).hexdigest())
+
+
+def _named_visibly(table: Table) -> Table:
+    """The table with names and notes that a terminal and a page show and do not obey."""
+    columns = tuple(
+        replace(
+            one,
+            header=visible(one.header),
+            part=visible(one.part),
+            inside=visible(one.inside),
+        )
+        for one in table.columns
+    )
+    return replace(table, columns=columns, notes=tuple(map(visible, table.notes)))
 
 
 def _near(path: Path) -> str:

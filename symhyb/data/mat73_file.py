@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 
 from symhyb.data.extras import needed
-from symhyb.data.nested import DEEPEST, Unfit, columns_of
+from symhyb.data.nested import Unfit, columns_of
 from symhyb.data.table import Table, refusal
+from symhyb.limits import STRUCTURES_DEEP, VARIABLE_NUMBERS
 
 _MAGIC = b"\x89HDF\r\n\x1a\n"
 _USER_BLOCK = 512  # bytes of MATLAB's own header before the HDF5 file begins
-_LARGEST = 200_000_000  # numbers in one variable: above that, a small file claims more than it has
 
 
 def is_newer(content: bytes) -> bool:
@@ -56,7 +56,7 @@ def _group(group: Any, archive: Any, h5py: Any, depth: int) -> dict[str, object]
 
 def _value(item: Any, archive: Any, h5py: Any, depth: int) -> object:
     """Read one variable, field or cell."""
-    if depth > DEEPEST:
+    if depth > STRUCTURES_DEEP:
         return Unfit("nested too deeply")
     if isinstance(item, h5py.Group):
         return _structure(item, archive, h5py, depth)
@@ -69,7 +69,7 @@ def _value(item: Any, archive: Any, h5py: Any, depth: int) -> object:
         return Unfit("text")
     if item.attrs.get("MATLAB_empty", 0) or item.size in (0, None):
         return Unfit("empty")
-    if item.size > _LARGEST:
+    if item.size > VARIABLE_NUMBERS:
         return Unfit("too large")
     if item.dtype.kind == "O":
         if h5py.check_ref_dtype(item.dtype) is None:

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symhyb.data.table import Column
+from symhyb.limits import STRUCTURES_DEEP
 
 WIDEST = 64  # columns of a matrix that are vectors; above that it is a map or a picture
-DEEPEST = 12  # structures within structures
 MOST_NOTES = 12
 
 
@@ -69,7 +69,7 @@ def columns_of(tree: Mapping[str, object]) -> tuple[tuple[Column, ...], tuple[st
 
 
 def _walk(value: object, spot: _Spot, depth: int) -> Iterator[Column | str]:
-    if depth > DEEPEST:
+    if depth > STRUCTURES_DEEP:
         yield f"variable {spot.full} is nested too deeply: left out"
     elif isinstance(value, Mapping):
         for key, item in value.items():

@@ -13,7 +13,7 @@ from symhyb.data.columns import map_columns
 from symhyb.data.formats import read_table
 from symhyb.data.inspection import input_notes, sampling_notes, sensor_notes
 from symhyb.data.rows import SHORTEST, Span, tidy, without_silent_sensors
-from symhyb.errors import InputError, Problem
+from symhyb.errors import InputError, Problem, visible
 from symhyb.model.types import Model
 
 
@@ -138,7 +138,7 @@ def read_recording(
         *sensor_notes(channels.t, channels.sensors, units),
     )
     noted = Channels(channels.t, channels.inputs, channels.sensors, notes)
-    return _recording(Path(path).name, noted, table.sha256)
+    return _recording(visible(Path(path).name), noted, table.sha256)
 
 
 def _recording(name: str, channels: Channels, sha256: str) -> Recording:

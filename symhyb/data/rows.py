@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from symhyb.data.channels import Channels, own_step, take
 from symhyb.data.table import Table
 from symhyb.errors import InputError, Problem
+from symhyb.limits import LASTING, VALUE
 
 SHORTEST = 20  # samples: below that no noise level can be measured
-LONGEST_S = 1e11  # 3000 years: no recording lasts as long
 LONGEST_HOLE = 3  # samples of an input that a straight line may bridge
 
 
@@ -89,14 +89,15 @@ def without_silent_sensors(channels: Channels) -> Channels:
 
 
 def finite_or_missing(channels: Channels) -> Channels:
-    """Write NaN for infinity, which is no measurement."""
+    """Write NaN for infinity and for what is as good as that: neither is a measurement."""
 
     def clean(values: NDArray[np.float64]) -> NDArray[np.float64]:
-        return np.where(np.isfinite(values), values, np.nan)
+        return np.where(np.abs(values) <= VALUE, values, np.nan)
 
     inputs = {name: clean(values) for name, values in channels.inputs.items()}
     sensors = {name: clean(values) for name, values in channels.sensors.items()}
-    return replace(channels, t=clean(channels.t), inputs=inputs, sensors=sensors)
+    t = np.where(np.isfinite(channels.t), channels.t, np.nan)  # how long it lasts is judged later
+    return replace(channels, t=t, inputs=inputs, sensors=sensors)
 
 
 def _between(
@@ -200,7 +201,7 @@ def check_time(t: NDArray[np.float64], rows: NDArray[np.intp], table: Table) -> 
         text = f"time is missing at {table.row(rows[missing[0]])}" + _more(missing.size)
         raise InputError(Problem(text, "t", table.file))
     first, last = (float(t.min()), float(t.max())) if t.size else (0.0, 0.0)
-    if last / 2 - first / 2 > LONGEST_S / 2:
+    if last / 2 - first / 2 > LASTING / 2:
         text = (
             f"time runs from {first:.9g} to {last:.9g} s, longer than any machine; check its unit"
         )

@@ -123,7 +123,9 @@ def _operation(operator: str, parts: list[sp.Expr]) -> sp.Expr:
         case "neg", [x]:
             return -x
         case name, _:
-            return _FUNCTIONS[name](*parts)
+            value = _FUNCTIONS[name](*parts)
+            plain = all(part.is_number for part in parts)
+            return sp.nan if plain and not value.is_real else value  # sqrt(-1) is no number here
     raise TypeError(f"not an operation: {operator}")
 
 

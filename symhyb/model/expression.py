@@ -15,6 +15,7 @@ from collections.abc import Mapping
 from functools import reduce
 
 from symhyb.errors import did_you_mean
+from symhyb.limits import EXPRESSION_DEPTH, EXPRESSION_LETTERS
 from symhyb.model.dimensions import unit_of
 from symhyb.model.trees import (
     FUNCTIONS,
@@ -34,9 +35,7 @@ from symhyb.model.trees import (
 )
 
 __all__ = [
-    "DEEPEST",
     "FUNCTIONS",
-    "LONGEST",
     "READINGS",
     "RESERVED",
     "Expression",
@@ -54,8 +53,6 @@ __all__ = [
     "unit_of",
 ]
 
-LONGEST = 2000
-DEEPEST = 60
 _ALIASES = {"sgn": "sign"}
 RESERVED = frozenset({"t", "pi", *FUNCTIONS, *_ALIASES, *keyword.kwlist})
 """Names that no coordinate, parameter or input may have."""
@@ -81,9 +78,9 @@ def parse_expression(text: str | float | int) -> Expression:
     if isinstance(text, (int, float)):
         size = Number(abs(_number(text).value))
         return Expression(repr(float(text)), size if text >= 0 else Operation("neg", (size,)))
-    if len(text) > LONGEST:
+    if len(text) > EXPRESSION_LETTERS:
         raise ExpressionError(
-            f"an expression of {len(text)} characters is too long (at most {LONGEST})"
+            f"an expression of {len(text)} characters is too long (at most {EXPRESSION_LETTERS})"
         )
     if not text.strip():
         raise ExpressionError("the expression is empty")
@@ -123,8 +120,10 @@ def _cure_of_syntax(text: str) -> str:
 
 def _convert(node: ast.expr, depth: int) -> Node:
     """Turn Python's tree into ours; whatever is not listed here is refused."""
-    if depth > DEEPEST:
-        raise ExpressionError(f"the expression is nested too deeply (at most {DEEPEST} levels)")
+    if depth > EXPRESSION_DEPTH:
+        raise ExpressionError(
+            f"the expression is nested too deeply (at most {EXPRESSION_DEPTH} levels)"
+        )
     match node:
         case ast.Constant(value=value):
             return _number(value)

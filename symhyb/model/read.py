@@ -11,6 +11,7 @@ from pathlib import Path as FilePath
 from typing import TypeVar
 
 from symhyb.errors import InputError, Problem, did_you_mean
+from symhyb.limits import text_of
 from symhyb.model.check import energy_unit, faults_of
 from symhyb.model.limits import read_limit
 from symhyb.model.read_bodies import read_body, read_point
@@ -22,9 +23,6 @@ from symhyb.model.source import Source, scan
 from symhyb.model.tables import Fault, Table, describe
 from symhyb.model.types import Coordinate, Energy, Input, Model, Parameter, Sensor
 from symhyb.units import ONE, Unit, parse_unit
-
-LARGEST = 1_000_000
-"""Bytes; a model file is written by hand."""
 
 SECTIONS = (
     "symhyb",
@@ -54,26 +52,7 @@ def read_model(path: str | FilePath) -> Model:
     Raises:
         InputError: every problem of the file, each with file, line and dotted name.
     """
-    file = str(path)
-    try:
-        with open(path, "rb") as stream:
-            data = stream.read(LARGEST + 1)
-    except FileNotFoundError:
-        raise InputError(Problem("there is no such file", file=file)) from None
-    except IsADirectoryError:
-        raise InputError(Problem("is a directory, not a model file", file=file)) from None
-    except (OSError, ValueError) as error:
-        raise InputError(Problem(f"cannot be read: {error}", file=file)) from None
-    if len(data) > LARGEST:
-        raise InputError(Problem("is larger than 1 MB; a model file is text", file=file))
-    try:
-        text = data.decode("utf-8")
-    except UnicodeDecodeError as error:
-        line = data[: error.start].count(b"\n") + 1
-        raise InputError(
-            Problem("is not UTF-8 text; save the file as UTF-8", file=file, line=line)
-        ) from None
-    return parse_model(text, file)
+    return parse_model(text_of(path, "utf-8"), str(path))
 
 
 def parse_model(text: str, file: str = "") -> Model:

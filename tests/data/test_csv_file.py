@@ -135,11 +135,11 @@ def test_a_suffix_in_capitals_is_the_same(write):
 
 
 def test_a_file_that_may_not_be_read(write, monkeypatch):
-    def forbidden(path):
+    def forbidden(path, mode):
         raise PermissionError(13, "Permission denied")
 
     path = write("run.csv", "t,x\n0,1\n")
-    monkeypatch.setattr("pathlib.Path.read_bytes", forbidden)
+    monkeypatch.setattr("symhyb.limits.open", forbidden, raising=False)
     assert refused(path) == " cannot be read: Permission denied"
 
 

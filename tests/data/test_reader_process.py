@@ -92,8 +92,8 @@ def test_what_a_reader_breaks_is_one_sentence(
 def test_a_reader_without_end_is_ended(
     monkeypatch: pytest.MonkeyPatch, seconds: int, waits: float
 ) -> None:
-    monkeypatch.setattr(apart, "SECONDS_FREE", seconds)
-    monkeypatch.setattr(apart, "WAITS", waits)
+    monkeypatch.setattr(apart, "READER_SECONDS", seconds)
+    monkeypatch.setattr(apart, "READER_WAITS", waits)
     with pytest.raises(InputError, match=r"a\.mat: takes longer to read than the \d"):
         read_apart(endless, b"abc", "a.mat")
 

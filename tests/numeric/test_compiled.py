@@ -110,6 +110,26 @@ def test_a_folder_that_others_may_write_to_is_not_used(home: Path, mode: int) ->
     assert module.cache_folder("compiled") is None
 
 
+def test_a_link_in_place_of_the_folder_is_not_followed(home: Path, tmp_path: Path) -> None:
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir(mode=0o700)
+    (home / "symhyb").mkdir(parents=True)
+    (home / "symhyb" / "compiled").symlink_to(elsewhere)
+    assert module.cache_folder("compiled") is None
+
+
+@needs_compiler
+def test_a_link_in_place_of_a_library_is_built_anew(cache: Path, tmp_path: Path) -> None:
+    library = module.shared_library(CODE, ["-O1"])
+    assert library is not None
+    planted = tmp_path / "planted.so"
+    planted.write_bytes(library.read_bytes())
+    library.unlink()
+    library.symlink_to(planted)
+    assert module.shared_library(CODE, ["-O1"]) == library
+    assert not library.is_symlink()
+
+
 def test_a_file_in_place_of_the_folder_is_no_error(home: Path) -> None:
     (home / "symhyb").write_text("")
     assert module.cache_folder("compiled") is None

@@ -149,14 +149,14 @@ def test_weights_of_another_hash_are_refused(tmp_path: Path) -> None:
 def test_weights_that_are_missing_are_refused(tmp_path: Path) -> None:
     model = written(tmp_path)
     (tmp_path / "learnt.json").unlink()
-    assert "weights of a network: No such file" in refused(model)
+    assert "weights of a network: there is no such file" in refused(model)
 
 
 def test_a_file_that_is_too_large_is_not_read(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(network, "LARGEST", 100)
-    assert "weights of a network: larger than" in refused(written(tmp_path))
+    monkeypatch.setattr(network, "WEIGHTS_BYTES", 100)
+    assert "weights of a network: is larger than" in refused(written(tmp_path))
 
 
 def changed(**entries: object) -> Mapping[str, object]:

@@ -69,7 +69,7 @@ def _faults(recorded: Recorded, noise: NoiseModel, tracks: Sequence[Track]) -> I
 
 
 def innovations(noise: NoiseModel, tracks: Sequence[Track]) -> Array:
-    """The white residuals (N, m) of all stretches, 1, NaN where nothing was measured."""
+    """The white residuals (N, m), dimensionless, NaN where nothing was measured."""
     parts = []
     for one in tracks:
         white = white_problem(one, noise)[0].reshape(one.residual.shape)

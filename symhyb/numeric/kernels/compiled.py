@@ -14,6 +14,7 @@ import tempfile
 from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
+from stat import S_ISDIR
 
 FILES_MOST = 300  # kept in a cache folder
 
@@ -74,8 +75,11 @@ def _build(
 
 
 def _intact(library: Path) -> bool:
-    """Whether the library is there and is what was built; loading half a file ends the process."""
+    """Whether the library is there and is what was built; loading half a file ends the process. A
+    link is none: where it leads to, others may write."""
     try:
+        if library.is_symlink():
+            return False
         digest = library.with_suffix(".sum").read_text(encoding="ascii")
         return hashlib.sha256(library.read_bytes()).hexdigest() == digest
     except (OSError, UnicodeDecodeError):
@@ -96,11 +100,12 @@ def cache_folder(kind: str) -> Path | None:
 
 
 def _private(folder: Path) -> bool:
-    """Whether nobody else can put files there that would be run as this user."""
+    """Whether this is a folder, and no link to one, into which nobody else can put files that would
+    be run as this user."""
     if not hasattr(os, "getuid"):
-        return True
-    state = folder.stat()
-    return state.st_uid == os.getuid() and state.st_mode & 0o022 == 0
+        return not folder.is_symlink()
+    state = folder.lstat()
+    return S_ISDIR(state.st_mode) and state.st_uid == os.getuid() and state.st_mode & 0o022 == 0
 
 
 def forget(folder: Path, pattern: str, most: int = FILES_MOST) -> None:

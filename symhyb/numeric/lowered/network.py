@@ -21,12 +21,12 @@ import casadi as ca
 import numpy as np
 
 from symhyb.errors import InputError, Problem
+from symhyb.limits import WEIGHTS_BYTES, content_of
 from symhyb.model.types import Network
 from symhyb.model.weights import kept
 from symhyb.numeric.kernels.buffers import Array
 
 FORMAT = 1
-LARGEST = 50_000_000  # bytes
 FADE = 0.1  # of the width of the trust box
 ACTIVATIONS: Mapping[str, Callable[[ca.SX], ca.SX]] = {
     "identity": lambda x: x,
@@ -103,14 +103,7 @@ def read_weights(path: Path, sha256: str) -> Weights:
     Raises:
         InputError: a file that is missing, too large, of another hash, or no network.
     """
-    try:
-        with open(path, "rb") as stream:
-            data = stream.read(LARGEST + 1)
-    except OSError as error:
-        reason = error.strerror or "cannot be read"
-        raise InputError(Problem(f"weights of a network: {reason}", file=str(path))) from None
-    if len(data) > LARGEST:
-        raise InputError(Problem("weights of a network: larger than 50 MB", file=str(path)))
+    data = content_of(path, WEIGHTS_BYTES, "weights of a network")
     found = hashlib.sha256(data).hexdigest()
     if found != sha256:
         text = f"the file has SHA-256 {found}, the model asks for {sha256}; it was changed"
@@ -126,7 +119,7 @@ def parsed(data: bytes, file: str) -> Weights:
     """
     try:
         return _weights(json.loads(data))
-    except (KeyError, TypeError, ValueError, RecursionError) as error:
+    except (KeyError, TypeError, ValueError, OverflowError, RecursionError) as error:
         text = f"is no network of format {FORMAT}: {type(error).__name__} {error}"
         raise InputError(Problem(text, file=file)) from None
 

@@ -64,8 +64,8 @@ class Lowering:
         self._done[symbol] = value
 
     def _lower(self, expression: sp.Expr) -> ca.SX:
-        if expression is sp.zoo:  # what divides by zero wherever it is; checked where it is used
-            return ca.SX(float("nan"))
+        if expression in (sp.zoo, sp.I):  # divides by zero, or has no real value, wherever it is
+            return ca.SX(float("nan"))  # checked where it is used
         if expression.is_Number or expression.is_NumberSymbol:
             return ca.SX(float(expression))
         if expression.is_Add:

@@ -1,0 +1,318 @@
+"""What strangers' files meet: every reader with its corpus, its words, and the errors it may raise.
+
+Readers with a native parser run inside :mod:`symhyb.data.apart` in a process of their own with
+limits. Here they run without it, to be quick: what they may do there (end by a signal, run out of
+memory) is *contained* and counted apart from failures.
+"""
+
+import io
+import json
+import re
+import tempfile
+import tomllib
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cache, partial
+from pathlib import Path
+from random import Random
+
+import numpy as np
+from grammar import expression, unit
+from mutate import of_bytes, of_json, of_toml
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+Make = Callable[[Random, bytes, Sequence[bytes]], bytes]
+
+
+@dataclass(frozen=True, slots=True)
+class Reader:
+    """A reader under test: ``take`` reads an input and raises one of ``errors`` or nothing;
+    ``make`` changes an input of the ``corpus``; ``native`` readers are kept apart in symhyb, and
+    ``share`` is how many of the inputs asked for a slow one gets."""
+
+    name: str
+    take: Callable[[bytes], None]
+    corpus: Callable[[], Sequence[bytes]]
+    make: Make = of_bytes
+    words: Sequence[bytes] = (b"",)
+    errors: tuple[type[Exception], ...] = field(default=())
+    native: bool = False
+    share: float = 1.0
+
+
+def _input_error() -> type[Exception]:
+    from symhyb.errors import InputError
+
+    return InputError
+
+
+def _model(data: bytes) -> None:
+    from symhyb.model.read import parse_model
+
+    parse_model(data.decode(errors="replace"), "model.toml")
+
+
+def _machine(data: bytes) -> None:
+    from symhyb.model.read import parse_model
+    from symhyb.numeric.lowered.machine import build
+
+    build(parse_model(data.decode(errors="replace"), "model.toml"))
+
+
+def _unit(data: bytes) -> None:
+    from symhyb.units import UnitError, parse_unit
+
+    try:
+        parse_unit(data.decode(errors="replace"))
+    except UnitError as error:
+        raise _input_error()(_problem(error)) from None
+
+
+def _expression(data: bytes) -> None:
+    from symhyb.model.expression import ExpressionError, parse_expression, show
+
+    try:
+        show(parse_expression(data.decode(errors="replace")).tree)
+    except ExpressionError as error:
+        raise _input_error()(_problem(error)) from None
+
+
+def _problem(error: Exception) -> "object":
+    from symhyb.errors import Problem
+
+    return Problem(str(error))
+
+
+def _in_a_file(name: str, read: Callable[[Path], object]) -> Callable[[bytes], None]:
+    def take(data: bytes) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            for other in ("model.toml", "a.csv", "b.csv"):
+                (Path(folder) / other).touch()
+            path = Path(folder) / name
+            path.write_bytes(data)
+            read(path)
+
+    return take
+
+
+def _study(path: Path) -> object:
+    from symhyb.study_file import read_study
+
+    return read_study(path)
+
+
+def _expected(path: Path) -> object:
+    from symhyb.expected import read_expected
+
+    return read_expected(path)
+
+
+def _weights(data: bytes) -> None:
+    from symhyb.numeric.lowered.network import evaluated, parsed
+
+    weights = parsed(data, "weights.json")
+    evaluated(weights, np.zeros((3, weights.mean.size)))
+
+
+def _table(module: str, function: str, name: str) -> Callable[[bytes], None]:
+    def take(data: bytes) -> None:
+        from importlib import import_module
+
+        getattr(import_module(f"symhyb.data.{module}"), function)(data, name)
+
+    return take
+
+
+def _models(largest: int) -> Sequence[bytes]:
+    files = sorted((ROOT / "models").glob("*.toml"))
+    return [file.read_bytes() for file in files if file.stat().st_size < largest]
+
+
+def _kept(pattern: str) -> Sequence[bytes]:
+    """The corpus: what once failed, and what readers are to see."""
+    return [file.read_bytes() for file in sorted((HERE / "corpus").glob(pattern))]
+
+
+def _studies() -> Sequence[bytes]:
+    """The studies of this repository, with files that lie beside them in the test."""
+    texts = [file.read_text() for file in sorted((ROOT / "studies").glob("*/study*.toml"))]
+    near = [re.sub(r'model( *)= "[^"]*"', r'model\1= "model.toml"', text) for text in texts]
+    near = [re.sub(r'file( *)= "[^"#]*', r'file\1= "a.csv', text) for text in near]
+    return [text.encode() for text in near]
+
+
+def _expectations() -> Sequence[bytes]:
+    return [file.read_bytes() for file in sorted((ROOT / "studies").glob("*/expected.json"))]
+
+
+@cache
+def _columns() -> dict[str, np.ndarray]:
+    t = np.arange(40) / 100
+    return {"t": t, "f [N]": np.sin(9 * t), "laser": np.round(np.cos(t), 3), "note": t > 0.2}
+
+
+def _csv() -> Sequence[bytes]:
+    plain = "\n".join(
+        [
+            ",".join(_columns()),
+            *(",".join(map(str, row)) for row in zip(*_columns().values(), strict=True)),
+        ]
+    )
+    german = plain.replace(",", ";").replace(".", ",")
+    dated = "time,x\n2024-03-01 10:00:00.00,1\n2024-03-01 10:00:00.01,2\n"
+    return [
+        *(one.encode() for one in (plain, german, dated, "# rig 3\n# 1 Hz\n" + plain)),
+        *_kept("*.csv"),
+    ]
+
+
+def _json() -> Sequence[bytes]:
+    columns = {name: values.tolist() for name, values in _columns().items()}
+    rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+    nested = {"run": [{"t": columns["t"], "x": {"value": columns["laser"], "unit": "mm"}}] * 2}
+    return [*(json.dumps(one).encode() for one in (columns, rows, nested)), *_kept("*.json")]
+
+
+def _written(save: Callable[[io.BytesIO], object]) -> bytes:
+    stream = io.BytesIO()
+    save(stream)
+    return stream.getvalue()
+
+
+def _mat() -> Sequence[bytes]:
+    from scipy.io import savemat
+
+    numbers = {"t": _columns()["t"], "x": _columns()["laser"]}
+    cells = np.empty(2, dtype=object)
+    cells[:] = [numbers["t"], numbers["x"]]
+    nested = {"run": {"Time": numbers["t"], "Y": {"Data": numbers["x"], "name": "x"}}, "c": cells}
+    ways = [(content, small) for content in (numbers, nested) for small in (False, True)]
+    return [
+        *(
+            _written(partial(savemat, mdict=content, do_compression=small))
+            for content, small in ways
+        ),
+        *_kept("*.mat"),
+    ]
+
+
+def _mat73() -> Sequence[bytes]:
+    import h5py
+
+    def save(stream: io.BytesIO) -> None:
+        with h5py.File(stream, "w", userblock_size=512) as file:
+            for name, values in (("t", _columns()["t"]), ("x", _columns()["laser"])):
+                file[name] = values[None]
+                file[name].attrs["MATLAB_class"] = np.bytes_(b"double")
+            group = file.create_group("run")
+            group.create_dataset("y", data=np.arange(9.0)[None], compression="gzip")
+
+    head = b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM"
+    return [(head + _written(save)[len(head) :])]
+
+
+def _parquet() -> Sequence[bytes]:
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    table, ways = pa.table(dict(_columns())), ("none", "snappy", "gzip")
+    return [_written(partial(pq.write_table, table, compression=way)) for way in ways]
+
+
+def _excel() -> Sequence[bytes]:
+    import pandas as pd
+
+    return [_written(lambda s: pd.DataFrame(_columns()).to_excel(s, index=False))]
+
+
+def _mdf() -> Sequence[bytes]:
+    from asammdf import MDF, Signal
+
+    found = []
+    for version in ("3.30", "4.10"):
+        with tempfile.TemporaryDirectory() as folder, MDF(version=version) as mdf:
+            t = _columns()["t"]
+            mdf.append([Signal(np.sin(9 * t), t, name="f", unit="N"), Signal(t, t, name="x")])
+            path = mdf.save(Path(folder) / "a", overwrite=True)
+            found.append(Path(path).read_bytes())
+    return found
+
+
+def _grammatical(make: Callable[[Random], str]) -> Make:
+    def made(random: Random, data: bytes, words: Sequence[bytes]) -> bytes:
+        text = make(random).encode()
+        return of_bytes(random, text, words) if random.random() < 0.4 else text
+
+    return made
+
+
+def _words_of_models() -> Sequence[bytes]:
+    tables: list[bytes] = []
+    for data in _models(10_000):
+        for line in data.splitlines():
+            tables += [line, line.split(b"=")[0].strip()]
+    return sorted(set(tables)) or (b"",)
+
+
+SIGNS = tuple(b"+ - * / ** ( ) ' \" , . [ ] { } = # \n \\ e9 1e400 NaN inf - 0x 1_0".split(b" "))
+
+
+def readers() -> tuple[Reader, ...]:
+    """Every reader of what a stranger may send."""
+    refuses, words = (_input_error(),), (*SIGNS, *_words_of_models())
+
+    def small() -> Sequence[bytes]:
+        return [*_models(2_700), *_kept("model*.toml")]
+
+    def native(
+        name: str, module: str, function: str, corpus: Callable[[], Sequence[bytes]]
+    ) -> Reader:
+        take = _table(module, function, f"sent.{name}")
+        return Reader(name, take, corpus, of_bytes, SIGNS, (*refuses, MemoryError), True)
+
+    return (
+        Reader("unit", _unit, lambda: [b"N*m"], _grammatical(unit), SIGNS, refuses),
+        Reader(
+            "expression", _expression, lambda: [b"k*x"], _grammatical(expression), SIGNS, refuses
+        ),
+        Reader(
+            "model",
+            _model,
+            lambda: [*_models(10_000), *_kept("model*.toml")],
+            of_toml,
+            words,
+            refuses,
+        ),
+        Reader("machine", _machine, small, of_toml, words, refuses),
+        Reader("study", _in_a_file("study.toml", _study), _studies, of_toml, SIGNS, refuses),
+        Reader(
+            "expected",
+            _in_a_file("expected.json", _expected),
+            _expectations,
+            of_json,
+            SIGNS,
+            refuses,
+        ),
+        Reader("weights", _weights, lambda: _kept("weights.json"), of_json, SIGNS, refuses),
+        Reader("csv", _table("csv_file", "read_csv", "sent.csv"), _csv, of_bytes, SIGNS, refuses),
+        Reader(
+            "json", _table("json_file", "read_json", "sent.json"), _json, of_json, SIGNS, refuses
+        ),
+        native("mat", "mat_file", "read_mat", _mat),
+        native("mat73", "mat_file", "read_mat", _mat73),
+        native("parquet", "parquet_file", "read_parquet", _parquet),
+        replace(native("xlsx", "sheet_file", "read_excel", _excel), share=0.25),
+        replace(native("mf4", "mdf_file", "read_mdf", _mdf), share=0.05),
+    )
+
+
+def an_input(reader: Reader, number: int) -> bytes:
+    """Input ``number`` of a reader."""
+    random = Random(f"{reader.name} {number}")
+    corpus = reader.corpus()
+    data = corpus[number % len(corpus)]
+    try:
+        return reader.make(random, data, reader.words)
+    except (tomllib.TOMLDecodeError, ValueError, RecursionError):
+        return of_bytes(random, data, reader.words)  # a kept input that is no tree of values

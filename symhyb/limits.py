@@ -1,0 +1,75 @@
+"""The limits of what a person may give, all of them; docs/reliability.md lists them.
+
+They lie far beyond what a machine or a rig needs. What goes beyond is refused by a sentence that
+names the limit, so that no file keeps a computer busy or fills its memory.
+"""
+
+import os
+from pathlib import Path
+
+from symhyb.errors import InputError, Problem
+
+TEXT_BYTES = 1_000_000  # a model, a study or expectations: people write them
+WEIGHTS_BYTES = 50_000_000  # the weights of a network
+RECORDING_BYTES = 4 << 30
+EXPRESSION_LETTERS = 2000
+EXPRESSION_DEPTH = 60  # levels of parentheses and functions
+UNIT_LETTERS = 100
+STRUCTURES_DEEP = 12  # structures within structures of a recording
+VARIABLE_NUMBERS = 200_000_000  # in one variable of an HDF5 file, which may claim more than it has
+VALUE = 1e100  # SI or not: what is larger is no measurement, but a logger's word for a missing one
+LASTING = 1e11  # s, 3000 years: no recording lasts as long
+RUN_ROWS = 5_000_000  # of a simulation
+
+# A process that reads a format with a native parser gets, beside so much for each byte of the file:
+READER_MEMORY, READER_MEMORY_EACH = 1536 << 20, 16  # bytes
+READER_SECONDS, READER_BYTES_A_SECOND = 8, 200_000  # s of a processor; how fast it reads at least
+READER_WAITS = 4  # times these seconds, by the clock
+
+
+def content_of(path: str | os.PathLike[str], most: int, what: str = "") -> bytes:
+    """The bytes of a file of at most ``most`` bytes; ``what`` it is begins the sentence of a
+    problem.
+
+    Raises:
+        InputError: there is no such file, it is no plain file, too large, or cannot be read.
+    """
+    file, begin = Path(path), f"{what}: " if what else ""
+    try:
+        if file.is_dir():
+            reason = "is a folder, not a file"
+        elif not file.exists():
+            reason = "there is no such file"
+        elif not file.is_file():
+            reason = "is no plain file"
+        else:
+            with open(file, "rb") as stream:
+                data = stream.read(most + 1)
+            if len(data) <= most:
+                return data
+            reason = f"is larger than {_size_text(most)}"
+    except (OSError, ValueError) as error:
+        reason = f"cannot be read: {getattr(error, 'strerror', None) or error}"
+    raise InputError(Problem(begin + reason, file=str(path)))
+
+
+def text_of(path: str | os.PathLike[str], encoding: str = "utf-8-sig") -> str:
+    """The text of a file that a person wrote; ``utf-8`` keeps a byte order mark.
+
+    Raises:
+        InputError: it cannot be read, is no UTF-8, or empty.
+    """
+    data = content_of(path, TEXT_BYTES)
+    try:
+        text = data.decode(encoding)
+    except UnicodeDecodeError as error:
+        line = data[: error.start].count(b"\n") + 1
+        said = "is not UTF-8 text; save the file as UTF-8"
+        raise InputError(Problem(said, file=str(path), line=line)) from None
+    if not text.strip("\ufeff \t\r\n"):
+        raise InputError(Problem("the file is empty", file=str(path)))
+    return text
+
+
+def _size_text(size: int) -> str:
+    return f"{size / 2**30:.3g} GiB" if size >= 2**30 else f"{size / 1e6:.3g} MB"
