@@ -52,13 +52,15 @@ def check(model: ModelFile, as_json: Json = False) -> None:
     Example:
       symhyb check models/emps.toml
     """
-    from symhyb.console import model_facts, print_model
+    from symhyb.console import model_facts, print_model, progress
     from symhyb.model.read import read_model
     from symhyb.numeric.lowered.machine import build
 
     try:
         declared = read_model(model)
-        build(declared)
+        with progress() as say:
+            say("deriving the equations")
+            build(declared)
     except InputError as error:
         if as_json:
             print_json({"ok": False, "problems": [asdict(one) for one in error.problems]})

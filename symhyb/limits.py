@@ -15,9 +15,11 @@ RECORDING_BYTES = 4 << 30
 EXPRESSION_LETTERS = 2000
 EXPRESSION_DEPTH = 60  # levels of parentheses and functions
 UNIT_LETTERS = 100
+COORDINATES = 500  # of a machine
 STRUCTURES_DEEP = 12  # structures within structures of a recording
 VARIABLE_NUMBERS = 200_000_000  # in one variable of an HDF5 file, which may claim more than it has
-VALUE = 1e100  # SI or not: what is larger is no measurement, but a logger's word for a missing one
+PACKED_LEAST, PACKED_TIMES = 10_000_000, 200  # bytes that an archive unpacks to, or times its own
+VALUE = 1e100  # SI: what is larger is no measurement, but a logger's word for a missing one
 LASTING = 1e11  # s, 3000 years: no recording lasts as long
 RUN_ROWS = 5_000_000  # of a simulation
 

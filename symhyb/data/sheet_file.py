@@ -5,10 +5,12 @@ import io
 import warnings
 from dataclasses import replace
 from typing import TYPE_CHECKING
+from zipfile import BadZipFile, ZipFile
 
 from symhyb.data.cells import column_of, twice
 from symhyb.data.extras import needed
 from symhyb.data.table import Column, Table, refusal
+from symhyb.limits import PACKED_LEAST, PACKED_TIMES
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -29,6 +31,7 @@ def read_excel(content: bytes, file: str) -> Table:
     """
     if content.startswith(_ZIP):
         needed("openpyxl", "excel", file)
+        _refuse_bomb(content, file)
         return _read(content, file, "openpyxl")
     if not content.startswith((_OLE, *_ANCIENT)):
         ending = file.rpartition(".")[2]
@@ -38,6 +41,18 @@ def read_excel(content: bytes, file: str) -> Table:
         raise refusal(file, "is encrypted; save it without a password")
     needed("xlrd", "excel", file)
     return _read(content, file, "xlrd")
+
+
+def _refuse_bomb(content: bytes, file: str) -> None:
+    """Refuse an archive whose directory says that it unpacks to far more than a table does."""
+    try:
+        with ZipFile(io.BytesIO(content)) as archive:
+            size = sum(item.file_size for item in archive.infolist())
+    except (BadZipFile, ValueError, OverflowError, NotImplementedError):
+        return  # what is damaged is complained of when it is read
+    if size > max(PACKED_LEAST, PACKED_TIMES * len(content)):
+        text = f"unpacks to {size / 1e6:.0f} MB, more than {PACKED_TIMES} times its own size"
+        raise refusal(file, text)
 
 
 def _read(content: bytes, file: str, engine: str) -> Table:

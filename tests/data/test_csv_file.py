@@ -147,3 +147,8 @@ def test_a_number_that_no_float_holds_is_infinite(write):
     rows = "".join(f"{i},{i}\n" for i in range(3))
     (_, x) = read_table(write("run.csv", f"t,x\n{rows}3,{'9' * 400}\n4,-{'9' * 400}\n")).columns
     assert x.values.tolist() == [0.0, 1.0, 2.0, np.inf, -np.inf]
+
+
+def test_names_of_columns_do_nothing_to_a_terminal(write):
+    path = write("run.csv", "t,x\u202e [m],\x9by\n0,1,2\n")
+    assert read_table(path).names() == ["t", "x\\u202e", "\\u009by"]

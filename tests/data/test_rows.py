@@ -197,6 +197,14 @@ def test_a_held_input_keeps_its_value_between_slow_samples_and_over_a_hole(model
         assert any(said in note for note in recording.notes)
 
 
+def test_a_value_that_no_sensor_measures_is_missing(read, signals):
+    """Loggers write the largest float for a sample that they do not have."""
+    laser = signals["laser"].copy()
+    laser[[7, 30]] = -1.7e308, 1e104
+    found = read({**signals, "laser": laser}).sensors["laser"]
+    assert np.flatnonzero(np.isnan(found)).tolist() == [7, 30]
+
+
 def test_a_time_longer_than_any_machine_lasts_is_refused(refused, signals):
     """Differences of times as far apart as floats reach are infinite."""
     times = 1.5e308 * np.linspace(-1, 1, signals["t"].size)

@@ -165,3 +165,11 @@ def test_cuts_and_other_archives_are_one_sentence(write, signals):
         with pytest.raises(InputError, match=r"is a damaged or cut off Excel file") as caught:
             read_table(write("run.xlsx", content))
         assert "\n" not in str(caught.value)
+
+
+def test_an_archive_that_unpacks_to_far_more_than_a_table_is_not_unpacked(write):
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("xl/worksheets/sheet1.xml", bytes(30_000_000))
+    with pytest.raises(InputError, match="unpacks to 30 MB, more than 200 times its own size"):
+        read_table(write("run.xlsx", stream.getvalue()))

@@ -74,3 +74,21 @@ def test_a_key_that_is_no_text_is_complained_of_in_visible_letters() -> None:
     said = complaints(DRIVEN_MASS + '"a\\u001b[31m" = 1\n')
     assert "\x1b" not in said
     assert "\\u001b[31m" in said
+
+
+def test_a_machine_of_more_coordinates_than_any_has() -> None:
+    many = "\n".join(f'more{i} = {{ unit = "m" }}' for i in range(500))
+    text = DRIVEN_MASS.replace("[coordinates]", f"[coordinates]\n{many}")
+    assert "coordinates: are 501; a machine has at most 500" in complaints(text)
+
+
+@pytest.mark.parametrize("stiffness", ["k*sqrt(-1)", "k*asin(2)", "k*log(-1)", "k*acos(9)**2"])
+def test_a_number_that_is_not_real_is_none(stiffness: str) -> None:
+    text = DRIVEN_MASS.replace('stiffness = "k"', f'stiffness = "{stiffness}"')
+    assert "spring is not finite" in complaints(text)
+
+
+def test_a_root_of_what_is_never_positive_is_not_finite() -> None:
+    """SymPy writes sqrt(-k²) as a multiple of the imaginary unit."""
+    text = DRIVEN_MASS.replace('stiffness = "k"', 'stiffness = "sqrt(-k**2)"')
+    assert "spring is not finite" in complaints(text)

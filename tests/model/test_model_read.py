@@ -363,7 +363,7 @@ def test_missing_files_and_directories_are_said(tmp_path: Path) -> None:
         read_model(tmp_path / "nothing.toml")
     with pytest.raises(InputError, match="is a folder, not a file"):
         read_model(tmp_path)
-    with pytest.raises(InputError, match="there is no such file|cannot be read"):
+    with pytest.raises(InputError, match=r"there is no such file|cannot be read"):
         read_model("a\0b.toml")
 
 

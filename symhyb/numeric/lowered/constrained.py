@@ -11,7 +11,7 @@ wherever the constraints do (augmented Lagrangian: Bayo and others, CMAME 71, 19
 Sizes: n coordinates, f of them free, m rows of constraints.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -129,23 +129,34 @@ def solve(
 
 def solve_symmetric(matrix: ca.SX, right: ca.SX) -> ca.SX:
     """Solve a symmetric positive definite system by LDLᵀ without pivoting (symbolically; about
-    half of the instructions of CasADi's QR for eight coordinates)."""
+    half of the instructions of CasADi's QR for eight coordinates). What is zero by structure costs
+    nothing: a machine falls into bodies that do not know each other."""
     n = matrix.shape[0]
-    lower = ca.SX.eye(n)
+    below: list[dict[int, ca.SX]] = []  # rows of L left of its diagonal, without zeros
     pivots: list[ca.SX] = []
-    for j in range(n):
-        pivot = matrix[j, j] - sum((lower[j, k] ** 2 * pivots[k] for k in range(j)), ca.SX(0))
-        pivots.append(pivot)
-        for i in range(j + 1, n):
-            cross = sum((lower[i, k] * lower[j, k] * pivots[k] for k in range(j)), ca.SX(0))
-            lower[i, j] = (matrix[i, j] - cross) / pivot
+    for i in range(n):
+        row: dict[int, ca.SX] = {}
+        for j in range(i):
+            entry = matrix[i, j] - _product(row, below[j], pivots)
+            if not entry.is_zero():
+                row[j] = entry / pivots[j]
+        below.append(row)
+        pivots.append(matrix[i, i] - _product(row, row, pivots))
     x = ca.SX(right)
     for i in range(n):
-        for k in range(i):
-            x[i, :] -= lower[i, k] * x[k, :]
+        for k, factor in below[i].items():
+            x[i, :] -= factor * x[k, :]
     for i in range(n):
         x[i, :] = x[i, :] / pivots[i]
     for i in reversed(range(n)):
         for k in range(i + 1, n):
-            x[i, :] -= lower[k, i] * x[k, :]
+            if i in below[k]:
+                x[i, :] -= below[k][i] * x[k, :]
     return x
+
+
+def _product(
+    left: Mapping[int, ca.SX], right: Mapping[int, ca.SX], pivots: Sequence[ca.SX]
+) -> ca.SX:
+    common = (k for k in left if k in right)
+    return sum((left[k] * right[k] * pivots[k] for k in common), ca.SX(0))
