@@ -6,7 +6,6 @@ failed, 130 interrupted.
 """
 
 import sys
-import traceback
 from dataclasses import asdict
 from io import TextIOWrapper
 from pathlib import Path
@@ -27,7 +26,7 @@ from symhyb.cli_options import (
     Start,
     print_json,
 )
-from symhyb.errors import InputError, NumericsError
+from symhyb.errors import InputError, NumericsError, visible
 from symhyb.export.verb import export
 
 app = typer.Typer(
@@ -348,11 +347,18 @@ def main() -> NoReturn:
     except NumericsError as error:
         status = 3
         _complain(f"the numerics failed: {error}")
-    except Exception:
+    except Exception as error:
         status = 3
-        traceback.print_exc()
-        _complain("this is a fault of symhyb itself; please report it with the lines above")
+        _complain(f"{type(error).__name__}: {visible(str(error))[:300]}", _fault_sentence(error))
     sys.exit(status)
+
+
+def _fault_sentence(error: Exception) -> str:
+    from symhyb.fault import leave_fault
+
+    place = leave_fault(error)
+    where = f"; what happened, without any of your data, is in {place}" if place else ""
+    return f"this is a fault of symhyb itself{where}; please send it to its authors"
 
 
 def _complain(*sentences: str) -> None:

@@ -2,7 +2,7 @@
 
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,6 +26,7 @@ from symhyb.discrepancy.words.wording import (
 )
 from symhyb.errors import InputError, Problem
 from symhyb.expected import Check
+from symhyb.fault import STAGE
 from symhyb.model.constraints import Constraint
 from symhyb.model.types import Model, On, Parameter, place_text
 from symhyb.model.vocabulary import force_unit
@@ -48,13 +49,22 @@ WIDE = 160  # columns of a table that does not go to a terminal
 
 @contextmanager
 def progress() -> Iterator[Callable[[str], None]]:
-    """Yield ``say(step)``, which shows the step on a terminal and is silent elsewhere."""
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        yield lambda _: None
-        return
-    with console.status("") as status:
-        yield lambda step: status.update(escape(step))
+    """Yield ``say(step)``, which shows the step on a terminal and is silent elsewhere. An
+    error that nobody expected learns in which step it happened."""
+    console, last = Console(stderr=True), ["starting"]
+    status = console.status("") if console.is_terminal else None
+
+    def say(step: str) -> None:
+        last[0] = step
+        if status is not None:
+            status.update(escape(step))
+
+    try:
+        with status or nullcontext():
+            yield say
+    except Exception as error:
+        error.add_note(f"{STAGE}{last[0]}")
+        raise
 
 
 def print_result(result: "StudyResult", directory: Path) -> None:

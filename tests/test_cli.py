@@ -595,13 +595,23 @@ def test_diagnose_cuts_the_recordings_but_not_the_unseen_ones(
     ],
 )
 def test_a_diagnosis_that_fails_leaves_nothing(
-    symhyb: Call, fake: Fake, tmp_path: Path, error: BaseException, status: int, said: str
+    symhyb: Call,
+    fake: Fake,
+    tmp_path: Path,
+    tmp_path_factory: pytest.TempPathFactory,
+    monkeypatch: pytest.MonkeyPatch,
+    error: BaseException,
+    status: int,
+    said: str,
 ) -> None:
     fake(error=error)
+    here = tmp_path_factory.mktemp("here")
+    monkeypatch.chdir(here)
     done = diagnose(symhyb, tmp_path / "out")
     assert done.status == status
     assert said in done.err
     assert list(tmp_path.iterdir()) == []
+    assert [one.name for one in here.iterdir()] == ["symhyb-fault.txt"] * ("fault" in said)
 
 
 def test_a_report_that_fails_leaves_nothing(symhyb: Call, fake: Fake, tmp_path: Path) -> None:

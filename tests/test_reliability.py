@@ -14,7 +14,7 @@ import pytest
 from symhyb.errors import InputError, Problem
 
 FOLDER = Path(__file__).parents[1] / "studies" / "reliability"
-NAMES = ("grammar", "mutate", "readers", "fuzz")
+NAMES = ("grammar", "mutate", "readers", "fuzz", "supply")
 QUICK = ("unit", "expression", "model", "machine", "study", "expected", "weights", "csv", "json")
 Study = Mapping[str, ModuleType]
 
@@ -134,3 +134,18 @@ def test_a_run_goes_on_where_it_was_and_writes_its_table(study: Study, tmp_path:
     assert again["accepted"] + again["refused"] == again["inputs"] == 40
     assert "| unit | 40 | " in fuzz.table(tmp_path, ["unit", "model"])
     assert fuzz.line_of(again).startswith("unit: 40 inputs")
+
+
+def test_every_package_is_pinned_and_of_an_accepted_licence(study: Study) -> None:
+    supply = study["supply"]
+    packages = supply.installed("symhyb", frozenset(["formats", "fmi"]))
+    assert {"casadi", "numpy", "sympy", "pysindy", "scikit-learn", "h5py"} <= packages.keys()
+    assert list(supply.complaints(packages, supply.pinned())) == []
+
+
+def test_what_is_wrong_with_a_package_is_said(study: Study) -> None:
+    supply = study["supply"]
+    packages = supply.installed("symhyb", frozenset())
+    one = {"numpy": packages["numpy"]}
+    assert next(supply.complaints(one, {})).startswith("numpy ")
+    assert "pinned is 0.1" in next(supply.complaints(one, {"numpy": "0.1"}))

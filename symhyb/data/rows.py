@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from symhyb.data.channels import Channels, own_step, take
 from symhyb.data.table import Table
 from symhyb.errors import InputError, Problem
-from symhyb.limits import LASTING, VALUE
+from symhyb.limits import LASTING, SHORT, VALUE
 
 SHORTEST = 20  # samples: below that no noise level can be measured
 LONGEST_HOLE = 3  # samples of an input that a straight line may bridge
@@ -205,6 +205,9 @@ def check_time(t: NDArray[np.float64], rows: NDArray[np.intp], table: Table) -> 
         text = (
             f"time runs from {first:.9g} to {last:.9g} s, longer than any machine; check its unit"
         )
+        raise InputError(Problem(text, "t", table.file))
+    if t.size > 1 and 0 < last - first < SHORT:
+        text = f"time runs over {last - first:.3g} s alone, faster than any machine; check its unit"
         raise InputError(Problem(text, "t", table.file))
     wrong = np.flatnonzero(np.diff(t) <= 0) + 1
     if wrong.size:

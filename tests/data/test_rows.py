@@ -197,6 +197,11 @@ def test_a_held_input_keeps_its_value_between_slow_samples_and_over_a_hole(model
         assert any(said in note for note in recording.notes)
 
 
+def test_a_time_shorter_than_any_motion_is_refused(refused, signals):
+    said = refused({**signals, "t": 1e-302 * signals["t"]})
+    assert said.startswith("t: time runs over 9.9e-303 s alone, faster than any machine")
+
+
 def test_a_value_that_no_sensor_measures_is_missing(read, signals):
     """Loggers write the largest float for a sample that they do not have."""
     laser = signals["laser"].copy()
