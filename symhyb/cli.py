@@ -5,6 +5,7 @@ Exit status: 0 nothing missing, 1 any other verdict, 2 misuse or unreadable inpu
 failed, 130 interrupted.
 """
 
+import signal
 import sys
 from dataclasses import asdict
 from io import TextIOWrapper
@@ -248,8 +249,9 @@ def diagnose(
     """
     from symhyb.console import print_result, progress, read_map
     from symhyb.report.contract import to_json
-    from symhyb.study import carry_out, leave_files, require_folder
+    from symhyb.study import carry_out, leave_files
     from symhyb.study_file import Source, Study
+    from symhyb.writing import require_folder
 
     study = Study(
         model,
@@ -334,6 +336,7 @@ def main() -> NoReturn:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):  # a pipe may not know every letter of a sentence
             stream.reconfigure(errors="replace")
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # ends as Ctrl-C does, tidily
     try:
         app(prog_name="symhyb")
         status = 0

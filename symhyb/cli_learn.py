@@ -122,8 +122,8 @@ def learn(
     """
     from symhyb.console import print_learned, progress, read_map
     from symhyb.learned_run import Order, carry_out_order, leave_learned
-    from symhyb.study import require_folder
     from symhyb.study_file import Source, Study
+    from symhyb.writing import require_folder
 
     study = Study(
         model,

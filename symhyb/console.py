@@ -32,6 +32,7 @@ from symhyb.model.types import Model, On, Parameter, place_text
 from symhyb.model.vocabulary import force_unit
 from symhyb.report.contract import finite
 from symhyb.report.sentences import alternative_sentence, remainder_sentence, score_sentences
+from symhyb.writing import require_folder, write_file
 
 if TYPE_CHECKING:  # a verb that only reads a file need not load the numerics
     from symhyb.discrepancy.checks.first_checks import FirstChecks
@@ -309,8 +310,6 @@ def require_files(output: Path, events: Path | None) -> None:
     Raises:
         InputError: a folder, a folder that cannot be, or one file for both tables.
     """
-    from symhyb.study import require_folder
-
     for file in (output,) if events is None else (output, events):
         if file.is_dir():
             raise InputError(Problem("is a folder; name a file in it", file=str(file)))
@@ -330,14 +329,11 @@ def leave_run(
 ) -> None:
     """Write a simulated run, and its events if a file is named, and say so."""
     from symhyb.simulation import events_sentence, events_table, integration_text, run_table
-    from symhyb.study import staged
 
     warn(machine.notes)
-    with staged(output.parent) as part:
-        (part / output.name).write_text(run_table(machine, scenario, run), encoding="utf-8")
+    write_file(output, run_table(machine, scenario, run))
     if events is not None:
-        with staged(events.parent) as part:
-            (part / events.name).write_text(events_table(run), encoding="utf-8")
+        write_file(events, events_table(run))
     span = f"{run.t.size} rows from {run.t[0]:g} to {run.t[-1]:g} s"
     print(f"{output}: {span}, by {integration_text(run)}")
     if exact:

@@ -16,8 +16,9 @@ from symhyb.model.write import write_model
 from symhyb.report.files import write_diagnosis, write_simulation
 from symhyb.report.learned import learned_json, render_learned
 from symhyb.report.learned_document import LearnedDocument
-from symhyb.study import StudyResult, carry_out, read_all, sha256_of, staged, versions
+from symhyb.study import StudyResult, carry_out, read_all, sha256_of, versions
 from symhyb.study_file import Study
+from symhyb.writing import staged
 
 Say = Callable[[str], None]
 

@@ -8,11 +8,8 @@ import hashlib
 import json
 import os
 import platform
-import shutil
-import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from importlib import metadata
 from itertools import product
@@ -45,6 +42,7 @@ from symhyb.numeric.lowered.machine import build
 from symhyb.report.contract import exit_status, to_json
 from symhyb.report.files import write_diagnosis, write_report, write_simulation
 from symhyb.study_file import Source, Study, read_study
+from symhyb.writing import require_folder, staged
 
 Say = Callable[[str], None]
 LIBRARIES = ("numpy", "scipy", "casadi", "sympy", "pysindy", "scikit-learn")
@@ -274,55 +272,6 @@ def manifest(result: StudyResult) -> dict[str, Any]:
             for one in result.checks
         ],
     }
-
-
-def require_folder(directory: str | os.PathLike[str]) -> None:
-    """Refuse a place where no folder can be written, before any work is done.
-
-    Raises:
-        InputError: a file stands there, or the folder around it cannot be written to.
-    """
-    path = Path(directory).absolute()
-    there = next(folder for folder in (path, *path.parents) if folder.exists())
-    reason = "" if os.access(there, os.W_OK) else "may not be written to"
-    if not there.is_dir():
-        reason = "is a file, not a folder"
-    if reason:
-        raise InputError(Problem(reason, file=str(path if there == path else there)))
-
-
-@contextmanager
-def staged(directory: str | os.PathLike[str]) -> Iterator[Path]:
-    """Yield an empty folder; when all went well, its files move into ``directory``.
-
-    They replace files of the same names there; whatever else is there stays.
-
-    Raises:
-        InputError: the files cannot be written.
-    """
-    target = Path(directory).absolute()
-    require_folder(target)
-    try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        part = Path(tempfile.mkdtemp(prefix=".symhyb-", dir=target.parent))
-    except OSError as error:
-        raise _unwritable(target.parent, error) from error
-    try:
-        yield part
-        try:
-            target.mkdir(exist_ok=True)
-            for file in sorted(file for file in part.rglob("*") if file.is_file()):
-                place = target / file.relative_to(part)
-                place.parent.mkdir(parents=True, exist_ok=True)
-                os.replace(file, place)
-        except OSError as error:
-            raise _unwritable(target, error) from error
-    finally:
-        shutil.rmtree(part, ignore_errors=True)
-
-
-def _unwritable(path: Path, error: OSError) -> InputError:
-    return InputError(Problem(f"cannot be written: {error.strerror or error}", file=str(path)))
 
 
 def read_all(study: Study, model: Model) -> tuple[tuple[Recording, ...], tuple[Recording, ...]]:

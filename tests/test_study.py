@@ -24,8 +24,9 @@ from symhyb.model.types import Between, On
 from symhyb.model.write import write_model
 from symhyb.published import Reference
 from symhyb.report.contract import to_json
-from symhyb.study import manifest, run_study, staged
+from symhyb.study import manifest, run_study
 from symhyb.study_file import Source, Study, read_study
+from symhyb.writing import staged
 
 ROOT = Path(__file__).parent.parent
 STUDIES = ROOT / "studies"

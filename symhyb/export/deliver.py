@@ -1,6 +1,7 @@
 """An export as files: which ones, where, and what to say about them."""
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -8,10 +9,10 @@ from symhyb.errors import InputError, Problem
 from symhyb.export.adams import adams_files
 from symhyb.export.c_code import c_files
 from symhyb.export.fmu import fmu, kinds_of
-from symhyb.export.pack import require_writable, write_file, write_folder
 from symhyb.export.spec import C_WORDS, Role, Spec, spec_of
 from symhyb.model.types import Model
 from symhyb.numeric.lowered.exported import serialised
+from symhyb.writing import require_folder, staged, write_file
 
 TARGETS = ("fmu", "c", "casadi", "adams", "latex")
 FOLDERS = ("c", "adams")  # what consists of several files
@@ -45,7 +46,7 @@ def deliver(model: Model, order: Order, output: Path) -> tuple[str, ...]:
         text = f"only an FMU tells of events, not '{order.to}'; use --to fmu, or leave out --events"
         raise InputError(Problem(text))
     kinds = kinds_of(order.events, order.kinds)
-    require_writable(output / "x" if order.to in FOLDERS else output)
+    require_folder(output if order.to in FOLDERS else output.absolute().parent)
     if order.to not in FOLDERS and output.is_dir():
         raise InputError(Problem("is a folder; name a file in it", file=str(output)))
     if order.to == "latex":
@@ -61,10 +62,10 @@ def deliver(model: Model, order: Order, output: Path) -> tuple[str, ...]:
             write_file(output, packed)
             said = f"{output}: FMI {order.fmi}.0, {' and '.join(kinds)}, {len(packed)} bytes"
         case "c":
-            write_folder(output, c_files(spec))
+            _write_all(output, c_files(spec))
             said = f"{output}: {', '.join(c_files(spec))}"
         case "adams":
-            write_folder(output, adams_files(spec))
+            _write_all(output, adams_files(spec))
             said = f"{output}: experimental, never run in Adams by us; the FMU is the surer way"
         case _:
             write_file(output, serialised(spec.exported))
@@ -73,6 +74,12 @@ def deliver(model: Model, order: Order, output: Path) -> tuple[str, ...]:
                 "program that loads it run other code, so load only those you wrote yourself"
             )
     return (said, *_interface(spec))
+
+
+def _write_all(folder: Path, files: Mapping[str, str]) -> None:
+    with staged(folder) as part:
+        for name, text in files.items():
+            (part / name).write_text(text, encoding="utf-8", newline="")
 
 
 def _interface(spec: Spec) -> tuple[str, ...]:

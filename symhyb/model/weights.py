@@ -5,11 +5,11 @@ stands for never changes, so this memory cannot make one model depend on another
 """
 
 import hashlib
-import os
 from pathlib import Path
 
 from symhyb.errors import InputError, Problem
 from symhyb.model.types import Model, Network
+from symhyb.writing import write_file
 
 _BY_HASH: dict[str, bytes] = {}
 
@@ -48,15 +48,7 @@ def _write(network: Network, home: Path, folder: Path) -> None:
     if there is not None:
         text = "holds the weights of another network; write the model into another folder"
         raise InputError(Problem(text, file=str(place)))
-    part = place.with_name(place.name + ".part")
-    try:
-        place.parent.mkdir(parents=True, exist_ok=True)
-        part.write_bytes(data)
-        os.replace(part, place)
-    except OSError as error:
-        part.unlink(missing_ok=True)
-        reason = error.strerror or str(error)
-        raise InputError(Problem(f"cannot be written: {reason}", file=str(place))) from None
+    write_file(place, data)
 
 
 def _content(path: Path) -> bytes | None:

@@ -3,7 +3,6 @@
 Every other byte of what a person wrote stays as it was, so a diff shows only the correction.
 """
 
-import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path as FilePath
 
@@ -13,6 +12,7 @@ from symhyb.model.render import element_lines, newline_of, render, rounded
 from symhyb.model.source import Entry, Path, Source, scan
 from symhyb.model.types import Element, Input, Model, Sensor
 from symhyb.model.weights import write_weights
+from symhyb.writing import write_file
 
 Edit = tuple[int, int, str]
 """Replace the characters from one offset to another by a text."""
@@ -57,22 +57,14 @@ def replace_parameters(model: Model, values: Mapping[str, tuple[float, float | N
 
 
 def write_model(model: Model, path: str | FilePath) -> None:
-    """Write a model file whole or not at all: a temporary file beside it takes its place. The
-    weights of its networks go where the file says that they are.
+    """Write a model file whole or not at all. The weights of its networks go where the file says
+    that they are.
 
     Raises:
         InputError: a file cannot be written, or other weights have the name of these.
     """
-    target = FilePath(path)
-    write_weights(model, target)
-    part = target.with_name(target.name + ".part")
-    try:
-        part.write_bytes(text_of(model).encode("utf-8"))
-        os.replace(part, target)
-    except OSError as error:
-        part.unlink(missing_ok=True)
-        reason = error.strerror or str(error)
-        raise InputError(Problem(f"cannot be written: {reason}", file=str(path))) from None
+    write_weights(model, FilePath(path))
+    write_file(path, text_of(model))
 
 
 def text_of(model: Model) -> str:

@@ -5,17 +5,16 @@ import io
 import json
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from symhyb.discrepancy.checks.first_checks import FirstChecks
 from symhyb.discrepancy.results import Diagnosis, Trace, Verdict
-from symhyb.errors import InputError, Problem
 from symhyb.model.types import Model
 from symhyb.report.contract import to_json
 from symhyb.report.page import render_page
+from symhyb.writing import write_file
 
 
 def write_report(
@@ -38,7 +37,7 @@ def write_report(
     """
     heading = title or (model.title if model is not None else "Diagnosis")
     page = render_page(heading, diagnosis, verdict, difference, provenance, model, first)
-    _write(Path(path), page)
+    write_file(path, page)
 
 
 def write_diagnosis(path: str | os.PathLike[str], diagnosis: Diagnosis, verdict: Verdict) -> None:
@@ -49,7 +48,7 @@ def write_diagnosis(path: str | os.PathLike[str], diagnosis: Diagnosis, verdict:
         NumericsError: a fitted value is not finite.
     """
     content = to_json(diagnosis, verdict)
-    _write(Path(path), json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
+    write_file(path, json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
 
 
 def write_simulation(path: str | os.PathLike[str], traces: Sequence[Trace], model: Model) -> None:
@@ -75,7 +74,7 @@ def write_simulation(path: str | os.PathLike[str], traces: Sequence[Trace], mode
         columns = [_cells(trace.t, 12), *_signals(trace, model)]
         for row in zip(*columns, strict=True):
             table.writerow([trace.recording, trace.role, *row])
-    _write(Path(path), text.getvalue())
+    write_file(path, text.getvalue())
 
 
 def _signals(trace: Trace, model: Model) -> Iterator[list[str]]:
@@ -88,18 +87,3 @@ def _signals(trace: Trace, model: Model) -> Iterator[list[str]]:
 
 def _cells(values: NDArray[np.float64], digits: int) -> list[str]:
     return [f"{value:.{digits}g}" if np.isfinite(value) else "" for value in values.tolist()]
-
-
-def _write(path: Path, text: str) -> None:
-    """Replace the file at once, so that a reader never meets half of it."""
-    unfinished = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        try:
-            unfinished.write_text(text, encoding="utf-8", newline="")
-            os.replace(unfinished, path)
-        finally:
-            unfinished.unlink(missing_ok=True)
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise InputError(Problem(f"cannot be written: {reason}", file=str(path))) from error

@@ -163,9 +163,7 @@ def test_writing_is_whole_or_not_at_all(duffing: Model, tmp_path: Path) -> None:
     write_model(duffing, target)
     assert target.read_bytes() == (MODELS / "duffing.toml").read_bytes()
     assert list(tmp_path.iterdir()) == [target]
-    with pytest.raises(InputError, match="cannot be written"):
-        write_model(duffing, tmp_path / "missing" / "out.toml")
     (tmp_path / "folder").mkdir()
-    with pytest.raises(InputError, match="cannot be written"):
+    with pytest.raises(InputError, match="is a folder; name a file in it"):
         write_model(duffing, tmp_path / "folder")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["folder", "out.toml"]

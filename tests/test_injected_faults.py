@@ -1,0 +1,215 @@
+"""Faults put in wherever a verb writes: what is there is the old or the new, never half.
+
+An audit hook sees every file that is opened for writing and every file or folder that is moved or
+made in the folder of the test, and lets the one with a given number fail. What failed is tried
+again without a fault, which must work.
+"""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from errno import EACCES, EIO, ENOSPC
+from pathlib import Path
+
+import pytest
+from fakes import Fake, fake_diagnosis, friction
+
+from symhyb.errors import InputError
+from symhyb.writing import PREFIX, STALE, staged, write_file
+
+ROOT = Path(__file__).parent.parent
+OSCILLATOR = str(ROOT / "models" / "oscillator.toml")
+STUDY = ROOT / "studies" / "oscillator"
+EVENTS = ("open", "os.rename", "os.mkdir")
+MOST = 60  # places of a verb
+
+
+class Faults:
+    """What the audit hook does: count events in a folder, let one of them fail."""
+
+    folder, kind, at, seen = "", 0, -1, 0
+
+    def __call__(self, event: str, arguments: tuple[object, ...]) -> None:
+        if not self.folder or event not in EVENTS:
+            return
+        if event == "open" and not _writes(arguments):
+            return
+        if event == "os.mkdir" and os.path.isdir(str(arguments[0])):
+            return  # that it is there already is no fault
+        if not any(str(one).startswith(self.folder) for one in arguments):
+            return
+        self.seen += 1
+        if self.seen == self.at + 1:
+            if self.kind == signal.SIGINT:
+                raise KeyboardInterrupt
+            raise OSError(self.kind, os.strerror(self.kind))
+
+
+def _writes(arguments: tuple[object, ...]) -> bool:
+    mode, flags = arguments[1], arguments[2]
+    return any(letter in str(mode or "") for letter in "wax+") or bool(
+        isinstance(flags, int) and flags & (os.O_WRONLY | os.O_RDWR)
+    )
+
+
+FAULTS = Faults()
+sys.addaudithook(FAULTS)
+
+
+@contextmanager
+def fault(folder: Path, kind: int, at: int) -> Iterator[None]:
+    """Let write number ``at`` in ``folder`` fail."""
+    FAULTS.kind, FAULTS.at, FAULTS.seen = kind, at, 0
+    FAULTS.folder = str(folder)
+    try:
+        yield
+    finally:
+        FAULTS.folder = ""
+
+
+def called(monkeypatch: pytest.MonkeyPatch, *arguments: object) -> int:
+    """The exit status of the command line in this process."""
+    from symhyb.cli import main
+
+    monkeypatch.setattr(sys, "argv", ["symhyb", *map(str, arguments)])
+    before = signal.getsignal(signal.SIGTERM)
+    try:
+        with pytest.raises(SystemExit) as ended:
+            main()
+    finally:
+        signal.signal(signal.SIGTERM, before)
+    assert isinstance(ended.value.code, int)
+    return ended.value.code
+
+
+def held(folder: Path) -> dict[str, bytes]:
+    """Every file below a folder."""
+    return {
+        str(file.relative_to(folder)): file.read_bytes()
+        for file in sorted(folder.rglob("*"))
+        if file.is_file()
+    }
+
+
+@pytest.fixture
+def fake(monkeypatch: pytest.MonkeyPatch) -> Fake:
+    return fake_diagnosis(monkeypatch)
+
+
+VERBS = {
+    "diagnose": ["diagnose", OSCILLATOR, STUDY / "train.csv", "-o"],
+    "run": ["run", STUDY / "study.toml", "-o"],
+    "export": ["export", OSCILLATOR, "--whole", "--to", "c", "--name", "osc", "-o"],
+    "simulate": ["simulate", OSCILLATOR, "--end", "0.1", "-o"],
+}
+
+
+QUICK = ("simulate", "export")
+
+
+@pytest.mark.parametrize("there", [False, True])
+@pytest.mark.parametrize("kind", [ENOSPC, EACCES, EIO, signal.SIGINT])
+@pytest.mark.parametrize(
+    "verb", [pytest.param(v, marks=() if v in QUICK else pytest.mark.slow) for v in VERBS]
+)
+def test_outputs_are_old_or_new(
+    fake: Fake,
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    verb: str,
+    there: bool,
+    kind: int,
+) -> None:
+    fake(friction())
+    out = tmp_path / "out"
+    command = [*VERBS[verb], out / "run.csv" if verb == "simulate" else out]
+    if there:
+        called(monkeypatch, *command)
+        for file in out.iterdir():
+            file.write_text("old")
+        (out / "mine.txt").write_text("mine")
+    old = held(tmp_path)
+    tried = 0
+    for at in range(MOST):
+        with fault(tmp_path, kind, at):
+            status = called(monkeypatch, *command)
+            if FAULTS.seen <= at:  # no write has this number: the verb went through
+                break
+        tried += 1
+        assert status == (130 if kind == signal.SIGINT else 2), at
+        assert held(tmp_path) == old, at
+    assert 2 <= tried < MOST
+    assert status in (0, 1)
+    new = held(tmp_path)
+    assert set(old) < set(new) or there
+    assert b"old" not in new.values()
+    assert ("out/mine.txt" in new) == there
+
+
+def test_what_was_replaced_goes_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The third of three files cannot be moved: the first two are the old ones again."""
+    (tmp_path / "out").mkdir()
+    for name in "ab":
+        (tmp_path / "out" / name).write_text(f"old {name}")
+    whole = os.replace
+
+    def failing(source: Path, target: Path) -> None:
+        if Path(target).name == "c":
+            raise OSError(ENOSPC, "No space left on device")
+        whole(source, target)
+
+    monkeypatch.setattr(os, "replace", failing)
+    with pytest.raises(InputError, match="No space left"), staged(tmp_path / "out") as part:
+        _ = [(part / name).write_text("new") for name in "abc"]
+    assert held(tmp_path) == {"out/a": b"old a", "out/b": b"old b"}
+
+
+def test_a_disk_without_second_names_keeps_copies(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def failing(source: Path, target: Path) -> None:
+        raise PermissionError(1, "Operation not permitted")
+
+    monkeypatch.setattr(os, "link", failing)
+    for text in ("old", "new"):
+        with staged(tmp_path / "out") as part:
+            (part / "a").write_text(text)
+    assert held(tmp_path) == {"out/a": b"new"}
+
+
+def test_what_a_killed_process_left_is_removed_after_a_day(tmp_path: Path) -> None:
+    old, young = tmp_path / f"{PREFIX}old", tmp_path / f"{PREFIX}young"
+    for folder in (old, young):
+        (folder / "new").mkdir(parents=True)
+    os.utime(old, (time.time() - 2 * STALE,) * 2)
+    with staged(tmp_path / "out") as part:
+        (part / "a").write_text("a")
+    assert not old.exists()
+    assert young.exists()
+
+
+def test_a_file_is_never_half_written(tmp_path: Path) -> None:
+    write_file(tmp_path / "deep" / "a.txt", "old")
+    with fault(tmp_path, ENOSPC, 0), pytest.raises(InputError, match="No space left"):
+        write_file(tmp_path / "deep" / "a.txt", "new")
+    assert held(tmp_path) == {"deep/a.txt": b"old"}
+    with pytest.raises(InputError, match="is a folder; name a file in it"):
+        write_file(tmp_path / "deep", "new")
+
+
+@pytest.mark.parametrize("ending", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
+def test_a_diagnosis_that_is_ended_leaves_nothing_half(tmp_path: Path, ending: int) -> None:
+    out = tmp_path / "out"
+    command = [sys.executable, "-m", "symhyb", *map(str, VERBS["diagnose"]), str(out)]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    time.sleep(3)
+    process.send_signal(ending)
+    _, said = process.communicate(timeout=60)
+    assert held(tmp_path) == {}
+    assert process.returncode in (130, -ending)  # the latter before symhyb was even imported
+    if process.returncode == 130:
+        assert said == "interrupted; nothing more was written\n"
