@@ -1,11 +1,12 @@
 """The scripts of the bench of concealed effects as modules, and small cases of it."""
 
-import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType
 from typing import Any
+
+from tests.scripts import scripts
 
 FOLDER = Path(__file__).parents[1] / "studies" / "concealed"
 NAMES = (
@@ -46,13 +47,8 @@ Study = Mapping[str, ModuleType]
 @contextmanager
 def modules() -> Iterator[Study]:
     """The modules of the bench, which are scripts beside each other."""
-    sys.path.insert(0, str(FOLDER))
-    try:
-        yield {name: __import__(name) for name in NAMES}
-    finally:
-        sys.path.remove(str(FOLDER))
-        for name in NAMES:
-            sys.modules.pop(name, None)
+    with scripts("concealed", NAMES) as found:
+        yield found
 
 
 def run(study: Study, seeds: Sequence[int], folder: Path, errors: bool = False) -> Any:

@@ -1,8 +1,7 @@
 """The benchmarks do what they say: small sizes, right answers, no clock."""
 
 import json
-import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from pathlib import Path
 from types import ModuleType
@@ -14,8 +13,10 @@ from sympy import Matrix, lambdify
 from sympy.physics.mechanics import dynamicsymbols
 
 from symhyb.numeric.kernels.compiled import find_compiler
+from tests.scripts import scripts
 
 FOLDER = Path(__file__).parents[1] / "studies" / "benchmarks"
+Study = Mapping[str, ModuleType]
 NAMES = (
     "bench",
     "compiled",
@@ -31,27 +32,24 @@ NAMES = (
 
 
 @pytest.fixture(scope="module")
-def study() -> Iterator[dict[str, ModuleType]]:
+def study() -> Iterator[Study]:
     """The modules of the benchmarks, which are scripts beside each other."""
-    sys.path.insert(0, str(FOLDER))
-    try:
-        yield {name: __import__(name) for name in NAMES}
-    finally:
-        sys.path.remove(str(FOLDER))
-        for name in NAMES:
-            sys.modules.pop(name, None)
+    with scripts("benchmarks", NAMES) as found:
+        yield found
 
 
-def row(study: dict[str, ModuleType], value: float, bar: float | None, least: bool) -> object:
+def row(study: Study, value: float, bar: float | None, least: bool) -> object:
     return study["timing"].Row("part", "what", value, bar, least)
 
 
 @pytest.mark.parametrize("relative", [True, False])
-def test_contenders_derive_the_same_equations(study: dict[str, ModuleType], relative: bool) -> None:
+def test_contenders_derive_the_same_equations(study: Study, relative: bool) -> None:
     assert study["links"].apart(4, relative) < 1e-13
 
 
-def test_sympy_derives_the_equations_of_absolute_angles_too(study: dict[str, ModuleType]) -> None:
+def test_sympy_derives_the_equations_of_absolute_angles_too(
+    study: Study,
+) -> None:
     """LagrangesMethod at one state, against symhyb: M and forcing = −k."""
     links, n = study["links"], 3
     mass, forcing = links.lagrange(n)
@@ -71,7 +69,7 @@ def test_sympy_derives_the_equations_of_absolute_angles_too(study: dict[str, Mod
 
 
 def test_a_chain_of_links_is_lowered_with_about_the_instructions_of_a_careful_hand(
-    study: dict[str, ModuleType],
+    study: Study,
 ) -> None:
     """The bar is 1.6 times; before sums were shared it was five times with twelve links."""
     links = study["links"]
@@ -81,7 +79,7 @@ def test_a_chain_of_links_is_lowered_with_about_the_instructions_of_a_careful_ha
 
 
 def test_the_loop_of_one_step_integrations_makes_the_same_run(
-    study: dict[str, ModuleType],
+    study: Study,
 ) -> None:
     oscillators = study["oscillators"]
     machine, scenario = oscillators.machine_of(), oscillators.scenario_of(0.5, 101)
@@ -92,7 +90,7 @@ def test_the_loop_of_one_step_integrations_makes_the_same_run(
     assert oscillators.error(oscillators.lsoda(rate, scenario.t, 1e-8, 1e-10), truth) < 1e-6
 
 
-def test_contenders_of_the_force_give_the_same_numbers(study: dict[str, ModuleType]) -> None:
+def test_contenders_of_the_force_give_the_same_numbers(study: Study) -> None:
     forces = study["forces"]
     machine = forces.oscillator()
     arguments = forces.arguments_of(machine, 1000)
@@ -102,20 +100,20 @@ def test_contenders_of_the_force_give_the_same_numbers(study: dict[str, ModuleTy
     assert ours == pytest.approx(forces.whole_arrays(machine, arguments), rel=1e-12, abs=1e-12)
 
 
-def test_a_force_is_measured_in_a_process_of_its_own(study: dict[str, ModuleType]) -> None:
+def test_a_force_is_measured_in_a_process_of_its_own(study: Study) -> None:
     times = study["forces"].apart("pendulum", 2000, 1, SYMHYB_CC="")
     assert set(times) == {"ours", "two threads", "numpy"}
     assert all(seconds > 0 for seconds in times.values())
 
 
-def test_rows_of_regression_name_their_bars(study: dict[str, ModuleType]) -> None:
+def test_rows_of_regression_name_their_bars(study: Study) -> None:
     rows = study["regression"].rows(2000, 200, 3, 1)
     assert [r.bar for r in rows] == [20, None, 0.05, 200]
     assert all(np.isfinite(r.value) and r.value > 0 for r in rows)
 
 
 def test_contenders_of_the_regression_find_the_same_true_terms(
-    study: dict[str, ModuleType],
+    study: Study,
 ) -> None:
     regression = study["regression"]
     candidates = regression.candidates_of(5000)
@@ -129,7 +127,7 @@ def test_contenders_of_the_regression_find_the_same_true_terms(
 
 
 def test_contenders_of_the_matching_find_the_planted_parameters(
-    study: dict[str, ModuleType],
+    study: Study,
 ) -> None:
     """To within four deviations as ours states them; IPOPT's are no larger."""
     trajectories = study["trajectories"]
@@ -141,7 +139,7 @@ def test_contenders_of_the_matching_find_the_planted_parameters(
     assert np.all(reach < 0.5 * trajectories.TRUE)
 
 
-def test_rows_of_matching_name_their_bars(study: dict[str, ModuleType]) -> None:
+def test_rows_of_matching_name_their_bars(study: Study) -> None:
     rows = study["trajectories"].rows((2000, 3000), 1)
     assert [r.bar for r in rows] == [3, 1.5]
     assert all(np.isfinite(r.value) and r.value > 0 for r in rows)
@@ -149,7 +147,7 @@ def test_rows_of_matching_name_their_bars(study: dict[str, ModuleType]) -> None:
 
 @pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 def test_contenders_of_the_compiled_path_give_the_same_numbers(
-    study: dict[str, ModuleType],
+    study: Study,
 ) -> None:
     compiled, oscillators = study["compiled"], study["oscillators"]
     machine, scenario = oscillators.machine_of(), oscillators.scenario_of(0.5, 101)
@@ -166,20 +164,20 @@ def test_contenders_of_the_compiled_path_give_the_same_numbers(
     assert set(times) == {"ours", "aba"}
 
 
-def test_rows_of_simulation_name_their_bars(study: dict[str, ModuleType]) -> None:
+def test_rows_of_simulation_name_their_bars(study: Study) -> None:
     oscillators = study["oscillators"]
     rows = oscillators.run_rows(0.5, 51, 1) + oscillators.sweep_rows(3, 0.1, 11, 1)
     assert [r.bar for r in rows] == [2.5, None, 50, 1.7, None]
     assert all(np.isfinite(r.value) and r.value > 0 for r in rows)
 
 
-def test_rows_of_exact_friction_name_their_bars(study: dict[str, ModuleType]) -> None:
+def test_rows_of_exact_friction_name_their_bars(study: Study) -> None:
     rows = study["sticking"].rows(2.0, 201, 1)
     assert [r.bar for r in rows] == [5.0, 1e-6, 1.0] * 2
     assert all(r.met for r in rows if r.unit != "×")
 
 
-def test_rows_of_derivation_name_their_bars(study: dict[str, ModuleType]) -> None:
+def test_rows_of_derivation_name_their_bars(study: Study) -> None:
     rows = study["links"].rows(2, 3, 1)
     bars = sorted(r.bar for r in rows if r.bar)
     assert bars == [1.6, 1.6, 4, 4, 30, 30, 200, 200]
@@ -197,7 +195,7 @@ def test_rows_of_derivation_name_their_bars(study: dict[str, ModuleType]) -> Non
     ],
 )
 def test_a_bar_is_met_or_missed(
-    study: dict[str, ModuleType],
+    study: Study,
     value: float,
     bar: float | None,
     least: bool,
@@ -208,7 +206,7 @@ def test_a_bar_is_met_or_missed(
     assert (line.met, line.verdict) == (met, verdict)
 
 
-def test_the_page_keeps_what_stands_around_the_table(study: dict[str, ModuleType]) -> None:
+def test_the_page_keeps_what_stands_around_the_table(study: Study) -> None:
     bench = study["bench"]
     table = bench.page_table([row(study, 2.0, 2.5, True)], {"processor": "of glass"})
     page = bench.replaced(f"# Page\n{bench.BEGIN}\nold\n{bench.END}\nbelow\n", table)
@@ -221,7 +219,7 @@ def test_the_page_keeps_what_stands_around_the_table(study: dict[str, ModuleType
         bench.replaced("# Page\n", table)
 
 
-def test_the_page_shows_the_results_that_are_kept(study: dict[str, ModuleType]) -> None:
+def test_the_page_shows_the_results_that_are_kept(study: Study) -> None:
     bench = study["bench"]
     kept = json.loads((FOLDER / "results.json").read_text(encoding="utf-8"))
     rows = []
@@ -233,7 +231,7 @@ def test_the_page_shows_the_results_that_are_kept(study: dict[str, ModuleType]) 
 
 
 def test_one_part_is_kept_beside_the_others_of_the_same_machine(
-    study: dict[str, ModuleType],
+    study: Study,
 ) -> None:
     bench, old = study["bench"], [row(study, 1.0, None, False), row(study, 2.0, 2.5, True)]
     kept = {
@@ -251,9 +249,7 @@ def test_one_part_is_kept_beside_the_others_of_the_same_machine(
 
 
 @pytest.mark.parametrize("name", ["read_model", "build", "simulate"])
-def test_what_simulates_loads_nothing_that_diagnoses(
-    study: dict[str, ModuleType], name: str
-) -> None:
+def test_what_simulates_loads_nothing_that_diagnoses(study: Study, name: str) -> None:
     """A fresh interpreter, after a public name has been asked for."""
     absent = ("pysindy", "sklearn", "matplotlib", "pandas", "scipy.signal", "joblib")
     code = f"import sys, symhyb; symhyb.{name}; print(*({set(absent)!r} & sys.modules.keys()))"
@@ -261,7 +257,7 @@ def test_what_simulates_loads_nothing_that_diagnoses(
     assert done.stdout.decode().split() == []
 
 
-def test_the_machine_is_described_without_names(study: dict[str, ModuleType]) -> None:
+def test_the_machine_is_described_without_names(study: Study) -> None:
     reported = study["timing"].machine()
     assert reported["casadi"] == ca.__version__
     assert "cores" in reported["processor"]

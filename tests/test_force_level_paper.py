@@ -1,27 +1,21 @@
 """The paper's comparison: its reference and its hosts are right, its page says what was kept."""
 
-import sys
 from collections.abc import Iterator
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-FOLDER = Path(__file__).parents[1] / "studies" / "force_level_paper"
+from tests.scripts import scripts
+
 NAMES = ("truth", "learn", "hosts", "run", "tables", "cart_pole")
 
 
 @pytest.fixture(scope="module")
 def study() -> Iterator[SimpleNamespace]:
     """The scripts of the study as modules."""
-    kept = {name: sys.modules.pop(name) for name in NAMES if name in sys.modules}
-    sys.path.insert(0, str(FOLDER))
-    yield SimpleNamespace(**{name: __import__(name) for name in NAMES})
-    sys.path.remove(str(FOLDER))
-    for name in NAMES:
-        sys.modules.pop(name, None)
-    sys.modules.update(kept)
+    with scripts("force_level_paper", NAMES) as found:
+        yield SimpleNamespace(**found)
 
 
 def test_friction_takes_its_work_and_holds_the_mass_where_it_must(study: SimpleNamespace) -> None:

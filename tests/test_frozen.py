@@ -2,7 +2,6 @@
 
 import base64
 import json
-import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from types import ModuleType
@@ -10,10 +9,9 @@ from typing import Any
 
 import pytest
 
-FOLDER = Path(__file__).parents[1] / "studies" / "frozen"
+from tests.scripts import scripts
+
 NAMES = ("cases", "run", "scoring", "compare")
-BENCH = ("claims", "plans", "draw", "conceal", "harder", "hidden", "oracle", "effects", "systems")
-BENCH += ("chains", "arm", "plant", "laws")
 FAKE = """\
 import json, pathlib, sys
 folder = pathlib.Path(sys.argv[sys.argv.index("-o") + 1])
@@ -31,14 +29,8 @@ said = {"verdict": "nothing missing", "found": [], "parameters": [], "measuremen
 @pytest.fixture(scope="module")
 def study() -> Iterator[Mapping[str, ModuleType]]:
     """The modules of the set, which are scripts beside each other."""
-    before = list(sys.path)
-    sys.path.insert(0, str(FOLDER))
-    try:
-        yield {name: __import__(name) for name in NAMES}
-    finally:
-        sys.path[:] = before
-        for name in (*NAMES, *BENCH):
-            sys.modules.pop(name, None)
+    with scripts("frozen", NAMES) as found:
+        yield found
 
 
 def seal(**values: Any) -> str:

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from symhyb.numeric.kernels import compiled
+from tests.scripts import scripts
 
 FOLDER = Path(__file__).parents[1] / "studies" / "machine_mount"
 needs_compiler = pytest.mark.skipif(compiled.find_compiler() is None, reason="no C compiler")
@@ -18,17 +19,8 @@ needs_compiler = pytest.mark.skipif(compiled.find_compiler() is None, reason="no
 @pytest.fixture(scope="module")
 def study() -> Iterator[ModuleType]:
     """The study, a script beside its generator."""
-    names = ("generate", "design")
-    kept = {name: sys.modules.pop(name) for name in names if name in sys.modules}
-    sys.path.insert(0, str(FOLDER))
-    import design
-    import generate  # noqa: F401
-
-    yield design
-    sys.path.remove(str(FOLDER))
-    for name in names:
-        sys.modules.pop(name, None)
-    sys.modules.update(kept)
+    with scripts("machine_mount", ("generate", "design")) as found:
+        yield found["design"]
 
 
 @pytest.fixture(scope="module")

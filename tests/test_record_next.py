@@ -1,8 +1,6 @@
 """The study that follows the advice: its generator is right, and the advice resolves."""
 
-import sys
 from collections.abc import Iterator
-from pathlib import Path
 from types import ModuleType
 
 import numpy as np
@@ -10,23 +8,14 @@ import pytest
 
 from symhyb.correction.advice.signals import signal_of
 from symhyb.discrepancy.results import Manoeuvre
-
-FOLDER = Path(__file__).parents[1] / "studies" / "record_next"
+from tests.scripts import scripts
 
 
 @pytest.fixture(scope="module")
 def study() -> Iterator[ModuleType]:
     """The study, a script beside its generator."""
-    names = ("generate", "follow")
-    kept = {name: sys.modules.pop(name) for name in names if name in sys.modules}
-    sys.path.insert(0, str(FOLDER))
-    import follow
-
-    yield follow
-    sys.path.remove(str(FOLDER))
-    for name in names:
-        sys.modules.pop(name, None)
-    sys.modules.update(kept)
+    with scripts("record_next", ("generate", "follow")) as found:
+        yield found["follow"]
 
 
 def test_dry_friction_stops_the_sledge_where_it_must(study: ModuleType) -> None:

@@ -2,7 +2,6 @@
 
 import json
 import re
-import sys
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -13,28 +12,17 @@ from fakes import Fake, fake_diagnosis, friction
 
 from symhyb.published import Published, Reference
 from symhyb.study import run_study
+from tests.scripts import scripts
 
 ROOT = Path(__file__).parent.parent
-FOLDER = ROOT / "studies" / "recordings"
 
 
 @pytest.fixture(scope="module")
 def page() -> Iterator[ModuleType]:
     """The script that writes the page, with ``page.kept``, ``page.words`` and ``page.picture``."""
-    names = ("page", "kept", "words", "picture")
-    before = {name: sys.modules.pop(name) for name in names if name in sys.modules}
-    sys.path.insert(0, str(FOLDER))
-    import kept
-    import page
-    import picture
-    import words
-
-    page.__dict__.update(kept=kept, words=words, picture=picture)
-    yield page
-    sys.path.remove(str(FOLDER))
-    for name in names:
-        sys.modules.pop(name, None)
-    sys.modules.update(before)
+    with scripts("recordings", ("page", "kept", "words", "picture")) as found:
+        found["page"].__dict__.update(found)
+        yield found["page"]
 
 
 @pytest.fixture

@@ -1,7 +1,6 @@
 """The fuzzing of readers: inputs follow from their number, every sort of failure is seen."""
 
 import json
-import sys
 import time
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -12,8 +11,8 @@ from typing import Any
 import pytest
 
 from symhyb.errors import InputError, Problem
+from tests.scripts import scripts
 
-FOLDER = Path(__file__).parents[1] / "studies" / "reliability"
 NAMES = ("grammar", "mutate", "readers", "fuzz", "supply")
 QUICK = ("unit", "expression", "model", "machine", "study", "expected", "weights", "csv", "json")
 Study = Mapping[str, ModuleType]
@@ -22,13 +21,8 @@ Study = Mapping[str, ModuleType]
 @pytest.fixture(scope="module")
 def study() -> Iterator[Study]:
     """The scripts as modules."""
-    sys.path.insert(0, str(FOLDER))
-    try:
-        yield {name: __import__(name) for name in NAMES}
-    finally:
-        sys.path.remove(str(FOLDER))
-        for name in NAMES:
-            sys.modules.pop(name, None)
+    with scripts("reliability", NAMES) as found:
+        yield found
 
 
 @pytest.fixture(autouse=True)

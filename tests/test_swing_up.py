@@ -12,6 +12,7 @@ from scipy.integrate import solve_ivp
 
 import symhyb as sh
 from symhyb.numeric.kernels import compiled
+from tests.scripts import scripts
 
 FOLDER = Path(__file__).parents[1] / "studies" / "swing_up"
 NAMES = ("engine", "generate", "plan", "feedback", "swing")
@@ -21,15 +22,8 @@ needs_compiler = pytest.mark.skipif(compiled.find_compiler() is None, reason="no
 @pytest.fixture(scope="module")
 def study() -> Iterator[ModuleType]:
     """The study, scripts beside each other."""
-    kept = {name: sys.modules.pop(name) for name in NAMES if name in sys.modules}
-    sys.path.insert(0, str(FOLDER))
-    import swing
-
-    yield swing
-    sys.path.remove(str(FOLDER))
-    for name in NAMES:
-        sys.modules.pop(name, None)
-    sys.modules.update(kept)
+    with scripts("swing_up", NAMES) as found:
+        yield found["swing"]
 
 
 @pytest.fixture(scope="module")

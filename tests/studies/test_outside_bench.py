@@ -1,7 +1,6 @@
 """The bench of what the vocabulary lacks: its generators, its seals, its scores."""
 
 import json
-import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from types import ModuleType
@@ -13,8 +12,8 @@ from scipy.signal import cont2discrete
 
 import symhyb as sh
 from symhyb.numeric.kernels.buffers import call
+from tests.scripts import scripts
 
-STUDIES = Path(__file__).parents[2] / "studies"
 NAMES = (
     "draw",
     "kinds",
@@ -33,15 +32,8 @@ Study = Mapping[str, ModuleType]
 @pytest.fixture(scope="module")
 def study() -> Iterator[Study]:
     """The modules of the bench, which are scripts beside each other."""
-    before, path = set(sys.modules), list(sys.path)
-    sys.path.insert(0, str(STUDIES / "outside"))
-    try:
-        yield {name: __import__(name) for name in NAMES}
-    finally:
-        sys.path[:] = path
-        for name in set(sys.modules) - before:
-            if Path(getattr(sys.modules[name], "__file__", None) or "/").is_relative_to(STUDIES):
-                sys.modules.pop(name)
+    with scripts("outside", NAMES) as found:
+        yield found
 
 
 def signal(study: Study, k: int = 1) -> Any:
