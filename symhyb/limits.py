@@ -16,6 +16,7 @@ EXPRESSION_LETTERS = 2000
 EXPRESSION_DEPTH = 60  # levels of parentheses and functions
 UNIT_LETTERS = 100
 COORDINATES = 500  # of a machine
+COLUMNS = 10_000  # of a recording
 STRUCTURES_DEEP = 12  # structures within structures of a recording
 VARIABLE_NUMBERS = 200_000_000  # in one variable of an HDF5 file, which may claim more than it has
 PACKED_LEAST, PACKED_TIMES = 10_000_000, 200  # bytes that an archive unpacks to, or times its own

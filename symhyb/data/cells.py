@@ -1,5 +1,6 @@
 """Columns of numbers out of the columns of a pandas frame: dates in seconds, words a problem."""
 
+from collections import Counter
 from math import inf
 from typing import TYPE_CHECKING, Any
 
@@ -67,8 +68,8 @@ def twice(headers: list[str], file: str) -> dict[str, Problem]:
     """Return a problem for every header that stands more than once."""
     return {
         name: Problem("stands more than once in the header", f"column '{name}'", file)
-        for name in headers
-        if headers.count(name) > 1
+        for name, often in Counter(headers).items()
+        if often > 1
     }
 
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from symhyb.data.cells import numbers_in
 from symhyb.data.table import NO_UNIT, Column, Table, is_unit, refusal, split_unit
 from symhyb.errors import Problem
+from symhyb.limits import COLUMNS
 
 Line = tuple[int, str]
 """The number of a line, from 1, and its text."""
@@ -42,6 +43,8 @@ def read_csv(content: bytes, file: str) -> Table:
     number, first = lines[0]
     delimiter = max(_DELIMITERS, key=first.count)
     header = [cell.strip() for cell in _cells(first, delimiter)]
+    if len(header) > COLUMNS:
+        raise refusal(file, f"has {len(header)} columns; at most {COLUMNS} are read", number)
     rows = lines[1:]
     if not any(header) or all(_is_number(cell) for cell in header if cell):
         raise refusal(file, "a first line with the names of the columns is required", number)
@@ -169,7 +172,7 @@ def _columns(
         )
     except pd.errors.ParserError as error:
         raise refusal(file, f"cannot be read as a table: {error}") from error
-    columns = []
+    columns, often = [], Counter(header)
     for place, name in enumerate(header):
         cells = frame[place]
         if not name and cells.isna().all():
@@ -180,7 +183,7 @@ def _columns(
             cells = cells.where(~cells.isin(DASHES))  # a dash is an empty cell
         bad = np.flatnonzero(np.isnan(values) & cells.notna().to_numpy())
         problem = None
-        if header.count(name) > 1 and name:
+        if often[name] > 1 and name:
             problem = Problem("stands more than once in the header", f"column '{name}'", file)
         elif bad.size:
             cell = str(cells.iloc[bad[0]])

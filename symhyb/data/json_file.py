@@ -7,6 +7,7 @@
 """
 
 import json
+from collections import Counter
 from collections.abc import Mapping
 from itertools import chain
 
@@ -49,8 +50,8 @@ def read_json(content: bytes, file: str) -> Table:
 def _pairs(pairs: list[tuple[str, object]]) -> dict[str, object]:
     values = dict(pairs)
     if len(values) < len(pairs):
-        names = [name for name, _ in pairs]
-        twice = next(name for name in names if names.count(name) > 1)
+        often = Counter(name for name, _ in pairs)
+        twice = next(name for name, count in often.items() if count > 1)
         raise ValueError(f"the key '{twice}' stands more than once")
     return values
 

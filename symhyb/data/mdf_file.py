@@ -12,6 +12,7 @@ import importlib
 import io
 import logging
 import sys
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stdout
 from typing import Any
@@ -128,8 +129,9 @@ def _parts(measurement: Any) -> Iterator[tuple[int, str]]:
     names = [
         str(getattr(measurement.groups[n].channel_group, "acq_name", "") or "") for n in filled
     ]
+    often = Counter(names)
     for number, name in zip(filled, names, strict=True):
-        unique = name and names.count(name) == 1 and "." not in name
+        unique = name and often[name] == 1 and "." not in name
         yield number, "" if len(filled) == 1 else name if unique else str(number + 1)
 
 
@@ -148,6 +150,7 @@ def _group(
     times = np.asarray(measurement.get_master(number), dtype=np.float64)
     yield _column(TIME, times, part)
     names = [str(channel.name) for channel in group.channels]
+    often = Counter(names)
     for index, name in enumerate(names):
         if index == master:
             continue
@@ -160,7 +163,7 @@ def _group(
             notes.append(f"channel {name} is no vector of numbers: left out")
             continue
         problem = None
-        if names.count(name) > 1:
+        if often[name] > 1:
             text = "stands more than once in its group"
             problem = Problem(text, f"channel '{name}'", file)
         yield _column(headed(name, str(signal.unit or "")), values, part, problem)

@@ -152,3 +152,9 @@ def test_a_number_that_no_float_holds_is_infinite(write):
 def test_names_of_columns_do_nothing_to_a_terminal(write):
     path = write("run.csv", "t,x\u202e [m],\x9by\n0,1,2\n")
     assert read_table(path).names() == ["t", "x\\u202e", "\\u009by"]
+
+
+def test_more_columns_than_any_rig_has_are_refused(write):
+    header = ",".join(["t", *(f"c{number}" for number in range(10_000))])
+    with pytest.raises(InputError, match="has 10001 columns; at most 10000 are read"):
+        read_table(write("run.csv", header + "\n0" + ",1" * 10_000 + "\n"))

@@ -18,6 +18,20 @@ RELATIVE_TOLERANCE = 1e-8
 ABSOLUTE_TOLERANCE = 1e-10  # of states divided by their scales
 JUMP_SHARE = 0.2  # of an input's range within one sample: taken for a jump
 JUMPS_MOST = 400
+FLAGS = {  # what CVODES returns (its user guide, appendix B), apart from too much work
+    "CONV_FAILURE": "could not meet its tolerance {span}: the motion grows without bound or jumps",
+    "ERR_FAILURE": "could not meet its tolerance {span}: the motion grows without bound or jumps",
+    "TOO_MUCH_ACC": "was asked for more digits than numbers hold {span}",
+    "RHSFUNC": "met rates that are not finite {span} (a division by zero, a root or a logarithm of "
+    "a negative number)",
+    "LSETUP_FAIL": "met slopes of the equations that are singular or not finite {span}",
+    "LSOLVE_FAIL": "met slopes of the equations that are singular or not finite {span}",
+    "LINIT_FAIL": "could not begin {span}: its linear solver failed",
+    "ILL_INPUT": "could not begin {span}: a start, a parameter or an input is not finite",
+    "TOO_CLOSE": "could not begin {span}: the times lie too close together",
+    "BAD_T": "was asked for a time outside of what it had computed {span}",
+    "MEM_": "ran out of memory {span}",
+}
 JUMP_TAKES = 1e-6  # of the longest time between two samples: less is a jump of a held input
 LONGEST_STEP = 2  # samples of an input: no pulse is stepped over
 GROWN = 1e6  # a state this many scales large has grown without bound
@@ -104,11 +118,10 @@ def _explain(error: RuntimeError, start: Array, grid: Array, most: float) -> str
             f"CVODES needed more than {most:.0f} steps for one output {span}: the equations are "
             "stiff or chatter (a wider friction transition helps) or the motion grows without bound"
         )
-    if "CONV_FAILURE" in text or "ERR_FAILURE" in text:
-        return (
-            f"CVODES could not meet its tolerance {span}: the motion grows without bound or jumps"
-        )
-    return f"CVODES stopped {span}: {text.strip().splitlines()[-1]}"
+    said = next(
+        (said for flag, said in FLAGS.items() if flag in text), "gave up {span} and says not why"
+    )
+    return f"CVODES {said.format(span=span)}"
 
 
 def culprits(model: Model) -> str:
