@@ -170,6 +170,7 @@ DAMAGED = {
     "another format": changed(**{"symhyb-network": 2}),
     "no layers": {key: entry for key, entry in WEIGHTS.items() if key != "layers"},
     "layers that do not follow": changed(layers=[LAYER]),
+    "a bias that is a table": changed(layers=[{**LAYER, "bias": [[0.05]]}]),
     "two outputs": changed(layers=[{**LAYER, "weights": [[1, 2], [3, 4]], "bias": [0, 0]}]),
     "an unknown activation": changed(
         layers=[{"weights": [[1, 2]], "bias": [0], "activation": "__import__"}]

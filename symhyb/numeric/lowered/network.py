@@ -160,7 +160,7 @@ def _weights(document: object) -> Weights:
     width = mean.size
     for item in document["layers"]:
         weights, bias = np.array(item["weights"], float), np.array(item["bias"], float)
-        if weights.ndim != 2 or weights.shape != (bias.size, width):
+        if bias.ndim != 1 or weights.shape != (bias.size, width):
             raise ValueError(f"a layer of shape {weights.shape} does not follow {width} values")
         if item["activation"] not in ACTIVATIONS:
             raise ValueError(f"activation {item['activation']!r} is not known")
