@@ -61,7 +61,8 @@ def folders_of(study: Path, within: Sequence[str | os.PathLike[str]] = ()) -> Fo
     """The folders whose files ``study`` may name: that of the study, that of the project (the
     nearest folder above it that holds one of ``MARKS``), and those ``within``."""
     home = Path(os.path.realpath(study.parent))
-    nobody = {Path(home.anchor), Path(os.path.realpath(Path.home()))}
+    own = os.path.expanduser("~")  # stays as it is where nobody knows the home folder
+    nobody = {Path(home.anchor), Path(os.path.realpath(own))}
     above = (folder for folder in (home, *home.parents) if folder not in nobody)
     project = next((one for one in above if any((one / mark).exists() for mark in MARKS)), home)
     asked = (Path(os.path.realpath(folder)) for folder in within)

@@ -66,11 +66,12 @@ def staged(directory: str | os.PathLike[str]) -> Iterator[Path]:
     target = Path(directory).absolute()
     require_folder(target)
     try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        _forget_stale(target.parent)
-        work = Path(tempfile.mkdtemp(prefix=PREFIX, dir=target.parent))
+        home = target if target.is_dir() else target.parent
+        home.mkdir(parents=True, exist_ok=True)
+        _forget_stale(home)
+        work = Path(tempfile.mkdtemp(prefix=PREFIX, dir=home))
     except OSError as error:
-        raise _unwritable(target.parent, error) from error
+        raise _unwritable(home, error) from error
     part, old = work / "new", work / "old"
     try:
         part.mkdir()

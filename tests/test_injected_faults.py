@@ -181,6 +181,17 @@ def test_a_disk_without_second_names_keeps_copies(
     assert held(tmp_path) == {"out/a": b"new"}
 
 
+def test_a_folder_that_is_there_needs_no_room_beside_it(tmp_path: Path) -> None:
+    target = tmp_path / "out"
+    with staged(target) as part:
+        assert not part.is_relative_to(target)
+    with staged(target) as part:
+        assert part.is_relative_to(target)
+        (part / "a").write_text("a")
+    assert held(tmp_path) == {"out/a": b"a"}
+    assert [one.name for one in target.iterdir()] == ["a"]
+
+
 def test_what_a_killed_process_left_is_removed_after_a_day(tmp_path: Path) -> None:
     old, young = tmp_path / f"{PREFIX}old", tmp_path / f"{PREFIX}young"
     for folder in (old, young):

@@ -285,6 +285,17 @@ def test_the_home_folder_is_no_project(
     assert "outside" in problems(write(STUDY.replace("model.toml", "../models.toml")))[0]
 
 
+def test_a_study_is_read_where_nobody_knows_the_home_folder(
+    write: Write, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def unknown(user: int) -> None:
+        raise KeyError(user)
+
+    monkeypatch.delenv("HOME")
+    monkeypatch.setattr("pwd.getpwuid", unknown)
+    assert read_study(write(STUDY)).title == "a study"
+
+
 @pytest.mark.parametrize(("name", "said"), [("a" * 5000, "too long"), ("a\\u0000", "no name of")])
 def test_what_cannot_be_the_name_of_a_file(write: Write, name: str, said: str) -> None:
     assert said in problems(write(STUDY.replace("a.csv", name)))[-1]

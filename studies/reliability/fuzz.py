@@ -31,6 +31,8 @@ from unicodedata import category
 
 from readers import ROOT, Reader, an_input, readers
 
+from symhyb.writing import write_file
+
 SECONDS, STUCK = 10, 20  # for one input; until a worker that does not come back is ended
 MEMORY = 4 << 30  # bytes of a worker
 SENTENCE = 2000  # letters of one problem
@@ -70,12 +72,9 @@ def main() -> int:
         work(every[name], int(first), int(last), Path(state))
         return 0
     if options.docs:
-        page = DOCS.read_text(encoding="utf-8")
-        head, _, rest = page.partition(BEGIN)
-        tail = rest.partition(END)[2]
-        DOCS.write_text(
-            f"{head}{BEGIN}\n\n{table(options.output, list(every))}\n{END}{tail}", encoding="utf-8"
-        )
+        head, _, rest = DOCS.read_text(encoding="utf-8").partition(BEGIN)
+        page = f"{head}{BEGIN}\n\n{table(options.output, every)}\n{END}"
+        write_file(DOCS, page + rest.partition(END)[2])
         return 0
     if options.show:
         data = an_input(every[options.show[0]], int(options.show[1]))
@@ -139,9 +138,7 @@ def run(reader: Reader, count: int, workers: int, folder: Path) -> dict[str, Any
                 for key, value in part.items():
                     counts[key] += value
         counts["inputs"], counts["seconds"] = last, counts["seconds"] + time.perf_counter() - begin
-        part_file = file.with_suffix(".part")
-        part_file.write_text(json.dumps(counts, indent=1) + "\n", encoding="utf-8")
-        part_file.replace(file)
+        write_file(file, json.dumps(counts, indent=1) + "\n")
         print(f"  {reader.name}: {last} of {count}", file=sys.stderr, flush=True)
     return counts
 

@@ -13,12 +13,22 @@ import tomllib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, partial
+from importlib import import_module
 from pathlib import Path
 from random import Random
 
 import numpy as np
 from grammar import expression, unit
 from mutate import of_bytes, of_json, of_toml
+
+from symhyb.errors import InputError, Problem
+from symhyb.expected import read_expected
+from symhyb.model.expression import ExpressionError, parse_expression, show
+from symhyb.model.read import parse_model
+from symhyb.numeric.lowered.machine import build
+from symhyb.numeric.lowered.network import evaluated, parsed
+from symhyb.study_file import read_study
+from symhyb.units import UnitError, parse_unit
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
@@ -41,47 +51,30 @@ class Reader:
     share: float = 1.0
 
 
-def _input_error() -> type[Exception]:
-    from symhyb.errors import InputError
-
-    return InputError
+def _text(data: bytes) -> str:
+    return data.decode(errors="replace")
 
 
 def _model(data: bytes) -> None:
-    from symhyb.model.read import parse_model
-
-    parse_model(data.decode(errors="replace"), "model.toml")
+    parse_model(_text(data), "model.toml")
 
 
 def _machine(data: bytes) -> None:
-    from symhyb.model.read import parse_model
-    from symhyb.numeric.lowered.machine import build
-
-    build(parse_model(data.decode(errors="replace"), "model.toml"))
+    build(parse_model(_text(data), "model.toml"))
 
 
 def _unit(data: bytes) -> None:
-    from symhyb.units import UnitError, parse_unit
-
     try:
-        parse_unit(data.decode(errors="replace"))
+        parse_unit(_text(data))
     except UnitError as error:
-        raise _input_error()(_problem(error)) from None
+        raise InputError(Problem(str(error))) from None
 
 
 def _expression(data: bytes) -> None:
-    from symhyb.model.expression import ExpressionError, parse_expression, show
-
     try:
-        show(parse_expression(data.decode(errors="replace")).tree)
+        show(parse_expression(_text(data)).tree)
     except ExpressionError as error:
-        raise _input_error()(_problem(error)) from None
-
-
-def _problem(error: Exception) -> "object":
-    from symhyb.errors import Problem
-
-    return Problem(str(error))
+        raise InputError(Problem(str(error))) from None
 
 
 def _in_a_file(name: str, read: Callable[[Path], object]) -> Callable[[bytes], None]:
@@ -96,29 +89,13 @@ def _in_a_file(name: str, read: Callable[[Path], object]) -> Callable[[bytes], N
     return take
 
 
-def _study(path: Path) -> object:
-    from symhyb.study_file import read_study
-
-    return read_study(path)
-
-
-def _expected(path: Path) -> object:
-    from symhyb.expected import read_expected
-
-    return read_expected(path)
-
-
 def _weights(data: bytes) -> None:
-    from symhyb.numeric.lowered.network import evaluated, parsed
-
     weights = parsed(data, "weights.json")
     evaluated(weights, np.zeros((3, weights.mean.size)))
 
 
 def _table(module: str, function: str, name: str) -> Callable[[bytes], None]:
     def take(data: bytes) -> None:
-        from importlib import import_module
-
         getattr(import_module(f"symhyb.data.{module}"), function)(data, name)
 
     return take
@@ -260,7 +237,7 @@ SIGNS = tuple(b"+ - * / ** ( ) ' \" , . [ ] { } = # \n \\ e9 1e400 NaN inf - 0x 
 
 def readers() -> tuple[Reader, ...]:
     """Every reader of what a stranger may send."""
-    refuses, words = (_input_error(),), (*SIGNS, *_words_of_models())
+    refuses, words = (InputError,), (*SIGNS, *_words_of_models())
 
     def small() -> Sequence[bytes]:
         return [*_models(2_700), *_kept("model*.toml")]
@@ -285,10 +262,10 @@ def readers() -> tuple[Reader, ...]:
             refuses,
         ),
         Reader("machine", _machine, small, of_toml, words, refuses),
-        Reader("study", _in_a_file("study.toml", _study), _studies, of_toml, SIGNS, refuses),
+        Reader("study", _in_a_file("study.toml", read_study), _studies, of_toml, SIGNS, refuses),
         Reader(
             "expected",
-            _in_a_file("expected.json", _expected),
+            _in_a_file("expected.json", read_expected),
             _expectations,
             of_json,
             SIGNS,
