@@ -7,9 +7,13 @@ from symhyb.data.inspection import lattice_step, sampling_notes, sensor_notes
 from symhyb.data.recording import read_recording
 from symhyb.units import parse_unit
 
-RNG = np.random.default_rng(3)
 T = np.arange(4000) / 1000
 WAVE = np.sin(2 * np.pi * 1.3 * T) + 0.2 * np.sin(2 * np.pi * 7.1 * T)
+
+
+def random() -> np.random.Generator:
+    """The same numbers in every test, whichever ran before."""
+    return np.random.default_rng(3)
 
 
 def notes(values, unit="m", t=T):
@@ -43,12 +47,12 @@ def test_many_gaps_are_counted():
 
 
 def test_a_plain_noisy_signal_is_not_worth_a_word():
-    assert notes(WAVE + 0.01 * RNG.standard_normal(T.size)) == []
+    assert notes(WAVE + 0.01 * random().standard_normal(T.size)) == []
     assert notes(WAVE) == []
 
 
 def test_missing_samples_are_noted_with_the_longest_block():
-    values = WAVE + 0.01 * RNG.standard_normal(T.size)
+    values = WAVE + 0.01 * random().standard_normal(T.size)
     values[[5, 6, 900]] = np.nan
     values[1200:1500] = np.nan
     assert notes(values) == [
@@ -73,7 +77,7 @@ def test_constant_channels_are_noted(model, write, table, signals):
 
 
 def test_saturation_is_noted_with_level_and_longest_run():
-    noisy = WAVE + 0.01 * RNG.standard_normal(T.size)
+    noisy = WAVE + 0.01 * random().standard_normal(T.size)
     (note,) = notes(np.minimum(noisy, 0.9) / 1e3, "mm")
     share = 100 * np.mean(noisy >= 0.9)
     assert note.startswith(
@@ -85,12 +89,12 @@ def test_saturation_is_noted_with_level_and_longest_run():
 
 @pytest.mark.parametrize("step", [0.001, 0.01, 0.05])
 def test_crests_of_a_coarse_signal_are_not_called_saturation(step):
-    coarse = np.round((WAVE + 0.01 * RNG.standard_normal(T.size)) / step) * step
+    coarse = np.round((WAVE + 0.01 * random().standard_normal(T.size)) / step) * step
     assert not any("stands at" in note for note in notes(coarse))
 
 
 def test_single_samples_at_the_extreme_are_not_called_saturation():
-    spikes = WAVE + 0.01 * RNG.standard_normal(T.size)
+    spikes = WAVE + 0.01 * random().standard_normal(T.size)
     spikes[::40] = 3.0
     assert not any("stands at" in note for note in notes(spikes))
 
@@ -109,30 +113,30 @@ def test_quantisation_is_noticed_and_measured(step, offset):
 
 
 def test_a_lattice_with_empty_places_still_shows():
-    counts = RNG.choice([0, 2, 3, 7, 11, 12], 500)
+    counts = random().choice([0, 2, 3, 7, 11, 12], 500)
     assert lattice_step(1.5 + 0.25 * counts) == pytest.approx(0.25)
 
 
 def test_rounding_of_the_last_digit_does_not_hide_a_lattice():
-    counts = RNG.integers(0, 500, 1000)
+    counts = random().integers(0, 500, 1000)
     assert lattice_step(np.concatenate([counts * 0.1, counts * 0.3 / 3])) == pytest.approx(0.1)
 
 
 def test_a_few_values_beside_the_lattice_do_not_hide_it():
     values = np.round(WAVE / 0.02) * 0.02
-    strays = RNG.choice(values.size, 60, replace=False)
-    values[strays] += 0.02 * RNG.random(60)
+    strays = random().choice(values.size, 60, replace=False)
+    values[strays] += 0.02 * random().random(60)
     assert lattice_step(values) == pytest.approx(0.02)
 
 
 @pytest.mark.parametrize(
     "values",
     [
-        np.cumsum(RNG.choice([1, 20000], 1000)) * 1e-9,  # finer than the digits of a file
-        RNG.standard_normal(1000),
-        np.round(RNG.standard_normal(1000), 9),
-        RNG.standard_normal(1000).astype(np.float32).astype(float),
-        np.repeat(RNG.standard_normal(300), 4),  # a slow sensor, held
+        np.cumsum(random().choice([1, 20000], 1000)) * 1e-9,  # finer than the digits of a file
+        random().standard_normal(1000),
+        np.round(random().standard_normal(1000), 9),
+        random().standard_normal(1000).astype(np.float32).astype(float),
+        np.repeat(random().standard_normal(300), 4),  # a slow sensor, held
         np.repeat([0.0, 1.0, 3.0, 4.0], 50),  # so few levels are on a lattice by chance
     ],
 )

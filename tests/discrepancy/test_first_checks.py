@@ -24,7 +24,6 @@ OWN = np.sqrt(K / M)  # rad/s
 LINEAR: Mapping[str, Entries] = {"hold": spring("k"), "pot": damper("d"), "motor": push("f")}
 VALUES: Entries = {"k": (K, "N/m"), "d": (D, "N*s/m")}
 FORCE: Mapping[str, Entries] = {"f": {"unit": "N"}}
-NOISE = np.random.default_rng(7)
 
 
 def driven_model(elements: Mapping[str, Entries] = LINEAR, **more: Entries) -> Model:
@@ -41,8 +40,9 @@ def run_of(
     start = np.array([c.start for c in model.coordinates])
     run = simulate(machine, Scenario(t, start, 0 * start, t, acting[:, None]))
     assert run.complete
+    noise = np.random.default_rng(7)
     shown = {
-        s.name: y + sd * NOISE.standard_normal(t.size)
+        s.name: y + sd * noise.standard_normal(t.size)
         for s, y in zip(model.sensors, run.y.T, strict=True)
     }
     return recording(t, {"f": f}, **shown)
@@ -183,7 +183,8 @@ def turning(model: Model, size: float = 0.05) -> Recording:
     """x = size·sin(TURN t) with the force that it takes, and nothing but noise of 1e-6 m."""
     x, v = size * np.sin(TURN * T), size * TURN * np.cos(TURN * T)
     f = -M * TURN**2 * x + D * v + K * x
-    return recording(T, {"f": f}, place=x + 1e-6 * NOISE.standard_normal(T.size))
+    noise = np.random.default_rng(7).standard_normal(T.size)
+    return recording(T, {"f": f}, place=x + 1e-6 * noise)
 
 
 def lost_in(found: Balance, size: float = 0.05) -> float:

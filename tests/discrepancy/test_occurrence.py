@@ -11,12 +11,12 @@ from symhyb.model.types import On
 from tests.rigs import spring_model
 
 T = np.arange(0, 40, 0.01)
-RANDOM = np.random.default_rng(3)
+NOISE = np.random.default_rng(3).standard_normal(T.size)
 
 
 def test_the_band_is_where_the_force_acts_and_not_where_the_noise_is() -> None:
     acting = np.sin(2 * np.pi * 3.2 * T) + np.sin(2 * np.pi * 4.8 * T)
-    lines, power = spectrum(T, acting + 3 * RANDOM.standard_normal(T.size), acting)
+    lines, power = spectrum(T, acting + 3 * NOISE, acting)
     band = band_of(lines, power)
     assert band == pytest.approx((3.2, 4.8), abs=0.06)
     assert spectrum(T**1.2, acting, acting)[0].size == 0  # uneven samples have no spectrum here
@@ -24,7 +24,7 @@ def test_the_band_is_where_the_force_acts_and_not_where_the_noise_is() -> None:
 
 def test_a_stop_acts_only_beyond_its_clearance_and_smooth_laws_from_the_start() -> None:
     s = np.sin(T) * (1 + 0.3 * np.sin(0.31 * T))
-    noise = 0.02 * RANDOM.standard_normal(T.size)
+    noise = 0.02 * NOISE
     stop = -5 * np.sign(s) * np.maximum(np.abs(s) - 0.7, 0) + noise
     assert beyond_of(s, stop) == pytest.approx(0.7, abs=0.1)
     assert beyond_of(s, -5 * s + noise) is None

@@ -8,7 +8,6 @@ parameters, C test forces, X states (of a machine without inner states 2n).
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -271,17 +270,32 @@ class WindowModel:
     def _applied(
         self, what: str, begins: NDArray[np.int64], starts: Array, given: Sequence[Array], p: Array
     ) -> list[Array]:
-        """The same, chain by chain."""
-        total = len(given[0])
-        count, place = _places(begins, total)
-        if count.size * place.shape[1] == total:  # all chains are equally long
-            varying = [a.reshape(*place.shape, -1) for a in given]
-            made = self._steps.run(what)(starts, varying, p)
-            return [output.reshape(total, -1) for output in made]
-        real = np.arange(place.shape[1]) < count[:, None]
-        d0, d1, t, h = (a[place] for a in given)
-        made = self._steps.run(what)(starts, (d0, d1, t, np.where(real[..., None], h, 0.0)), p)
-        return [output[real] for output in made]
+        """All outputs of steps (S, entries) that begin anew at ``begins`` (C,) from ``starts`` (C,
+        X), with the arguments ``given`` (S, rows) of each. Chains of two lengths go apart; where
+        there are more, the shorter ones wait at their ends."""
+        total, run = len(given[0]), self._steps.run(what)
+        count = np.diff(np.append(begins, total))
+        lengths = np.unique(count)
+        if lengths.size > 2:
+            longest = np.arange(lengths[-1])
+            place = begins[:, None] + np.minimum(longest, count[:, None] - 1)
+            real = longest < count[:, None]
+            d0, d1, t, h = (a[place] for a in given)
+            made = run(starts, (d0, d1, t, np.where(real[..., None], h, 0.0)), p)
+            return [output[real] for output in made]
+        results: list[Array] = []
+        for steps in lengths:
+            mine = np.flatnonzero(count == steps)
+            place = begins[mine, None] + np.arange(steps)
+            alone = mine.size == count.size
+            varying = [a.reshape(*place.shape, -1) if alone else a[place] for a in given]
+            made = run(starts[mine], varying, p)
+            if alone:
+                return [output.reshape(total, -1) for output in made]
+            results = results or [np.empty((total, output.shape[2])) for output in made]
+            for result, output in zip(results, made, strict=True):
+                result[place] = output
+        return results
 
     def _bend(self, drive: Array, t: Array, block: Block, p: Array) -> None:
         """Put the inputs that are smooth between samples into drives (S, …) at times (S,)."""
@@ -325,14 +339,6 @@ class WindowModel:
         )
 
 
-def _places(begins: NDArray[np.int64], total: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Of steps (S,) that begin anew at ``begins`` (C,): how many each chain has (C,), and their
-    indices (C, longest); beyond its end a chain repeats its last step."""
-    count = np.diff(np.append(begins, total))
-    ahead = np.minimum(np.arange(int(count.max(initial=0))), count[:, None] - 1)
-    return count, begins[:, None] + ahead
-
-
 def _joined(
     steps: list[Array], first: NDArray[np.int64], parts: NDArray[np.int64]
 ) -> tuple[Array, ...]:
@@ -340,24 +346,21 @@ def _joined(
     slopes from sample to sample (M, X, ·): transition, left, right, by free. The test force runs
     linearly between two samples and is constant within a step. ``first`` (M,) is the first step of
     each interval and ``parts`` (M,) how many there are."""
-    most = int(parts.max(initial=1))
-    if parts.size * most == len(steps[0]):  # as many everywhere
-        apart = [step.reshape(parts.size, most, *step.shape[1:]) for step in steps]
-        transition, free, impulse = (step[:, 0].copy() for step in apart)
-        rows: Any = slice(None)
-        each = [(rows, [step[:, i] for step in apart]) for i in range(1, most)]
-    else:
-        transition, free, impulse = (step[first] for step in steps)
-        more = [np.flatnonzero(parts > i) for i in range(1, most)]
-        each = [(at, [s[first[at] + i] for s in steps]) for i, at in enumerate(more, 1)]
+    transition, free, impulse = (step[first] for step in steps)
     share = (0.5 / parts)[:, None, None]
-    left, right = impulse * (1 - share), impulse * share
-    for i, (rows, (step, by_free, kick)) in enumerate(each, 1):
+    all_four = np.concatenate([transition, free, impulse * (1 - share), impulse * share], axis=2)
+    size, own = transition.shape[2], free.shape[2]
+    kicks = size + own + impulse.shape[2]
+    for i in range(1, int(parts.max(initial=1))):
+        rows = np.flatnonzero(parts > i)
+        step, by_free, kick = (s[first[rows] + i] for s in steps)
         where = ((i + 0.5) / parts[rows])[:, None, None]
-        transition[rows] = step @ transition[rows]
-        free[rows] = step @ free[rows] + by_free
-        left[rows] = step @ left[rows] + (1 - where) * kick
-        right[rows] = step @ right[rows] + where * kick
+        made = step @ all_four[rows]
+        made[:, :, size : size + own] += by_free
+        made[:, :, size + own : kicks] += (1 - where) * kick
+        made[:, :, kicks:] += where * kick
+        all_four[rows] = made
+    transition, free, left, right = np.split(all_four, [size, size + own, kicks], axis=2)
     return transition, left, right, free
 
 
