@@ -26,7 +26,7 @@ from symhyb.discrepancy.words.wording import (
 )
 from symhyb.errors import InputError, Problem
 from symhyb.expected import Check
-from symhyb.fault import STAGE
+from symhyb.fault import SO_FAR, STAGE
 from symhyb.model.constraints import Constraint
 from symhyb.model.types import Model, On, Parameter, place_text
 from symhyb.model.vocabulary import force_unit
@@ -63,6 +63,10 @@ def progress() -> Iterator[Callable[[str], None]]:
     try:
         with status or nullcontext():
             yield say
+    except KeyboardInterrupt as stop:
+        notes = [note for note in getattr(stop, "__notes__", ()) if note.startswith(SO_FAR)]
+        warn([f"interrupted at this step: {last[0]}", *notes[:1]])
+        raise
     except Exception as error:
         error.add_note(f"{STAGE}{last[0]}")
         raise

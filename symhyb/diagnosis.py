@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from symhyb.correction.adequacy.judge import adequacy
 from symhyb.correction.advice.advice import advise
 from symhyb.correction.advice.isolability import isolability
+from symhyb.correction.naming.beside_words import together
 from symhyb.correction.naming.dispute_words import dispute_sentence
 from symhyb.correction.naming.fleet_words import parameters_with_own, repeats_said
 from symhyb.correction.naming.jitter_words import jitter_sentence
@@ -18,6 +19,7 @@ from symhyb.correction.search.beginnings import in_part
 from symhyb.correction.search.clocks import drifting
 from symhyb.correction.search.preparing import Prepared, prepare, settle
 from symhyb.correction.search.setting import Setting
+from symhyb.correction.search.so_far import fits_best, kept
 from symhyb.correction.search.trajectory import Refined
 from symhyb.correction.verdict.choice import Choice, choose
 from symhyb.correction.verdict.conclusion import concluded
@@ -103,6 +105,13 @@ def conclude(
     nothing, selected = choice.decision.nothing, choice.decision.selected
     if nothing.fit.reason and not selected.causes:
         raise NumericsError(f"the model cannot be simulated: {nothing.fit.reason}")
+    with kept(lambda: fits_best(selected, len(choice.decision.trials))):
+        return Concluded(_told(model, prepared, choice, tell), prepared, choice)
+
+
+def _told(model: Model, prepared: Prepared, choice: Choice, tell: Say) -> Diagnosis:
+    """What follows from a choice: values, what acts beyond, shares, what must not be claimed."""
+    nothing, selected = choice.decision.nothing, choice.decision.selected
     tell("estimating values")
     known = estimate(prepared, choice, tell)
     final, setting = known.final, choice.setting
@@ -119,7 +128,8 @@ def conclude(
     answer = concluded(model, prepared, choice, known, shown, left, judged)
     answer = _of_several(answer, final, choice.misfits, repeats_said(prepared))
     disputes = [dispute_sentence(prepared.model, one) for one in judged.disputed]
-    answer = in_part(_noted(answer, [*known.drifts, *disputes]), choice.change)
+    sums = together(prepared.model, final, known.items)
+    answer = in_part(_noted(answer, [*sums, *known.drifts, *disputes]), choice.change)
     clocks = tuple(jitter_sentence(one) for one in judged.jitter)
     answer = replace(answer, notes=(*clocks, *answer.notes))
     answer = if_explained(answer, selected, nothing)
@@ -129,8 +139,7 @@ def conclude(
     answer = if_apart(answer, prepared.model, prepared.runs)
     answer = with_constant(answer, choice)
     answer = with_faults(answer, model, prepared.faults, final.fit.scale)
-    answer = _with_isolability(_remembered(answer, prepared, setting), choice)
-    return Concluded(answer, prepared, choice)
+    return _with_isolability(_remembered(answer, prepared, setting), choice)
 
 
 def _prepared(

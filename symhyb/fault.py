@@ -17,6 +17,8 @@ NAME = "symhyb-fault.txt"
 LIBRARIES = ("symhyb", "casadi", "numpy", "scipy", "sympy", "pysindy", "scikit-learn", "numba")
 STAGE = "while "
 """How the note of an error begins that says what was being done."""
+SO_FAR = "so far: "
+"""How the note of an interruption begins that says what was known by then."""
 
 
 def fault_text(error: BaseException) -> str:

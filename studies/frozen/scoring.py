@@ -111,6 +111,10 @@ def _stated(expected: Mapping[str, Any]) -> Iterator[tuple[str, tuple[float, flo
 
 def _example_truth(case: Case) -> tuple[Truth, bool]:
     """The truth of an example; a list or a text is a value that is not judged."""
+    if EXAMPLES not in os.environ:
+        raise SystemExit(
+            f"set {EXAMPLES} to the folder of the examples: a label holds some of them"
+        )
     folder = Path(os.environ[EXAMPLES]) / case.example
     truth = json.loads((folder / "truth.json").read_text(encoding="utf-8"))
     stated = {name.replace("~", "-"): value for name, value in truth["found"].items()}

@@ -6,7 +6,7 @@ from symhyb.laws.base import ANYWHERE, LENGTH, Key, Law, Terms
 from symhyb.laws.maths import Action, Maths, Motion, Options, Values
 from symhyb.laws.phrases import Numbers, Phrase
 from symhyb.laws.reach import LOPSIDED, LOSS, Candidate, Reach
-from symhyb.laws.sided import ASYMMETRY, FACTOR, SKEW, directions, sided
+from symhyb.laws.sided import ASYMMETRY, FACTOR, directions, sided
 
 WORDS = "viscous damping"
 
@@ -24,8 +24,7 @@ def _read(terms: Mapping[str, float]) -> dict[str, float]:
     """damping·s' + skew·abs(s') = damping·s'·(1 + asymmetry·sgn s')."""
     values = dict(terms)
     if "skew" in values:
-        ratio = values.pop("skew") / values["damping"] if values["damping"] else 0.0
-        values["asymmetry"] = min(max(ratio, -SKEW), SKEW)
+        values["asymmetry"] = values.pop("skew") / values["damping"] if values["damping"] else 0.0
     return values
 
 

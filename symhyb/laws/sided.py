@@ -5,6 +5,7 @@ from symhyb.laws.maths import Maths, Motion, Value, Values
 from symhyb.laws.phrases import Numbers
 
 SKEW = 0.95  # of an asymmetry: beyond, a loss would drive
+BESIDE = 30.0  # the same beside an element of the model, of which it may take back a part
 
 ASYMMETRY = Key(
     "asymmetry",

@@ -31,6 +31,7 @@ from symhyb.correction.search.score import (
 )
 from symhyb.correction.search.selection import Problem, Subset, best_subsets, solve, without
 from symhyb.correction.search.setting import Setting, along_motion
+from symhyb.correction.search.so_far import fits_best, kept
 from symhyb.correction.search.trajectory import Refined, grouped
 from symhyb.correction.search.trials import Row, Say, Trials, first_guess
 from symhyb.correction.search.variants import variants_of
@@ -92,6 +93,17 @@ def decide(setting: Setting, proposals: Sequence[Subset], say: Say) -> Decision:
     # where the linear problem explains most, its promises are worth most
     problem = min(problems, key=lambda pair: pair[0])[1]
     trials = Trials(setting, say, equals)
+    with kept(lambda: _known(trials)):
+        return _decided(trials, problem, pool)
+
+
+def _known(trials: Trials) -> str:
+    return fits_best(_best(trials), len(trials.done)) if trials.done else ""
+
+
+def _decided(trials: Trials, problem: Problem, pool: set[tuple[int, ...]]) -> Decision:
+    """The search: from the best ``pool`` of the linear problem, by one cause more, less or else."""
+    setting = trials.setting
     nothing = trials.refined(())
     best, log = nothing, []
     for subset in _begun(trials, nothing, problem, pool):
@@ -109,7 +121,7 @@ def decide(setting: Setting, proposals: Sequence[Subset], say: Say) -> Decision:
             break
         best = better
     selected = _conventional(trials, best, problem)
-    named = tuple((setting.hypotheses[a], setting.hypotheses[b]) for a, b in equals)
+    named = tuple((setting.hypotheses[a], setting.hypotheses[b]) for a, b in trials.equals)
     done = tuple(trials.done.values())
     return Decision(selected, nothing, done, named, tuple(log), trials.count, best)
 

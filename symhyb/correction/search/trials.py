@@ -27,6 +27,7 @@ class Trials:
         equals: Sequence[tuple[int, int]] = (),
     ):
         self.setting, self.say = setting, say
+        self.equals = tuple(equals)
         self.dropped = {second for _, second in equals}
         self.done: dict[tuple[int, ...], Refined] = {}
         self.known = list(setting.hypotheses)

@@ -3,7 +3,8 @@
 A parameter that states an sd and was not chosen as a cause stays at its stated value; the values
 that were fitted beside it hold for that value alone. What its sd, narrowed by the recordings,
 leaves open of them is part of their deviation (Guide to the expression of uncertainty in
-measurement, 2008, 5.2).
+measurement, 2008, 5.2). A parameter has no part in it where a cause stands beside the element that
+it belongs to: of the damping of a damper and of another beside it the recordings tell the sum.
 """
 
 from collections.abc import Sequence
@@ -14,6 +15,7 @@ import numpy as np
 from symhyb.correction.search.setting import Setting, Stage
 from symhyb.correction.search.trajectory import Refined, grouped, keys_of, refine
 from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.discrepancy.places.standing import taken_over
 from symhyb.model.types import Model
 
 
@@ -45,9 +47,10 @@ def with_what_is_held(model: Model, setting: Setting, final: Refined, stage: Sta
 def _uncertain(
     model: Model, parametric: Sequence[Hypothesis], final: Refined
 ) -> tuple[Hypothesis, ...]:
-    """The parameters that state an sd and are not among the causes."""
+    """The parameters that state an sd, are not among the causes, and not of what these add to."""
     spread = {item.path: item.sd for item in model.all_parameters()}
     chosen = {cause.path for cause in final.causes if cause.place is None}
+    chosen.update(*(taken_over(model, cause) for cause in final.causes if cause.place is not None))
     return tuple(
         cause
         for cause in parametric

@@ -9,9 +9,11 @@ from dataclasses import replace
 import numpy as np
 
 from symhyb.discrepancy.places.hypotheses import Hypothesis, natural_length
+from symhyb.discrepancy.places.standing import alike
 from symhyb.laws import LAWS
 from symhyb.laws.base import Law
 from symhyb.laws.reach import TRANSITION_SHARE, Candidate, Reach
+from symhyb.laws.sided import BESIDE
 from symhyb.model.types import Between, Model, Place
 from symhyb.numeric.kernels.buffers import Array
 
@@ -38,7 +40,13 @@ def _at_place(model: Model, place: Place, reach: Reach) -> Iterator[Hypothesis]:
     if isinstance(place, Between):
         reach = replace(reach, length=natural_length(model, place))
     tried = [law for law in LAWS if law.at_rest or reach.speed > 0]
-    return in_order(tried, place, reach)
+    for cause in in_order(tried, place, reach):
+        sided = "asymmetry" in cause.keys and alike(model, cause.kind, place)
+        yield replace(cause, bounds=_TAKES_BACK) if sided else cause
+
+
+_TAKES_BACK = (("asymmetry", -BESIDE, BESIDE),)
+"""A loss that differs by direction beside one of the model: in one direction it may be less."""
 
 
 def in_order(laws: Sequence[Law], place: Place, reach: Reach) -> Iterator[Hypothesis]:

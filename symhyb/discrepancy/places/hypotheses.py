@@ -125,8 +125,12 @@ class Hypothesis:
         if self.place is None:
             return {"value": own[0]}
         shape = {key: value * (own[0] if key in self.tied else 1) for key, value in self.shape}
-        found = self._read.read(dict(zip(self.terms, own, strict=True)))
-        return {key: found.get(key, shape.get(key, 0.0)) for key in self.keys}
+        read = self._read.read(dict(zip(self.terms, own, strict=True)))
+        for key in self._read.keys.values():  # no coefficient itself: bounds of physics hold later
+            if key in read:
+                lower, upper = self.limits(key)
+                read[key] = min(max(read[key], lower), upper)
+        return {key: read.get(key, shape.get(key, 0.0)) for key in self.keys}
 
     def limits(self, key: str) -> tuple[float, float]:
         """Bounds of a fitted key, SI: of this place, of physics, and of a refined key those about

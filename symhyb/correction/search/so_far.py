@@ -1,0 +1,29 @@
+"""What a search that is interrupted knows by then, in a sentence."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+import numpy as np
+
+from symhyb.correction.search.trajectory import Refined
+from symhyb.discrepancy.words.amounts import number_text
+from symhyb.fault import SO_FAR
+
+
+@contextmanager
+def kept(known: Callable[[], str]) -> Iterator[None]:
+    """Give an interruption (Ctrl-C) a note with what is ``known`` then."""
+    try:
+        yield
+    except KeyboardInterrupt as stop:
+        said = known()
+        if said:
+            stop.add_note(SO_FAR + said)
+        raise
+
+
+def fits_best(best: Refined, tried: int) -> str:
+    """The structure that is the best of those that were ``tried``."""
+    times = number_text(float(np.sqrt(best.fit.scale)), digits=2)
+    what = "structure that was" if tried == 1 else f"{tried} structures that were"
+    return f"{best.name} fits best of the {what} tried, and leaves {times} times the noise"

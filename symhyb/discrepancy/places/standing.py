@@ -1,0 +1,23 @@
+"""What the model has at a place already, beside which a cause may stand."""
+
+from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.model.expression import names
+from symhyb.model.types import Element, Model, Place
+
+
+def alike(model: Model, kind: str, place: Place | None) -> tuple[Element, ...]:
+    """The elements of a model of one kind at one place."""
+    return tuple(one for one in model.elements if one.kind == kind and one.place == place)
+
+
+def taken_over(model: Model, cause: Hypothesis) -> frozenset[str]:
+    """The parameters, by path, in the keys that a cause and an element of its kind at its place
+    both have: of the two together the recordings tell the sum alone."""
+    found = set()
+    for element in alike(model, cause.kind, cause.place):
+        own = {item.name for item in element.parameters}
+        for key, expression in element.values:
+            if key in cause.keys:
+                used = {item.name for item in names(expression)}
+                found |= {f"{element.name}.{name}" if name in own else name for name in used}
+    return frozenset(found)
