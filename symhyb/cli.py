@@ -52,7 +52,8 @@ def check(model: ModelFile, as_json: Json = False) -> None:
     Example:
       symhyb check models/emps.toml
     """
-    from symhyb.console import model_facts, print_model, progress
+    from symhyb.console.model import model_facts, print_model
+    from symhyb.console.terminal import progress
     from symhyb.model.read import read_model
     from symhyb.numeric.lowered.machine import build
 
@@ -124,7 +125,7 @@ def simulate(
       symhyb simulate models/oscillator.toml -o run.csv \\
           --input studies/oscillator/train.csv
     """
-    from symhyb.console import leave_run, progress, read_map, require_files, warn
+    from symhyb.console.terminal import leave_run, progress, read_map, require_files, warn
     from symhyb.model.read import read_model
     from symhyb.model.switching import left_smooth
     from symhyb.simulation import read_inputs, run_model
@@ -160,13 +161,8 @@ def compare(
     Example:
       symhyb compare models/oscillator.toml studies/oscillator/train.csv
     """
-    from symhyb.console import (
-        check_facts,
-        discrepancy_facts,
-        print_first_checks,
-        progress,
-        read_map,
-    )
+    from symhyb.console.comparison import check_facts, discrepancy_facts, print_first_checks
+    from symhyb.console.terminal import progress, read_map
     from symhyb.data.recording import read_recording
     from symhyb.discrepancy.checks.first_checks import first_checks, repeats_of
     from symhyb.discrepancy.recorded.residual import compare as compare_recording
@@ -247,7 +243,8 @@ def diagnose(
       symhyb diagnose models/oscillator.toml studies/oscillator/train.csv \\
           --holdout studies/oscillator/holdout.csv -o out
     """
-    from symhyb.console import print_result, progress, read_map
+    from symhyb.console.results import print_result
+    from symhyb.console.terminal import progress, read_map
     from symhyb.report.contract import to_json
     from symhyb.study import carry_out, leave_files
     from symhyb.study_file import Source, Study
@@ -313,7 +310,8 @@ def run(
     Example:
       symhyb run studies/emps/study.toml -o out
     """
-    from symhyb.console import print_checks, print_result, progress
+    from symhyb.console.results import print_checks, print_result
+    from symhyb.console.terminal import progress
     from symhyb.study import run_study
 
     with progress() as say:

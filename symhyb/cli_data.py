@@ -40,7 +40,7 @@ def data_show(
     Example:
       symhyb data show emps
     """
-    from symhyb.console import dataset_of, print_dataset
+    from symhyb.console.recordings import dataset_of, print_dataset
 
     print_dataset(dataset_of(name))
 
@@ -57,7 +57,7 @@ def data_fetch(
     Example:
       symhyb data fetch emps/DATA_EMPS.mat
     """
-    from symhyb.console import dataset_of
+    from symhyb.console.recordings import dataset_of
     from symhyb.data.datasets import fetch
 
     dataset, _, file = name.partition("/")

@@ -120,7 +120,8 @@ def learn(
       symhyb learn models/oscillator.toml studies/oscillator/train.csv --by sparse \\
           --holdout studies/oscillator/holdout.csv -o out
     """
-    from symhyb.console import print_learned, progress, read_map
+    from symhyb.console.results import print_learned
+    from symhyb.console.terminal import progress, read_map
     from symhyb.learned_run import Order, carry_out_order, leave_learned
     from symhyb.study_file import Source, Study
     from symhyb.writing import require_folder

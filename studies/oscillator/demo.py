@@ -12,7 +12,8 @@ import json
 import sys
 from pathlib import Path
 
-from symhyb.console import print_checks, print_result, progress
+from symhyb.console.results import print_checks, print_result
+from symhyb.console.terminal import progress
 from symhyb.errors import SymhybError
 from symhyb.expected import Check, Expected, check
 from symhyb.report.contract import to_json

@@ -5,7 +5,7 @@ import pytest
 from builders import damper, oscillator, push, recording, spring
 
 import symhyb as sh
-from symhyb.console import progress
+from symhyb.console.terminal import progress
 from symhyb.correction.search.so_far import fits_best, kept
 from symhyb.fault import SO_FAR
 

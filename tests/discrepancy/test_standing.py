@@ -25,6 +25,8 @@ def test_a_cause_takes_over_the_parameters_of_the_keys_that_both_have() -> None:
     assert taken_over(model, SIDED) == {"d"}
     cubic = Hypothesis("spring", X, ("cubic",), (False,))
     assert taken_over(model, cubic) == frozenset()
+    plain = Hypothesis("damper", X, ("damping",), (True,))
+    assert taken_over(model, plain) == frozenset()  # it is what d may be
     assert taken_over(model, replace(SIDED, place=On("2*x"))) == frozenset()
 
 

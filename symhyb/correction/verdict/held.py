@@ -3,8 +3,8 @@
 A parameter that states an sd and was not chosen as a cause stays at its stated value; the values
 that were fitted beside it hold for that value alone. What its sd, narrowed by the recordings,
 leaves open of them is part of their deviation (Guide to the expression of uncertainty in
-measurement, 2008, 5.2). A parameter has no part in it where a cause stands beside the element that
-it belongs to: of the damping of a damper and of another beside it the recordings tell the sum.
+measurement, 2008, 5.2). A parameter has no part in it where a variant of its law stands beside its
+element: of a damper and of one by direction beside it the recordings tell the sum alone.
 """
 
 from collections.abc import Sequence

@@ -11,9 +11,12 @@ def alike(model: Model, kind: str, place: Place | None) -> tuple[Element, ...]:
 
 
 def taken_over(model: Model, cause: Hypothesis) -> frozenset[str]:
-    """The parameters, by path, in the keys that a cause and an element of its kind at its place
-    both have: of the two together the recordings tell the sum alone."""
-    found = set()
+    """The parameters, by path, in the keys that a variant of a law and an element of its kind at
+    its place both have: of the two together the recordings tell the sum alone. None of a plain law:
+    that is what the parameter itself may be."""
+    found: set[str] = set()
+    if not cause.variant:
+        return frozenset(found)
     for element in alike(model, cause.kind, cause.place):
         own = {item.name for item in element.parameters}
         for key, expression in element.values:

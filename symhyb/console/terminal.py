@@ -1,0 +1,109 @@
+"""What all verbs share: progress, notes, options that are read, files of a run."""
+
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, nullcontext
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rich.console import Console
+from rich.markup import escape
+
+from symhyb.errors import InputError, Problem
+from symhyb.fault import SO_FAR, STAGE
+from symhyb.writing import require_folder, write_file
+
+if TYPE_CHECKING:  # a verb that only reads a file need not load the numerics
+    from symhyb.numeric.lowered.machine import Machine
+    from symhyb.numeric.runs.integrate import Trajectory
+    from symhyb.numeric.runs.scenario import Scenario
+
+
+WIDE = 160  # columns of a table that does not go to a terminal
+
+
+@contextmanager
+def progress() -> Iterator[Callable[[str], None]]:
+    """Yield ``say(step)``, which shows the step on a terminal and is silent elsewhere. An
+    error that nobody expected learns in which step it happened."""
+    console, last = Console(stderr=True), ["starting"]
+    status = console.status("") if console.is_terminal else None
+
+    def say(step: str) -> None:
+        last[0] = step
+        if status is not None:
+            status.update(escape(step))
+
+    try:
+        with status or nullcontext():
+            yield say
+    except KeyboardInterrupt as stop:
+        notes = [note for note in getattr(stop, "__notes__", ()) if note.startswith(SO_FAR)]
+        warn([f"interrupted at this step: {last[0]}", *notes[:1]])
+        raise
+    except Exception as error:
+        error.add_note(f"{STAGE}{last[0]}")
+        raise
+
+
+def read_map(options: Sequence[str] | None) -> dict[str, str]:
+    """Read the options ``--map channel=column``.
+
+    Raises:
+        InputError: an option without channel, ``=`` or column, or a channel that stands twice.
+    """
+    columns: dict[str, str] = {}
+    problems = []
+    for text in options or ():
+        channel, equals, column = (part.strip() for part in text.partition("="))
+        if not (channel and equals and column):
+            problems.append(Problem("write it as channel=column", f"--map {text}"))
+        elif channel in columns:
+            problems.append(Problem(f"'{channel}' is mapped twice", f"--map {text}"))
+        columns[channel] = column
+    if problems:
+        raise InputError(problems)
+    return columns
+
+
+def require_files(output: Path, events: Path | None) -> None:
+    """Refuse files that ``simulate`` cannot leave its tables in.
+
+    Raises:
+        InputError: a folder, a folder that cannot be, or one file for both tables.
+    """
+    for file in (output,) if events is None else (output, events):
+        if file.is_dir():
+            raise InputError(Problem("is a folder; name a file in it", file=str(file)))
+        require_folder(file.parent)
+    if events is not None and events.resolve() == output.resolve():
+        text = "is the file of the run already; name another for the events"
+        raise InputError(Problem(text, file=str(events)))
+
+
+def leave_run(
+    machine: "Machine",
+    scenario: "Scenario",
+    run: "Trajectory",
+    output: Path,
+    events: Path | None,
+    exact: bool,
+) -> None:
+    """Write a simulated run, and its events if a file is named, and say so."""
+    from symhyb.simulation import events_sentence, events_table, integration_text, run_table
+
+    warn(machine.notes)
+    write_file(output, run_table(machine, scenario, run))
+    if events is not None:
+        write_file(events, events_table(run))
+    span = f"{run.t.size} rows from {run.t[0]:g} to {run.t[-1]:g} s"
+    print(f"{output}: {span}, by {integration_text(run)}")
+    if exact:
+        print(events_sentence(run))
+    warn((run.note,) if run.note else ())
+
+
+def warn(sentences: Sequence[str]) -> None:
+    """Write sentences to the standard error, one a line."""
+    for sentence in sentences:
+        print(f"note: {sentence}", file=sys.stderr)
