@@ -25,7 +25,8 @@ WIDE = 160  # columns of a table that does not go to a terminal
 @contextmanager
 def progress() -> Iterator[Callable[[str], None]]:
     """Yield ``say(step)``, which shows the step on a terminal and is silent elsewhere. An
-    error that nobody expected learns in which step it happened."""
+    error that nobody expected learns in which step it happened; an interruption says so, and what
+    was known by then."""
     console, last = Console(stderr=True), ["starting"]
     status = console.status("") if console.is_terminal else None
 

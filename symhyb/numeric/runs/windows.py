@@ -268,9 +268,8 @@ class WindowModel:
     def _applied(
         self, what: str, begins: NDArray[np.int64], starts: Array, given: Sequence[Array], p: Array
     ) -> list[Array]:
-        """All outputs of steps (S, entries) that begin anew at ``begins`` (C,) from ``starts`` (C,
-        X), with the arguments ``given`` (S, rows) of each. Chains of two lengths go apart; where
-        there are more, the shorter ones wait at their ends."""
+        """The same, chain by chain. Chains of two lengths go apart; where there are more, the
+        shorter ones wait at their ends."""
         total, run = len(given[0]), self._steps.run(what)
         count = np.diff(np.append(begins, total))
         lengths = np.unique(count)
