@@ -12,7 +12,7 @@ export PIP_NO_INPUT := 1
 export OMP_NUM_THREADS := 1
 export OPENBLAS_NUM_THREADS := 1
 
-.PHONY: test demo slow fuzz windows masters lint types layers docs all install clean
+.PHONY: test demo slow fuzz package windows masters lint types layers docs all install clean
 
 test: $(READY)
 	$(BIN)/python -m pytest -q -n 2
@@ -27,6 +27,12 @@ slow: $(READY)
 COUNT ?= 20000
 fuzz: $(READY)
 	$(BIN)/python studies/reliability/fuzz.py --count $(COUNT)
+
+# a source distribution, and the wheel that is built from it
+package: $(READY)
+	rm -rf build/package
+	$(BIN)/python -m build --outdir build/package .
+	$(BIN)/python -m pytest -q -m package
 
 # needs mingw and wine
 windows: $(READY)

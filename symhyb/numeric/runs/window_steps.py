@@ -21,7 +21,7 @@ def joined(
     """Slopes of integration steps (S, X, ·), in the order transition, by free, impulse, joined to
     slopes from sample to sample (M, X, ·): transition, left, right, by free. The test force runs
     linearly between two samples and is constant within a step. ``first`` (M,) is the first step of
-    each interval and ``parts`` (M,) how many there are."""
+    each interval and ``parts`` (M,) how many there are. SI."""
     transition, free, impulse = (step[first] for step in steps)
     share = (0.5 / parts)[:, None, None]
     all_four = np.concatenate([transition, free, impulse * (1 - share), impulse * share], axis=2)
