@@ -29,9 +29,9 @@ def response_figure(response: Response) -> bytes:
         panels = figure.subplots(3, 1, sharex=True, height_ratios=[2.2, 1.2, 0.8])
         for word, (gain, color) in runs.items():
             shown = gain[:, 0]
-            panels[0].plot(response.frequency, np.abs(shown), color=color, label=word, **style)
-            angle = np.degrees(np.angle(shown))
-            panels[1].plot(response.frequency, _unjoined(angle), color=color, **style)
+            panels[0].plot(response.frequency, np.abs(shown), color=color, **style)
+            angle = _unjoined(np.degrees(np.angle(shown)))
+            panels[1].plot(response.frequency, angle, color=color, label=word, **style)
         panels[2].plot(response.frequency, response.coherence, color=MEASURED, **style)
         panels[2].axhspan(0.0, _DIM, color="#eef1f4", zorder=0)
         _label(panels, response)
@@ -39,12 +39,14 @@ def response_figure(response: Response) -> bytes:
 
 
 def _label(panels: "list[Axes]", response: Response) -> None:
+    from matplotlib.ticker import LogLocator
+
     panels[0].set_yscale("log")
     panels[0].yaxis.set_major_formatter(lambda value, _: number_text(float(value)))
     panels[0].yaxis.set_minor_formatter("")
     panels[0].set_title(f"gain of {response.sensor} from {response.drives[0]} [SI]")
-    legend(panels[0])
     panels[1].set_title("phase [°]")
+    legend(panels[1])  # where the title is short
     panels[1].set_ylim(-190, 190)
     panels[1].set_yticks([-180, -90, 0, 90, 180])
     panels[2].set_title("coherence")
@@ -52,7 +54,9 @@ def _label(panels: "list[Axes]", response: Response) -> None:
     low, high = float(response.frequency[0]), float(response.frequency[-1])
     if high > 20 * low:
         panels[2].set_xscale("log")
+        panels[2].xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         panels[2].xaxis.set_major_formatter(lambda value, _: number_text(float(value)))
+        panels[2].xaxis.set_minor_formatter("")
     panels[2].set_xlabel("frequency [Hz]")
 
 

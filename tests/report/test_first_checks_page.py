@@ -56,6 +56,22 @@ def test_the_response_is_drawn_at_the_lines_of_the_drive(checks: FirstChecks) ->
     assert response_figure(two) != response_figure(response)
 
 
+def test_frequencies_over_decades_are_read_as_numbers(checks: FirstChecks) -> None:
+    (response,) = checks.responses
+    frequency = np.geomspace(0.4, 12.0, 20)
+    gain = np.ones((20, 1), complex)
+    wide = replace(
+        response,
+        frequency=frequency,
+        measured=gain,
+        simulated={"model": 2 * gain},
+        coherence=np.ones(20),
+    )
+    drawn = response_figure(wide).decode()
+    assert "mathdefault" not in drawn
+    assert all(f"<!-- {number} -->" in drawn for number in ("0.5", "1", "2", "5", "10"))
+
+
 def test_a_model_without_damping_misses_the_energy_and_the_response(checks: FirstChecks) -> None:
     assert checks.balance is not None
     w = 2 * np.pi * np.array([0.5, 1.5, 2.5])
