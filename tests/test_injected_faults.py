@@ -218,12 +218,13 @@ def test_a_diagnosis_that_is_ended_leaves_nothing_half(tmp_path: Path, ending: i
     out = tmp_path / "out"
     command = [sys.executable, "-m", "symhyb", *map(str, VERBS["diagnose"]), str(out)]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-    time.sleep(3)
+    time.sleep(2.5)
     process.send_signal(ending)
     _, said = process.communicate(timeout=60)
     left = {name.removeprefix("out/") for name in held(tmp_path)}
     assert left in (set(), WHOLE)  # all files are there before advice is sought
-    assert process.returncode in (130, -ending)  # the latter before symhyb was even imported
+    done = process.returncode == 1 and left == WHOLE  # a fast machine was not ended in time
+    assert done or process.returncode in (130, -ending)  # the latter before symhyb was imported
     if process.returncode == 130:
         assert said.splitlines()[-1] == "interrupted; nothing more was written"
         assert "Traceback" not in said
