@@ -218,7 +218,7 @@ def test_a_diagnosis_that_is_ended_leaves_nothing_half(tmp_path: Path, ending: i
     out = tmp_path / "out"
     command = [sys.executable, "-m", "symhyb", *map(str, VERBS["diagnose"]), str(out)]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-    time.sleep(2.5)
+    time.sleep(3)
     process.send_signal(ending)
     _, said = process.communicate(timeout=60)
     left = {name.removeprefix("out/") for name in held(tmp_path)}
