@@ -19,7 +19,7 @@ from symhyb.correction.search.beginnings import in_part
 from symhyb.correction.search.clocks import drifting
 from symhyb.correction.search.preparing import Prepared, prepare, settle
 from symhyb.correction.search.setting import Setting
-from symhyb.correction.search.so_far import fits_best, kept
+from symhyb.correction.search.so_far import fits_best, if_interrupted
 from symhyb.correction.search.trajectory import Refined
 from symhyb.correction.verdict.choice import Choice, choose
 from symhyb.correction.verdict.conclusion import concluded
@@ -105,7 +105,7 @@ def conclude(
     nothing, selected = choice.decision.nothing, choice.decision.selected
     if nothing.fit.reason and not selected.causes:
         raise NumericsError(f"the model cannot be simulated: {nothing.fit.reason}")
-    with kept(lambda: fits_best(selected, len(choice.decision.trials))):
+    with if_interrupted(lambda: fits_best(selected, len(choice.decision.trials))):
         return Concluded(_told(model, prepared, choice, tell), prepared, choice)
 
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from cases import EXAMPLES, ROOT, Case
+from cases import EXAMPLES, ROOT, Case, missing
 
 SHAPES = ("length", "transition", "stribeck")  # terms that shape a law and are no cause
 SEALED_WITHIN = 0.05  # tolerance of a sealed value
@@ -111,10 +111,8 @@ def _stated(expected: Mapping[str, Any]) -> Iterator[tuple[str, tuple[float, flo
 
 def _example_truth(case: Case) -> tuple[Truth, bool]:
     """The truth of an example; a list or a text is a value that is not judged."""
-    if EXAMPLES not in os.environ:
-        raise SystemExit(
-            f"set {EXAMPLES} to the folder of the examples: a label holds some of them"
-        )
+    if reason := missing(case):
+        raise SystemExit(f"{case.name}: {reason}")
     folder = Path(os.environ[EXAMPLES]) / case.example
     truth = json.loads((folder / "truth.json").read_text(encoding="utf-8"))
     stated = {name.replace("~", "-"): value for name, value in truth["found"].items()}

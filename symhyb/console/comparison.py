@@ -4,11 +4,10 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from symhyb.console.terminal import WIDE
+from symhyb.console.terminal import table_console
 from symhyb.model.types import On
 from symhyb.model.vocabulary import force_unit
 from symhyb.report.contract import finite
@@ -44,9 +43,7 @@ def discrepancy_facts(gap: "Discrepancy") -> dict[str, Any]:
 
 def print_first_checks(checks: "FirstChecks") -> None:
     """Print what the first checks of a recording show, a check a row."""
-    console = Console(highlight=False)
-    if not console.is_terminal:
-        console = Console(highlight=False, width=WIDE)
+    console = table_console()
     table = Table(box=None, show_header=False, pad_edge=True, padding=(0, 0, 0, 4))
     table.add_column(no_wrap=True)
     table.add_column(overflow="fold")

@@ -5,11 +5,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rich import box
-from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from symhyb.console.terminal import WIDE
+from symhyb.console.terminal import table_console
 from symhyb.discrepancy.results import Diagnosis, Found
 from symhyb.discrepancy.words.effects import amount_text
 from symhyb.discrepancy.words.wording import (
@@ -67,9 +66,7 @@ def print_learned(outcome: "Outcome", directory: Path) -> None:
 
 def print_checks(checks: Sequence[Check]) -> None:
     """Print what was expected beside what came out."""
-    console = Console(highlight=False)
-    if not console.is_terminal:
-        console = Console(highlight=False, width=WIDE)
+    console = table_console()
     table = Table(box=box.SIMPLE)
     for heading in ("expected", "wanted", "got", ""):
         table.add_column(heading, overflow="fold")

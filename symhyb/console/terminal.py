@@ -18,8 +18,13 @@ if TYPE_CHECKING:  # a verb that only reads a file need not load the numerics
     from symhyb.numeric.runs.integrate import Trajectory
     from symhyb.numeric.runs.scenario import Scenario
 
-
 WIDE = 160  # columns of a table that does not go to a terminal
+
+
+def table_console() -> Console:
+    """Where tables are printed: as wide as the terminal, or wide enough without one."""
+    console = Console(highlight=False)
+    return console if console.is_terminal else Console(highlight=False, width=WIDE)
 
 
 @contextmanager

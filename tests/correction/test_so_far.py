@@ -6,26 +6,30 @@ from builders import damper, oscillator, push, recording, spring
 
 import symhyb as sh
 from symhyb.console.terminal import progress
-from symhyb.correction.search.so_far import fits_best, kept
+from symhyb.correction.search.so_far import fits_best, if_interrupted
 from symhyb.fault import SO_FAR
 
 INPUTS = {"f": {"unit": "N"}}
 
 
 def test_an_interruption_keeps_what_was_known() -> None:
-    with pytest.raises(KeyboardInterrupt) as outer, kept(lambda: "much"), kept(lambda: "nothing"):
+    with (
+        pytest.raises(KeyboardInterrupt) as outer,
+        if_interrupted(lambda: "much"),
+        if_interrupted(lambda: "nothing"),
+    ):
         raise KeyboardInterrupt
     assert outer.value.__notes__ == [SO_FAR + "nothing", SO_FAR + "much"]
-    with pytest.raises(KeyboardInterrupt) as silent, kept(lambda: ""):
+    with pytest.raises(KeyboardInterrupt) as silent, if_interrupted(lambda: ""):
         raise KeyboardInterrupt
     assert not hasattr(silent.value, "__notes__")
 
 
 def test_the_terminal_is_told_once_and_by_the_innermost(capsys: pytest.CaptureFixture[str]) -> None:
     def work() -> None:
-        with progress() as say, kept(lambda: "outer"):
+        with progress() as say, if_interrupted(lambda: "outer"):
             say("weighing")
-            with kept(lambda: "inner"):
+            with if_interrupted(lambda: "inner"):
                 raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):

@@ -26,6 +26,7 @@ from symhyb.discrepancy.likelihood.fit import Fit, Task, fit
 from symhyb.discrepancy.likelihood.noise import NoiseModel
 from symhyb.discrepancy.likelihood.track import Extra, Track, track
 from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.discrepancy.places.standing import uncertain_beside
 from symhyb.discrepancy.results import ClassName
 from symhyb.model.types import Element, Place
 from symhyb.numeric.kernels.buffers import Array
@@ -122,7 +123,7 @@ def fitted(
     each cause by key, SI (of a parameter its change under "value"). ``states`` (N, X) of every
     stretch begin the trajectories; a ``known_noise`` is not fitted; an ``extra`` acts beside the
     causes."""
-    beside = beside_of(recorded, causes)
+    beside = uncertain_beside(recorded.windows.machine.model, recorded.parametric, causes)
     every, rows = (*causes, *beside), [*start, *({"value": 0.0} for _ in beside)]
     machine = _machine(recorded, causes, start)
     paths = tuple(path for i, cause in enumerate(every) for path in paths_of(i, cause))
@@ -167,17 +168,6 @@ def _with_columns(task: Task, extra: Generic) -> Task:
         mean=np.append(task.mean, extra.mean * extra.spread),
         spread=np.append(task.spread, extra.spread),
         extra=extra.each,
-    )
-
-
-def beside_of(recorded: Recorded, causes: Sequence[Hypothesis]) -> tuple[Hypothesis, ...]:
-    """The parameters that state an sd and are not among the causes."""
-    chosen = {cause.path for cause in causes if cause.place is None}
-    stated = {item.path for item in recorded.windows.machine.model.all_parameters() if item.sd}
-    return tuple(
-        cause
-        for cause in recorded.parametric
-        if cause.kind == "parameter" and cause.path in stated and cause.path not in chosen
     )
 
 

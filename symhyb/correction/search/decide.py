@@ -31,7 +31,7 @@ from symhyb.correction.search.score import (
 )
 from symhyb.correction.search.selection import Problem, Subset, best_subsets, solve, without
 from symhyb.correction.search.setting import Setting, along_motion
-from symhyb.correction.search.so_far import fits_best, kept
+from symhyb.correction.search.so_far import fits_best, if_interrupted
 from symhyb.correction.search.trajectory import Refined, grouped
 from symhyb.correction.search.trials import Row, Say, Trials, first_guess
 from symhyb.correction.search.variants import variants_of
@@ -93,7 +93,7 @@ def decide(setting: Setting, proposals: Sequence[Subset], say: Say) -> Decision:
     # where the linear problem explains most, its promises are worth most
     problem = min(problems, key=lambda pair: pair[0])[1]
     trials = Trials(setting, say, equals)
-    with kept(lambda: _known(trials)):
+    with if_interrupted(lambda: _known(trials)):
         return _decided(trials, problem, pool)
 
 

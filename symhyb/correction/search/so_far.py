@@ -11,7 +11,7 @@ from symhyb.fault import SO_FAR
 
 
 @contextmanager
-def kept(known: Callable[[], str]) -> Iterator[None]:
+def if_interrupted(known: Callable[[], str]) -> Iterator[None]:
     """Give an interruption (Ctrl-C) a note with what is ``known`` then."""
     try:
         yield

@@ -17,7 +17,7 @@ from symhyb.correction.search.fleet import Outlier, outliers, own_value, parted,
 from symhyb.correction.search.preparing import Prepared
 from symhyb.correction.search.selection import Subset
 from symhyb.correction.search.setting import Setting
-from symhyb.correction.search.so_far import fits_best, kept
+from symhyb.correction.search.so_far import fits_best, if_interrupted
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.places.locate import locate
 from symhyb.discrepancy.results import Change, Misfit, PlaceShare
@@ -69,7 +69,7 @@ def choose(prepared: Prepared, setting: Setting, say: Say) -> Choice:
         if len(cuts) == 2 and (own := own_value(decision.selected, odd[0])) is not None:
             misfits = (misfit(decision.selected, own, [i.source[0] for i in cuts]),)
     say("holding what is close against whole recordings")
-    with kept(lambda: fits_best(decision.selected, len(decision.trials))):
+    with if_interrupted(lambda: fits_best(decision.selected, len(decision.trials))):
         decision = settled(prepared, setting, decision)
     return Choice(setting, decision, places, change, misfits)
 

@@ -15,14 +15,16 @@ import numpy as np
 from symhyb.correction.search.setting import Setting, Stage
 from symhyb.correction.search.trajectory import Refined, grouped, keys_of, refine
 from symhyb.discrepancy.places.hypotheses import Hypothesis
-from symhyb.discrepancy.places.standing import taken_over
+from symhyb.discrepancy.places.standing import taken_over, uncertain_beside
 from symhyb.model.types import Model
 
 
 def with_what_is_held(model: Model, setting: Setting, final: Refined, stage: Stage) -> Refined:
     """The structure with deviations that allow for the parameters that are held. Its values stay:
     the corrected model states those parameters as before."""
-    held = _uncertain(model, setting.parametric, final)
+    sums = {path for cause in final.causes for path in taken_over(model, cause)}
+    beside = uncertain_beside(model, setting.parametric, final.causes)
+    held = tuple(cause for cause in beside if cause.path not in sums)
     if not held or not final.numbers:
         return final
     start = [*grouped(final), *({"value": 0.0} for _ in held)]
@@ -42,22 +44,6 @@ def with_what_is_held(model: Model, setting: Setting, final: Refined, stage: Sta
     wider = np.sqrt(np.maximum(new / np.maximum(old, 1e-300), 1.0))
     covariance = final.fit.covariance * np.outer(wider, wider)
     return replace(final, fit=replace(final.fit, covariance=covariance))
-
-
-def _uncertain(
-    model: Model, parametric: Sequence[Hypothesis], final: Refined
-) -> tuple[Hypothesis, ...]:
-    """The parameters that state an sd, are not among the causes, and not of what these add to."""
-    spread = {item.path: item.sd for item in model.all_parameters()}
-    chosen = {cause.path for cause in final.causes if cause.place is None}
-    chosen.update(*(taken_over(model, cause) for cause in final.causes if cause.place is not None))
-    return tuple(
-        cause
-        for cause in parametric
-        if cause.kind == "parameter"
-        and spread.get(cause.path) is not None
-        and cause.path not in chosen
-    )
 
 
 def _rows(final: Refined, held: Sequence[Hypothesis], freed: Refined) -> list[int]:

@@ -1,5 +1,7 @@
 """What the model has at a place already, beside which a cause may stand."""
 
+from collections.abc import Sequence
+
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.model.expression import names
 from symhyb.model.types import Element, Model, Place
@@ -8,6 +10,15 @@ from symhyb.model.types import Element, Model, Place
 def alike(model: Model, kind: str, place: Place | None) -> tuple[Element, ...]:
     """The elements of a model of one kind at one place."""
     return tuple(one for one in model.elements if one.kind == kind and one.place == place)
+
+
+def uncertain_beside(
+    model: Model, parametric: Sequence[Hypothesis], causes: Sequence[Hypothesis]
+) -> tuple[Hypothesis, ...]:
+    """The parameters that state an sd and are not among the causes."""
+    stated = {item.path for item in model.all_parameters() if item.sd is not None}
+    left = stated - {cause.path for cause in causes if cause.place is None}
+    return tuple(one for one in parametric if one.kind == "parameter" and one.path in left)
 
 
 def taken_over(model: Model, cause: Hypothesis) -> frozenset[str]:
