@@ -34,6 +34,7 @@ from symhyb.discrepancy.fitting.judge import judge
 from symhyb.discrepancy.results import Diagnosis, Verdict
 from symhyb.errors import InputError, Problem
 from symhyb.expected import Check, Expected, check, read_expected
+from symhyb.limits import RECORDING_BYTES, content_of
 from symhyb.model.diff import diff
 from symhyb.model.read import read_model
 from symhyb.model.types import Model
@@ -345,5 +346,9 @@ def versions() -> dict[str, str]:
 
 
 def sha256_of(file: Path) -> str:
-    """The SHA-256 of the bytes of a file."""
-    return hashlib.sha256(file.read_bytes()).hexdigest()
+    """The SHA-256 of the bytes of a file.
+
+    Raises:
+        InputError: it is there no more, or cannot be read.
+    """
+    return hashlib.sha256(content_of(file, RECORDING_BYTES)).hexdigest()

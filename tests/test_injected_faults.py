@@ -1,18 +1,19 @@
-"""Faults put in wherever a verb writes: what is there is the old or the new, never half.
+"""Faults put in wherever a verb reads or writes: what is there is the old or the new, never half.
 
-An audit hook sees every file that is opened for writing and every file or folder that is moved or
-made in the folder of the test, and lets the one with a given number fail. What failed is tried
-again without a fault, which must work.
+An audit hook sees every file that is opened and every file or folder that is moved or made in the
+folder of the test, and lets the reading or the writing with a given number fail. What failed is
+tried again without a fault, which must work.
 """
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from errno import EACCES, EIO, ENOSPC
+from errno import EACCES, EIO, ENOENT, ENOSPC
 from pathlib import Path
 
 import pytest
@@ -24,7 +25,8 @@ from symhyb.writing import PREFIX, STALE, staged, write_file
 ROOT = Path(__file__).parent.parent
 OSCILLATOR = str(ROOT / "models" / "oscillator.toml")
 STUDY = ROOT / "studies" / "oscillator"
-EVENTS = ("open", "os.rename", "os.mkdir")
+WRITES = ("open", "os.rename", "os.mkdir")
+READS = ("open",)
 MOST = 60  # places of a verb
 WHOLE = {"corrected.toml", "diagnosis.json", "report.html", "simulation.csv"}
 
@@ -32,12 +34,12 @@ WHOLE = {"corrected.toml", "diagnosis.json", "report.html", "simulation.csv"}
 class Faults:
     """What the audit hook does: count events in a folder, let one of them fail."""
 
-    folder, kind, at, seen = "", 0, -1, 0
+    folder, events, kind, at, seen = "", WRITES, 0, -1, 0
 
     def __call__(self, event: str, arguments: tuple[object, ...]) -> None:
-        if not self.folder or event not in EVENTS:
+        if not self.folder or event not in self.events:
             return
-        if event == "open" and not _writes(arguments):
+        if event == "open" and _writes(arguments) != (self.events == WRITES):
             return
         if event == "os.mkdir" and os.path.isdir(str(arguments[0])):
             return  # that it is there already is no fault
@@ -62,9 +64,9 @@ sys.addaudithook(FAULTS)
 
 
 @contextmanager
-def fault(folder: Path, kind: int, at: int) -> Iterator[None]:
-    """Let write number ``at`` in ``folder`` fail."""
-    FAULTS.kind, FAULTS.at, FAULTS.seen = kind, at, 0
+def fault(folder: Path, kind: int, at: int, events: tuple[str, ...] = WRITES) -> Iterator[None]:
+    """Let write or read number ``at`` in ``folder`` fail."""
+    FAULTS.events, FAULTS.kind, FAULTS.at, FAULTS.seen = events, kind, at, 0
     FAULTS.folder = str(folder)
     try:
         yield
@@ -149,6 +151,54 @@ def test_outputs_are_old_or_new(
     assert set(old) < set(new) or there
     assert b"old" not in new.values()
     assert ("out/mine.txt" in new) == there
+
+
+READERS = {  # @: the folder of the test
+    "check": "check @/given/model.toml",
+    "compare": "compare @/given/model.toml @/given/train.csv",
+    "diagnose": "diagnose @/given/model.toml @/given/train.csv -o @/out",
+    "export": "export @/given/model.toml --whole --to c --name osc -o @/out",
+    "run": "run @/given/study.toml -o @/out",
+    "simulate": "simulate @/given/model.toml --end 0.1 -o @/out/run.csv",
+}
+
+
+@pytest.mark.parametrize("kind", [ENOENT, EACCES, EIO, signal.SIGINT])
+@pytest.mark.parametrize("verb", READERS)
+def test_a_file_that_cannot_be_read_is_a_sentence(
+    fake: Fake,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    verb: str,
+    kind: int,
+) -> None:
+    """The file vanishes, or its disk fails, when it is opened for the first, second, … time."""
+    fake(friction())
+    given = tmp_path / "given"
+    shutil.copytree(STUDY, given)
+    shutil.copy(OSCILLATOR, given / "model.toml")
+    study = (given / "study.toml").read_text(encoding="utf-8")
+    assert "../../models/oscillator.toml" in study
+    study = study.replace("../../models/oscillator.toml", "model.toml")
+    (given / "study.toml").write_text(study, encoding="utf-8")
+    command = READERS[verb].replace("@", str(tmp_path)).split()
+    old = held(tmp_path)
+    tried = 0
+    for at in range(MOST):
+        with fault(given, kind, at, READS):
+            status = called(monkeypatch, *command)
+            if FAULTS.seen <= at:  # nothing is read a time more: the verb went through
+                break
+        tried += 1
+        said = "".join(capsys.readouterr())
+        assert status == (130 if kind == signal.SIGINT else 2), (at, said)
+        assert "Traceback" not in said, at
+        if kind != signal.SIGINT:
+            assert any(Path(name).name in said for name in old), (at, said)  # which file it was
+        assert held(tmp_path) == old, at
+    assert 1 <= tried < MOST
+    assert status in (0, 1)
 
 
 def test_what_was_replaced_goes_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

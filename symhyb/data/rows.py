@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from symhyb.data.channels import Channels, own_step, take
 from symhyb.data.table import Table
 from symhyb.errors import InputError, Problem
-from symhyb.limits import LASTING, SHORT, VALUE
+from symhyb.limits import LASTING, ROWS, SHORT, VALUE
 
 SHORTEST = 20  # samples: below that no noise level can be measured
 LONGEST_HOLE = 3  # samples of an input that a straight line may bridge
@@ -58,9 +58,12 @@ def tidy(
     inputs that keep each value until the next sample.
 
     Raises:
-        InputError: time that is missing or does not increase, an input with a long hole or that
-            stops before the sensors do, or fewer than 20 samples left.
+        InputError: more rows than are read, time that is missing or does not increase, an input
+            with a long hole or that stops before the sensors do, or fewer than 20 samples left.
     """
+    if channels.t.size > ROWS:
+        text = f"has {channels.t.size} rows; at most {ROWS} are read: cut the file into parts"
+        raise InputError(Problem(text, file=table.file))
     channels = finite_or_missing(channels)
     if all(np.isnan(values).all() for values in channels.sensors.values()):
         text = f"no sensor ({', '.join(channels.sensors)}) has a finite sample"

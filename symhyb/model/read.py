@@ -11,7 +11,7 @@ from pathlib import Path as FilePath
 from typing import TypeVar
 
 from symhyb.errors import InputError, Problem, did_you_mean
-from symhyb.limits import COORDINATES, text_of
+from symhyb.limits import COORDINATES, DECLARED, text_of
 from symhyb.model.check import energy_unit, faults_of
 from symhyb.model.limits import read_limit
 from symhyb.model.read_bodies import read_body, read_point
@@ -142,8 +142,6 @@ def _draft(root: Table, text: str, file: str) -> tuple[Model, frozenset[str]]:
         root.fault("[coordinates] is missing: name at least one coordinate")
     elif root.entries.get("coordinates") == {}:
         root.fault("has no coordinate; name at least one", "coordinates")
-    elif (count := len(root.declared("coordinates"))) > COORDINATES:
-        root.fault(f"are {count}; a machine has at most {COORDINATES}", "coordinates")
     read = {
         *(f"coordinates.{value.name}" for value in model.coordinates),
         *(f"parameters.{value.name}" for value in model.parameters),
@@ -153,6 +151,10 @@ def _draft(root: Table, text: str, file: str) -> tuple[Model, frozenset[str]]:
         *(f"elements.{value.name}" for value in model.elements),
     }
     sections = ("coordinates", "parameters", "inputs", "points", "bodies", "elements")
+    for key in sections:
+        most = COORDINATES if key == "coordinates" else DECLARED
+        if (count := len(root.declared(key))) > most:
+            root.fault(f"are {count}; a machine has at most {most}", key)
     unreadable = {f"{key}.{name}" for key in sections for name in root.declared(key)} - read
     if "energy" not in root.entries:
         unreadable |= {f"energy.{name}" for name in root.declared("energy")}

@@ -10,7 +10,7 @@ where the cosine of the second angle is 0 (or its sine, if first and third axis 
 """
 
 from collections.abc import Iterator, Mapping
-from math import cos, degrees, isfinite, sin, sqrt
+from math import cos, degrees, hypot, inf, isfinite, sin
 
 import numpy as np
 from numpy.typing import NDArray
@@ -128,11 +128,11 @@ def _quaternion_faults(
     if body.inertia is None and not body.tensor and body.joint is not None:
         yield ("bodies", body.name), "has 'quaternion' but no 'inertia'; its turning needs one"
     found = [part.start for part in parts if part is not None]
-    length = sqrt(sum(start**2 for start in found))
+    length = hypot(*found)  # infinite where the sum of squares would raise
     if len(found) == 4 and abs(length - 1) > UNIT_LENGTH:
         starts = ", ".join(f"{start:g}" for start in found)
         cure = "start = 1.0 of the first part means: not turned"
-        if length > 0:
+        if 0 < length < inf:
             cure = f"divide each start by {length:.6g}"
         yield path, f"begins at ({starts}), whose length is {length:.6g}; it must be 1: {cure}"
 

@@ -29,6 +29,11 @@ def refused(read):
     return problem_of
 
 
+def test_more_rows_than_are_read(refused, signals, monkeypatch) -> None:
+    monkeypatch.setattr("symhyb.data.rows.ROWS", 50)
+    assert "rows; at most 50 are read: cut the file into parts" in refused(signals)
+
+
 def rows(signals, order):
     return {name: values[order] for name, values in signals.items()}
 

@@ -15,7 +15,7 @@ HERE = Path(__file__).parent
 MADE = (element, whole, events_alone, events_whole)
 
 
-def checked(code: str, folder: Path) -> tuple[int, str]:
+def checked(code: str, folder: Path, checks: str = "address,undefined") -> tuple[int, str]:
     """Compile a program with all checks and run it: what it returns and says. Memory that is not
     freed is an error, too."""
     (folder / "driver.c").write_text(code, encoding="utf-8")
@@ -28,7 +28,7 @@ def checked(code: str, folder: Path) -> tuple[int, str]:
             "-Wno-unused-parameter",
             "-Werror",
             "-g",
-            "-fsanitize=address,undefined",
+            f"-fsanitize={checks}",
             "-fno-sanitize-recover",
             "-DDISABLE_PREFIX",
             f"-I{headers()}",
@@ -36,6 +36,7 @@ def checked(code: str, folder: Path) -> tuple[int, str]:
             "-o",
             "driver",
             "-lm",
+            "-lpthread",
         ],
         cwd=folder,
         capture_output=True,
@@ -93,3 +94,18 @@ def test_what_is_wrong_is_found(right: str, wrong: str, said: str, tmp_path: Pat
     number, text = checked(code.replace(right, wrong) + driver(3), tmp_path)
     assert number != 0
     assert said in text
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("checks", ["address,undefined", "thread"])
+@pytest.mark.parametrize("fmi", [2, 3])
+@pytest.mark.parametrize("made", MADE)
+def test_a_storm_of_calls_ends_in_a_status(
+    made: Callable[[], Spec], fmi: int, checks: str, tmp_path: Path
+) -> None:
+    parts = (HERE / name for name in ("storm_draw.c", f"storm{fmi}.c", "storm.c"))
+    code = "\n".join(part.read_text(encoding="utf-8") for part in parts)
+    number, said = checked(fmu_code(made(), fmi, "{it}") + code, tmp_path, checks)
+    assert number == 0, said
+    done, refused = (int(word) for word in said.split() if word.isdigit())
+    assert min(done, refused) > 2000  # of 10 000 calls a thread

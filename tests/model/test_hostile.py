@@ -82,6 +82,15 @@ def test_a_machine_of_more_coordinates_than_any_has() -> None:
     assert "coordinates: are 501; a machine has at most 500" in complaints(text)
 
 
+def test_a_machine_of_more_elements_than_any_has() -> None:
+    many = "\n".join(
+        f'e{i} = {{ kind = "spring", on = "x", stiffness = "k" }}' for i in range(2000)
+    )
+    text = DRIVEN_MASS.replace("[elements.", f"[elements]\n{many}\n[elements.", 1)
+    assert "elements: are 20" in complaints(text)
+    assert "; a machine has at most 2000" in complaints(text)
+
+
 @pytest.mark.parametrize("stiffness", ["k*sqrt(-1)", "k*asin(2)", "k*log(-1)", "k*acos(9)**2"])
 def test_a_number_that_is_not_real_is_none(stiffness: str) -> None:
     text = DRIVEN_MASS.replace('stiffness = "k"', f'stiffness = "{stiffness}"')

@@ -165,6 +165,12 @@ ONE_FAULT = {
         "start = 1.5",
         "begins at (1.5, 0.8, 0, 0), whose length is 1.7; it must be 1: divide each start",
     ),
+    "length beyond what squares hold": (
+        BIRD,
+        "start = 0.6",
+        "start = 1e308",
+        "whose length is 1e+308; it must be 1: divide each start by 1e+308",
+    ),
     "no length": (
         BIRD.replace("start = 0.8", "start = 0"),
         "start = 0.6",
