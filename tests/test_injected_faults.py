@@ -11,12 +11,13 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from errno import EACCES, EIO, ENOENT, ENOSPC
 from pathlib import Path
 
 import pytest
+from _pytest.mark import ParameterSet
 from fakes import Fake, fake_diagnosis, friction
 
 from symhyb.errors import InputError
@@ -111,14 +112,17 @@ VERBS = {
 }
 
 
-QUICK = ("simulate", "export")
+QUICK = ("simulate", "export", "check", "compare")
+
+
+def marked(verbs: Iterable[str]) -> list[ParameterSet]:
+    """The verbs, of which those that diagnose are slow."""
+    return [pytest.param(verb, marks=() if verb in QUICK else pytest.mark.slow) for verb in verbs]
 
 
 @pytest.mark.parametrize("there", [False, True])
 @pytest.mark.parametrize("kind", [ENOSPC, EACCES, EIO, signal.SIGINT])
-@pytest.mark.parametrize(
-    "verb", [pytest.param(v, marks=() if v in QUICK else pytest.mark.slow) for v in VERBS]
-)
+@pytest.mark.parametrize("verb", marked(VERBS))
 def test_outputs_are_old_or_new(
     fake: Fake,
     monkeypatch: pytest.MonkeyPatch,
@@ -164,7 +168,7 @@ READERS = {  # @: the folder of the test
 
 
 @pytest.mark.parametrize("kind", [ENOENT, EACCES, EIO, signal.SIGINT])
-@pytest.mark.parametrize("verb", READERS)
+@pytest.mark.parametrize("verb", marked(READERS))
 def test_a_file_that_cannot_be_read_is_a_sentence(
     fake: Fake,
     monkeypatch: pytest.MonkeyPatch,
