@@ -17,7 +17,6 @@ from errno import EACCES, EIO, ENOENT, ENOSPC
 from pathlib import Path
 
 import pytest
-from _pytest.mark import ParameterSet
 from fakes import Fake, fake_diagnosis, friction
 
 from symhyb.errors import InputError
@@ -115,7 +114,7 @@ VERBS = {
 QUICK = ("simulate", "export", "check", "compare")
 
 
-def marked(verbs: Iterable[str]) -> list[ParameterSet]:
+def marked(verbs: Iterable[str]) -> list[object]:
     """The verbs, of which those that diagnose are slow."""
     return [pytest.param(verb, marks=() if verb in QUICK else pytest.mark.slow) for verb in verbs]
 
