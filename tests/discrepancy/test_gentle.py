@@ -17,6 +17,7 @@ from symhyb.numeric.runs.windows import WindowModel
 T = np.arange(0, 8, 0.01)
 LEVEL, STEEP = 2.0, 1e-4  # N, m/s: both masses move all the time, and the link sticks
 FINE = 16
+NEAR = 0.005  # of the level: noise of 0.2 % on it gives 0.13 %, and slopes in the band more
 WAYS = chains()
 
 
@@ -73,7 +74,11 @@ def test_what_is_gentle_stays_as_it_is() -> None:
 
 @pytest.mark.parametrize("which", range(len(WAYS)), ids=[way.name for way in WAYS])
 def test_friction_in_a_link_is_fitted_however_it_is_written(which: int) -> None:
-    """Every window down to the noise, from a third and from three times the level."""
+    """Every window down to the noise, from a third and from three times the level.
+
+    The deviation of the fit is no measure here: slopes where dry friction turns over differ with
+    the rounding of a processor, and with them it does, from 0.0003 to 0.0033.
+    """
     for first in (LEVEL / 3, 3 * LEVEL):
         machine, cut = rubbing(which, first)
         item = cut.suited(machine)
@@ -83,7 +88,7 @@ def test_friction_in_a_link_is_fitted_however_it_is_written(which: int) -> None:
         model = WindowModel(machine, (machine.column(path_of(machine, "coulomb")),))
         found = fit(model, task, machine.values)
         assert not found.reason
-        assert found.values[0] == pytest.approx(LEVEL, abs=4 * found.covariance[0, 0] ** 0.5)
+        assert found.values[0] == pytest.approx(LEVEL, rel=NEAR)
         assert (found.chi2 / found.count).max() < 1.6
 
 
