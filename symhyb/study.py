@@ -34,7 +34,7 @@ from symhyb.discrepancy.fitting.judge import judge
 from symhyb.discrepancy.results import Diagnosis, Verdict
 from symhyb.errors import InputError, Problem
 from symhyb.expected import Check, Expected, check, read_expected
-from symhyb.limits import RECORDING_BYTES, content_of
+from symhyb.limits import TEXT_BYTES, content_of
 from symhyb.model.diff import diff
 from symhyb.model.read import read_model
 from symhyb.model.types import Model
@@ -346,9 +346,9 @@ def versions() -> dict[str, str]:
 
 
 def sha256_of(file: Path) -> str:
-    """The SHA-256 of the bytes of a file.
+    """The SHA-256 of the bytes of a model or a study.
 
     Raises:
         InputError: it is there no more, or cannot be read.
     """
-    return hashlib.sha256(content_of(file, RECORDING_BYTES)).hexdigest()
+    return hashlib.sha256(content_of(file, TEXT_BYTES)).hexdigest()

@@ -1,6 +1,6 @@
 """Does a process that diagnoses again and again keep its memory?
 
-    python studies/reliability/memory.py                # 2000 diagnoses, an hour or two
+    python studies/reliability/memory.py                # 2000 diagnoses, about two hours
     python studies/reliability/memory.py --count 200
 
 Each diagnosis is that of the demonstration's oscillator on another stretch of its recording. The

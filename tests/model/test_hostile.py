@@ -87,8 +87,7 @@ def test_a_machine_of_more_elements_than_any_has() -> None:
         f'e{i} = {{ kind = "spring", on = "x", stiffness = "k" }}' for i in range(2000)
     )
     text = DRIVEN_MASS.replace("[elements.", f"[elements]\n{many}\n[elements.", 1)
-    assert "elements: are 20" in complaints(text)
-    assert "; a machine has at most 2000" in complaints(text)
+    assert "elements: are 2003; a machine has at most 2000" in complaints(text)
 
 
 @pytest.mark.parametrize("stiffness", ["k*sqrt(-1)", "k*asin(2)", "k*log(-1)", "k*acos(9)**2"])
