@@ -11,6 +11,7 @@ symhyb a process of its own with limits reads such files). Counts and failures l
 """
 
 import argparse
+import gc
 import json
 import mmap
 import os
@@ -31,10 +32,11 @@ from unicodedata import category
 
 from readers import ROOT, Reader, an_input, readers
 
+from symhyb.limits import READER_MEMORY
 from symhyb.writing import write_file
 
 SECONDS, STUCK = 10, 20  # for one input; until a worker that does not come back is ended
-MEMORY = 4 << 30  # bytes of a worker
+MEMORY = 4 << 30  # bytes of a worker; one with a native reader has what symhyb gives it
 SENTENCE = 2000  # letters of one problem
 OBEYED = ("Cc", "Cs", "Zl", "Zp")  # categories of letters that a terminal or a page obeys
 TURNS = "\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069"  # the direction of writing
@@ -67,7 +69,8 @@ def main() -> int:
     every = {reader.name: reader for reader in readers()}
     if options.work:
         name, first, last, state = options.work
-        resource.setrlimit(resource.RLIMIT_DATA, (MEMORY, MEMORY))
+        memory = READER_MEMORY if every[name].native else MEMORY
+        resource.setrlimit(resource.RLIMIT_DATA, (memory, memory))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         work(every[name], int(first), int(last), Path(state))
         return 0
@@ -200,6 +203,8 @@ def work(reader: Reader, first: int, last: int, state: Path) -> None:
     warnings.simplefilter("ignore")
     log = state.with_name("failures")
     accepted = refused = 0
+    an_input(reader, first)  # loads what the corpus is made with
+    gc.freeze()  # a reader that collects what it left need not look at every module again
     with open(state, "r+b") as stream, mmap.mmap(stream.fileno(), 0) as shared:
         for number in range(first, last):
             shared[:] = _STATE.pack(number, accepted, refused)

@@ -3,9 +3,11 @@
 Everything follows from the random generator alone, so an input is known by its parser and number.
 """
 
+import io
 import json
 import math
 import tomllib
+import zipfile
 from collections.abc import Callable, Sequence
 from random import Random
 from typing import Any
@@ -63,6 +65,24 @@ def of_bytes(random: Random, data: bytes, words: Sequence[bytes]) -> bytes:
             case 7:
                 del result[at:]
     return bytes(result)
+
+
+def of_zip(random: Random, data: bytes, words: Sequence[bytes]) -> bytes:
+    """A ZIP archive with one of its files changed and its sums right again, or its bytes changed."""
+    if random.random() < 0.3:
+        return of_bytes(random, data, words)
+    written = io.BytesIO()
+    with zipfile.ZipFile(io.BytesIO(data)) as old, zipfile.ZipFile(written, "w") as new:
+        names = old.namelist()
+        chosen = random.choice(names)
+        for name in names:
+            content = old.read(name)
+            new.writestr(
+                zipfile.ZipInfo(name),  # of a fixed date: the input follows from its number
+                of_bytes(random, content, words) if name == chosen else content,
+                zipfile.ZIP_DEFLATED,
+            )
+    return written.getvalue()
 
 
 def of_tree(random: Random, tree: Values) -> Values:

@@ -19,7 +19,7 @@ from random import Random
 
 import numpy as np
 from grammar import expression, unit
-from mutate import of_bytes, of_json, of_toml
+from mutate import of_bytes, of_json, of_toml, of_zip
 
 from symhyb.errors import InputError, Problem
 from symhyb.expected import read_expected
@@ -157,6 +157,7 @@ def _written(save: Callable[[io.BytesIO], object]) -> bytes:
     return stream.getvalue()
 
 
+@cache
 def _mat() -> Sequence[bytes]:
     from scipy.io import savemat
 
@@ -174,6 +175,7 @@ def _mat() -> Sequence[bytes]:
     ]
 
 
+@cache
 def _mat73() -> Sequence[bytes]:
     import h5py
 
@@ -189,6 +191,7 @@ def _mat73() -> Sequence[bytes]:
     return [(head + _written(save)[len(head) :])]
 
 
+@cache
 def _parquet() -> Sequence[bytes]:
     import pyarrow as pa
     import pyarrow.parquet as pq
@@ -197,12 +200,14 @@ def _parquet() -> Sequence[bytes]:
     return [_written(partial(pq.write_table, table, compression=way)) for way in ways]
 
 
+@cache
 def _excel() -> Sequence[bytes]:
     import pandas as pd
 
     return [_written(lambda s: pd.DataFrame(_columns()).to_excel(s, index=False))]
 
 
+@cache
 def _mdf() -> Sequence[bytes]:
     from asammdf import MDF, Signal
 
@@ -243,10 +248,14 @@ def readers() -> tuple[Reader, ...]:
         return [*_models(2_700), *_kept("model*.toml")]
 
     def native(
-        name: str, module: str, function: str, corpus: Callable[[], Sequence[bytes]]
+        name: str,
+        module: str,
+        function: str,
+        corpus: Callable[[], Sequence[bytes]],
+        make: Make = of_bytes,
     ) -> Reader:
         take = _table(module, function, f"sent.{name}")
-        return Reader(name, take, corpus, of_bytes, SIGNS, (*refuses, MemoryError), True)
+        return Reader(name, take, corpus, make, SIGNS, (*refuses, MemoryError), True)
 
     return (
         Reader("unit", _unit, lambda: [b"N*m"], _grammatical(unit), SIGNS, refuses),
@@ -279,7 +288,7 @@ def readers() -> tuple[Reader, ...]:
         native("mat", "mat_file", "read_mat", _mat),
         native("mat73", "mat_file", "read_mat", _mat73),
         native("parquet", "parquet_file", "read_parquet", _parquet),
-        replace(native("xlsx", "sheet_file", "read_excel", _excel), share=0.25),
+        replace(native("xlsx", "sheet_file", "read_excel", _excel, of_zip), share=0.25),
         replace(native("mf4", "mdf_file", "read_mdf", _mdf), share=0.05),
     )
 
