@@ -68,7 +68,7 @@ def of_bytes(random: Random, data: bytes, words: Sequence[bytes]) -> bytes:
 
 
 def of_zip(random: Random, data: bytes, words: Sequence[bytes]) -> bytes:
-    """A ZIP archive with one of its files changed and its sums right again, or its bytes changed."""
+    """A ZIP archive with one of its files changed and its sums right again, or bytes of it."""
     if random.random() < 0.3:
         return of_bytes(random, data, words)
     written = io.BytesIO()
