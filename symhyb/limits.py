@@ -48,9 +48,9 @@ def content_of(path: str | os.PathLike[str], most: int, what: str = "") -> bytes
         elif not file.is_file():
             reason = "is no plain file"
         else:
-            with open(file, "rb") as stream:
-                data = stream.read(most + 1)
-            if len(data) <= most:
+            with open(file, "rb") as stream:  # read(most + 1) would claim so much memory at once
+                data = stream.read() if os.fstat(stream.fileno()).st_size <= most else None
+            if data is not None and len(data) <= most:
                 return data
             reason = f"is larger than {_size_text(most)}"
     except (OSError, ValueError) as error:

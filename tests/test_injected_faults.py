@@ -5,6 +5,7 @@ folder of the test, and lets the reading or the writing with a given number fail
 tried again without a fault, which must work.
 """
 
+import io
 import os
 import shutil
 import signal
@@ -26,7 +27,6 @@ ROOT = Path(__file__).parent.parent
 OSCILLATOR = str(ROOT / "models" / "oscillator.toml")
 STUDY = ROOT / "studies" / "oscillator"
 WRITES = ("open", "os.rename", "os.mkdir")
-READS = ("open",)
 MOST = 60  # places of a verb
 WHOLE = {"corrected.toml", "diagnosis.json", "report.html", "simulation.csv"}
 
@@ -166,6 +166,24 @@ READERS = {  # @: the folder of the test
 }
 
 
+class Breaking(io.FileIO):
+    """A file that opens, and breaks off in its middle if it is the one that shall fail."""
+
+    def read(self, size: int | None = -1) -> bytes:
+        half = os.fstat(self.fileno()).st_size // 2
+        data = super().read(half)
+        assert data
+        FAULTS("read", (self.name,))
+        return data + super().read(size)
+
+
+def breaking(file: Path, mode: str) -> Breaking:
+    """In the place of ``open`` where every file is read that a person gives."""
+    assert mode == "rb"
+    return Breaking(str(file))
+
+
+@pytest.mark.parametrize("event", ["open", "read"])
 @pytest.mark.parametrize("kind", [ENOENT, EACCES, EIO, signal.SIGINT])
 @pytest.mark.parametrize("verb", marked(READERS))
 def test_a_file_that_cannot_be_read_is_a_sentence(
@@ -175,9 +193,13 @@ def test_a_file_that_cannot_be_read_is_a_sentence(
     tmp_path: Path,
     verb: str,
     kind: int,
+    event: str,
 ) -> None:
-    """The file vanishes, or its disk fails, when it is opened for the first, second, … time."""
+    """The file vanishes, or its disk fails, when it is opened for the first, second, … time, or
+    in its middle."""
     fake(friction())
+    if event == "read":
+        monkeypatch.setattr("symhyb.limits.open", breaking, raising=False)
     given = tmp_path / "given"
     shutil.copytree(STUDY, given)
     shutil.copy(OSCILLATOR, given / "model.toml")
@@ -189,7 +211,7 @@ def test_a_file_that_cannot_be_read_is_a_sentence(
     old = held(tmp_path)
     tried = 0
     for at in range(MOST):
-        with fault(given, kind, at, READS):
+        with fault(given, kind, at, (event,)):
             status = called(monkeypatch, *command)
             if FAULTS.seen <= at:  # nothing is read a time more: the verb went through
                 break
