@@ -2,6 +2,7 @@
 the one that imitates them, and nothing where nothing is better."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -108,3 +109,15 @@ def test_a_cause_that_goes_puts_its_effect_back_into_the_residual() -> None:
     assert back.values == pytest.approx(
         [both.value("cause0.coulomb")[0], both.value("cause1.drag")[0]], rel=0.01
     )
+
+
+def test_of_two_fits_of_one_structure_the_better_is_kept() -> None:
+    trials, damped = fitted(("damper",), swing(lambda v: 0.05 * v))
+    (key,) = trials.done
+    minimum = replace(damped, fit=replace(damped.fit, chi2=3 * damped.fit.chi2))
+    trials.done[key] = minimum  # as if it had ended in a minimum of its own
+    found = trials.again(key, grouped(damped), damped.fit.starts)
+    assert found.fit.train == pytest.approx(damped.fit.train, rel=1e-6)
+    better = replace(found, fit=replace(found.fit, chi2=found.fit.chi2 / 3))
+    trials.done[key] = better
+    assert trials.again(key, grouped(damped), damped.fit.starts) is better

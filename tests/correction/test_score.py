@@ -16,6 +16,7 @@ from symhyb.correction.search.score import (
     plain,
     price,
     score,
+    standing,
     unit_of,
     weak,
 )
@@ -152,3 +153,10 @@ def test_a_law_is_plain_whose_other_numbers_may_be_nothing() -> None:
     breakaway = replace(FRICTION, added=("static",))
     assert plain(trial(breakaway, values=(1.0, 1.02))) == (0,)  # as much as when it slides
     assert plain(trial(breakaway, values=(1.0, 1.1))) == ()
+
+
+def test_without_a_cause_more_is_left_by_the_square_of_how_far_it_stands_out() -> None:
+    one = trial(DAMPER, values=(0.05,), sd=0.01)
+    assert standing(one, 0) == pytest.approx(25.0)
+    coarse = replace(one, accuracy=0.2)  # of the numerics: as large as the deviation
+    assert standing(coarse, 0) == pytest.approx(12.5)

@@ -19,13 +19,16 @@ from symhyb.correction.search.formulas import beside, candidates, instead
 from symhyb.correction.search.lines import lines_of
 from symhyb.correction.search.score import (
     NEAR_NOISE,
+    SIGNIFICANT,
     believable,
     choice_of,
     cost,
     left,
     piece_of,
+    price,
     samples,
     score,
+    standing,
     uncertain,
     weak,
 )
@@ -180,8 +183,7 @@ def _sentence(trials: Trials, better: Refined, before: Refined) -> str:
 
 def _look_around(trials: Trials, base: Refined) -> None:
     """Fit what may be better than the best so far."""
-    own, rows = trials.causes(base), grouped(base)
-    smaller = [trials.refined(*_but(own, rows, {i}), base.fit.starts) for i in range(len(own))]
+    smaller = [_without(trials, base, {i}) for i in range(len(base.causes))]
     for offer in exchanges(trials, base):
         _tried(trials, offer.causes, offer.rows, base.fit.starts)
     if base.fit.scale < NEAR_NOISE:
@@ -212,15 +214,26 @@ def _tried(
     gone = set() if trial.fit.reason else set(weak(trial))
     plainer = {i: law for i in gone if (law := _plain_law(trials, trial.causes[i])) is not None}
     if gone and (plainer or len(gone) < len(trial.causes)):
+        if not plainer:
+            _without(trials, trial, gone)
+            return
         own, values = trials.causes(trial), grouped(trial)
         for i, law in plainer.items():
             own = (*own[:i], trials.index(law), *own[i + 1 :])
             values[i] = {key: values[i].get(key, 0.0) for key in law.keys}
-        rest = _but(own, values, gone - plainer.keys())
-        if plainer:
-            _tried(trials, *rest, trial.fit.starts)
-        else:
-            trials.refined(*rest, trial.fit.starts)
+        _tried(trials, *_but(own, values, gone - plainer.keys()), trial.fit.starts)
+
+
+def _without(trials: Trials, trial: Refined, gone: Collection[int]) -> Refined:
+    """A structure without some of its causes. Where it is known already, but fits worse than the
+    deviations of these causes say, it ended in a minimum of its own and is fitted from here."""
+    rest = _but(trials.causes(trial), grouped(trial), gone)
+    known = trials.refined(*rest, trial.fit.starts)
+    unit, grows = piece_of(trial), sum(standing(trial, i) for i in gone)
+    paid = price(trial, trials.count) - price(known, trials.count)
+    if grows > paid + SIGNIFICANT or left(known) <= left(trial) + unit * (grows + SIGNIFICANT):
+        return known
+    return trials.again(*rest, trial.fit.starts)
 
 
 def _plain_law(trials: Trials, cause: Hypothesis) -> Hypothesis | None:

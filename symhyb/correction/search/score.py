@@ -162,6 +162,21 @@ def plain(trial: Refined) -> tuple[int, ...]:
     )
 
 
+def standing(trial: Refined, which: int) -> float:
+    """By how many units χ² grows without a cause, as its own deviation says: its strength over its
+    deviation, squared (Wald's statistic), summed over the recordings that have one of their own."""
+    cause, values = trial.causes[which], grouped(trial)[which]
+    key, strength = next(iter(values.items()))
+    first = firsts_of(trial.causes)[which]
+    if key in cause.own and trial.owned:
+        spread = np.sqrt(np.diag(trial.fit.covariance))
+        each = zip(trial.each, trial.owned, strict=True)
+        own = [(values[own_key(key, name)], spread[at[first]]) for (name, _), at in each]
+    else:
+        own = [(strength, trial.value(trial.paths[first])[1])]
+    return float(sum((value / sd) ** 2 if sd > 0 else inf for value, sd in own))
+
+
 def _strong(trial: Refined, which: int, first: int, spread: Array) -> bool:
     """Whether the strength of a cause, whose numbers begin at ``first``, stands out of the
     deviation that is reported of it, of which the accuracy of the numerics is a part; where every

@@ -54,6 +54,20 @@ class Trials:
             self.done[key] = found
         return self.done[key]
 
+    def again(
+        self,
+        causes: Sequence[int],
+        values: Sequence[Mapping[str, float]],
+        starts: Sequence[Array] | None,
+    ) -> Refined:
+        """A known structure fitted from other ``values`` (SI, by key; as many as causes) and
+        initial states of windows ``starts`` (W, 2n); the better of both fits is kept."""
+        key = tuple(sorted(causes))
+        found = self._fitted([self.known[cause] for cause in causes], values, starts)
+        if found.fit.train < self.done[key].fit.train:
+            self.done[key] = found
+        return self.done[key]
+
     def _fitted(
         self,
         causes: Sequence[Hypothesis],
