@@ -12,7 +12,7 @@ export PIP_NO_INPUT := 1
 export OMP_NUM_THREADS := 1
 export OPENBLAS_NUM_THREADS := 1
 
-.PHONY: test demo slow fuzz package windows masters lint types layers docs all install clean
+.PHONY: test demo slow fuzz oldest package windows masters lint types layers docs all install clean
 
 test: $(READY)
 	$(BIN)/python -m pytest -q -n 2
@@ -27,6 +27,21 @@ slow: $(READY)
 COUNT ?= 20000
 fuzz: $(READY)
 	$(BIN)/python studies/reliability/fuzz.py --count $(COUNT)
+
+# the quick tests with the oldest versions that pyproject.toml allows, in an environment of its own
+OLDEST := build/oldest
+# but for those that need the tools of development, or look at the newest versions
+NOT_OF_OLDEST := test_layers.py test_reliability.py::test_every_package_is_pinned_and_of_an_accepted_licence \
+	report/test_contract.py::test_the_schemas_are_those_of_the_types \
+	laws/test_add_a_law.py::test_the_law_of_the_page_is_written_as_all_code_is
+oldest: $(OLDEST)/ready
+	$(OLDEST)/bin/python -m pytest -q -n 2 -p no:cacheprovider $(NOT_OF_OLDEST:%=--deselect tests/%)
+
+$(OLDEST)/ready: pyproject.toml constraints-oldest.txt
+	@echo "installing the oldest versions into $(OLDEST) (about a minute, once)"
+	@$(PYTHON) -m venv $(OLDEST)
+	@$(OLDEST)/bin/python -m pip install --quiet --constraint constraints-oldest.txt --editable '.[test]'
+	@touch $@
 
 # a source distribution, and the wheel that is built from it
 package: $(READY)

@@ -2,6 +2,7 @@
 
 import re
 import subprocess
+import tomllib
 from functools import cache
 from pathlib import Path
 
@@ -119,8 +120,22 @@ def test_changes_that_alter_numbers_come_first_in_the_changelog() -> None:
     assert headings[0] == "Changes numbers"
 
 
-def test_constraints_are_bare_versions() -> None:
-    lines = text_of(ROOT / "constraints.txt").splitlines()
-    pins = [line for line in lines if line and not line.startswith("#")]
+def pins(name: str) -> list[str]:
+    """The lines of a file of constraints that are no comment."""
+    lines = text_of(ROOT / name).splitlines()
+    return [line for line in lines if line and not line.startswith("#")]
+
+
+@pytest.mark.parametrize("name", ["constraints.txt", "constraints-oldest.txt"])
+def test_constraints_are_bare_versions(name: str) -> None:
     bare = re.compile(r"[A-Za-z0-9._-]+==[0-9][0-9A-Za-z.]*")
-    assert [pin for pin in pins if not bare.fullmatch(pin)] == []
+    assert [pin for pin in pins(name) if not bare.fullmatch(pin)] == []
+
+
+def test_the_oldest_versions_that_are_allowed_are_those_that_are_tested() -> None:
+    project = tomllib.loads(text_of(ROOT / "pyproject.toml"))["project"]
+    extras = project["optional-dependencies"]
+    own = [extras[name] for name in ("mat73", "parquet", "excel", "mdf", "fmi")]
+    needed = {*project["dependencies"], *(one for extra in own for one in extra)}
+    oldest = {pin.replace("==", ">=") for pin in pins("constraints-oldest.txt")}
+    assert needed - oldest == set()

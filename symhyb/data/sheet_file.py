@@ -67,6 +67,9 @@ def _read(content: bytes, file: str, engine: str) -> Table:
                 header=None,
                 engine=engine,  # type: ignore[call-overload]
             )
+    except ImportError as error:
+        cure = 'pip install --upgrade "symhyb[excel]"'
+        raise refusal(file, f"cannot be read: {error}; {cure}") from None
     except Exception as error:  # damaged bytes make the readers raise errors of a dozen kinds
         if "encrypted" in str(error).lower():
             raise refusal(file, "is encrypted; save it without a password") from error

@@ -19,10 +19,10 @@ def recording(model, write, table, signals) -> Recording:
 
 def test_values_are_in_si_and_nothing_is_noted(recording, signals):
     assert recording.name == "run.csv"
-    np.testing.assert_array_equal(recording.t, signals["t"])
-    np.testing.assert_array_equal(recording.inputs["f"], signals["f"])
-    np.testing.assert_allclose(recording.sensors["laser"], signals["laser"] / 1000, rtol=1e-15)
-    np.testing.assert_array_equal(recording.sensors["accel"], signals["accel"])
+    np.testing.assert_allclose(recording.t, signals["t"], rtol=1e-14)
+    np.testing.assert_allclose(recording.inputs["f"], signals["f"], rtol=1e-14)
+    np.testing.assert_allclose(recording.sensors["laser"], signals["laser"] / 1000, rtol=1e-14)
+    np.testing.assert_allclose(recording.sensors["accel"], signals["accel"], rtol=1e-14)
     assert recording.notes == ()
     assert recording.duration == pytest.approx(0.99)
 
