@@ -14,7 +14,7 @@ import sys
 import time
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from errno import EACCES, EIO, ENOENT, ENOSPC
+from errno import EACCES, EIO, ENOENT, ENOSPC, EROFS
 from pathlib import Path
 
 import pytest
@@ -120,7 +120,7 @@ def marked(verbs: Iterable[str]) -> list[object]:
 
 
 @pytest.mark.parametrize("there", [False, True])
-@pytest.mark.parametrize("kind", [ENOSPC, EACCES, EIO, signal.SIGINT])
+@pytest.mark.parametrize("kind", [ENOSPC, EACCES, EROFS, EIO, signal.SIGINT])
 @pytest.mark.parametrize("verb", marked(VERBS))
 def test_outputs_are_old_or_new(
     fake: Fake,
