@@ -165,16 +165,27 @@ def plain(trial: Refined) -> tuple[int, ...]:
 def standing(trial: Refined, which: int) -> float:
     """By how many units χ² grows without a cause, as its own deviation says: its strength over its
     deviation, squared (Wald's statistic), summed over the recordings that have one of their own."""
-    cause, values = trial.causes[which], grouped(trial)[which]
+    first, spread = firsts_of(trial.causes)[which], np.sqrt(np.diag(trial.fit.covariance))
+    strengths = _strengths(trial, which, first, spread)
+    return float(sum((value / sd) ** 2 if sd > 0 else inf for value, sd in strengths))
+
+
+def _strengths(trial: Refined, which: int, first: int, spread: Array) -> list[tuple[float, float]]:
+    """The strength of a cause, whose numbers begin at ``first``, with its deviation, of which the
+    accuracy of the numerics is a part; where every recording has its own, each with that of the
+    fit (``spread`` of all numbers, SI)."""
+    values = grouped(trial)[which]
     key, strength = next(iter(values.items()))
-    first = firsts_of(trial.causes)[which]
-    if key in cause.own and trial.owned:
-        spread = np.sqrt(np.diag(trial.fit.covariance))
+    if _by_recording(trial, which):
         each = zip(trial.each, trial.owned, strict=True)
-        own = [(values[own_key(key, name)], spread[at[first]]) for (name, _), at in each]
-    else:
-        own = [(strength, trial.value(trial.paths[first])[1])]
-    return float(sum((value / sd) ** 2 if sd > 0 else inf for value, sd in own))
+        return [(values[own_key(key, one)], spread[columns[first]]) for (one, _), columns in each]
+    return [(strength, trial.value(trial.paths[first])[1])]
+
+
+def _by_recording(trial: Refined, which: int) -> bool:
+    """Whether every recording has its own strength of a cause."""
+    cause = trial.causes[which]
+    return bool(trial.owned) and keys_of(cause)[0] in cause.own
 
 
 def _strong(trial: Refined, which: int, first: int, spread: Array) -> bool:
@@ -183,20 +194,18 @@ def _strong(trial: Refined, which: int, first: int, spread: Array) -> bool:
     recording has its own (``spread`` of all numbers, SI), that of any one, as far out as the
     largest of so many may be by chance: not every machine need show the cause."""
     cause, values = trial.causes[which], grouped(trial)[which]
-    key, strength = next(iter(values.items()))
-    if key in cause.own and trial.owned:
-        least = -ndtri(ndtr(-OUTSTANDING) / len(trial.owned))
-        return any(
-            abs(values[own_key(key, recording)]) > least * spread[columns[first]]
-            for (recording, _), columns in zip(trial.each, trial.owned, strict=True)
-        )
+    strengths = _strengths(trial, which, first, spread)
+    if _by_recording(trial, which):
+        least = -ndtri(ndtr(-OUTSTANDING) / len(strengths))
+        return any(abs(value) > least * sd for value, sd in strengths)
+    ((strength, sd),) = strengths
     if "static" in cause.terms:  # what breaks away at less than it slides with is no such friction
         i, j = first, first + list(values).index("static")
         covariance = trial.fit.covariance
         apart = covariance[i, i] + covariance[j, j] - 2 * covariance[i, j]
         least = np.hypot(np.sqrt(max(apart, 0.0)), ACCURACY * abs(strength))
         return bool(values["static"] - values["coulomb"] > OUTSTANDING * least)
-    return bool(abs(strength) > OUTSTANDING * trial.value(trial.paths[first])[1])
+    return bool(abs(strength) > OUTSTANDING * sd)
 
 
 def _shapes(trial: Refined, which: int, first: int, spread: Array) -> Iterator[tuple[bool, bool]]:

@@ -50,7 +50,7 @@ class Trials:
             if part is not None and not found.fit.train <= part.fit.train:
                 # what it holds fits better alone: it ended in a minimum of its own
                 again = self._fitted(chosen, _joining(part, chosen, values), part.fit.starts)
-                found = again if not found.fit.train <= again.fit.train else found
+                found = min(found, again, key=_misfit)
             self.done[key] = found
         return self.done[key]
 
@@ -64,8 +64,7 @@ class Trials:
         initial states of windows ``starts`` (W, 2n); the better of both fits is kept."""
         key = tuple(sorted(causes))
         found = self._fitted([self.known[cause] for cause in causes], values, starts)
-        if found.fit.train < self.done[key].fit.train:
-            self.done[key] = found
+        self.done[key] = min(self.done[key], found, key=_misfit)
         return self.done[key]
 
     def _fitted(
@@ -84,7 +83,7 @@ class Trials:
             for known, trial in self.done.items()
             if {*known} < {*key} and not trial.fit.reason
         ]
-        return min(parts, key=lambda trial: trial.fit.train, default=None)
+        return min(parts, key=_misfit, default=None)
 
     def along(self, trial: Refined) -> Problem:
         """The linear problem along the simulation of a structure, its own numbers always in."""
@@ -107,6 +106,11 @@ class Trials:
         if cause not in self.known:
             self.known.append(cause)
         return self.known.index(cause)
+
+
+def _misfit(trial: Refined) -> float:
+    """χ² of the fitted windows."""
+    return trial.fit.train
 
 
 def _joining(
