@@ -7,8 +7,12 @@ moves its place, a shape the range that is tried, a channel's fault what channel
 costs ln of the number of candidates (a priori one of the list is expected), sizes of noise ½ ln N
 each. Sizes: F numbers, N samples.
 
-Sources: MacKay, Neural Computation 4, 1992 (Laplace); Kass & Raftery, JASA 90, 1995; Chen & Chen,
-Biometrika 95, 2008 (the price of a long list).
+How wide a prior is that nobody stated is a matter of opinion, and sets the odds of two causes that
+the recordings hardly tell apart. ``by_reference`` it is as wide as what one sample says.
+
+Sources: MacKay, Neural Computation 4, 1992 (Laplace); Kass & Raftery, JASA 90, 1995; Kass &
+Wasserman, JASA 90, 1995 (the prior of one sample); Chen & Chen, Biometrika 95, 2008 (the price of a
+long list).
 """
 
 from collections.abc import Mapping
@@ -32,14 +36,20 @@ WIDEST = np.log(1e4)  # of a shape without bounds: the logarithm of the range th
 PLAIN_OUTSIDE = 1.0  # of the magnitude: the prior of a number that nothing else is known of
 
 
-def evidence(recorded: Recorded, trial: Fitted) -> float:
-    """ln of marginal likelihood and prior odds; −∞ for a fit that failed."""
+def evidence(recorded: Recorded, trial: Fitted, by_reference: bool = False) -> float:
+    """ln of marginal likelihood and prior odds; −∞ for a fit that failed. ``by_reference``: with
+    as much as one sample says as the prior of each number of which the file states nothing."""
     if trial.fit.reason or not np.isfinite(trial.fit.logl):
         return -np.inf
     mean, spread = priors(recorded, trial)
+    unstated = _unstated(trial)
+    if by_reference:
+        single = np.sqrt(trial.fit.count / np.diag(trial.fit.information).clip(1e-300))
+        mean = np.where(unstated > 0, trial.fit.values, mean)
+        spread = np.where(unstated > 0, single, spread)
     off = (trial.fit.values - mean) / spread
     # the information holds stated priors already: that of an uncertain parameter is not less than 1
-    seen = trial.fit.information * np.outer(spread, spread) + np.diag(_unstated(trial))
+    seen = trial.fit.information * np.outer(spread, spread) + np.diag(unstated)
     volume = float(np.linalg.slogdet(seen)[1]) if seen.size else 0.0
     noise = trial.fit.noise.price(trial.fit.count)
     odds = len(trial.causes) * np.log(max(candidates(recorded), 2))

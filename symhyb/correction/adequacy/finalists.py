@@ -2,13 +2,16 @@
 
 Windows with free beginnings are quick and robust, and lose what acts slowly. Structures whose
 scores are too close for a decision are fitted along whole recordings by the innovations likelihood,
-in which an unknown force stands for what all of them lack.
+in which an unknown force stands for what all of them lack. One of them rules another out only as
+far as it does with the prior of one sample too: where the odds come from how wide a prior nobody
+stated is, the recordings did not tell.
 """
 
 from dataclasses import replace
 
 import numpy as np
 
+from symhyb.correction.adequacy.evidence import evidence
 from symhyb.correction.adequacy.followed import followed
 from symhyb.correction.adequacy.recorded import recorded
 from symhyb.correction.search.conventions import CERTAIN, exchange
@@ -27,16 +30,18 @@ def settled(prepared: Prepared, setting: Setting, decision: Decision) -> Decisio
     ground = recorded(prepared, setting) if len(finalists) > 1 else None
     if ground is None:
         return decision
-    found = []
-    for trial in finalists:
-        one = followed(ground, trial, (trial, setting.stages[-1].cuts))
-        found.append((one.evidence, trial))
-    best, selected = max(found, key=lambda pair: pair[0])
-    if not np.isfinite(best):  # none of them could be followed along whole recordings
+    cuts = setting.stages[-1].cuts
+    found = [followed(ground, trial, (trial, cuts)) for trial in finalists]
+    stated = np.array([one.evidence for one in found])
+    if not np.isfinite(stated).any():  # none of them could be followed along whole recordings
         return decision
-    if not best > found[0][0]:
-        selected = finalists[0]
-    judged = tuple((trial, 2 * (best - mine)) for mine, trial in found)
+    best = int(np.argmax(stated))  # the first of equals: the selected structure
+    reference = np.array([evidence(ground, one, by_reference=True) for one in found])
+    behind = np.fmin(stated[best] - stated, reference[best] - reference)
+    selected = finalists[best]
+    judged = tuple(
+        (trial, 2 * float(worse)) for trial, worse in zip(finalists, behind, strict=True)
+    )
     log = tuple(f"{trial.name}: {-worse / 2:.3g} of ln evidence" for trial, worse in judged)
     return replace(decision, selected=selected, judged=judged, log=(*decision.log, *log))
 

@@ -93,6 +93,14 @@ def test_it_is_the_exact_marginal_likelihood_of_a_linear_problem(
     assert score > base.fit.logl + 50
 
 
+def test_by_reference_a_number_costs_what_one_sample_says_of_it(offset: Recorded) -> None:
+    (constant,) = causes = [cause_of(offset, "constant", "constant")]
+    assert constant.numbers == 1
+    trial = fitted(offset, causes, [{"constant": 0.0}], white_noise(), known_noise=True)
+    score = evidence(offset, trial, by_reference=True) + prices(offset, trial)
+    assert score == pytest.approx(trial.fit.logl - 0.5 * np.log(trial.fit.count + 1), abs=1e-9)
+
+
 def test_the_coefficients_of_a_class_are_integrated_out_exactly(offset: Recorded) -> None:
     random = np.random.default_rng(3)
     (item,) = offset.items
