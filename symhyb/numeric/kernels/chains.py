@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symhyb.numeric.kernels.buffers import Array, call
+from symhyb.numeric.kernels.chains_native import Run, native
 from symhyb.numeric.kernels.chains_source import JOINED, LANES, machine_code
 from symhyb.numeric.kernels.compiled import shared_library
 from symhyb.numeric.kernels.instructions import NOTHING, Program, program
@@ -29,6 +30,8 @@ from symhyb.numeric.kernels.vector_c import processor
 FLAGS = ("-O3", "-fno-math-errno", "-fno-trapping-math", "-ffp-contract=off")
 THREADS_MOST = 4
 WORK_LEAST = 3_000_000  # instructions of eight lanes, from which a second thread pays
+NATIVE_FASTER = 7  # times, than the machine for instruction lists
+NATIVE_FROM = 40_000  # steps of eight lanes, which take as long as to compile their function
 LOOPS_KEPT = 6  # without a compiler; building one takes long
 
 
@@ -87,33 +90,49 @@ class _Engine:
         self._loads = np.array(loads, dtype=np.int32).reshape(-1, 3)
         stores = [(slots[value], output, entry) for output, entry, value in code.stores]
         self._stores = np.array(stores, dtype=np.int32).reshape(-1, 3)
+        self._stepped = 0  # steps of eight lanes so far
+        self._native: Run | None = None
 
     def __call__(self, start: Array, varying: Sequence[Array], p: Array) -> list[Array]:
         chains, steps = varying[0].shape[:2]
         given = [np.ascontiguousarray(a, dtype=np.float64) for a in (start, *varying)]
         made = [np.zeros((chains, steps, width)) for width in self._code.results]
+        blocks = max(-(-chains // LANES), 1)
+        advance = self._ready(blocks * steps, p)
+        work = blocks * steps * len(self._inside)
+        work = work // NATIVE_FASTER if self._native else work
+        threads = int(min(os.cpu_count() or 1, THREADS_MOST, blocks, 1 + work // WORK_LEAST))
+        bounds = [min(LANES * int(i), chains) for i in np.linspace(0, blocks, threads + 1)]
+        parts = [(given, made, range(*pair), steps) for pair in pairwise(bounds)]
+        if threads == 1:
+            advance(*parts[0])
+            return made
+        with ThreadPoolExecutor(threads - 1) as pool:
+            jobs = [pool.submit(advance, *part) for part in parts[1:]]
+            # the caller works too: a thread less to start, and none that only waits
+            advance(*parts[0])
+            for job in jobs:
+                job.result()
+        return made
+
+    def _ready(self, more: int, p: Array) -> Callable[..., None]:
+        """What advances a part of the chains under ``p`` (P,), where so many steps of eight lanes
+        are asked for."""
+        before, self._stepped = self._stepped, self._stepped + more
+        if before < NATIVE_FROM <= self._stepped:
+            self._native = native(self._code)
+        if self._native is not None:
+            fixed = np.ascontiguousarray(p, dtype=np.float64)
+            run = self._native
+            return lambda given, made, chains, steps: run(chains, steps, fixed, given, made)
         registers = _aligned(self._slots)
         for slot, number in self._constants:
             registers[slot] = number
         for slot, entry in self._fixed:
             registers[slot] = p[entry]
-        blocks = max(-(-chains // LANES), 1)
-        work = blocks * steps * len(self._inside)
-        threads = int(min(os.cpu_count() or 1, THREADS_MOST, blocks, 1 + work // WORK_LEAST))
-        bounds = [min(LANES * int(i), chains) for i in np.linspace(0, blocks, threads + 1)]
-        parts = [(given, made, range(*pair), steps) for pair in pairwise(bounds)]
-        if threads == 1:
-            self._advance(registers, *parts[0])
-            return made
-        with ThreadPoolExecutor(threads - 1) as pool:
-            jobs = [pool.submit(self._advance, _aligned(registers), *part) for part in parts[1:]]
-            # the caller works too: a thread less to start, and none that only waits
-            self._advance(registers, *parts[0])
-            for job in jobs:
-                job.result()
-        return made
+        return lambda *part: self._interpret(_aligned(registers), *part)
 
-    def _advance(
+    def _interpret(
         self,
         registers: Array,
         given: Sequence[Array],

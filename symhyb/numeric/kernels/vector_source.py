@@ -246,7 +246,13 @@ def number(x: float) -> str:
 
 def formula(operation: int, left: int, right: int) -> str:
     """The C expression of one step of a program, of the values v<left> and v<right>."""
+    return expression(operation, f"v{left}", f"v{right}")
+
+
+def expression(operation: int, left: str, right: str = "") -> str:
+    """The C expression of an operation on these operands; a second one that it has no use for is
+    left out."""
     if operation in CALLED:
-        second = f", v{right}" if CALLED[operation] in TWO_ARGUMENTS else ""
-        return f"{CALLED[operation]}(v{left}{second})"
-    return WRITTEN[operation].format(f"v{left}", f"v{right}")
+        both = f"{left}, {right}" if CALLED[operation] in TWO_ARGUMENTS else left
+        return f"{CALLED[operation]}({both})"
+    return WRITTEN[operation].format(left, right)
