@@ -74,23 +74,35 @@ def worth_of(start: Around, columns: Generic) -> float:
 def worths_of(start: Around, columns: Generic, groups: Sequence[Sequence[int]]) -> Array:
     """What each group of columns would add to ln evidence by itself (G,), dimensionless."""
     found = []
+    driven = [
+        extra.driving(one.linear) for one, extra in zip(start.tracks, columns.each, strict=True)
+    ]
     for level in start.levels:
-        gram = _gram(start.tracks, level, columns)
+        gram = _gram(start.tracks, level, driven, columns.spread)
         more = level.likely - start.levels[0].likely
         found.append([_gain(gram, rows, columns.mean) + more for rows in groups])
     return np.asarray(np.max(np.array(found), axis=0))
 
 
-def _gram(tracks: Sequence[Track], level: Level, columns: Generic) -> Array:
-    """Products (K + 1, K + 1) of the white columns, each for one prior deviation, and of the
-    residual, which comes last."""
-    gram = np.zeros((columns.spread.size + 1, columns.spread.size + 1))
-    for one, extra, (residual, own) in zip(tracks, columns.each, level.parts, strict=True):
-        pushed, shown = extra.driving(one.linear)
-        begin = np.zeros((one.x.shape[1], columns.spread.size))
-        white = white_columns(one, level.noise, pushed, -shown, begin) * columns.spread
-        joined = np.column_stack([white - own @ (own.T @ white), residual])
-        gram += joined.T @ joined
+def _gram(
+    tracks: Sequence[Track],
+    level: Level,
+    driven: Sequence[tuple[Array, Array]],
+    spread: Array,
+) -> Array:
+    """Products (K + 1, K + 1) of the white columns, each for one prior deviation (``spread``, K),
+    and of the residual, which comes last. Of each stretch it is given what the columns drive."""
+    count = spread.size
+    gram = np.zeros((count + 1, count + 1))
+    for one, (pushed, shown), (residual, own) in zip(tracks, driven, level.parts, strict=True):
+        begin = np.zeros((one.x.shape[1], count))
+        white = white_columns(one, level.noise, pushed, -shown, begin)
+        white *= spread
+        white -= own @ (own.T @ white)
+        gram[:count, :count] += white.T @ white
+        gram[:count, count] += white.T @ residual
+        gram[count, count] += residual @ residual
+    gram[count, :count] = gram[:count, count]
     return gram
 
 
