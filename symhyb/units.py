@@ -1,4 +1,5 @@
-"""Units as values: parsed once with pint, then multiplied and divided as readable text.
+"""Units as values: parsed once, then multiplied and divided as readable text. Names that are not
+usual are looked up with pint.
 
 Power is ``^`` and a product ``*``: ``N*s^2/m^2``; what data sheets print is read too (``m/s²``,
 ``N·m``, ``N s/m``, ``Nm``, ``°``). ``rad`` is a number (factor 1) but stays in the text. Scales
@@ -14,6 +15,7 @@ from typing import Any
 
 from symhyb.errors import did_you_mean
 from symhyb.limits import UNIT_LETTERS
+from symhyb.usual_units import USUAL
 
 DIMENSIONS = (
     "[length]",
@@ -173,6 +175,8 @@ def _registry() -> Any:
 @lru_cache(maxsize=256)
 def _pint_name(name: str) -> str:
     """Return pint's name of a unit without its prefix, empty if it is not one of ours."""
+    if name in USUAL:
+        return USUAL[name][0]
     for _, base, plural in _registry().parse_unit_name(name):
         if base in _KNOWN and not plural:
             return str(base)
@@ -186,6 +190,10 @@ def _is_angle(name: str) -> bool:
 @lru_cache(maxsize=256)
 def _named(name: str) -> Unit:
     """Look up one name without power."""
+    if name in USUAL:
+        _, factor, usual = USUAL[name]
+        rest = len(DIMENSIONS) - len(usual)
+        return Unit(name, factor, (*map(Fraction, usual), *(Fraction(0),) * rest))
     registry = _registry()
     if not _pint_name(name):
         raise UnitError(_unknown(name))

@@ -1,13 +1,46 @@
 """Units: parsed once, multiplied as text, and read back the same."""
 
 import math
+import subprocess
+import sys
 from fractions import Fraction
+from pathlib import Path
 
 import pytest
 
-from symhyb.units import _KNOWN, ONE, Unit, UnitError, parse_unit
+from symhyb.units import (
+    _KNOWN,
+    DIMENSIONS,
+    ONE,
+    Unit,
+    UnitError,
+    _named,
+    _pint_name,
+    _registry,
+    parse_unit,
+)
+from symhyb.usual_units import USUAL
 
+MODELS = Path(__file__).resolve().parent.parent / "models"
 N, M, S, V, RAD = (parse_unit(text) for text in ("N", "m", "s", "V", "rad"))
+
+
+@pytest.mark.parametrize("name", USUAL)
+def test_usual_units_are_as_pint_has_them(name: str) -> None:
+    registry = _registry()
+    si = registry.Quantity(1.0, name).to_base_units()
+    unit, dimensions = _named(name), dict(si.dimensionality)
+    assert unit.factor == si.magnitude
+    assert unit.dimension == tuple(dimensions.get(key, 0) for key in DIMENSIONS)
+    bases = [base for _, base, plural in registry.parse_unit_name(name) if not plural]
+    assert _pint_name(name) == next(base for base in bases if base in _KNOWN)
+
+
+def test_a_file_in_usual_units_does_without_pint() -> None:
+    text = "import sys, symhyb as sh; sh.read_model(sys.argv[1]); print('pint' in sys.modules)"
+    command = [sys.executable, "-c", text, str(MODELS / "oscillator.toml")]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "False"
 
 
 @pytest.mark.parametrize(
