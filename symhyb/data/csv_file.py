@@ -85,7 +85,7 @@ def _without_preamble(lines: list[Line]) -> tuple[list[Line], tuple[str, ...]]:
     """The lines from the names of the columns on: the first with as many cells as nearly all have,
     if it names something and numbers stand below it; and a note on what stands above."""
     delimiter = max(_DELIMITERS, key=lines[len(lines) // 2][1].count)
-    counts = [len(_cells(line, delimiter)) for _, line in lines]
+    counts = [_width(line, delimiter) for _, line in lines]
     width, often = Counter(counts).most_common(1)[0]
     first = counts.index(width)
     if first == 0 or first > PREAMBLE_MOST or often < TABLE_LEAST * (len(lines) - first):
@@ -124,6 +124,11 @@ def _cells(line: str, delimiter: str) -> list[str]:
     return next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))
 
 
+def _width(line: str, delimiter: str) -> int:
+    """How many cells a line has."""
+    return line.count(delimiter) + 1 if '"' not in line else len(_cells(line, delimiter))
+
+
 def _is_number(cell: str) -> bool:
     try:
         float(cell)
@@ -135,7 +140,7 @@ def _is_number(cell: str) -> bool:
 def _refuse_ragged(rows: list[tuple[int, str]], delimiter: str, width: int, file: str) -> None:
     """Refuse rows that are longer or shorter than the header: pandas would shift or fill them."""
     wrong = [
-        (number, count) for number, line in rows if (count := len(_cells(line, delimiter))) != width
+        (number, count) for number, line in rows if (count := _width(line, delimiter)) != width
     ]
     if not wrong:
         return

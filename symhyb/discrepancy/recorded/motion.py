@@ -292,15 +292,19 @@ def _fit(
     used, guided = np.isfinite(y), y.shape[1] > shown
     residual = np.full(y.shape, np.nan)
     normal = sparse.csc_array((n * size, n * size))
+    rows, solver = sparse.csr_array((0, n * size)), None
+    known: tuple[Array, ...] = ()
     for _ in range(12):
         q, v, a = (np.column_stack([b @ c for c in coefficients]) for b in basis)
         predicted, slopes = _seen(machine, (q, v, a), u, t, guided, few)
         residual = np.where(used, y - predicted, np.nan)
-        rows = design(basis, slopes, used, weights)
+        if solver is None or not all(map(np.array_equal, slopes, known)):
+            rows, known = design(basis, slopes, used, weights), slopes
+            normal = (rows.T @ rows).tocsc()
+            normal = normal + ridge(normal)
+            solver = splu(normal)
         target = (residual * weights).T[used.T]
-        normal = (rows.T @ rows).tocsc()
-        normal = normal + ridge(normal)
-        change = splu(normal).solve(rows.T @ target).reshape(n, size)
+        change = solver.solve(rows.T @ target).reshape(n, size)
         coefficients = coefficients + change
         moved = np.abs(basis[0] @ change.T).max() / max(np.abs(q).max(), 1e-300)
         if moved < 1e-9:
