@@ -76,7 +76,8 @@ def _load(code: Program, value: int, which: int, entry: int) -> str:
 
 def native(code: Program) -> Run | None:
     """The compiled function, called with the chains to advance (a range of them), S, p (P,), the
-    arrays given and those to be filled, all C-contiguous; None without a working compiler."""
+    arrays given and those to be filled, all C-contiguous, in the units of the function; None
+    without a working compiler."""
     if len(code.steps) > INSTRUCTIONS_MOST:
         return None
     about = processor()
