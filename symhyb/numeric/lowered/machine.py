@@ -52,7 +52,6 @@ class Machine:
         discrepancy: the arguments of outputs -> (n,) M a + k_c − k_e, what has to act
             besides k_e: ΔF of a measured motion, the reaction of an imposed coordinate. With
             constraints their reactions are taken off: M (a − a of the model) where free.
-        discrepancy_slopes: the arguments of outputs -> (n, n) ∂/∂q, ∂/∂v and ∂/∂a of the same.
         weak: (q, v, z, u, t, p) -> (n,) momentum p and (n,) ∂T/∂q + k_e, so that ΔF = p' − the
             latter.
         energy: (q, v, z, t, p) -> T, V, (E,) stored in the elements.
@@ -81,7 +80,6 @@ class Machine:
     sensed: ca.Function
     output_slopes: ca.Function
     discrepancy: ca.Function
-    discrepancy_slopes: ca.Function
     weak: ca.Function
     energy: ca.Function
     elements: ca.Function
@@ -96,6 +94,13 @@ class Machine:
     def n(self) -> int:
         """Number of coordinates."""
         return len(self.model.coordinates)
+
+    @property
+    def discrepancy_slopes(self) -> ca.Function:
+        """The arguments of outputs -> (n, n) ∂/∂q, ∂/∂v and ∂/∂a of ``discrepancy``; lowered when
+        first asked for, as they are longer than all else and few motions need them."""
+        key = ("discrepancy slopes", structure_of(self.model))
+        return kept(key, lambda: _slopes(self.discrepancy))
 
     @property
     def inner_states(self) -> int:
@@ -184,8 +189,8 @@ def _lowered(model: Model, opening: Opening = "closed") -> dict[str, ca.Function
     low = Lowered(equations if change is None else change(model, equations), fills)
     q, v, a, z, u, t, p = low.q, low.v, low.a, low.z, low.u, low.t, low.p
     n, imposed = q.numel(), [i for i, c in enumerate(model.coordinates) if c.imposed]
-    momentum = ca.gradient(low.kinetic, v)
-    mass = ca.jacobian(momentum, v)
+    momentum = ca.cse(ca.gradient(low.kinetic, v))
+    mass = ca.cse(ca.jacobian(momentum, v))
     k_c = ca.jtimes(momentum, q, v) + ca.jacobian(momentum, t) - ca.gradient(low.kinetic, q)
     forces = ca.horzcat(*low.forces) if low.forces else ca.SX(n, 0)
     k_e = -ca.gradient(low.potential, q) + ca.sum2(forces) + low.guidance
@@ -204,7 +209,7 @@ def _lowered(model: Model, opening: Opening = "closed") -> dict[str, ca.Function
     else:
         held = loops.signs * carried
         sensed = low.outputs(ca.vertcat(lacking, held), [*names, *loops.labels])
-    rest, outputs = (ca.substitute(part, w, ca.SX.zeros(n)) for part in (lacking, sensed))
+    rest, outputs = (ca.cse(ca.substitute(part, w, ca.SX.zeros(n))) for part in (lacking, sensed))
     slope = ca.jacobian(k_e, u)
     linear = not ca.depends_on(slope, u) and not ca.depends_on(slope, z)
 
@@ -239,9 +244,6 @@ def _lowered(model: Model, opening: Opening = "closed") -> dict[str, ca.Function
             "output_slopes", moving, [ca.densify(ca.jacobian(outputs, by)) for by in (q, v, a)]
         ),
         "discrepancy": function("discrepancy", moving, [rest]),
-        "discrepancy_slopes": function(
-            "discrepancy_slopes", moving, [ca.jacobian(rest, by) for by in (q, v, a)]
-        ),
         "weak": function(
             "weak",
             here,
@@ -254,6 +256,14 @@ def _lowered(model: Model, opening: Opening = "closed") -> dict[str, ca.Function
         "carried": function("carried", [q, v, a, t, p], [_carried(low, n)]),
         "pathways": function("pathways", [q, v, t, p], _pathways(low, n)),
     }
+
+
+def _slopes(function: ca.Function) -> ca.Function:
+    """The slopes of a function of a motion (q, v, a, …) by its first three arguments."""
+    moving = [ca.SX.sym(f"i{i}", function.sparsity_in(i)) for i in range(function.n_in())]
+    rest = function(*moving)
+    slopes = [ca.densify(ca.jacobian(rest, by)) for by in moving[:3]]
+    return ca.Function(f"{function.name()}_slopes", moving, slopes, {"cse": True})
 
 
 def _carried(low: "Lowered", n: int) -> ca.SX:
