@@ -6,18 +6,32 @@ built-in ``index`` (row number from 0), and may end with a unit: ``{"laser": "ro
 ``{"accel": "acc [g] @ t_acc"}``.
 """
 
+import re
 from collections.abc import Iterable, Iterator, Mapping
 
 from symhyb.data.channels import Channels
 from symhyb.data.merge import merged, one_run
 from symhyb.data.source import INDEX, Source, Wanted, find_source, has_rows, signal
-from symhyb.data.table import Table
+from symhyb.data.table import Column, Table
 from symhyb.errors import InputError, Problem, did_you_mean
 from symhyb.model.expression import Name
 from symhyb.model.types import Model
 from symhyb.units import parse_unit
 
 TIME = Wanted("time", "t", parse_unit("s"))
+TIMES = (
+    "time",
+    "times",
+    "timestamp",
+    "time stamp",
+    "elapsed",
+    "elapsed time",
+    "zeit",
+    "zeitstempel",
+    "temps",
+)
+"""What others call the column of time, in small letters."""
+_UNIT_AT_END = re.compile(r"(.+)[_ ](s|sec|ms|us)", re.IGNORECASE)
 MOST_NAMES = 12  # columns that a note lists
 
 _Clocked = tuple[Source, Source | None]  # a channel's source and that of its times
@@ -132,13 +146,39 @@ def _wanted(model: Model) -> Iterator[Wanted]:
 def _equal(channel: Wanted, table: Table) -> str | None:
     """Return what the column with the channel's name is called, whatever unit stands behind it.
 
-    Time may also be a sample step: a single number ``dt``.
+    Time may also be a sample step, a single number ``dt``, or the only column of a usual name.
     """
     found = table.find(channel.name)
     if found:
         return found[0].header if len(found) == 1 else channel.name
-    steps = table.find("dt") if channel == TIME else ()
-    return f"{INDEX}*dt" if steps and not any(step.values.ndim for step in steps) else None
+    if channel != TIME:
+        return None
+    steps = table.find("dt")
+    if steps and not any(step.values.ndim for step in steps):
+        return f"{INDEX}*dt"
+    others = _times(table)
+    return others[0] if len(others) == 1 else None
+
+
+def _times(table: Table) -> list[str]:
+    """What stands in a map for the columns that are called as time usually is."""
+    return list(dict.fromkeys(filter(None, map(_as_time, table.columns))))
+
+
+def _as_time(column: Column) -> str | None:
+    """What stands in a map for a column that is called as :data:`TIMES` are, with the unit that its
+    name ends with (``timestamp_ms``) unless it states one; None if it is called otherwise."""
+    for name, unit in ((column.name, ""), *_endings(column.name)):
+        if name.lower() in TIMES:
+            return column.header if column.unit or not unit else f"{column.header} [{unit}]"
+    return None
+
+
+def _endings(name: str) -> Iterator[tuple[str, str]]:
+    """A name without the unit of time that it ends with, and that unit."""
+    found = _UNIT_AT_END.fullmatch(name)
+    if found is not None:
+        yield found[1], "s" if found[2].lower() == "sec" else found[2].lower()
 
 
 def _borrowed(model: Model, named: Mapping[Wanted, str | None]) -> Iterator[tuple[Wanted, Wanted]]:
@@ -191,7 +231,8 @@ def _missing(
         if text is None and channel.role != "sensor" and channel not in borrowed:
             example = f"{channel.name}=…"
             if channel.role == "time":
-                example = f"t={INDEX}/1000 at 1000 Hz"
+                example = " or ".join(f"t={one}" for one in _times(table))
+                example = example or f"t={INDEX}/1000 at 1000 Hz"
             if channel.role == "coordinate":
                 example += ", or map a sensor that measures it and nothing else"
             yield Problem(
@@ -214,9 +255,11 @@ def _missing(
 def _clock_notes(
     named: Mapping[Wanted, str | None], columns: Mapping[str, str], table: Table
 ) -> Iterator[str]:
-    if "t" not in columns and not table.find("t"):
-        (step, *_) = table.find("dt")
-        yield f"t is {named[TIME]} ({step.header} = {float(step.values):g}), there is no column t"
+    if "t" in columns or table.find("t"):
+        return
+    steps = table.find("dt")
+    size = f" ({steps[0].header} = {float(steps[0].values):g})" if steps else ""
+    yield f"t is {named[TIME]}{size}, there is no column t"
 
 
 def _unused(table: Table, used: Iterable[_Clocked]) -> Iterator[str]:

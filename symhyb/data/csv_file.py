@@ -17,7 +17,7 @@ from symhyb.limits import COLUMNS
 Line = tuple[int, str]
 """The number of a line, from 1, and its text."""
 
-DASHES = ("-", "–", "—")  # what loggers write where nothing was measured
+DASHES = re.compile(r"\s*[-–—]+\s*")  # what loggers write where nothing was measured
 PREAMBLE_MOST = 100  # lines above the names of the columns
 TABLE_LEAST = 0.9  # of the lines from there on that have as many cells
 _DELIMITERS = (",", ";", "\t")
@@ -185,7 +185,7 @@ def _columns(
         values = _dates(cells)
         if values is None:
             values = numbers_in(cells)
-            cells = cells.where(~cells.isin(DASHES))  # a dash is an empty cell
+            cells = cells.mask(cells.map(_is_dash).astype(bool))
         bad = np.flatnonzero(np.isnan(values) & cells.notna().to_numpy())
         problem = None
         if often[name] > 1 and name:
@@ -197,6 +197,10 @@ def _columns(
             problem = Problem(text + more, f"column '{name}'", file, int(lines[bad[0]]))
         columns.append(Column(name or f"column {place + 1}", values, problem))
     return tuple(columns)
+
+
+def _is_dash(cell: object) -> bool:
+    return isinstance(cell, str) and DASHES.fullmatch(cell) is not None
 
 
 def _dates(cells: Any) -> NDArray[np.float64] | None:

@@ -136,12 +136,12 @@ def test_a_name_with_a_blank_that_does_not_exist(problems, signals):
 
 
 def test_everything_that_is_wrong_is_said_at_once(problems, signals):
-    columns = renamed(signals, t="time", f="force")
+    columns = renamed(signals, t="clock", f="force")
     found = problems(columns, {"acel": "accel", "laser": "lasr", "accel": "accel [N]"})
     assert len(found) == 5
     text = "\n".join(found)
     assert "acel=accel: the model has no input or sensor 'acel'; did you mean 'accel'?" in text
-    assert "time t: has no column; known: time, force, laser, accel; say in the map" in text
+    assert "time t: has no column; known: clock, force, laser, accel; say in the map" in text
     assert "input f: has no column; known: " in text
     assert "sensor laser: there is no column 'lasr'; did you mean 'laser'?" in text
     assert "sensor accel: the column is in N, but the model declares m/s^2" in text

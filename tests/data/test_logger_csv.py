@@ -84,7 +84,29 @@ def test_dates_are_counted_in_seconds_from_the_first(model, write, table, signal
     np.testing.assert_allclose(recording.t, signals["t"], atol=1e-9)
 
 
-def test_a_dash_is_a_missing_sample(write):
-    (_, laser) = read_table(write("run.csv", "t,laser\n0,1.5\n1,-\n2,2.5\n")).columns
+@pytest.mark.parametrize("dashes", ["-", "--", " ---", "–"])
+def test_dashes_are_a_missing_sample(write, dashes):
+    (_, laser) = read_table(write("run.csv", f"t,laser\n0,1.5\n1,{dashes}\n2,2.5\n")).columns
     np.testing.assert_array_equal(laser.values, [1.5, np.nan, 2.5])
     assert laser.problem is None
+
+
+@pytest.mark.parametrize(
+    ("name", "factor"),
+    [("Time", 1), ("Zeit [s]", 1), ("time_ms", 1e3), ("Time (us)", 1e6), ("timestamp_sec", 1)],
+)
+def test_a_column_of_a_usual_name_is_time(model, write, table, signals, name, factor):
+    columns = {name if key == "t" else key: values for key, values in signals.items()}
+    columns[name] = signals["t"] * factor
+    recording = read_recording(write("run.csv", table(columns)), model)
+    np.testing.assert_allclose(recording.t, signals["t"], rtol=1e-12)
+    assert any(note.startswith(f"t is {name}") for note in recording.notes)
+
+
+def test_two_columns_of_usual_names_are_asked_about(model, write, table, signals):
+    columns = {"Time" if key == "t" else key: values for key, values in signals.items()}
+    path = write("run.csv", table(columns | {"timestamp_ms": 1e3 * signals["t"]}))
+    with pytest.raises(InputError, match=r"as in t=Time or t=timestamp_ms \[ms\]"):
+        read_recording(path, model)
+    recording = read_recording(path, model, {"t": "timestamp_ms [ms]"})
+    np.testing.assert_allclose(recording.t, signals["t"], rtol=1e-12)
