@@ -27,9 +27,9 @@ from symhyb.numeric.lowered.dynamics import state_form
 from symhyb.numeric.lowered.machine import Machine, build
 from symhyb.numeric.runs.explicit import Field, field
 from symhyb.numeric.runs.integrate import simulate
-from symhyb.numeric.runs.objective import Objective, squares
-from symhyb.numeric.runs.rollout import Rollout
 from symhyb.numeric.runs.scenario import Scenario
+from symhyb.optimisation.objective import Objective, squares
+from symhyb.optimisation.rollout import Rollout
 
 Array = NDArray[np.float64]
 

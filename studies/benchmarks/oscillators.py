@@ -22,7 +22,7 @@ from symhyb.numeric.lowered.dynamics import state_form
 from symhyb.numeric.lowered.machine import Machine, build
 from symhyb.numeric.runs.integrate import simulate
 from symhyb.numeric.runs.scenario import Scenario
-from symhyb.numeric.runs.sweep import simulate_many
+from symhyb.optimisation.sweep import simulate_many
 
 Array = NDArray[np.float64]
 MASS, STIFFNESS, DAMPING, LEVEL, WIDTH = 1.0, 100.0, 0.5, 0.4905, 1e-3

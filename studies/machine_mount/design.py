@@ -23,8 +23,8 @@ from scipy.optimize import brentq, differential_evolution, minimize, minimize_sc
 from scipy.signal import lfilter
 
 import symhyb as sh
-from symhyb.numeric.runs.objective import values
-from symhyb.numeric.runs.opti import whole_run
+from symhyb.optimisation.objective import values
+from symhyb.optimisation.opti import whole_run
 from symhyb.simulation import read_inputs
 
 HERE = Path(__file__).resolve().parent

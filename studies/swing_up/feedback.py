@@ -16,7 +16,7 @@ from plan import HANGING, LASTING, STEPS, UPRIGHT, Plan
 from scipy.linalg import solve_discrete_are
 
 import symhyb as sh
-from symhyb.numeric.runs.opti import step_function
+from symhyb.optimisation.opti import step_function
 
 Array = NDArray[np.float64]
 

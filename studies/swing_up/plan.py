@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import symhyb as sh
-from symhyb.numeric.runs.opti import step_function
+from symhyb.optimisation.opti import step_function
 
 Array = NDArray[np.float64]
 

@@ -7,7 +7,7 @@ from builders import damper, oscillator, spring
 from symhyb.numeric.lowered.machine import Machine, build
 from symhyb.numeric.runs.integrate import simulate
 from symhyb.numeric.runs.scenario import Scenario
-from symhyb.numeric.runs.sweep import simulate_many
+from symhyb.optimisation.sweep import simulate_many
 
 
 @pytest.fixture(scope="module")

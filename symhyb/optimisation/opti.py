@@ -19,7 +19,7 @@ from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.lowered.dynamics import state_form
 from symhyb.numeric.lowered.machine import Machine
 from symhyb.numeric.lowered.steps import rosenbrock_step
-from symhyb.numeric.runs.rollout import KINDS, NAMES, Rollout, Slopes, varying
+from symhyb.optimisation.rollout import KINDS, NAMES, Rollout, Slopes, varying
 
 
 class WholeRun(ca.Callback):

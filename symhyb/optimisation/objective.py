@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from symhyb.numeric.kernels.buffers import Array
-from symhyb.numeric.runs.rollout import NAMES, Rollout, Slopes, varying
+from symhyb.optimisation.rollout import NAMES, Rollout, Slopes, varying
 
 Cost = Callable[[Array], tuple[float, Array]]
 Watch = Callable[[int, float], bool | None]

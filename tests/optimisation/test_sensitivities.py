@@ -7,7 +7,7 @@ from builders import oscillator
 from symhyb.numeric.lowered.machine import build
 from symhyb.numeric.runs.integrate import simulate
 from symhyb.numeric.runs.scenario import Scenario
-from symhyb.numeric.runs.sensitivities import sensitivities
+from symhyb.optimisation.sensitivities import sensitivities
 
 T = np.linspace(0, 3, 61)
 

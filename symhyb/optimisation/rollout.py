@@ -313,7 +313,7 @@ def _parts(form: StateForm, free: list[int]) -> _Parts:
     if len(ready) < len(functions):
         raise NumericsError(
             "slopes of whole runs need a C compiler that works, and none was found; "
-            "symhyb.numeric.runs.opti.step_function needs none"
+            "symhyb.optimisation.opti.step_function needs none"
         )
     return _Parts(*ready)
 

@@ -9,10 +9,10 @@ from symhyb.errors import NumericsError
 from symhyb.numeric.kernels import compiled
 from symhyb.numeric.kernels.memory import kept
 from symhyb.numeric.lowered.machine import Machine, build
-from symhyb.numeric.runs import rollout
 from symhyb.numeric.runs.integrate import simulate
-from symhyb.numeric.runs.rollout import Rollout, Slopes
 from symhyb.numeric.runs.scenario import Scenario
+from symhyb.optimisation import rollout
+from symhyb.optimisation.rollout import Rollout, Slopes
 
 Array = NDArray[np.float64]
 INPUT = {"f": {"unit": "N"}}

@@ -13,10 +13,10 @@ from symhyb.numeric.kernels import compiled
 from symhyb.numeric.kernels.buffers import call
 from symhyb.numeric.lowered.machine import build
 from symhyb.numeric.runs.integrate import simulate
-from symhyb.numeric.runs.objective import Objective, Stopped, squares, values
-from symhyb.numeric.runs.opti import step_function, whole_run
-from symhyb.numeric.runs.rollout import Rollout
 from symhyb.numeric.runs.scenario import Scenario
+from symhyb.optimisation.objective import Objective, Stopped, squares, values
+from symhyb.optimisation.opti import step_function, whole_run
+from symhyb.optimisation.rollout import Rollout
 
 needs_compiler = pytest.mark.skipif(compiled.find_compiler() is None, reason="no C compiler")
 SD = np.array([1e-3])
