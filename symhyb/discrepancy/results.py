@@ -253,7 +253,7 @@ class Trace:
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """Scores before and after, how they were made, and which of them carries the verdict."""
+    """Scores before and after, how they were made, and which of them decides."""
 
     window_s: float
     initial_states: str

@@ -51,7 +51,8 @@ def apart_sentence(matrix: Isolability) -> str | None:
         return None
     odds = "more than 10⁶" if least > _ODDS_SHOWN else f"at least {odds_text(least)}"
     return (
-        f"From every other cause that comes near, what was found is told with odds of {odds} to 1."
+        f"The recordings favour what was found over every cause that comes near by odds of {odds} "
+        "to 1."
     )
 
 

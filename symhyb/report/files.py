@@ -1,4 +1,4 @@
-"""The files that a diagnosis leaves behind, each written whole or not at all."""
+"""The output files of a diagnosis, each written whole or not at all."""
 
 import csv
 import io

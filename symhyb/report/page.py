@@ -261,7 +261,7 @@ def _apart_picture(diagnosis: Diagnosis) -> Picture | None:
     return Picture(
         _image(apart_figure(diagnosis.isolability)),
         "Matrix of the odds with which these recordings tell each cause from each other one.",
-        "How well these recordings tell causes apart, at the size found: if the cause of a row "
+        "How well these recordings distinguish causes, at the size found: if the cause of a row "
         "acts, the odds against that of a column. Red: below 10, they cannot tell; yellow: below "
         "100; blue: they can.",
     )

@@ -46,7 +46,7 @@ def test_without_them_there_is_null() -> None:
 
 
 def test_the_page_draws_the_matrix_where_there_is_one(diagnosis: Diagnosis) -> None:
-    caption = "How well these recordings tell causes apart"
+    caption = "How well these recordings distinguish causes"
     assert caption in render_page("t", diagnosis, verdict())
     assert caption not in render_page("t", friction(), verdict())
     picture = apart_figure(MATRIX).decode()
@@ -57,7 +57,7 @@ def test_the_page_draws_the_matrix_where_there_is_one(diagnosis: Diagnosis) -> N
 def test_a_matrix_without_doubt_is_folded() -> None:
     reported = replace(MATRIX, evidence=np.array([[np.nan, 5.0, 800.0], [5.0, np.nan, 700.0]]))
     page = render_page("t", replace(friction(), isolability=reported), verdict())
-    assert "with odds of at least 150 to 1" in page.replace("\u00a0", " ")
+    assert "by odds of at least 150 to 1" in page.replace("\u00a0", " ")
     assert "<summary>The odds</summary>" in page
     page = render_page("t", replace(friction(), isolability=MATRIX), verdict())
     assert "<summary>The odds</summary>" not in page

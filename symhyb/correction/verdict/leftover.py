@@ -56,7 +56,7 @@ def leftover(setting: Setting, selected: Refined) -> tuple[str, ...]:
                 parts[said] = max(part, parts.get(said, 0.0))
     ranked = sorted(parts.items(), key=lambda item: -item[1])[:REPORTED]
     return tuple(
-        f"{name[0].upper()}{name[1:]} would take {percent_text(part)} of what is left."
+        f"{name[0].upper()}{name[1:]} would explain a further {percent_text(part)} of what is left."
         for name, part in ranked
     )
 

@@ -1,6 +1,6 @@
-"""Before against after, on training and unseen recordings, and which score carries the verdict."""
+"""Before against after, on training and unseen recordings, and which score decides."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
@@ -107,25 +107,29 @@ def _traces(
 
 
 def _carries(comparison: Comparison | None, window: float, unseen: bool, same: bool) -> str:
-    """The sentence that says which score carries the verdict, and why."""
+    """The sentence on the sensor that shows the mismatch most, and on which score decides."""
     if comparison is None:
         return "No recording was given to judge on."
     where = "unseen recordings" if unseen else "the training recordings (no unseen one was given)"
-    before, after = (_worst(s.window_nrmse) for s in (comparison.before, comparison.after))
     why = (
-        f"The error over windows of {window:.3g} s with fitted initial states carries the verdict: "
-        "short windows show forces, where a long free run adds up every small error and drifts."
+        "The verdict is based on the windows: short windows show forces, where a long free run "
+        "adds up every small error and drifts."
     )
-    if same or before is None or after is None:
-        shown = "not computable" if before is None else percent_text(before)
-        return f"On {where} the window NRMSE is {shown}. {why}"
-    went = "rises" if after > before else "falls"
-    return (
-        f"On {where} the window NRMSE {went} from {percent_text(before)} to "
-        f"{percent_text(after)}. {why}"
-    )
+    before, after = comparison.before, comparison.after
+    seen = {name: value for name, value in before.window_nrmse.items() if value is not None}
+    over = f"over windows of {window:.3g} s with fitted initial states"
+    if not seen:
+        return f"On {where} the error {over} is not computable. {why}"
+    worst = max(seen, key=lambda name: seen[name])
+    windows = _went(seen[worst], None if same else after.window_nrmse.get(worst))
+    runs = before.free_run_nrmse.get(worst), after.free_run_nrmse.get(worst)
+    free = "" if None in runs else f", in a free run {_went(runs[0], None if same else runs[1])}"
+    return f"On {where} the error of {worst} {over} {windows} of its range{free}. {why}"
 
 
-def _worst(values: Mapping[str, float | None]) -> float | None:
-    numbers = [v for v in values.values() if v is not None]
-    return max(numbers) if numbers else None
+def _went(before: float | None, after: float | None) -> str:
+    """How a score changed, as a verb; what it is where there is nothing after it."""
+    if before is None or after is None:
+        return f"is {'not computable' if before is None else percent_text(before)}"
+    verb = "rises" if after > before else "falls"
+    return f"{verb} from {percent_text(before)} to {percent_text(after)}"
