@@ -5,11 +5,12 @@ import numpy as np
 import pytest
 
 from symhyb.correction.naming.findings import doubtful
-from symhyb.correction.naming.probability import FOUND, probabilities
+from symhyb.correction.naming.probability import probabilities
 from symhyb.correction.search.decide import Decision
 from symhyb.correction.search.trajectory import Refined
 from symhyb.discrepancy.fitting.task import Fit
 from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.judgement import PROBABLE
 from symhyb.model.types import On
 from symhyb.numeric.lowered.machine import build
 from tests.rigs import spring_model
@@ -53,12 +54,12 @@ def test_several_rivals_share_what_each_alone_would_not_take() -> None:
     """At 7 each a rival has 3 %; three of them leave less than is asked for."""
     one = decided(trial(FRICTION), trial(DAMPER, worse=7.0))
     assert probabilities(one)[0] == pytest.approx(1 / (1 + np.exp(-3.5)), rel=1e-3)
-    assert probabilities(one)[0] > FOUND
+    assert probabilities(one)[0] > PROBABLE
     many = (
         trial(cause, worse=7.0)
         for cause in (DAMPER, DRAG, Hypothesis("spring", X, ("stiffness",), (False,)))
     )
-    assert probabilities(decided(trial(FRICTION), *many))[0] < FOUND
+    assert probabilities(decided(trial(FRICTION), *many))[0] < PROBABLE
 
 
 def test_a_cause_that_every_good_structure_holds_stays_certain() -> None:

@@ -3,7 +3,8 @@
 import pytest
 
 from symhyb.correction.verdict.proof import Proof
-from symhyb.correction.verdict.refusal import WORSE, if_confirmed
+from symhyb.correction.verdict.refusal import if_confirmed
+from symhyb.judgement import NOTABLE
 from tests.fakes import NOTHING, friction
 
 GOOD = Proof((), None, 0.5, 0.1)
@@ -13,7 +14,7 @@ def shown(before: float, after: float) -> Proof:
     return Proof((), None, before, after)
 
 
-@pytest.mark.parametrize("after", [0.2, 1.0, WORSE])
+@pytest.mark.parametrize("after", [0.2, 1.0, (1 + NOTABLE)])
 def test_a_correction_that_foretells_more_or_as_much_stands(after: float) -> None:
     diagnosis = friction()
     foretold = shown(1.0, after)

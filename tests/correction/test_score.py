@@ -7,8 +7,6 @@ import pytest
 from builders import model_of, spring
 
 from symhyb.correction.search.score import (
-    NEAR_NOISE,
-    PIECES,
     believable,
     cost,
     part_left,
@@ -23,6 +21,7 @@ from symhyb.correction.search.score import (
 from symhyb.correction.search.trajectory import Refined
 from symhyb.discrepancy.fitting.task import Fit
 from symhyb.discrepancy.places.hypotheses import Hypothesis, wrong_parameter
+from symhyb.judgement import NEAR_NOISE, PIECES
 from symhyb.model.types import On
 from symhyb.numeric.lowered.machine import build
 

@@ -14,11 +14,9 @@ from typing import NamedTuple
 import numpy as np
 
 from symhyb.correction.adequacy.structure import Fitted, Generic
-from symhyb.correction.search.score import OUTSTANDING
 from symhyb.correction.search.trajectory import Refined, firsts_of
 from symhyb.discrepancy.places.hypotheses import Hypothesis
-
-MOST_MOVED = 0.5  # of a strength: what differs by more is not the same effect
+from symhyb.judgement import MOST, OUTSTANDING
 
 
 class Disputed(NamedTuple):
@@ -43,7 +41,7 @@ def disputed(final: Refined, trials: Sequence[Fitted]) -> tuple[Disputed, ...]:
                 continue
             own, own_sd = claimed[cause]
             off, size = abs(value - own), abs(own - _usual(final, cause))
-            if off > OUTSTANDING * np.hypot(sd, own_sd) and off > MOST_MOVED * size:
+            if off > OUTSTANDING * np.hypot(sd, own_sd) and off > MOST * size:
                 found[cause] = Disputed(cause, (own, own_sd), (value, sd), trial.extra)
     return tuple(found.values())
 

@@ -16,10 +16,8 @@ from symhyb.correction.adequacy.structure import Fitted, tracks_of
 from symhyb.discrepancy.likelihood.horizon import maximised
 from symhyb.discrepancy.likelihood.noise import NoiseModel
 from symhyb.discrepancy.likelihood.track import smoothed, still
+from symhyb.judgement import CERTAIN, NEGLIGIBLE
 from symhyb.numeric.kernels.buffers import Array
-
-NEGLIGIBLE = 1e-3  # of what moves a coordinate: the error of integration and interpolation
-CERTAIN = 4.6  # of ln of the odds (100 to 1): what acts, and what can be distinguished
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -14,18 +14,17 @@ from scipy.ndimage import uniform_filter1d
 from scipy.special import expit
 from scipy.stats import kurtosis
 
-from symhyb.correction.adequacy.beyond import CERTAIN, NEGLIGIBLE, Beyond
+from symhyb.correction.adequacy.beyond import Beyond
 from symhyb.correction.adequacy.classes.crossing_input import spared_by
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import NOISE_FLOOR, Fitted, Generic, Likely, tracks_of
 from symhyb.discrepancy.likelihood.horizon import maximised
 from symhyb.discrepancy.likelihood.noise import NoiseModel
 from symhyb.discrepancy.likelihood.track import Track, white_problem
+from symhyb.judgement import BURSTS, CERTAIN, FAST, NEGLIGIBLE
 from symhyb.numeric.kernels.buffers import Array
 
-FAST = 3.0  # samples: no force of a machine forgets as fast
 LEVELS = 10  # classes of the size of the motion
-BURSTS = 10.0  # excess kurtosis of innovations: 0 of normal noise, 3 of double exponential
 
 
 def faulty_sensors(recorded: Recorded, trial: Fitted) -> tuple[Likely, ...]:

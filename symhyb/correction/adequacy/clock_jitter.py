@@ -13,10 +13,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symhyb.correction.adequacy.beyond import CERTAIN
 from symhyb.correction.adequacy.channel_noise import innovations
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Fitted, tracks_of
+from symhyb.judgement import CERTAIN
 from symhyb.numeric.kernels.buffers import Array
 
 GRID = np.geomspace(0.03, 30, 121)  # of the noise, that jitter makes at the largest rate

@@ -14,12 +14,13 @@ import numpy as np
 from symhyb.correction.adequacy.evidence import evidence
 from symhyb.correction.adequacy.followed import followed
 from symhyb.correction.adequacy.recorded import recorded
-from symhyb.correction.search.conventions import CERTAIN, exchange
+from symhyb.correction.search.conventions import exchange
 from symhyb.correction.search.decide import Decision
 from symhyb.correction.search.preparing import Prepared
 from symhyb.correction.search.score import believable
 from symhyb.correction.search.setting import Setting
 from symhyb.correction.search.trajectory import Refined
+from symhyb.judgement import CLOSE
 
 FINALISTS_MOST = 8
 
@@ -55,7 +56,7 @@ def _finalists(setting: Setting, decision: Decision) -> list[Refined]:
         for trial in sorted(decision.trials, key=decision.behind)
         if trial is not selected
         and not trial.fit.reason
-        and decision.behind(trial) < CERTAIN
+        and decision.behind(trial) < CLOSE
         and not exchange(trial.causes, selected.causes).conventional
         and {cause.family for cause in trial.causes} != {cause.family for cause in selected.causes}
         and believable(trial, length_s)

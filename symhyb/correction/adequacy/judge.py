@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from symhyb.correction.adequacy.agreement import Disputed, disputed
-from symhyb.correction.adequacy.beyond import CERTAIN, NEGLIGIBLE, NOTHING, Beyond, beyond
+from symhyb.correction.adequacy.beyond import NOTHING, Beyond, beyond
 from symhyb.correction.adequacy.channel_noise import faulty_sensors, noisy_input
 from symhyb.correction.adequacy.classes.catalogue import classes_of
 from symhyb.correction.adequacy.classes.worth import around, worth_of
@@ -27,16 +27,11 @@ from symhyb.correction.search.setting import Setting
 from symhyb.correction.search.strength import element_forces
 from symhyb.correction.search.trajectory import Refined, grouped
 from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.judgement import CERTAIN, LARGE, LIKELY, MOST, NEGLIGIBLE, PROBABLE, SMALL
 from symhyb.numeric.kernels.buffers import Array
 
-CLAIMED = 0.95  # posterior probability of a cause that is claimed beside a class
-MENTIONED = 0.05  # posterior probability of a class that is worth a word
 CLASSES_MOST = 3  # that are fitted, the best of the linear problem
 HOPELESS = 30.0  # of ln evidence: a class that the linear problem has so far behind is not fitted
-PART_OF_BEYOND = 1 / 3  # of the force that acts beyond: a law that is claimed beside it has more
-MOST_BEYOND = 1 / 3  # of what moves a coordinate: where more acts beyond, nothing is known
-HALF = 0.5  # of the power of what acts beyond the causes: a class takes at least so much
-LEFT_MOST = 0.1  # of the power of what acts: what leaves more does not explain it
 TOO_SHORT = "no part of the recordings without a gap is long enough"
 
 
@@ -57,7 +52,7 @@ class Adequacy:
     @property
     def adequate(self) -> bool:
         """Whether nothing acts that no cause explains, as far as is known."""
-        return not (self.unjudged or self.beyond.acts or self.class_probability > HALF)
+        return not (self.unjudged or self.beyond.acts or self.class_probability > LIKELY)
 
     @property
     def class_probability(self) -> float:
@@ -112,7 +107,7 @@ def _small(final: Refined, ground: Recorded, left: Beyond) -> frozenset[Hypothes
     part of it. All causes where that is a large part of what moves a coordinate."""
     if not left.acts:
         return frozenset()
-    if np.any(left.share > MOST_BEYOND):
+    if np.any(left.share > LARGE):
         return frozenset(final.causes)
     squares, counts = 0.0, 0
     for item in ground.items:
@@ -122,7 +117,7 @@ def _small(final: Refined, ground: Recorded, left: Beyond) -> frozenset[Hypothes
     sizes = np.sqrt(squares / counts)  # (n, E), those of the causes last
     laws = [cause for cause in final.causes if cause.place is not None]
     own = sizes[:, sizes.shape[1] - len(laws) :]
-    large = np.any((own > PART_OF_BEYOND * left.force[:, None]) & (own > 0), axis=0)
+    large = np.any((own > LARGE * left.force[:, None]) & (own > 0), axis=0)
     return frozenset(cause for cause, stands in zip(laws, large, strict=True) if not stands)
 
 
@@ -161,7 +156,7 @@ def _raced(ground: Recorded, start: Fitted, rows: Sequence[Row], decided: Fitted
 
 def _answers(ground: Recorded, trials: Sequence[Fitted], decided: Fitted) -> list[Fitted]:
     """The structures that take half of what acts beyond the decided one."""
-    most = HALF * _remainder(ground, decided)
+    most = MOST * _remainder(ground, decided)
     return [
         trial for trial in trials if _explains(ground, trial) or _remainder(ground, trial) <= most
     ]
@@ -207,7 +202,7 @@ def _classes(trials: Sequence[Fitted], enough: Collection[object]) -> tuple[Like
                 both = one._replace(probability=one.probability + first.probability)
                 ranked = [both, *ranked[1:i], *ranked[i + 1 :]]
             break
-    return tuple(one for one in ranked if one.probability > MENTIONED)
+    return tuple(one for one in ranked if one.probability > 1 - PROBABLE)
 
 
 def _doubted(
@@ -220,8 +215,8 @@ def _doubted(
     its place, nor where structures without it that explain have a part of the probability. No
     number of the model or of a channel is, for the columns of a class may hold a part of any."""
     doubt = []
-    certain = any(one.probability > CLAIMED and one.whole for one in classes)
-    likely, first = classes[0].probability > HALF, classes[0].generic
+    certain = any(one.probability > PROBABLE and one.whole for one in classes)
+    likely, first = classes[0].probability > LIKELY, classes[0].generic
     decided, best = trials[0].causes, max(trial.evidence for trial in trials)
     alone = _alone(enough, first, best)
     for cause in decided:
@@ -230,7 +225,7 @@ def _doubted(
         having = [trial for trial in trials if cause in trial.causes]
         lacking = [trial for trial in enough if cause not in trial.causes]
         chance = float(_weights([*having, *lacking])[: len(having)].sum())
-        if number or (spared and likely) or chance < CLAIMED:
+        if number or (spared and likely) or chance < PROBABLE:
             doubt.append(cause)
     return frozenset(doubt)
 
@@ -257,7 +252,7 @@ def _explained_alone(ground: Recorded, trials: Sequence[Fitted]) -> bool:
 
 def _suffices(ground: Recorded, trial: Fitted, decided: Fitted) -> bool:
     """Whether a structure explains what acts beyond the decided one."""
-    most = LEFT_MOST * _remainder(ground, decided)
+    most = SMALL * _remainder(ground, decided)
     return _explains(ground, trial) or _remainder(ground, trial) <= most
 
 

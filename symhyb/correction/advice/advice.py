@@ -10,18 +10,17 @@ from symhyb.correction.advice.bounds import bounds_of
 from symhyb.correction.advice.manoeuvre import Design, Expected, Rivals, design
 from symhyb.correction.advice.newsensor import telling_sensor
 from symhyb.correction.naming.findings import cause_phrase, rivals_of
-from symhyb.correction.search.conventions import RIVAL
 from symhyb.correction.search.decide import Decision
 from symhyb.correction.search.preparing import Prepared
 from symhyb.correction.search.setting import Setting
 from symhyb.discrepancy.recorded.passages import one_way
-from symhyb.discrepancy.recorded.runs import PERIODS_LEAST, SAMPLES_TELL, SIGNAL_LEAST, Run
+from symhyb.discrepancy.recorded.runs import Run
 from symhyb.discrepancy.results import Manoeuvre
 from symhyb.discrepancy.words.wording import joined, number_text, quantity_text
+from symhyb.judgement import AMPLE, OUTSTANDING, PERIODS_LEAST, SAMPLES_TELL, SIGNIFICANT
 from symhyb.model.types import Model
 
 PAIRS_MOST = 3  # rivals of the selected structure that a manoeuvre is designed for
-PERIODS_WANTED, SIGNAL_WANTED = 10.0, 30.0  # of a recording that may tell something
 ODDS_SHOWN = 1e6
 
 
@@ -46,7 +45,7 @@ def _pairs(decision: Decision) -> list[Rivals]:
     first."""
     pairs = []
     for change, evidence, trial in sorted(rivals_of(decision), key=lambda rival: rival[1]):
-        if not change.conventional and not trial.fit.reason and evidence < RIVAL:
+        if not change.conventional and not trial.fit.reason and evidence < SIGNIFICANT:
             lost, fresh = (
                 joined([cause_phrase(cause) for cause in side])
                 for side in (change.lost, change.fresh)
@@ -142,7 +141,7 @@ def better_recording(prepared: Prepared) -> str:
         if samples < SAMPLES_TELL:
             wishes.append(_more_passages(prepared.runs))
     elif lasts < PERIODS_LEAST * slowest or samples < SAMPLES_TELL:
-        length = quantity_text(PERIODS_WANTED * slowest, "s", digits=2)
+        length = quantity_text(AMPLE * slowest, "s", digits=2)
         wishes.append(
             f"a run of at least {length}, ten periods of the slowest motion, with at least "
             f"{SAMPLES_TELL} samples (these last {quantity_text(lasts, 's', digits=2)} and have "
@@ -150,15 +149,15 @@ def better_recording(prepared: Prepared) -> str:
         )
     for j, sensor in enumerate(model.sensors):
         ratio, spread = _signal(prepared, j)
-        if ratio < SIGNAL_LEAST:
+        if ratio < OUTSTANDING:
             wanted = quantity_text(
-                spread / max(ratio, 1e-9) * SIGNAL_WANTED / sensor.unit.factor,
+                spread / max(ratio, 1e-9) * (AMPLE * OUTSTANDING) / sensor.unit.factor,
                 sensor.unit.text,
                 digits=2,
             )
             wishes.append(
                 f"a drive under which {sensor.name} spreads by at least {wanted} (standard "
-                f"deviation), {SIGNAL_WANTED:g} times its noise; now it is "
+                f"deviation), {AMPLE * OUTSTANDING:g} times its noise; now it is "
                 f"{number_text(ratio, digits=2)} times"
             )
     first = joined(wishes[:3])

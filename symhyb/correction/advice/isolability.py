@@ -16,7 +16,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from symhyb.correction.naming.findings import cause_phrase, doubtful
-from symhyb.correction.search.conventions import RIVAL
 from symhyb.correction.search.decide import Decision
 from symhyb.correction.search.score import unit_of
 from symhyb.correction.search.selection import Problem
@@ -24,6 +23,7 @@ from symhyb.correction.search.setting import Setting, around, effects
 from symhyb.discrepancy.fitting.normal import shortest_solution
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.results import Isolability
+from symhyb.judgement import SIGNIFICANT
 from symhyb.numeric.kernels.buffers import Array
 
 NEAREST = 3  # causes listed beside each found one
@@ -53,7 +53,7 @@ def isolability(setting: Setting, decision: Decision) -> Isolability | None:
         cause.family
         for trial in decision.trials
         for cause in trial.causes
-        if decision.behind(trial) < RIVAL
+        if decision.behind(trial) < SIGNIFICANT
     }
     for mine in space.own:
         near = [other for _, other in space.others(mine)]

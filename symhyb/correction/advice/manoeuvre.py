@@ -27,9 +27,8 @@ from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.motion import Motion
 from symhyb.discrepancy.recorded.runs import Run, cut_into_windows
 from symhyb.discrepancy.results import Manoeuvre
+from symhyb.judgement import MARGIN, ODDS
 
-ODDS = 100.0  # to 1: decisive
-MARGIN = 2.0  # standard deviations of the evidence, by which the expected one must exceed ln(ODDS)
 FITS_MOST = 48  # of one explanation to what another one would do
 WINDOWS = 3  # that a manoeuvre holds at least
 

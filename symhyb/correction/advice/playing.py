@@ -17,13 +17,13 @@ from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.motion import Motion
 from symhyb.discrepancy.recorded.windows import turning
 from symhyb.discrepancy.results import Manoeuvre
+from symhyb.judgement import NOTABLE
 from symhyb.model.vocabulary import steep
 from symhyb.numeric.kernels.buffers import Array, call
 from symhyb.numeric.lowered.dynamics import state_form
 from symhyb.numeric.runs.windows import Block, WindowModel
 
 ADDED = "another_sensor"  # the name of one that is tried beside those that recorded
-WORTH = 0.05  # of the amplitude that was recorded: less is not worth recording
 ROOM, STEEPEST = (
     0.97,
     0.2,
@@ -47,7 +47,7 @@ def restrained(
                 break
             exceeded = exceeded or what
             amplitude = rounded(amplitude * max(ROOM / excess, STEEPEST))
-            if amplitude < WORTH * peak:
+            if amplitude < NOTABLE * peak:
                 return None, exceeded
         else:
             return None, exceeded

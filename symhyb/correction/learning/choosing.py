@@ -18,6 +18,7 @@ import numpy as np
 from symhyb.correction.learning.sparse import OptimizerName, supports
 from symhyb.correction.learning.weak import WeakForm
 from symhyb.errors import InputError
+from symhyb.judgement import MARGIN
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.kernels.factor import factor_of
 
@@ -26,7 +27,6 @@ FOLDS = 5
 ERRORS = 1.0  # standard errors that a smaller set may be worse by
 GONE_MOST = 3  # terms that one other may stand for
 RIVALS = 8  # sets that are simulated beside the chosen one
-ERRORS_FIRST = 2.0  # the same of no term at all
 
 
 def choose_terms(
@@ -94,7 +94,7 @@ def _smallest(sets: Sequence[tuple[int, ...]], losses: Array) -> tuple[int, ...]
     for kept, own in zip(sets, losses, strict=True):
         apart = own - losses[best]
         error = float(np.std(apart, ddof=1) / np.sqrt(apart.size)) if apart.size > 1 else 0.0
-        if float(apart.mean()) <= (ERRORS if kept else ERRORS_FIRST) * error:
+        if float(apart.mean()) <= (ERRORS if kept else MARGIN) * error:
             return kept
     return sets[best]
 

@@ -10,12 +10,12 @@ import numpy as np
 
 from symhyb.correction.learning.seen import Seen
 from symhyb.discrepancy.words.wording import quantity_text
+from symhyb.judgement import NEGLIGIBLE
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.lowered.network import Weights, evaluated
 
 SIZES = (0.1, 0.25, 0.5, 0.75, 1.0)  # of the trust box: sizes of the orbits
 POINTS = 400  # of an orbit
-NOTHING = 1e-3  # of the work that the force does back and forth: less is rounding
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -31,7 +31,7 @@ class Energy:
     @property
     def feeds(self) -> bool:
         """Whether it feeds energy in, over a whole recording or on an orbit."""
-        least = NOTHING * self.turnover
+        least = NEGLIGIBLE * self.turnover
         return any(work > least for _, work in self.net) or any(w > least for w in self.orbits)
 
     @property
@@ -42,7 +42,7 @@ class Energy:
         said = f"Along the recordings its force {done} {quantity_text(abs(total), 'J')}"
         if not self.orbits:
             return f"{said}; it sees more than position and speed, so orbits say nothing."
-        if max(self.orbits) <= NOTHING * self.turnover:
+        if max(self.orbits) <= NEGLIGIBLE * self.turnover:
             return f"{said}, and on no closed orbit in its trust box does it feed energy in."
         size = SIZES[int(np.argmax(self.orbits))]
         return (

@@ -20,6 +20,7 @@ from symhyb.discrepancy.recorded.signals import measured
 from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.discrepancy.results import Comparison, Score, Trace, Verdict
 from symhyb.discrepancy.words.wording import percent_text
+from symhyb.judgement import MARGIN
 from symhyb.model.types import Model
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.lowered.dynamics import state_form
@@ -27,7 +28,6 @@ from symhyb.numeric.lowered.machine import Machine, build
 from symhyb.numeric.runs.formulations import Correction, Law, simulate_corrected
 from symhyb.numeric.runs.scenario import Scenario
 
-ERRORS = 2.0  # standard errors over windows by which rates must be better
 STARTS = "those of the smoothed motion"
 Role = Literal["train", "holdout"]
 
@@ -47,7 +47,7 @@ def closer(prepared: Prepared, cuts: Sequence[Cut], law: Law) -> bool:
     gain = np.concatenate(gains)
     if gain.size < 2:
         return False
-    return bool(gain.mean() > ERRORS * gain.std(ddof=1) / np.sqrt(gain.size))
+    return bool(gain.mean() > MARGIN * gain.std(ddof=1) / np.sqrt(gain.size))
 
 
 def judge_rates(

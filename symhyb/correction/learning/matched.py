@@ -15,9 +15,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symhyb.correction.search.preparing import Prepared, last_windows
-from symhyb.correction.search.score import SIGNIFICANT
 from symhyb.discrepancy.fitting.matching import fit
 from symhyb.discrepancy.fitting.task import Fit, Task
+from symhyb.judgement import SIGNIFICANT
 from symhyb.model.types import Element
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.lowered.machine import build

@@ -13,9 +13,9 @@ import numpy as np
 from symhyb.correction.learning.orthogonal import Linear, beside, linear, on_held, solved
 from symhyb.correction.learning.seen import Seen
 from symhyb.correction.search.preparing import Prepared
-from symhyb.correction.search.score import SIGNIFICANT
 from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.errors import NumericsError
+from symhyb.judgement import SIGNIFICANT
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import Element, On, Parameter
 from symhyb.numeric.kernels.buffers import Array

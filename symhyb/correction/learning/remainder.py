@@ -16,11 +16,11 @@ import numpy as np
 
 from symhyb.correction.learning.orthogonal import beside, linear, named_forces, on_held, solved
 from symhyb.correction.search.preparing import Prepared, last_windows, prepare
-from symhyb.correction.search.score import SIGNIFICANT
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.course import Course
 from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.errors import InputError, Problem
+from symhyb.judgement import SIGNIFICANT
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import Element, Model, On, Parameter
 from symhyb.model.vocabulary import force_unit, stretch_unit

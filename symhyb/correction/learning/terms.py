@@ -18,9 +18,9 @@ from symhyb.correction.learning.matched import Signs, Worth, matched, price_of, 
 from symhyb.correction.learning.proposing import Regression, Sparse, regression
 from symhyb.correction.learning.written import Chosen, Written, as_forces, as_rates
 from symhyb.correction.search.preparing import Prepared, last_windows
-from symhyb.correction.search.trajectory import ACCURACY
 from symhyb.discrepancy.fitting.task import Fit
 from symhyb.errors import InputError, NumericsError, Problem
+from symhyb.judgement import ACCURACY
 from symhyb.mechanics.mass_text import mass_texts
 from symhyb.model.types import Model
 from symhyb.numeric.runs.formulations import Correction, Formulation, Terms

@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symhyb.correction.naming.probability import FOUND, probabilities
+from symhyb.correction.naming.probability import probabilities
 from symhyb.correction.naming.textbook import critical_share
-from symhyb.correction.search.conventions import RIVAL, Exchange, exchange
+from symhyb.correction.search.conventions import Exchange, exchange
 from symhyb.correction.search.decide import Decision
 from symhyb.correction.search.score import believable
 from symhyb.correction.search.trajectory import Refined
@@ -24,6 +24,7 @@ from symhyb.discrepancy.results import (
 from symhyb.discrepancy.words.formula import LAW, SYMBOLS, WARNING, law_element, law_unit
 from symhyb.discrepancy.words.formula import law_text as law_text_of
 from symhyb.discrepancy.words.wording import alternative_phrase, effect_sentence, percent_text
+from symhyb.judgement import PROBABLE, SIGNIFICANT
 from symhyb.laws.sided import SKEW
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import At, Between, ChannelKind, Element, Model, On, Parameter, Place
@@ -238,7 +239,7 @@ def cause_phrase(cause: Hypothesis) -> str:
 def doubtful(decision: Decision) -> tuple[Hypothesis, ...]:
     """Causes of the selected structure that are not probable enough."""
     chances = zip(decision.selected.causes, probabilities(decision), strict=True)
-    return tuple(cause for cause, chance in chances if chance < FOUND)
+    return tuple(cause for cause, chance in chances if chance < PROBABLE)
 
 
 def alternatives_of(
@@ -306,7 +307,7 @@ def rivals_of(decision: Decision) -> list[tuple[Exchange, float, Refined]]:
         evidence = decision.against(trial)
         if {cause.family for cause in change.fresh} == {cause.family for cause in change.lost}:
             continue  # the same law, begun at other values: no rival of itself
-        if change.fresh and change.lost and evidence < RIVAL and believable(trial):
+        if change.fresh and change.lost and evidence < SIGNIFICANT and believable(trial):
             rivals.append((change, evidence, trial))
     return rivals
 

@@ -8,13 +8,13 @@ import numpy as np
 from symhyb.correction.naming.findings import Named, symbol_of
 from symhyb.correction.search.fleet import Outlier
 from symhyb.correction.search.preparing import Prepared
-from symhyb.correction.search.score import OUTSTANDING
 from symhyb.correction.search.trajectory import Refined
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.checks.repeats import reported_repeats
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.results import Estimate, Found, Misfit, Reestimated, Repeats
 from symhyb.discrepancy.words.amounts import joined, number_text, quantity_text, small_text
+from symhyb.judgement import OUTSTANDING
 from symhyb.model.types import Model, place_text
 from symhyb.model.vocabulary import key_of
 from symhyb.units import ONE, Unit

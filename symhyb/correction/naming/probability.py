@@ -15,8 +15,6 @@ from symhyb.correction.search.score import believable
 from symhyb.correction.search.trajectory import Refined
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 
-FOUND = 0.95  # posterior probability of what is named
-
 
 def probabilities(decision: Decision) -> tuple[float, ...]:
     """The posterior probability of each cause of the selected structure."""

@@ -16,16 +16,14 @@ from symhyb.correction.search.setting import Setting, Stage, along_motion
 from symhyb.discrepancy.recorded.windows import merge, reduce
 from symhyb.discrepancy.results import RecordingFault
 from symhyb.discrepancy.words.wording import joined, percent_text
+from symhyb.judgement import ALIKE, DRIFT_LEAST, DRIFT_MOST, SMALL
 from symhyb.model.types import Model
 from symhyb.numeric.kernels.buffers import Array
 
-DRIFT_LEAST, DRIFT_MOST = 5e-5, 0.05  # s/s: clocks are better than the first only in a laboratory
-PROMISES = 0.1  # of what noise and any constant delay leave, for a drift to be worth a trial
 TAKES = 0.7  # of the same, for a drift to be claimed
 SIGNIFICANT = 50.0  # fall of χ² on fitted and on held windows
-RIVAL_LEFT = 3.0  # what any single other cause leaves beyond noise, over what the drift leaves
 NOISE_SHARE = 0.05  # of the noise: what is left is not known better
-ALIKE = 1.5  # what two drifts leave beyond noise: closer, they cannot be distinguished
+NEARER = 1.5  # what two drifts leave beyond noise: closer, they cannot be distinguished
 WINDOWS_LEAST = 9
 RIVALS_MOST = 2
 ROUNDS = 4  # of putting right: a delay of half a period is no small change
@@ -72,10 +70,10 @@ def drifting(setting: Setting, again: Again) -> RecordingFault | None:
         return None
     best = min(range(len(names)), key=lambda i: first[i].left)
     begun = first[best]
-    if not DRIFT_LEAST < abs(begun.drift) < DRIFT_MOST or not begun.takes(begun, PROMISES):
+    if not DRIFT_LEAST < abs(begun.drift) < DRIFT_MOST or not begun.takes(begun, SMALL):
         return None
     limit = max(
-        ALIKE * (begun.left - begun.floor),
+        NEARER * (begun.left - begun.floor),
         NOISE_SHARE * (begun.constant - begun.floor),
         NOISE_SHARE * begun.floor,
     )
@@ -84,7 +82,7 @@ def drifting(setting: Setting, again: Again) -> RecordingFault | None:
     found = [(i, *_followed(names[i], i, first[i], again)) for i in near[:RIVALS_MOST]]
     best, drift, last = min(found, key=lambda one: one[2].left + one[2].held_left)
     left = max(last.left - last.floor, NOISE_SHARE * last.floor)
-    if not last.takes(begun, TAKES) or _rival(setting, stage) - begun.floor < RIVAL_LEFT * left:
+    if not last.takes(begun, TAKES) or _rival(setting, stage) - begun.floor < ALIKE * left:
         return None
     equals = [names[i] for i in near if i != best]
     return _named(setting.windows.machine.model, names[best], drift, equals)

@@ -5,10 +5,7 @@ from dataclasses import dataclass
 
 from symhyb.correction.search.selection import Problem
 from symhyb.discrepancy.places.hypotheses import Hypothesis
-
-CERTAIN = 4.6  # of the score, odds of 10 to 1: closer ones meet again on whole runs
-RIVAL = 10.0  # of the score: closer than this, a rival is reported
-SAME = 1e-5  # of 1 − ρ² between two effects: the same, as discrete windows show it
+from symhyb.judgement import SAME
 
 
 @dataclass(frozen=True)

@@ -13,13 +13,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symhyb.correction.search.conventions import RIVAL, exchange, indistinguishable, precedence
+from symhyb.correction.search.conventions import exchange, indistinguishable, precedence
 from symhyb.correction.search.exchanges import HOPE, distinct, exchanges
 from symhyb.correction.search.formulas import beside, candidates, instead
 from symhyb.correction.search.lines import lines_of
 from symhyb.correction.search.score import (
-    NEAR_NOISE,
-    SIGNIFICANT,
     believable,
     choice_of,
     cost,
@@ -39,6 +37,7 @@ from symhyb.correction.search.trajectory import Refined, grouped
 from symhyb.correction.search.trials import Row, Say, Trials, first_guess
 from symhyb.correction.search.variants import variants_of
 from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.judgement import NEAR_NOISE, SIGNIFICANT
 from symhyb.numeric.kernels.buffers import Array
 
 BEGUN = 4  # structures of each size that the search begins with
@@ -289,6 +288,6 @@ def _conventional(trials: Trials, best: Refined, problem: Problem) -> Refined:
             precedence(problem.hypotheses.index(cause), cause) for cause in change.pair
         )
         behind = score(trial, unit, trials.count) - score(best, unit, trials.count)
-        if first < second and abs(behind) < RIVAL:
+        if first < second and abs(behind) < SIGNIFICANT:
             return trial
     return best

@@ -14,20 +14,17 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import chdtrc
 
-from symhyb.correction.search.score import OUTSTANDING
 from symhyb.correction.search.setting import Setting, Stage
 from symhyb.correction.search.trajectory import Refined, element_name, grouped, keys_of, refine
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.errors import InputError, Problem, did_you_mean
+from symhyb.judgement import CHANCE, OUTSTANDING, SMALL, SURE
 from symhyb.model.types import Model
 from symhyb.model.vocabulary import KINDS
 from symhyb.numeric.kernels.buffers import Array
 
-ODDS = 1e-3  # of naming any recording of a fleet in which all agree
-SIZE = 0.1  # of the others' value: a smaller difference is not worth a name
 TIMES = 1.5  # what the others leave: less is a matter of how well the noise is known
-SURE = 4.0  # standard deviations of a mean square
 WINDOWS_LEAST = 2  # of a recording that is fitted alone
 
 
@@ -159,8 +156,8 @@ def _against(
     distance = float(offset @ np.linalg.pinv(spread, hermitian=True) @ offset)
     chance = float(chdtrc(offset.size, distance))
     size = np.abs(offset) / np.sqrt(np.diag(spread))
-    worth = (np.abs(offset) > SIZE * np.abs(rest.value)) & (size > OUTSTANDING)
-    if chance * recordings > ODDS or not worth.any():
+    worth = (np.abs(offset) > SMALL * np.abs(rest.value)) & (size > OUTSTANDING)
+    if chance * recordings > CHANCE or not worth.any():
         return None
     n = int(np.argmax(np.where(worth, size, 0.0)))
     own, others = (

@@ -3,7 +3,7 @@ moves and what acts, the most promising of them by the linear problem."""
 
 from collections.abc import Sequence
 
-from symhyb.correction.search.score import SIGNIFICANT, unit_of
+from symhyb.correction.search.score import unit_of
 from symhyb.correction.search.screen import screen
 from symhyb.correction.search.selection import Subset, solve
 from symhyb.correction.search.setting import Setting
@@ -11,6 +11,7 @@ from symhyb.correction.search.trajectory import Refined
 from symhyb.correction.search.trials import Row
 from symhyb.discrepancy.places.hypotheses import Hypothesis, Library
 from symhyb.discrepancy.places.products import product_library, products
+from symhyb.judgement import SIGNIFICANT
 from symhyb.model.types import On
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.runs.windows import WindowModel

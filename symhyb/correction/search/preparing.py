@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 
 from symhyb.correction.search.fleet import check_own, owning
 from symhyb.correction.search.setting import Setting, Stage
-from symhyb.correction.search.trajectory import ACCURACY
 from symhyb.data.cleaning import without_faults
 from symhyb.data.recording import Recording, several
 from symhyb.data.thin import thinned
@@ -35,6 +34,7 @@ from symhyb.discrepancy.recorded.sampling import as_sampled
 from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.discrepancy.results import RecordingFault
 from symhyb.errors import InputError, Problem
+from symhyb.judgement import ACCURACY, NEGLIGIBLE
 from symhyb.laws.reach import Reach
 from symhyb.model.types import Model, Place
 from symhyb.numeric.kernels.buffers import Array
@@ -52,7 +52,6 @@ STAGES_MOST = 4
 GROWN = 10.0  # times an error of the initial state may grow: a window beyond has many minima
 CALM_LEAST = 2 / 3  # of the windows: if more errors grow so, windows are ...
 SHORTER = 0.7  # ... shortened to this
-GAIN_LEAST = 1e-3  # smaller gain errors are not worth a name
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,7 +147,7 @@ def settle(prepared: Prepared, own: Sequence[str] = ()) -> Setting:
         windows,
         _stages(prepared),
         prepared.sd,
-        gain_floor=max(GAIN_LEAST, sag),
+        gain_floor=max(NEGLIGIBLE, sag),
         accuracy=max(ACCURACY, sag),
     )
 

@@ -18,7 +18,6 @@ import numpy as np
 from scipy.special import ndtr, ndtri
 
 from symhyb.correction.search.trajectory import (
-    ACCURACY,
     Refined,
     firsts_of,
     gathered,
@@ -28,13 +27,10 @@ from symhyb.correction.search.trajectory import (
 )
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.words.formula import LAW
+from symhyb.judgement import ACCURACY, NEAR_NOISE, OUTSTANDING, PIECES
 from symhyb.model.vocabulary import key_of
 from symhyb.numeric.kernels.buffers import Array
 
-SIGNIFICANT = 10.0  # of twice ln of the odds: 150 to 1
-OUTSTANDING = 3.0  # standard deviations, of the strength of a cause
-NEAR_NOISE = 1.1  # χ² per sample: how well the noise is known
-PIECES = 20.0  # independent pieces of what a model lacks: a cause then takes about half of it
 NOISE_SHARE = 0.02  # of the noise: less than this is never said to be left
 
 

@@ -11,14 +11,13 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from symhyb.correction.search.selection import Problem
-from symhyb.discrepancy.places.hypotheses import GAIN_REACH, Hypothesis, Library
+from symhyb.discrepancy.places.hypotheses import Hypothesis, Library
 from symhyb.discrepancy.recorded.course import Course
 from symhyb.discrepancy.recorded.windows import Cut, reduce
+from symhyb.judgement import DELAY_LEAST, GAIN_REACH
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.lowered.dynamics import state_form
 from symhyb.numeric.runs.windows import WindowModel
-
-DELAY_LEAST = 0.25  # samples: less is a matter of how a signal was held between samples
 
 
 def screen(

@@ -13,8 +13,9 @@ import numpy as np
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.fitting.matching import TRIAL_DECREASE, TRIAL_ITERATIONS, fit
 from symhyb.discrepancy.fitting.task import Fit, Task
-from symhyb.discrepancy.places.hypotheses import GAIN_REACH, Hypothesis
+from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.recorded.windows import Cut
+from symhyb.judgement import GAIN_REACH
 from symhyb.laws import LAWS
 from symhyb.model.types import Element, Model
 from symhyb.numeric.kernels.buffers import Array
@@ -78,7 +79,6 @@ class Refined:
         return value, float(np.hypot(spread, self.accuracy * abs(value)))
 
 
-ACCURACY = 2e-3  # relative, of a fitted value: fixed steps, held inputs, smoothed friction
 # what no gain can feign
 EXACT = frozenset({"delay", *(key.name for law in LAWS for key in law.keys if key.exact)})
 

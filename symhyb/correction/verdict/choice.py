@@ -11,7 +11,6 @@ from symhyb.correction.adequacy.finalists import settled
 from symhyb.correction.learning.sparse import propose
 from symhyb.correction.naming.fleet_words import misfit
 from symhyb.correction.search.beginnings import active_part, changed, contradicted
-from symhyb.correction.search.conventions import RIVAL
 from symhyb.correction.search.decide import Decision, decide
 from symhyb.correction.search.fleet import Outlier, outliers, own_value, parted, without
 from symhyb.correction.search.preparing import Prepared
@@ -21,6 +20,7 @@ from symhyb.correction.search.so_far import fits_best, if_interrupted
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.places.locate import locate
 from symhyb.discrepancy.results import Change, Misfit, PlaceShare
+from symhyb.judgement import SIGNIFICANT
 
 Say = Callable[[str], None]
 
@@ -80,7 +80,7 @@ def _rivals(decision: Decision, odd: Outlier) -> list[Hypothesis]:
     return [
         cause
         for trial in decision.trials
-        if place is not None and not trial.fit.reason and decision.behind(trial) < RIVAL
+        if place is not None and not trial.fit.reason and decision.behind(trial) < SIGNIFICANT
         for cause in trial.causes
         if cause.place == place and cause not in decision.selected.causes
     ]

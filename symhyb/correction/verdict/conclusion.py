@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from symhyb.correction.adequacy.beyond import NEGLIGIBLE, Beyond
+from symhyb.correction.adequacy.beyond import Beyond
 from symhyb.correction.adequacy.judge import Adequacy
 from symhyb.correction.advice.advice import better_recording
 from symhyb.correction.naming.classes import class_found
@@ -54,6 +54,7 @@ from symhyb.discrepancy.words.wording import (
     quantity_text,
     verdict_sentence,
 )
+from symhyb.judgement import NEGLIGIBLE
 from symhyb.model.types import Model, On, place_text
 from symhyb.model.vocabulary import force_unit
 

@@ -9,8 +9,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from symhyb.correction.naming.findings import reestimated
-from symhyb.correction.search.conventions import CERTAIN
-from symhyb.correction.search.score import NEAR_NOISE, SIGNIFICANT, piece_of, score
+from symhyb.correction.search.score import piece_of, score
 from symhyb.correction.search.screen import screen
 from symhyb.correction.search.selection import solve
 from symhyb.correction.search.setting import Setting
@@ -20,10 +19,9 @@ from symhyb.correction.verdict.refusal import withdrawn
 from symhyb.discrepancy.places.hypotheses import Hypothesis, wrong_parameter
 from symhyb.discrepancy.results import Alternative, Diagnosis, Estimate
 from symhyb.discrepancy.words.wording import parameter_phrase
+from symhyb.judgement import CLOSE, MOST, NEAR_NOISE, SIGNIFICANT, SLIP_MOST
 from symhyb.numeric.runs.windows import WindowModel
 
-REACH = 2.0  # times its value, or a part of it: a number further off is no slip of the scale
-PART = 1 / 2  # of the mismatch, which the linear problem must promise before a trial
 TRIED = 2
 CURE = "If it may be wrong, state its sd in the file, and it competes"
 
@@ -81,7 +79,7 @@ def wrong_constant(
             continue
         evidence = mine - score(selected, unit, count)
         fewer = not selected.causes or trial.numbers <= selected.numbers
-        if fewer and evidence < CERTAIN and (best is None or evidence < best[1]):
+        if fewer and evidence < CLOSE and (best is None or evidence < best[1]):
             best = trial, evidence
     return best
 
@@ -89,7 +87,7 @@ def wrong_constant(
 def _near(trial: Refined, cause: Hypothesis) -> bool:
     """Whether a fitted number is of the size that the file states."""
     held = trial.machine.values[trial.machine.column(cause.path)]
-    return bool(1 / REACH < trial.value(cause.path)[0] / held < REACH)
+    return bool(1 / SLIP_MOST < trial.value(cause.path)[0] / held < SLIP_MOST)
 
 
 def _promising(setting: Setting, nothing: Refined) -> Sequence[tuple[Hypothesis, float]]:
@@ -114,7 +112,7 @@ def _promising(setting: Setting, nothing: Refined) -> Sequence[tuple[Hypothesis,
     able = [
         subset
         for subset in subsets
-        if subset is not None and base.chi2 - subset.chi2 > PART * (base.chi2 - floor)
+        if subset is not None and base.chi2 - subset.chi2 > MOST * (base.chi2 - floor)
     ]
     ranked = sorted(able, key=lambda subset: subset.chi2)[:TRIED]
     return [(held[s.causes[0] - first], float(s.values[0])) for s in ranked]

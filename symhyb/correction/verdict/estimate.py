@@ -9,7 +9,7 @@ from symhyb.correction.naming.findings import Named, doubtful, named
 from symhyb.correction.naming.fleet_words import drift_sentence
 from symhyb.correction.search.fleet import Outlier, drifting, widened
 from symhyb.correction.search.preparing import Prepared
-from symhyb.correction.search.score import NEAR_NOISE, plain, weak
+from symhyb.correction.search.score import plain, weak
 from symhyb.correction.search.setting import Setting, Stage
 from symhyb.correction.search.trajectory import Refined, grouped, refine
 from symhyb.correction.verdict.choice import Choice
@@ -18,6 +18,7 @@ from symhyb.correction.verdict.whole import Completed, Say, completed_over_all
 from symhyb.correction.verdict.whole_words import added_sentence
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.recorded.windows import Cut
+from symhyb.judgement import NEAR_NOISE
 from symhyb.model.vocabulary import KINDS
 
 

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from symhyb.correction.naming.findings import cause_phrase
-from symhyb.correction.search.score import SIGNIFICANT, unit_of
+from symhyb.correction.search.score import unit_of
 from symhyb.correction.search.screen import screen
 from symhyb.correction.search.selection import Problem, solve
 from symhyb.correction.search.setting import Setting, around
@@ -17,6 +17,7 @@ from symhyb.correction.search.trajectory import Refined
 from symhyb.discrepancy.places.hypotheses import Hypothesis, Library
 from symhyb.discrepancy.words.formula import LAW
 from symhyb.discrepancy.words.wording import percent_text
+from symhyb.judgement import SIGNIFICANT
 from symhyb.laws.reach import TRANSITION_SHARE
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import Element, Model, On

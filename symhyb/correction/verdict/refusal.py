@@ -9,7 +9,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from symhyb.correction.adequacy.judge import LEFT_MOST
 from symhyb.correction.advice.advice import other_speeds
 from symhyb.correction.search.score import part_left
 from symhyb.correction.search.trajectory import Refined
@@ -28,13 +27,11 @@ from symhyb.discrepancy.words.wording import (
     parameter_phrase,
     percent_text,
 )
+from symhyb.judgement import NOTABLE, RUNAWAY, SMALL, UNEXPLAINED
 from symhyb.model.types import Model, place_text
 from symhyb.numeric.lowered.machine import Machine
 from symhyb.numeric.runs.windows import WindowModel
 
-RUNAWAY = 100.0  # times the range that was measured: further away a simulation has run away
-WORSE = 1.05  # times the window error without: a correction that predicts worse is none
-UNEXPLAINED = 2.0  # χ² per sample that found physics may leave while a channel is suspected
 REPAIRED_LEFT = (
     " Put right, recordings and model still differ by more than the noise, and no cause that "
     "symhyb knows accounts for the rest."
@@ -132,7 +129,7 @@ def if_explained(diagnosis: Diagnosis, selected: Refined, nothing: Refined) -> D
     than noise: what it holds then may stand in for something else."""
     claims = diagnosis.found or diagnosis.parameters or diagnosis.measurement
     left = part_left(selected, nothing)
-    if not claims or not left > LEFT_MOST or not selected.fit.scale > UNEXPLAINED:
+    if not claims or not left > SMALL or not selected.fit.scale > UNEXPLAINED:
         return diagnosis
     times = f"{number_text(float(np.sqrt(selected.fit.scale)), digits=2)} times the noise"
     return withdrawn(
@@ -171,7 +168,7 @@ def if_confirmed(diagnosis: Diagnosis, held: Proof, shown: Proof) -> Diagnosis:
 
 def _worse(shown: Proof) -> bool:
     """Whether windows are foretold worse than without; where they cannot be compared, no."""
-    return bool(np.isfinite(shown.before) and not shown.after <= WORSE * shown.before)
+    return bool(np.isfinite(shown.before) and not shown.after <= (1 + NOTABLE) * shown.before)
 
 
 def _rise(shown: Proof) -> str:

@@ -14,19 +14,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symhyb.correction.search.conventions import RIVAL
 from symhyb.correction.search.exchanges import HOPE
 from symhyb.correction.search.preparing import SAMPLES_MOST, Prepared
-from symhyb.correction.search.score import (
-    NEAR_NOISE,
-    SIGNIFICANT,
-    believable,
-    choice_of,
-    piece_of,
-    samples,
-    score,
-    unit_of,
-)
+from symhyb.correction.search.score import believable, choice_of, piece_of, samples, score, unit_of
 from symhyb.correction.search.selection import Problem, Subset, solve, without
 from symhyb.correction.search.setting import Setting, Stage, around
 from symhyb.correction.search.trajectory import Refined, grouped, refine
@@ -34,10 +24,10 @@ from symhyb.correction.verdict.choice import Choice
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.recorded.runs import cut_into_windows
 from symhyb.discrepancy.recorded.windows import Cut
+from symhyb.judgement import MOST, NEAR_NOISE, SIGNIFICANT
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.runs.windows import WindowModel
 
-FORGETS = 0.5  # of an error of the state at the start, which may be left at the end
 TENTH = 10  # the end and the start are tenths of a recording
 TRIED_MOST = 4  # causes, each over whole recordings
 
@@ -91,7 +81,7 @@ def completed_over_all(prepared: Prepared, choice: Choice, say: Say) -> Complete
     rivals = [
         (found[i], behind - ranked[0][0])
         for behind, i in ranked[1:]
-        if behind - ranked[0][0] < RIVAL
+        if behind - ranked[0][0] < SIGNIFICANT
     ]
     return Completed(best, stage, tuple(rivals), tuple(log))
 
@@ -131,7 +121,7 @@ def forgets(trial: Refined, stage: Stage) -> bool:
         first, *_, last = np.array_split(size, TENTH)
         seen = first.mean(axis=0) > 0
         left = last.mean(axis=0)[seen]
-        if not np.all(left <= FORGETS**2 * first.mean(axis=0)[seen]):
+        if not np.all(left <= MOST**2 * first.mean(axis=0)[seen]):
             return False
     return True
 

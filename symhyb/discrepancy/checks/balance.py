@@ -16,16 +16,15 @@ import numpy as np
 from symhyb.discrepancy.recorded.course import Course
 from symhyb.discrepancy.recorded.motion import Motion
 from symhyb.discrepancy.words.wording import joined, percent_text, quantity_text
+from symhyb.judgement import NEGLIGIBLE, OUTSTANDING
 from symhyb.model.vocabulary import KINDS
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.kernels.vector import along
 from symhyb.numeric.lowered.linear import energy_depends_on_time
 from symhyb.numeric.lowered.machine import Machine
 
-SURE = 3.0  # standard deviations, from which work unaccounted is reported as such
 ENDS = 3.0  # knots of the smoothed motion that are left out at either end
 STANDING = 1e-9  # of the kinetic energy: what rounding may leave to a machine that stands
-SMALL = 1e-3  # of the energy that went around: an element that took less is not listed
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +61,7 @@ class Balance:
         lost = [
             f"{self._amount(value)} by {name}"
             for name, value in sorted(self.dissipated.items(), key=lambda item: -item[1])
-            if abs(value) > SMALL * self.turnover
+            if abs(value) > NEGLIGIBLE * self.turnover
         ]
         came, went = joined(listed) or "nothing", joined(lost) or "nothing"
         return (
@@ -73,7 +72,7 @@ class Balance:
     def _rest(self) -> str:
         share = percent_text(abs(self.unaccounted) / self.turnover) if self.turnover > 0 else ""
         amount = quantity_text(abs(self.unaccounted), self.unit, self.sd)
-        if abs(self.unaccounted) <= SURE * self.sd:
+        if abs(self.unaccounted) <= OUTSTANDING * self.sd:
             return f"unaccounted {amount}: no more than its noise"
         way = "lost" if self.unaccounted < 0 else "gained"
         return f"{way} beyond what the model knows: {amount} ({share} of what went around)"

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symhyb.discrepancy.words.wording import joined, number_text
+from symhyb.judgement import NOTABLE
 from symhyb.model.types import Model
 from symhyb.model.vocabulary import KINDS
 from symhyb.numeric.kernels.buffers import Array, call
@@ -23,7 +24,6 @@ BALANCED = 1e-8  # of the forces at work: what may be left at a place of rest
 FREE = 1e-6  # of the fastest root: a root this slow moves freely
 ROUNDED = 1e-9  # damping ratio: what rounding leaves to a machine without damping
 LENGTH = 0.999  # of a shape: the rest is rounding of a double root
-SHOWN = 0.05  # of the largest component of a shape: smaller ones are not said
 MOMENTS = (0.0, 0.137, 0.291, 0.618, 0.877)  # of a recording, at which slopes must agree
 
 
@@ -149,7 +149,7 @@ def _mode(value: complex, vector: Array, names: Sequence[str], scale: float) -> 
         shape = tuple(
             (name, complex(np.round(part, 9)))
             for name, part in zip(names, relative, strict=True)
-            if abs(part) >= SHOWN
+            if abs(part) >= NOTABLE
         )
     if value.imag > FREE * scale:
         ratio, rate = float(-value.real / size), float(-value.real)

@@ -18,17 +18,19 @@ from symhyb.discrepancy.recorded.runs import Run
 from symhyb.discrepancy.recorded.signals import noise_level
 from symhyb.discrepancy.results import Repeats
 from symhyb.discrepancy.words.wording import joined, small_text
+from symhyb.judgement import (
+    FEWEST,
+    NEGLIGIBLE,
+    NOTABLE,
+    OUTSTANDING,
+    START_DEVIATIONS,
+    STRANGE,
+    SURE,
+)
 from symhyb.model.types import Model
 from symhyb.numeric.kernels.buffers import Array
 
-INPUT_NOISE = 3.0  # noises, by which two records of the same input may differ
-INPUT_SHARE = 1e-3  # of an input's spread: its resolution
-START_SHARE = 0.05  # of the range of places and speeds: the same start
-START_SDS = 15.0  # and deviations of the smoothed motion, which is ten times worse at its ends
 ALIKE = 0.3  # of a signal's spread: runs that differ by more are no repeats, whatever drove them
-SURE = 4.0  # standard deviations of a mean square: a spread between runs that noise does not feign
-STRANGE = 5.0  # times the spread of the others: a run that only seems to be a repeat
-OTHERS_LEAST = 3  # runs, whose spread among themselves says something
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -107,13 +109,13 @@ def _same(first: Run, second: Run) -> bool:
 def same_input(first: Array, second: Array) -> bool:
     """Whether two records (N,) of a signal, in any one unit, are the same within their noise."""
     noise = float(np.hypot(noise_level(first), noise_level(second)))
-    allowed = max(INPUT_NOISE * noise, INPUT_SHARE * float(np.std(first)))
+    allowed = max(OUTSTANDING * noise, NEGLIGIBLE * float(np.std(first)))
     return bool(np.sqrt(np.mean((first - second) ** 2)) <= allowed)
 
 
 def _same_start(first: Motion, second: Motion) -> bool:
     return all(
-        bool(np.all(np.abs(a[0] - b[0]) <= START_SHARE * np.ptp(a, axis=0) + START_SDS * sd))
+        bool(np.all(np.abs(a[0] - b[0]) <= NOTABLE * np.ptp(a, axis=0) + START_DEVIATIONS * sd))
         for a, b, sd in (
             (first.q, second.q, first.q_sd + second.q_sd),
             (first.v, second.v, first.v_sd + second.v_sd),
@@ -133,7 +135,7 @@ def _regular(runs: Sequence[Run], group: Sequence[int], sensors: Sequence[str]) 
     """The runs of a group without one that differs from all others by far more than they do: it is
     an outlier among them, not a measure of their spread."""
     members = list(group)
-    while len(members) > OTHERS_LEAST:
+    while len(members) > FEWEST:
         spreads = {
             i: (_mean(runs, members, sensors, [i]), _mean(runs, members, sensors, [], out=i))
             for i in members

@@ -16,14 +16,12 @@ from numpy.typing import NDArray
 
 from symhyb.discrepancy.checks.split import Split, excited_lines, period_of, settled_lines, split_of
 from symhyb.discrepancy.words.wording import joined, number_text, percent_text, small_text
+from symhyb.judgement import EXCITED, NEGLIGIBLE, NOTABLE
 from symhyb.numeric.kernels.buffers import Array
 
 Complex = NDArray[np.complex128]
 SEGMENTS = 8  # lengths of a window in a recording: 15 windows that overlap by half
 SAMPLES_LEAST = 400  # below, no window is long enough to say anything
-EXCITED = 1e-4  # of the largest power density of an input: where it drives the machine
-ALIKE = 1e-6  # of the inputs' power: below, one input follows from the others
-HOLES_MOST = 0.05  # of a sensor's samples, that may be missing and are filled by straight lines
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -114,7 +112,7 @@ def response_of(
     factor), and of simulated runs of it (N,) by name; or why there is none."""
     name, values, unit, factor = sensor
     seen = np.isfinite(values)
-    if np.mean(~seen) > HOLES_MOST:
+    if np.mean(~seen) > NOTABLE:
         return f"{percent_text(float(np.mean(~seen)))} of the samples of {name} are missing"
     y = np.interp(by.t, t[seen], values[seen])
     runs = {
@@ -198,7 +196,7 @@ def _spectra(by: Driven, outputs: Sequence[Array]) -> _Spectra | None:
     scale = np.sqrt(powers.max(axis=0))
     excited = (powers / powers.max(axis=0) > EXCITED).any(axis=1) & (frequency > 0)
     scaled = (inputs / np.outer(scale, scale))[excited]
-    if k > 1 and scaled.size and np.median(_least_root(scaled)) < ALIKE:
+    if k > 1 and scaled.size and np.median(_least_root(scaled)) < NEGLIGIBLE**2:
         return None
     gains: list[Complex] = []
     explained = np.zeros(0)

@@ -13,14 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symhyb.discrepancy.checks.repeats import same_input
+from symhyb.judgement import HANDFUL, NEGLIGIBLE, OUTSTANDING, SMALL
 from symhyb.numeric.kernels.buffers import Array
 
 PERIODS_LEAST = 4  # half of them are settled: two are needed to tell noise
-SAMPLES_LEAST = 8  # of a period
-PEAK = 0.9  # of the autocorrelation, for a lag to be looked at
 LAGS_MOST = 60
-EXCITED = 1e-3  # of the largest line of an input, for a line to be excited
-SURE = 3.0  # standard deviations of noise power: less counts as nothing
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,8 +47,8 @@ def period_of(u: Array) -> int | None:
     lags = np.arange(size // PERIODS_LEAST + 1)
     near = np.asarray(total) / len(varying) * size / (size - lags)
     inner = near[1:-1]
-    peaks = 1 + np.flatnonzero((inner >= near[:-2]) & (inner >= near[2:]) & (inner > PEAK))
-    for lag in peaks[peaks >= SAMPLES_LEAST][:LAGS_MOST]:
+    peaks = 1 + np.flatnonzero((inner >= near[:-2]) & (inner >= near[2:]) & (inner > 1 - SMALL))
+    for lag in peaks[peaks >= HANDFUL][:LAGS_MOST]:
         if all(same_input(column[lag:], column[:-lag]) for column in varying):
             return int(lag)
     return None
@@ -82,7 +79,7 @@ def split_of(u: Array, y: Array, period: int) -> Split:
         """RMS of what lines have beyond their noise, 0 where noise alone explains them."""
         rest = float(np.sum(seen[which] - share * noise[which]))
         doubt = share * np.sqrt(np.sum(noise[which] ** 2) * (1 + 1 / (settled - 1)))
-        return float(np.sqrt(rest)) if rest > SURE * doubt else 0.0
+        return float(np.sqrt(rest)) if rest > OUTSTANDING * doubt else 0.0
 
     whole = np.ones_like(excited)
     return Split(
@@ -100,7 +97,7 @@ def excited_lines(drive: NDArray[np.complex128]) -> NDArray[np.bool_]:
     """Which lines of a spectrum (F,) of a drive, in its unit, excite a machine; not the mean."""
     size = np.abs(drive)
     size[0] = 0.0
-    return np.asarray(size > EXCITED * size.max())
+    return np.asarray(size > NEGLIGIBLE * size.max())
 
 
 def settled_lines(signal: Array, period: int) -> NDArray[np.complex128]:

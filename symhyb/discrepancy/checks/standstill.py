@@ -12,16 +12,14 @@ from symhyb.discrepancy.checks.modes import rest_position, still_force
 from symhyb.discrepancy.recorded.course import Course
 from symhyb.discrepancy.recorded.motion import Motion
 from symhyb.discrepancy.words.wording import joined, quantity_text
+from symhyb.judgement import OUTSTANDING, SLOW
 from symhyb.model.types import Model, On
 from symhyb.model.vocabulary import force_unit
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.kernels.vector import along
 from symhyb.numeric.lowered.machine import Machine
 
-STILL = 3.0  # standard deviations of the speed: slower stands still
-SLOW = 0.01  # of the largest speed: what stands still moves no faster than this either
 LASTS = 1.0  # periods of the motion, that a standstill lasts at least: a turning point is none
-SURE = 3.0  # standard deviations, by which a place must be off to be reported
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +62,7 @@ def standstill_of(
         lacks[coordinate.name] = float(force[i]) / force_unit(model, On(coordinate.name)).factor
         if rest is not None:
             off[coordinate.name] = float(place[i] - rest[i]) / unit
-    right = rest is not None and all(abs(off[n]) <= SURE * sd[n] for n in off)
+    right = rest is not None and all(abs(off[n]) <= OUTSTANDING * sd[n] for n in off)
     span = float(motion.t[rows][0]), float(motion.t[rows][-1])
     said = _sentence(model, span, off, sd, lacks, held, right)
     return Standstill(span, off, sd, lacks, held, right, said)
@@ -73,7 +71,7 @@ def standstill_of(
 def longest_still(motion: Motion) -> slice | None:
     """The longest stretch of samples in which nothing moves, None if it is shorter than a period
     of the motion."""
-    limit = np.maximum(STILL * motion.v_sd, SLOW * np.abs(motion.v).max(axis=0))
+    limit = np.maximum(OUTSTANDING * motion.v_sd, SLOW * np.abs(motion.v).max(axis=0))
     still = np.concatenate([[False], np.all(np.abs(motion.v) <= limit, axis=1), [False]])
     edges = np.flatnonzero(np.diff(still.astype(int))).reshape(-1, 2)
     if not edges.size:

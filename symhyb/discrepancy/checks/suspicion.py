@@ -18,27 +18,22 @@ from symhyb.data.recording import Recording
 from symhyb.data.thin import thinned
 from symhyb.discrepancy.fitting.misfit import Misfit, misfit
 from symhyb.discrepancy.recorded.motion import motion_of
-from symhyb.discrepancy.recorded.runs import SAMPLES_TELL, Run
+from symhyb.discrepancy.recorded.runs import Run
 from symhyb.discrepancy.results import RecordingFault
 from symhyb.discrepancy.words.wording import joined, percent_text
 from symhyb.errors import InputError
+from symhyb.judgement import ALIKE, GAIN_REACH, NOTABLE, SAMPLES_TELL, SMALL, SUSPECT
 from symhyb.model.types import Input, Model, Parameter, Sensor
 from symhyb.numeric.kernels.buffers import resampled
 from symhyb.numeric.lowered.machine import Machine
 from symhyb.numeric.runs.between import held_columns
 from symhyb.units import ONE, Unit, parse_unit
 
-SUSPECT = 2e-3  # of all squared forces, that no ordinary cause takes: below, nothing is suspected
-CLEARED = 0.1  # of the misfit may be left, for a fault to be claimed
-EXPLAINED = 0.1  # of all squared forces may be left to ordinary causes, for a fault to be claimed
 TAKEN = 0.3  # of what the model as recorded leaves may be left, for a fault to be claimed
 HELPS = 0.3  # of the misfit may be left, for a suspicion to be reported
-ALIKE = 3.0  # two faults whose misfits are closer than this cannot be distinguished
-LEVEL = 1e-4  # of squares: smaller misfits are alike
 SAMPLES_MOST = 1200  # of a recording, that are looked at
 SPACINGS_TRIED = (1.6, 4.0, 8.0, 16.0, 32.0, 64.0)  # samples between two knots
 SAMPLES_PERIOD = 80  # of the shortest period, that are kept
-MISREAD_LEAST = 1.5  # a factor closer to 1 is a gain
 
 UNITS = (
     "m",
@@ -182,7 +177,7 @@ def _judged(
     able = clear or helps
     if not able:
         return Repair(model, ())
-    limit = ALIKE * max(min(after.worst for _, after in able), LEVEL)
+    limit = ALIKE * max(min(after.worst for _, after in able), NOTABLE * SUSPECT)
     near = [(fault, after) for fault, after in able if after.worst < limit]
     fault, after = min(near, key=lambda pair: _rank(pair[0], model))
     others = tuple(other for other, _ in near if other is not fault)
@@ -194,9 +189,9 @@ def _judged(
 def _clears(before: Misfit, after: Misfit) -> bool:
     """Whether nothing but this fault explains the misfit; sensors that contradict each other need
     no forces to tell it."""
-    explains = after.plain < EXPLAINED and after.plain < TAKEN * before.plain
-    contradict = before.senses > SUSPECT and after.senses < CLEARED * before.senses
-    return after.worst < CLEARED * before.worst and (explains or contradict)
+    explains = after.plain < SMALL and after.plain < TAKEN * before.plain
+    contradict = before.senses > SUSPECT and after.senses < SMALL * before.senses
+    return after.worst < SMALL * before.worst and (explains or contradict)
 
 
 def _helps(before: Misfit, after: Misfit) -> bool:
@@ -295,7 +290,7 @@ def misreadings(unit: Unit) -> Iterator[tuple[str, float]]:
         turns = "rad" in text or "deg" in text or "turn" in text or text == "rpm"
         if not unit.same_dimension(other) or turns != _turns(unit):
             continue
-        if max(factor, 1 / factor) > MISREAD_LEAST and round(log(factor), 6) not in seen:
+        if max(factor, 1 / factor) > 1 + GAIN_REACH and round(log(factor), 6) not in seen:
             seen.add(round(log(factor), 6))
             yield text, factor
 

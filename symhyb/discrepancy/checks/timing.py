@@ -21,21 +21,17 @@ from symhyb.discrepancy.recorded.signals import acting, measured
 from symhyb.discrepancy.recorded.windows import correlation_time
 from symhyb.discrepancy.words.wording import number_text, percent_text, small_text
 from symhyb.errors import InputError
+from symhyb.judgement import FEW, NOISE_FACTOR, SMALL, SURE
 from symhyb.model.types import Model
 from symhyb.numeric.kernels.buffers import Array, resampled
 from symhyb.numeric.kernels.vector import along
 from symhyb.numeric.lowered.machine import Machine, build
 
-SURE = 4.0  # standard deviations, and
 SAMPLES_LATE = 0.5  # of a sample, from which a delay is claimed
 GRID = 41  # delays that are tried first
 REACH = 0.25  # of the shortest period: the longest delay that is looked for, either way
 REACH_MOST = 0.1  # of the recording
 ROUNDS = 4
-POOR = 0.1  # of a signal's power: where noise or what is left has more, no delay is claimed
-CLEAN = 2.0  # times the noise of the force: more is left where physics is missing too
-SEEN = 0.1  # of what a delay changes in a signal, that nothing else can make, for it to be claimed
-CHANGES_LEAST = 20  # of a held channel, that show at which rate it changes
 SENSORS_MOST = 4  # held against the others one by one: each costs an estimate of the motion
 SHOWN = "nothing shows it closely enough to tell a delay"
 FEIGNED = "but the model lacks more than that, which may feign it"
@@ -121,7 +117,7 @@ def hold_of(values: Array) -> int:
     """Every how many samples (N,) of any unit a channel changes: 1 unless it is held in
     between, as by a logger that is faster than the channel."""
     changes = 1 + np.flatnonzero(np.diff(values[np.isfinite(values)]) != 0)
-    if changes.size < CHANGES_LEAST:
+    if changes.size < FEW:
         return 1
     return int(np.gcd.reduce(np.diff(changes)))
 
@@ -253,7 +249,7 @@ def _late(
         delay = float(np.clip(delay - moved, -reach, reach))
     left, slope = beyond(signal(delay)), beyond(change(delay))
     seen = float(slope @ slope)
-    if seen <= SEEN * float(np.sum(change(delay)[inside] ** 2)):
+    if seen <= SMALL * float(np.sum(change(delay)[inside] ** 2)):
         return Late(channel, against, None, np.inf, False, UNTOLD)
     together = correlation_time([left.reshape(1, -1)], target.shape[1])
     variance = float(left @ left) / max(left.size - basis.shape[1] - 1, 1)
@@ -263,12 +259,12 @@ def _late(
         return Late(channel, against, None, sd, False, said)
     whole = signal(delay)[inside]
     size = float(np.sum((whole - whole.mean(axis=0)) ** 2))
-    rough = np.isfinite(noise) and whole.size * noise**2 > POOR * size
-    if rough or float(left @ left) > POOR * size:
+    rough = np.isfinite(noise) and whole.size * noise**2 > SMALL * size
+    if rough or float(left @ left) > SMALL * size:
         return Late(channel, against, None, sd, False, SHOWN)
     if abs(delay) >= reach * (1 - 1e-6):
         return Late(channel, against, None, sd, False, "no delay within reach fits")
-    if float(np.sqrt(np.mean(left**2))) > CLEAN * noise:
+    if float(np.sqrt(np.mean(left**2))) > NOISE_FACTOR * noise:
         return Late(channel, against, delay, sd, False, FEIGNED)
     claimed = abs(delay) > SURE * sd and abs(delay) > SAMPLES_LATE * step
     return Late(channel, against, delay, sd, claimed)

@@ -19,6 +19,7 @@ from symhyb.discrepancy.fitting.normal import bounded_step, inverse_of
 from symhyb.discrepancy.fitting.squares import best_of, squares
 from symhyb.discrepancy.fitting.task import Fit, Task
 from symhyb.discrepancy.recorded.windows import Cut, correlation_time
+from symhyb.judgement import UNEXPLAINED
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.runs.windows import WindowModel
 
@@ -31,7 +32,6 @@ SHARES_ALONE = (1.0, 0.3, 0.0)  # where no parameter moves with it; the last is 
 HELD_ROUNDS = 2  # of steps for the initial states alone, when the parameters stand
 ROUNDS = 3  # of both
 LATE_ROUNDS = 3  # more, where the delay of a sensor moves by samples
-EXPLAINED = 2.0  # of χ² per sample: a beginning that leaves less needs no gentle friction
 SETTLED = 0.01  # of the cost: if settling takes more, the parameters move again
 
 
@@ -78,7 +78,7 @@ def _explained(
     """Whether all windows, held ones too, are met down to a few times their noise as they begin."""
     count = sum(int(np.isfinite(item.block.y).sum()) for item in task.cuts)
     cost = _cost(model, replace(task, everything=True), p, values, starts)
-    return bool(cost < EXPLAINED * count)
+    return bool(cost < UNEXPLAINED * count)
 
 
 def _fitted(

@@ -12,18 +12,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symhyb.discrepancy.places.hypotheses import GAIN_REACH
 from symhyb.discrepancy.recorded.course import Course, course_of
 from symhyb.discrepancy.recorded.residual import discrepancy, force_band
 from symhyb.discrepancy.recorded.runs import Run
 from symhyb.discrepancy.recorded.signals import noise_level
+from symhyb.judgement import GAIN_REACH, SLIP_MOST
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.kernels.vector import along
 from symhyb.numeric.lowered.machine import Machine
 from symhyb.numeric.lowered.manifold import free_part
 
 TRIMMED = 0.04  # of a recording at either end, where splines are wild
-MASS_MOST = 2.0  # times the inertia of the model: more mass than that is no oversight
 ROWS_MOST = 3000  # samples of a recording that are looked at
 BEAM = 6  # single causes that are tried with a second one
 
@@ -138,7 +137,7 @@ def _laws(c: Course, free: Sequence[int], rows: slice, inertia: Array) -> Iterat
             yield -lost[:, None] * own, 0.0, np.inf
         pull = float(np.linalg.norm(a[:, i]))
         mass = float(np.linalg.norm(inertia[:, i])) / pull if pull > 0 else 0.0
-        yield -a[:, i : i + 1] * own, 0.0, MASS_MOST * mass
+        yield -a[:, i : i + 1] * own, 0.0, SLIP_MOST * mass
         for j in range(i):
             pair = own - np.eye(len(free))[j]
             for held in _holding(q[:, i] - q[:, j])[1:]:

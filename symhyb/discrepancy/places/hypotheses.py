@@ -39,7 +39,6 @@ from symhyb.numeric.lowered.machine import Machine, build
 from symhyb.numeric.lowered.manifold import free_part
 from symhyb.units import ONE, Unit, parse_unit
 
-GAIN_REACH = 0.5  # a gain further from 1 is a wrong unit or sign, not a gain
 ASSUMED = "assumed"  # a gain, offset or delay that the file does not state
 _UNKNOWN = Key("", 0, 0, 0)  # of what is no key of a law: a parameter, a coefficient of a formula
 _AS_THEY_ARE = Terms()

@@ -25,13 +25,13 @@ from symhyb.discrepancy.recorded.residual import discrepancy
 from symhyb.discrepancy.recorded.windows import Cut, merge, reduce
 from symhyb.discrepancy.results import Activity, Change, Occurrence, PlaceShare
 from symhyb.discrepancy.words.occurrence_words import occurrence_sentence
+from symhyb.judgement import SMALL
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.lowered.machine import Machine
 from symhyb.numeric.runs.windows import Linear, WindowModel
 
 KNOTS = (5, 9)  # of the surface along stretch and rate
 RIDGE = 1e-4  # of the mean column power
-ACTIVE_SHARE = 0.1  # of the largest force: acting
 
 
 def locate(
@@ -59,7 +59,7 @@ def locate(
         total, count = placed.grams[placed.held].sum(axis=0), placed.count[placed.held].sum()
         share = explained(total, values, float(count))
         change = None if share is None else change_of(placed, ridge, seen.names)
-        if change is None and (not share or share <= ACTIVE_SHARE):
+        if change is None and (not share or share <= SMALL):
             result.append(PlaceShare(place, share))
             continue
         if change is not None:  # what it takes where it acts
@@ -171,7 +171,7 @@ def _occurrence(
 def activity(t: Array, stretch: Array, rate: Array, force: Array) -> Activity | None:
     """Where and when a force (N,) acts: ranges of stretch and rate (N,) SI, spans of time (s)."""
     size = np.abs(force)
-    acting = size > ACTIVE_SHARE * np.quantile(size, 0.99) if size.max(initial=0.0) > 0 else None
+    acting = size > SMALL * np.quantile(size, 0.99) if size.max(initial=0.0) > 0 else None
     if acting is None or not acting.any():
         return None
     times = t[acting]

@@ -19,6 +19,7 @@ from symhyb.discrepancy.places.locate import explained, hats, knots, surface
 from symhyb.discrepancy.recorded.windows import Cut, Reduced, reduce
 from symhyb.discrepancy.results import Memory
 from symhyb.discrepancy.words.wording import percent_text
+from symhyb.judgement import MOST, NEGLIGIBLE, SMALL
 from symhyb.model.vocabulary import KINDS
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.runs.windows import WindowModel
@@ -31,9 +32,6 @@ FEW = (1, 2, 4, 8, 16, 32)  # functions that are chosen one by one
 FUNCTIONS_MOST = 300  # over all coordinates
 CHUNK = 15  # windows at once; every third is held
 SLIP = 1e-3  # of the largest rate: where a function may jump with its sign
-FUNCTION = 0.9  # of the mismatch explained: the missing force is a function of the state
-LEAST = 1e-3  # of the mismatch, that such a function leaves: less says nothing
-PART_LEFT = 0.5  # of what such a function leaves: the past explains it
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -152,12 +150,12 @@ def _left(gram: Array, values: Array) -> float:
 def memory_sentence(state: float, past: float) -> str:
     """Say whether the missing force is a function of the state, from two explained shares."""
     said = f"explains {percent_text(state)} of the mismatch on windows that were held out"
-    if 1 - state > LEAST and past - state > PART_LEFT * (1 - state):
+    if 1 - state > NEGLIGIBLE and past - state > MOST * (1 - state):
         return (
             f"What is missing remembers: a function of position, speed and input {said}, "
             f"with laws that remember it is {percent_text(past)}."
         )
-    if state >= FUNCTION:
+    if state >= 1 - SMALL:
         return f"What is missing is a function of position, speed and input: such a force {said}."
     return (
         f"A function of position, speed and input {said}, with laws that remember "

@@ -14,18 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symhyb.discrepancy.results import Change
+from symhyb.judgement import BEYOND_LEAST, FEWEST, MOST, NOTABLE, SIGNIFICANT
 from symhyb.numeric.kernels.buffers import Array
 
-SIGNIFICANT = 10.0  # of χ² on held windows, and 2 ln(moments tried) more
-PART = 1 / 2  # of what acting throughout leaves, that a beginning must take
 MISMATCH = 1.15  # χ² per sample that noise may reach by the error of its own measurement
-SIDE_LEAST = 3  # windows of the recording on either side of a moment
 BAND = (0.1, 0.9)  # of the power: the band between these quantiles
-BAND_MOST = 0.5  # of the samples' frequencies; a wider band says nothing
 BINS = 24  # of the size of the stretch
-QUIET = 0.05  # of the largest mean force: no force
-BEYOND_LEAST = 0.4  # of the largest stretch; smooth laws of third order are quiet up to 0.37
-LOUDER = 0.5  # of the RMS beyond: a force whose mean alone is small inside acts there too
 SURE = 5.0  # standard errors of the mean force in a bin
 
 
@@ -68,7 +62,7 @@ def change_of(placed: Placed, solve: Solve, names: Sequence[str]) -> Change | No
     tried = 0
     for r in np.unique(placed.recording):
         rows = np.flatnonzero(placed.recording == r)
-        for k in range(SIDE_LEAST, rows.size - SIDE_LEAST + 1):
+        for k in range(FEWEST, rows.size - FEWEST + 1):
             moment = float((placed.t[rows[k - 1], 1] + placed.t[rows[k], 0]) / 2)
             for begins in (True, False):
                 tried += 1
@@ -87,7 +81,7 @@ def change_of(placed: Placed, solve: Solve, names: Sequence[str]) -> Change | No
     unit = max(total / max(floor, 1.0), 1.0)
     sure = (always - total) / unit > SIGNIFICANT + 2 * np.log(tried)
     part = (always - total) / max(always - min(floor, total), 1e-12)
-    if not sure or part < PART:
+    if not sure or part < MOST:
         return None
     rows = np.flatnonzero(placed.recording == r)
     width = float(np.median(placed.t[rows, 1] - placed.t[rows, 0]))
@@ -153,7 +147,7 @@ def band_of(lines: Array, power: Array) -> tuple[float, float] | None:
         return None
     total = np.cumsum(power) / power.sum()
     low, high = (float(lines[np.searchsorted(total, share)]) for share in BAND)
-    return None if high - low > BAND_MOST * lines[-1] else (low, high)
+    return None if high - low > MOST * lines[-1] else (low, high)
 
 
 def beyond_of(stretch: Array, missing: Array) -> float | None:
@@ -173,7 +167,7 @@ def beyond_of(stretch: Array, missing: Array) -> float | None:
     largest = int(np.argmax(np.abs(means)))
     if not abs(means[largest]) > SURE * errors[largest]:
         return None
-    loud = np.abs(means) > np.maximum(QUIET * abs(means[largest]), 2 * np.minimum(errors, 1e300))
+    loud = np.abs(means) > np.maximum(NOTABLE * abs(means[largest]), 2 * np.minimum(errors, 1e300))
     first = int(np.flatnonzero(loud)[0]) // 2 if loud.any() else 0
     threshold = float(edges[first])
     if threshold < BEYOND_LEAST * most:
@@ -182,4 +176,4 @@ def beyond_of(stretch: Array, missing: Array) -> float | None:
         float(np.sqrt(np.mean(missing[rows] ** 2)))
         for rows in (size < threshold, size >= threshold)
     )
-    return threshold if inner < LOUDER * outer else None
+    return threshold if inner < MOST * outer else None

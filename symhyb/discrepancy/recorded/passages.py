@@ -13,10 +13,9 @@ import numpy as np
 
 from symhyb.discrepancy.recorded.motion import Motion
 from symhyb.discrepancy.recorded.runs import Run
+from symhyb.judgement import SMALL
 from symhyb.numeric.kernels.buffers import Array
 
-ONE_WAY = 0.9  # of the path that a coordinate covers is its way from first to last place
-APART = 0.1  # of the speed, by which passages of one place differ: the size of any difference
 PLACES = 32  # of the common way, at which speeds are compared
 
 
@@ -26,7 +25,7 @@ def one_way(motion: Motion) -> bool:
     path = np.sum(np.abs(np.diff(motion.q, axis=0)), axis=0)
     way = np.abs(motion.q[-1] - motion.q[0])
     moves = path > 0
-    return bool(moves.any() and np.all(way[moves] >= ONE_WAY * path[moves]))
+    return bool(moves.any() and np.all(way[moves] >= (1 - SMALL) * path[moves]))
 
 
 def passed_at_one_speed(runs: Sequence[Run]) -> bool:
@@ -47,7 +46,7 @@ def _differ(first: Motion, second: Motion) -> bool:
         places = np.linspace(low, high, PLACES)
         one, other = _speed(first, i, places), _speed(second, i, places)
         size = np.sqrt((np.mean(one**2) + np.mean(other**2)) / 2)
-        if np.sqrt(np.mean((one - other) ** 2)) > APART * size:
+        if np.sqrt(np.mean((one - other) ** 2)) > SMALL * size:
             return True
     return False
 

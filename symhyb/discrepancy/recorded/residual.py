@@ -13,14 +13,13 @@ from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.course import Course, course_of
 from symhyb.discrepancy.recorded.motion import Motion, motion_of
 from symhyb.discrepancy.words.wording import percent_text, quantity_text
+from symhyb.judgement import NOISE_FACTOR
 from symhyb.model.types import Model, On
 from symhyb.model.vocabulary import force_unit
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.kernels.vector import along
 from symhyb.numeric.lowered.machine import Machine
 from symhyb.numeric.lowered.manifold import free_part
-
-NOISE_RATIO = 2.0  # measured noise this far from the stated sd is reported
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -137,7 +136,7 @@ def noise_notes(model: Model, noise: Mapping[str, float]) -> tuple[str, ...]:
         if sensor.sd is None or sensor.name not in noise:
             continue
         found = noise[sensor.name]
-        if found > NOISE_RATIO * sensor.sd or found < sensor.sd / NOISE_RATIO:
+        if found > NOISE_FACTOR * sensor.sd or found < sensor.sd / NOISE_FACTOR:
             unit = sensor.unit.text
             notes.append(
                 f"{sensor.name} states a noise of {quantity_text(sensor.sd, unit)}, "

@@ -10,6 +10,7 @@ from symhyb.discrepancy.recorded.course import course_of
 from symhyb.discrepancy.recorded.motion import Motion
 from symhyb.discrepancy.recorded.residual import discrepancy
 from symhyb.discrepancy.recorded.windows import Cut, lay
+from symhyb.judgement import OUTSTANDING, PERIODS_LEAST, SAMPLES_TELL
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import Element, On
 from symhyb.numeric.kernels.buffers import Array
@@ -20,9 +21,6 @@ FINE_LEAST, FINE_MOST = 8, 64  # steps near a reversal, for one elsewhere
 STEPS_MOST = 16
 BEND_SHARE = 2e-3  # of the size of a smooth input, that lines within steps may cut: the accuracy of
 # the fitted values
-SIGNAL_LEAST = 3.0  # spread of a channel over its noise, for a recording that shows something
-SAMPLES_TELL = 100  # that recordings have together
-PERIODS_LEAST = 2.0  # of the slowest motion, that recordings last together
 WINDOWS_WORSE = 0.1  # share of windows in which the integration may err more
 PROBE_TRANSITION = 1e-3  # of the largest speed
 STEP_SHARE = 0.1  # of the noise: the error of integration that is allowed
@@ -83,7 +81,7 @@ def too_poor(runs: Sequence[Run], sensors: Sequence[str]) -> str:
         for sensor, noise in zip(sensors, run.motion.sd, strict=True):
             values = run.recording.sensors.get(sensor)
             if values is not None and np.isfinite(noise):
-                signals.append(float(np.nanstd(values)) > SIGNAL_LEAST * noise)
+                signals.append(float(np.nanstd(values)) > OUTSTANDING * noise)
     if not any(signals):
         return "no channel moves by more than a few times its noise"
     samples = sum(run.recording.t.size for run in runs)

@@ -5,13 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from symhyb.correction.adequacy.beyond import CERTAIN, NEGLIGIBLE, Beyond, beyond
+from symhyb.correction.adequacy.beyond import Beyond, beyond
 from symhyb.correction.adequacy.classes.law import law
 from symhyb.correction.adequacy.classes.worth import around
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Fitted, fitted
 from symhyb.discrepancy.likelihood.fit import FAILED
 from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.judgement import CERTAIN, NEGLIGIBLE
 from symhyb.model.types import On
 from tests.pushed import NOISE, markov, pushed, pushed_model, setting_of
 

@@ -12,12 +12,13 @@ from symhyb import diagnosis as story
 from symhyb.correction.adequacy import judge
 from symhyb.correction.adequacy.agreement import Disputed
 from symhyb.correction.adequacy.followed import Along
-from symhyb.correction.adequacy.judge import CLAIMED, TOO_SHORT, Adequacy, adequacy
+from symhyb.correction.adequacy.judge import TOO_SHORT, Adequacy, adequacy
 from symhyb.correction.search.preparing import Prepared, prepare, settle
 from symhyb.correction.search.setting import Setting
 from symhyb.correction.search.trajectory import Refined, refine
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.judgement import PROBABLE
 from symhyb.model.types import On
 from tests.pushed import NOISE, STEP, markov, pushed, pushed_model, pushing
 
@@ -98,7 +99,7 @@ def test_an_unmeasured_force_acts_and_is_of_no_other_class() -> None:
 def test_an_input_that_saturates_is_its_class_and_takes_the_gain_with_it() -> None:
     alone = judged(saturated(14))
     assert alone.classes[0][0].kind == "input"
-    assert alone.classes[0][1] > CLAIMED
+    assert alone.classes[0][1] > PROBABLE
     with_gain = judged(saturated(14), (GAIN, {"value": -0.2}))
     assert with_gain.classes[0][0].kind == "input"
     assert GAIN in with_gain.doubt
