@@ -18,6 +18,7 @@ from scipy.sparse.linalg import splu
 
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.independent import Independent, independent, placed_with
+from symhyb.discrepancy.recorded.knots import SPACINGS, SplineFit, chosen
 from symhyb.discrepancy.recorded.signals import acting, measured, noise_level
 from symhyb.discrepancy.recorded.splines import bands, design, ridge, spline_basis, swings
 from symhyb.discrepancy.recorded.tracking import firmness, tracked
@@ -29,12 +30,10 @@ from symhyb.numeric.kernels.vector import along
 from symhyb.numeric.lowered.machine import Machine, build
 from symhyb.numeric.lowered.manifold import closed, gaps_of, placing
 
-SPACINGS = (1.3, 1.6, 2, 3, 4, 6, 8, 11, 16, 23, 32, 45, 64, 91, 128)  # samples between two knots
 GUIDE_FIRST = 0.01  # of what acts: the force that a model may lack at first, where it must guide
 GUIDE_LEAST, GUIDE_MOST = 0.02, 0.5  # of what acts, afterwards
 GUIDE_ROUNDS = 3
 GUIDE_KNOTS = 4  # samples
-WORSE_MOST = 3  # spacings in a row that are worse than the best: stop
 FEW_TELL = 64  # samples that tell what of a residual is no noise
 
 
@@ -138,19 +137,17 @@ def _smoothed(
         guide = _guide(machine, t, u, y, weights, step, first)
         y = np.concatenate([y, np.zeros((t.size, guide.size))], axis=1)
         weights = np.concatenate([weights, guide])
-    fits: list[_Fit] = []
-    for spacing in SPACINGS if spacings_s is None else [s / step for s in spacings_s]:
-        if t.size < 4 * spacing or not np.isfinite(sd).any():
-            break
-        fits.append(_fit(machine, t, u, y, weights, spacing * step, few or first))
-        best = _best(fits)
-        if np.isfinite(fits[best].criterion) and len(fits) - best > WORSE_MOST:
-            break
-    if not fits:
+
+    def fitted(rows: slice, spacing: float) -> SplineFit:
+        places = few or (None if first is None else first[rows])
+        return _fit(machine, t[rows], u[rows], y[rows], weights, spacing * step, places)
+
+    spacings = SPACINGS if spacings_s is None else [s / step for s in spacings_s]
+    usable = [s for s in spacings if t.size >= 4 * s] if np.isfinite(sd).any() else []
+    if not usable:
         text = f"{t.size} samples are too few to estimate a motion"
         raise InputError(Problem(text, file=recording.name))
-    chosen = _best(fits)
-    fit, narrower = fits[chosen], fits[max(chosen - 1, 0)]
+    fit, narrower = chosen(fitted, usable, t.size, whole=few is not None)
     q, v, a = (np.column_stack([b @ c for c in fit.coefficients]) for b in fit.basis)
     q_sd, v_sd, a_sd = (_spread(order, fit, narrower) for order in range(3))
     lost = (
@@ -241,22 +238,7 @@ def _forces(machine: Machine, q: Array, v: Array, u: Array, t: Array) -> Array:
     return force
 
 
-@dataclass(frozen=True, slots=True)
-class _Fit:
-    coefficients: Sequence[Array]
-    basis: Sequence[sparse.csr_array]
-    residual: Array
-    variance: float
-    bands: tuple[Array, Array, Array]
-    criterion: float
-    spacing: float
-
-
-def _best(fits: Sequence[_Fit]) -> int:
-    return int(np.argmin([fit.criterion for fit in fits]))
-
-
-def _spread(order: int, fit: _Fit, narrower: _Fit) -> Array:
+def _spread(order: int, fit: SplineFit, narrower: SplineFit) -> Array:
     """One sd (n,) of a derivative of the coordinates, SI: noise, and the bias of knots that are
     balanced for q: what narrower knots change beyond what their noise explains."""
     noise = fit.variance * fit.bands[order] ** 2
@@ -276,7 +258,7 @@ def _fit(
     weights: Array,
     spacing: float,
     first: Array | Independent | None = None,
-) -> _Fit:
+) -> SplineFit:
     """Splines fitted to measurements, from the declared start or from places ``first`` (N, n); of
     the independent coordinates alone where these are known."""
     basis = spline_basis(t, spacing)
@@ -318,7 +300,7 @@ def _fit(
     if free < 0.15 * count or swings(t, q, v):
         criterion = np.inf
     spreads = bands(basis, normal, n)
-    return _Fit(list(coefficients), basis, residual, cost / free, spreads, criterion, spacing)
+    return SplineFit(list(coefficients), basis, residual, cost / free, spreads, criterion, spacing)
 
 
 def _seen(

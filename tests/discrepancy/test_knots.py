@@ -1,0 +1,61 @@
+"""Which spacing of knots is chosen, and by which part of a recording."""
+
+import numpy as np
+import pytest
+
+from symhyb.discrepancy.recorded.knots import LONG, STRETCHES, SplineFit, chosen, stretches
+
+SPACINGS = (2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0)
+
+
+class Fitter:
+    """Fits whose criterion a sample is least at ``best``; remembers what was asked for."""
+
+    def __init__(self, total: int, best: float) -> None:
+        self.total, self.best = total, best
+        self.asked: list[tuple[int, float]] = []
+
+    def __call__(self, rows: slice, spacing: float) -> SplineFit:
+        size = len(range(*rows.indices(self.total)))
+        self.asked.append((size, spacing))
+        worth = size * abs(np.log(spacing / self.best))
+        one = (np.zeros(1),) * 3
+        return SplineFit((), (), np.zeros((size, 1)), 1.0, one, float(worth), spacing)
+
+
+@pytest.mark.parametrize(("best", "narrower"), [(16.0, 8.0), (2.0, 2.0), (128.0, 64.0)])
+def test_the_best_and_the_next_narrower(best: float, narrower: float) -> None:
+    fits = chosen(Fitter(1000, best), SPACINGS, 1000)
+    assert [fit.spacing for fit in fits] == [best, narrower]
+
+
+def test_what_gets_worse_and_worse_is_not_tried() -> None:
+    fitter = Fitter(1000, 2.0)
+    chosen(fitter, SPACINGS, 1000)
+    assert [spacing for _, spacing in fitter.asked] == [2.0, 4.0, 8.0, 16.0]
+
+
+def test_stretches_of_a_long_recording_choose_and_the_whole_is_fitted() -> None:
+    total = 20 * LONG
+    fitter = Fitter(total, 8.0)
+    fits = chosen(fitter, SPACINGS, total)
+    assert [fit.spacing for fit in fits] == [8.0, 4.0]
+    assert [len(fit.residual) for fit in fits] == [total, total]
+    sizes = [size for size, _ in fitter.asked]
+    assert sizes.count(total) == 2
+    assert set(sizes) == {total, LONG // STRETCHES}
+    assert len(chosen(Fitter(total, 8.0), SPACINGS, total, whole=True)[0].residual) == total
+
+
+def test_stretches_lie_from_end_to_end() -> None:
+    rows = stretches(3 * LONG)
+    assert rows[0].start == 0
+    assert rows[-1].stop == 3 * LONG
+    assert sum(one.stop - one.start for one in rows) == LONG
+
+
+def test_a_part_pays_for_its_numbers_as_the_whole_does() -> None:
+    one = (np.zeros(1),) * 3
+    fit = SplineFit((np.zeros(30),), (), np.zeros((100, 1)), 1.0, one, 5.0, 1.0)
+    assert fit.criterion_of(100) == 5.0
+    assert fit.criterion_of(1000) == pytest.approx(5 + 30 * np.log(10))
