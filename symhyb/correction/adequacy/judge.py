@@ -103,12 +103,14 @@ def adequacy(
 
 
 def _small(final: Refined, ground: Recorded, left: Beyond) -> frozenset[Hypothesis]:
-    """The laws whose force is small against what acts beyond, at every coordinate: they may be a
-    part of it. All causes where that is a large part of what moves a coordinate."""
-    if not left.acts:
-        return frozenset()
-    if np.any(left.share > LARGE):
-        return frozenset(final.causes)
+    """The laws whose force, at every coordinate, is small against what acts beyond (they may be a
+    part of it) or negligible against what moves the coordinate (the numerics err by as much). All
+    causes where what acts beyond is a large part of what moves a coordinate."""
+    least = NEGLIGIBLE * ground.scale
+    if left.acts:
+        if np.any(left.share > LARGE):
+            return frozenset(final.causes)
+        least = np.maximum(least, LARGE * left.force)
     squares, counts = 0.0, 0
     for item in ground.items:
         forces = element_forces(final, *item.source)[0][item.rows[0]]
@@ -117,7 +119,7 @@ def _small(final: Refined, ground: Recorded, left: Beyond) -> frozenset[Hypothes
     sizes = np.sqrt(squares / counts)  # (n, E), those of the causes last
     laws = [cause for cause in final.causes if cause.place is not None]
     own = sizes[:, sizes.shape[1] - len(laws) :]
-    large = np.any((own > LARGE * left.force[:, None]) & (own > 0), axis=0)
+    large = np.any((own > least[:, None]) & (own > 0), axis=0)
     return frozenset(cause for cause, stands in zip(laws, large, strict=True) if not stands)
 
 

@@ -133,3 +133,11 @@ def test_a_law_that_is_small_against_what_acts_beyond_is_in_doubt() -> None:
     )
     assert found.beyond.acts
     assert DAMPER in found.doubt
+
+
+def test_a_law_whose_force_is_an_error_of_the_numerics_is_in_doubt() -> None:
+    """Of the damping there, a ten-thousandth is missing."""
+    found = judged(pushed(11, samples=SAMPLES, damping=0.6 + 6e-5), (DAMPER, {"damping": 6e-5}))
+    assert not found.beyond.acts
+    assert DAMPER in found.doubt
+    assert not judged(pushed(11, samples=SAMPLES, damping=0.7), (DAMPER, {"damping": 0.1})).doubt
