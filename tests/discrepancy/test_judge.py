@@ -20,8 +20,8 @@ def test_a_correction_that_makes_it_worse_is_not_said_to_help(after: float, said
     assert f" {said} of its range, in a free run" in sentence
 
 
-def test_the_sentence_is_of_the_sensor_that_shows_most_and_of_its_free_run_too() -> None:
-    change = Comparison(scored(0.056, 0.67), scored(0.0074, 0.0075, 0.02))
+def test_the_sentence_is_of_the_sensor_that_changes_most_and_of_its_free_run_too() -> None:
+    change = Comparison(scored(0.056, 0.67), scored(0.0074, 0.0075, 0.002))
     sentence = _carries(change, 0.7, False, False)
     assert "of q over" in sentence
     assert "falls from 5.6 % to 0.74 % of its range, in a free run falls from 67 %" in sentence

@@ -107,7 +107,7 @@ def _traces(
 
 
 def _carries(comparison: Comparison | None, window: float, unseen: bool, same: bool) -> str:
-    """The sentence on the sensor that shows the mismatch most, and on which score decides."""
+    """The sentence on the sensor whose errors change most, and on which score decides."""
     if comparison is None:
         return "No recording was given to judge on."
     where = "unseen recordings" if unseen else "the training recordings (no unseen one was given)"
@@ -120,11 +120,22 @@ def _carries(comparison: Comparison | None, window: float, unseen: bool, same: b
     over = f"over windows of {window:.3g} s with fitted initial states"
     if not seen:
         return f"On {where} the error {over} is not computable. {why}"
-    worst = max(seen, key=lambda name: seen[name])
-    windows = _went(seen[worst], None if same else after.window_nrmse.get(worst))
-    runs = before.free_run_nrmse.get(worst), after.free_run_nrmse.get(worst)
+    name = max(seen, key=lambda one: (_changed(comparison, one), seen[one]))
+    windows = _went(seen[name], None if same else after.window_nrmse.get(name))
+    runs = before.free_run_nrmse.get(name), after.free_run_nrmse.get(name)
     free = "" if None in runs else f", in a free run {_went(runs[0], None if same else runs[1])}"
-    return f"On {where} the error of {worst} {over} {windows} of its range{free}. {why}"
+    return f"On {where} the error of {name} {over} {windows} of its range{free}. {why}"
+
+
+def _changed(comparison: Comparison, name: str) -> float:
+    """By which factor the errors of a sensor change most, as a logarithm of either sign."""
+    before, after = comparison.before, comparison.after
+    pairs = (
+        (before.window_nrmse.get(name), after.window_nrmse.get(name)),
+        (before.free_run_nrmse.get(name), after.free_run_nrmse.get(name)),
+    )
+    factors = [old / new for old, new in pairs if old and new]
+    return max((abs(float(np.log(factor))) for factor in factors), default=0.0)
 
 
 def _went(before: float | None, after: float | None) -> str:
