@@ -6,17 +6,16 @@ one; a test counts them and looks for others. Where a search begins, how much it
 tolerances of the numerics and what a picture shows are no judgement, and stand where they are used.
 """
 
+from math import log
+
 # Odds and probabilities
 
-# ln of the odds, 100 to 1: what acts beyond, and what can be distinguished
+# ln of the odds, 100 to 1: what acts beyond, what can be distinguished, a manoeuvre that decides
 # source: "decisive" of Jeffreys, Theory of Probability, 1961, appendix B
-CERTAIN = 4.6
-# to 1: a manoeuvre that is expected to reach these odds decides
-# source: the same, in the other scale
-ODDS = 100.0
+CERTAIN = log(100)
 # of the score, −2 ln of a probability, odds of 10 to 1: closer structures meet again on whole runs
 # source: "strong" of Jeffreys; nothing is claimed by it
-CLOSE = 4.6
+CLOSE = 2 * log(10)
 # of the score, or of χ² of independent samples: a difference that counts, and nearer is a rival
 # source: "very strong", odds of 150 to 1: Kass & Raftery, JASA 90, 1995
 SIGNIFICANT = 10.0
@@ -29,6 +28,12 @@ LIKELY = 0.5
 # probability that any recording is named as an outlier of a fleet in which all agree
 # source: convention: one fleet of a thousand
 CHANCE = 1e-3
+# of ln evidence: a class that the linear problem has so far behind the first is not fitted
+# source: three times what SIGNIFICANT asks for, for the linear problem is rough
+HOPELESS = 30.0
+# times the median power: a line of the missing force
+# source: 1 of 4000 lines of white noise has as much, exp(−12 ln 2)
+PEAK_LEAST = 12.0
 
 # Deviations
 
@@ -45,13 +50,13 @@ MARGIN = 2.0
 # How well the noise is known
 
 # χ² per sample: what leaves no more is at the noise
-# source: judgement: smoothing errs by some per cent of a variance; nulls of the bench stay below
+# source: judgement: how well smoothing knows a variance
 NEAR_NOISE = 1.1
 # χ² per sample: what leaves more is not explained
-# source: judgement: twice the variance, seen on the real recordings of the studies
+# source: judgement: more than the half of it is not noise
 UNEXPLAINED = 2.0
 # times a standard deviation of noise: measured against stated, and left over against expected
-# source: judgement: the factor that data sheets are off by
+# source: judgement
 NOISE_FACTOR = 2.0
 # independent pieces of what a model lacks
 # source: judgement: a cause takes about half of it; 20, 25 and 30 tried on EMPS and roll decays
@@ -66,9 +71,9 @@ BURSTS = 10.0
 # Parts of a whole
 
 # of a force, a gain, an energy, a mismatch: less is the error of the numerics
-# source: integration and interpolation err by up to ACCURACY where noise hides it
+# source: half of ACCURACY: what integration and interpolation err by
 NEGLIGIBLE = 1e-3
-# of a whole: less is not worth a word, or a trial
+# of a whole: less is not worth a word
 # source: judgement: what an engineer rounds away
 NOTABLE = 0.05
 # of a mismatch or a misfit that what explains it may leave; of a value that differs
@@ -81,16 +86,16 @@ LARGE = 1 / 3
 # source: judgement: the practical size of one cause among what is left
 MOST = 0.5
 # relative, of a fitted value: a part of every deviation
-# source: fixed steps, held inputs and smoothed friction, measured on simulated machines
+# source: judgement: fixed steps, held inputs and smoothed friction
 ACCURACY = 2e-3
 # of 1 − ρ² of two effects: less, and they are the same
 # source: two ways to state one force differ by as much as windows are discrete
 SAME = 1e-5
 # times: two faults, or a fault and a cause, whose misfits are closer cannot be distinguished
-# source: judgement, seen on faults put into three simulated machines
+# source: judgement: squares, so that errors differ by 1.7
 ALIKE = 3.0
 # times the spread of the other runs: this one only seems to be a repeat
-# source: judgement, seen on simulated repeats
+# source: judgement
 STRANGE = 5.0
 
 # What is no oversight
@@ -128,6 +133,12 @@ PERIODS_LEAST = 2.0
 # periods, and times OUTSTANDING deviations of noise: what a recording that tells nothing lacks
 # source: judgement
 AMPLE = 10.0
+# windows over all recordings, at their longest
+# source: six are fitted and three held, which then differ among themselves
+WINDOWS_LEAST = 9
+# times an error of the initial state may grow beyond what it does where no force acts
+# source: judgement: the fit of a window in which it grows by more has many minima
+GROWN = 10.0
 # windows, runs or recordings whose spread among themselves says something
 # source: two have one difference only
 FEWEST = 3
@@ -141,7 +152,7 @@ HANDFUL = 8
 # First checks and pictures in words
 
 # of the largest power density of an input: here it drives the machine
-# source: judgement: a Hann window leaks less
+# source: judgement: the second side lobe of a Hann window has 7e-5
 EXCITED = 1e-4
 # of the largest speed: what stands still is slower
 # source: judgement
@@ -152,3 +163,21 @@ START_DEVIATIONS = 15.0
 # of the largest stretch: a force that begins earlier is there from the start
 # source: a cubic law is quiet up to 0.37 of its stretch, by the limit NOTABLE
 BEYOND_LEAST = 0.4
+
+# Samples that a sensor got wrong
+
+# of the samples, at the very extreme: saturated
+# source: judgement: a sine is 1 % of the time within 2.5e-4 of its range from an end
+CLIPPED = 0.01
+# times as many samples as at the level beside the extreme
+# source: judgement: the crest of a coarse signal is populated, but evenly
+CREST = 5
+# of the RMS step: how fast a saturated signal runs into its limit
+# source: judgement: a motion that comes to rest slows down first
+ENTRY = 0.2
+# times what nine of ten samples deviate from the cubic through their neighbours
+# source: judgement: 20 deviations of normal noise
+SPIKE = 12.0
+# how closely the neighbours of a spike show that it alone is wrong
+# source: judgement: of the pattern −2/3, 1, −2/3; a kink or a step has another
+SPIKE_PATTERN = 0.2

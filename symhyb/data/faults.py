@@ -11,19 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symhyb.data.rows import blocks
+from symhyb.judgement import CLIPPED, CREST, ENTRY, FEWEST, NOTABLE, SPIKE, SPIKE_PATTERN
 
 Signal = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
-CLIPPED = 0.01  # part of the samples at the extreme value
-CLIPPED_RUN = 3  # samples in a row
-CREST = 5  # times as many samples as at the next level: the crest of a coarse signal is populated
-ENTRY = (
-    0.2  # of the RMS step: how fast a signal runs into its limit, where it does not come to rest
-)
-SPIKE = 12.0  # times what nine of ten samples deviate from their neighbours
-SPIKE_PATTERN = 0.2  # how closely the neighbours must show that only one sample is wrong
-SPIKES_MOST = 0.05  # of the samples: more are the signal itself
 SPIKE_SHAPE = np.array([1 / 6, -2 / 3, 1.0, -2 / 3, 1 / 6])  # of e around one wrong sample
 SPIKE_GAPS = (2, 3, 4)  # samples between two spikes that spoil each other's shape; 1 may be a jump
 PAIR_ROOM = 5  # samples before and after, in which ringing would go on
@@ -53,7 +45,7 @@ def spikes(values: Signal) -> Flags:
         alone = (np.abs(before + 2 / 3) < SPIKE_PATTERN) & (np.abs(after + 2 / 3) < SPIKE_PATTERN)
         flags[2:-2] = (np.abs(e[2:-2]) > SPIKE * usual) & alone
     flags |= pairs(e, SPIKE * usual)
-    return flags if flags.sum() <= SPIKES_MOST * values.size else np.zeros_like(flags)
+    return flags if flags.sum() <= NOTABLE * values.size else np.zeros_like(flags)
 
 
 def pairs(e: Signal, least: float) -> Flags:
@@ -118,7 +110,7 @@ def at_limit(values: Signal, upper: bool) -> Flags:
         return flags
     extreme, beside = (levels[-1], levels[-2]) if upper else (levels[0], levels[1])
     for run in blocks(values == extreme):
-        if run.size >= CLIPPED_RUN:
+        if run.size >= FEWEST:
             flags[run.first : run.last + 1] = True
     # The crest of a coarse signal is populated too, but so is the level beside it.
     few = flags.sum() < max(CLIPPED * values.size, CREST * np.count_nonzero(values == beside))

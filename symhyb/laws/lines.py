@@ -5,11 +5,11 @@ from math import atan2, hypot
 
 import numpy as np
 
+from symhyb.judgement import PEAK_LEAST
 from symhyb.laws.base import Key, Terms
 from symhyb.laws.reach import Array, Reach
 
 PEAKS = 2  # frequencies and periods that are tried at a place
-PEAK_LEAST = 12.0  # power of a peak over the median around it
 NARROW = 1.2  # a line is refined within this factor: beyond, it is another line
 
 PHASE = Key(

@@ -73,7 +73,7 @@ def test_what_was_recorded_bounds_what_is_asked_for() -> None:
     least = needed_evidence(pair, 400)
     # two standard deviations below, the odds are still 100 to 1
     assert least - 2 * np.sqrt(2 * least) == pytest.approx(np.log(100))
-    assert needed_evidence(pair, 8000) == pytest.approx(80)  # 1 % of the noise
+    assert needed_evidence(pair, 8000) == pytest.approx(np.sqrt(4000))  # half the deviation of χ²
 
 
 @pytest.mark.slow

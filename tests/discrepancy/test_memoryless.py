@@ -6,7 +6,7 @@ from law_rigs import RIG, Law, bouc_wen, on_rig, stop
 
 import symhyb as sh
 from symhyb.correction.search.preparing import prepare, settle
-from symhyb.discrepancy.places.memoryless import FEW, RIDGES, memoryless
+from symhyb.discrepancy.places.memoryless import CHOSEN, RIDGES, memoryless
 from symhyb.discrepancy.places.memoryless import _fits as fits
 from symhyb.discrepancy.results import Memory
 from symhyb.model.read import parse_model
@@ -46,6 +46,6 @@ def test_fits_recover_a_sum_of_two_columns() -> None:
     columns[:, 4], columns[:, 5] = 0.0, columns[:, 0]
     joined = np.column_stack([columns, 2 * columns[:, 1] - columns[:, 3]])
     found = fits(joined.T @ joined)
-    assert len(found) == len(RIDGES) + sum(few <= 6 for few in FEW)
+    assert len(found) == len(RIDGES) + sum(few <= 6 for few in CHOSEN)
     assert found[len(RIDGES) + 1] == pytest.approx([0, 2, 0, -1, 0, 0], abs=1e-6)
     assert found[0] == pytest.approx([0, 2, 0, -1, 0, 0], abs=1e-6)

@@ -27,11 +27,10 @@ from symhyb.correction.search.setting import Setting
 from symhyb.correction.search.strength import element_forces
 from symhyb.correction.search.trajectory import Refined, grouped
 from symhyb.discrepancy.places.hypotheses import Hypothesis
-from symhyb.judgement import CERTAIN, LARGE, LIKELY, MOST, NEGLIGIBLE, PROBABLE, SMALL
+from symhyb.judgement import CERTAIN, HOPELESS, LARGE, LIKELY, MOST, NEGLIGIBLE, PROBABLE, SMALL
 from symhyb.numeric.kernels.buffers import Array
 
 CLASSES_MOST = 3  # that are fitted, the best of the linear problem
-HOPELESS = 30.0  # of ln evidence: a class that the linear problem has so far behind is not fitted
 TOO_SHORT = "no part of the recordings without a gap is long enough"
 
 

@@ -20,14 +20,14 @@ from symhyb.correction.advice.bounds import bounds_of
 from symhyb.correction.advice.offers import offers
 from symhyb.correction.advice.playing import played, restrained
 from symhyb.correction.search.preparing import Prepared
-from symhyb.correction.search.score import NOISE_SHARE, unit_of
+from symhyb.correction.search.score import unit_of
 from symhyb.correction.search.setting import Setting
 from symhyb.correction.search.trajectory import Refined, grouped, refine
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.motion import Motion
 from symhyb.discrepancy.recorded.runs import Run, cut_into_windows
 from symhyb.discrepancy.results import Manoeuvre
-from symhyb.judgement import MARGIN, ODDS
+from symhyb.judgement import CERTAIN, MARGIN
 
 FITS_MOST = 48  # of one explanation to what another one would do
 WINDOWS = 3  # that a manoeuvre holds at least
@@ -118,10 +118,10 @@ def _expected(
 
 def needed_evidence(pair: Rivals, samples: float) -> float:
     """ln(100) with two standard deviations √(2E) to spare, and what more numbers cost: ½ ln N each;
-    at least 1 % of the noise, below which nothing is claimed."""
-    root = (MARGIN * 2**0.5 + (2 * MARGIN**2 + 4 * log(ODDS)) ** 0.5) / 2
+    at least half the standard deviation √(2N) of χ², below which there is nothing to see."""
+    root = (MARGIN * 2**0.5 + (2 * MARGIN**2 + 4 * CERTAIN) ** 0.5) / 2
     more = abs(pair.first.numbers - pair.second.numbers)
-    return float(max(root**2, NOISE_SHARE / 2 * samples)) + more * log(max(samples, 2)) / 2
+    return float(max(root**2, (samples / 2) ** 0.5)) + more * log(max(samples, 2)) / 2
 
 
 def expected(

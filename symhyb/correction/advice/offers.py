@@ -13,6 +13,7 @@ import numpy as np
 from symhyb.correction.advice.signals import SMOOTH
 from symhyb.correction.search.preparing import Prepared
 from symhyb.discrepancy.results import Manoeuvre, SignalName
+from symhyb.judgement import LARGE
 from symhyb.model.types import Coordinate, Input
 from symhyb.numeric.kernels.buffers import Array, call
 from symhyb.numeric.lowered.dynamics import state_form
@@ -209,7 +210,7 @@ def resting(prepared: Prepared, name: str) -> float:
     drive."""
     values = np.concatenate([run.recording.inputs[name] for run in prepared.runs])
     level = float(np.mean(values))
-    return rounded(level) if abs(level) > 0.3 * float(np.abs(values).max(initial=0.0)) else 0.0
+    return rounded(level) if abs(level) > LARGE * float(np.abs(values).max(initial=0.0)) else 0.0
 
 
 def rest_of(prepared: Prepared) -> tuple[Array, Array]:

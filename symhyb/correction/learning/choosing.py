@@ -22,9 +22,8 @@ from symhyb.judgement import MARGIN
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.kernels.factor import factor_of
 
-ALIKE = 1e-9  # of the largest column: a term that is no larger is not seen
+UNSEEN = 1e-9  # of the largest column: a term that is no larger is not seen
 FOLDS = 5
-ERRORS = 1.0  # standard errors that a smaller set may be worse by
 GONE_MOST = 3  # terms that one other may stand for
 RIVALS = 8  # sets that are simulated beside the chosen one
 
@@ -39,7 +38,7 @@ def choose_terms(
     """
     columns, right = form.columns[:, list(allowed)], form.right[:, row]
     length, size = np.linalg.norm(columns, axis=0), np.linalg.norm(right)
-    seen = np.flatnonzero(length > ALIKE * length.max(initial=0.0)).tolist()
+    seen = np.flatnonzero(length > UNSEEN * length.max(initial=0.0)).tolist()
     if size == 0 or not seen:
         return ()
     unit = np.column_stack([columns[:, seen] / length[seen], right / size])
@@ -71,7 +70,7 @@ def exchanges(
     for part, new in product(gone, others):
         trial = tuple(sorted([*(i for i in at if i not in part), new]))
         apart = _held_losses(unit, form, trial) - own
-        if apart.mean() <= ERRORS * np.std(apart, ddof=1) / np.sqrt(apart.size):
+        if apart.mean() <= np.std(apart, ddof=1) / np.sqrt(apart.size):
             found.append((len(trial), float(apart.mean()), tuple(allowed[i] for i in trial)))
     return tuple(trial for _, _, trial in sorted(found)[:RIVALS])
 
@@ -94,7 +93,7 @@ def _smallest(sets: Sequence[tuple[int, ...]], losses: Array) -> tuple[int, ...]
     for kept, own in zip(sets, losses, strict=True):
         apart = own - losses[best]
         error = float(np.std(apart, ddof=1) / np.sqrt(apart.size)) if apart.size > 1 else 0.0
-        if float(apart.mean()) <= (ERRORS if kept else MARGIN) * error:
+        if float(apart.mean()) <= (1 if kept else MARGIN) * error:
             return kept
     return sets[best]
 

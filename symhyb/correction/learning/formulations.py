@@ -29,7 +29,7 @@ from symhyb.numeric.lowered.inner import inner_along
 from symhyb.numeric.lowered.machine import Machine
 from symhyb.numeric.runs.formulations import Formulation, Law, Networks, Terms, features, value_of
 
-ALIKE = 1e-9  # of the largest column: a term that is no larger is not seen
+UNSEEN = 1e-9  # of the largest column: a term that is no larger is not seen
 
 
 def measured_course(
@@ -78,7 +78,7 @@ def sparse_law(
     given = course.q, course.v, course.u, course.t, machine.values
     (columns,) = along(features(machine, texts), given, (4,), course.t.size)
     length, size = np.linalg.norm(columns, axis=0), np.linalg.norm(wanted, axis=0)
-    seen = np.flatnonzero(length > ALIKE * length.max(initial=0.0)).tolist()
+    seen = np.flatnonzero(length > UNSEEN * length.max(initial=0.0)).tolist()
     coefficients = np.zeros((wanted.shape[1], len(texts)))
     for row in np.flatnonzero(size):
         table = np.column_stack([columns[:, seen] / length[seen], wanted[:, row] / size[row]])

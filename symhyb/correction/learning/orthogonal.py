@@ -21,7 +21,7 @@ from symhyb.numeric.lowered.machine import Machine
 from symhyb.numeric.runs.windows import WindowModel
 
 NUDGE = 1e-4  # of a named value: the step of a one-sided difference of ΔF, which is linear in most
-ALIKE = 1e-9  # of the largest singular value: directions that the motion does not tell apart
+DEPENDENT = 1e-9  # of the largest singular value: directions that the motion does not tell apart
 
 
 def beside(forces: Array, laws: Array) -> Array:
@@ -32,7 +32,7 @@ def beside(forces: Array, laws: Array) -> Array:
     strength = np.linalg.norm(laws, axis=0)
     laws = laws[:, strength > 0] / strength[strength > 0]
     _, singular, rows = np.linalg.svd(laws.T @ scaled)
-    rank = int(np.sum(singular > ALIKE * singular.max(initial=0.0))) if singular.size else 0
+    rank = int(np.sum(singular > DEPENDENT * singular.max(initial=0.0))) if singular.size else 0
     return np.asarray(rows[rank:].T / size[:, None])
 
 
@@ -86,7 +86,7 @@ def solved(gram: Array, basis: Array, ridge: float = 0.0) -> Array:
     inner, right = basis.T @ gram[:-1, :-1] @ basis, basis.T @ gram[:-1, -1]
     scale = np.sqrt(np.maximum(np.diag(inner), 1e-300))
     unit = inner / np.outer(scale, scale) + ridge * np.eye(right.size)
-    values = np.linalg.lstsq(unit, right / scale, rcond=ALIKE)[0]
+    values = np.linalg.lstsq(unit, right / scale, rcond=DEPENDENT)[0]
     return np.asarray(basis @ (values / scale))
 
 

@@ -20,6 +20,7 @@ from symhyb.discrepancy.recorded.course import Course
 from symhyb.discrepancy.recorded.runs import cut_within
 from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.errors import InputError, Problem
+from symhyb.judgement import FEWEST
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.kernels.vector import along
 from symhyb.numeric.lowered.dynamics import state_form
@@ -28,7 +29,7 @@ from symhyb.numeric.runs.formulations import Formulation, features
 
 PERIODS = 1.5  # of the shortest motion: a window
 BAND = 5.0  # of the highest modulation, per shortest period
-WINDOWS_LEAST = 20  # over all recordings: each is held once
+WINDOWS_WANTED = 20  # over all recordings: each is held once
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,10 +70,10 @@ def weak_form(prepared: Prepared, texts: Sequence[str], formulation: Formulation
 
 def _cut_into(prepared: Prepared) -> list[Cut]:
     total = sum(run.recording.duration for run in prepared.runs)
-    length = min(PERIODS * prepared.shortest, total / WINDOWS_LEAST)
+    length = min(PERIODS * prepared.shortest, total / WINDOWS_WANTED)
     cuts = [cut_within(run, prepared.machine, length) for run in prepared.runs]
     found = [item for item in cuts if item is not None]
-    if sum(len(item.start) for item in found) < 3:
+    if sum(len(item.start) for item in found) < FEWEST:
         names = ", ".join(run.recording.name for run in prepared.runs)
         text = f"{names}: too short or too full of gaps for three windows of {length:.3g} s"
         raise InputError(Problem(text))

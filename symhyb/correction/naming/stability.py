@@ -19,11 +19,11 @@ from symhyb.correction.search.decide import Decision
 from symhyb.correction.search.score import believable, piece_of, price
 from symhyb.correction.search.trajectory import Refined
 from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.judgement import FEWEST
 from symhyb.model.vocabulary import KINDS
 from symhyb.numeric.kernels.buffers import Array
 
 DRAWS = 400  # a share of 0.9 is then known to 1.5 %
-WINDOWS_LEAST = 4  # fewer say nothing about each other
 
 
 def stabilities(decision: Decision) -> tuple[float | None, ...]:
@@ -34,7 +34,7 @@ def stabilities(decision: Decision) -> tuple[float | None, ...]:
     """
     selected = decision.selected
     windows = selected.fit.chi2.size
-    if windows < WINDOWS_LEAST:
+    if windows < FEWEST:
         return (None,) * len(selected.causes)
     weights = np.random.default_rng(0).exponential(size=(DRAWS, windows))
     weights *= windows / weights.sum(axis=1, keepdims=True)

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from symhyb.correction.search.preparing import WINDOWS_LEAST
 from symhyb.correction.search.score import unit_of
 from symhyb.correction.search.setting import Setting, Stage
 from symhyb.correction.search.trajectory import Refined
@@ -13,7 +12,7 @@ from symhyb.discrepancy.fitting.task import starts_only
 from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.discrepancy.results import Change, Diagnosis, PlaceShare
 from symhyb.discrepancy.words.occurrence_words import change_words
-from symhyb.judgement import SIGNIFICANT
+from symhyb.judgement import SIGNIFICANT, WINDOWS_LEAST
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.lowered.machine import Machine
 from symhyb.numeric.runs.windows import WindowModel

@@ -16,15 +16,20 @@ from symhyb.correction.search.setting import Setting, Stage, along_motion
 from symhyb.discrepancy.recorded.windows import merge, reduce
 from symhyb.discrepancy.results import RecordingFault
 from symhyb.discrepancy.words.wording import joined, percent_text
-from symhyb.judgement import ALIKE, DRIFT_LEAST, DRIFT_MOST, SMALL
+from symhyb.judgement import (
+    ALIKE,
+    DRIFT_LEAST,
+    DRIFT_MOST,
+    LARGE,
+    NEAR_NOISE,
+    NOTABLE,
+    SIGNIFICANT,
+    SMALL,
+    WINDOWS_LEAST,
+)
 from symhyb.model.types import Model
 from symhyb.numeric.kernels.buffers import Array
 
-TAKES = 0.7  # of the same, for a drift to be claimed
-SIGNIFICANT = 50.0  # fall of χ² on fitted and on held windows
-NOISE_SHARE = 0.05  # of the noise: what is left is not known better
-NEARER = 1.5  # what two drifts leave beyond noise: closer, they cannot be distinguished
-WINDOWS_LEAST = 9
 RIVALS_MOST = 2
 ROUNDS = 4  # of putting right: a delay of half a period is no small change
 STANDS = 0.02  # of the drift: smaller changes end the rounds
@@ -73,16 +78,16 @@ def drifting(setting: Setting, again: Again) -> RecordingFault | None:
     if not DRIFT_LEAST < abs(begun.drift) < DRIFT_MOST or not begun.takes(begun, SMALL):
         return None
     limit = max(
-        NEARER * (begun.left - begun.floor),
-        NOISE_SHARE * (begun.constant - begun.floor),
-        NOISE_SHARE * begun.floor,
+        ALIKE * (begun.left - begun.floor),
+        NOTABLE * (begun.constant - begun.floor),
+        (NEAR_NOISE - 1) * begun.floor,
     )
     near = [i for i, fit in enumerate(first) if fit.left - fit.floor < limit]
     # stretching the time of one channel or of the other differs in second order: try them
     found = [(i, *_followed(names[i], i, first[i], again)) for i in near[:RIVALS_MOST]]
     best, drift, last = min(found, key=lambda one: one[2].left + one[2].held_left)
-    left = max(last.left - last.floor, NOISE_SHARE * last.floor)
-    if not last.takes(begun, TAKES) or _rival(setting, stage) - begun.floor < ALIKE * left:
+    left = max(last.left - last.floor, (NEAR_NOISE - 1) * last.floor)
+    if not last.takes(begun, 1 - LARGE) or _rival(setting, stage) - begun.floor < ALIKE * left:
         return None
     equals = [names[i] for i in near if i != best]
     return _named(setting.windows.machine.model, names[best], drift, equals)

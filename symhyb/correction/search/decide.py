@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from symhyb.correction.search.conventions import exchange, indistinguishable, precedence
-from symhyb.correction.search.exchanges import HOPE, distinct, exchanges
+from symhyb.correction.search.exchanges import distinct, exchanges
 from symhyb.correction.search.formulas import beside, candidates, instead
 from symhyb.correction.search.lines import lines_of
 from symhyb.correction.search.score import (
@@ -37,7 +37,7 @@ from symhyb.correction.search.trajectory import Refined, grouped
 from symhyb.correction.search.trials import Row, Say, Trials, first_guess
 from symhyb.correction.search.variants import variants_of
 from symhyb.discrepancy.places.hypotheses import Hypothesis
-from symhyb.judgement import NEAR_NOISE, SIGNIFICANT
+from symhyb.judgement import MOST, NEAR_NOISE, SIGNIFICANT
 from symhyb.numeric.kernels.buffers import Array
 
 BEGUN = 4  # structures of each size that the search begins with
@@ -146,7 +146,7 @@ def _begun(
         price = subset.numbers * number + len(subset.causes) * choice
         return float(promised - paid * price)
 
-    ranked = sorted((s for s in found if gain(s, HOPE) > 0), key=lambda s: -gain(s))
+    ranked = sorted((s for s in found if gain(s, MOST) > 0), key=lambda s: -gain(s))
     each = [[s for s in ranked if len(s.causes) == many] for many in range(1, BEGUN_LARGEST + 1)]
     return [s for sized in each for s in distinct(problem, sized)[:BEGUN]]
 

@@ -16,12 +16,11 @@ from symhyb.correction.search.setting import effects, exchanged
 from symhyb.correction.search.trajectory import Refined, grouped
 from symhyb.correction.search.trials import Row, Trials, first_guess
 from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.judgement import CLOSE, MOST
 from symhyb.laws.friction_dynamic import STATIC_FIRST
 
 OUT, IN = 2, 2  # causes that go, and that come, at once; not two for two
 TRIED = 8  # exchanges of one structure that are refined, the most promising
-HOPE = 0.5  # of what an exchange costs: the linear problem may promise too little
-SLACK = 5.0  # of the score: what promises to be worse by less may be better, or a rival
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +68,7 @@ def _all(trials: Trials, base: Refined) -> Iterator[Offer]:
                     price = more * number + (len(subset.causes) - many) * choice
                     taken = still.chi2 + still.held - subset.chi2 - subset.held
                     gain = float(taken / unit - price)
-                    if gain > -max(HOPE * price, SLACK):
+                    if gain > -max(MOST * price, CLOSE):
                         fresh = _begun(problem, subset, gone, [rows[i] for i in out])
                         yield Offer(
                             (*(own[i] for i in stay), *subset.causes),

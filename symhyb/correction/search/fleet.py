@@ -19,13 +19,10 @@ from symhyb.correction.search.trajectory import Refined, element_name, grouped, 
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.errors import InputError, Problem, did_you_mean
-from symhyb.judgement import CHANCE, OUTSTANDING, SMALL, SURE
+from symhyb.judgement import CHANCE, FEWEST, OUTSTANDING, SMALL, SURE, UNEXPLAINED
 from symhyb.model.types import Model
 from symhyb.model.vocabulary import KINDS
 from symhyb.numeric.kernels.buffers import Array
-
-TIMES = 1.5  # what the others leave: less is a matter of how well the noise is known
-WINDOWS_LEAST = 2  # of a recording that is fitted alone
 
 
 def check_own(model: Model, own: Sequence[str]) -> None:
@@ -117,7 +114,7 @@ def outliers(model: Model, final: Refined, stage: Stage, sd: Array) -> tuple[Out
             break
         found.append(worst)
         del known[worst.recording]
-    if found or len(stage.cuts) < 3:
+    if found or len(stage.cuts) < FEWEST:
         return tuple(found)
     left = _unexplained(final, stage)
     return () if left is None else (left,)
@@ -135,7 +132,7 @@ def _each(
     """The shared numbers of every recording alone, where it determines them."""
     found = {}
     for i, item in enumerate(stage.cuts):
-        if len(item.start) < WINDOWS_LEAST:
+        if len(item.start) < 2:
             continue
         fit = _alone(model, final, stage, sd, i).fit
         covariance = fit.covariance[np.ix_(rows, rows)]
@@ -183,7 +180,7 @@ def _unexplained(final: Refined, stage: Stage) -> Outlier | None:
             for rows, level in ((np.arange(a, b), mine), (others, rest))
         ]
         deviation = float(np.hypot(*sd))
-        if mine < TIMES * max(rest, 1.0) or mine - rest < SURE * deviation:
+        if mine < UNEXPLAINED * max(rest, 1.0) or mine - rest < SURE * deviation:
             continue
         if worst is None or mine > worst.value[0]:
             distance = ((mine - rest) / deviation) ** 2
@@ -204,7 +201,7 @@ def drifting(model: Model, final: Refined, stage: Stage, sd: Array) -> Outlier |
     and the second (``value``), if one does beyond chance and by more than a tenth: a law that
     changes on the way is not the constant one that was fitted. ``sd`` (m,) is the noise, SI."""
     keys = _shared(final)
-    if not keys or any(len(item.start) < 2 * WINDOWS_LEAST for item in stage.cuts):
+    if not keys or any(len(item.start) // 2 < 2 for item in stage.cuts):
         return None
     rows = [n for n, _, _ in keys]
     known = {}

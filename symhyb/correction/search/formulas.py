@@ -11,12 +11,11 @@ from symhyb.correction.search.trajectory import Refined
 from symhyb.correction.search.trials import Row
 from symhyb.discrepancy.places.hypotheses import Hypothesis, Library
 from symhyb.discrepancy.places.products import product_library, products
-from symhyb.judgement import SIGNIFICANT
+from symhyb.judgement import LARGE, SIGNIFICANT
 from symhyb.model.types import On
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.runs.windows import WindowModel
 
-PROMISE = 0.3  # of what is left, which the linear problem must promise before a trial
 TRIALS = 3
 
 
@@ -74,4 +73,4 @@ def worth(empty: Subset, subset: Subset, base: Refined, unit: float | None = Non
     leaves; ``unit`` is χ² of one independent sample (default: that of the structure)."""
     gain = empty.chi2 - subset.chi2
     more = max(empty.chi2 - float(base.fit.count[~base.fit.held].sum()), 1e-12)
-    return gain / (unit_of(base) if unit is None else unit) > SIGNIFICANT and gain > PROMISE * more
+    return gain / (unit_of(base) if unit is None else unit) > SIGNIFICANT and gain > LARGE * more

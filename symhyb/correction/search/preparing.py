@@ -34,7 +34,7 @@ from symhyb.discrepancy.recorded.sampling import as_sampled
 from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.discrepancy.results import RecordingFault
 from symhyb.errors import InputError, Problem
-from symhyb.judgement import ACCURACY, NEGLIGIBLE
+from symhyb.judgement import ACCURACY, GROWN, LARGE, NEGLIGIBLE, WINDOWS_LEAST
 from symhyb.laws.reach import Reach
 from symhyb.model.types import Model, Place
 from symhyb.numeric.kernels.buffers import Array
@@ -45,12 +45,9 @@ from symhyb.numeric.runs.windows import WindowModel
 SAMPLES_PERIOD = 80  # of the shortest period, that are kept
 SAMPLES_LEAST = 4000  # of a recording, that are kept
 SAMPLES_MOST = 12_000  # over all recordings, in the windows that decide
-WINDOWS_LEAST = 9  # over all recordings at the longest window length
 FIRST_WINDOW = 0.25  # of the shortest period
 GROWTH = 3.0  # from stage to stage, at most
 STAGES_MOST = 4
-GROWN = 10.0  # times an error of the initial state may grow: a window beyond has many minima
-CALM_LEAST = 2 / 3  # of the windows: if more errors grow so, windows are ...
 SHORTER = 0.7  # ... shortened to this
 
 
@@ -234,7 +231,7 @@ def _foreseen(prepared: Prepared, shortest: float, longest: float) -> float:
     while longest > shortest:
         cuts = [cut_within(run, prepared.machine, longest) for run in prepared.runs]
         calm = [_calm(prepared, item) for item in cuts if item is not None]
-        if calm and np.mean(np.concatenate(calm)) >= CALM_LEAST:
+        if calm and np.mean(np.concatenate(calm)) >= 1 - LARGE:
             break
         longest *= SHORTER
     return longest

@@ -31,8 +31,6 @@ from symhyb.judgement import ACCURACY, NEAR_NOISE, OUTSTANDING, PIECES
 from symhyb.model.vocabulary import key_of
 from symhyb.numeric.kernels.buffers import Array
 
-NOISE_SHARE = 0.02  # of the noise: less than this is never said to be left
-
 
 def score(trial: Refined, unit: float, candidates: int) -> float:
     """The score of a fitted structure in a ``unit``, chosen among so many ``candidates``."""
@@ -115,7 +113,7 @@ def part_left(trial: Refined, nothing: Refined) -> float:
     before, after = float(nothing.fit.chi2[held].sum()), float(trial.fit.chi2[held].sum())
     if not np.isfinite(before):
         return 0.0
-    return 1 - (before - after) / max(before - min(floor, after), NOISE_SHARE * floor)
+    return 1 - (before - after) / max(before - min(floor, after), (NEAR_NOISE - 1) * floor)
 
 
 def believable(trial: Refined, length_s: float = inf) -> bool:

@@ -17,14 +17,13 @@ from symhyb.correction.search.trajectory import Refined
 from symhyb.discrepancy.places.hypotheses import Hypothesis, Library
 from symhyb.discrepancy.words.formula import LAW
 from symhyb.discrepancy.words.wording import percent_text
-from symhyb.judgement import SIGNIFICANT
+from symhyb.judgement import NOTABLE, SIGNIFICANT
 from symhyb.laws.reach import TRANSITION_SHARE
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import Element, Model, On
 from symhyb.numeric.lowered.machine import build
 from symhyb.numeric.runs.windows import WindowModel
 
-LEAST = 0.02  # of what is left: reported
 REPORTED = 5
 
 
@@ -81,7 +80,7 @@ def _promises(problem: Problem, selected: Refined) -> list[tuple[Hypothesis, flo
             continue
         gains = base.chi2 - subset.chi2, base.held - subset.held
         part = gains[1] / max(base.held - min(floor, subset.held), 1e-12)
-        if min(gains) / unit_of(selected) > SIGNIFICANT and part > LEAST:
+        if min(gains) / unit_of(selected) > SIGNIFICANT and part > NOTABLE:
             result.append((hypothesis, part))
     return result
 

@@ -14,7 +14,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symhyb.correction.search.exchanges import HOPE
 from symhyb.correction.search.preparing import SAMPLES_MOST, Prepared
 from symhyb.correction.search.score import believable, choice_of, piece_of, samples, score, unit_of
 from symhyb.correction.search.selection import Problem, Subset, solve, without
@@ -154,7 +153,7 @@ def _promised(problem: Problem, base: Refined, count: int) -> list[Subset]:
         terms = {(cause.kind, cause.place, cause.path, term) for term in cause.terms}
         if cause.numbers > 1 or terms & known or (subset := solve(problem, (i,))) is None:
             continue
-        worth = empty.chi2 - subset.chi2 > HOPE * price * piece_of(base)
+        worth = empty.chi2 - subset.chi2 > MOST * price * piece_of(base)
         if worth and (cause.family not in best or subset.chi2 < best[cause.family].chi2):
             best[cause.family] = subset
     return sorted(best.values(), key=lambda subset: subset.chi2)[:TRIED_MOST]

@@ -163,7 +163,7 @@ def _mode(value: complex, vector: Array, names: Sequence[str], scale: float) -> 
 def _component(name: str, part: complex) -> str:
     """One component of a shape: a number, with its angle where it is neither in phase nor
     against it."""
-    if abs(part.imag) <= 0.05 * abs(part):
+    if abs(part.imag) <= NOTABLE * abs(part):
         return f"{name} {number_text(part.real, digits=3)}"
     angle = number_text(float(np.degrees(np.angle(part))), digits=3)
     return f"{name} {number_text(abs(part), digits=3)} at {angle}°"

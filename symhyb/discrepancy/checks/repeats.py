@@ -20,6 +20,7 @@ from symhyb.discrepancy.results import Repeats
 from symhyb.discrepancy.words.wording import joined, small_text
 from symhyb.judgement import (
     FEWEST,
+    LARGE,
     NEGLIGIBLE,
     NOTABLE,
     OUTSTANDING,
@@ -29,8 +30,6 @@ from symhyb.judgement import (
 )
 from symhyb.model.types import Model
 from symhyb.numeric.kernels.buffers import Array
-
-ALIKE = 0.3  # of a signal's spread: runs that differ by more are no repeats, whatever drove them
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -126,7 +125,7 @@ def _same_start(first: Motion, second: Motion) -> bool:
 def _alike(first: Recording, second: Recording) -> bool:
     for name, values in first.sensors.items():
         apart = np.sqrt(np.nanmean((values - second.sensors[name]) ** 2))
-        if not apart <= ALIKE * np.nanstd(values):
+        if not apart <= LARGE * np.nanstd(values):
             return False
     return True
 

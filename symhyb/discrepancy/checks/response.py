@@ -16,12 +16,11 @@ from numpy.typing import NDArray
 
 from symhyb.discrepancy.checks.split import Split, excited_lines, period_of, settled_lines, split_of
 from symhyb.discrepancy.words.wording import joined, number_text, percent_text, small_text
-from symhyb.judgement import EXCITED, NEGLIGIBLE, NOTABLE
+from symhyb.judgement import EXCITED, NEGLIGIBLE, NOTABLE, SAMPLES_TELL
 from symhyb.numeric.kernels.buffers import Array
 
 Complex = NDArray[np.complex128]
 SEGMENTS = 8  # lengths of a window in a recording: 15 windows that overlap by half
-SAMPLES_LEAST = 400  # below, no window is long enough to say anything
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -95,7 +94,7 @@ def driven(t: Array, drives: Mapping[str, Array]) -> Driven | str:
     moving = {name: u for name, u in drives.items() if float(np.ptp(u)) > 0}
     if not moving:
         return "nothing that changes drives the machine in this recording"
-    if t.size < SAMPLES_LEAST:
+    if t.size < SAMPLES_TELL * SEGMENTS / 2:
         return f"{t.size} samples are too few for windows of a frequency response"
     even = np.linspace(t[0], t[-1], t.size)
     columns = np.column_stack([np.interp(even, t, u) for u in moving.values()])

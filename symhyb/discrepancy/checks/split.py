@@ -16,7 +16,7 @@ from symhyb.discrepancy.checks.repeats import same_input
 from symhyb.judgement import HANDFUL, NEGLIGIBLE, OUTSTANDING, SMALL
 from symhyb.numeric.kernels.buffers import Array
 
-PERIODS_LEAST = 4  # half of them are settled: two are needed to tell noise
+PERIODS_SPLIT = 4  # half of them are settled: two are needed to tell noise
 LAGS_MOST = 60
 
 
@@ -43,8 +43,8 @@ def period_of(u: Array) -> int | None:
     size, total = len(u), 0.0
     for column in varying:
         spectrum = np.abs(np.fft.rfft(column, 2 * size)) ** 2
-        total = total + np.fft.irfft(spectrum)[: size // PERIODS_LEAST + 1] / np.sum(column**2)
-    lags = np.arange(size // PERIODS_LEAST + 1)
+        total = total + np.fft.irfft(spectrum)[: size // PERIODS_SPLIT + 1] / np.sum(column**2)
+    lags = np.arange(size // PERIODS_SPLIT + 1)
     near = np.asarray(total) / len(varying) * size / (size - lags)
     inner = near[1:-1]
     peaks = 1 + np.flatnonzero((inner >= near[:-2]) & (inner >= near[2:]) & (inner > 1 - SMALL))

@@ -19,8 +19,6 @@ from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.kernels.vector import along
 from symhyb.numeric.lowered.machine import Machine
 
-LASTS = 1.0  # periods of the motion, that a standstill lasts at least: a turning point is none
-
 
 @dataclass(frozen=True, slots=True)
 class Standstill:
@@ -78,7 +76,7 @@ def longest_still(motion: Motion) -> slice | None:
         return None
     first, last = max(edges, key=lambda pair: pair[1] - pair[0])
     lasts = float(motion.t[last - 1] - motion.t[first])
-    return slice(int(first), int(last)) if lasts >= LASTS * motion.periods().max() else None
+    return slice(int(first), int(last)) if lasts >= motion.periods().max() else None
 
 
 def _names(model: Model) -> set[str]:

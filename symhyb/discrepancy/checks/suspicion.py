@@ -22,15 +22,13 @@ from symhyb.discrepancy.recorded.runs import Run
 from symhyb.discrepancy.results import RecordingFault
 from symhyb.discrepancy.words.wording import joined, percent_text
 from symhyb.errors import InputError
-from symhyb.judgement import ALIKE, GAIN_REACH, NOTABLE, SAMPLES_TELL, SMALL, SUSPECT
+from symhyb.judgement import ALIKE, GAIN_REACH, LARGE, NOTABLE, SAMPLES_TELL, SMALL, SUSPECT
 from symhyb.model.types import Input, Model, Parameter, Sensor
 from symhyb.numeric.kernels.buffers import resampled
 from symhyb.numeric.lowered.machine import Machine
 from symhyb.numeric.runs.between import held_columns
 from symhyb.units import ONE, Unit, parse_unit
 
-TAKEN = 0.3  # of what the model as recorded leaves may be left, for a fault to be claimed
-HELPS = 0.3  # of the misfit may be left, for a suspicion to be reported
 SAMPLES_MOST = 1200  # of a recording, that are looked at
 SPACINGS_TRIED = (1.6, 4.0, 8.0, 16.0, 32.0, 64.0)  # samples between two knots
 SAMPLES_PERIOD = 80  # of the shortest period, that are kept
@@ -189,14 +187,14 @@ def _judged(
 def _clears(before: Misfit, after: Misfit) -> bool:
     """Whether nothing but this fault explains the misfit; sensors that contradict each other need
     no forces to tell it."""
-    explains = after.plain < SMALL and after.plain < TAKEN * before.plain
+    explains = after.plain < SMALL and after.plain < LARGE * before.plain
     contradict = before.senses > SUSPECT and after.senses < SMALL * before.senses
     return after.worst < SMALL * before.worst and (explains or contradict)
 
 
 def _helps(before: Misfit, after: Misfit) -> bool:
-    return after.worst < HELPS * before.worst and (
-        after.plain < HELPS * before.plain or before.senses > SUSPECT
+    return after.worst < LARGE * before.worst and (
+        after.plain < LARGE * before.plain or before.senses > SUSPECT
     )
 
 

@@ -21,13 +21,12 @@ from symhyb.discrepancy.recorded.signals import acting, measured
 from symhyb.discrepancy.recorded.windows import correlation_time
 from symhyb.discrepancy.words.wording import number_text, percent_text, small_text
 from symhyb.errors import InputError
-from symhyb.judgement import FEW, NOISE_FACTOR, SMALL, SURE
+from symhyb.judgement import DELAY_LEAST, FEW, NOISE_FACTOR, NOTABLE, SMALL, SURE
 from symhyb.model.types import Model
 from symhyb.numeric.kernels.buffers import Array, resampled
 from symhyb.numeric.kernels.vector import along
 from symhyb.numeric.lowered.machine import Machine, build
 
-SAMPLES_LATE = 0.5  # of a sample, from which a delay is claimed
 GRID = 41  # delays that are tried first
 REACH = 0.25  # of the shortest period: the longest delay that is looked for, either way
 REACH_MOST = 0.1  # of the recording
@@ -36,7 +35,6 @@ SENSORS_MOST = 4  # held against the others one by one: each costs an estimate o
 SHOWN = "nothing shows it closely enough to tell a delay"
 FEIGNED = "but the model lacks more than that, which may feign it"
 UNTOLD = "this motion tells no delay"
-JITTER = 0.01  # of a sample: times that are further from even are mentioned
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +81,7 @@ class Timing:
     def sentence(self) -> str:
         """Sample rates in words."""
         said = [f"{number_text(self.rate)} Hz"]
-        if self.jitter > JITTER:
+        if self.jitter > NOTABLE:
             said.append(f"steps spread by {percent_text(self.jitter)} of one")
         said += [f"{name} changes only every {count} samples" for name, count in self.held.items()]
         said += [
@@ -266,5 +264,5 @@ def _late(
         return Late(channel, against, None, sd, False, "no delay within reach fits")
     if float(np.sqrt(np.mean(left**2))) > NOISE_FACTOR * noise:
         return Late(channel, against, delay, sd, False, FEIGNED)
-    claimed = abs(delay) > SURE * sd and abs(delay) > SAMPLES_LATE * step
+    claimed = abs(delay) > SURE * sd and abs(delay) > DELAY_LEAST * step
     return Late(channel, against, delay, sd, claimed)

@@ -9,7 +9,7 @@ from scipy.optimize import lsq_linear
 from symhyb.numeric.kernels.buffers import Array
 
 UNSEEN = 1e-13  # of the largest eigenvalue of a scaled normal matrix
-ALIKE = 1e-10  # the same, below which columns are one and the same: their share is split
+DEPENDENT = 1e-10  # the same, below which columns are one and the same: their share is split
 
 
 def bounded_step(gram: Array, right: Array, damping: float, lower: Array, upper: Array) -> Array:
@@ -54,6 +54,6 @@ def shortest_solution(gram: Array, right: Array) -> Array:
         return np.zeros(0)
     scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
     power, axes = np.linalg.eigh(gram / scale[:, None] / scale)
-    seen = power > max(ALIKE * power[-1], 1e-300)
+    seen = power > max(DEPENDENT * power[-1], 1e-300)
     weight = np.where(seen, 1 / np.where(seen, power, 1.0), 0.0)
     return np.asarray((axes * weight) @ (axes.T @ (right / scale)) / scale)

@@ -28,7 +28,7 @@ BUMPS = 120  # Gaussian functions of the state, shared out among the coordinates
 CUBIC_MOST = 5  # parts of the state, of which cubic products are made
 KNOTS = 17  # of piecewise linear functions of each position, rate and input
 RIDGES = (1e-8, 1e-6, 1e-4, 1e-2, 1.0, 100.0)  # of a column scaled to unit length: one half chooses
-FEW = (1, 2, 4, 8, 16, 32)  # functions that are chosen one by one
+CHOSEN = (1, 2, 4, 8, 16, 32)  # functions that are chosen one by one
 FUNCTIONS_MOST = 300  # over all coordinates
 CHUNK = 15  # windows at once; every third is held
 SLIP = 1e-3  # of the largest rate: where a function may jump with its sign
@@ -130,14 +130,14 @@ def _fits(gram: Array) -> list[Array]:
     fits = [np.linalg.solve(unit + share * each, right) / size for share in RIDGES]
     chosen: list[int] = []
     values = np.zeros(size.size)
-    for count in range(1, min(FEW[-1], size.size) + 1):
+    for count in range(1, min(CHOSEN[-1], size.size) + 1):
         promise = np.abs(right - unit @ values)
         promise[chosen] = -1.0  # none twice
         chosen.append(int(np.argmax(promise)))
         block = np.ix_(chosen, chosen)
         values = np.zeros(size.size)
         values[chosen] = np.linalg.solve(unit[block] + RIDGES[0] * each[block], right[chosen])
-        if count in FEW:
+        if count in CHOSEN:
             fits.append(values / size)
     return fits
 

@@ -14,13 +14,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symhyb.discrepancy.results import Change
-from symhyb.judgement import BEYOND_LEAST, FEWEST, MOST, NOTABLE, SIGNIFICANT
+from symhyb.judgement import (
+    BEYOND_LEAST,
+    FEWEST,
+    HANDFUL,
+    MARGIN,
+    MOST,
+    NEAR_NOISE,
+    NOTABLE,
+    SAMPLES_TELL,
+    SIGNIFICANT,
+    SURE,
+)
 from symhyb.numeric.kernels.buffers import Array
 
-MISMATCH = 1.15  # χ² per sample that noise may reach by the error of its own measurement
 BAND = (0.1, 0.9)  # of the power: the band between these quantiles
 BINS = 24  # of the size of the stretch
-SURE = 5.0  # standard errors of the mean force in a bin
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +102,7 @@ def _quiet(placed: Placed, calm: NDArray[np.bool_]) -> bool:
     recording."""
     count = max(float(placed.count[calm].sum()), 1.0)
     left = float(placed.grams[calm, -1, -1].sum()) / count
-    return left <= MISMATCH + 4 * float(np.sqrt(2 / count))
+    return left <= NEAR_NOISE + SURE * float(np.sqrt(2 / count))
 
 
 def still(placed: Placed, change: Change, names: Sequence[str]) -> NDArray[np.bool_]:
@@ -131,7 +140,7 @@ def spectrum(t: Array, missing: Array, acting: Array) -> tuple[Array, Array]:
     """Frequencies (F,) in Hz and the power (F,), in squares of the unit of the forces, of a
     ``missing`` force (N,) that the ``acting`` one (N,) explains, over ``t`` (N,) in s: the real
     part of their cross-spectrum, smoothed over three lines. Empty where samples lie unevenly."""
-    step = float(np.median(np.diff(t))) if t.size > 64 else 0.0
+    step = float(np.median(np.diff(t))) if t.size > SAMPLES_TELL else 0.0
     if step <= 0 or np.max(np.abs(np.diff(t) - step)) > 0.5 * step:
         return np.empty(0), np.empty(0)
     window = np.hanning(t.size)
@@ -143,7 +152,7 @@ def spectrum(t: Array, missing: Array, acting: Array) -> tuple[Array, Array]:
 def band_of(lines: Array, power: Array) -> tuple[float, float] | None:
     """The band in Hz that holds the middle four fifths of the ``power`` (F,) over frequencies
     ``lines`` (F,) in Hz; None if it is no narrower than half of what the samples resolve."""
-    if lines.size < 8 or not power.sum() > 0:
+    if lines.size < HANDFUL or not power.sum() > 0:
         return None
     total = np.cumsum(power) / power.sum()
     low, high = (float(lines[np.searchsorted(total, share)]) for share in BAND)
@@ -154,20 +163,22 @@ def beyond_of(stretch: Array, missing: Array) -> float | None:
     """The size of the ``stretch`` (N,), from zero, below which no force is ``missing`` (N,) on
     average, and beyond which one is, SI; None for a force that is there from the start."""
     size, most = np.abs(stretch), float(np.quantile(np.abs(stretch), 0.999))
-    if most <= 0 or stretch.min() >= 0.5 * most:
+    if most <= 0 or stretch.min() >= MOST * most:
         return None
     edges = np.linspace(0.0, most, BINS + 1)
     means, errors = np.zeros(2 * BINS), np.full(2 * BINS, np.inf)
     for i in range(BINS):
         for side in (0, 1):
             inside = (size >= edges[i]) & (size < edges[i + 1]) & ((stretch < 0) == bool(side))
-            if inside.sum() >= 8:
+            if inside.sum() >= HANDFUL:
                 means[2 * i + side] = float(missing[inside].mean())
                 errors[2 * i + side] = float(missing[inside].std() / np.sqrt(inside.sum() / 4))
     largest = int(np.argmax(np.abs(means)))
     if not abs(means[largest]) > SURE * errors[largest]:
         return None
-    loud = np.abs(means) > np.maximum(NOTABLE * abs(means[largest]), 2 * np.minimum(errors, 1e300))
+    loud = np.abs(means) > np.maximum(
+        NOTABLE * abs(means[largest]), MARGIN * np.minimum(errors, 1e300)
+    )
     first = int(np.flatnonzero(loud)[0]) // 2 if loud.any() else 0
     threshold = float(edges[first])
     if threshold < BEYOND_LEAST * most:

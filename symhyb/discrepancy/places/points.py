@@ -26,7 +26,7 @@ from symhyb.numeric.lowered.machine import Machine, build
 from symhyb.numeric.lowered.manifold import closed, tangent
 
 PROBE = "at_point_"  # begins the names of the masses that only compare points
-ALIKE = 1e-9  # relative: two points move the same
+PARALLEL = 1e-9  # relative: two points move the same
 _AT_POINTS = tuple(law for law in LAWS if law.passive and "at" in law.placements)
 _NONE = np.empty(0)
 
@@ -70,9 +70,9 @@ def moving_points(model: Model) -> tuple[At, ...]:
         size = float(np.abs(inertia).max())
         if not np.isfinite(size) or size == 0 or _of_one(inertia, size):
             continue
-        if any(proportional(inertia, way, ALIKE) for way in combined):
+        if any(proportional(inertia, way, PARALLEL) for way in combined):
             continue
-        if all(np.abs(inertia - inertias[j]).max() > ALIKE * size for j in chosen):
+        if all(np.abs(inertia - inertias[j]).max() > PARALLEL * size for j in chosen):
             chosen.append(i)
     return tuple(places[i] for i in chosen)
 
@@ -97,7 +97,7 @@ def _moving_closed(machine: Machine, q: Array, t: Array) -> tuple[int, ...]:
     for i, inertia in enumerate(_inertias(machine, q, t)):
         pulled = along_free.swapaxes(1, 2) @ inertia[:, free][:, :, free] @ along_free
         size = float(np.linalg.norm(pulled))
-        if not size > 0 or any(proportional(pulled, other, ALIKE) for other in seen):
+        if not size > 0 or any(proportional(pulled, other, PARALLEL) for other in seen):
             continue
         seen.append(pulled)
         chosen.append(i)
@@ -107,11 +107,11 @@ def _moving_closed(machine: Machine, q: Array, t: Array) -> tuple[int, ...]:
 def _of_one(inertia: Array, size: float) -> bool:
     """Whether the speed of a point is a constant times the rate of one coordinate: its ``inertia``
     JᵀJ (Q, n, n) has one entry, on the diagonal, which is the same everywhere."""
-    same = bool(np.all(np.abs(inertia - inertia[0]) < ALIKE * size))
+    same = bool(np.all(np.abs(inertia - inertia[0]) < PARALLEL * size))
     rest = inertia[0].copy()
     first = int(np.argmax(np.diagonal(rest)))
     rest[first, first] = 0.0
-    return same and float(np.abs(rest).max()) < ALIKE * size
+    return same and float(np.abs(rest).max()) < PARALLEL * size
 
 
 def _probed(model: Model, places: Sequence[At]) -> Machine:

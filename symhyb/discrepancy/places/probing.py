@@ -18,7 +18,7 @@ from symhyb.numeric.lowered.manifold import closed, free_part
 
 PROBES = 7  # states about the start at which places are compared
 AROUND = 0.5  # spread of them, SI
-ALIKE = 1e-6  # relative: two ratios, or two ways of moving, are the same
+PARALLEL = 1e-6  # relative: two ratios, or two ways of moving, are the same
 
 
 def states_about_start(machine: Machine) -> tuple[Array, Array, Array]:
@@ -57,7 +57,7 @@ def _probe(model: Model, place: Place, i: int) -> Element:
     return Element(name, "constant", place, entries, (value,))
 
 
-def proportional(one: Array, other: Array, alike: float = ALIKE) -> bool:
+def proportional(one: Array, other: Array, alike: float = PARALLEL) -> bool:
     """Whether two arrays (N, n, n), dimensionless or in one unit, are the same but for one positive
     factor, to ``alike``, relative."""
     length = float(np.linalg.norm(other))

@@ -14,7 +14,7 @@ from itertools import combinations
 
 import numpy as np
 
-from symhyb.discrepancy.places.probing import ALIKE, states_about_start
+from symhyb.discrepancy.places.probing import PARALLEL, states_about_start
 from symhyb.model.expression import Expression, Name, Node, Number, Operation, names, show
 from symhyb.model.linear import Form, linear_parts
 from symhyb.model.types import Model, On
@@ -141,7 +141,7 @@ def _couples(entries: Array, i: int, j: int) -> bool:
     if not np.all(np.isfinite(entries)) or not np.any(one):
         return False
     size = np.sqrt(np.abs(entries[:, i, i] * entries[:, j, j]))
-    same = np.abs(one - other) <= ALIKE * np.abs(one)
+    same = np.abs(one - other) <= PARALLEL * np.abs(one)
     return bool(np.any(np.abs(one) > LEAST * size) and np.all(same))
 
 
@@ -152,11 +152,11 @@ def _ratio_of_change(slopes: Array, i: int, j: int) -> float | None:
     if not np.all(np.isfinite(slopes)) or not rows.size:
         return None
     others = np.delete(rows, [i, j], axis=1)
-    if not np.all(rows[:, i]) or np.abs(others).max(initial=0.0) > ALIKE * size.max():
+    if not np.all(rows[:, i]) or np.abs(others).max(initial=0.0) > PARALLEL * size.max():
         return None
     ratios = -rows[:, j] / rows[:, i]
     ratio = float(ratios[0])
-    same = np.abs(ratios - ratio) <= ALIKE * abs(ratio)
+    same = np.abs(ratios - ratio) <= PARALLEL * abs(ratio)
     return ratio if ratio and bool(same.all()) else None
 
 
@@ -165,7 +165,7 @@ def _even_ratios(entries: Array, i: int, j: int, alike: bool) -> list[float]:
     on the two, their own entries tell; else it is 1, with the sign of the coupling."""
     own, cross, other = entries[0, i, i], entries[0, i, j], entries[0, j, j]
     found = [-cross / own] if own else []
-    if abs(own * other - cross**2) > ALIKE * cross**2:
+    if abs(own * other - cross**2) > PARALLEL * cross**2:
         found += [-other / cross]
         found = [float(np.sign(cross)), *found] if alike else found
     return [float(ratio) for ratio in found if ratio and np.isfinite(ratio)]
@@ -192,14 +192,14 @@ def _by_parameter(model: Model, ratio: float) -> Iterator[str]:
     """``*n`` and ``/n`` of the parameters n that are the size of a ratio, or one over it, SI."""
     for item in model.parameters:
         for said, value in (("*", item.si), ("/", 1 / item.si if item.si else 0.0)):
-            if abs(value - abs(ratio)) <= ALIKE * abs(ratio):
+            if abs(value - abs(ratio)) <= PARALLEL * abs(ratio):
                 yield f"{said}{item.name}"
 
 
 def _fraction(ratio: float) -> Fraction | None:
     """A ratio as a simple fraction, None if it is none."""
     simple = Fraction(ratio).limit_denominator(LARGEST)
-    near = simple != 0 and abs(float(simple) - ratio) <= ALIKE * abs(ratio)
+    near = simple != 0 and abs(float(simple) - ratio) <= PARALLEL * abs(ratio)
     return simple if near else None
 
 

@@ -24,6 +24,7 @@ from symhyb.discrepancy.recorded.splines import bands, design, ridge, spline_bas
 from symhyb.discrepancy.recorded.tracking import firmness, tracked
 from symhyb.discrepancy.recorded.watching import watching_model
 from symhyb.errors import InputError, Problem
+from symhyb.judgement import SAMPLES_TELL
 from symhyb.model.types import Energy
 from symhyb.numeric.kernels.buffers import Array, call
 from symhyb.numeric.kernels.vector import along
@@ -34,7 +35,6 @@ GUIDE_FIRST = 0.01  # of what acts: the force that a model may lack at first, wh
 GUIDE_LEAST, GUIDE_MOST = 0.02, 0.5  # of what acts, afterwards
 GUIDE_ROUNDS = 3
 GUIDE_KNOTS = 4  # samples
-FEW_TELL = 64  # samples that tell what of a residual is no noise
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -168,7 +168,7 @@ def _own_noise(residual: Array, y: Array, t: Array) -> Array:
     """The residual (N,) of a sensor that recorded ``y`` (N,) without what an offset, a gain or a
     delay of it would leave where other sensors show the same motion: that is no noise."""
     seen = np.isfinite(residual) & np.isfinite(y)
-    if seen.sum() < FEW_TELL:
+    if seen.sum() < SAMPLES_TELL:
         return residual
     fitted = (y - residual)[seen]
     columns = np.column_stack([np.ones(fitted.size), fitted, np.gradient(fitted, t[seen])])

@@ -6,6 +6,7 @@ Sizes: N samples, m sensors, k inputs.
 import numpy as np
 
 from symhyb.data.recording import Recording
+from symhyb.judgement import FEW
 from symhyb.numeric.kernels.buffers import Array, held_at, later
 from symhyb.numeric.lowered.machine import Machine
 from symhyb.numeric.runs.between import held_columns, with_jumps
@@ -73,7 +74,7 @@ def noise_level(values: Array) -> float:
     for order in range(2, 11):
         difference = np.diff(values, n=order)
         difference = difference[np.isfinite(difference)]
-        if difference.size < 20:
+        if difference.size < FEW:
             break
         estimates.append(np.sqrt(np.mean(difference**2) / comb(2 * order, order)))
     return float(min(estimates)) if estimates else float("nan")

@@ -17,6 +17,7 @@ from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.course import Course, course_of
 from symhyb.discrepancy.recorded.motion import Motion
 from symhyb.discrepancy.recorded.signals import measured
+from symhyb.judgement import LARGE
 from symhyb.model.vocabulary import KINDS
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.kernels.vector import along
@@ -25,7 +26,6 @@ from symhyb.numeric.lowered.machine import Machine
 from symhyb.numeric.runs.between import bent_columns, finer
 from symhyb.numeric.runs.windows import Block, WindowModel
 
-FINITE_SHARE = 0.7  # of the samples of the fullest quarter of windows, that must be there
 SLOW_SHARE = 0.02
 STILL = 2.0  # standard deviations: a rate that is nearer to none may be none
 GAP = 1.5  # steps between two samples: more is a gap in time
@@ -162,7 +162,7 @@ def lay(
     whole = (recording.t[rows[:, -1]] - recording.t[rows[:, 0]]) < GAP * (samples - 1) * step
     present = np.isfinite(y[:, np.isfinite(y).any(axis=0)])
     there = present[rows].sum(axis=(1, 2))
-    enough = there >= FINITE_SHARE * max(np.quantile(there, 0.75), SAMPLES_LEAST)
+    enough = there >= (1 - LARGE) * max(np.quantile(there, 0.75), SAMPLES_LEAST)
     rows = rows[whole & enough]
     if len(rows) == 0:
         return None

@@ -2,11 +2,11 @@
 
 from symhyb.discrepancy.results import Change
 from symhyb.discrepancy.words.amounts import joined, number_text, quantity_text, small_text
+from symhyb.judgement import SMALL
 from symhyb.model.expression import Expression, names
 from symhyb.model.types import Body, Model, On, Place, Quaternion, Rotations, place_text
 from symhyb.model.vocabulary import stretch_unit
 
-BURSTS_MOST = 0.15  # of the time: a force that acts for longer does not act in bursts
 BURSTS_NAMED = 3
 
 
@@ -69,7 +69,7 @@ def occurrence_sentence(
     if beyond is not None:
         unit = stretch_unit(model, place)
         parts.append(f"acts only beyond {small_text(beyond / unit.factor, unit.text, digits=2)}")
-    elif spans and duty < BURSTS_MOST:
+    elif spans and duty < SMALL:
         times = joined([f"{number_text(a, digits=3)} s" for a, _ in spans[:BURSTS_NAMED]])
         more = f" and {len(spans) - BURSTS_NAMED} times more" if len(spans) > BURSTS_NAMED else ""
         parts.append(f"acts in bursts, at {times}{more}")

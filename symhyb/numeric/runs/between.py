@@ -12,12 +12,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from symhyb.judgement import MOST
 from symhyb.model.types import Input
 from symhyb.numeric.kernels.buffers import SLACK, Array, held_at
 
 FINER = 8  # points of a smooth input for one sample: lines between them cut 64 times less
 DEGREE = 5  # of the spline
-SMOOTHER = 0.5  # of what lines miss of samples that were left out: splines may miss no more
 FEWEST = 32  # samples that tell
 RAMP, ULPS = 1e-9, 16  # of a sample: as long as a jump takes at most, but some roundings of time
 
@@ -50,7 +50,7 @@ def looks_smooth(t: Array, values: Array) -> bool:
     curve = make_interp_spline(t[known], values[known], k=DEGREE)(t[left_out])
     lines = np.interp(t[left_out], t[known], values[known])
     missed = [float(np.sum((guess - values[left_out]) ** 2)) for guess in (curve, lines)]
-    return missed[0] < SMOOTHER**2 * missed[1]
+    return missed[0] < MOST**2 * missed[1]
 
 
 def finer(
