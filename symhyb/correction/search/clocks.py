@@ -83,13 +83,15 @@ def drifting(setting: Setting, again: Again) -> RecordingFault | None:
         (NEAR_NOISE - 1) * begun.floor,
     )
     near = [i for i, fit in enumerate(first) if fit.left - fit.floor < limit]
+    near.sort(key=lambda i: first[i].left)
     # stretching the time of one channel or of the other differs in second order: try them
     found = [(i, *_followed(names[i], i, first[i], again)) for i in near[:RIVALS_MOST]]
     best, drift, last = min(found, key=lambda one: one[2].left + one[2].held_left)
     left = max(last.left - last.floor, (NEAR_NOISE - 1) * last.floor)
     if not last.takes(begun, 1 - LARGE) or _rival(setting, stage) - begun.floor < ALIKE * left:
         return None
-    equals = [names[i] for i in near if i != best]
+    apart = {i for i, _, fit in found if fit.left - fit.floor > ALIKE * left}
+    equals = [names[i] for i in near if i != best and i not in apart]
     return _named(setting.windows.machine.model, names[best], drift, equals)
 
 
