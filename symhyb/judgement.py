@@ -64,7 +64,7 @@ PIECES = 20.0
 # samples of memory: no force of a machine forgets as fast, so it is noise of an input
 # source: judgement, seen on one seed of each kind of studies/outside
 FAST = 3.0
-# excess kurtosis of innovations: a sensor that jumps or freezes
+# excess kurtosis: innovations of a sensor that jumps or freezes, a residual with impacts in it
 # source: judgement: 0 of normal noise, 3 of double exponential; seen on studies/outside
 BURSTS = 10.0
 

@@ -39,6 +39,7 @@ OTHERS = {
     "correction/search/exchanges.py": {"TRIED": "work", "OUT": "work"},
     "correction/search/lines.py": {"NARROW": "bound of a key, which the laws state"},
     "correction/search/selection.py": {"CONDITION": "numerics"},
+    "correction/search/twins.py": {"PARALLEL": "numerics"},
     "correction/verdict/whole.py": {"SAMPLES_MOST": "work"},
     "discrepancy/checks/balance.py": {"STANDING": "numerics"},
     "discrepancy/checks/first_checks.py": {"SAMPLES_MOST": "work"},

@@ -65,6 +65,18 @@ def indistinguishable(problem: Problem) -> tuple[tuple[int, int], ...]:
     return tuple(pairs)
 
 
+def with_twins(
+    alike: Sequence[tuple[int, int]], twins: Sequence[tuple[int, int]]
+) -> tuple[tuple[int, int], ...]:
+    """Pairs that look ``alike``, and those that are the same in every motion (``twins``), each with
+    the one to be named first; a cause gives way once, and to one that does not give way itself."""
+    gone = {second for _, second in alike}
+    more = [(a, b) for a, b in twins if a not in gone and b not in gone]
+    named = {first for first, _ in alike}
+    fresh = {b: (a, b) for a, b in reversed(more) if b not in named}
+    return (*alike, *(fresh[b] for b in sorted(fresh)))
+
+
 def precedence(index: int, cause: Hypothesis) -> tuple[int, int]:
     """Which of two equal causes is named: a parameter that may be estimated before a force, a force
     before a channel, an input before a sensor."""

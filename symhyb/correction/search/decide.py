@@ -13,7 +13,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symhyb.correction.search.conventions import exchange, indistinguishable, precedence
+from symhyb.correction.search.conventions import (
+    exchange,
+    indistinguishable,
+    precedence,
+    with_twins,
+)
 from symhyb.correction.search.exchanges import distinct, exchanges
 from symhyb.correction.search.formulas import beside, candidates, instead
 from symhyb.correction.search.lines import lines_of
@@ -35,6 +40,7 @@ from symhyb.correction.search.setting import Setting, along_motion
 from symhyb.correction.search.so_far import fits_best, if_interrupted
 from symhyb.correction.search.trajectory import Refined, grouped
 from symhyb.correction.search.trials import Row, Say, Trials, first_guess
+from symhyb.correction.search.twins import exact_twins
 from symhyb.correction.search.variants import variants_of
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.judgement import MOST, NEAR_NOISE, SIGNIFICANT
@@ -83,11 +89,11 @@ class Decision:
 def decide(setting: Setting, proposals: Sequence[Subset], say: Say) -> Decision:
     """Choose a structure. ``proposals`` are subsets from other screens, by cause index."""
     pool = {subset.causes for subset in proposals}
-    problems = []
+    problems, twins = [], exact_twins(setting)
     for stage in setting.stages:
         say(f"screening {len(setting.hypotheses)} causes on windows of {stage.length_s:.3g} s")
         problem = along_motion(setting, stage)
-        equals = indistinguishable(problem)
+        equals = with_twins(indistinguishable(problem), twins)
         problem = without(problem, {second for _, second in equals})
         sizes = best_subsets(problem, BEGUN_LARGEST)
         pool |= {s.causes for sized in sizes[1:] for s in distinct(problem, sized)[:BEGUN]}

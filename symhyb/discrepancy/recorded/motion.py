@@ -17,6 +17,8 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from symhyb.data.recording import Recording
+from symhyb.discrepancy.recorded.channel_spread import noise_spread
+from symhyb.discrepancy.recorded.cyclic import cyclic, rates_shown
 from symhyb.discrepancy.recorded.independent import Independent, independent, placed_with
 from symhyb.discrepancy.recorded.knots import SPACINGS, SplineFit, chosen
 from symhyb.discrepancy.recorded.signals import acting, measured, noise_level
@@ -24,7 +26,6 @@ from symhyb.discrepancy.recorded.splines import bands, design, ridge, spline_bas
 from symhyb.discrepancy.recorded.tracking import firmness, tracked
 from symhyb.discrepancy.recorded.watching import watching_model
 from symhyb.errors import InputError, Problem
-from symhyb.judgement import SAMPLES_TELL
 from symhyb.model.types import Energy
 from symhyb.numeric.kernels.buffers import Array, call
 from symhyb.numeric.kernels.vector import along
@@ -154,7 +155,7 @@ def _smoothed(
         len(fit.coefficients) * fit.basis[0].shape[1] / max(int(np.isfinite(fit.residual).sum()), 1)
     )
     pairs = zip(fit.residual[:, :watched].T, y.T, strict=False)
-    spread = np.array([_rms(_own_noise(*pair, t)) for pair in pairs]) / np.sqrt(1 - lost)
+    spread = np.array([noise_spread(*pair, t) for pair in pairs]) / np.sqrt(1 - lost)
     if few is not None:
         q, v, a = few.complete((q, v, a))
         q_sd, v_sd, a_sd = (few.spread((q, v, a), sd) for sd in (q_sd, v_sd, a_sd))
@@ -164,21 +165,9 @@ def _smoothed(
     return Motion(t, q, v, a, q_sd, v_sd, a_sd, spread, fit.spacing, blind)
 
 
-def _own_noise(residual: Array, y: Array, t: Array) -> Array:
-    """The residual (N,) of a sensor that recorded ``y`` (N,) without what an offset, a gain or a
-    delay of it would leave where other sensors show the same motion: that is no noise."""
-    seen = np.isfinite(residual) & np.isfinite(y)
-    if seen.sum() < SAMPLES_TELL:
-        return residual
-    fitted = (y - residual)[seen]
-    columns = np.column_stack([np.ones(fitted.size), fitted, np.gradient(fitted, t[seen])])
-    columns[:, 1:] /= np.maximum(np.abs(columns[:, 1:]).max(axis=0), 1e-300)
-    values = np.linalg.lstsq(columns, residual[seen], rcond=1e-9)[0]
-    return np.asarray(residual[seen] - columns @ values)
-
-
 def _unplaced(recording: Recording, machine: Machine, y: Array, u: Array) -> tuple[str, ...]:
-    """The coordinates whose place no sensor of the recording shows."""
+    """The coordinates whose place no sensor of the recording shows, though something depends on it
+    or no sensor shows their rate."""
     coordinates = machine.model.coordinates
     start = np.array(machine.model.start()[0])
     rows = start + 1e-3 * np.arange(1, recording.t.size + 1)[:, None]  # away from special places
@@ -190,6 +179,9 @@ def _unplaced(recording: Recording, machine: Machine, y: Array, u: Array) -> tup
     power = np.atleast_1d(np.abs(slopes[0][:, recorded]).sum(axis=(0, 1)))
     if machine.constraints:
         power = placed_with(machine, rows, recording.t, slopes[0][:, recorded])
+    elif not np.all(power > 0):
+        known = np.isin(np.arange(machine.n), list(cyclic(machine, u, recording.t)))
+        power = power + (known & rates_shown(np.asarray(slopes[1])[:, recorded]))
     return tuple(c.name for c, seen in zip(coordinates, power, strict=True) if not seen > 0)
 
 
