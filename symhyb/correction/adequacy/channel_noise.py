@@ -57,6 +57,18 @@ def noisy_input(recorded: Recorded, left: Beyond) -> tuple[Likely, ...]:
     return ()
 
 
+def sensor_sd(recorded: Recorded, trial: Fitted, left: Beyond) -> Array:
+    """The noise (m,) of every sensor, SI, white and coloured together; that of smoothing where the
+    colour is none or is no noise. Where no force acts (``left``) that of sensors alone."""
+    noise = trial.fit.noise
+    if left.alone is not None and not left.acts:
+        noise = left.alone
+    names = [sensor.name for sensor in recorded.windows.machine.model.sensors]
+    faulty = {one.where for one in _faults(recorded, noise, tracks_of(recorded, trial))}
+    true = (noise.colour > 0) & [name not in faulty for name in names]
+    return np.where(true, np.hypot(noise.white, noise.colour), recorded.sd)
+
+
 def _faults(recorded: Recorded, noise: NoiseModel, tracks: Sequence[Track]) -> Iterator[Generic]:
     white = innovations(noise, tracks)
     for j in np.flatnonzero(noise.colour):

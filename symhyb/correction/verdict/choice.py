@@ -5,9 +5,10 @@ fit the others is named, and does not choose with them.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from symhyb.correction.adequacy.finalists import settled
+from symhyb.correction.adequacy.sensor_noise import measured_again
 from symhyb.correction.learning.sparse import propose
 from symhyb.correction.naming.fleet_words import misfit
 from symhyb.correction.search.beginnings import active_part, changed, contradicted
@@ -38,7 +39,17 @@ class Choice:
 
 
 def choose(prepared: Prepared, setting: Setting, say: Say) -> Choice:
-    """Screen all causes, map the places and decide."""
+    """Screen all causes, map the places and decide; again where the sensors prove noisier."""
+    choice = _chosen(prepared, setting, say)
+    sd = measured_again(prepared, choice.setting, choice.decision)
+    if sd is None:
+        return choice
+    say("deciding again, for the noise of a sensor is correlated in time")
+    return _chosen(prepared, replace(setting, sd=sd), say)
+
+
+def _chosen(prepared: Prepared, setting: Setting, say: Say) -> Choice:
+    """One decision, with the noise of the sensors as it is known."""
     say("sparse regression on the weak form")
     middle = setting.stages[min(1, len(setting.stages) - 1)]
     proposals = propose(prepared.machine, setting.library, middle.cuts, 5 / prepared.shortest)

@@ -57,6 +57,7 @@ from symhyb.discrepancy.words.wording import (
 from symhyb.judgement import NEGLIGIBLE
 from symhyb.model.types import Model, On, place_text
 from symhyb.model.vocabulary import force_unit
+from symhyb.numeric.kernels.buffers import Array
 
 
 def concluded(
@@ -96,7 +97,7 @@ def concluded(
         sentence = f"No cause that symhyb knows earned its place. {rest}"
     elif rest:
         sentence = f"{sentence} {rest}"
-    noise = _measured_noise(model, prepared)
+    noise = _measured_noise(model, prepared, choice.setting.sd)
     return Diagnosis(
         verdict,
         sentence,
@@ -123,13 +124,16 @@ def _run_notes(prepared: Prepared) -> tuple[str, ...]:
     return tuple(dict.fromkeys(note for notes in said for note in notes))
 
 
-def _measured_noise(model: Model, prepared: Prepared) -> dict[str, float]:
-    """Noise of every sensor that recorded something, as measured, in its own unit."""
+def _measured_noise(model: Model, prepared: Prepared, decided: Array) -> dict[str, float]:
+    """Noise of every sensor that recorded something, as measured, in its own unit; larger where it
+    was ``decided`` (m,), SI, that it is."""
     noise = {}
+    more = decided / prepared.sd
     for j, sensor in enumerate(model.sensors):
         spreads = [run.motion.sd[j] for run in prepared.runs if np.isfinite(run.motion.sd[j])]
         if spreads:
-            noise[sensor.name] = float(np.sqrt(np.mean(np.square(spreads)))) / sensor.unit.factor
+            size = float(np.sqrt(np.mean(np.square(spreads))) * more[j])
+            noise[sensor.name] = size / sensor.unit.factor
     return noise
 
 

@@ -1,0 +1,35 @@
+"""The noise of the sensors as the innovations measure it beside a decided structure.
+
+A spline follows noise that is correlated in time, so that smoothing measures too little of it, and
+the rest looks like a mismatch that no cause explains. The innovations know the colour of noise, but
+only beside a structure that explains the motion. So where a decided structure leaves more than the
+noise of smoothing they are asked how much of that is noise.
+"""
+
+import numpy as np
+
+from symhyb.correction.adequacy.beyond import beyond
+from symhyb.correction.adequacy.channel_noise import sensor_sd
+from symhyb.correction.adequacy.followed import followed
+from symhyb.correction.adequacy.recorded import recorded
+from symhyb.correction.search.decide import Decision
+from symhyb.correction.search.preparing import Prepared
+from symhyb.correction.search.score import NEAR_NOISE
+from symhyb.correction.search.setting import Setting
+from symhyb.numeric.kernels.buffers import Array
+
+
+def measured_again(prepared: Prepared, setting: Setting, decision: Decision) -> Array | None:
+    """The noise (m,) of the sensors, SI, where a decided structure leaves more than noise and the
+    innovations measure another one; None where it stands. Repeated runs tell it already."""
+    selected = decision.selected
+    if prepared.repeats or selected.fit.scale < NEAR_NOISE:
+        return None
+    ground = recorded(prepared, setting)
+    if ground is None:
+        return None
+    along = followed(ground, selected, (selected, setting.stages[-1].cuts))
+    if along.fit.reason:
+        return None
+    sd = sensor_sd(ground, along, beyond(ground, along))
+    return sd if np.any(sd**2 > NEAR_NOISE * setting.sd**2) else None

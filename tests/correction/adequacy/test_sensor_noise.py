@@ -1,0 +1,67 @@
+"""Noise that is correlated in time is noise: of a sensor, and in what is decided."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import symhyb as sh
+from symhyb.correction.adequacy.beyond import beyond
+from symhyb.correction.adequacy.channel_noise import sensor_sd
+from symhyb.correction.adequacy.recorded import Recorded
+from symhyb.correction.adequacy.structure import Fitted, fitted
+from symhyb.data.recording import Recording
+from tests.pushed import NOISE, STEP, markov, pushed, pushed_model, setting_of
+
+SAMPLES = 1500
+COLOUR = 10 * NOISE, 6 * STEP  # RMS in m and correlation time in s
+TOTAL = float(np.hypot(NOISE, COLOUR[0]))
+
+
+def measured(recording: Recording) -> tuple[Recorded, Fitted, float]:
+    """The noise of the sensor beside the model as it is, which an unknown force may help."""
+    ground = setting_of(pushed_model(), recording)
+    trial = fitted(ground, (), (), ground.first_noise())
+    return ground, trial, float(sensor_sd(ground, trial, beyond(ground, trial))[0])
+
+
+def test_coloured_noise_counts_with_all_of_its_size() -> None:
+    ground, _, sd = measured(pushed(1, samples=SAMPLES, colour=COLOUR))
+    assert ground.sd[0] < 0.6 * TOTAL  # a spline follows it
+    assert sd == pytest.approx(TOTAL, rel=0.15)
+
+
+@pytest.mark.parametrize("colour", [(0.0, 1.0), (20 * NOISE, 10.0)])
+def test_white_noise_and_a_drift_are_left_as_smoothing_measures_them(
+    colour: tuple[float, float],
+) -> None:
+    ground, _, sd = measured(pushed(2, samples=SAMPLES, colour=colour))
+    assert sd == ground.sd[0]
+
+
+def test_an_unmeasured_force_is_no_noise_of_the_sensor() -> None:
+    force = markov(np.random.default_rng(4), SAMPLES, 0.4, 0.3)
+    ground, trial, sd = measured(pushed(4, samples=SAMPLES, beside=force))
+    assert beyond(ground, trial).acts
+    assert sd < 1.1 * NOISE
+
+
+def test_where_the_force_that_is_looked_for_does_not_act_the_sensors_alone_tell() -> None:
+    ground, trial, _ = measured(pushed(1, samples=SAMPLES, colour=COLOUR))
+    left = beyond(ground, replace(trial, fit=replace(trial.fit, noise=ground.first_noise())))
+    quiet = replace(left, evidence=0.0)
+    assert sensor_sd(ground, trial, quiet)[0] == pytest.approx(TOTAL, rel=0.15)
+
+
+@pytest.mark.slow
+def test_what_is_missing_is_named_under_coloured_noise() -> None:
+    made = pushed(7, samples=SAMPLES, damping=0.75, colour=COLOUR)
+    found = sh.diagnose(pushed_model(), made)
+    assert found.verdict == "missing physics"
+    assert [one.element.kind for one in found.found] == ["damper"]
+    assert found.noise["laser"] == pytest.approx(TOTAL, rel=0.15)
+
+
+def test_nothing_is_missing_under_coloured_noise() -> None:
+    found = sh.diagnose(pushed_model(), pushed(8, samples=800, colour=COLOUR))
+    assert found.verdict == "nothing missing"
