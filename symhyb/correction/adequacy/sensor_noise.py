@@ -14,8 +14,8 @@ from symhyb.correction.adequacy.followed import followed
 from symhyb.correction.adequacy.recorded import recorded
 from symhyb.correction.search.decide import Decision
 from symhyb.correction.search.preparing import Prepared
-from symhyb.correction.search.score import NEAR_NOISE
 from symhyb.correction.search.setting import Setting
+from symhyb.judgement import NEAR_NOISE
 from symhyb.numeric.kernels.buffers import Array
 
 
