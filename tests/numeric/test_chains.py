@@ -8,10 +8,11 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from symhyb.numeric.kernels import chains
+from symhyb.numeric.kernels import chains, chains_listed
 from symhyb.numeric.kernels.buffers import Array, call
 from symhyb.numeric.kernels.chains import Chains
 from symhyb.numeric.kernels.chains_source import JOINED, LANES
+from symhyb.numeric.kernels.instructions import program
 
 PAIRS: dict[int, Callable[[ca.SX, ca.SX], ca.SX]] = {
     ca.OP_ADD: lambda a, b: a + b,
@@ -96,7 +97,7 @@ def every_operation() -> ca.Function:
 
 
 def test_there_is_a_machine_where_there_is_a_compiler() -> None:
-    assert (chains._machine() is None) == (chains.shared_library("", ("-O0",)) is None)
+    assert (chains_listed.machine() is None) == (chains_listed.shared_library("", ("-O0",)) is None)
 
 
 @pytest.mark.parametrize("count", [1, LANES - 1, LANES, LANES + 1, 3 * LANES + 2])
@@ -132,9 +133,12 @@ def test_joined_sums_and_products_are_rounded_one_by_one(first: int, second: int
 def test_pairs_are_joined_at_all() -> None:
     x, d, p = symbols(1, 2, 1)
     step = function(x * d[0] + d[1], d[1] - x * d[0], symbols=(x, d, p))
-    engine = Chains(step)._engine
-    assert engine is not None
-    assert {row[0] for row in engine._inside.tolist()} & set(JOINED.values())
+    code, machine = program(step), chains_listed.machine()
+    assert code is not None
+    assert machine is not None
+    assert {row[0] for row in chains_listed.Listed(code, machine)._inside.tolist()} & set(
+        JOINED.values()
+    )
     assert {key[:2] for key in JOINED} == set(itertools.product(PAIRS, PAIRS))
 
 
@@ -154,7 +158,7 @@ def test_without_a_compiler_casadi_gives_the_same(monkeypatch: pytest.MonkeyPatc
     rng = np.random.default_rng(3)
     given = rng.normal(size=(11, 2)), [rng.normal(size=(11, 4, 1))], np.array([0.4])
     ours = Chains(step)(*given)
-    monkeypatch.setattr(chains, "_machine", lambda: None)
+    monkeypatch.setattr(chains, "machine", lambda: None)
     for a, b in zip(ours, Chains(step)(*given), strict=True):
         np.testing.assert_allclose(a, b, rtol=1e-14, atol=1e-15)
 

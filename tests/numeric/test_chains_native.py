@@ -4,11 +4,12 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from symhyb.numeric.kernels import chains, chains_native
+from symhyb.numeric.kernels import chains_native, chains_text
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.kernels.chains import Chains
 from symhyb.numeric.kernels.chains_source import LANES
 from symhyb.numeric.kernels.compiled import find_compiler
+from symhyb.numeric.kernels.instructions import program
 from tests.numeric.test_chains import PAIRS, every_operation, function, symbols
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="needs a C compiler")
@@ -20,13 +21,29 @@ def both(
     step: ca.Function, given: Given, monkeypatch: pytest.MonkeyPatch
 ) -> tuple[list[Array], list[Array]]:
     """The outputs by the machine and by a function's own code."""
+    begin_from(10**9, monkeypatch)
     interpreted = Chains(step)(*given)
-    monkeypatch.setattr(chains, "NATIVE_FROM", 1)
-    compiled = Chains(step)
-    made = compiled(*given)
-    assert compiled._engine is not None
-    assert compiled._engine._native is not None
-    return interpreted, made
+    begin_from(0, monkeypatch)
+    run = Chains(step)
+    run(*given)
+    compiled(run)
+    return interpreted, run(*given)
+
+
+def begin_from(work: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Compile as soon as so many instructions were run, whatever is in the cache."""
+    monkeypatch.setattr(chains_native, "BEGIN_FROM", work)
+    monkeypatch.setattr(chains_native, "BEGIN_FROM_EACH", 0)
+    monkeypatch.setattr(chains_native, "ready_library", lambda *task: None)
+
+
+def compiled(run: Chains) -> chains_native.Run | None:
+    """The code that a compiler is at work on, when it is done."""
+    assert run._engine is not None
+    native = run._engine.native
+    assert native.thread is not None
+    native.thread.join()
+    return native.run
 
 
 @pytest.mark.parametrize("count", [1, LANES - 1, LANES, 2 * LANES + 3])
@@ -64,40 +81,76 @@ def test_what_runs_away_leaves_its_neighbours_alone(monkeypatch: pytest.MonkeyPa
     assert np.isinf(made[0][2]).any()
 
 
-def test_it_takes_over_where_a_function_has_run_long(monkeypatch: pytest.MonkeyPatch) -> None:
+def simple() -> ca.Function:
     x, d, p = symbols(1, 1, 1)
-    run = Chains(function(x * d + p, symbols=(x, d, p)))
-    engine = run._engine
-    assert engine is not None
-    monkeypatch.setattr(chains, "NATIVE_FROM", 3 * 6)
+    return function(x * d + p, symbols=(x, d, p))
+
+
+def test_it_takes_over_where_a_function_has_run_long(monkeypatch: pytest.MonkeyPatch) -> None:
+    run = Chains(simple())  # of two instructions
+    assert run._engine is not None
+    native = run._engine.native
+    begin_from(3 * 6 * 2, monkeypatch)
     given = np.ones((LANES + 1, 1)), [np.full((LANES + 1, 6, 1), 0.9)], np.ones(1)
     first = run(*given)  # two blocks of six steps
-    assert engine._native is None
+    assert native.thread is None
     second = run(*given)
-    assert engine._native is not None
-    np.testing.assert_array_equal(first[0], second[0])
-    built = engine._native
+    built = compiled(run)
+    assert built is not None
+    third = run(*given)
+    for made in (second, third):
+        np.testing.assert_array_equal(first[0], made[0])
+    assert native.run is built
+
+
+def test_one_function_is_compiled_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    begin_from(0, monkeypatch)
+    run = Chains(simple())
+    given = np.ones((2, 1)), [np.full((2, 3, 1), 0.9)], np.ones(1)
+    assert run._engine is not None
+    with chains_native._compiler:
+        run(*given)
+        assert run._engine.native.thread is None
     run(*given)
-    assert engine._native is built
+    assert compiled(run) is not None
+
+
+def test_what_was_compiled_before_is_taken_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    given = np.ones((2, 1)), [np.full((2, 3, 1), 0.9)], np.ones(1)
+    with monkeypatch.context() as first:
+        begin_from(0, first)
+        run = Chains(simple())
+        (expected,) = run(*given)
+        compiled(run)
+    again = Chains(simple())
+    np.testing.assert_array_equal(again(*given)[0], expected)
+    assert again._engine is not None
+    assert again._engine.native.run is not None
+    assert again._engine._listed is None
 
 
 def test_without_it_the_machine_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
-    x, d, p = symbols(1, 1, 1)
-    step = function(x * d + p, symbols=(x, d, p))
     given = np.ones((2, 1)), [np.full((2, 3, 1), 0.9)], np.ones(1)
-    (expected,) = Chains(step)(*given)
-    monkeypatch.setattr(chains, "NATIVE_FROM", 1)
-    monkeypatch.setattr(chains_native, "shared_library", lambda *given, **about: None)
-    run = Chains(step)
+    (expected,) = Chains(simple())(*given)
+    begin_from(0, monkeypatch)
+    monkeypatch.setattr(chains_native, "shared_library", lambda *task: None)
+    run = Chains(simple())
     np.testing.assert_array_equal(run(*given)[0], expected)
-    assert run._engine is not None
-    assert run._engine._native is None
+    assert compiled(run) is None
+    np.testing.assert_array_equal(run(*given)[0], expected)
 
 
 def test_a_long_function_is_not_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
-    x, d, p = symbols(1, 1, 1)
-    code = chains.program(function(x * d + p, symbols=(x, d, p)))
+    code = program(simple())
     assert code is not None
-    assert chains_native.native(code) is not None
+    begin_from(0, monkeypatch)
     monkeypatch.setattr(chains_native, "INSTRUCTIONS_MOST", 1)
-    assert chains_native.native(code) is None
+    native = chains_native.Native(code)
+    assert native.after(1) is None
+    assert native.thread is None
+
+
+def test_a_step_of_several_functions_is_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(chains_text, "TOGETHER", 3)
+    test_random_programs_are_the_same(monkeypatch)
+    test_every_operation_is_the_same(LANES + 1, monkeypatch)

@@ -45,6 +45,18 @@ def call(function: ca.Function, arguments: Sequence[Array | float]) -> tuple[Arr
     return tuple(results)
 
 
+def aligned(rows: int, width: int, values: Array | None = None) -> Array:
+    """Memory for rows of numbers (rows, width), each at a multiple of its size, with ``values``
+    (rows, width) or zeros."""
+    size = width * np.dtype(np.float64).itemsize
+    room = np.zeros(rows * size + size, np.uint8)
+    begin = -room.ctypes.data % size
+    made = room[begin : begin + rows * size].view(np.float64).reshape(rows, width)
+    if values is not None:
+        made[:] = values
+    return made
+
+
 def later(t: Array, values: Array, delay: float) -> Array:
     """A signal (K,) recorded at times ``t`` (K,), as it is ``delay`` seconds later: values(t −
     delay), held before its first sample and after its last; at delay 0 as recorded.

@@ -1,97 +1,91 @@
 """Chains of steps as machine code of their own, eight side by side.
 
-A compiler takes longer than the machine for instruction lists needs to begin, and its code is seven
-times as fast: it is worth its time where a function runs long. Both round alike, operation by
-operation, so that a run does not depend on when one takes over from the other.
-Sizes: C chains, S steps.
+It is two to seven times as fast as the machine for instruction lists, but a compiler takes longer
+than that machine needs to begin. So it compiles beside the run, one function at a time, what has
+run for a while; and what was compiled before, by whatever run, is taken from the cache at once. All
+round alike, operation by operation, so that a result does not depend on when one takes over from
+the other. Sizes: C chains, S steps.
 """
 
 import ctypes
+import threading
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
 
-from symhyb.numeric.kernels.buffers import Array
-from symhyb.numeric.kernels.chains_source import LANES, PLAIN
-from symhyb.numeric.kernels.compiled import shared_library
+import numpy as np
+
+from symhyb.numeric.kernels.buffers import Array, aligned
+from symhyb.numeric.kernels.chains_source import LANES
+from symhyb.numeric.kernels.chains_text import source
+from symhyb.numeric.kernels.compiled import ready_library, shared_library
 from symhyb.numeric.kernels.instructions import Program
 from symhyb.numeric.kernels.vector_c import processor
-from symhyb.numeric.kernels.vector_source import HYPERBOLIC_TANGENT, expression, number
 
 FLAGS = ("-O1", "-fno-math-errno", "-fno-trapping-math", "-ffp-contract=off")
-INSTRUCTIONS_MOST = 20_000  # a compiler takes about 0.2 ms each, and longer beyond
-
-_BEGIN = """
-#include <math.h>
-{tangent}
-enum {{ lanes = {lanes} }};
-typedef double vec __attribute__((vector_size({lanes} * sizeof(double)), may_alias));
-#define EACH for (int l = 0; l < lanes; l++)
-void run(long long first, long long last, long long steps, const double *p,
-         const double *const *in, double *const *out) {{
-"""
-_LOOP = """
-for (long long begin = first; begin < last; begin += lanes) {
-  const int real = last - begin < lanes ? (int)(last - begin) : lanes;
-  long long at[lanes]; /* lanes that are left over do what the last chain does */
-  EACH at[l] = begin + (l < real ? l : real - 1);
-  for (long long s = 0; s < steps; s++) {
-"""
+INSTRUCTIONS_MOST = 100_000  # a compiler takes about 0.07 ms each
+# Instructions of eight lanes after which compiling begins: some, and so many for each that there
+# is. They take the machine for instruction lists a third of the time that a compiler takes.
+BEGIN_FROM, BEGIN_FROM_EACH = 6_000_000, 9_000
 
 Run = Callable[[range, int, Array, Sequence[Array], Sequence[Array]], None]
 
-
-def source(code: Program) -> str:
-    """The C text of a function (x, …, p) → (x, …) along chains: arrays are (C, S, width),
-    the start (C, width); the first result is fed back, the last argument ``p`` stays."""
-    last = len(code.arguments) - 1
-    same = code.invariant(frozenset({last}))
-    before = [f"const double v{v} = p[{entry}];" for v, which, entry in code.loads if which == last]
-    before += [f"const double v{v} = {number(x)};" for v, x in code.constants]
-    inside = [_load(code, *load) for load in code.loads if load[1] != last]
-    for value, operation, *operands in code.steps:
-        names = [f"v{one}" for one in operands if one >= 0]
-        if same[value]:
-            before.append(f"const double v{value} = {expression(operation, *names)};")
-        elif operation in PLAIN:
-            inside.append(f"const vec v{value} = {expression(operation, *names)};")
-        else:
-            given = [f"v{one}" if same[one] else f"v{one}[l]" for one in operands if one >= 0]
-            inside.append(f"vec v{value}; EACH v{value}[l] = {expression(operation, *given)};")
-    for output, entry, value in code.stores:
-        to = f"out[{output}][((begin + l) * steps + s) * {code.results[output]} + {entry}]"
-        text = f"v{value}" if same[value] else f"v{value}[l]"
-        inside.append(f"for (int l = 0; l < real; l++) {to} = {text};")
-    begin = _BEGIN.format(tangent=HYPERBOLIC_TANGENT, lanes=LANES)
-    return "\n".join((begin, *before, _LOOP, *inside, "}}}"))
+_compiler = threading.Lock()  # held while a compiler works: the other cores have their own work
 
 
-def _load(code: Program, value: int, which: int, entry: int) -> str:
-    wide = code.arguments[which]
-    if which:
-        return (
-            f"vec v{value}; EACH v{value}[l] = in[{which}][(at[l] * steps + s) * {wide} + {entry}];"
-        )
-    back = f"out[0][(at[l] * steps + s - 1) * {wide} + {entry}]"
-    return f"vec v{value}; EACH v{value}[l] = s ? {back} : in[0][at[l] * {wide} + {entry}];"
+@dataclass(eq=False, slots=True)
+class Native:
+    """The machine code of a program: ``run`` is None until it is there. It is called with the
+    chains to advance (a range of them), S, p (P,), the arrays given and those to be filled, all
+    C-contiguous, in the units of the function."""
+
+    code: Program
+    run: Run | None = None
+    thread: threading.Thread | None = None
+    _steps: int = 0
+
+    def after(self, steps: int) -> Run | None:
+        """The machine code, if it is there, where so many more steps of eight lanes are asked for.
+        Compiling begins when enough of them have been."""
+        if self.run is not None or self.thread is not None:
+            return self.run
+        size = len(self.code.steps)
+        if size > INSTRUCTIONS_MOST:
+            return None
+        if not self._steps:
+            self.run = _loaded(ready_library(*_task(self.code)))
+        self._steps += steps
+        worth = self._steps * size >= BEGIN_FROM + BEGIN_FROM_EACH * size
+        if self.run is None and worth and _compiler.acquire(blocking=False):
+            self.thread = threading.Thread(target=self._compile, name="compiler")
+            self.thread.start()
+        return self.run
+
+    def _compile(self) -> None:
+        try:
+            self.run = _loaded(shared_library(*_task(self.code)))
+        finally:
+            _compiler.release()
 
 
-def native(code: Program) -> Run | None:
-    """The compiled function, called with the chains to advance (a range of them), S, p (P,), the
-    arrays given and those to be filled, all C-contiguous, in the units of the function; None
-    without a working compiler."""
-    if len(code.steps) > INSTRUCTIONS_MOST:
-        return None
+def _task(code: Program) -> tuple[str, tuple[str, ...], tuple[str, ...], str]:
+    """What a compiler gets: C text, flags, libraries and what the result depends on beside them."""
     about = processor()
-    flags = (*FLAGS, "-march=native") if about else FLAGS
-    path = shared_library(source(code), flags, about=about)
+    return source(code), (*FLAGS, "-march=native") if about else FLAGS, ("-lm",), about
+
+
+def _loaded(path: Path | None) -> Run | None:
+    """The compiled function; None without it."""
     if path is None:
         return None
     try:
-        function = ctypes.CDLL(str(path)).run
+        library = ctypes.CDLL(str(path))
     except OSError:  # a folder from which nothing may be run
         return None
-    address = ctypes.c_void_p
-    function.argtypes = (*(ctypes.c_longlong,) * 3, *(address,) * 3)
+    address, function = ctypes.c_void_p, library.run
+    function.argtypes = (*(ctypes.c_longlong,) * 3, *(address,) * 5)
     function.restype = None
+    still, lanes = (ctypes.c_longlong.in_dll(library, name).value for name in ("still", "lanes"))
 
     def run(
         chains: range, steps: int, p: Array, given: Sequence[Array], made: Sequence[Array]
@@ -99,6 +93,8 @@ def native(code: Program) -> Run | None:
         first, results = (
             (address * len(a))(*(one.ctypes.data for one in a)) for a in (given, made)
         )
-        function(chains.start, chains.stop, steps, p.ctypes.data, first, results)
+        rooms = np.empty(still), aligned(lanes, LANES)  # of this thread
+        at = (one.ctypes.data for one in (p, *rooms))
+        function(chains.start, chains.stop, steps, *at, first, results)
 
     return run

@@ -42,17 +42,32 @@ def shared_library(
     ``about`` is what the result depends on beside code, compiler, flags and libraries, such as the
     processor where the flags say *native*.
     """
-    compiler, folder = find_compiler(), cache_folder("compiled")
-    if compiler is None or folder is None:
+    library, compiler = _place(code, flags, libraries, about), find_compiler()
+    if library is None or compiler is None:
         return None
-    what = "\0".join((code, compiler[1], *flags, *libraries, about))
-    library = folder / f"{hashlib.sha256(what.encode()).hexdigest()}.so"
     try:
         if not _intact(library) and not _build(library, code, compiler[0], flags, libraries):
             return None
     except OSError:  # a full disk, or a folder that went away
         return None
     return library
+
+
+def ready_library(
+    code: str, flags: Sequence[str], libraries: Sequence[str] = ("-lm",), about: str = ""
+) -> Path | None:
+    """The same if it is in the cache already; None if not."""
+    library = _place(code, flags, libraries, about)
+    return library if library is not None and _intact(library) else None
+
+
+def _place(code: str, flags: Sequence[str], libraries: Sequence[str], about: str) -> Path | None:
+    """Where the compiled code is kept; None without a compiler or a folder for it."""
+    compiler, folder = find_compiler(), cache_folder("compiled")
+    if compiler is None or folder is None:
+        return None
+    what = "\0".join((code, compiler[1], *flags, *libraries, about))
+    return folder / f"{hashlib.sha256(what.encode()).hexdigest()}.so"
 
 
 def _build(
