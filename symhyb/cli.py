@@ -5,6 +5,7 @@ Exit status: 0 nothing missing, 1 any other verdict, 2 misuse or unreadable inpu
 failed, 130 interrupted.
 """
 
+import os
 import signal
 import sys
 from dataclasses import asdict
@@ -29,6 +30,10 @@ from symhyb.cli_options import (
 )
 from symhyb.errors import InputError, NumericsError, visible
 from symhyb.export.verb import export
+
+# Of the linear algebra, before NumPy is loaded: problems are small, and threads that wait for each
+# other cost more than they bring.
+_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 app = typer.Typer(
     name="symhyb",
@@ -335,6 +340,8 @@ def main() -> NoReturn:
         if isinstance(stream, TextIOWrapper):  # a pipe may not know every letter of a sentence
             stream.reconfigure(errors="replace")
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # ends as Ctrl-C does, tidily
+    for name in _THREADS:
+        os.environ.setdefault(name, "1")
     try:
         app(prog_name="symhyb")
         status = 0

@@ -8,6 +8,8 @@ recordings prove; they never choose. docs/method.md has the statistics and what 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+from threadpoolctl import threadpool_limits
+
 from symhyb.correction.adequacy.judge import adequacy
 from symhyb.correction.advice.advice import advise
 from symhyb.correction.advice.isolability import isolability
@@ -96,7 +98,23 @@ def conclude(
     say: Say | None = None,
 ) -> Concluded:
     """:func:`diagnose` up to the advice on what to record next, which :func:`advised` adds."""
-    tell = say or (lambda line: None)
+    with _one_thread():
+        return _concluded(model, recordings, holdout, own, say or (lambda line: None))
+
+
+def _one_thread() -> threadpool_limits:
+    """Problems of linear algebra are small here: threads that wait for each other cost more than
+    they bring."""
+    return threadpool_limits(1, user_api="blas")
+
+
+def _concluded(
+    model: Model,
+    recordings: Recording | Sequence[Recording],
+    holdout: Recording | Sequence[Recording],
+    own: Sequence[str],
+    tell: Say,
+) -> Concluded:
     if still(several(recordings)):
         return Concluded(Diagnosis("undecided", STILL, record_next=RECORD_NEXT))
     tell("estimating motion and noise")
@@ -214,7 +232,8 @@ def advised(concluded: Concluded, say: Say | None = None) -> Diagnosis:
     if say is not None:
         say("looking for what to record next")
     try:
-        sentence, manoeuvre = advise(prepared, choice.setting, choice.decision)
+        with _one_thread():
+            sentence, manoeuvre = advise(prepared, choice.setting, choice.decision)
     except Exception as error:  # no finished diagnosis is lost for it
         return _with_note(answer, "No advice on what to record next", error)
     if sentence is None:
