@@ -4,6 +4,7 @@ Sizes: N samples, n coordinates, m sensors, K columns.
 """
 
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import Literal
 from weakref import WeakKeyDictionary
 
@@ -104,13 +105,19 @@ def smooth(values: Array, low: float, high: float, length: float) -> Array:
     normal coefficients is a Gaussian process of variance 1 between ``low`` and ``high``, constant
     beyond: Matérn 5/2 with ``length`` in half ranges, its Karhunen-Loève directions on a grid
     (Rasmussen & Williams, Gaussian Processes for Machine Learning, 2006, §4.2)."""
+    at = np.clip((2 * values - low - high) / (high - low), -1.0, 1.0)
+    found: Array = _directions(length)(at)
+    return found
+
+
+@lru_cache(maxsize=2 * len(LENGTHS))
+def _directions(length: float) -> CubicSpline:
+    """The functions of :func:`smooth` (K,) between −1 and 1."""
     grid = np.linspace(-1.0, 1.0, GRID)
     far = np.sqrt(5.0) * np.abs(grid[:, None] - grid) / length
     size, directions = np.linalg.eigh((1 + far + far**2 / 3) * np.exp(-far))
     kept = np.flatnonzero(size > FINEST * size[-1])[::-1]
-    at = np.clip((2 * values - low - high) / (high - low), -1.0, 1.0)
-    found: Array = CubicSpline(grid, directions[:, kept] * np.sqrt(size[kept]))(at)
-    return found
+    return CubicSpline(grid, directions[:, kept] * np.sqrt(size[kept]))
 
 
 def smooth_options(each: Sequence[Array]) -> list[list[Array]]:

@@ -73,47 +73,46 @@ def worth_of(start: Around, columns: Generic) -> float:
 
 def worths_of(start: Around, columns: Generic, groups: Sequence[Sequence[int]]) -> Array:
     """What each group of columns would add to ln evidence by itself (G,), dimensionless."""
-    found = []
+    found, means = [], [columns.mean[list(rows)] for rows in groups]
     driven = [
         extra.driving(one.linear) for one, extra in zip(start.tracks, columns.each, strict=True)
     ]
     for level in start.levels:
-        gram = _gram(start.tracks, level, driven, columns.spread)
+        grams = _grams(start.tracks, level, driven, columns.spread, groups)
         more = level.likely - start.levels[0].likely
-        found.append([_gain(gram, rows, columns.mean) + more for rows in groups])
+        found.append([_gain(*one) + more for one in zip(grams, means, strict=True)])
     return np.asarray(np.max(np.array(found), axis=0))
 
 
-def _gram(
+def _grams(
     tracks: Sequence[Track],
     level: Level,
     driven: Sequence[tuple[Array, Array]],
     spread: Array,
-) -> Array:
-    """Products (K + 1, K + 1) of the white columns, each for one prior deviation (``spread``, K),
-    and of the residual, which comes last. Of each stretch it is given what the columns drive."""
-    count = spread.size
-    gram = np.zeros((count + 1, count + 1))
+    groups: Sequence[Sequence[int]],
+) -> list[Array]:
+    """Products (C + 1, C + 1) of the C white columns of each group, each for one prior deviation
+    (``spread``, K), and of the residual, which comes last. Of each stretch it is given what the
+    columns drive. No group asks for its products with another."""
+    grams = [np.zeros((len(rows) + 1, len(rows) + 1)) for rows in groups]
     for one, (pushed, shown), (residual, own) in zip(tracks, driven, level.parts, strict=True):
-        begin = np.zeros((one.x.shape[1], count))
+        begin = np.zeros((one.x.shape[1], spread.size))
         white = white_columns(one, level.noise, pushed, -shown, begin)
         white *= spread
         white -= own @ (own.T @ white)
-        gram[:count, :count] += white.T @ white
-        gram[:count, count] += white.T @ residual
-        gram[count, count] += residual @ residual
-    gram[count, :count] = gram[:count, count]
-    return gram
+        for rows, gram in zip(groups, grams, strict=True):
+            joined = np.column_stack([white[:, list(rows)], residual])
+            gram += joined.T @ joined
+    return grams
 
 
-def _gain(gram: Array, group: Sequence[int], mean: Array) -> float:
-    """ln of the evidence that columns add; their coefficients have a mean, in prior deviations."""
-    rows = list(group)
-    begin = mean[rows]
-    block, toward = gram[np.ix_(rows, rows)], gram[rows, -1]
+def _gain(gram: Array, begin: Array) -> float:
+    """ln of the evidence that columns add; their coefficients have a mean ``begin`` (C,), in prior
+    deviations."""
+    block, toward = gram[:-1, :-1], gram[:-1, -1]
     right = toward + block @ begin
     moved = float(begin @ toward + 0.5 * begin @ block @ begin)
-    seen = block + np.eye(len(rows))
+    seen = block + np.eye(begin.size)
     solved = float(0.5 * right @ np.linalg.solve(seen, right))
     return solved - moved - 0.5 * float(np.linalg.slogdet(seen)[1])
 
