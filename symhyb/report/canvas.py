@@ -53,9 +53,15 @@ def drawing(height: float) -> Iterator["Figure"]:
 
 
 def svg(figure: "Figure") -> bytes:
-    """Give a figure as the bytes of an SVG that is the same every time."""
+    """Give a figure as the bytes of an SVG that is the same every time.
+
+    The layout is part of drawing; ``savefig`` would draw everything once before, unseen.
+    """
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+
     target = io.BytesIO()
-    figure.savefig(target, format="svg", metadata={"Date": None, "Creator": "symhyb"})
+    about = {"Date": None, "Creator": "symhyb"}
+    FigureCanvasSVG(figure).print_svg(target, metadata=about)  # type: ignore[no-untyped-call]
     return target.getvalue()
 
 
