@@ -87,18 +87,17 @@ def _fitted(
     """Parameters from ``values`` and initial states from ``starts``, fitted as they are."""
     now = _on_constraints(model, task, p, values, starts)
     task = _in_time(model, task, p, values)
-    cost = _cost(model, task, p, values, now)
-    if not np.isfinite(cost):
+    shown = _shown(model, task, p, values, now)
+    if not np.isfinite(_total(task, values, shown)):
         return _failed(task, now, values)
     for i in range(ROUNDS + LATE_ROUNDS):
-        values, now, cost = _descended(model, task, p, values, now, cost)
-        now, settled = _settled(model, task, p, values, now)
+        values, now, shown = _descended(model, task, p, values, now, shown)
+        cost = _total(task, values, shown)
+        now, shown = _settled(model, task, p, values, now, shown)
         timed = _in_time(model, task, p, values)
         if timed is not task:
-            task, cost = timed, _cost(model, timed, p, values, now)
-        elif settled < (1 - SETTLED) * cost and i < ROUNDS - 1:
-            cost = settled
-        else:
+            task, shown = timed, _shown(model, timed, p, values, now)
+        elif _total(task, values, shown) >= (1 - SETTLED) * cost or i >= ROUNDS - 1:
             break
     inner = model.machine.inner_states
     return _finish(task, _linearise(model, task, p, values, now), values, now, inner)
@@ -122,10 +121,16 @@ def _on_constraints(
 
 
 def _descended(
-    model: WindowModel, task: Task, p: Array, values: Array, now: list[Array], cost: float
-) -> tuple[Array, list[Array], float]:
-    """Parameters, initial states and cost after damped Gauss–Newton steps, while they pay."""
-    damping, gained = 0.0, 0.0
+    model: WindowModel,
+    task: Task,
+    p: Array,
+    values: Array,
+    now: list[Array],
+    shown: list[Array],
+) -> tuple[Array, list[Array], list[Array]]:
+    """Parameters, initial states and squares (W,) of the windows of each recording after damped
+    Gauss–Newton steps, while they pay."""
+    damping, gained, cost = 0.0, 0.0, _total(task, values, shown)
     for _ in range(task.iterations):
         parts = _linearise(model, task, p, values, now)
         accepted = False
@@ -134,15 +139,16 @@ def _descended(
             if predicted <= task.decrease * cost:
                 break
             trial = values + change
-            after, ahead = _tried(model, task, p, trial, now, moved)
+            ahead, met = _tried(model, task, p, trial, now, moved)
+            after = _total(task, trial, met)
             if after < cost:
                 accepted, damping = True, damping / 10 if damping > 1e-4 else 0.0
-                gained, values, now, cost = cost - after, trial, ahead, after
+                gained, values, now, shown, cost = cost - after, trial, ahead, met, after
                 break
             damping = max(10 * damping, 1e-3)
         if not accepted or gained <= task.decrease * cost:
             break
-    return values, now, cost
+    return values, now, shown
 
 
 def _tried(
@@ -152,9 +158,9 @@ def _tried(
     values: Array,
     starts: Sequence[Array],
     moved: Sequence[Array],
-) -> tuple[float, list[Array]]:
-    """Cost and initial states after a step; a window that it would throw off stays where it is, or
-    takes a part of it."""
+) -> tuple[list[Array], list[Array]]:
+    """Initial states and squares (W,) of the windows of each recording after a step; a window that
+    it would throw off stays where it is, or takes a part of it."""
     chosen, shown = [], []
     for i, (item, start, move) in enumerate(zip(task.cuts, starts, moved, strict=True)):
         full = task.filled(i, p, model.free, values)
@@ -163,21 +169,28 @@ def _tried(
         best, costs = best_of(model, item, full, begins, task.sd)
         chosen.append(best)
         shown.append(costs)
-    return _total(task, values, shown), chosen
+    return chosen, shown
 
 
 def _settled(
-    model: WindowModel, task: Task, p: Array, values: Array, starts: Sequence[Array]
-) -> tuple[list[Array], float]:
-    """Initial states for the parameters as they stand, and their cost: from the measured motion
-    where that is better: held windows had no say in which steps were taken, and one bad one may
-    hold up all."""
+    model: WindowModel,
+    task: Task,
+    p: Array,
+    values: Array,
+    starts: Sequence[Array],
+    begun: Sequence[Array],
+) -> tuple[list[Array], list[Array]]:
+    """Initial states for the parameters as they stand, and the squares (W,) of the windows of each
+    recording, ``begun`` of them at ``starts``. They are taken from the measured motion where that
+    is better: held windows had no say in which steps were taken, and one bad one may hold up
+    all."""
     now = list(starts)
     fulls = [task.filled(i, p, model.free, values) for i in range(len(now))]
     shown = []
     for i, (item, full) in enumerate(zip(task.cuts, fulls, strict=True)):
         measured = model.closed(item.block, item.start, full)
-        now[i], costs = best_of(model, item, full, (now[i], measured), task.sd)
+        known = now[i], begun[i]
+        now[i], costs = best_of(model, item, full, (measured,), task.sd, known)
         shown.append(costs)
     for _ in range(HELD_ROUNDS):
         parts = _linearise(model, task, p, values, now)
@@ -186,18 +199,24 @@ def _settled(
             steps = [model.closed(item.block, now[i] + x * move, full) for x in SHARES_ALONE[:-1]]
             known = now[i], shown[i]
             now[i], shown[i] = best_of(model, item, full, steps, task.sd, known)
-    return now, _total(task, values, shown)
+    return now, shown
 
 
 def _cost(
     model: WindowModel, task: Task, p: Array, values: Array, starts: Sequence[Array]
 ) -> float:
     """Squared whitened residuals of the fitted windows, plus the prior."""
-    shown = [
+    return _total(task, values, _shown(model, task, p, values, starts))
+
+
+def _shown(
+    model: WindowModel, task: Task, p: Array, values: Array, starts: Sequence[Array]
+) -> list[Array]:
+    """Squared whitened residuals of the windows (W,) of each recording."""
+    return [
         squares(model, item, task.filled(i, p, model.free, values), start, task.sd)
         for i, (item, start) in enumerate(zip(task.cuts, starts, strict=True))
     ]
-    return _total(task, values, shown)
 
 
 def _total(task: Task, values: Array, shown: Sequence[Array]) -> float:
