@@ -46,8 +46,8 @@ def call(function: ca.Function, arguments: Sequence[Array | float]) -> tuple[Arr
 
 
 def aligned(rows: int, width: int, values: Array | None = None) -> Array:
-    """Memory for rows of numbers (rows, width), each at a multiple of its size, with ``values``
-    (rows, width) or zeros."""
+    """Memory (R, W) for so many rows of so many numbers, each row at a multiple of its size, with
+    ``values`` (R, W) or zeros, in any unit."""
     size = width * np.dtype(np.float64).itemsize
     room = np.zeros(rows * size + size, np.uint8)
     begin = -room.ctypes.data % size

@@ -46,7 +46,8 @@ class Listed:
         self._stores = np.array(stores, dtype=np.int32).reshape(-1, 3)
 
     def under(self, p: Array) -> Advance:
-        """What advances a part of the chains with the last argument ``p`` (P,)."""
+        """What advances a part of the chains with the last argument ``p`` (P,), in the units of the
+        function."""
         registers = aligned(self._slots, LANES)
         for slot, number in self._constants:
             registers[slot] = number
