@@ -10,6 +10,7 @@ An unknown force that does not know its last sample comes from how an input was 
 from collections.abc import Iterator, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 from scipy.special import expit
 from scipy.stats import kurtosis
@@ -59,14 +60,25 @@ def noisy_input(recorded: Recorded, left: Beyond) -> tuple[Likely, ...]:
 
 def sensor_sd(recorded: Recorded, trial: Fitted, left: Beyond) -> Array:
     """The noise (m,) of every sensor, SI, white and coloured together; that of smoothing where the
-    colour is none or is no noise. Where no force acts (``left``) that of sensors alone."""
+    colour is none, is no noise, or may be a force. Where no force acts (``left``) that of sensors
+    alone."""
     noise = trial.fit.noise
     if left.alone is not None and not left.acts:
         noise = left.alone
     names = [sensor.name for sensor in recorded.windows.machine.model.sensors]
-    faulty = {one.where for one in _faults(recorded, noise, tracks_of(recorded, trial))}
+    tracks = tracks_of(recorded, trial)
+    faulty = {one.where for one in _faults(recorded, noise, tracks)}
     true = (noise.colour > 0) & [name not in faulty for name in names]
+    true &= ~_showing_forces(recorded, tracks)
     return np.where(true, np.hypot(noise.white, noise.colour), recorded.sd)
+
+
+def _showing_forces(recorded: Recorded, tracks: Sequence[Track]) -> NDArray[np.bool_]:
+    """The sensors (m,) that show a force on an imposed coordinate, such as a force cell of a rig:
+    nothing moves by that force, so that its colour cannot be distinguished from theirs."""
+    imposed = list(recorded.windows.machine.imposed)
+    shown = [one.linear.by_force[0][:, :, imposed].any(axis=(0, 2)) for one in tracks]
+    return np.asarray(np.any(shown, axis=0))
 
 
 def _faults(recorded: Recorded, noise: NoiseModel, tracks: Sequence[Track]) -> Iterator[Generic]:

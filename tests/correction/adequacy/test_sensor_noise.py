@@ -1,13 +1,14 @@
 """Noise that is correlated in time is noise: of a sensor, and in what is decided."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import symhyb as sh
 from symhyb.correction.adequacy.beyond import beyond
-from symhyb.correction.adequacy.channel_noise import sensor_sd
+from symhyb.correction.adequacy.channel_noise import _showing_forces, sensor_sd
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Fitted, fitted
 from symhyb.data.recording import Recording
@@ -65,3 +66,14 @@ def test_what_is_missing_is_named_under_coloured_noise() -> None:
 def test_nothing_is_missing_under_coloured_noise() -> None:
     found = sh.diagnose(pushed_model(), pushed(8, samples=800, colour=COLOUR))
     assert found.verdict == "nothing missing"
+
+
+@pytest.mark.parametrize(("imposed", "cell"), [((1,), True), ((), False)])
+def test_the_colour_of_a_force_cell_may_be_a_force(imposed: tuple[int, ...], cell: bool) -> None:
+    """Two sensors of a machine with two coordinates: one of the motion, one of the force on the
+    second, which shows at once what acts there."""
+    by_force = np.zeros((1, 5, 2, 2))
+    by_force[..., 1, 1] = 1.0
+    ground = SimpleNamespace(windows=SimpleNamespace(machine=SimpleNamespace(imposed=imposed)))
+    tracks = [SimpleNamespace(linear=SimpleNamespace(by_force=by_force))]
+    assert _showing_forces(ground, tracks).tolist() == [False, cell]  # type: ignore[arg-type]
