@@ -16,7 +16,7 @@ from symhyb.correction.search.decide import Decision, decide
 from symhyb.correction.search.fleet import Outlier, outliers, own_value, parted, without
 from symhyb.correction.search.preparing import Prepared
 from symhyb.correction.search.selection import Subset
-from symhyb.correction.search.setting import Setting
+from symhyb.correction.search.setting import Setting, Stage
 from symhyb.correction.search.so_far import fits_best, if_interrupted
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.places.locate import locate
@@ -40,24 +40,29 @@ class Choice:
 
 def choose(prepared: Prepared, setting: Setting, say: Say) -> Choice:
     """Screen all causes, map the places and decide; again where the sensors prove noisier."""
-    choice = _chosen(prepared, setting, say)
+    say("sparse regression on the weak form")
+    cuts = _middle(setting).cuts
+    proposals = propose(prepared.machine, setting.library, cuts, 5 / prepared.shortest)
+    choice = _chosen(prepared, setting, proposals, say)
     sd = measured_again(prepared, choice.setting, choice.decision)
     if sd is None:
         return choice
     say("deciding again, for the noise of a sensor is correlated in time")
-    return _chosen(prepared, replace(setting, sd=sd), say)
+    return _chosen(prepared, replace(setting, sd=sd), proposals, say)
 
 
-def _chosen(prepared: Prepared, setting: Setting, say: Say) -> Choice:
+def _middle(setting: Setting) -> Stage:
+    """The windows on which places are mapped: neither the shortest nor long."""
+    return setting.stages[min(1, len(setting.stages) - 1)]
+
+
+def _chosen(prepared: Prepared, setting: Setting, proposals: Sequence[Subset], say: Say) -> Choice:
     """One decision, with the noise of the sensors as it is known."""
-    say("sparse regression on the weak form")
-    middle = setting.stages[min(1, len(setting.stages) - 1)]
-    proposals = propose(prepared.machine, setting.library, middle.cuts, 5 / prepared.shortest)
     say("mapping the places")
     places = locate(
         setting.library,
         setting.windows,
-        middle.cuts,
+        _middle(setting).cuts,
         prepared.machine.values,
         setting.sd,
         setting.stages[0].cuts,
