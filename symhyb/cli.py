@@ -6,7 +6,6 @@ failed, 130 interrupted.
 """
 
 import os
-import signal
 import sys
 from dataclasses import asdict
 from io import TextIOWrapper
@@ -30,6 +29,7 @@ from symhyb.cli_options import (
 )
 from symhyb.errors import InputError, NumericsError, visible
 from symhyb.export.verb import export
+from symhyb.interruption import is_interruption, listen
 
 # Of the linear algebra, before NumPy is loaded: problems are small, and threads that wait for each
 # other cost more than they bring.
@@ -339,7 +339,7 @@ def main() -> NoReturn:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):  # a pipe may not know every letter of a sentence
             stream.reconfigure(errors="replace")
-    signal.signal(signal.SIGTERM, signal.default_int_handler)  # ends as Ctrl-C does, tidily
+    listen()
     for name in _THREADS:
         os.environ.setdefault(name, "1")
     try:
@@ -347,18 +347,25 @@ def main() -> NoReturn:
         status = 0
     except SystemExit as stop:
         status = stop.code if isinstance(stop.code, int) else 0
-        if status == 130:
-            _complain("interrupted; nothing more was written")
-    except InputError as error:
-        status = 2
-        _complain(*(str(problem) for problem in error.problems))
-    except NumericsError as error:
-        status = 3
-        _complain(f"the numerics failed: {error}")
     except Exception as error:
-        status = 3
-        _complain(f"{type(error).__name__}: {visible(str(error))[:300]}", _fault_sentence(error))
+        status = 130 if is_interruption(error) else _failed(error)
+    if status == 130:
+        _complain("interrupted; nothing more was written")
     sys.exit(status)
+
+
+def _failed(error: Exception) -> int:
+    """Say what an error is about, and return the exit status."""
+    match error:
+        case InputError():
+            _complain(*(str(problem) for problem in error.problems))
+            return 2
+        case NumericsError():
+            _complain(f"the numerics failed: {error}")
+        case _:
+            said = f"{type(error).__name__}: {visible(str(error))[:300]}"
+            _complain(said, _fault_sentence(error))
+    return 3
 
 
 def _fault_sentence(error: Exception) -> str:

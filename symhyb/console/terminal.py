@@ -11,6 +11,7 @@ from rich.markup import escape
 
 from symhyb.errors import InputError, Problem
 from symhyb.fault import SO_FAR, STAGE
+from symhyb.interruption import is_interruption
 from symhyb.writing import require_folder, write_file
 
 if TYPE_CHECKING:  # a verb that only reads a file need not load the numerics
@@ -43,12 +44,12 @@ def progress() -> Iterator[Callable[[str], None]]:
     try:
         with status or nullcontext():
             yield say
-    except KeyboardInterrupt as stop:
-        notes = [note for note in getattr(stop, "__notes__", ()) if note.startswith(SO_FAR)]
-        warn([f"interrupted at this step: {last[0]}", *notes[:1]])
-        raise
-    except Exception as error:
-        error.add_note(f"{STAGE}{last[0]}")
+    except (KeyboardInterrupt, Exception) as stop:
+        if is_interruption(stop):
+            notes = [note for note in getattr(stop, "__notes__", ()) if note.startswith(SO_FAR)]
+            warn([f"interrupted at this step: {last[0]}", *notes[:1]])
+        else:
+            stop.add_note(f"{STAGE}{last[0]}")
         raise
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from symhyb.correction.search.trajectory import Refined
 from symhyb.discrepancy.words.amounts import number_text
 from symhyb.fault import SO_FAR
+from symhyb.interruption import is_interruption
 
 
 @contextmanager
@@ -15,8 +16,8 @@ def if_interrupted(known: Callable[[], str]) -> Iterator[None]:
     """Give an interruption (Ctrl-C) a note with what is ``known`` then."""
     try:
         yield
-    except KeyboardInterrupt as stop:
-        said = known()
+    except (KeyboardInterrupt, Exception) as stop:
+        said = known() if is_interruption(stop) else ""
         if said:
             stop.add_note(SO_FAR + said)
         raise
