@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 from scipy.special import expit
-from scipy.stats import kurtosis
 
 from symhyb.correction.adequacy.beyond import Beyond
 from symhyb.correction.adequacy.classes.crossing_input import spared_by
@@ -22,6 +21,7 @@ from symhyb.correction.adequacy.structure import NOISE_FLOOR, Fitted, Generic, L
 from symhyb.discrepancy.likelihood.horizon import maximised
 from symhyb.discrepancy.likelihood.noise import NoiseModel
 from symhyb.discrepancy.likelihood.track import Track, white_problem
+from symhyb.discrepancy.recorded.channel_spread import excess_kurtosis
 from symhyb.judgement import BURSTS, CERTAIN, FAST, NEGLIGIBLE
 from symhyb.numeric.kernels.buffers import Array
 
@@ -87,7 +87,7 @@ def _faults(recorded: Recorded, noise: NoiseModel, tracks: Sequence[Track]) -> I
         name = recorded.windows.machine.model.sensors[j].name
         if noise.colour_s > recorded.period_s:
             yield Generic("sensor", name, (), np.zeros(0), does="drifts")
-        elif kurtosis(_leveled(recorded, white[:, j], int(j))) > BURSTS:
+        elif excess_kurtosis(_leveled(recorded, white[:, j], int(j))) > BURSTS:
             yield Generic("sensor", name, (), np.zeros(0), does="jumps")
 
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.course import Course
-from symhyb.discrepancy.recorded.motion import Motion, motion_of
+from symhyb.discrepancy.recorded.motion import Motion, motion_of, unplaced
 from symhyb.discrepancy.recorded.residual import discrepancy, force_band
 from symhyb.discrepancy.recorded.signals import acting, measured
 from symhyb.discrepancy.recorded.windows import correlation_time
@@ -197,11 +197,12 @@ def _shown(machine: Machine, name: str, recording: Recording) -> Array | None:
     column = [sensor.name for sensor in model.sensors].index(name)
     rest = replace(model, sensors=tuple(s for s in model.sensors if s.name != name))
     others = {key: one for key, one in recording.sensors.items() if key != name}
+    alone, without = replace(recording, sensors=others), build(rest, keep=False)
     try:
-        motion = motion_of(replace(recording, sensors=others), build(rest, keep=False))
+        if unplaced(alone, without):
+            return None
+        motion = motion_of(alone, without)
     except InputError:
-        return None
-    if motion.blind:
         return None
     u = acting(recording, machine)
     z = np.zeros((recording.t.size, machine.inner_states))

@@ -7,7 +7,8 @@
 
 Filter and drives are linear, so that the residual and any number of candidate columns (each with
 its own b and e) pass the same gains and come out white. Measurements are taken one after the other,
-which needs no inverse and leaves out what is missing.
+which needs no inverse and leaves out what is missing. Loops stand for slices: they compile in half
+the time.
 Sizes: N samples, X states, n forces, m sensors, K columns, d = X + n + m or, without colour, X + n.
 
 Sources: Anderson & Moore, Optimal Filtering, 1979 (sequential updates); Durbin & Koopman, Time
@@ -30,21 +31,22 @@ def transition(
     right: Array,
     keep: Array,
     hold: Array,
+    i: int,
 ) -> None:  # pragma: no cover - compiled
-    """Write the transition (d, d) of a step and how the force's noise enters (d, n), SI."""
-    states, forces = left.shape
+    """Write the transition (d, d) of the i-th step and how the force's noise enters (d, n), SI."""
+    _, states, forces = left.shape
     for s in range(states):
         for t in range(states):
-            A[s, t] = phi[s, t]
+            A[s, t] = phi[i, s, t]
         for t in range(forces):
-            A[s, states + t] = left[s, t] + keep[t] * right[s, t]
-            g[s, t] = right[s, t]
+            A[s, states + t] = left[i, s, t] + keep[i, t] * right[i, s, t]
+            g[s, t] = right[i, s, t]
     for t in range(forces):
-        A[states + t, states + t] = keep[t]
+        A[states + t, states + t] = keep[i, t]
         g[states + t, t] = 1.0
     first = states + forces
     for t in range(A.shape[0] - first):
-        A[first + t, first + t] = hold[t]
+        A[first + t, first + t] = hold[i, t]
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz", "arcp"})
@@ -52,7 +54,9 @@ def start(P0: Array, force: Array, colour: Array, coloured: bool) -> Array:  # p
     """The covariance (d, d) at the first sample, SI."""
     states, forces, sensors = P0.shape[0], force.size, colour.size if coloured else 0
     P = np.zeros((states + forces + sensors, states + forces + sensors))
-    P[:states, :states] = P0
+    for s in range(states):
+        for t in range(states):
+            P[s, t] = P0[s, t]
     for t in range(forces):
         P[states + t, states + t] = force[t]
     for t in range(sensors):
@@ -61,24 +65,35 @@ def start(P0: Array, force: Array, colour: Array, coloured: bool) -> Array:  # p
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz", "arcp"})
-def observe(h: Array, C: Array, D: Array, j: int) -> None:  # pragma: no cover - compiled
-    """Write how the j-th sensor sees the state (d,), SI."""
-    states, forces = C.shape[1], D.shape[1]
-    h[:] = 0.0
-    h[:states] = C[j]
-    h[states : states + forces] = D[j]
+def observe(h: Array, C: Array, D: Array, i: int, j: int) -> None:  # pragma: no cover - compiled
+    """Write how the j-th sensor sees the i-th state (d,), SI."""
+    states, forces = C.shape[2], D.shape[2]
+    for s in range(states):
+        h[s] = C[i, j, s]
+    for s in range(forces):
+        h[states + s] = D[i, j, s]
+    for s in range(states + forces, h.size):
+        h[s] = 0.0
     if h.size > states + forces:
         h[states + forces + j] = 1.0
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz", "arcp"})
 def predict(
-    P: Array, T: Array, A: Array, g: Array, force: Array, colour: Array, keep: Array, hold: Array
+    P: Array,
+    T: Array,
+    A: Array,
+    g: Array,
+    force: Array,
+    colour: Array,
+    keep: Array,
+    hold: Array,
+    i: int,
 ) -> None:  # pragma: no cover - compiled
-    """Move the covariance (d, d), SI, on by one step, in place. Force and colour are each their own
-    share of what they were: only the states mix."""
+    """Move the covariance (d, d), SI, on by the i-th step, in place. Force and colour are each
+    their own share of what they were: only the states mix."""
     d, forces = P.shape[0], g.shape[1]
-    first = d - hold.size
+    first = d - hold.shape[1]
     states = first - forces
     for s in range(d):
         for t in range(d):
@@ -98,9 +113,9 @@ def predict(
                 for u in range(first):
                     total += T[s, u] * A[t, u]
             for u in range(forces):
-                total += g[s, u] * force[u] * (1 - keep[u] * keep[u]) * g[t, u]
+                total += g[s, u] * force[u] * (1 - keep[i, u] * keep[i, u]) * g[t, u]
             if s == t and s >= first:
-                total += colour[s - first] * (1 - hold[s - first] ** 2)
+                total += colour[s - first] * (1 - hold[i, s - first] ** 2)
             P[s, t] = total
             P[t, s] = total
 
@@ -135,7 +150,9 @@ def whiten(
     P = start(P0, force, colour, sensed > 0)
     d = P.shape[0]
     M, M2 = np.zeros((d, columns)), np.zeros((d, columns))
-    M[:states] = begin
+    for s in range(states):
+        for c in range(columns):
+            M[s, c] = begin[s, c]
     result = np.zeros((samples, sensors, columns))
     A, g, T = np.zeros((d, d)), np.zeros((d, forces)), np.zeros((d, d))
     h, k = np.zeros(d), np.zeros(d)
@@ -144,7 +161,7 @@ def whiten(
         for j in range(sensors):
             if not seen[i, j]:
                 continue
-            observe(h, C[i], D[i], j)
+            observe(h, C, D, i, j)
             S = white[j]
             for s in range(d):
                 total = 0.0
@@ -166,7 +183,7 @@ def whiten(
             logs += np.log(S)
         if i == samples - 1:
             break
-        transition(A, g, phi[i], left[i], right[i], keep[i], hold[i])
+        transition(A, g, phi, left, right, keep, hold, i)
         for s in range(d):
             for c in range(columns):
                 M2[s, c] = b[i, s, c] if s < states else 0.0
@@ -174,8 +191,8 @@ def whiten(
                 if A[s, t] != 0.0:
                     for c in range(columns):
                         M2[s, c] += A[s, t] * M[t, c]
-        M[:] = M2
-        predict(P, T, A, g, force, colour, keep[i], hold[i])
+        M, M2 = M2, M
+        predict(P, T, A, g, force, colour, keep, hold, i)
     return result, logs
 
 
@@ -215,11 +232,14 @@ def smooth(
     h = np.zeros(d)
     logs, chi2 = 0.0, 0.0
     for i in range(samples):
-        means[i], covs[i] = M, P
+        for s in range(d):
+            means[i, s] = M[s]
+            for t in range(d):
+                covs[i, s, t] = P[s, t]
         for j in range(sensors):
             if not seen[i, j]:
                 continue
-            observe(h, C[i], D[i], j)
+            observe(h, C, D, i, j)
             S, v = white[j], e[i, j]
             for s in range(d):
                 total = 0.0
@@ -237,13 +257,13 @@ def smooth(
             chi2 += v * v / S
         if i == samples - 1:
             break
-        transition(A, g, phi[i], left[i], right[i], keep[i], hold[i])
+        transition(A, g, phi, left, right, keep, hold, i)
         for s in range(d):
             M2[s] = b[i, s] if s < states else 0.0
             for t in range(d):
                 M2[s] += A[s, t] * M[t]
-        M[:] = M2
-        predict(P, T, A, g, force, colour, keep[i], hold[i])
+        M, M2 = M2, M
+        predict(P, T, A, g, force, colour, keep, hold, i)
     mean, variance = np.zeros((samples, d)), np.zeros((samples, d))
     by_force, by_white = np.zeros(forces), np.zeros(sensors)
     by_colour = np.zeros(sensors)
@@ -253,7 +273,7 @@ def smooth(
         for j in range(sensors - 1, -1, -1):
             if not seen[i, j]:
                 continue
-            observe(h, C[i], D[i], j)
+            observe(h, C, D, i, j)
             S = sizes[i, j]
             along, across = 0.0, 0.0
             for s in range(d):
@@ -281,7 +301,7 @@ def smooth(
             mean[i, s], variance[i, s] = total, spread
         if i == 0:
             break
-        transition(A, g, phi[i - 1], left[i - 1], right[i - 1], keep[i - 1], hold[i - 1])
+        transition(A, g, phi, left, right, keep, hold, i - 1)
         for q in range(forces):
             along, across = 0.0, 0.0
             for s in range(d):
@@ -296,7 +316,7 @@ def smooth(
             r2[s] = 0.0
             for t in range(d):
                 r2[s] += A[t, s] * r[t]
-        r[:] = r2
+        r, r2 = r2, r
         for s in range(d):
             for t in range(d):
                 total = 0.0 if t < states else Nn[s, t] * A[t, t]

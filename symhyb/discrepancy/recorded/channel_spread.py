@@ -8,7 +8,6 @@ Sizes: N samples.
 """
 
 import numpy as np
-from scipy.stats import kurtosis
 
 from symhyb.judgement import BURSTS, SAMPLES_TELL
 from symhyb.numeric.kernels.buffers import Array
@@ -24,9 +23,17 @@ def noise_spread(residual: Array, y: Array, t: Array) -> float:
     if not own.size:
         return float("nan")
     size = float(np.sqrt(np.mean(own**2)))
-    if own.size < SAMPLES_TELL or not size > 0 or not kurtosis(own / size) > BURSTS:
+    if own.size < SAMPLES_TELL or not size > 0 or not excess_kurtosis(own) > BURSTS:
         return size
     return min(NORMAL * float(np.median(np.abs(own - np.median(own)))), size) or size
+
+
+def excess_kurtosis(values: Array) -> float:
+    """How much heavier the tails of values (N,) of any unit are than those of normal noise (0);
+    NaN where they do not scatter. Fisher's definition."""
+    squares = (values - values.mean()) ** 2
+    with np.errstate(invalid="ignore"):
+        return float(np.mean(squares**2) / np.mean(squares) ** 2 - 3)
 
 
 def _own_noise(residual: Array, y: Array, t: Array) -> Array:

@@ -83,17 +83,35 @@ def motion_of(
     Raises:
         InputError: too few samples, or none of any sensor of motion.
     """
-    watching, shown = watching_model(machine.model, recording)
-    if watching is machine.model:
-        return _smoothed(recording, machine, spacings_s)
-    motion = _smoothed(shown, build(watching, keep=False), spacings_s)
-    spreads = dict(zip((sensor.name for sensor in watching.sensors), motion.sd, strict=True))
+    shown, watching = _watched(recording, machine)
+    motion = _smoothed(shown, watching, spacings_s)
+    if watching is machine:
+        return motion
+    spreads = dict(zip((sensor.name for sensor in watching.model.sensors), motion.sd, strict=True))
     y = measured(recording, machine)
     sd = [
         float(spreads.get(sensor.name, noise_level(column)))
         for sensor, column in zip(machine.model.sensors, y.T, strict=True)
     ]
     return replace(motion, sd=np.array(sd))
+
+
+def unplaced(recording: Recording, machine: Machine) -> tuple[str, ...]:
+    """The coordinates that would be ``blind`` in the motion of a recording, without estimating it.
+
+    Raises:
+        InputError: no samples of any sensor of motion.
+    """
+    shown, watching = _watched(recording, machine)
+    return _unplaced(shown, watching, measured(shown, watching), acting(shown, watching))
+
+
+def _watched(recording: Recording, machine: Machine) -> tuple[Recording, Machine]:
+    """A recording of the sensors of motion alone, and the machine with these."""
+    watching, shown = watching_model(machine.model, recording)
+    if watching is machine.model:
+        return recording, machine
+    return shown, build(watching, keep=False)
 
 
 def given_motion(recording: Recording, machine: Machine) -> Array:
