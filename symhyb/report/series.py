@@ -1,7 +1,6 @@
 """Long series made fit for a picture: thinned, zoomed, binned and scaled (NumPy only)."""
 
 from collections.abc import Sequence
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,14 +27,13 @@ def envelope(t: Array, y: Array, bins: int = BINS) -> tuple[Array, Array]:
     if len(y) <= 2 * bins:
         return np.asarray(t, dtype=float), np.asarray(y, dtype=float)
     edges = np.linspace(0, len(y), bins + 1).astype(int)
-    kept: list[int] = []
-    for start, end in pairwise(edges.tolist()):
-        part = y[start:end]
-        if np.isfinite(part).any():
-            extremes = {start + int(np.nanargmin(part)), start + int(np.nanargmax(part))}
-            kept.extend(sorted(extremes))
-        else:
-            kept.append(start)
+    begins, ends = edges[:-1, None], edges[1:, None]
+    at = begins + np.arange(np.diff(edges).max())
+    values = y[np.minimum(at, len(y) - 1)]
+    seen = (at < ends) & np.isfinite(values)
+    low = np.argmin(np.where(seen, values, np.inf), axis=1)  # 0 without any
+    high = np.argmax(np.where(seen, values, -np.inf), axis=1)
+    kept = np.unique(edges[:-1] + np.stack([low, high]))
     return t[kept], y[kept]
 
 

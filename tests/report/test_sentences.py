@@ -98,8 +98,9 @@ def test_rivals_say_what_they_replace_and_how_much_worse_they_are() -> None:
 
 
 def test_the_remainder_is_said_or_its_absence() -> None:
-    assert remainder_sentence(0.0) == "Of the mismatch nothing is left beyond the noise."
-    assert remainder_sentence(0.0043) == "0.43 % of the mismatch is still unexplained."
+    none = "Over windows nothing is left of the mismatch beyond the noise."
+    assert remainder_sentence(0.0) == none
+    assert remainder_sentence(0.0043) == "Over windows 0.43 % of the mismatch is still unexplained."
     assert "no remainder" in remainder_sentence(None)
     assert "no remainder" in remainder_sentence(math.nan)
 

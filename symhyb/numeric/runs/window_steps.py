@@ -1,43 +1,13 @@
-"""The integration steps of windows as functions with their slopes, and these joined from sample to
-sample.
+"""The integration steps of windows as functions with their slopes.
 
-Sizes: S integration steps, M intervals between samples, X states, n coordinates, m sensors, F free
-parameters.
+Sizes: X states, n coordinates, m sensors, F free parameters.
 """
 
 import casadi as ca
-import numpy as np
-from numpy.typing import NDArray
 
-from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.kernels.chains import Chains
 from symhyb.numeric.lowered.dynamics import StateForm
 from symhyb.numeric.lowered.steps import rosenbrock_step
-
-
-def joined(
-    steps: list[Array], first: NDArray[np.int64], parts: NDArray[np.int64]
-) -> tuple[Array, ...]:
-    """Slopes of integration steps (S, X, ·), in the order transition, by free, impulse, joined to
-    slopes from sample to sample (M, X, ·): transition, left, right, by free. The test force runs
-    linearly between two samples and is constant within a step. ``first`` (M,) is the first step of
-    each interval and ``parts`` (M,) how many there are. SI."""
-    transition, free, impulse = (step[first] for step in steps)
-    share = (0.5 / parts)[:, None, None]
-    all_four = np.concatenate([transition, free, impulse * (1 - share), impulse * share], axis=2)
-    size, own = transition.shape[2], free.shape[2]
-    kicks = size + own + impulse.shape[2]
-    for i in range(1, int(parts.max(initial=1))):
-        rows = np.flatnonzero(parts > i)
-        step, by_free, kick = (s[first[rows] + i] for s in steps)
-        where = ((i + 0.5) / parts[rows])[:, None, None]
-        made = step @ all_four[rows]
-        made[:, :, size : size + own] += by_free
-        made[:, :, size + own : kicks] += (1 - where) * kick
-        made[:, :, kicks:] += where * kick
-        all_four[rows] = made
-    transition, free, left, right = np.split(all_four, [size, size + own, kicks], axis=2)
-    return transition, left, right, free
 
 
 class Steps:

@@ -15,12 +15,13 @@ from numpy.typing import NDArray
 from symhyb.numeric.kernels.buffers import Array, held_at, held_mean
 from symhyb.numeric.kernels.chains_source import LANES
 from symhyb.numeric.kernels.memory import kept
+from symhyb.numeric.kernels.sweeps import joined, responses
 from symhyb.numeric.kernels.vector import along
 from symhyb.numeric.lowered.dynamics import state_form
 from symhyb.numeric.lowered.machine import Machine
 from symhyb.numeric.lowered.manifold import closed, tangent
 from symhyb.numeric.runs.between import bent_columns
-from symhyb.numeric.runs.window_steps import Steps, joined
+from symhyb.numeric.runs.window_steps import Steps
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,8 +75,7 @@ class Linear:
         begin = self.begin
         if begin is None:
             begin = np.broadcast_to(np.eye(states), (windows, states, states))
-        nothing = np.zeros((*self.transition.shape[:2], states, begin.shape[2]))
-        return self.by_state @ self._propagate(begin, nothing)
+        return self._shown(begin, np.empty((*self.transition.shape[:2], states, 0)))
 
     def from_states(self) -> Array:
         """The same for an error of each state (W, L, m, X); with constraints, of the part of it
@@ -87,7 +87,7 @@ class Linear:
     def from_free(self) -> Array:
         """∂y/∂θ, (W, L, m, F)."""
         begin = self._rest(self.by_free) if self.begin_free is None else self.begin_free
-        return self.by_state @ self._propagate(begin, self.by_free) + self.direct
+        return self._shown(begin, self.by_free) + self.direct
 
     def from_start_and_free(self) -> tuple[Array, Array]:
         """The two above from one pass, which costs little more than either: ∂y/∂(initial state)
@@ -99,33 +99,27 @@ class Linear:
         begin[:, :, :first] = np.eye(states) if self.begin is None else self.begin
         if self.begin_free is not None:
             begin[:, :, first:] = self.begin_free
-        added = np.zeros((*self.by_free.shape[:3], both))
-        added[..., first:] = self.by_free
-        made = self.by_state @ self._propagate(begin, added)
+        made = self._shown(begin, self.by_free)
         return made[..., :first], made[..., first:] + self.direct
 
     def from_forces(self, forces: Array) -> Array:
         """Response of y to small test forces (W, L, n, C) at the samples: (W, L, m, C)."""
         added = self.left @ forces[:, :-1] + self.right @ forces[:, 1:]
-        states = self._propagate(self._rest(added), added)
-        return self.by_state @ states + self.by_force @ forces
+        return self._shown(self._rest(added), added) + self.by_force @ forces
 
     def from_defect(self) -> Array:
         """What the model, started on the motion, adds to ``output``: (W, L, m)."""
         added = -self.defect[..., None]
-        return (self.by_state @ self._propagate(self._rest(added), added))[..., 0]
+        return self._shown(self._rest(added), added)[..., 0]
 
     def _rest(self, added: Array) -> Array:
         return np.zeros((added.shape[0], added.shape[2], added.shape[3]))
 
-    def _propagate(self, begin: Array, added: Array) -> Array:
-        """δ at the samples (W, L, X, C) from its value at the start and what each step adds."""
-        windows, steps, states, count = added.shape
-        result = np.empty((windows, steps + 1, states, count))
-        result[:, 0] = begin
-        for i in range(steps):
-            result[:, i + 1] = self.transition[:, i] @ result[:, i] + added[:, i]
-        return result
+    def _shown(self, begin: Array, added: Array) -> Array:
+        """What sensors see (W, L, m, C) of δ, from its value at the start (W, X, C) and what each
+        step adds to the last of the columns."""
+        arrays = (self.transition, self.by_state, begin, added)
+        return np.asarray(responses(*map(np.ascontiguousarray, arrays)))
 
 
 class WindowModel:
@@ -244,9 +238,11 @@ class WindowModel:
         if what == "plain":
             return [ends]
         if what == "fit":
-            slopes.append(np.zeros((part.size, self.machine.n * states)))
-        steps = [slope.reshape(part.size, -1, states).swapaxes(1, 2) for slope in slopes]
-        return [ends, *(j.reshape(*shape, -1) for j in joined(steps, first, parts))]
+            slopes.append(np.empty((part.size, 0)))
+        made = [one.reshape(*shape, -1) for one in joined(*slopes, first, parts, states)]
+        if what == "fit":  # no test force is asked for
+            made[1] = made[2] = np.zeros((*shape, self.machine.n))
+        return [ends, *made]
 
     def _chained(
         self, what: str, begins: NDArray[np.int64], starts: Array, given: Sequence[Array], p: Array
@@ -332,5 +328,10 @@ class WindowModel:
         m = len(self.machine.model.sensors)
         return (
             y.reshape(windows, length, m),
-            *(s.reshape(windows, length, -1, m).swapaxes(2, 3) for s in slopes),
+            *(_rows(s.reshape(windows, length, -1, m)) for s in slopes),
         )
+
+
+def _rows(columns: Array) -> Array:
+    """Matrices (W, L, m, C) from their columns one after the other (W, L, C, m)."""
+    return np.ascontiguousarray(columns.swapaxes(2, 3))

@@ -1,9 +1,9 @@
-"""Slopes of integration steps joined from sample to sample."""
+"""Slopes of integration steps joined from sample to sample, and what they do to the outputs."""
 
 import numpy as np
 import pytest
 
-from symhyb.numeric.runs.window_steps import joined
+from symhyb.numeric.kernels.sweeps import joined, responses
 
 
 def test_slopes_join_as_the_steps_follow_each_other() -> None:
@@ -11,7 +11,8 @@ def test_slopes_join_as_the_steps_follow_each_other() -> None:
     chance = np.random.default_rng(2)
     parts, first = np.array([1, 3]), np.array([0, 1])
     steps = [chance.standard_normal((4, 2, count)) for count in (2, 3, 1)]
-    transition, left, right, free = joined(steps, first, parts)
+    flat = [one.swapaxes(1, 2).reshape(4, -1) for one in steps]
+    transition, left, right, free = joined(*flat, first, parts, 2)
     step, by_free, kick = steps
     assert transition[0] == pytest.approx(step[0])
     assert left[0] == pytest.approx(kick[0] / 2)
@@ -25,3 +26,17 @@ def test_slopes_join_as_the_steps_follow_each_other() -> None:
     whole = transition[1] @ state + free[1] @ theta
     whole = whole + left[1] @ [push[0]] + right[1] @ [push[1]]
     assert whole == pytest.approx(after)
+
+
+def test_outputs_respond_as_the_states_follow_each_other() -> None:
+    """Two windows of four samples; the last two of three columns are added to on the way."""
+    chance = np.random.default_rng(3)
+    transition, added = chance.standard_normal((2, 3, 2, 2)), chance.standard_normal((2, 3, 2, 2))
+    by_state, begin = chance.standard_normal((2, 4, 3, 2)), chance.standard_normal((2, 2, 3))
+    seen = responses(transition, by_state, begin, added)
+    state = begin
+    for i in range(4):
+        assert seen[:, i] == pytest.approx(by_state[:, i] @ state)
+        if i < 3:
+            state = transition[:, i] @ state
+            state[..., 1:] += added[:, i]
