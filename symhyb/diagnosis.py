@@ -8,8 +8,6 @@ recordings prove; they never choose. docs/method.md has the statistics and what 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from threadpoolctl import threadpool_limits
-
 from symhyb.correction.adequacy.judge import adequacy
 from symhyb.correction.advice.advice import advise
 from symhyb.correction.advice.isolability import isolability
@@ -43,6 +41,7 @@ from symhyb.discrepancy.places.memoryless import memoryless
 from symhyb.discrepancy.results import Diagnosis, Misfit, Repeats
 from symhyb.errors import NumericsError
 from symhyb.model.types import Model
+from symhyb.numeric.kernels.threads import one_thread
 
 RECORD_NEXT = (
     "a longer run, of at least ten periods of the slowest motion, driven so that every coordinate "
@@ -98,14 +97,8 @@ def conclude(
     say: Say | None = None,
 ) -> Concluded:
     """:func:`diagnose` up to the advice on what to record next, which :func:`advised` adds."""
-    with _one_thread():
+    with one_thread():
         return _concluded(model, recordings, holdout, own, say or (lambda line: None))
-
-
-def _one_thread() -> threadpool_limits:
-    """Problems of linear algebra are small here: threads that wait for each other cost more than
-    they bring."""
-    return threadpool_limits(1, user_api="blas")
 
 
 def _concluded(
@@ -232,7 +225,7 @@ def advised(concluded: Concluded, say: Say | None = None) -> Diagnosis:
     if say is not None:
         say("looking for what to record next")
     try:
-        with _one_thread():
+        with one_thread():
             sentence, manoeuvre = advise(prepared, choice.setting, choice.decision)
     except Exception as error:  # no finished diagnosis is lost for it
         return _with_note(answer, "No advice on what to record next", error)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from symhyb.discrepancy.recorded.knots import LONG, STRETCHES, SplineFit, chosen, stretches
+from symhyb.discrepancy.recorded.knots import LONG, PORTIONS, SplineFit, chosen, portions
 
 SPACINGS = (2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0)
 
@@ -35,7 +35,7 @@ def test_what_gets_worse_and_worse_is_not_tried() -> None:
     assert [spacing for _, spacing in fitter.asked] == [2.0, 4.0, 8.0, 16.0]
 
 
-def test_stretches_of_a_long_recording_choose_and_the_whole_is_fitted() -> None:
+def test_portions_of_a_long_recording_choose_and_the_whole_is_fitted() -> None:
     total = 20 * LONG
     fitter = Fitter(total, 8.0)
     fits = chosen(fitter, SPACINGS, total)
@@ -43,12 +43,12 @@ def test_stretches_of_a_long_recording_choose_and_the_whole_is_fitted() -> None:
     assert [len(fit.residual) for fit in fits] == [total, total]
     sizes = [size for size, _ in fitter.asked]
     assert sizes.count(total) == 2
-    assert set(sizes) == {total, LONG // STRETCHES}
+    assert set(sizes) == {total, LONG // PORTIONS}
     assert len(chosen(Fitter(total, 8.0), SPACINGS, total, whole=True)[0].residual) == total
 
 
-def test_stretches_lie_from_end_to_end() -> None:
-    rows = stretches(3 * LONG)
+def test_portions_lie_from_end_to_end() -> None:
+    rows = portions(3 * LONG)
     assert rows[0].start == 0
     assert rows[-1].stop == 3 * LONG
     assert sum(one.stop - one.start for one in rows) == LONG

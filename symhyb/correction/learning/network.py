@@ -18,7 +18,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from threadpoolctl import threadpool_limits
 
 from symhyb.correction.learning.energy import Energy, energy_of
 from symhyb.correction.learning.refining import Fitting, joined, with_output
@@ -32,6 +31,7 @@ from symhyb.model.types import Element, Model, Network, On
 from symhyb.model.weights import keep
 from symhyb.model.write import append_elements
 from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.kernels.threads import one_thread
 from symhyb.numeric.lowered.network import Layer, Weights, evaluated, stored
 
 if TYPE_CHECKING:
@@ -178,7 +178,7 @@ def members_of(
     offset, gain = float(target.mean()), float(target.std()) or 1.0
     standard, scaled = (x - mean) / scale, (target - offset) / gain
     blocks = np.arange(len(x)) * FOLDS * BLOCKS_A_FOLD // len(x)
-    with threadpool_limits(1):  # several threads wait for each other on such small matrices
+    with one_thread():
         return tuple(
             lowered(
                 _fitted(standard, scaled, blocks % FOLDS == k % FOLDS, width, seed + k),

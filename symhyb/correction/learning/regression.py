@@ -30,6 +30,7 @@ import numpy as np
 from symhyb.errors import InputError, Problem
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.kernels.factor import Blocks, Factor, factor_of, pieces_of
+from symhyb.numeric.kernels.threads import one_thread
 
 BLOCK = 2**17  # numbers evaluated at a time: a megabyte stays in the cache
 
@@ -82,10 +83,8 @@ def regress(candidates: Candidates, optimizer: Optimizer) -> Array:
         InputError: a number is not finite, there are fewer rows than candidates, candidates depend
             on each other (which), or an optimiser that picks rows.
     """
-    from threadpoolctl import threadpool_limits
-
     _require_squares(optimizer)
-    with threadpool_limits(1):  # blocks are small: threads that wait for each other cost more
+    with one_thread():
         factor = factor_of(candidates.blocks(), candidates.names, candidates.targets)
         problems = factor.problems()
         if problems:
@@ -106,8 +105,6 @@ def resampled(
     Raises:
         InputError: as :func:`regress`, or fewer than two chunks.
     """
-    from threadpoolctl import threadpool_limits
-
     _require_squares(optimizer)
     if not 0 < chunk <= candidates.rows // 2:
         raise InputError(
@@ -116,7 +113,7 @@ def resampled(
                 f"between 1 and {candidates.rows // 2}"
             )
         )
-    with threadpool_limits(1):
+    with one_thread():
         pieces = pieces_of(candidates.blocks(chunk), candidates.names, candidates.targets)
         count = pieces.rows.size
         shares = np.full(count, 1 / count)

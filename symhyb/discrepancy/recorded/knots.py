@@ -14,8 +14,8 @@ from symhyb.numeric.kernels.buffers import Array
 
 SPACINGS = (1.3, 1.6, 2, 3, 4, 6, 8, 11, 16, 23, 32, 45, 64, 91, 128)  # samples between two knots
 WORSE_MOST = 3  # spacings in a row that are worse than the best: stop
-LONG = 50_000  # samples: of longer recordings stretches choose the spacing
-STRETCHES = 5
+LONG = 50_000  # samples: of longer recordings portions choose the spacing
+PORTIONS = 5
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,10 +47,10 @@ def chosen(
     """The fit with the spacing (samples) that the criterion chooses, and that with the next
     narrower one.
 
-    ``fitted`` fits rows of a recording of ``total`` samples; of more than ``LONG``, stretches
+    ``fitted`` fits rows of a recording of ``total`` samples; of more than ``LONG``, portions
     choose, unless the ``whole`` has to. No more than three fits are held at once.
     """
-    parts = [slice(None)] if whole or total <= LONG else stretches(total)
+    parts = [slice(None)] if whole or total <= LONG else portions(total)
     criteria: list[float] = []
     before, best = None, None  # the last fit; the best one and the one before it
     for spacing in spacings:
@@ -70,8 +70,8 @@ def chosen(
     return fitted(slice(None), near[0]), fitted(slice(None), near[1])
 
 
-def stretches(total: int) -> list[slice]:
-    """``STRETCHES`` of equal length and distance, together ``LONG`` of ``total`` samples."""
-    length = LONG // STRETCHES
-    starts = np.linspace(0, total - length, STRETCHES).astype(int)
+def portions(total: int) -> list[slice]:
+    """``PORTIONS`` of equal length and distance, together ``LONG`` of ``total`` samples."""
+    length = LONG // PORTIONS
+    starts = np.linspace(0, total - length, PORTIONS).astype(int)
     return [slice(start, start + length) for start in starts.tolist()]
