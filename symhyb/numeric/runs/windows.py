@@ -273,15 +273,17 @@ class WindowModel:
             longest = np.arange(lengths[-1])
             place = begins[:, None] + np.minimum(longest, count[:, None] - 1)
             real = longest < count[:, None]
-            d0, d1, t, h = (a[place] for a in given)
+            d0, d1, t, h = (a.take(place, axis=0) for a in given)
             made = run(starts, (d0, d1, t, np.where(real[..., None], h, 0.0)), p)
-            return [output[real] for output in made]
+            rows = np.flatnonzero(real)
+            return [one.reshape(-1, one.shape[2]).take(rows, axis=0) for one in made]
         results: list[Array] = []
         for steps in lengths:
             mine = np.flatnonzero(count == steps)
             place = begins[mine, None] + np.arange(steps)
             alone = mine.size == count.size
-            varying = [a.reshape(*place.shape, -1) if alone else a[place] for a in given]
+            shape = (*place.shape, -1)
+            varying = [a.reshape(shape) if alone else a.take(place, axis=0) for a in given]
             made = run(starts[mine], varying, p)
             if alone:
                 return [output.reshape(total, -1) for output in made]
