@@ -1,5 +1,7 @@
 """Windows: simulated like CVODES does, and linearised like differences do."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from blocks import block, slope, uneven
@@ -279,3 +281,23 @@ def test_slopes_of_few_windows_are_those_of_the_same_windows_among_many(
     )
     for name in ("x", "transition", "left", "right", "by_free"):
         np.testing.assert_array_equal(getattr(one, name), getattr(other, name)[:2])
+
+
+def test_windows_of_many_lengths_are_linearised_without_a_free_parameter() -> None:
+    machine = build(cart_pole())
+    t = uneven(4, 12, seed=3)
+    rng = np.random.default_rng(4)
+    start = rng.normal(size=(4, 4)) * [0.1, 0.5, 0.3, 1.0]
+    even = block(t, np.zeros((*t.shape, 1)), 3)
+    windows = replace(even, substeps=rng.integers(1, 5, even.substeps.shape))
+    model = WindowModel(machine)
+    linear = model.differentiate(windows, start, machine.values)
+    x, y = model.simulate(windows, start, machine.values)
+    assert linear.x == pytest.approx(x)
+    assert linear.output == pytest.approx(y)
+    assert linear.by_free.shape == (4, 11, 4, 0)
+
+    def seen(step: float) -> Array:
+        return model.simulate(windows, start + step * np.eye(4)[0], machine.values)[1]
+
+    assert linear.from_start()[..., 0] == pytest.approx(slope(seen, 1e-3), rel=1e-6, abs=1e-6)

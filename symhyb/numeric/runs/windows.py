@@ -276,7 +276,7 @@ class WindowModel:
             d0, d1, t, h = (a.take(place, axis=0) for a in given)
             made = run(starts, (d0, d1, t, np.where(real[..., None], h, 0.0)), p)
             rows = np.flatnonzero(real)
-            return [one.reshape(-1, one.shape[2]).take(rows, axis=0) for one in made]
+            return [one.reshape(real.size, one.shape[2]).take(rows, axis=0) for one in made]
         results: list[Array] = []
         for steps in lengths:
             mine = np.flatnonzero(count == steps)
