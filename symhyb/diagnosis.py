@@ -8,7 +8,8 @@ recordings prove; they never choose. docs/method.md has the statistics and what 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from symhyb.correction.adequacy.judge import adequacy
+from symhyb.correction.adequacy.input_noise import with_input_noise
+from symhyb.correction.adequacy.judge import Adequacy, adequacy
 from symhyb.correction.advice.advice import advise
 from symhyb.correction.advice.isolability import isolability
 from symhyb.correction.naming.beside_words import together
@@ -21,10 +22,10 @@ from symhyb.correction.search.preparing import Prepared, prepare, settle
 from symhyb.correction.search.setting import Setting
 from symhyb.correction.search.so_far import fits_best, if_interrupted
 from symhyb.correction.search.trajectory import Refined
-from symhyb.correction.verdict.choice import Choice, choose
+from symhyb.correction.verdict.choice import Choice, choose, chosen
 from symhyb.correction.verdict.conclusion import concluded
 from symhyb.correction.verdict.constants import with_constant
-from symhyb.correction.verdict.estimate import estimate
+from symhyb.correction.verdict.estimate import Estimated, estimate
 from symhyb.correction.verdict.leftover import leftover
 from symhyb.correction.verdict.proof import prove
 from symhyb.correction.verdict.refusal import (
@@ -117,19 +118,31 @@ def _concluded(
     if nothing.fit.reason and not selected.causes:
         raise NumericsError(f"the model cannot be simulated: {nothing.fit.reason}")
     with if_interrupted(lambda: fits_best(selected, len(choice.decision.trials))):
-        return Concluded(_told(model, prepared, choice, tell), prepared, choice)
+        known, judged = _judged(prepared, choice, tell)
+        louder = with_input_noise(prepared, setting, choice.setting, judged)
+        if louder is not None:
+            tell("deciding again, for noise of an input goes through the machine")
+            choice = chosen(prepared, louder, choice.proposals, tell)
+            known, judged = _judged(prepared, choice, tell)
+        return Concluded(_told(model, prepared, choice, known, judged, tell), prepared, choice)
 
 
-def _told(model: Model, prepared: Prepared, choice: Choice, tell: Say) -> Diagnosis:
-    """What follows from a choice: values, what acts beyond, shares, what must not be claimed."""
-    nothing, selected = choice.decision.nothing, choice.decision.selected
+def _judged(prepared: Prepared, choice: Choice, tell: Say) -> tuple[Estimated, Adequacy]:
+    """The values of a choice, and what acts beyond it."""
     tell("estimating values")
     known = estimate(prepared, choice, tell)
-    final, setting = known.final, choice.setting
     tell("looking for what acts beyond")
     everywhere = choice.change is None
-    judged = adequacy(prepared, choice.setting, final, known.windows, throughout=everywhere)
-    known = replace(known, doubt=known.doubt | judged.doubt)
+    judged = adequacy(prepared, choice.setting, known.final, known.windows, throughout=everywhere)
+    return replace(known, doubt=known.doubt | judged.doubt), judged
+
+
+def _told(
+    model: Model, prepared: Prepared, choice: Choice, known: Estimated, judged: Adequacy, tell: Say
+) -> Diagnosis:
+    """What follows from a choice: shares, words, what must not be claimed."""
+    nothing, selected = choice.decision.nothing, choice.decision.selected
+    final, setting = known.final, choice.setting
     tell("removing each cause once, for its share")
     shown = prove(prepared, setting, final, known.stage, known.items)
     held = shown

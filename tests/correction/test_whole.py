@@ -53,7 +53,8 @@ def chosen(one: Recording) -> tuple[Prepared, Choice]:
     cuts, model = setting.stages[-1].cuts, prepared.model
     nothing = refine(model, (), (), cuts, setting.sd)
     selected = refine(model, (drag,), ({"drag": DRAG},), cuts, setting.sd, careful=True)
-    return prepared, Choice(setting, Decision(selected, nothing, (selected,), (), ()), (), None, ())
+    decision = Decision(selected, nothing, (selected,), (), ())
+    return prepared, Choice(setting, decision, (), None, (), ())
 
 
 def completed(one: Recording) -> Completed | None:

@@ -159,7 +159,7 @@ def columns(way: Writing, family: str) -> tuple[Array, Array]:
     linear = model.along(cut.block, cut.states, machine.values)
     residual = cut.block.y - linear.output - linear.from_defect()
     sd = np.array([np.nanstd(y) for y in record.sensors.values()]) * 0.01
-    reduced = reduce(residual, linear.from_start(), linear.from_forces(forces), sd, cut.held)
+    reduced = reduce(cut, residual, linear.from_start(), linear.from_forces(forces), sd)
     return reduced.grams, reduced.count
 
 

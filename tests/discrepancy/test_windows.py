@@ -9,6 +9,7 @@ from symhyb.discrepancy.recorded.motion import Motion
 from symhyb.discrepancy.recorded.windows import (
     SAMPLES_LEAST,
     Cut,
+    Reduced,
     correlation_time,
     lay,
     merge,
@@ -16,6 +17,7 @@ from symhyb.discrepancy.recorded.windows import (
     reversals,
 )
 from symhyb.numeric.lowered.machine import build
+from symhyb.numeric.runs.windows import Block
 
 Array = NDArray[np.float64]
 T = np.arange(400) / 100
@@ -139,10 +141,24 @@ def parts(seed: int) -> tuple[Array, Array, Array, Array]:
     return residual, start, rng.normal(size=(3, 20, 2, 5)), np.array([0.5, 3.0])
 
 
+def reduced_of(
+    residual: Array, start: Array, columns: Array, sd: Array, held: NDArray[np.bool_]
+) -> Reduced:
+    """Windows of which nothing but these arrays and the ``held`` ones matters."""
+    windows, length, _ = residual.shape
+    t = np.tile(np.arange(length) / 100.0, (windows, 1))
+    block = Block(t, t[..., None], residual, np.ones((windows, length - 1), int))
+    still = np.zeros((windows, length, 2))
+    rows = np.arange(windows * length).reshape(windows, length)
+    run = recording(T, {"f": np.cos(T)}, place=np.sin(T))
+    item = Cut(block, still[:, 0], still, held, rows, (run, resting(T)))
+    return reduce(item, residual, start, columns, sd)
+
+
 def test_the_regression_that_is_left_is_that_of_least_squares_with_the_states() -> None:
     residual, start, columns, sd = parts(1)
     residual[1, 3:7, 0] = np.nan
-    reduced = reduce(residual, start, columns, sd, np.array([False, False, True]))
+    reduced = reduced_of(residual, start, columns, sd, np.array([False, False, True]))
     gram = reduced.grams.sum(axis=0)
     found = np.linalg.solve(gram[:5, :5], gram[:5, 5])
     rows, target = [], []
@@ -162,7 +178,7 @@ def test_the_regression_that_is_left_is_that_of_least_squares_with_the_states() 
 def test_a_residual_made_of_initial_states_vanishes() -> None:
     _, start, columns, sd = parts(2)
     residual = start @ np.array([1.0, -2.0, 0.5, 3.0])
-    reduced = reduce(residual, start, columns, sd, np.zeros(3, bool))
+    reduced = reduced_of(residual, start, columns, sd, np.zeros(3, bool))
     assert reduced.grams[:, 5, 5] == pytest.approx(np.zeros(3), abs=1e-20)
 
 
@@ -170,7 +186,7 @@ def test_a_state_that_no_sensor_sees_costs_no_sample() -> None:
     residual, start, columns, sd = parts(3)
     start[..., 2] = 0.0
     start[..., 3] = 2 * start[..., 0]
-    reduced = reduce(residual, start, columns, sd, np.zeros(3, bool))
+    reduced = reduced_of(residual, start, columns, sd, np.zeros(3, bool))
     assert reduced.count.tolist() == [38, 38, 38]
     assert np.isfinite(reduced.grams).all()
 
@@ -179,7 +195,7 @@ def test_recordings_are_joined_in_order() -> None:
     pieces = []
     for seed, held in ((4, False), (5, True)):
         residual, start, columns, sd = parts(seed)
-        pieces.append(reduce(residual, start, columns, sd, np.full(3, held)))
+        pieces.append(reduced_of(residual, start, columns, sd, np.full(3, held)))
     grams, count, held_flags = merge(pieces)
     assert grams[3:].tolist() == pieces[1].grams.tolist()
     assert count.tolist() == [36] * 6

@@ -39,7 +39,7 @@ class Adequacy:
     """What acts ``beyond`` a structure, the generic ``classes`` that it may be with their posterior
     probabilities, the causes that are in ``doubt`` beside them, and those of them that are
     ``disputed``; the ``jitter`` of clocks; ``unjudged`` is empty, or why nothing of this is
-    known."""
+    known; the ``structure`` as the innovations fitted it."""
 
     beyond: Beyond
     classes: tuple[Likely, ...] = ()
@@ -47,6 +47,7 @@ class Adequacy:
     disputed: tuple[Disputed, ...] = ()
     unjudged: str = ""
     jitter: tuple[Jitter, ...] = ()
+    structure: Fitted | None = None
 
     @property
     def adequate(self) -> bool:
@@ -97,8 +98,9 @@ def adequacy(
     if not classes:
         faults = (*faulty_sensors(ground, base), *noisy_input(ground, left))
         jitter = () if left.acts or faults else jittering(ground, base)
-        return Adequacy(left, faults, doubt, disputes, jitter=jitter)
-    return Adequacy(left, classes, doubt | _doubted(trials, enough, classes), disputes)
+        return Adequacy(left, faults, doubt, disputes, jitter=jitter, structure=base)
+    doubt |= _doubted(trials, enough, classes)
+    return Adequacy(left, classes, doubt, disputes, structure=base)
 
 
 def _small(final: Refined, ground: Recorded, left: Beyond) -> frozenset[Hypothesis]:

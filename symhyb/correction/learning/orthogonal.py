@@ -68,7 +68,7 @@ def linear(model: WindowModel, cuts: Sequence[Cut], p: Array, sd: Array) -> Line
         starts = fit(WindowModel(model.machine), starts_only(item, sd), p).starts[0]
         slopes = model.differentiate(item.block, starts, p)
         residual = item.block.y - slopes.output
-        columns = (residual, slopes.from_start(), slopes.from_free(), sd, item.held)
+        columns = (item, residual, slopes.from_start(), slopes.from_free(), sd)
         parts.append(reduce(*columns))
         residuals.append(np.nan_to_num(residual / sd).reshape(len(residual), -1))
     grams, count, held = merge(parts)

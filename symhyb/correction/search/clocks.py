@@ -164,7 +164,7 @@ def _windows(
         residual = item.block.y - linear.output - linear.from_defect()
         starts = linear.from_start()[..., : model.form.moving]
         columns = linear.from_free()[..., list(delays)]
-        parts.append(reduce(residual, starts, columns, setting.sd, item.held))
+        parts.append(reduce(item, residual, starts, columns, setting.sd))
         times.append(item.block.t.mean(axis=1) - item.source[0].t[0])
     grams, count, held = merge(parts)
     return grams, held, np.concatenate(times), count

@@ -62,11 +62,11 @@ def screen(
         columns = [linear.from_forces(probes), linear.from_free()]
         parts.append(
             reduce(
+                item,
                 residual,
                 linear.from_start()[..., : model.form.moving],
                 apart(np.concatenate(columns, axis=3), mine, i, len(cuts)),
                 sd,
-                item.held,
             )
         )
     forces, free = sum(map(len, library.columns)), len(model.free)

@@ -29,13 +29,15 @@ Say = Callable[[str], None]
 @dataclass(frozen=True, slots=True)
 class Choice:
     """A decision with the ``setting`` that it was made in, the map of ``places``, the ``change`` on
-    the way that restricts it, and recordings that are ``misfits``."""
+    the way that restricts it, recordings that are ``misfits``, and what sparse regression proposed
+    (``proposals``)."""
 
     setting: Setting
     decision: Decision
     places: tuple[PlaceShare, ...]
     change: Change | None
     misfits: tuple[Misfit, ...]
+    proposals: tuple[Subset, ...]
 
 
 def choose(prepared: Prepared, setting: Setting, say: Say) -> Choice:
@@ -43,12 +45,12 @@ def choose(prepared: Prepared, setting: Setting, say: Say) -> Choice:
     say("sparse regression on the weak form")
     cuts = _middle(setting).cuts
     proposals = propose(prepared.machine, setting.library, cuts, 5 / prepared.shortest)
-    choice = _chosen(prepared, setting, proposals, say)
+    choice = chosen(prepared, setting, proposals, say)
     sd = measured_again(prepared, choice.setting, choice.decision)
     if sd is None:
         return choice
     say("deciding again, for the noise of a sensor is correlated in time")
-    return _chosen(prepared, replace(setting, sd=sd), proposals, say)
+    return chosen(prepared, replace(setting, sd=sd), proposals, say)
 
 
 def _middle(setting: Setting) -> Stage:
@@ -56,7 +58,7 @@ def _middle(setting: Setting) -> Stage:
     return setting.stages[min(1, len(setting.stages) - 1)]
 
 
-def _chosen(prepared: Prepared, setting: Setting, proposals: Sequence[Subset], say: Say) -> Choice:
+def chosen(prepared: Prepared, setting: Setting, proposals: Sequence[Subset], say: Say) -> Choice:
     """One decision, with the noise of the sensors as it is known."""
     say("mapping the places")
     places = locate(
@@ -87,7 +89,7 @@ def _chosen(prepared: Prepared, setting: Setting, proposals: Sequence[Subset], s
     say("holding what is close against whole recordings")
     with if_interrupted(lambda: fits_best(decision.selected, len(decision.trials))):
         decision = settled(prepared, setting, decision)
-    return Choice(setting, decision, places, change, misfits)
+    return Choice(setting, decision, places, change, misfits, tuple(proposals))
 
 
 def _rivals(decision: Decision, odd: Outlier) -> list[Hypothesis]:

@@ -98,7 +98,7 @@ def whole_of(prepared: Prepared, setting: Setting) -> Stage | None:
         one = cut_into_windows(run, prepared.machine, (t.size - 1) * float(np.median(np.diff(t))))
         if one is None or len(item.start) < 2:
             return None
-        cuts.append(one)
+        cuts.append(item.noise.put_right(one) if item.noise is not None else one)
     return Stage(max(float(np.ptp(item.block.t)) for item in cuts), tuple(cuts))
 
 

@@ -243,15 +243,12 @@ def _linearise(
         with np.errstate(over="ignore", invalid="ignore"):  # a window that runs away
             linear = model.differentiate(item.block, start, full)
             by_start, by_free = linear.from_start_and_free()
-        windows, length, m = item.block.y.shape
-        seen = np.isfinite(item.block.y)
-        weight = np.where(seen, 1 / task.sd, 0.0).reshape(windows, length * m, 1)
-        residual = np.where(seen, item.block.y - linear.output, 0.0).reshape(windows, -1)
-        used = np.ones(windows, bool) if task.everything else ~item.held
+        residual = np.where(np.isfinite(item.block.y), item.block.y - linear.output, 0.0)
+        used = np.ones(len(start), bool) if task.everything else ~item.held
         part = _Part(
-            residual * weight[..., 0],
-            by_start.reshape(windows, length * m, -1) * weight,
-            by_free.reshape(windows, length * m, -1) * weight,
+            item.white(residual[..., None], task.sd)[..., 0],
+            item.white(by_start, task.sd),
+            item.white(by_free, task.sd),
             used,
             linear.begin,
         )

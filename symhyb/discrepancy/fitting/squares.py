@@ -16,8 +16,8 @@ def squares(model: WindowModel, item: Cut, p: Array, start: Array, sd: Array) ->
     inner states included; ``p`` (P,) and noise ``sd`` (m,) in SI."""
     with np.errstate(over="ignore", invalid="ignore"):
         _, y = model.simulate(item.block, start, p)
-        residual = np.where(np.isfinite(item.block.y), (item.block.y - y) / sd, 0.0)
-        shown: Array = np.sum(residual**2, axis=(1, 2))
+        residual = np.where(np.isfinite(item.block.y), item.block.y - y, 0.0)
+        shown: Array = np.sum(item.white(residual[..., None], sd) ** 2, axis=(1, 2))
         return shown + off_anchor(model, item, p, start)
 
 

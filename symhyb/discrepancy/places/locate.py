@@ -115,7 +115,7 @@ class _Seen:
             forces = unit[..., None] * surface(stretch, rate, corners)[:, :, None, :]
             residual = item.block.y - linear.output - linear.from_defect()
             columns = linear.from_forces(forces)
-            parts.append(reduce(residual, linear.from_start(), columns, sd, item.held))
+            parts.append(reduce(item, residual, linear.from_start(), columns, sd))
         grams, count, held = merge(parts)
         times = [item.block.t[:, [0, -1]] for item in self.cuts]
         which = [np.full(len(t), i) for i, t in enumerate(times)]

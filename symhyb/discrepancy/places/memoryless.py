@@ -71,7 +71,7 @@ def memoryless(
             linear = model.along(part.block, part.states, p)
             residual = part.block.y - linear.output - linear.from_defect()
             columns = linear.from_forces(forces[part.rows])
-            sums.add(reduce(residual, linear.from_start(), columns, sd, part.held))
+            sums.add(reduce(part, residual, linear.from_start(), columns, sd))
     total = np.arange(sums.held.shape[0])
     own = np.delete(total, np.arange(total.size - 1 - len(remembering), total.size - 1))
     alone, both = (sums.explained(which) for which in (own, total))

@@ -9,6 +9,7 @@ Sizes: W windows, L samples a window, m sensors, n coordinates, F columns.
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +36,22 @@ END_KNOTS = 3  # of the smoothed motion, that are not trusted where it swings at
 SWUNG = 1.5  # times as fast as anywhere else
 
 
+class Whitening(Protocol):
+    """Noise of windows that is more than the white noise of every sensor by itself."""
+
+    def whitened(
+        self, rows: NDArray[np.int64], columns: Array, seen: NDArray[np.bool_], sd: Array
+    ) -> Array:
+        """Columns (W, L, m, K), SI, of windows of the samples ``rows`` (W, L) in units of the
+        noise, uncorrelated; 0 where nothing is ``seen`` (W, L, m). ``sd`` (m,): of the sensors."""
+
+    def shown(self, rows: NDArray[np.int64]) -> Array:
+        """What the sensors of windows (W, L, m) show more, SI, with inputs that are put right."""
+
+    def put_right(self, item: "Cut") -> "Cut":
+        """Windows of the same recording that know of this noise, with its inputs put right."""
+
+
 @dataclass(frozen=True, slots=True)
 class Cut:
     """Windows cuts on one recording: the block, start states (W, X) and the ``states`` (W, L, X)
@@ -42,7 +59,8 @@ class Cut:
     the samples of the recording, ``source`` where they come from. ``floor`` is the mean square by
     which repeated runs differ beyond their noise, in units of the noise: less proves nothing.
     ``steps`` are the integration steps between two samples that laws without jumps need, ``fine``
-    how many times as many a steep law takes near a reversal of the place where it acts."""
+    how many times as many a steep law takes near a reversal of the place where it acts. ``noise``
+    is what is known of noise that is not white at every sensor by itself."""
 
     block: Block
     start: Array
@@ -53,6 +71,18 @@ class Cut:
     floor: float = 0.0
     steps: int = 1
     fine: int = 1
+    noise: Whitening | None = None
+
+    def white(self, columns: Array, sd: Array, seen: NDArray[np.bool_] | None = None) -> Array:
+        """Columns (W, L, m, K), SI, in units of the noise and uncorrelated (W, L·m, K), with noise
+        ``sd`` (m,) of the sensors; 0 where nothing was measured, or is ``seen`` (W, L, m)."""
+        seen = np.isfinite(self.block.y) if seen is None else seen
+        windows, length, m, count = columns.shape
+        if self.noise is None or not count:
+            made = columns * np.where(seen, 1 / sd, 0.0)[..., None]
+        else:
+            made = self.noise.whitened(self.rows, columns, seen, sd)
+        return np.asarray(made.reshape(windows, length * m, count))
 
     def course(self, machine: Machine) -> Course:
         """The whole course that the windows are cut from."""
@@ -79,6 +109,7 @@ class Cut:
             self.floor,
             self.steps,
             self.fine,
+            self.noise,
         )
 
     def until(self, last: int) -> "Cut":
@@ -128,7 +159,10 @@ class Cut:
             then = np.clip(self.rows + shift, 0, t.size - 1)
             apart = np.abs(t[then] - t[self.rows] - shift * step)
             columns.append(np.where(apart < EVEN * step, y[then, j], np.nan))
-        return replace(self, block=replace(self.block, y=np.stack(columns, axis=2), late=late))
+        signals = np.stack(columns, axis=2)
+        if self.noise is not None:
+            signals = signals + self.noise.shown(self.rows)
+        return replace(self, block=replace(self.block, y=signals, late=late))
 
     def first(self) -> "Cut":
         """The first window alone."""
@@ -269,19 +303,16 @@ class Reduced:
     grams: Array
 
 
-def reduce(
-    residual: Array, by_start: Array, columns: Array, sd: Array, held: NDArray[np.bool_]
-) -> Reduced:
-    """Project the initial states out of residual (W, L, m) and columns (W, L, m, F).
+def reduce(item: Cut, residual: Array, by_start: Array, columns: Array, sd: Array) -> Reduced:
+    """Project the initial states out of residual (W, L, m) and columns (W, L, m, F) of windows.
 
-    ``by_start`` (W, L, m, X), ``sd`` (m,) in SI. Missing residuals are NaN.
+    ``by_start`` (W, L, m, X), noise ``sd`` (m,) of the sensors in SI. Missing residuals are NaN.
     """
-    windows, length, m = residual.shape
+    windows = residual.shape[0]
     seen = np.isfinite(residual)
-    weight = np.where(seen, 1 / sd, 0.0).reshape(windows, length * m, 1)
-    flat = np.where(seen, residual, 0.0).reshape(windows, length * m, 1)
-    joined = np.concatenate([columns.reshape(windows, length * m, -1), flat], axis=2) * weight
-    starts = by_start.reshape(windows, length * m, -1) * weight
+    flat = np.where(seen, residual, 0.0)[..., None]
+    joined = item.white(np.concatenate([columns, flat], axis=3), sd, seen)
+    starts = item.white(by_start, sd, seen)
     scale = np.linalg.norm(starts, axis=1, keepdims=True)
     basis, triangle = np.linalg.qr(starts / np.where(scale > 0, scale, 1.0))
     pivots = np.abs(np.diagonal(triangle, axis1=1, axis2=2))
@@ -289,7 +320,7 @@ def reduce(
     joined = joined - basis @ (basis.transpose(0, 2, 1) @ joined)
     grams = joined.transpose(0, 2, 1) @ joined
     count = seen.reshape(windows, -1).sum(axis=1) - (pivots > 1e-9).sum(axis=1)
-    return Reduced(count, held, grams)
+    return Reduced(count, item.held, grams)
 
 
 def merge(

@@ -1,0 +1,110 @@
+"""The noise of a measured input, as the innovations measure it beside a decided structure.
+
+Windows are simulated with the inputs as they were recorded, so that noise of an input goes through
+the machine into what is left of every sensor: it is too large there, its neighbours in time belong
+together, and small causes may imitate it. Where the innovations find the record of an input noisy
+they say how noisy, and what is left of the sensors' own noise beside it.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from symhyb.correction.adequacy.classes.columns import CHANGE, pushes
+from symhyb.correction.adequacy.judge import Adequacy
+from symhyb.correction.adequacy.recorded import Recorded, recorded
+from symhyb.correction.adequacy.structure import NOISE_FLOOR, Fitted, tracks_of
+from symhyb.correction.search.preparing import Prepared
+from symhyb.correction.search.setting import Setting
+from symhyb.discrepancy.likelihood.horizon import maximised
+from symhyb.discrepancy.likelihood.input_noise import along_recording, by_input
+from symhyb.discrepancy.likelihood.noise import NoiseModel
+from symhyb.discrepancy.likelihood.track import Track
+from symhyb.discrepancy.recorded.windows import Cut
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.runs.windows import WindowModel
+
+FORGETS = 1e-3  # of a sample: the memory of white noise
+ROUNDS = 4  # of a few steps each, for the sizes of white noise
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Noisy:
+    """Stretches linearised for errors of one input, and the most likely white noise of it and of
+    the sensors."""
+
+    tracks: tuple[Track, ...]
+    noise: NoiseModel
+
+
+def with_input_noise(
+    prepared: Prepared, setting: Setting, decided: Setting, judged: Adequacy
+) -> Setting | None:
+    """What a decision works on (``setting``), with the noise of the input that was found to be
+    noisy beside the structure that was ``judged``, as it was ``decided`` in; None where there is
+    none. Repeated runs tell the noise already."""
+    which = _which(setting, judged)
+    ground = None if which is None or prepared.repeats else recorded(prepared, decided)
+    if ground is None or which is None or judged.structure is None:
+        return None
+    found = _measured(ground, judged.structure, which)
+    if not found.noise.force[0] > 0:
+        return None
+    stages = tuple(
+        replace(stage, cuts=tuple(_noisy(found, item, which) for item in stage.cuts))
+        for stage in setting.stages
+    )
+    return replace(setting, stages=stages, sd=found.noise.white)
+
+
+def _which(setting: Setting, judged: Adequacy) -> int | None:
+    """The number of the input that looks noisy."""
+    names = [one.name for one in setting.windows.machine.model.inputs]
+    for one in judged.classes:
+        if one.generic.kind == "input" and one.generic.does == "noisy":
+            return names.index(str(one.generic.where))
+    return None
+
+
+def _measured(ground: Recorded, structure: Fitted, which: int) -> _Noisy:
+    """How noisy an input is beside a structure, and the sensors beside that."""
+    plain = tracks_of(ground, structure)
+    tracks = tuple(
+        by_input(one, push[:, :, None], _shown(structure, one, ground, which))
+        for one, (_, push) in zip(plain, pushes(ground, which), strict=True)
+    )
+    before = structure.fit.noise
+    unit = np.concatenate([push for _, push in pushes(ground, which)])
+    size = float(np.sqrt(np.sum(before.force**2) / np.mean(np.sum(unit**2, axis=1))))
+    noise = NoiseModel(
+        np.array([size]),
+        FORGETS * ground.step_s,
+        before.white,
+        np.zeros_like(before.white),
+        before.colour_s,
+    )
+    for _ in range(ROUNDS):
+        noise, _ = maximised(tracks, noise, NOISE_FLOOR * ground.sd, roughly=True)
+    return _Noisy(tracks, noise)
+
+
+def _shown(structure: Fitted, one: Track, ground: Recorded, which: int) -> Array:
+    """What the sensors show at once (N, m, 1) of one unit of an input, SI."""
+    machine = structure.machine
+    item, name = one.item, machine.model.inputs[which].name
+    p = structure.of(item.source[0])
+    moved = p.copy()
+    change = CHANGE * (float(np.std(item.source[0].inputs[name])) or 1.0)
+    moved[machine.column(f"{name}.offset")] += change
+    model = WindowModel(machine)
+    here, there = (model.along(item.block, one.x[None], q).output[0] for q in (p, moved))
+    return np.asarray((there - here)[:, :, None] / change)
+
+
+def _noisy(found: _Noisy, item: Cut, which: int) -> Cut:
+    """Windows that know of the noise of the input."""
+    mine = [one for one in found.tracks if one.item.source[0] is item.source[0]]
+    if not mine:
+        return item
+    noise = along_recording(mine, item.source[0].t.size, found.noise, (which,))
+    return noise.put_right(item)
