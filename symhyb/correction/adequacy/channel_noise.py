@@ -18,7 +18,7 @@ from symhyb.correction.adequacy.beyond import Beyond
 from symhyb.correction.adequacy.classes.crossing_input import spared_by
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import NOISE_FLOOR, Fitted, Generic, Likely, tracks_of
-from symhyb.discrepancy.likelihood.horizon import maximised
+from symhyb.discrepancy.likelihood.horizon import maximised, memoryless
 from symhyb.discrepancy.likelihood.noise import NoiseModel
 from symhyb.discrepancy.likelihood.track import Track, white_problem
 from symhyb.discrepancy.recorded.channel_spread import excess_kurtosis
@@ -45,17 +45,29 @@ def faulty_sensors(recorded: Recorded, trial: Fitted) -> tuple[Likely, ...]:
     return tuple(Likely(generic, float(expit(gain))) for generic in found)
 
 
-def noisy_input(recorded: Recorded, left: Beyond) -> tuple[Likely, ...]:
-    """The input of which the unknown force may be the noise: it has no memory, and acts nowhere
-    else than this input does."""
-    if not left.acts or left.memory_s > FAST * recorded.step_s:
+def noisy_input(recorded: Recorded, trial: Fitted, left: Beyond) -> tuple[Likely, ...]:
+    """The input of which the unknown force beside a structure may be the noise: it has no memory,
+    and acts nowhere else than this input does."""
+    if not left.acts:
         return ()
     acting = set(np.flatnonzero(left.share > NEGLIGIBLE))
     for j, one in enumerate(recorded.windows.machine.model.inputs):
         if not acting & set(spared_by(recorded, j)):
+            if not _forgets(recorded, trial, left):
+                return ()
             generic = Generic("input", one.name, (), np.zeros(0), does="noisy")
             return (Likely(generic, left.probability),)
     return ()
+
+
+def _forgets(recorded: Recorded, trial: Fitted, left: Beyond) -> bool:
+    """Whether the unknown force has no memory: one of few samples, or one that is not worth the
+    price of a number, ½ ln N."""
+    if left.memory_s <= FAST * recorded.step_s:
+        return True
+    fit, floor = trial.fit, NOISE_FLOOR * recorded.sd
+    _, without = memoryless(tracks_of(recorded, trial), fit.noise, floor, recorded.step_s)
+    return bool(without > fit.logl - 0.5 * np.log(max(fit.count, 2)))
 
 
 def sensor_sd(recorded: Recorded, trial: Fitted, left: Beyond) -> Array:

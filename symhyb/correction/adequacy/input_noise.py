@@ -16,16 +16,13 @@ from symhyb.correction.adequacy.recorded import Recorded, recorded
 from symhyb.correction.adequacy.structure import NOISE_FLOOR, Fitted, tracks_of
 from symhyb.correction.search.preparing import Prepared
 from symhyb.correction.search.setting import Setting
-from symhyb.discrepancy.likelihood.horizon import maximised
+from symhyb.discrepancy.likelihood.horizon import memoryless
 from symhyb.discrepancy.likelihood.input_noise import along_recording, by_input
 from symhyb.discrepancy.likelihood.noise import NoiseModel
 from symhyb.discrepancy.likelihood.track import Track
 from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.runs.windows import WindowModel
-
-FORGETS = 1e-3  # of a sample: the memory of white noise
-ROUNDS = 4  # of a few steps each, for the sizes of white noise
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -76,15 +73,8 @@ def _measured(ground: Recorded, structure: Fitted, which: int) -> _Noisy:
     before = structure.fit.noise
     unit = np.concatenate([push for _, push in pushes(ground, which)])
     size = float(np.sqrt(np.sum(before.force**2) / np.mean(np.sum(unit**2, axis=1))))
-    noise = NoiseModel(
-        np.array([size]),
-        FORGETS * ground.step_s,
-        before.white,
-        np.zeros_like(before.white),
-        before.colour_s,
-    )
-    for _ in range(ROUNDS):
-        noise, _ = maximised(tracks, noise, NOISE_FLOOR * ground.sd, roughly=True)
+    begin = replace(before, force=np.array([size])).without_colour()
+    noise, _ = memoryless(tracks, begin, NOISE_FLOOR * ground.sd, ground.step_s)
     return _Noisy(tracks, noise)
 
 

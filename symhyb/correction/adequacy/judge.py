@@ -96,7 +96,7 @@ def adequacy(
     enough = [trial for trial in trials if trial.extra and _suffices(ground, trial, base)]
     classes = _classes(trials, {trial.extra.key for trial in enough if trial.extra})
     if not classes:
-        faults = (*faulty_sensors(ground, base), *noisy_input(ground, left))
+        faults = (*faulty_sensors(ground, base), *noisy_input(ground, base, left))
         jitter = () if left.acts or faults else jittering(ground, base)
         return Adequacy(left, faults, doubt, disputes, jitter=jitter, structure=base)
     doubt |= _doubted(trials, enough, classes)

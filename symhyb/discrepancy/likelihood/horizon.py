@@ -5,7 +5,7 @@ lets the state be measured anew all the time. Sizes: n coordinates, m sensors.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,8 @@ from symhyb.numeric.kernels.buffers import Array
 SMALLEST = 1e-6  # of its scale: a size below is none
 MEMORY = (0.5, 2e3)  # bounds of a correlation time, in samples
 ITERATIONS, ITERATIONS_ROUGH = 40, 6
+FORGOTTEN = 1e-3  # of a sample: the memory of a force that has none
+ROUNDS = 4  # of a few steps each, for the sizes of a force without a memory
 STEP = 0.02  # of the logarithm of a correlation time, for its slope
 GAIN_LEAST, GAIN_ROUGH = 0.01, 1.0  # of ln L: a step that gains less is the last
 
@@ -111,6 +113,23 @@ def maximised(
     )
     best = coding.model(found.x)
     return (best, -float(found.fun)) if roughly else _pruned(tracks, best, -float(found.fun))
+
+
+def memoryless(
+    tracks: Sequence[Track], begin: NoiseModel, floor: Array, step_s: float
+) -> tuple[NoiseModel, float]:
+    """The most likely noise model with an unknown force that does not know its last sample, and
+    its ln L: of the same power as ``begin`` at low frequencies at first. Samples lie ``step_s``
+    apart."""
+    noise = replace(
+        begin,
+        force=begin.force * np.sqrt(max(2 * begin.memory_s / step_s, 1.0)),
+        memory_s=FORGOTTEN * step_s,
+    )
+    logl = -np.inf
+    for _ in range(ROUNDS):
+        noise, logl = maximised(tracks, noise, floor, roughly=True)
+    return noise, logl
 
 
 def _cost(coding: _Coding, tracks: Sequence[Track], z: Array) -> tuple[float, Array]:

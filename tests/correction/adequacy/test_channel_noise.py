@@ -90,17 +90,21 @@ def test_a_force_without_memory_is_noise_of_the_input() -> None:
     made = pushed(6, samples=SAMPLES, noise=NOISE / 10)
     noise = 0.8 * np.random.default_rng(7).standard_normal(SAMPLES)
     setting = setting_of(pushed_model(), replace(made, inputs={"f": made.inputs["f"] + noise}))
-    left = beyond(setting, fitted(setting, (), (), setting.first_noise()))
+    trial = fitted(setting, (), (), setting.first_noise())
+    left = beyond(setting, trial)
     assert left.acts
-    ((found, chance, _),) = noisy_input(setting, left)
+    ((found, chance, _),) = noisy_input(setting, trial, left)
     assert (found.kind, found.where, found.does) == ("input", "f", "noisy")
     assert chance > 0.99
-    assert noisy_input(setting, replace(left, memory_s=4 * STEP)) == ()
+    assert noisy_input(setting, trial, replace(left, memory_s=4 * STEP))  # not worth a number
+    likely = replace(trial, fit=replace(trial.fit, logl=trial.fit.logl + 10))
+    assert noisy_input(setting, likely, replace(left, memory_s=4 * STEP)) == ()
 
 
 def test_a_force_with_memory_is_no_noise_of_the_input() -> None:
     planted = markov(np.random.default_rng(8), SAMPLES, 1.0, 0.2)
     setting = setting_of(pushed_model(), pushed(8, samples=SAMPLES, beside=planted))
-    left = beyond(setting, fitted(setting, (), (), setting.first_noise()))
+    trial = fitted(setting, (), (), setting.first_noise())
+    left = beyond(setting, trial)
     assert left.acts
-    assert noisy_input(setting, left) == ()
+    assert noisy_input(setting, trial, left) == ()
