@@ -8,7 +8,7 @@ recordings prove; they never choose. docs/method.md has the statistics and what 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from symhyb.correction.adequacy.input_noise import with_input_noise
+from symhyb.correction.adequacy.input_noise import as_likely, with_input_noise
 from symhyb.correction.adequacy.judge import Adequacy, adequacy
 from symhyb.correction.advice.advice import advise
 from symhyb.correction.advice.isolability import isolability
@@ -122,8 +122,10 @@ def _concluded(
         louder = with_input_noise(prepared, setting, choice.setting, judged)
         if louder is not None:
             tell("deciding again, for noise of an input goes through the machine")
-            choice = chosen(prepared, louder, choice.proposals, tell)
-            known, judged = _judged(prepared, choice, tell)
+            again = chosen(prepared, louder, choice.proposals, tell)
+            values, other = _judged(prepared, again, tell)
+            if as_likely(other, judged):
+                choice, known, judged = again, values, other
         return Concluded(_told(model, prepared, choice, known, judged, tell), prepared, choice)
 
 

@@ -21,6 +21,7 @@ from symhyb.discrepancy.likelihood.input_noise import along_recording, by_input
 from symhyb.discrepancy.likelihood.noise import NoiseModel
 from symhyb.discrepancy.likelihood.track import Track
 from symhyb.discrepancy.recorded.windows import Cut
+from symhyb.judgement import CERTAIN
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.runs.windows import WindowModel
 
@@ -52,6 +53,14 @@ def with_input_noise(
         for stage in setting.stages
     )
     return replace(setting, stages=stages, sd=found.noise.white)
+
+
+def as_likely(again: Adequacy, before: Adequacy) -> bool:
+    """Whether what was decided again is as likely along whole recordings as what was decided
+    before, to 100 to 1: inputs that are put right along a structure that is wrong mislead."""
+    if again.structure is None or before.structure is None:
+        return False
+    return again.structure.evidence > before.structure.evidence - CERTAIN
 
 
 def _which(setting: Setting, judged: Adequacy) -> int | None:

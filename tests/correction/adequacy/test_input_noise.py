@@ -1,14 +1,14 @@
 """Noise of a measured input counts in windows: its size is found, residuals become white, and what
 is fitted is as far from the truth as its deviation says."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
 
 import symhyb as sh
 from symhyb.correction.adequacy.beyond import Beyond
-from symhyb.correction.adequacy.input_noise import with_input_noise
+from symhyb.correction.adequacy.input_noise import as_likely, with_input_noise
 from symhyb.correction.adequacy.judge import Adequacy
 from symhyb.correction.adequacy.recorded import recorded
 from symhyb.correction.adequacy.structure import Generic, Likely, fitted
@@ -89,13 +89,29 @@ def test_windows_are_explained_down_to_the_noise_and_deviations_hold(drawn: list
 
 
 def test_no_other_answer_asks_for_it() -> None:
-    made = pushed(1, samples=400)
-    prepared = prepare(pushed_model(), (made,))
-    setting = settle(prepared)
+    prepared, setting = _plain()
     left = Beyond(np.ones(1), np.ones(1), 0.3, 100.0)
     late = Generic("lag", "f", (), np.zeros(0), does="lags")
     for classes in ((), (Likely(late, 1.0),)):
         assert with_input_noise(prepared, setting, setting, Adequacy(left, classes)) is None
+
+
+def test_what_is_much_less_likely_does_not_stand() -> None:
+    ground = recorded(*_plain())
+    assert ground is not None
+    trial = fitted(ground, (), (), ground.first_noise())
+    known = Adequacy(Beyond(np.zeros(1), np.zeros(1), 1.0, 0.0), structure=trial)
+    for more, stands in ((3.0, True), (-3.0, True), (-6.0, False)):
+        evidence = trial.evidence if np.isfinite(trial.evidence) else 0.0
+        before = replace(known, structure=replace(trial, evidence=evidence))
+        again = replace(known, structure=replace(trial, evidence=evidence + more))
+        assert as_likely(again, before) == stands
+    assert not as_likely(replace(known, structure=None), known)
+
+
+def _plain() -> tuple[Prepared, Setting]:
+    prepared = prepare(pushed_model(), (pushed(1, samples=400),))
+    return prepared, settle(prepared)
 
 
 @pytest.mark.slow
