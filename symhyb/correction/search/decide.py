@@ -1,7 +1,8 @@
 """Which causes are believed: one list, one score, one search.
 
 1. Linear screens at growing window lengths, and sparse regression on the weak form, name the
-   structures to begin with.
+   structures to begin with; where more than noise is left, those of every length with all
+   parameters that state an sd.
 2. Around the structure of the best score every exchange of causes is weighed on the Gram matrix
    along its simulation; the most promising, each cause left out, and what only a fitted law
    suggests (variants, further lines, products) are fitted at full nonlinearity.
@@ -11,8 +12,6 @@
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from symhyb.correction.search.conventions import (
     exchange,
     indistinguishable,
@@ -20,6 +19,7 @@ from symhyb.correction.search.conventions import (
     with_twins,
 )
 from symhyb.correction.search.exchanges import distinct, exchanges
+from symhyb.correction.search.first_structures import BEGUN, LARGEST, begun, begun_along
 from symhyb.correction.search.formulas import beside, candidates, instead
 from symhyb.correction.search.lines import lines_of
 from symhyb.correction.search.score import (
@@ -29,13 +29,12 @@ from symhyb.correction.search.score import (
     left,
     piece_of,
     price,
-    samples,
     score,
     standing,
     uncertain,
     weak,
 )
-from symhyb.correction.search.selection import Problem, Subset, best_subsets, solve, without
+from symhyb.correction.search.selection import Problem, Subset, best_subsets, without
 from symhyb.correction.search.setting import Setting, along_motion
 from symhyb.correction.search.so_far import fits_best, if_interrupted
 from symhyb.correction.search.trajectory import Refined, grouped
@@ -43,11 +42,9 @@ from symhyb.correction.search.trials import Row, Say, Trials, first_guess
 from symhyb.correction.search.twins import exact_twins
 from symhyb.correction.search.variants import variants_of
 from symhyb.discrepancy.places.hypotheses import Hypothesis
-from symhyb.judgement import MOST, NEAR_NOISE, SIGNIFICANT
+from symhyb.judgement import NEAR_NOISE, SIGNIFICANT
 from symhyb.numeric.kernels.buffers import Array
 
-BEGUN = 4  # structures of each size that the search begins with
-BEGUN_LARGEST = 3  # causes of one of them
 ROUNDS = 12
 
 
@@ -95,29 +92,35 @@ def decide(setting: Setting, proposals: Sequence[Subset], say: Say) -> Decision:
         problem = along_motion(setting, stage)
         equals = with_twins(indistinguishable(problem), twins)
         problem = without(problem, {second for _, second in equals})
-        sizes = best_subsets(problem, BEGUN_LARGEST)
+        sizes = best_subsets(problem, LARGEST)
         pool |= {s.causes for sized in sizes[1:] for s in distinct(problem, sized)[:BEGUN]}
         problems.append((sizes[-1][0].chi2 / max(sizes[0][0].chi2, 1e-300), problem))
     # where the linear problem explains most, its promises are worth most
-    problem = min(problems, key=lambda pair: pair[0])[1]
+    problems.sort(key=lambda pair: pair[0])
     trials = Trials(setting, say, equals)
     with if_interrupted(lambda: _known(trials)):
-        return _decided(trials, problem, pool)
+        return _decided(trials, [problem for _, problem in problems], pool)
 
 
 def _known(trials: Trials) -> str:
     return fits_best(_best(trials), len(trials.done)) if trials.done else ""
 
 
-def _decided(trials: Trials, problem: Problem, pool: set[tuple[int, ...]]) -> Decision:
-    """The search: from the best ``pool`` of the linear problem, by one cause more, less or else."""
-    setting = trials.setting
+def _decided(trials: Trials, problems: Sequence[Problem], pool: set[tuple[int, ...]]) -> Decision:
+    """The search: from the best ``pool`` of the linear problems, the first of which tells most, by
+    one cause more, less or else."""
+    setting, problem = trials.setting, problems[0]
     nothing = trials.refined(())
     best, log = nothing, []
-    for subset in _begun(trials, nothing, problem, pool):
+    for subset in begun(trials, nothing, problem, pool):
         if best.fit.scale > NEAR_NOISE or _cheaper(subset, best):
             _tried(trials, subset.causes, first_guess(problem, subset))
             best = _best(trials)
+    for causes, rows in begun_along(trials, nothing, problems):
+        if best.fit.scale <= NEAR_NOISE:
+            break
+        _tried(trials, causes, trials.carried(causes, rows))
+        best = _best(trials)
     for _ in range(ROUNDS):
         _look_around(trials, best)
         better = _best(trials)
@@ -132,29 +135,6 @@ def _decided(trials: Trials, problem: Problem, pool: set[tuple[int, ...]]) -> De
     named = tuple((setting.hypotheses[a], setting.hypotheses[b]) for a, b in trials.equals)
     done = tuple(trials.done.values())
     return Decision(selected, nothing, done, named, tuple(log), trials.count, best)
-
-
-def _begun(
-    trials: Trials, nothing: Refined, problem: Problem, pool: set[tuple[int, ...]]
-) -> list[Subset]:
-    """The subsets of the pool that the linear problem ranks first, a few of each size, the small
-    ones first."""
-    empty = solve(problem, ())
-    found = [s for causes in sorted(pool) if (s := solve(problem, causes)) is not None]
-    if empty is None or not found:
-        return []
-    size = samples(nothing)
-    unit = max(min(s.chi2 + s.held for s in found) / size, 1.0)
-    number, choice = np.log(size), choice_of(trials.count)
-
-    def gain(subset: Subset, paid: float = 1.0) -> float:
-        promised = (empty.chi2 + empty.held - subset.chi2 - subset.held) / unit
-        price = subset.numbers * number + len(subset.causes) * choice
-        return float(promised - paid * price)
-
-    ranked = sorted((s for s in found if gain(s, MOST) > 0), key=lambda s: -gain(s))
-    each = [[s for s in ranked if len(s.causes) == many] for many in range(1, BEGUN_LARGEST + 1)]
-    return [s for sized in each for s in distinct(problem, sized)[:BEGUN]]
 
 
 def _cheaper(subset: Subset, best: Refined) -> bool:
@@ -193,8 +173,8 @@ def _look_around(trials: Trials, base: Refined) -> None:
         _tried(trials, offer.causes, offer.rows, base.fit.starts)
     if base.fit.scale < NEAR_NOISE:
         return
-    for causes, begun, starts in _suggested(trials, base, smaller):
-        _tried(trials, causes, begun, starts)
+    for causes, rows, starts in _suggested(trials, base, smaller):
+        _tried(trials, causes, rows, starts)
 
 
 def _without_a_name(trials: Trials, best: Refined, nothing: Refined) -> None:

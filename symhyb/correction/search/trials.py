@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from symhyb.correction.search.selection import Problem, Subset
-from symhyb.correction.search.setting import Setting, around
+from symhyb.correction.search.setting import Setting, Stage, around
 from symhyb.correction.search.trajectory import Refined, grouped, refine
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.numeric.kernels.buffers import Array
@@ -54,6 +54,19 @@ class Trials:
             self.done[key] = found
         return self.done[key]
 
+    def carried(self, causes: Sequence[int], values: Sequence[Row]) -> Sequence[Row]:
+        """Where a structure begins at the longest windows: ``values`` (SI, by key; as many as
+        causes) fitted at the shortest, and from there at every longer length. What is off carries
+        short windows less far away, so that fewer minima lie between."""
+        chosen = [self.known[cause] for cause in causes]
+        self.say("fitting at growing windows " + " + ".join(map(str, chosen)))
+        for stage in self.setting.stages[:-1]:
+            found = self._fitted(chosen, values, None, stage)
+            if found.fit.reason:
+                break
+            values = grouped(found)
+        return values
+
     def again(
         self,
         causes: Sequence[int],
@@ -72,9 +85,11 @@ class Trials:
         causes: Sequence[Hypothesis],
         values: Sequence[Mapping[str, float]],
         starts: Sequence[Array] | None,
+        stage: Stage | None = None,
     ) -> Refined:
-        stage, model = self.setting.stages[-1], self.setting.windows.machine.model
-        return refine(model, causes, values, stage.cuts, self.setting.sd, starts)
+        cuts = (stage or self.setting.stages[-1]).cuts
+        model = self.setting.windows.machine.model
+        return refine(model, causes, values, cuts, self.setting.sd, starts)
 
     def _best_part(self, key: Sequence[int]) -> Refined | None:
         """The structure that fits best of those known ones that hold only causes of this one."""
