@@ -1,7 +1,7 @@
 """Which causes are believed: one list, one score, one search.
 
 1. Linear screens at growing window lengths, and sparse regression on the weak form, name the
-   structures to begin with; where more than noise is left, those of every length with all
+   structures to begin with; where these do not explain it, those of every length with all
    parameters that state an sd.
 2. Around the structure of the best score every exchange of causes is weighed on the Gram matrix
    along its simulation; the most promising, each cause left out, and what only a fitted law
@@ -42,7 +42,7 @@ from symhyb.correction.search.trials import Row, Say, Trials, first_guess
 from symhyb.correction.search.twins import exact_twins
 from symhyb.correction.search.variants import variants_of
 from symhyb.discrepancy.places.hypotheses import Hypothesis
-from symhyb.judgement import NEAR_NOISE, SIGNIFICANT
+from symhyb.judgement import NEAR_NOISE, SIGNIFICANT, UNEXPLAINED
 from symhyb.numeric.kernels.buffers import Array
 
 ROUNDS = 12
@@ -117,7 +117,7 @@ def _decided(trials: Trials, problems: Sequence[Problem], pool: set[tuple[int, .
             _tried(trials, subset.causes, first_guess(problem, subset))
             best = _best(trials)
     for causes, rows in begun_along(trials, nothing, problems):
-        if best.fit.scale <= NEAR_NOISE:
+        if best.fit.scale <= UNEXPLAINED:
             break
         _tried(trials, causes, trials.carried(causes, rows))
         best = _best(trials)

@@ -1,6 +1,6 @@
 """The structures that a search begins with: what linear problems promise most of.
 
-Where the small ones leave more than noise, laws are compared at their best, with the numbers that
+Where these do not explain the recordings, laws are compared at their best, with the numbers that
 nobody knows exactly: a resistance that is off by 4 % carries long windows away from the recording
 whatever else acts, so that the right law seems to explain nothing. And what each window length
 promises is tried: a law that jumps is linear along short windows alone.
