@@ -119,8 +119,8 @@ def memoryless(
     tracks: Sequence[Track], begin: NoiseModel, floor: Array, step_s: float
 ) -> tuple[NoiseModel, float]:
     """The most likely noise model with an unknown force that does not know its last sample, and
-    its ln L: of the same power as ``begin`` at low frequencies at first. Samples lie ``step_s``
-    apart."""
+    its ln L: of the same power as ``begin`` at low frequencies at first. ``floor`` (m,) is the
+    least white noise, SI. Samples lie ``step_s`` apart."""
     noise = replace(
         begin,
         force=begin.force * np.sqrt(max(2 * begin.memory_s / step_s, 1.0)),
