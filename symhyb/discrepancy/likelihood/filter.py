@@ -17,12 +17,13 @@ Biometrika 79, 1992).
 """
 
 import numpy as np
-from numba import njit
+from numpy.typing import NDArray
 
 from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.kernels.jit import jitted
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz", "arcp"})
+@jitted
 def transition(
     A: Array,
     g: Array,
@@ -49,7 +50,7 @@ def transition(
         A[first + t, first + t] = hold[i, t]
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz", "arcp"})
+@jitted
 def start(P0: Array, force: Array, colour: Array, coloured: bool) -> Array:  # pragma: no cover
     """The covariance (d, d) at the first sample, SI."""
     states, forces, sensors = P0.shape[0], force.size, colour.size if coloured else 0
@@ -64,7 +65,7 @@ def start(P0: Array, force: Array, colour: Array, coloured: bool) -> Array:  # p
     return P
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz", "arcp"})
+@jitted
 def observe(h: Array, C: Array, D: Array, i: int, j: int) -> None:  # pragma: no cover - compiled
     """Write how the j-th sensor sees the i-th state (d,), SI."""
     states, forces = C.shape[2], D.shape[2]
@@ -78,7 +79,7 @@ def observe(h: Array, C: Array, D: Array, i: int, j: int) -> None:  # pragma: no
         h[states + forces + j] = 1.0
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz", "arcp"})
+@jitted
 def predict(
     P: Array,
     T: Array,
@@ -120,14 +121,14 @@ def predict(
             P[t, s] = total
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz", "arcp"})
+@jitted
 def whiten(
     phi: Array,
     left: Array,
     right: Array,
     C: Array,
     D: Array,
-    seen: Array,
+    seen: NDArray[np.bool_],
     b: Array,
     e: Array,
     begin: Array,
@@ -196,14 +197,14 @@ def whiten(
     return result, logs
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz", "arcp"})
+@jitted
 def smooth(
     phi: Array,
     left: Array,
     right: Array,
     C: Array,
     D: Array,
-    seen: Array,
+    seen: NDArray[np.bool_],
     b: Array,
     e: Array,
     P0: Array,

@@ -174,7 +174,7 @@ def _whitened(
     one: Track, noise: NoiseModel, b: Array, e: Array, begin: Array
 ) -> tuple[Array, float]:
     linear, (keep, hold) = one.linear, _keeps(one, noise)
-    made: tuple[Array, float] = whiten(
+    made = whiten(
         *_system(linear),
         one.seen,
         np.ascontiguousarray(b),
@@ -190,16 +190,16 @@ def _whitened(
     return made
 
 
-def _system(linear: Linear) -> tuple[Array, ...]:
+def _system(linear: Linear) -> tuple[Array, Array, Array, Array, Array]:
     """Transition, forces left and right, and what sensors see of state and force; contiguous."""
-    parts = (
-        linear.transition,
-        linear.left,
-        linear.right,
-        linear.by_state,
-        linear.by_force,
+    whole = np.ascontiguousarray
+    return (
+        whole(linear.transition[0]),
+        whole(linear.left[0]),
+        whole(linear.right[0]),
+        whole(linear.by_state[0]),
+        whole(linear.by_force[0]),
     )
-    return tuple(np.ascontiguousarray(part[0]) for part in parts)
 
 
 def white_problem(one: Track, noise: NoiseModel) -> tuple[Array, Array, float]:

@@ -7,13 +7,13 @@ F free parameters, n test forces, m sensors, C columns.
 """
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.kernels.jit import jitted
 
 
-@njit(cache=True, error_model="numpy")
+@jitted
 def joined(
     transition: Array,
     free: Array,
@@ -67,7 +67,7 @@ def joined(
     return whole, left, right, by_free
 
 
-@njit(cache=True, error_model="numpy")
+@jitted
 def responses(
     transition: Array, by_state: Array, begin: Array, added: Array
 ) -> Array:  # pragma: no cover - compiled

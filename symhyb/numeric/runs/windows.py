@@ -237,10 +237,11 @@ class WindowModel:
         ends = after[first + parts - 1].reshape(shape)
         if what == "plain":
             return [ends]
-        if what == "fit":
-            slopes.append(np.empty((part.size, 0)))
-        made = [one.reshape(*shape, -1) for one in joined(*slopes, first, parts, states)]
-        if what == "fit":  # no test force is asked for
+        by_state, by_free, *kicks = slopes
+        impulse = kicks[0] if kicks else np.empty((part.size, 0))
+        both = joined(by_state, by_free, impulse, first, parts, states)
+        made = [one.reshape(*shape, -1) for one in both]
+        if not kicks:  # no test force is asked for
             made[1] = made[2] = np.zeros((*shape, self.machine.n))
         return [ends, *made]
 
