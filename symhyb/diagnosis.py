@@ -8,7 +8,7 @@ recordings prove; they never choose. docs/method.md has the statistics and what 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from symhyb.correction.adequacy.input_noise import as_likely, with_input_noise
+from symhyb.correction.adequacy.input_noise import stands, with_input_noise
 from symhyb.correction.adequacy.judge import Adequacy, adequacy
 from symhyb.correction.advice.advice import advise
 from symhyb.correction.advice.isolability import isolability
@@ -124,7 +124,7 @@ def _concluded(
             tell("deciding again, for noise of an input goes through the machine")
             again = chosen(prepared, louder, choice.proposals, tell)
             values, other = _judged(prepared, again, tell)
-            if as_likely(other, judged):
+            if stands(other, judged):
                 choice, known, judged = again, values, other
         return Concluded(_told(model, prepared, choice, known, judged, tell), prepared, choice)
 

@@ -55,12 +55,19 @@ def with_input_noise(
     return replace(setting, stages=stages, sd=found.noise.white)
 
 
-def as_likely(again: Adequacy, before: Adequacy) -> bool:
-    """Whether what was decided again is as likely along whole recordings as what was decided
-    before, to 100 to 1: inputs that are put right along a structure that is wrong mislead."""
+def stands(again: Adequacy, before: Adequacy) -> bool:
+    """Whether what was decided again stands instead of what was decided before. It names nothing
+    that was not named before: noise explains causes away, and brings none. And it is as likely
+    along whole recordings, to 100 to 1. Inputs that are put right along a wrong structure hide what
+    that lacks."""
     if again.structure is None or before.structure is None:
         return False
-    return again.structure.evidence > before.structure.evidence - CERTAIN
+    named, known = (
+        {cause.family for cause in one.structure.causes}
+        for one in (again, before)
+        if one.structure is not None
+    )
+    return named <= known and again.structure.evidence > before.structure.evidence - CERTAIN
 
 
 def _which(setting: Setting, judged: Adequacy) -> int | None:

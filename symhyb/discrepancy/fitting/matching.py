@@ -316,13 +316,15 @@ def _step(
 
 def _start_step(part: _Part, change: Array, damping: float) -> tuple[Array, float]:
     """Step of the initial states (W, X): their whole reply to a ``change`` of the parameters, and
-    a damped one to the residual; and the decrease of the fitted windows' cost that it predicts."""
+    a damped one to the residual; and the decrease of the fitted windows' cost that it predicts. Not
+    finite for a held window that ran away."""
     basis, triangle, scale, _ = _project(part)
     across = basis.transpose(0, 2, 1)
     share = 1 / (1 + damping)
-    along = (across @ part.residual[..., None])[..., 0]
-    reply = (across @ (part.by_free @ change)[..., None])[..., 0]
-    solved = np.linalg.solve(triangle, (share * along - reply)[..., None])[..., 0]
+    with np.errstate(over="ignore", invalid="ignore"):
+        along = (across @ part.residual[..., None])[..., 0]
+        reply = (across @ (part.by_free @ change)[..., None])[..., 0]
+        solved = np.linalg.solve(triangle, (share * along - reply)[..., None])[..., 0]
     gain = (1 - (1 - share) ** 2) * float(np.sum(along[part.used] ** 2))
     return part.lifted(solved / scale[:, 0]), gain
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import symhyb as sh
-from symhyb.correction.adequacy.beyond import Beyond
-from symhyb.correction.adequacy.input_noise import as_likely, with_input_noise
+from symhyb.correction.adequacy.beyond import NOTHING, Beyond
+from symhyb.correction.adequacy.input_noise import stands, with_input_noise
 from symhyb.correction.adequacy.judge import Adequacy
 from symhyb.correction.adequacy.recorded import recorded
 from symhyb.correction.adequacy.structure import Generic, Likely, fitted
@@ -101,12 +101,25 @@ def test_what_is_much_less_likely_does_not_stand() -> None:
     assert ground is not None
     trial = fitted(ground, (), (), ground.first_noise())
     known = Adequacy(Beyond(np.zeros(1), np.zeros(1), 1.0, 0.0), structure=trial)
-    for more, stands in ((3.0, True), (-3.0, True), (-6.0, False)):
+    for more, kept in ((3.0, True), (-3.0, True), (-6.0, False)):
         evidence = trial.evidence if np.isfinite(trial.evidence) else 0.0
         before = replace(known, structure=replace(trial, evidence=evidence))
         again = replace(known, structure=replace(trial, evidence=evidence + more))
-        assert as_likely(again, before) == stands
-    assert not as_likely(replace(known, structure=None), known)
+        assert stands(again, before) == kept
+    assert not stands(replace(known, structure=None), known)
+
+
+def test_what_was_not_named_before_does_not_stand() -> None:
+    prepared, setting = _plain()
+    ground = recorded(prepared, setting)
+    assert ground is not None
+    bare = fitted(ground, (), (), ground.first_noise())
+    (cause,) = (h for h in setting.parametric if h.kind == "parameter" and h.path == "k")
+    more = fitted(ground, (cause,), ({"value": 0.1},), ground.first_noise())
+    less, named = (Adequacy(NOTHING, structure=replace(one, evidence=0.0)) for one in (bare, more))
+    assert stands(less, named)
+    assert stands(named, named)
+    assert not stands(named, less)
 
 
 def _plain() -> tuple[Prepared, Setting]:
