@@ -139,7 +139,7 @@ def _descended(
             if predicted <= task.decrease * cost:
                 break
             trial = values + change
-            ahead, met = _tried(model, task, p, trial, now, moved, shown)
+            ahead, met = _tried(model, task, p, trial, now, moved)
             after = _total(task, trial, met)
             if after < cost:
                 accepted, damping = True, damping / 10 if damping > 1e-4 else 0.0
@@ -158,16 +158,15 @@ def _tried(
     values: Array,
     starts: Sequence[Array],
     moved: Sequence[Array],
-    before: Sequence[Array],
 ) -> tuple[list[Array], list[Array]]:
-    """Initial states and squares (W,) of the windows of each recording after a step, which were
-    ``before``; a window that it would throw off stays where it is, or takes a part of it."""
+    """Initial states and squares (W,) of the windows of each recording after a step; a window that
+    it would throw off stays where it is, or takes a part of it."""
     chosen, shown = [], []
     for i, (item, start, move) in enumerate(zip(task.cuts, starts, moved, strict=True)):
         full = task.filled(i, p, model.free, values)
         shares = SHARES if values.size else SHARES_ALONE
         begins = [model.closed(item.block, start + share * move, full) for share in shares]
-        best, costs = best_of(model, item, full, begins, task.sd, before[i])
+        best, costs = best_of(model, item, full, begins, task.sd)
         chosen.append(best)
         shown.append(costs)
     return chosen, shown
@@ -191,7 +190,7 @@ def _settled(
     for i, (item, full) in enumerate(zip(task.cuts, fulls, strict=True)):
         measured = model.closed(item.block, item.start, full)
         known = now[i], begun[i]
-        now[i], costs = best_of(model, item, full, (measured,), task.sd, begun[i], known)
+        now[i], costs = best_of(model, item, full, (measured,), task.sd, known)
         shown.append(costs)
     for _ in range(HELD_ROUNDS):
         parts = _linearise(model, task, p, values, now)
@@ -199,7 +198,7 @@ def _settled(
             move = _start_step(parts[i], np.zeros_like(values), 0.0)[0]
             steps = [model.closed(item.block, now[i] + x * move, full) for x in SHARES_ALONE[:-1]]
             known = now[i], shown[i]
-            now[i], shown[i] = best_of(model, item, full, steps, task.sd, shown[i], known)
+            now[i], shown[i] = best_of(model, item, full, steps, task.sd, known)
     return now, shown
 
 

@@ -27,29 +27,17 @@ def best_of(
     p: Array,
     begins: Sequence[Array],
     sd: Array,
-    enough: Array,
     known: tuple[Array, Array] | None = None,
 ) -> tuple[Array, Array]:
     """Of several initial states (W, X) the best of each window, and its squares (W,), inf where
-    none stays bounded. They are tried in their order, on each window until its squares fall below
-    ``enough`` (W,). ``known`` are more, whose squares (W,) are at hand; in SI."""
+    none stays bounded. ``known`` are more, whose squares (W,) are at hand; in SI."""
     windows = len(item.start)
-    best, costs = (begins[0], np.full(windows, np.inf)) if known is None else known
-    best, costs = best.copy(), np.where(np.isfinite(costs), costs, np.inf)
-    left, begins = np.arange(windows), list(begins)
-    while begins and left.size:
-        together = max(LANES // left.size, 1)  # simulated side by side they cost as much as one
-        tried, begins = begins[:together], begins[together:]
-        wide = np.tile(left, len(tried))
-        cut = item if wide.size == windows == left.size else item.chosen(wide)
-        starts = np.concatenate([begin[left] for begin in tried])
-        shown = squares(model, cut, p, starts, sd).reshape(len(tried), left.size)
-        shown = np.where(np.isfinite(shown), shown, np.inf)
-        which = np.argmin(shown, axis=0)
-        least = shown[which, np.arange(left.size)]
-        better = least < costs[left]
-        rows = left[better]
-        best[rows] = np.stack(tried)[which[better], rows]
-        costs[rows] = least[better]
-        left = left[~(costs[left] < enough[left])]
-    return best, costs
+    if windows < LANES:  # simulated together they cost as much as one of them
+        wide = item.chosen(np.tile(np.arange(windows), len(begins)))
+        shown = squares(model, wide, p, np.concatenate(begins), sd).reshape(-1, windows)
+    else:
+        shown = np.stack([squares(model, item, p, begin, sd) for begin in begins])
+    if known is not None:
+        begins, shown = [*begins, known[0]], np.vstack([shown, known[1]])
+    costs = np.where(np.isfinite(shown), shown, np.inf)
+    return np.choose(np.argmin(costs, axis=0)[:, None], begins), costs.min(axis=0)
