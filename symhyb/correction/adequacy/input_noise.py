@@ -6,6 +6,7 @@ together, and small causes may imitate it. Where the innovations find the record
 they say how noisy, and what is left of the sensors' own noise beside it.
 """
 
+from collections.abc import Hashable, Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,6 +21,7 @@ from symhyb.discrepancy.likelihood.horizon import memoryless
 from symhyb.discrepancy.likelihood.input_noise import along_recording, by_input
 from symhyb.discrepancy.likelihood.noise import NoiseModel
 from symhyb.discrepancy.likelihood.track import Track
+from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.judgement import CERTAIN
 from symhyb.numeric.kernels.buffers import Array
@@ -56,18 +58,20 @@ def with_input_noise(
 
 
 def stands(again: Adequacy, before: Adequacy) -> bool:
-    """Whether what was decided again stands instead of what was decided before. It names nothing
-    that was not named before: noise explains causes away, and brings none. And it is as likely
-    along whole recordings, to 100 to 1. Inputs that are put right along a wrong structure hide what
-    that lacks."""
+    """Whether what was decided again stands instead of what was decided before: noise explains away
+    what was in doubt, and brings no cause. It names nothing that was not named before, all that was
+    named without a doubt still is, and it is as likely along whole recordings, to 100 to 1. Inputs
+    that are put right along a wrong structure hide what that lacks."""
     if again.structure is None or before.structure is None:
         return False
-    named, known = (
-        {cause.family for cause in one.structure.causes}
-        for one in (again, before)
-        if one.structure is not None
-    )
-    return named <= known and again.structure.evidence > before.structure.evidence - CERTAIN
+    named, known = _families(again.structure.causes), _families(before.structure.causes)
+    sure, kept = known - _families(before.doubt), named - _families(again.doubt)
+    likely = again.structure.evidence > before.structure.evidence - CERTAIN
+    return named <= known and sure <= kept and likely
+
+
+def _families(causes: Iterable[Hypothesis]) -> set[Hashable]:
+    return {cause.family for cause in causes}
 
 
 def _which(setting: Setting, judged: Adequacy) -> int | None:

@@ -109,7 +109,7 @@ def test_what_is_much_less_likely_does_not_stand() -> None:
     assert not stands(replace(known, structure=None), known)
 
 
-def test_what_was_not_named_before_does_not_stand() -> None:
+def test_noise_explains_doubts_away_and_nothing_else() -> None:
     prepared, setting = _plain()
     ground = recorded(prepared, setting)
     assert ground is not None
@@ -117,8 +117,10 @@ def test_what_was_not_named_before_does_not_stand() -> None:
     (cause,) = (h for h in setting.parametric if h.kind == "parameter" and h.path == "k")
     more = fitted(ground, (cause,), ({"value": 0.1},), ground.first_noise())
     less, named = (Adequacy(NOTHING, structure=replace(one, evidence=0.0)) for one in (bare, more))
-    assert stands(less, named)
     assert stands(named, named)
+    assert not stands(less, named)
+    assert stands(less, replace(named, doubt=frozenset({cause})))
+    assert not stands(replace(named, doubt=frozenset({cause})), named)
     assert not stands(named, less)
 
 
