@@ -20,10 +20,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symhyb.numeric.kernels.buffers import Array
-from symhyb.numeric.kernels.jit import jitted
+from symhyb.numeric.kernels.jit import jitted_in_any_order
 
 
-@jitted
+@jitted_in_any_order
 def transition(
     A: Array,
     g: Array,
@@ -50,7 +50,7 @@ def transition(
         A[first + t, first + t] = hold[i, t]
 
 
-@jitted
+@jitted_in_any_order
 def start(P0: Array, force: Array, colour: Array, coloured: bool) -> Array:  # pragma: no cover
     """The covariance (d, d) at the first sample, SI."""
     states, forces, sensors = P0.shape[0], force.size, colour.size if coloured else 0
@@ -65,7 +65,7 @@ def start(P0: Array, force: Array, colour: Array, coloured: bool) -> Array:  # p
     return P
 
 
-@jitted
+@jitted_in_any_order
 def observe(h: Array, C: Array, D: Array, i: int, j: int) -> None:  # pragma: no cover - compiled
     """Write how the j-th sensor sees the i-th state (d,), SI."""
     states, forces = C.shape[2], D.shape[2]
@@ -79,7 +79,7 @@ def observe(h: Array, C: Array, D: Array, i: int, j: int) -> None:  # pragma: no
         h[states + forces + j] = 1.0
 
 
-@jitted
+@jitted_in_any_order
 def predict(
     P: Array,
     T: Array,
@@ -121,7 +121,7 @@ def predict(
             P[t, s] = total
 
 
-@jitted
+@jitted_in_any_order
 def whiten(
     phi: Array,
     left: Array,
@@ -197,7 +197,7 @@ def whiten(
     return result, logs
 
 
-@jitted
+@jitted_in_any_order
 def smooth(
     phi: Array,
     left: Array,

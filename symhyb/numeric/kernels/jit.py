@@ -5,20 +5,24 @@ from typing import Any, TypeVar
 
 from numba import njit
 
-_OPTIONS: dict[str, Any] = {
-    "error_model": "numpy",
-    # sums in any order and products joined; numbers that are not finite stay what they are
-    "fastmath": {"contract", "reassoc", "nsz", "arcp"},
-}
-
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def jitted(function: Function) -> Function:
-    """A function that is compiled when it is first called. Later processes load it, unless there
-    is no folder where numba may keep it: then each compiles it anew."""
+    """A function that is compiled when it is first called; sums keep their order. Later processes
+    load it, unless there is no folder where numba may keep it: then each compiles it anew."""
+    return _made(function, {})
+
+
+def jitted_in_any_order(function: Function) -> Function:
+    """The same, with sums in any order and products joined, which is faster; numbers that are not
+    finite stay what they are."""
+    return _made(function, {"fastmath": {"contract", "reassoc", "nsz", "arcp"}})
+
+
+def _made(function: Function, options: dict[str, Any]) -> Function:
     try:
-        made: Function = njit(cache=True, **_OPTIONS)(function)
+        made: Function = njit(cache=True, error_model="numpy", **options)(function)
     except RuntimeError:  # numba's way to say that it finds no such folder
-        made = njit(**_OPTIONS)(function)
+        made = njit(error_model="numpy", **options)(function)
     return made
