@@ -58,6 +58,7 @@ OTHERS = {
         "ROUNDS": "iteration",
     },
     "discrepancy/fitting/scores.py": {"RUN_SHARES": "where a fit begins"},
+    "discrepancy/fitting/squares.py": {"LANES": "work"},
     "discrepancy/likelihood/fit.py": {"SETTLED": "iteration", "FAR": "iteration"},
     "discrepancy/places/memoryless.py": {"CUBIC_MOST": "work", "CHOSEN": "work"},
     "discrepancy/places/stretches.py": {
@@ -86,7 +87,6 @@ OTHERS = {
 
 # numbers without a name in comparisons, beside 0, 1, 2 and what rounding leaves
 NUMBERS = {
-    ("correction/adequacy/channel_noise.py", 0.5): "½ ln N, the price of a number",
     ("correction/adequacy/clock_jitter.py", 0.5): "½ ln N, the price of a number",
     ("correction/learning/energy.py", 3): "a gap in time",
     ("correction/learning/library.py", 3): "derivatives of a sine of third order",
