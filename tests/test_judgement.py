@@ -87,6 +87,7 @@ OTHERS = {
 
 # numbers without a name in comparisons, beside 0, 1, 2 and what rounding leaves
 NUMBERS = {
+    ("correction/adequacy/channel_noise.py", 0.5): "½ ln N, the price of a number",
     ("correction/adequacy/clock_jitter.py", 0.5): "½ ln N, the price of a number",
     ("correction/learning/energy.py", 3): "a gap in time",
     ("correction/learning/library.py", 3): "derivatives of a sine of third order",
