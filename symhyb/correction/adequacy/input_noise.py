@@ -6,7 +6,7 @@ together, and small causes may imitate it. Where the innovations find the record
 they say how noisy, and what is left of the sensors' own noise beside it.
 """
 
-from collections.abc import Hashable, Iterable
+from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,7 +18,7 @@ from symhyb.correction.adequacy.structure import NOISE_FLOOR, Fitted, tracks_of
 from symhyb.correction.search.preparing import Prepared
 from symhyb.correction.search.setting import Setting
 from symhyb.discrepancy.likelihood.horizon import memoryless
-from symhyb.discrepancy.likelihood.input_noise import along_recording, by_input
+from symhyb.discrepancy.likelihood.input_noise import InputNoise, along_recording, by_input
 from symhyb.discrepancy.likelihood.noise import NoiseModel
 from symhyb.discrepancy.likelihood.track import Track
 from symhyb.discrepancy.places.hypotheses import Hypothesis
@@ -50,8 +50,9 @@ def with_input_noise(
     found = _measured(ground, judged.structure, which)
     if not found.noise.force[0] > 0:
         return None
+    known = _of_recordings(found, which)
     stages = tuple(
-        replace(stage, cuts=tuple(_noisy(found, item, which) for item in stage.cuts))
+        replace(stage, cuts=tuple(_noisy(known, item) for item in stage.cuts))
         for stage in setting.stages
     )
     return replace(setting, stages=stages, sd=found.noise.white)
@@ -111,10 +112,18 @@ def _shown(structure: Fitted, one: Track, ground: Recorded, which: int) -> Array
     return np.asarray((there - here)[:, :, None] / change)
 
 
-def _noisy(found: _Noisy, item: Cut, which: int) -> Cut:
+def _of_recordings(found: _Noisy, which: int) -> dict[int, InputNoise]:
+    """The noise of the input along every recording, by the recording's identity."""
+    tracks: dict[int, list[Track]] = {}
+    for one in found.tracks:
+        tracks.setdefault(id(one.item.source[0]), []).append(one)
+    return {
+        key: along_recording(mine, mine[0].item.source[0].t.size, found.noise, (which,))
+        for key, mine in tracks.items()
+    }
+
+
+def _noisy(known: Mapping[int, InputNoise], item: Cut) -> Cut:
     """Windows that know of the noise of the input."""
-    mine = [one for one in found.tracks if one.item.source[0] is item.source[0]]
-    if not mine:
-        return item
-    noise = along_recording(mine, item.source[0].t.size, found.noise, (which,))
-    return noise.put_right(item)
+    noise = known.get(id(item.source[0]))
+    return item if noise is None else noise.put_right(item)

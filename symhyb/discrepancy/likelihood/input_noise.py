@@ -29,6 +29,7 @@ from symhyb.discrepancy.likelihood.noise import NoiseModel
 from symhyb.discrepancy.likelihood.track import Track, smoothed, still
 from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.kernels.sweeps import responses
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,17 +85,11 @@ class InputNoise:
 
     def shown(self, rows: NDArray[np.int64]) -> Array:
         """What û does to the sensors of windows (W, L, m) of the samples ``rows`` (W, L), SI."""
-        errors = self.known[rows][..., None]
-        made = np.empty((*rows.shape, self.by_state.shape[1]))
-        made[:, 0] = (self.by_input[rows[:, 0]] @ errors[:, 0])[..., 0]
-        state = np.zeros((len(rows), self.transition.shape[1], 1))
-        for i in range(rows.shape[1] - 1):
-            before, after = rows[:, i], rows[:, i + 1]
-            state = self.transition[before] @ state + self.left[before] @ errors[:, i]
-            state += self.right[before] @ errors[:, i + 1]
-            both = self.by_state[after] @ state + self.by_input[after] @ errors[:, i + 1]
-            made[:, i + 1] = both[..., 0]
-        return made
+        errors, before = self.known[rows][..., None], rows[:, :-1]
+        added = self.left[before] @ errors[:, :-1] + self.right[before] @ errors[:, 1:]
+        rest = np.zeros((len(rows), self.transition.shape[1], 1))
+        moved = responses(self.transition[before], self.by_state[rows], rest, added)
+        return np.asarray(moved + self.by_input[rows] @ errors)[..., 0]
 
     def put_right(self, item: Cut) -> Cut:
         """Windows of the recording that know of this noise, with û added to their inputs."""
