@@ -18,6 +18,7 @@ from symhyb.numeric.runs.windows import WindowModel
 FORCE_FIRST = 0.1  # of what moves a coordinate: the unknown force at first
 FORCE_AGAIN = 0.01  # the same, where one is looked for again
 COLOUR_FIRST = 0.5  # of the white noise
+MEMORY_SHORT = 2.0  # samples
 MEMORY_FIRST = 1 / 3  # of a period of the motion: correlation times at first
 
 
@@ -77,7 +78,7 @@ class Recorded:
         """Where the noise model begins."""
         return NoiseModel(
             FORCE_FIRST * self.scale,
-            MEMORY_FIRST * self.period_s,
+            MEMORY_SHORT * self.step_s,
             self.sd.copy(),
             COLOUR_FIRST * self.sd,
             MEMORY_FIRST * self.period_s,
@@ -89,7 +90,7 @@ class Recorded:
         acts, tinted = bool(np.any(noise.force > 0)), noise.coloured
         return NoiseModel(
             np.where(noise.force > 0, noise.force, FORCE_AGAIN * self.scale),
-            noise.memory_s if acts else times,
+            noise.memory_s if acts else MEMORY_SHORT * self.step_s,
             noise.white,
             np.where(noise.colour > 0, noise.colour, COLOUR_FIRST * noise.white),
             noise.colour_s if tinted else times,
