@@ -26,17 +26,10 @@ Along = tuple[Refined, Sequence[Cut]]
 
 def followed(ground: Recorded, trial: Refined, along: Along) -> Fitted:
     """A structure fitted along whole recordings, with its evidence. One with a steep law begins
-    along its windows, and without an unknown force too: along a trajectory that is wrong a force is
-    what puts it right."""
+    along its windows."""
+    states = trajectories(ground, *along) if steep(trial.machine.model) else None
     rows, noise = grouped(trial), ground.first_noise()
-    if not steep(trial.machine.model):
-        return scored(ground, fitted(ground, trial.causes, rows, noise))
-    states = trajectories(ground, *along)
-    found = [
-        scored(ground, fitted(ground, trial.causes, rows, one, states))
-        for one in (noise, noise.without_force())
-    ]
-    return max(found, key=lambda one: one.evidence)
+    return scored(ground, fitted(ground, trial.causes, rows, noise, states))
 
 
 def scored(ground: Recorded, trial: Fitted) -> Fitted:

@@ -18,8 +18,8 @@ from symhyb.numeric.runs.windows import WindowModel
 FORCE_FIRST = 0.1  # of what moves a coordinate: the unknown force at first
 FORCE_AGAIN = 0.01  # the same, where one is looked for again
 COLOUR_FIRST = 0.5  # of the white noise
-MEMORY_SHORT = 2.0  # samples
-MEMORY_FIRST = 1 / 3  # of a period of the motion: correlation times at first
+MEMORY_FIRST = 2.0  # samples: of the unknown force at first. A slow force puts a wrong slip right
+COLOUR_TIME_FIRST = 1 / 3  # of a period of the motion: of the colour of sensors at first
 
 
 @dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
@@ -78,22 +78,21 @@ class Recorded:
         """Where the noise model begins."""
         return NoiseModel(
             FORCE_FIRST * self.scale,
-            MEMORY_SHORT * self.step_s,
+            MEMORY_FIRST * self.step_s,
             self.sd.copy(),
             COLOUR_FIRST * self.sd,
-            MEMORY_FIRST * self.period_s,
+            COLOUR_TIME_FIRST * self.period_s,
         )
 
     def revived(self, noise: NoiseModel) -> NoiseModel:
         """The noise model with every size that is 0 begun anew, small."""
-        times = MEMORY_FIRST * self.period_s
         acts, tinted = bool(np.any(noise.force > 0)), noise.coloured
         return NoiseModel(
             np.where(noise.force > 0, noise.force, FORCE_AGAIN * self.scale),
-            noise.memory_s if acts else MEMORY_SHORT * self.step_s,
+            noise.memory_s if acts else MEMORY_FIRST * self.step_s,
             noise.white,
             np.where(noise.colour > 0, noise.colour, COLOUR_FIRST * noise.white),
-            noise.colour_s if tinted else times,
+            noise.colour_s if tinted else COLOUR_TIME_FIRST * self.period_s,
         )
 
 

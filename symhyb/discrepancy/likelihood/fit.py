@@ -21,6 +21,7 @@ from symhyb.numeric.runs.windows import WindowModel
 
 ITERATIONS = 12
 HALVINGS = 4
+LEAPS = 1  # whole steps that are taken though ln L falls
 FAR = 2.0  # of ln L: steps that gain more are on the way
 SETTLED = 0.05  # of ln L: steps that gain less end the fit
 FAILED = "the likelihood is not finite along any trajectory"
@@ -123,14 +124,20 @@ def fit(
     if not np.isfinite(now.score):
         return _failed(task, values, noise, begun)
     rough = not known_noise  # while parameters move far, the sizes of noise need only follow
+    best, leaps = now, LEAPS
     for _ in range(ITERATIONS):
         before = now.worth
-        now = _step(model, task, p, now) or now
+        ahead, better = _step(model, task, p, now)
+        leapt = ahead is not None and not better and leaps > 0 and not rough
+        now = ahead if ahead is not None and (better or leapt) else now
+        leaps -= leapt
         now = now if known_noise else _with_noise(task, now, rough)
         gained = now.worth - before
-        if gained < SETTLED and not rough:
+        best = max(best, now, key=lambda one: one.worth)
+        if gained < SETTLED and not (rough or leapt):
             break
         rough = rough and gained > FAR
+    now = best
     return _finished(task, now)
 
 
@@ -168,26 +175,28 @@ def _normal(task: Task, now: _Now) -> tuple[Array, Array]:
     return gram, right
 
 
-def _step(model: WindowModel, task: Task, p: Array, now: _Now) -> _Now | None:
-    """A step of parameters and trajectory that makes the posterior more likely; None if there is
-    none."""
+def _step(model: WindowModel, task: Task, p: Array, now: _Now) -> tuple[_Now | None, bool]:
+    """A step of parameters and trajectory, and whether it makes the posterior more likely: of the
+    whole step and its parts the largest that does, else the whole one; None if there is none."""
     gram, right = _normal(task, now)
     if not (np.isfinite(gram).all() and np.isfinite(right).all()):
-        return None
-    damping = 0.0
+        return None, False
+    low, high = task.lower - now.values, task.upper - now.values
+    change = bounded_step(gram, right, 0.0, low, high)
+    moved = [
+        smoothed(one, now.noise, task.part(which, change)).state
+        for one, which in zip(now.tracks, task.recording, strict=True)
+    ]
+    whole: _Now | None = None
     for halving in range(HALVINGS + 1):
-        change = bounded_step(
-            gram, right, damping, task.lower - now.values, task.upper - now.values
-        )
         share = 0.5**halving
-        states = tuple(
-            one.x + share * smoothed(one, now.noise, task.part(which, change)).state
-            for one, which in zip(now.tracks, task.recording, strict=True)
-        )
+        states = tuple(one.x + share * x for one, x in zip(now.tracks, moved, strict=True))
         trial = _at(model, task, p, now.values + share * change, states, now.noise)
         if trial.score > now.score:
-            return trial
-    return None
+            return trial, True
+        if whole is None and np.isfinite(trial.score):
+            whole = trial
+    return whole, False
 
 
 def _with_noise(task: Task, now: _Now, roughly: bool) -> _Now:

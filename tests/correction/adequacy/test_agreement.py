@@ -35,8 +35,8 @@ DAMPER = Hypothesis("damper", On("x"), ("damping",), (True,))
 
 
 def with_hidden_mode() -> Recording:
-    """A mass of 0.15 kg hangs on a spring, 2.9 Hz by itself."""
-    mass, w, t = 0.15, 2 * np.pi * 2.9, STEP * np.arange(SAMPLES)
+    """A mass of 0.15 kg hangs on a spring, 2.5 Hz by itself."""
+    mass, w, t = 0.15, 2 * np.pi * 2.5, STEP * np.arange(SAMPLES)
     k, d = mass * w**2, 0.1 * mass * w
     A = [
         [0, 1, 0, 0],
