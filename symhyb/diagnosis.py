@@ -22,7 +22,7 @@ from symhyb.correction.search.preparing import Prepared, prepare, settle
 from symhyb.correction.search.setting import Setting
 from symhyb.correction.search.so_far import fits_best, if_interrupted
 from symhyb.correction.search.trajectory import Refined
-from symhyb.correction.verdict.choice import Choice, choose, chosen
+from symhyb.correction.verdict.choice import Choice, choose, chosen_again
 from symhyb.correction.verdict.conclusion import concluded
 from symhyb.correction.verdict.constants import with_constant
 from symhyb.correction.verdict.estimate import Estimated, estimate
@@ -119,10 +119,10 @@ def _concluded(
         raise NumericsError(f"the model cannot be simulated: {nothing.fit.reason}")
     with if_interrupted(lambda: fits_best(selected, len(choice.decision.trials))):
         known, judged = _judged(prepared, choice, tell)
-        louder = with_input_noise(prepared, setting, choice.setting, judged)
+        louder = with_input_noise(prepared, choice.setting, judged)
         if louder is not None:
             tell("deciding again, for noise of an input goes through the machine")
-            again = chosen(prepared, louder, choice.proposals, tell)
+            again = chosen_again(prepared, louder, choice, tell)
             values, other = _judged(prepared, again, tell)
             if stands(other, judged):
                 choice, known, judged = again, values, other
@@ -130,13 +130,14 @@ def _concluded(
 
 
 def _judged(prepared: Prepared, choice: Choice, tell: Say) -> tuple[Estimated, Adequacy]:
-    """The values of a choice, and what acts beyond it."""
+    """The values of a choice, and what acts beyond it; either knows what both doubt."""
     tell("estimating values")
     known = estimate(prepared, choice, tell)
     tell("looking for what acts beyond")
     everywhere = choice.change is None
     judged = adequacy(prepared, choice.setting, known.final, known.windows, throughout=everywhere)
-    return replace(known, doubt=known.doubt | judged.doubt), judged
+    doubt = known.doubt | judged.doubt
+    return replace(known, doubt=doubt), replace(judged, doubt=doubt)
 
 
 def _told(

@@ -54,7 +54,7 @@ def chosen(one: Recording) -> tuple[Prepared, Choice]:
     nothing = refine(model, (), (), cuts, setting.sd)
     selected = refine(model, (drag,), ({"drag": DRAG},), cuts, setting.sd, careful=True)
     decision = Decision(selected, nothing, (selected,), (), ())
-    return prepared, Choice(setting, decision, (), None, (), ())
+    return prepared, Choice(setting, decision, (), None, ())
 
 
 def completed(one: Recording) -> Completed | None:

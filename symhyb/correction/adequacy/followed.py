@@ -13,8 +13,9 @@ import numpy as np
 
 from symhyb.correction.adequacy.evidence import evidence
 from symhyb.correction.adequacy.recorded import Recorded
-from symhyb.correction.adequacy.structure import Fitted, fitted
+from symhyb.correction.adequacy.structure import Fitted, Row, fitted
 from symhyb.correction.search.trajectory import Refined, grouped
+from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.model.vocabulary import steep
 from symhyb.numeric.kernels.buffers import Array
@@ -28,8 +29,20 @@ def followed(ground: Recorded, trial: Refined, along: Along) -> Fitted:
     """A structure fitted along whole recordings, with its evidence. One with a steep law begins
     along its windows."""
     states = trajectories(ground, *along) if steep(trial.machine.model) else None
-    rows, noise = grouped(trial), ground.first_noise()
-    return scored(ground, fitted(ground, trial.causes, rows, noise, states))
+    return likeliest(ground, trial.causes, grouped(trial), states)
+
+
+def likeliest(
+    ground: Recorded,
+    causes: Sequence[Hypothesis],
+    rows: Sequence[Row],
+    states: Sequence[Array] | None = None,
+) -> Fitted:
+    """Causes fitted from an unknown force that forgets at once, which finds what is steep, and from
+    a slow one, which finds a force that is slow: the likelier of the two, with its evidence."""
+    noises = ground.first_noise(), ground.first_noise(slow=True)
+    found = [scored(ground, fitted(ground, causes, rows, noise, states)) for noise in noises]
+    return max(found, key=lambda one: one.evidence)
 
 
 def scored(ground: Recorded, trial: Fitted) -> Fitted:

@@ -37,14 +37,12 @@ class _Noisy:
     noise: NoiseModel
 
 
-def with_input_noise(
-    prepared: Prepared, setting: Setting, decided: Setting, judged: Adequacy
-) -> Setting | None:
-    """What a decision works on (``setting``), with the noise of the input that was found to be
-    noisy beside the structure that was ``judged``, as it was ``decided`` in; None where there is
-    none. Repeated runs tell the noise already."""
+def with_input_noise(prepared: Prepared, setting: Setting, judged: Adequacy) -> Setting | None:
+    """What a decision was made in (``setting``), with the noise of the input that was found to be
+    noisy beside the structure that was ``judged``; None where there is none. Repeated runs tell the
+    noise already."""
     which = _which(setting, judged)
-    ground = None if which is None or prepared.repeats else recorded(prepared, decided)
+    ground = None if which is None or prepared.repeats else recorded(prepared, setting)
     if ground is None or which is None or judged.structure is None:
         return None
     found = _measured(ground, judged.structure, which)
@@ -61,14 +59,14 @@ def with_input_noise(
 def stands(again: Adequacy, before: Adequacy) -> bool:
     """Whether what was decided again stands instead of what was decided before: noise explains away
     what was in doubt, and brings no cause. It names nothing that was not named before, all that was
-    named without a doubt still is, and it is as likely along whole recordings, to 100 to 1. Inputs
-    that are put right along a wrong structure hide what that lacks."""
+    named without a doubt still is, and if it is less it is as likely along whole recordings, to
+    100 to 1. Inputs that are put right along a wrong structure hide what that lacks."""
     if again.structure is None or before.structure is None:
         return False
     named, known = _families(again.structure.causes), _families(before.structure.causes)
     sure, kept = known - _families(before.doubt), named - _families(again.doubt)
     likely = again.structure.evidence > before.structure.evidence - CERTAIN
-    return named <= known and sure <= kept and likely
+    return named <= known and sure <= kept and (likely or named == known)
 
 
 def _families(causes: Iterable[Hypothesis]) -> set[Hashable]:

@@ -19,7 +19,7 @@ from symhyb.correction.adequacy.channel_noise import faulty_sensors, noisy_input
 from symhyb.correction.adequacy.classes.catalogue import classes_of
 from symhyb.correction.adequacy.classes.worth import around, worth_of
 from symhyb.correction.adequacy.clock_jitter import Jitter, jittering
-from symhyb.correction.adequacy.followed import Along, followed, scored
+from symhyb.correction.adequacy.followed import Along, followed, likeliest, scored
 from symhyb.correction.adequacy.recorded import Recorded, recorded
 from symhyb.correction.adequacy.structure import Fitted, Generic, Likely, Row, fitted
 from symhyb.correction.search.preparing import Prepared
@@ -91,7 +91,7 @@ def adequacy(
         disputes = disputed(final, [base, *better])
     doubt = _small(final, ground, left) | {one.cause for one in disputes}
     if base.causes and not _explained_alone(ground, trials):  # laws may only imitate a class
-        bare = scored(ground, fitted(ground, (), (), ground.first_noise()))
+        bare = likeliest(ground, (), ())
         trials += [bare, *_answers(ground, _raced(ground, bare, (), base), base)]
     enough = [trial for trial in trials if trial.extra and _suffices(ground, trial, base)]
     classes = _classes(trials, {trial.extra.key for trial in enough if trial.extra})

@@ -18,8 +18,8 @@ from symhyb.numeric.runs.windows import WindowModel
 FORCE_FIRST = 0.1  # of what moves a coordinate: the unknown force at first
 FORCE_AGAIN = 0.01  # the same, where one is looked for again
 COLOUR_FIRST = 0.5  # of the white noise
-MEMORY_FIRST = 2.0  # samples: of the unknown force at first. A slow force puts a wrong slip right
-COLOUR_TIME_FIRST = 1 / 3  # of a period of the motion: of the colour of sensors at first
+MEMORY_FIRST = 2.0  # samples: of an unknown force that forgets at once
+SLOW_FIRST = 1 / 3  # of a period of the motion: correlation times at first
 
 
 @dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
@@ -74,14 +74,15 @@ class Recorded:
         """The time between two samples, s."""
         return float(np.median(np.diff(self.items[0].block.t, axis=1)))
 
-    def first_noise(self) -> NoiseModel:
-        """Where the noise model begins."""
+    def first_noise(self, slow: bool = False) -> NoiseModel:
+        """Where the noise model begins: the unknown force forgets at once, or is ``slow``."""
+        colour_s = SLOW_FIRST * self.period_s
         return NoiseModel(
             FORCE_FIRST * self.scale,
-            MEMORY_FIRST * self.step_s,
+            colour_s if slow else MEMORY_FIRST * self.step_s,
             self.sd.copy(),
             COLOUR_FIRST * self.sd,
-            COLOUR_TIME_FIRST * self.period_s,
+            colour_s,
         )
 
     def revived(self, noise: NoiseModel) -> NoiseModel:
@@ -92,7 +93,7 @@ class Recorded:
             noise.memory_s if acts else MEMORY_FIRST * self.step_s,
             noise.white,
             np.where(noise.colour > 0, noise.colour, COLOUR_FIRST * noise.white),
-            noise.colour_s if tinted else COLOUR_TIME_FIRST * self.period_s,
+            noise.colour_s if tinted else SLOW_FIRST * self.period_s,
         )
 
 

@@ -46,6 +46,7 @@ from symhyb.judgement import NEAR_NOISE, SIGNIFICANT, UNEXPLAINED
 from symhyb.numeric.kernels.buffers import Array
 
 ROUNDS = 12
+CLOSE_MOST = 8  # structures that are decided among once more
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,6 +101,48 @@ def decide(setting: Setting, proposals: Sequence[Subset], say: Say) -> Decision:
     trials = Trials(setting, say, equals)
     with if_interrupted(lambda: _known(trials)):
         return _decided(trials, [problem for _, problem in problems], pool)
+
+
+def decide_among(setting: Setting, decision: Decision, say: Say) -> Decision:
+    """A decision once more where the noise is another one: among the structures that were close,
+    and these without causes. Nothing else is tried."""
+    order = setting.hypotheses.index
+    equals = [(order(first), order(second)) for first, second in decision.equals]
+    trials, log = Trials(setting, say, equals), []
+    nothing = trials.refined(())
+    for trial in _close(decision):
+        _tried(trials, trials.causes(trial), grouped(trial), trial.fit.starts)
+    best = _best(trials)
+    for _ in range(ROUNDS):
+        for i in range(len(best.causes)):
+            _without(trials, best, {i})
+        better = _best(trials)
+        log.append(_sentence(trials, better, best))
+        if better is best:
+            break
+        best = better
+    return Decision(
+        best,
+        nothing,
+        tuple(trials.done.values()),
+        decision.equals,
+        (*decision.log, *log),
+        trials.count,
+        best,
+    )
+
+
+def _close(decision: Decision) -> list[Refined]:
+    """What was selected, and the structures that were not ruled out beside it, best first."""
+    near = [
+        trial
+        for trial in sorted(decision.trials, key=decision.behind)
+        if trial is not decision.selected
+        and trial.causes
+        and not trial.fit.reason
+        and decision.behind(trial) < SIGNIFICANT
+    ]
+    return [decision.selected, *near[: CLOSE_MOST - 1]]
 
 
 def _known(trials: Trials) -> str:

@@ -12,7 +12,7 @@ from symhyb.correction.adequacy.sensor_noise import measured_again
 from symhyb.correction.learning.sparse import propose
 from symhyb.correction.naming.fleet_words import misfit
 from symhyb.correction.search.beginnings import active_part, changed, contradicted
-from symhyb.correction.search.decide import Decision, decide
+from symhyb.correction.search.decide import Decision, decide, decide_among
 from symhyb.correction.search.fleet import Outlier, outliers, own_value, parted, without
 from symhyb.correction.search.preparing import Prepared
 from symhyb.correction.search.selection import Subset
@@ -29,15 +29,13 @@ Say = Callable[[str], None]
 @dataclass(frozen=True, slots=True)
 class Choice:
     """A decision with the ``setting`` that it was made in, the map of ``places``, the ``change`` on
-    the way that restricts it, recordings that are ``misfits``, and what sparse regression proposed
-    (``proposals``)."""
+    the way that restricts it, and recordings that are ``misfits``."""
 
     setting: Setting
     decision: Decision
     places: tuple[PlaceShare, ...]
     change: Change | None
     misfits: tuple[Misfit, ...]
-    proposals: tuple[Subset, ...]
 
 
 def choose(prepared: Prepared, setting: Setting, say: Say) -> Choice:
@@ -51,6 +49,13 @@ def choose(prepared: Prepared, setting: Setting, say: Say) -> Choice:
         return choice
     say("deciding again, for the noise of a sensor is correlated in time")
     return chosen(prepared, replace(setting, sd=sd), proposals, say)
+
+
+def chosen_again(prepared: Prepared, setting: Setting, choice: Choice, say: Say) -> Choice:
+    """A choice in another ``setting``, whose noise is another one: among the structures that were
+    close."""
+    decision = settled(prepared, setting, decide_among(setting, choice.decision, say))
+    return replace(choice, setting=setting, decision=decision)
 
 
 def _middle(setting: Setting) -> Stage:
@@ -89,7 +94,7 @@ def chosen(prepared: Prepared, setting: Setting, proposals: Sequence[Subset], sa
     say("holding what is close against whole recordings")
     with if_interrupted(lambda: fits_best(decision.selected, len(decision.trials))):
         decision = settled(prepared, setting, decision)
-    return Choice(setting, decision, places, change, misfits, tuple(proposals))
+    return Choice(setting, decision, places, change, misfits)
 
 
 def _rivals(decision: Decision, odd: Outlier) -> list[Hypothesis]:

@@ -43,7 +43,7 @@ def case(seed: int, size: float = SIZE) -> Case:
     left = Beyond(np.ones(1), np.ones(1), 0.01, 100.0)
     here = Generic("input", "f", (), np.zeros(0), does="noisy")
     judged = Adequacy(left, (Likely(here, 1.0),), structure=base)
-    noisy = with_input_noise(prepared, plain, plain, judged)
+    noisy = with_input_noise(prepared, plain, judged)
     assert noisy is not None
     return Case(prepared, plain, noisy)
 
@@ -93,20 +93,7 @@ def test_no_other_answer_asks_for_it() -> None:
     left = Beyond(np.ones(1), np.ones(1), 0.3, 100.0)
     late = Generic("lag", "f", (), np.zeros(0), does="lags")
     for classes in ((), (Likely(late, 1.0),)):
-        assert with_input_noise(prepared, setting, setting, Adequacy(left, classes)) is None
-
-
-def test_what_is_much_less_likely_does_not_stand() -> None:
-    ground = recorded(*_plain())
-    assert ground is not None
-    trial = fitted(ground, (), (), ground.first_noise())
-    known = Adequacy(Beyond(np.zeros(1), np.zeros(1), 1.0, 0.0), structure=trial)
-    for more, kept in ((3.0, True), (-3.0, True), (-6.0, False)):
-        evidence = trial.evidence if np.isfinite(trial.evidence) else 0.0
-        before = replace(known, structure=replace(trial, evidence=evidence))
-        again = replace(known, structure=replace(trial, evidence=evidence + more))
-        assert stands(again, before) == kept
-    assert not stands(replace(known, structure=None), known)
+        assert with_input_noise(prepared, setting, Adequacy(left, classes)) is None
 
 
 def test_noise_explains_doubts_away_and_nothing_else() -> None:
@@ -117,11 +104,28 @@ def test_noise_explains_doubts_away_and_nothing_else() -> None:
     (cause,) = (h for h in setting.parametric if h.kind == "parameter" and h.path == "k")
     more = fitted(ground, (cause,), ({"value": 0.1},), ground.first_noise())
     less, named = (Adequacy(NOTHING, structure=replace(one, evidence=0.0)) for one in (bare, more))
+    doubted = replace(named, doubt=frozenset({cause}))
     assert stands(named, named)
     assert not stands(less, named)
-    assert stands(less, replace(named, doubt=frozenset({cause})))
-    assert not stands(replace(named, doubt=frozenset({cause})), named)
+    assert stands(less, doubted)
+    assert not stands(doubted, named)
     assert not stands(named, less)
+    assert not stands(replace(named, structure=None), named)
+
+
+@pytest.mark.parametrize(("gained", "stays"), [(3.0, True), (-3.0, True), (-6.0, False)])
+def test_less_stands_where_it_is_as_likely(gained: float, stays: bool) -> None:
+    prepared, setting = _plain()
+    ground = recorded(prepared, setting)
+    assert ground is not None
+    bare = fitted(ground, (), (), ground.first_noise())
+    (cause,) = (h for h in setting.parametric if h.kind == "parameter" and h.path == "k")
+    more = fitted(ground, (cause,), ({"value": 0.1},), ground.first_noise())
+    less = Adequacy(NOTHING, structure=replace(bare, evidence=gained))
+    more_so = Adequacy(NOTHING, structure=replace(more, evidence=0.0), doubt=frozenset({cause}))
+    assert stands(less, more_so) == stays
+    as_much = replace(more_so, structure=replace(more, evidence=gained))
+    assert stands(as_much, more_so)
 
 
 def _plain() -> tuple[Prepared, Setting]:

@@ -1,0 +1,46 @@
+"""A decision once more, where the noise is another one: what was close, and nothing else."""
+
+import numpy as np
+
+from symhyb.correction.search.decide import Decision, decide, decide_among
+from symhyb.correction.search.preparing import prepare, settle
+from symhyb.correction.search.setting import Setting
+from tests.pushed import NOISE, pushed, pushed_model
+
+
+def setting_of(noise: float) -> Setting:
+    """A damping that is a sixth larger than stated, and a constant force of a hundredth."""
+    made = pushed(3, samples=400, damping=0.7, beside=0.04 * np.ones(400), noise=noise)
+    return settle(prepare(pushed_model(), (made,)))
+
+
+def decided() -> tuple[Setting, Decision]:
+    setting = setting_of(NOISE)
+    return setting, decide(setting, (), lambda line: None)
+
+
+def names(decision: Decision) -> set[str]:
+    return {cause.kind for cause in decision.selected.causes}
+
+
+def test_the_same_noise_gives_the_same_decision_for_less() -> None:
+    setting, first = decided()
+    lines: list[str] = []
+    again = decide_among(setting, first, lines.append)
+    assert names(first) == {"damper", "constant"}
+    assert names(again) == names(first)
+    assert again.count == first.count
+    known = {cause for trial in first.trials for cause in trial.causes}
+    assert all({*trial.causes} <= known for trial in again.trials)
+    assert len(again.trials) < len(first.trials)
+    assert len(lines) == len(again.trials)
+    np.testing.assert_allclose(again.selected.fit.values, first.selected.fit.values, rtol=1e-3)
+
+
+def test_more_noise_takes_causes_away() -> None:
+    _, first = decided()
+    some = decide_among(setting_of(8 * NOISE), first, lambda line: None)
+    assert names(some) < names(first)
+    loud = decide_among(setting_of(200 * NOISE), first, lambda line: None)
+    assert loud.selected is loud.nothing
+    assert len(loud.log) > len(first.log)
