@@ -28,7 +28,7 @@ LIKELY = 0.5
 # probability that any recording is named as an outlier of a fleet in which all agree
 # source: convention: one fleet of a thousand
 CHANCE = 1e-3
-# of ln evidence: a class that the linear problem has so far behind the first is not fitted
+# of ln evidence: a class that promises to stay so far behind what was fitted is not fitted
 # source: three times what SIGNIFICANT asks for, for the linear problem is rough
 HOPELESS = 30.0
 # times the median power: a line of the missing force

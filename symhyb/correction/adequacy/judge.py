@@ -136,7 +136,6 @@ def _raced(ground: Recorded, start: Fitted, rows: Sequence[Row], decided: Fitted
         if start.evidence + gain > decided.evidence - CERTAIN:
             offered.append((gain, generic))
     offered.sort(key=lambda pair: -pair[0])
-    offered = [pair for pair in offered[:CLASSES_MOST] if pair[0] > offered[0][0] - HOPELESS]
     noise = ground.revived(start.fit.noise)
 
     def tried(generic: Generic, kept: Sequence[int]) -> Fitted:
@@ -144,9 +143,11 @@ def _raced(ground: Recorded, start: Fitted, rows: Sequence[Row], decided: Fitted
         return scored(ground, fitted(ground, causes, begin, noise, start.fit.states, extra=generic))
 
     every = tuple(range(len(start.causes)))
-    found = [
-        tried(generic, kept) for _, generic in offered for kept in _kept(start.causes, generic)
-    ]
+    found: list[Fitted] = []
+    for gain, generic in offered[:CLASSES_MOST]:  # a promise that was not kept rules nothing out
+        reached = max((trial.evidence for trial in found), default=-np.inf)
+        if start.evidence + gain > reached - HOPELESS:
+            found += [tried(generic, kept) for kept in _kept(start.causes, generic)]
     answers = _answers(ground, found, decided)
     best = max(answers, key=lambda trial: trial.evidence, default=None)
     if best is None or best.extra is None or len(every) < 2:

@@ -10,6 +10,7 @@ from symhyb.model.types import Place, place_text
 _DOES = {
     "drifts": "it drifts",
     "bends": "it is not linear",
+    "fades": "its gain changes with time",
     "lags": "it lags",
     "jumps": "it jumps or freezes at times",
     "": "it deviates",

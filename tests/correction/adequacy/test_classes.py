@@ -89,6 +89,13 @@ def drifting() -> Recording:
     return seen(x + 0.08 * np.sin(2 * np.pi * t / 25), force, 5)
 
 
+def fading() -> Recording:
+    """The gain of the sensor swings by a fifth."""
+    x, force = moved(6, lambda t, x, v, f: f)
+    t = STEP * np.arange(SAMPLES)
+    return seen(x * (1 + 0.2 * np.sin(2 * np.pi * t / 8)), force, 6)
+
+
 def tried(setting: Recorded) -> tuple[Fitted, list[tuple[float, Generic]]]:
     """The model as it is, and every class with its gain, the largest first."""
     nothing = fitted(setting, (), (), setting.first_noise())
@@ -114,6 +121,7 @@ def with_class(setting: Recorded, base: Fitted, generic: Generic) -> Fitted:
         (with_hidden_mode, "hidden mode", On("x"), (2.5, 3.3)),
         (pulsating, "time-varying", "k", (0.34, 0.40)),
         (drifting, "sensor", "laser", None),
+        (fading, "sensor", "laser", None),
     ],
 )
 def test_a_planted_effect_is_of_its_class(

@@ -17,6 +17,7 @@ from symhyb.correction.adequacy.classes.input_lag import input_lag
 from symhyb.correction.adequacy.classes.law import law
 from symhyb.correction.adequacy.classes.sensor_curve import sensor_curve
 from symhyb.correction.adequacy.classes.sensor_drift import sensor_drift
+from symhyb.correction.adequacy.classes.sensor_fading import sensor_fading
 from symhyb.correction.adequacy.classes.sensor_lag import sensor_lag
 from symhyb.correction.adequacy.classes.worth import Around
 from symhyb.correction.adequacy.recorded import Recorded
@@ -43,6 +44,6 @@ def classes_of(recorded: Recorded) -> list[Maker]:
     found += [partial(changing, path=path) for path in uncertain]
     for j in range(len(model.sensors)):
         if any(np.isfinite(item.block.y[0][:, j]).any() for item in recorded.items):
-            makers = (sensor_drift, sensor_curve, sensor_lag)
+            makers = (sensor_drift, sensor_curve, sensor_fading, sensor_lag)
             found += [partial(maker, which=j) for maker in makers]
     return found

@@ -146,7 +146,7 @@ def showing(
     recorded: Recorded,
     which: int,
     shown: Sequence[Array],
-    does: Literal["drifts", "bends", "lags"],
+    does: Literal["drifts", "bends", "fades", "lags"],
     joint: bool = False,
 ) -> Generic:
     """A class of what a sensor shows (N, K), SI, with a prior of the size of what it recorded;
