@@ -11,10 +11,11 @@ from symhyb.correction.adequacy.beyond import NOTHING, Beyond
 from symhyb.correction.adequacy.input_noise import stands, with_input_noise
 from symhyb.correction.adequacy.judge import Adequacy
 from symhyb.correction.adequacy.recorded import recorded
-from symhyb.correction.adequacy.structure import Generic, Likely, fitted
+from symhyb.correction.adequacy.structure import Fitted, Generic, Likely, fitted
 from symhyb.correction.search.preparing import Prepared, prepare, settle
 from symhyb.correction.search.setting import Setting
 from symhyb.correction.search.trajectory import Refined, refine
+from symhyb.discrepancy.places.hypotheses import Hypothesis
 from tests.builders import DRIVEN_MASS
 from tests.pushed import NOISE, pushed, pushed_model
 
@@ -96,14 +97,20 @@ def test_no_other_answer_asks_for_it() -> None:
         assert with_input_noise(prepared, setting, Adequacy(left, classes)) is None
 
 
-def test_noise_explains_doubts_away_and_nothing_else() -> None:
+def _fits() -> tuple[Hypothesis, Fitted, Fitted]:
+    """A parameter, and fits without and with it, of evidence 0."""
     prepared, setting = _plain()
     ground = recorded(prepared, setting)
     assert ground is not None
     bare = fitted(ground, (), (), ground.first_noise())
     (cause,) = (h for h in setting.parametric if h.kind == "parameter" and h.path == "k")
     more = fitted(ground, (cause,), ({"value": 0.1},), ground.first_noise())
-    less, named = (Adequacy(NOTHING, structure=replace(one, evidence=0.0)) for one in (bare, more))
+    return cause, replace(bare, evidence=0.0), replace(more, evidence=0.0)
+
+
+def test_noise_explains_doubts_away_and_nothing_else() -> None:
+    cause, bare, more = _fits()
+    less, named = (Adequacy(NOTHING, structure=one) for one in (bare, more))
     doubted = replace(named, doubt=frozenset({cause}))
     assert stands(named, named)
     assert not stands(less, named)
@@ -115,17 +122,11 @@ def test_noise_explains_doubts_away_and_nothing_else() -> None:
 
 @pytest.mark.parametrize(("gained", "stays"), [(3.0, True), (-3.0, True), (-6.0, False)])
 def test_less_stands_where_it_is_as_likely(gained: float, stays: bool) -> None:
-    prepared, setting = _plain()
-    ground = recorded(prepared, setting)
-    assert ground is not None
-    bare = fitted(ground, (), (), ground.first_noise())
-    (cause,) = (h for h in setting.parametric if h.kind == "parameter" and h.path == "k")
-    more = fitted(ground, (cause,), ({"value": 0.1},), ground.first_noise())
+    cause, bare, more = _fits()
+    before = Adequacy(NOTHING, structure=more, doubt=frozenset({cause}))
     less = Adequacy(NOTHING, structure=replace(bare, evidence=gained))
-    more_so = Adequacy(NOTHING, structure=replace(more, evidence=0.0), doubt=frozenset({cause}))
-    assert stands(less, more_so) == stays
-    as_much = replace(more_so, structure=replace(more, evidence=gained))
-    assert stands(as_much, more_so)
+    assert stands(less, before) == stays
+    assert stands(replace(before, structure=replace(more, evidence=gained)), before)
 
 
 def _plain() -> tuple[Prepared, Setting]:
