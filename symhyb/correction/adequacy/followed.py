@@ -39,7 +39,8 @@ def likeliest(
     states: Sequence[Array] | None = None,
 ) -> Fitted:
     """Causes fitted from an unknown force that forgets at once, which finds what is steep, and from
-    a slow one, which finds a force that is slow: the likelier of the two, with its evidence."""
+    a slow one, which finds a force that is slow: the likelier of the two, with its evidence.
+    ``states`` (N, X) of every stretch begin the trajectories, in SI; ``rows`` the numbers."""
     noises = ground.first_noise(), ground.first_noise(slow=True)
     found = [scored(ground, fitted(ground, causes, rows, noise, states)) for noise in noises]
     return max(found, key=lambda one: one.evidence)

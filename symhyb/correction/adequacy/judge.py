@@ -90,9 +90,11 @@ def adequacy(
         better = [trial for trial in raced if trial.evidence > base.evidence + CERTAIN]
         disputes = disputed(final, [base, *better])
     doubt = _small(final, ground, left) | {one.cause for one in disputes}
-    if base.causes and not _explained_alone(ground, trials):  # laws may only imitate a class
-        bare = likeliest(ground, (), ())
-        trials += [bare, *_answers(ground, _raced(ground, bare, (), base), base)]
+    stay = [i for i, cause in enumerate(base.causes) if _by_recording(cause)]
+    if len(stay) < len(base.causes) and not _explained_alone(ground, trials):
+        own = [rows[i] for i in stay]  # all other laws may only imitate a class
+        bare = likeliest(ground, [base.causes[i] for i in stay], own)
+        trials += [bare, *_answers(ground, _raced(ground, bare, own, base), base)]
     enough = [trial for trial in trials if trial.extra and _suffices(ground, trial, base)]
     classes = _classes(trials, {trial.extra.key for trial in enough if trial.extra})
     if not classes:
@@ -169,8 +171,15 @@ def _answers(ground: Recorded, trials: Sequence[Fitted], decided: Fitted) -> lis
 def _kept(causes: Sequence[Hypothesis], generic: Generic) -> list[tuple[int, ...]]:
     """Which of the causes are kept beside a class: all, those elsewhere, none."""
     every = tuple(range(len(causes)))
-    elsewhere = tuple(i for i in every if causes[i].place not in (None, generic.where))
-    return list(dict.fromkeys([every, elsewhere, ()]))
+    stay = tuple(i for i in every if _by_recording(causes[i]))
+    elsewhere = tuple(i for i in every if i in stay or causes[i].place not in (None, generic.where))
+    return list(dict.fromkeys([every, elsewhere, stay]))
+
+
+def _by_recording(cause: Hypothesis) -> bool:
+    """Whether each recording has its own strength of a cause. A class, whose columns are of one
+    size in all recordings, does not take the place of it."""
+    return cause.place is not None and cause.keys[0] in cause.own
 
 
 def _remainder(ground: Recorded, trial: Fitted) -> float:
