@@ -1,8 +1,9 @@
 """Whether a decided structure is judged rightly: what acts beyond it, of which class, what is left
 of its claims."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,6 +14,9 @@ from symhyb.correction.adequacy import judge
 from symhyb.correction.adequacy.agreement import Disputed
 from symhyb.correction.adequacy.followed import Along
 from symhyb.correction.adequacy.judge import TOO_SHORT, Adequacy, adequacy
+from symhyb.correction.adequacy.recorded import Recorded
+from symhyb.correction.adequacy.structure import Fitted
+from symhyb.correction.adequacy.structure import fitted as fitted_as_it_is
 from symhyb.correction.search.preparing import Prepared, prepare, settle
 from symhyb.correction.search.setting import Setting
 from symhyb.correction.search.trajectory import Refined, refine
@@ -141,3 +145,26 @@ def test_a_law_whose_force_is_an_error_of_the_numerics_is_in_doubt() -> None:
     assert not found.beyond.acts
     assert DAMPER in found.doubt
     assert not judged(pushed(11, samples=SAMPLES, damping=0.7), (DAMPER, {"damping": 0.1})).doubt
+
+
+def test_no_class_takes_the_place_of_a_strength_of_each_recording(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    tried = []
+
+    def fitted(ground: Recorded, causes: Sequence[Hypothesis], *rest: Any, **more: Any) -> Fitted:
+        tried.append(set(causes))
+        return fitted_as_it_is(ground, causes, *rest, **more)
+
+    recordings = [replace(saturated(seed), name=f"{seed}.csv") for seed in (21, 22)]
+    prepared = prepare(pushed_model(), recordings, own=("damping",))
+    setting = settle(prepared, ("damping",))
+    damper = replace(DAMPER, own=("damping",))
+    assert damper in setting.hypotheses
+    cuts = setting.stages[-1].cuts
+    final = refine(prepared.model, [damper], [{"damping": 0.1}], cuts, setting.sd)
+    monkeypatch.setattr(judge, "fitted", fitted)
+    found = adequacy(prepared, setting, final, (final, cuts))
+    assert [one.generic.kind for one in found.classes] == ["input"]
+    assert tried
+    assert all(damper in causes for causes in tried)
