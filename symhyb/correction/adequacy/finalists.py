@@ -21,13 +21,17 @@ from symhyb.correction.search.score import believable
 from symhyb.correction.search.setting import Setting
 from symhyb.correction.search.trajectory import Refined
 from symhyb.judgement import CLOSE
+from symhyb.model.vocabulary import steep
 
 FINALISTS_MOST = 8
 
 
 def settled(prepared: Prepared, setting: Setting, decision: Decision) -> Decision:
-    """The decision with the structure selected among those of almost its score."""
+    """The decision with the structure selected among those of almost its score; beside a steep law,
+    along which fits to windows end in minima of their own, among its parts too."""
     finalists = _finalists(setting, decision)
+    if len(finalists) == 1 and steep(decision.selected.machine.model):
+        return _needed(prepared, setting, decision)
     ground = recorded(prepared, setting) if len(finalists) > 1 else None
     if ground is None:
         return decision
@@ -45,6 +49,30 @@ def settled(prepared: Prepared, setting: Setting, decision: Decision) -> Decisio
     )
     log = tuple(f"{trial.name}: {-worse / 2:.3g} of ln evidence" for trial, worse in judged)
     return replace(decision, selected=selected, judged=judged, log=(*decision.log, *log))
+
+
+def _needed(prepared: Prepared, setting: Setting, decision: Decision) -> Decision:
+    """The decision without a cause that whole recordings speak against."""
+    selected, cuts = decision.selected, setting.stages[-1].cuts
+    parts = [
+        trial
+        for trial in decision.trials
+        if trial.causes
+        and not trial.fit.reason
+        and {*trial.causes} < {*selected.causes}
+        and len(trial.causes) == len(selected.causes) - 1
+    ]
+    ground = recorded(prepared, setting) if parts else None
+    if ground is None:
+        return decision
+    stated = [followed(ground, trial, (trial, cuts)).evidence for trial in (selected, *parts)]
+    best = int(np.argmax(stated))
+    if best == 0 or not np.isfinite(stated[best]):
+        return decision
+    part, ahead = parts[best - 1], float(stated[best] - stated[0])
+    judged = ((part, 0.0), (selected, 2 * ahead))
+    log = (*decision.log, f"{part.name}: {ahead:.3g} of ln evidence before {selected.name}")
+    return replace(decision, selected=part, judged=judged, log=log)
 
 
 def _finalists(setting: Setting, decision: Decision) -> list[Refined]:
