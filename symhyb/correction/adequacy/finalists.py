@@ -15,7 +15,7 @@ from symhyb.correction.adequacy.evidence import evidence
 from symhyb.correction.adequacy.followed import followed
 from symhyb.correction.adequacy.recorded import recorded
 from symhyb.correction.search.conventions import exchange
-from symhyb.correction.search.decide import Decision
+from symhyb.correction.search.decide import CLOSE_MOST, Decision
 from symhyb.correction.search.preparing import Prepared
 from symhyb.correction.search.score import believable
 from symhyb.correction.search.setting import Setting
@@ -23,12 +23,11 @@ from symhyb.correction.search.trajectory import Refined
 from symhyb.judgement import CLOSE
 from symhyb.model.vocabulary import steep
 
-FINALISTS_MOST = 8
-
 
 def settled(prepared: Prepared, setting: Setting, decision: Decision) -> Decision:
-    """The decision with the structure selected among those of almost its score; beside a steep law,
-    along which fits to windows end in minima of their own, among its parts too."""
+    """The decision with the structure selected among those of almost its score. Where none is so
+    close beside a steep law, along which fits to windows end in minima of their own, among its
+    parts."""
     finalists = _finalists(setting, decision)
     if len(finalists) == 1 and steep(decision.selected.machine.model):
         return _needed(prepared, setting, decision)
@@ -81,12 +80,9 @@ def _finalists(setting: Setting, decision: Decision) -> list[Refined]:
     selected, length_s = decision.selected, setting.stages[-1].length_s
     near = [
         trial
-        for trial in sorted(decision.trials, key=decision.behind)
-        if trial is not selected
-        and not trial.fit.reason
-        and decision.behind(trial) < CLOSE
-        and not exchange(trial.causes, selected.causes).conventional
+        for trial in decision.near(CLOSE)
+        if not exchange(trial.causes, selected.causes).conventional
         and {cause.family for cause in trial.causes} != {cause.family for cause in selected.causes}
         and believable(trial, length_s)
     ]
-    return [selected, *near[: FINALISTS_MOST - 1]]
+    return [selected, *near[: CLOSE_MOST - 1]]

@@ -46,7 +46,7 @@ from symhyb.judgement import NEAR_NOISE, SIGNIFICANT, UNEXPLAINED
 from symhyb.numeric.kernels.buffers import Array
 
 ROUNDS = 12
-CLOSE_MOST = 8  # structures that are decided among once more
+CLOSE_MOST = 8  # structures that are decided among, with the selected one
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,6 +74,16 @@ class Decision:
         best = self.best or self.selected
         unit = piece_of(best)
         return score(trial, unit, self.count) - score(best, unit, self.count)
+
+    def near(self, within: float) -> list[Refined]:
+        """The structures beside the selected one that are less than ``within`` behind the best, the
+        best of them first."""
+        behind = [(self.behind(trial), i, trial) for i, trial in enumerate(self.trials)]
+        return [
+            trial
+            for worse, _, trial in sorted(behind)
+            if trial is not self.selected and not trial.fit.reason and worse < within
+        ]
 
     def against(self, trial: Refined) -> float:
         """The same at even odds of a parameter and a law: an ``sd`` says how far a parameter may be
@@ -110,7 +120,8 @@ def decide_among(setting: Setting, decision: Decision, say: Say) -> Decision:
     equals = [(order(first), order(second)) for first, second in decision.equals]
     trials, log = Trials(setting, say, equals), []
     nothing = trials.refined(())
-    for trial in _close(decision):
+    near = [trial for trial in decision.near(SIGNIFICANT) if trial.causes]
+    for trial in (decision.selected, *near[: CLOSE_MOST - 1]):
         _tried(trials, trials.causes(trial), grouped(trial), trial.fit.starts)
     best = _best(trials)
     for _ in range(ROUNDS):
@@ -130,19 +141,6 @@ def decide_among(setting: Setting, decision: Decision, say: Say) -> Decision:
         trials.count,
         best,
     )
-
-
-def _close(decision: Decision) -> list[Refined]:
-    """What was selected, and the structures that were not ruled out beside it, best first."""
-    near = [
-        trial
-        for trial in sorted(decision.trials, key=decision.behind)
-        if trial is not decision.selected
-        and trial.causes
-        and not trial.fit.reason
-        and decision.behind(trial) < SIGNIFICANT
-    ]
-    return [decision.selected, *near[: CLOSE_MOST - 1]]
 
 
 def _known(trials: Trials) -> str:

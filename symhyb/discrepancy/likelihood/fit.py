@@ -127,9 +127,9 @@ def fit(
     best, leaps = now, LEAPS
     for _ in range(ITERATIONS):
         before = now.worth
-        ahead, better = _step(model, task, p, now)
-        leapt = ahead is not None and not better and leaps > 0 and not rough
-        now = ahead if ahead is not None and (better or leapt) else now
+        ahead = _step(model, task, p, now) or now
+        leapt = ahead is not now and ahead.score <= now.score and leaps > 0 and not rough
+        now = ahead if leapt or ahead.score > now.score else now
         leaps -= leapt
         now = now if known_noise else _with_noise(task, now, rough)
         gained = now.worth - before
@@ -137,8 +137,7 @@ def fit(
         if gained < SETTLED and not (rough or leapt):
             break
         rough = rough and gained > FAR
-    now = best
-    return _finished(task, now)
+    return _finished(task, best)
 
 
 def _at(
@@ -175,12 +174,12 @@ def _normal(task: Task, now: _Now) -> tuple[Array, Array]:
     return gram, right
 
 
-def _step(model: WindowModel, task: Task, p: Array, now: _Now) -> tuple[_Now | None, bool]:
-    """A step of parameters and trajectory, and whether it makes the posterior more likely: of the
-    whole step and its parts the largest that does, else the whole one; None if there is none."""
+def _step(model: WindowModel, task: Task, p: Array, now: _Now) -> _Now | None:
+    """A step of parameters and trajectory: of the whole one and its parts the largest that makes
+    the posterior more likely, else the whole one; None if there is none."""
     gram, right = _normal(task, now)
     if not (np.isfinite(gram).all() and np.isfinite(right).all()):
-        return None, False
+        return None
     low, high = task.lower - now.values, task.upper - now.values
     change = bounded_step(gram, right, 0.0, low, high)
     moved = [
@@ -193,10 +192,10 @@ def _step(model: WindowModel, task: Task, p: Array, now: _Now) -> tuple[_Now | N
         states = tuple(one.x + share * x for one, x in zip(now.tracks, moved, strict=True))
         trial = _at(model, task, p, now.values + share * change, states, now.noise)
         if trial.score > now.score:
-            return trial, True
+            return trial
         if whole is None and np.isfinite(trial.score):
             whole = trial
-    return whole, False
+    return whole
 
 
 def _with_noise(task: Task, now: _Now, roughly: bool) -> _Now:

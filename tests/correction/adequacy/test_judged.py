@@ -16,7 +16,6 @@ from symhyb.correction.adequacy.followed import Along
 from symhyb.correction.adequacy.judge import TOO_SHORT, Adequacy, adequacy
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Fitted
-from symhyb.correction.adequacy.structure import fitted as fitted_as_it_is
 from symhyb.correction.search.preparing import Prepared, prepare, settle
 from symhyb.correction.search.setting import Setting
 from symhyb.correction.search.trajectory import Refined, refine
@@ -150,11 +149,11 @@ def test_a_law_whose_force_is_an_error_of_the_numerics_is_in_doubt() -> None:
 def test_no_class_takes_the_place_of_a_strength_of_each_recording(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    tried = []
+    tried, as_it_is = [], judge.fitted
 
     def fitted(ground: Recorded, causes: Sequence[Hypothesis], *rest: Any, **more: Any) -> Fitted:
         tried.append(set(causes))
-        return fitted_as_it_is(ground, causes, *rest, **more)
+        return as_it_is(ground, causes, *rest, **more)
 
     recordings = [replace(saturated(seed), name=f"{seed}.csv") for seed in (21, 22)]
     prepared = prepare(pushed_model(), recordings, own=("damping",))
