@@ -17,7 +17,7 @@ from symhyb.correction.adequacy.recorded import recorded
 from symhyb.correction.search.conventions import exchange
 from symhyb.correction.search.decide import CLOSE_MOST, Decision
 from symhyb.correction.search.preparing import Prepared
-from symhyb.correction.search.score import believable
+from symhyb.correction.search.score import believable, prior_sd
 from symhyb.correction.search.setting import Setting
 from symhyb.correction.search.trajectory import Refined
 from symhyb.judgement import CLOSE
@@ -51,15 +51,15 @@ def settled(prepared: Prepared, setting: Setting, decision: Decision) -> Decisio
 
 
 def _needed(prepared: Prepared, setting: Setting, decision: Decision) -> Decision:
-    """The decision without a cause that whole recordings speak against."""
+    """The decision without a cause that whole recordings speak against. Of a parameter that states
+    an sd they say nothing: it is free in every structure there, named or not."""
     selected, cuts = decision.selected, setting.stages[-1].cuts
+    every = {*selected.causes}
+    less = [every - {cause} for cause in every if prior_sd(selected, cause) == np.inf]
     parts = [
         trial
         for trial in decision.trials
-        if trial.causes
-        and not trial.fit.reason
-        and {*trial.causes} < {*selected.causes}
-        and len(trial.causes) == len(selected.causes) - 1
+        if trial.causes and not trial.fit.reason and {*trial.causes} in less
     ]
     ground = recorded(prepared, setting) if parts else None
     if ground is None:

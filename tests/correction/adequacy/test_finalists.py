@@ -1,5 +1,7 @@
 """Beside dry friction a cause must stand along whole recordings too."""
 
+from dataclasses import replace
+
 import pytest
 
 from symhyb.correction.adequacy import finalists
@@ -39,6 +41,18 @@ def test_what_whole_recordings_speak_against_is_not_taken(monkeypatch: pytest.Mo
     assert found.behind(found.selected) == 0
     assert found.behind(decision.selected) > 0
     assert "of ln evidence before" in found.log[-1]
+
+
+def test_of_a_parameter_that_states_an_sd_they_say_nothing(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    prepared, setting, decision = decided()
+    (stiffness,) = (one for one in setting.parametric if one.path == "k")
+    causes, rows = [FRICTION, stiffness], [{"coulomb": COULOMB}, {"value": 0.1}]
+    both = refine(prepared.model, causes, rows, setting.stages[-1].cuts, setting.sd)
+    named = replace(decision, selected=both, trials=(both, decision.trials[1]), best=both)
+    monkeypatch.setattr(finalists, "_finalists", lambda *_: [both])
+    assert settled(prepared, setting, named) is named
 
 
 def test_what_they_ask_for_stays(monkeypatch: pytest.MonkeyPatch) -> None:
