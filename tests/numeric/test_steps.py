@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from symhyb.numeric.lowered.dynamics import state_form
 from symhyb.numeric.lowered.machine import Machine, build
-from symhyb.numeric.lowered.steps import rosenbrock_step
+from symhyb.numeric.lowered.steps import factored, rosenbrock_step, solved
 
 Array = NDArray[np.float64]
 INPUT: Mapping[str, Entries] = {"f": {"unit": "N"}}
@@ -161,3 +161,25 @@ def test_the_step_is_differentiated_exactly() -> None:
                 ends.append(value(step, *moved))
             slope = (ends[0] - ends[1]) / (2 * delta)
             assert exact[:, column] == pytest.approx(slope, rel=1e-6, abs=1e-9)
+
+
+def test_equations_are_solved_by_their_nonzeros_alone() -> None:
+    """An arrow: a speed that all inner states act on, which do not act on each other."""
+    size = 5
+    pattern = ca.Sparsity.diag(size) + ca.Sparsity.triplet(size, size, [1, 2, 3], [0, 0, 0])
+    matrix, right = ca.SX.sym("A", pattern.unite(pattern.T)), ca.SX.sym("b", size)
+    rows = factored(matrix)
+    assert [sorted(row) for row in rows[:2]] == [[0, 1, 2, 3], [0, 1, 2, 3]]  # filled in
+    assert sorted(rows[4]) == [4]  # meets nobody
+    solve = ca.Function("solve", [matrix, right], [solved(rows, right)])
+    random = np.random.default_rng(1)
+    given = np.where(np.array(ca.DM(pattern.unite(pattern.T), 1)), random.normal(size=(5, 5)), 0)
+    given, aim = given + 4 * np.eye(size), random.normal(size=size)
+    found = np.array(solve(ca.DM(given)[pattern.unite(pattern.T)], aim)).ravel()
+    assert found == pytest.approx(np.linalg.solve(given, aim), rel=1e-12)
+
+
+def test_a_zero_that_is_written_is_no_nonzero() -> None:
+    matrix = ca.SX.eye(2)
+    matrix[1, 0] = 0 * ca.SX.sym("a")
+    assert [sorted(row) for row in factored(matrix)] == [[0], [1]]

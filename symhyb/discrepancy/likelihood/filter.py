@@ -80,6 +80,18 @@ def observe(h: Array, C: Array, D: Array, i: int, j: int) -> None:  # pragma: no
 
 
 @jitted_in_any_order
+def seen_through(k: Array, P: Array, h: Array) -> None:  # pragma: no cover - compiled
+    """Write P·h (d,), SI: how the state with covariance P (d, d) varies with what a sensor sees of
+    it, h, most of which is zero."""
+    for s in range(h.size):
+        k[s] = 0.0
+    for t in range(h.size):
+        if h[t] != 0.0:
+            for s in range(h.size):
+                k[s] += P[t, s] * h[t]
+
+
+@jitted_in_any_order
 def predict(
     P: Array,
     T: Array,
@@ -98,13 +110,11 @@ def predict(
     states = first - forces
     for s in range(d):
         for t in range(d):
-            if s < states:
-                total = 0.0
-                for u in range(first):
-                    total += A[s, u] * P[u, t]
-                T[s, t] = total
-            else:
-                T[s, t] = A[s, s] * P[s, t]
+            T[s, t] = A[s, s] * P[s, t]
+        for u in range(first if s < states else 0):
+            if u != s:
+                for t in range(d):
+                    T[s, t] += A[s, u] * P[u, t]
     for s in range(d):
         for t in range(s, d):
             if t >= states:
@@ -156,31 +166,34 @@ def whiten(
             M[s, c] = begin[s, c]
     result = np.zeros((samples, sensors, columns))
     A, g, T = np.zeros((d, d)), np.zeros((d, forces)), np.zeros((d, d))
-    h, k = np.zeros(d), np.zeros(d)
+    h, k, v = np.zeros(d), np.zeros(d), np.zeros(columns)
     logs = 0.0
     for i in range(samples):
         for j in range(sensors):
             if not seen[i, j]:
                 continue
             observe(h, C, D, i, j)
+            seen_through(k, P, h)
             S = white[j]
             for s in range(d):
-                total = 0.0
-                for t in range(d):
-                    total += P[s, t] * h[t]
-                k[s] = total
-                S += h[s] * total
+                S += h[s] * k[s]
             root = np.sqrt(S)
             for c in range(columns):
-                v = e[i, j, c]
-                for s in range(d):
-                    v -= h[s] * M[s, c]
-                result[i, j, c] = v / root
-                for s in range(d):
-                    M[s, c] += k[s] * v / S
+                v[c] = e[i, j, c]
             for s in range(d):
+                if h[s] != 0.0:
+                    for c in range(columns):
+                        v[c] -= h[s] * M[s, c]
+            for c in range(columns):
+                result[i, j, c] = v[c] / root
+            for s in range(d):
+                share = k[s] / S
+                for c in range(columns):
+                    M[s, c] += share * v[c]
+            for s in range(d):
+                share = k[s] / S
                 for t in range(d):
-                    P[s, t] -= k[s] * k[t] / S
+                    P[s, t] -= share * k[t]
             logs += np.log(S)
         if i == samples - 1:
             break
@@ -226,14 +239,15 @@ def smooth(
     P = start(P0, force, colour, sensed > 0)
     d = P.shape[0]
     M, M2 = np.zeros(d), np.zeros(d)
-    means, covs = np.zeros((samples, d)), np.zeros((samples, d, d))
+    kept = samples if wanted else 0
+    means, covs = np.zeros((kept, d)), np.zeros((kept, d, d))
     gains, sizes = np.zeros((samples, sensors, d)), np.ones((samples, sensors))
     news = np.zeros((samples, sensors))
     A, g, T = np.zeros((d, d)), np.zeros((d, forces)), np.zeros((d, d))
-    h = np.zeros(d)
+    h, k = np.zeros(d), np.zeros(d)
     logs, chi2 = 0.0, 0.0
     for i in range(samples):
-        for s in range(d):
+        for s in range(d if wanted else 0):
             means[i, s] = M[s]
             for t in range(d):
                 covs[i, s, t] = P[s, t]
@@ -241,18 +255,17 @@ def smooth(
             if not seen[i, j]:
                 continue
             observe(h, C, D, i, j)
+            seen_through(k, P, h)
             S, v = white[j], e[i, j]
             for s in range(d):
-                total = 0.0
-                for t in range(d):
-                    total += P[s, t] * h[t]
-                gains[i, j, s] = total
-                S += h[s] * total
+                S += h[s] * k[s]
                 v -= h[s] * M[s]
             for s in range(d):
-                M[s] += gains[i, j, s] * v / S
+                gains[i, j, s] = k[s]
+                share = k[s] / S
+                M[s] += share * v
                 for t in range(d):
-                    P[s, t] -= gains[i, j, s] * gains[i, j, t] / S
+                    P[s, t] -= share * k[t]
             sizes[i, j], news[i, j] = S, v
             logs += np.log(S)
             chi2 += v * v / S
@@ -269,7 +282,7 @@ def smooth(
     by_force, by_white = np.zeros(forces), np.zeros(sensors)
     by_colour = np.zeros(sensors)
     r, r2 = np.zeros(d), np.zeros(d)
-    Nn, k = np.zeros((d, d)), np.zeros(d)
+    Nn = np.zeros((d, d))
     for i in range(samples - 1, -1, -1):
         for j in range(sensors - 1, -1, -1):
             if not seen[i, j]:
@@ -287,10 +300,11 @@ def smooth(
             u = (news[i, j] - along) / S
             by_white[j] += 0.5 * (u * u - 1 / S - across)
             for s in range(d):
-                r[s] += h[s] * u
-            for s in range(d):
-                for t in range(d):
-                    Nn[s, t] += h[s] * h[t] * (1 / S + across) - h[s] * k[t] - k[s] * h[t]
+                if h[s] != 0.0:
+                    r[s] += h[s] * u
+                    for t in range(d):
+                        Nn[s, t] += h[s] * (h[t] * (1 / S + across) - k[t])
+                        Nn[t, s] -= k[t] * h[s]
         for s in range(d if wanted else 0):
             total, spread = means[i, s], covs[i, s, s]
             for t in range(d):
@@ -306,9 +320,14 @@ def smooth(
         for q in range(forces):
             along, across = 0.0, 0.0
             for s in range(d):
-                along += g[s, q] * r[s]
-                for t in range(d):
-                    across += g[s, q] * Nn[s, t] * g[t, q]
+                k[s] = g[s, q]
+                along += k[s] * r[s]
+            for s in range(d):
+                if k[s] != 0.0:
+                    total = 0.0
+                    for t in range(d):
+                        total += Nn[s, t] * k[t]
+                    across += k[s] * total
             by_force[q] += 0.5 * (along * along - across) * (1 - keep[i - 1, q] ** 2)
         for q in range(sensed):
             s = states + forces + q
@@ -320,18 +339,16 @@ def smooth(
         r, r2 = r2, r
         for s in range(d):
             for t in range(d):
-                total = 0.0 if t < states else Nn[s, t] * A[t, t]
-                if t < states + forces:
-                    for q in range(states):
-                        total += Nn[s, q] * A[q, t]
-                T[s, t] = total
+                T[s, t] = 0.0 if t < states else Nn[s, t] * A[t, t]
+            for q in range(states):
+                for t in range(states + forces):
+                    T[s, t] += Nn[s, q] * A[q, t]
         for s in range(d):
             for t in range(d):
-                total = 0.0 if s < states else A[s, s] * T[s, t]
-                if s < states + forces:
-                    for q in range(states):
-                        total += A[q, s] * T[q, t]
-                Nn[s, t] = total
+                Nn[s, t] = 0.0 if s < states else A[s, s] * T[s, t]
+            for q in range(states if s < states + forces else 0):
+                for t in range(d):
+                    Nn[s, t] += A[q, s] * T[q, t]
     for q in range(forces):
         s = states + q
         by_force[q] += 0.5 * (r[s] * r[s] - Nn[s, s])

@@ -39,6 +39,8 @@ _ALPHA = (0.0, 0.386, 0.21, 0.63, 1.0, 1.0)
 _GAMMA = (0.25, -0.1043, 0.1035, -0.0362, 0.0, 0.0)
 _DIAGONAL = 0.25
 
+Row = dict[int, ca.SX]  # what is not zero in a row of a matrix, by its column
+
 
 def rosenbrock_step(form: StateForm) -> ca.Function:
     """Return (x, d0, d1, t, h, p, w) -> x after h seconds, x = (q, v, z) of length X, SI.
@@ -61,13 +63,14 @@ def rosenbrock_step(form: StateForm) -> ca.Function:
     step = _DIAGONAL * h
     matrix = ca.SX.eye(size - f) - step * by_y
     matrix[:, :f] -= step**2 * by_q
+    rows = factored(matrix)
     stages: list[tuple[ca.SX, ca.SX]] = []
     for a, c, alpha, gamma in zip(_A, _C, _ALPHA, _GAMMA, strict=True):
         q_i, y_i = _combined(a, stages, q0, y0)
         past_q, past_y = _combined(c, stages, ca.SX(f, 1), ca.SX(size - f, 1))
         right_q = step * y_i[:f, 0] + _DIAGONAL * past_q
         right_y = step * (rate(q_i, y_i, alpha) + gamma * by_s) + _DIAGONAL * past_y
-        dy = _solve(matrix, right_y + step * ca.mtimes(by_q, right_q))
+        dy = solved(rows, right_y + step * ca.mtimes(by_q, right_q))
         stages.append((right_q + step * dy[:f, 0], dy))
     after = ca.vertcat(*_combined(_M, stages, q0, y0))
     return ca.Function("step", [x, d0, d1, t, h, p, w], [after], {"cse": True})
@@ -82,17 +85,31 @@ def _combined(
     return q, y
 
 
-def _solve(matrix: ca.SX, right: ca.SX) -> ca.SX:
-    """Gaussian elimination without pivoting; the matrix is I + O(h)."""
-    n = matrix.shape[0]
-    matrix, right = ca.SX(matrix), ca.SX(right)
-    for j in range(n):
-        for i in range(j + 1, n):
-            factor = matrix[i, j] / matrix[j, j]
-            matrix[i, j:] -= factor * matrix[j, j:]
-            right[i] -= factor * right[j]
-    for i in reversed(range(n)):
-        for j in range(i + 1, n):
-            right[i] -= matrix[i, j] * right[j]
-        right[i] = right[i] / matrix[i, i]
-    return right
+def factored(matrix: ca.SX) -> list[Row]:
+    """Both triangles of a matrix (n, n) in one, row by row, by Gaussian elimination without
+    pivoting: it is I + O(h). Its zeros cost nothing: inner states of different elements do not
+    meet."""
+    rows: list[Row] = [{} for _ in range(matrix.shape[0])]
+    for i, j in zip(*ca.sparsify(matrix).sparsity().get_triplet(), strict=True):
+        rows[i][j] = matrix[i, j]
+    for j, pivot in enumerate(rows):
+        for row in rows[j + 1 :]:
+            if j in row:
+                factor = row[j] = row[j] / pivot[j]
+                for k, value in pivot.items():
+                    if k > j:
+                        row[k] = row.get(k, ca.SX(0)) - factor * value
+    return rows
+
+
+def solved(rows: list[Row], right: ca.SX) -> ca.SX:
+    """The solution (n,) of equations with a factored matrix and a right side (n,)."""
+    found = ca.vertsplit(ca.densify(right))
+    for i, row in enumerate(rows):
+        for j in sorted(j for j in row if j < i):
+            found[i] -= row[j] * found[j]
+    for i, row in reversed([*enumerate(rows)]):
+        for j in sorted(j for j in row if j > i):
+            found[i] -= row[j] * found[j]
+        found[i] = found[i] / row[i]
+    return ca.vertcat(*found)

@@ -131,7 +131,9 @@ def _joined(options: Sequence[Generic]) -> Generic:
         Extra(
             np.concatenate([part.force for part in parts], axis=2),
             np.concatenate([part.output for part in parts], axis=2),
-            np.concatenate([part.arriving for part in parts], axis=2),
+            np.concatenate([part.arriving for part in parts], axis=2)
+            if any(part.before is not None for part in parts)
+            else None,
         )
         for parts in zip(*(one.each for one in options), strict=True)
     )
