@@ -9,9 +9,11 @@ from types import ModuleType
 import casadi as ca
 import numpy as np
 import pytest
+from scipy.interpolate import make_interp_spline
 from sympy import Matrix, lambdify
 from sympy.physics.mechanics import dynamicsymbols
 
+from symhyb.model.read import parse_model
 from symhyb.numeric.kernels.compiled import find_compiler
 from tests.scripts import scripts
 
@@ -21,6 +23,7 @@ NAMES = (
     "bench",
     "compiled",
     "forces",
+    "growth",
     "links",
     "oscillators",
     "regression",
@@ -262,3 +265,24 @@ def test_the_machine_is_described_without_names(study: Study) -> None:
     assert reported["casadi"] == ca.__version__
     assert "cores" in reported["processor"]
     assert "/" not in "".join(reported.values())
+
+
+@pytest.mark.parametrize("masses", [1, 3])
+def test_the_chain_moves_as_its_equations_say(study: Study, masses: int) -> None:
+    """What is recorded, differentiated twice, against the forces of the model and the damper."""
+    growth = study["growth"]
+    table = growth.recorded(masses, 3000, noise=0.0)
+    t, push, x = table[:, 0], table[:, 1], table[:, 2:]
+    spline = make_interp_spline(t, x, k=7)
+    v, a = (spline.derivative(order)(t)[50:-50] for order in (1, 2))
+    x, left = x[50:-50], np.zeros((len(t) - 100, masses))
+    left[:, 0] = push[50:-50]
+    for i in range(masses):
+        stretch = x[:, i] - (x[:, i - 1] if i else 0), v[:, i] - (v[:, i - 1] if i else 0)
+        force = growth.STIFFNESS * stretch[0] + growth.DAMPING * stretch[1]
+        left[:, i] -= force
+        if i:
+            left[:, i - 1] += force
+    left[:, masses // 2] -= growth.CONCEALED * v[:, masses // 2]
+    assert growth.MASS * a == pytest.approx(left, abs=2e-3 * np.abs(left).max())
+    assert len(parse_model(growth.chain(masses)).coordinates) == masses

@@ -33,6 +33,7 @@ PARTS = (
     "regression",
     "matching",
     "compiled",
+    "growth",
 )
 
 
@@ -40,6 +41,7 @@ def measure(part: str) -> list[Row]:
     """The rows of one part; imported here, so that a part needs only its own libraries."""
     import compiled
     import forces
+    import growth
     import links
     import oscillators
     import regression
@@ -57,6 +59,7 @@ def measure(part: str) -> list[Row]:
         "regression": regression.rows,
         "matching": trajectories.rows,
         "compiled": compiled.rows,
+        "growth": growth.rows,
     }
     return work[part]()
 

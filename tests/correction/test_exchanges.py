@@ -111,6 +111,19 @@ def test_a_cause_that_goes_puts_its_effect_back_into_the_residual() -> None:
     )
 
 
+def test_a_law_that_stays_does_not_come_again_in_the_shape_in_which_it_was_tried() -> None:
+    """Its Stribeck speed has moved in the fit: what it began at would be a law of its own."""
+    wider = swing(lambda v: dry(v) + 0.1 * np.exp(-((v / 5) ** 2)) * np.tanh(v / 1e-3))
+    trials = Trials(settle(prepare(pendulum(), wider)), lambda line: None)
+    falling = max(i for i, cause in enumerate(trials.known) if "stribeck" in cause.keys)
+    law = trials.known[falling]
+    base = trials.refined([falling], [law.values([0.14, 0.2])])
+    assert grouped(base)[0]["stribeck"] > 2 * dict(law.shape)["stribeck"]
+    offered = list(exchanges(trials, base))
+    assert offered
+    assert all(len({*offer.causes}) == len(offer.causes) for offer in offered)
+
+
 def test_of_two_fits_of_one_structure_the_better_is_kept() -> None:
     trials, damped = fitted(("damper",), swing(lambda v: 0.05 * v))
     (key,) = trials.done

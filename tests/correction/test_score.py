@@ -141,6 +141,14 @@ def test_breakaway_below_sliding_friction_is_no_friction() -> None:
     assert not believable(trial(FRICTION, values=(1.2, 1.0)))
 
 
+def test_friction_of_which_only_the_difference_of_its_levels_is_known_is_none() -> None:
+    """As where two of them act at one place: one may be any size if the other takes it back."""
+    one = trial(FRICTION, values=(1.0, 1.2))
+    assert believable(one)
+    together = np.full((2, 2), 25.0) + 1e-4 * np.eye(2)
+    assert not believable(replace(one, fit=replace(one.fit, covariance=together)))
+
+
 def test_a_fit_that_failed_is_not_believed() -> None:
     one = trial(DAMPER)
     assert not believable(replace(one, fit=replace(one.fit, reason="ran away")))

@@ -82,14 +82,20 @@ def _open(
 ) -> Problem:
     """The problem in which what is ``gone``, and the terms of what is ``kept``, cannot come
     again."""
-    held = {(cause.subject, term) for cause in kept for term in cause.terms}
+    held = {term for cause in kept for term in _terms(cause)}
     barred = {
         c
         for c, cause in enumerate(problem.hypotheses)
         if cause in gone
-        or (cause not in kept and any((cause.subject, term) in held for term in cause.terms))
+        # the column of a parameter that is kept is its own
+        or ((cause.place is not None or cause not in kept) and held.intersection(_terms(cause)))
     }
     return without(problem, barred | trials.dropped)
+
+
+def _terms(cause: Hypothesis) -> set[tuple[object, str]]:
+    """The terms of a cause, each with what it is a law of."""
+    return {(cause.subject, term) for term in cause.terms}
 
 
 def _begun(

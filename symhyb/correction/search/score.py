@@ -198,7 +198,8 @@ def _strong(trial: Refined, which: int, first: int, spread: Array) -> bool:
         covariance = trial.fit.covariance
         apart = covariance[i, i] + covariance[j, j] - 2 * covariance[i, j]
         least = np.hypot(np.sqrt(max(apart, 0.0)), ACCURACY * abs(strength))
-        return bool(values["static"] - values["coulomb"] > OUTSTANDING * least)
+        differs = values["static"] - values["coulomb"] > OUTSTANDING * least
+        return bool(differs and values["static"] > OUTSTANDING * np.sqrt(covariance[j, j]))
     return bool(abs(strength) > OUTSTANDING * sd)
 
 
