@@ -18,8 +18,8 @@ from symhyb.correction.verdict.whole import Completed, Say, completed_over_all
 from symhyb.correction.verdict.whole_words import added_sentence
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.recorded.windows import Cut
-from symhyb.judgement import NEAR_NOISE, OUTSTANDING
-from symhyb.model.vocabulary import KINDS, key_of
+from symhyb.judgement import NEAR_NOISE
+from symhyb.model.vocabulary import KINDS
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,9 +63,8 @@ def estimate(prepared: Prepared, choice: Choice, say: Say) -> Estimated:
     final, stage = valued(choice.setting, choice.decision.selected, prepared)
     drift = drifting(prepared.model, final, stage, choice.setting.sd)
     held = with_what_is_held(prepared.model, choice.setting, final, stage)
-    unexplained = choice.decision.selected.fit.scale > NEAR_NOISE
-    doubt = _doubt(choice, final) | _vague(held, drifted(final, drift, unexplained)[0])
-    final, more, said = drifted(held, drift, unexplained)
+    doubt = _doubt(choice, final) | _vague(held, _drifted(choice, final, drift)[0])
+    final, more, said = _drifted(choice, held, drift)
     return Estimated(final, stage, doubt | more, said)
 
 
@@ -77,8 +76,7 @@ def estimate_completed(prepared: Prepared, choice: Choice, completed: Completed)
     final = replace(final, accuracy=choice.setting.accuracy)
     drift = drifting(prepared.model, final, stage, choice.setting.sd)
     doubt = _doubt(choice, final)
-    unexplained = choice.decision.selected.fit.scale > NEAR_NOISE
-    final, more, moved = drifted(final, drift, unexplained)
+    final, more, moved = _drifted(choice, final, drift)
     if completed.rivals:
         doubt |= {completed.added}
     said = (added_sentence(prepared.model, completed), *moved)
@@ -106,27 +104,19 @@ def _vague(held: Refined, alone: Refined) -> frozenset[Hypothesis]:
     return frozenset(held.causes[i] for i in weak(held) if i in straight)
 
 
-def drifted(
-    final: Refined, drift: Outlier | None, unexplained: bool
+def _drifted(
+    choice: Choice, final: Refined, drift: Outlier | None
 ) -> tuple[Refined, frozenset[Hypothesis], tuple[str, ...]]:
     """The structure where one of its numbers is not constant, the cause that is in doubt for that,
-    and the sentence that says so. In doubt is a law that always acts alike where something else is
-    ``unexplained``, and what does not stand out of a deviation that covers both values."""
+    and the sentence that says so."""
     if drift is None:
         return final, frozenset(), ()
-    moved, wide = final.causes[drift.cause], widened(final, drift)
+    moved = final.causes[drift.cause]
     steady = moved.kind in KINDS and KINDS[moved.kind].steady
-    if (steady and unexplained) or drift.cause in weak(wide) or _lost(moved, drift):
+    if steady and choice.decision.selected.fit.scale > NEAR_NOISE:
         said = drift_sentence(final, drift, "so something else looks like it")
         return final, frozenset({moved}), (said,)
-    return wide, frozenset(), (drift_sentence(final, drift),)
-
-
-def _lost(moved: Hypothesis, drift: Outlier) -> bool:
-    """Whether a number that cannot be 0, a period above all, may be after what it changes by."""
-    key = key_of(moved.kind, drift.key)
-    middle, change = np.mean([drift.value[0], drift.others[0]]), drift.value[0] - drift.others[0]
-    return key is not None and key.divides and bool(abs(middle) <= OUTSTANDING * abs(change) / 2)
+    return widened(final, drift), frozenset(), (drift_sentence(final, drift),)
 
 
 def valued(setting: Setting, selected: Refined, prepared: Prepared) -> tuple[Refined, Stage]:
