@@ -87,7 +87,7 @@ def diagnosed(masses: int, samples: int, folder: Path) -> Cost:
     """Write the chain and its recording, and diagnose it.
 
     Raises:
-        RuntimeError: the concealed damper, or it alone, was not named.
+        RuntimeError: the diagnosis failed, or did not name the concealed damper, or not it alone.
     """
     model, data, output = folder / "chain.toml", folder / "run.csv", folder / f"{masses}-{samples}"
     model.write_text(chain(masses), encoding="utf-8")
@@ -104,7 +104,10 @@ def diagnosed(masses: int, samples: int, folder: Path) -> Cost:
     done = subprocess.run(line, capture_output=True, text=True, check=False)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-    found = json.loads((output / "diagnosis.json").read_text(encoding="utf-8"))["found"]
+    answer = output / "diagnosis.json"
+    if not answer.exists():
+        raise RuntimeError(f"{masses} masses, {samples} samples: {done.stderr}")
+    found = json.loads(answer.read_text(encoding="utf-8"))["found"]
     if [(one["kind"], one["place"]) for one in found] != [("damper", {"on": f"x{masses // 2}"})]:
         raise RuntimeError(f"{masses} masses, {samples} samples: {found}")
     (value,) = (one["value"] for one in found[0]["parameters"].values())

@@ -20,10 +20,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symhyb.numeric.kernels.buffers import Array
-from symhyb.numeric.kernels.jit import jitted_in_any_order
+from symhyb.numeric.kernels.jit import jitted
 
 
-@jitted_in_any_order
+@jitted
 def transition(
     A: Array,
     g: Array,
@@ -50,7 +50,7 @@ def transition(
         A[first + t, first + t] = hold[i, t]
 
 
-@jitted_in_any_order
+@jitted
 def start(P0: Array, force: Array, colour: Array, coloured: bool) -> Array:  # pragma: no cover
     """The covariance (d, d) at the first sample, SI."""
     states, forces, sensors = P0.shape[0], force.size, colour.size if coloured else 0
@@ -65,7 +65,7 @@ def start(P0: Array, force: Array, colour: Array, coloured: bool) -> Array:  # p
     return P
 
 
-@jitted_in_any_order
+@jitted
 def observe(h: Array, C: Array, D: Array, i: int, j: int) -> None:  # pragma: no cover - compiled
     """Write how the j-th sensor sees the i-th state (d,), SI."""
     states, forces = C.shape[2], D.shape[2]
@@ -79,7 +79,7 @@ def observe(h: Array, C: Array, D: Array, i: int, j: int) -> None:  # pragma: no
         h[states + forces + j] = 1.0
 
 
-@jitted_in_any_order
+@jitted
 def seen_through(k: Array, P: Array, h: Array) -> None:  # pragma: no cover - compiled
     """Write P·h (d,), SI: how the state with covariance P (d, d) varies with what a sensor sees of
     it, h, most of which is zero."""
@@ -91,7 +91,7 @@ def seen_through(k: Array, P: Array, h: Array) -> None:  # pragma: no cover - co
                 k[s] += P[t, s] * h[t]
 
 
-@jitted_in_any_order
+@jitted
 def predict(
     P: Array,
     T: Array,
@@ -131,7 +131,7 @@ def predict(
             P[t, s] = total
 
 
-@jitted_in_any_order
+@jitted
 def whiten(
     phi: Array,
     left: Array,
@@ -190,8 +190,6 @@ def whiten(
                 share = k[s] / S
                 for c in range(columns):
                     M[s, c] += share * v[c]
-            for s in range(d):
-                share = k[s] / S
                 for t in range(d):
                     P[s, t] -= share * k[t]
             logs += np.log(S)
@@ -210,7 +208,7 @@ def whiten(
     return result, logs
 
 
-@jitted_in_any_order
+@jitted
 def smooth(
     phi: Array,
     left: Array,

@@ -9,20 +9,11 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def jitted(function: Function) -> Function:
-    """A function that is compiled when it is first called; sums keep their order. Later processes
-    load it, unless there is no folder where numba may keep it: then each compiles it anew."""
-    return _made(function, {})
-
-
-def jitted_in_any_order(function: Function) -> Function:
-    """The same, with sums in any order and products joined, which is faster; numbers that are not
-    finite stay what they are."""
-    return _made(function, {"fastmath": {"contract", "reassoc", "nsz", "arcp"}})
-
-
-def _made(function: Function, options: dict[str, Any]) -> Function:
+    """A function that is compiled when it is first called. Sums keep their order: in any order they
+    would depend on where in memory the arrays lie. Later processes load it, unless there is no
+    folder where numba may keep it: then each compiles it anew."""
     try:
-        made: Function = njit(cache=True, error_model="numpy", **options)(function)
+        made: Function = njit(cache=True, error_model="numpy")(function)
     except RuntimeError:  # numba's way to say that it finds no such folder
-        made = njit(error_model="numpy", **options)(function)
+        made = njit(error_model="numpy")(function)
     return made

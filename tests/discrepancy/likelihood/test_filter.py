@@ -193,3 +193,14 @@ def test_what_is_not_wanted_changes_no_score() -> None:
     assert not np.any(brief[0])
     for a, b in zip(full[2:], brief[2:], strict=True):
         np.testing.assert_array_equal(a, b)
+
+
+def test_the_last_digit_does_not_depend_on_where_arrays_lie() -> None:
+    one, random = system(6, coloured=True), np.random.default_rng(1)
+    between, found = [], set()
+    for _ in range(500):
+        between.append(np.zeros(random.integers(1, 400)))
+        del between[random.integers(len(between)) :: 50]
+        given = [np.array(a) if isinstance(a, np.ndarray) else a for a in arguments(one, 2)]
+        found.add(tuple(np.asarray(a).tobytes() for a in smooth(*given, True)))
+    assert len(found) == 1
