@@ -134,8 +134,7 @@ def _judged(prepared: Prepared, choice: Choice, tell: Say) -> tuple[Estimated, A
     tell("estimating values")
     known = estimate(prepared, choice, tell)
     tell("looking for what acts beyond")
-    everywhere = choice.change is None
-    judged = adequacy(prepared, choice.setting, known.final, known.windows, throughout=everywhere)
+    judged = adequacy(prepared, choice.setting, known.final, known.windows)
     doubt = known.doubt | judged.doubt
     return replace(known, doubt=doubt), replace(judged, doubt=doubt)
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from builders import cart_pole, damper, oscillator, push, spring, value
 
+from symhyb.discrepancy.places import hypotheses
 from symhyb.discrepancy.places.candidates import force_hypotheses
 from symhyb.discrepancy.places.hypotheses import (
     Hypothesis,
@@ -239,6 +240,21 @@ def test_a_library_knows_how_its_places_move_and_push() -> None:
     assert push_on[:, :, 1] == pytest.approx(np.tile([0.0, 1.0], (T.size, 1)))
     # a tension pulls the points together: its power is −rate
     assert np.einsum("ni,ni->n", push_on[:, :, 2], v) == pytest.approx(-rate[:, 2])
+
+
+def test_forces_and_motion_of_pieces_are_those_of_the_whole(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    model = cart_pole()
+    book = library(model, places_of(model), everything())
+    _, course = swinging(model, book)
+    rows = np.array([[3, 4, 5], [10, 11, 12]])
+    for whole, part in zip(book.motion(course), book.motion(course, rows), strict=True):
+        assert part == pytest.approx(whole[rows], rel=1e-12)
+    forces = book.forces(course)
+    monkeypatch.setattr(hypotheses, "CHUNK", 16)
+    hypotheses._forces_along.cache_clear()
+    assert book.forces(course) == pytest.approx(forces, rel=1e-12, abs=1e-12)
 
 
 def test_a_library_without_hypotheses_still_knows_its_places() -> None:

@@ -75,6 +75,19 @@ def test_a_window_has_enough_samples_and_fits_the_recording() -> None:
     assert cut(4.2) is None
 
 
+def test_a_part_of_a_stretch_begins_where_it_begins() -> None:
+    whole = cut(3.99)
+    assert whole is not None
+    part = whole.between(100, 250)
+    assert np.array_equal(part.block.t, whole.block.t[:, 100:250])
+    assert np.array_equal(part.block.y, whole.block.y[:, 100:250])
+    assert part.block.substeps.shape == (1, 149)
+    assert np.array_equal(part.start, whole.states[:, 100])
+    assert part.rows[0, 0] == 100
+    until = whole.between(0, 250)
+    assert np.array_equal(until.start, whole.start)
+
+
 def test_windows_across_a_gap_in_time_are_left_out() -> None:
     t = np.concatenate([T[:120], T[120:] + 3.0])
     windows = cut(0.5, t=t)

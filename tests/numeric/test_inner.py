@@ -11,6 +11,7 @@ from scipy.integrate import cumulative_trapezoid
 
 from symhyb.model.types import Model
 from symhyb.numeric.kernels.buffers import call, mapped
+from symhyb.numeric.lowered import inner
 from symhyb.numeric.lowered.inner import inner_along
 from symhyb.numeric.lowered.machine import Machine, build
 from symhyb.numeric.runs.integrate import simulate
@@ -181,6 +182,18 @@ def test_inner_states_along_a_motion_are_those_of_the_simulation() -> None:
     z = inner_along(machine, t, (result.q, result.v, result.a), u, machine.values)
     assert np.ptp(result.z) > 0.1
     assert z == pytest.approx(result.z, abs=2e-5)
+
+
+@pytest.mark.parametrize("chunk", [7, 400, 10_000])
+def test_pieces_of_a_long_recording_are_as_the_whole(
+    chunk: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    machine, t = build(rig("hysteresis", bent())), np.linspace(0, 4, 401)
+    s = 0.3 * np.sin(3 * t)
+    whole = along(machine, t, s, np.gradient(s, t))
+    monkeypatch.setattr(inner, "CHUNK", chunk)
+    for one, two in zip(along(machine, t, s, np.gradient(s, t)), whole, strict=True):
+        assert np.array_equal(one, two)
 
 
 def _spring() -> Model:

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from symhyb.correction.adequacy.structure import Fitted, Generic
-from symhyb.correction.search.trajectory import Refined, firsts_of
+from symhyb.correction.search.trajectory import Refined, firsts_of, keys_of
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.judgement import MOST, OUTSTANDING
 
@@ -32,24 +32,31 @@ class Disputed(NamedTuple):
 def disputed(final: Refined, trials: Sequence[Fitted]) -> tuple[Disputed, ...]:
     """The causes of a structure that one of the trials gives another strength: off by more than the
     deviations allow, and by more than half of what is claimed, each with the first such trial. A
-    trial whose class can itself be the cause (a force of stretch and rate, a change of the same
-    number) says nothing of it."""
+    class that is a change of the same number says nothing of it; one that can hold a part of a law
+    (a force of stretch and rate) speaks against the law where it takes that, not where it asks for
+    more of it."""
     claimed, found = dict(_strengths(final)), {}
     for trial in trials:
         for cause, (value, sd) in _strengths(trial):
-            if cause not in claimed or cause in found or _holds(trial, cause):
+            if cause not in claimed or cause in found or _same(trial, cause):
                 continue
             own, own_sd = claimed[cause]
-            off, size = abs(value - own), abs(own - _usual(final, cause))
-            if off > OUTSTANDING * np.hypot(sd, own_sd) and off > MOST * size:
+            off, size = value - own, own - _usual(final, cause)
+            if _may_hold(trial) and off * size > 0:
+                continue
+            if abs(off) > OUTSTANDING * np.hypot(sd, own_sd) and abs(off) > MOST * abs(size):
                 found[cause] = Disputed(cause, (own, own_sd), (value, sd), trial.extra)
     return tuple(found.values())
 
 
-def _holds(trial: Fitted, cause: Hypothesis) -> bool:
-    """Whether the class of a trial can take the place of the cause."""
-    generic = trial.extra
-    return generic is not None and (generic.kind == "law" or generic.where == cause.path)
+def _same(trial: Fitted, cause: Hypothesis) -> bool:
+    """Whether the class of a trial is the cause itself, but for its course in time."""
+    return trial.extra is not None and trial.extra.where == cause.path
+
+
+def _may_hold(trial: Fitted) -> bool:
+    """Whether the class of a trial may hold a part of a law."""
+    return trial.extra is not None and trial.extra.kind == "law"
 
 
 def _usual(final: Refined, cause: Hypothesis) -> float:
@@ -61,5 +68,5 @@ def _strengths(trial: Refined | Fitted) -> Iterator[tuple[Hypothesis, tuple[floa
     """Each cause whose strength all recordings share, with its first number and one deviation."""
     spread = np.sqrt(np.abs(np.diag(trial.fit.covariance)))
     for cause, first in zip(trial.causes, firsts_of(trial.causes), strict=True):
-        if not cause.own:
+        if keys_of(cause)[0] not in cause.own:
             yield cause, (float(trial.fit.values[first]), float(spread[first]))

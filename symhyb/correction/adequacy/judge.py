@@ -10,6 +10,7 @@ class that explains that does without.
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from symhyb.correction.adequacy.agreement import Disputed, disputed
 from symhyb.correction.adequacy.beyond import NOTHING, Beyond, beyond
 from symhyb.correction.adequacy.channel_noise import faulty_sensors, noisy_input
 from symhyb.correction.adequacy.classes.catalogue import classes_of
+from symhyb.correction.adequacy.classes.held_input import LONGEST, held_input
 from symhyb.correction.adequacy.classes.worth import around, worth_of
 from symhyb.correction.adequacy.clock_jitter import Jitter, jittering
 from symhyb.correction.adequacy.followed import Along, followed, likeliest, scored
@@ -65,11 +67,9 @@ def adequacy(
     setting: Setting,
     final: Refined,
     along: Along,
-    throughout: bool = True,
 ) -> Adequacy:
     """Judge a decided structure by the recordings that it was decided on, beginning ``along`` the
-    windows that it was fitted on. What does not act ``throughout`` has no one strength over all of
-    them, and is not disputed for that."""
+    windows that it was fitted on."""
     ground = recorded(prepared, setting)
     if ground is None:
         return Adequacy(NOTHING, unjudged=TOO_SHORT)
@@ -80,29 +80,46 @@ def adequacy(
     left = beyond(ground, base)
     if left.alone is not None and left.evidence < 0:
         base = scored(ground, fitted(ground, final.causes, rows, left.alone, base.fit.states))
-    trials = [base]
+    decided = Decided(base, _remainder(ground, base), left.acts)
+    trials = [base, *_answers(ground, _staircases(ground, base, rows), decided)]
     raced: list[Fitted] = []
     if left.acts or base.fit.noise.coloured:
-        raced = _raced(ground, base, rows, base)
-        trials += _answers(ground, raced, base)
+        raced = _raced(ground, base, rows, decided)
+        trials += _answers(ground, raced, decided)
     disputes: tuple[Disputed, ...] = ()
-    if left.acts and throughout:
+    if left.acts:
         better = [trial for trial in raced if trial.evidence > base.evidence + CERTAIN]
         disputes = disputed(final, [base, *better])
     doubt = _small(final, ground, left) | {one.cause for one in disputes}
     stay = [i for i, cause in enumerate(base.causes) if _by_recording(cause)]
-    if len(stay) < len(base.causes) and not _explained_alone(ground, trials):
+    if len(stay) < len(base.causes) and not _explained_alone(ground, trials, decided):
         own = [rows[i] for i in stay]  # all other laws may only imitate a class
         bare = likeliest(ground, [base.causes[i] for i in stay], own)
-        trials += [bare, *_answers(ground, _raced(ground, bare, own, base), base)]
-    enough = [trial for trial in trials if trial.extra and _suffices(ground, trial, base)]
+        trials += [bare, *_answers(ground, _raced(ground, bare, own, decided), decided)]
+    enough = [trial for trial in trials if trial.extra and _suffices(ground, trial, decided)]
     classes = _classes(trials, {trial.extra.key for trial in enough if trial.extra})
+    doubt |= _doubted(trials, enough, classes)
     if not classes:
         faults = (*faulty_sensors(ground, base), *noisy_input(ground, base, left))
         jitter = () if left.acts or faults else jittering(ground, base)
         return Adequacy(left, faults, doubt, disputes, jitter=jitter, structure=base)
-    doubt |= _doubted(trials, enough, classes)
     return Adequacy(left, classes, doubt, disputes, structure=base)
+
+
+class Decided(NamedTuple):
+    """The decided structure, its ``remainder``, and whether a force ``acts`` beyond it."""
+
+    structure: Fitted
+    remainder: float
+    acts: bool
+
+    def may_leave(self, trial: Fitted, share: float) -> float:
+        """The remainder that a structure with a class may leave to explain all but a ``share`` of
+        what acts beyond; where nothing does, one that needs fewer causes as much as the decided
+        one."""
+        fewer = not {*self.structure.causes} <= {*trial.causes}
+        part = 1.0 if fewer and not self.acts else share
+        return max(part * self.remainder, NEGLIGIBLE**2)
 
 
 def _small(final: Refined, ground: Recorded, left: Beyond) -> frozenset[Hypothesis]:
@@ -126,7 +143,26 @@ def _small(final: Refined, ground: Recorded, left: Beyond) -> frozenset[Hypothes
     return frozenset(cause for cause, stands in zip(laws, large, strict=True) if not stands)
 
 
-def _raced(ground: Recorded, start: Fitted, rows: Sequence[Row], decided: Fitted) -> list[Fitted]:
+def _staircases(ground: Recorded, base: Fitted, rows: Sequence[Row]) -> list[Fitted]:
+    """The structure with staircases in place of delays of inputs that are as long as one: an input
+    that is held for a while arrives half of that late on average."""
+    inputs = [f"{item.name}.delay" for item in ground.windows.machine.model.inputs]
+    longest = 0.5 * (LONGEST + 1) * ground.step_s
+    late = [
+        i
+        for i, cause in enumerate(base.causes)
+        if cause.path in inputs and 0 < base.p[base.machine.column(cause.path)] < longest
+    ]
+    if not late:
+        return []
+    kept = [i for i in range(len(base.causes)) if i not in late]
+    begin = [rows[i] for i in kept]
+    start = likeliest(ground, [base.causes[i] for i in kept], begin)
+    held = held_input(around(ground, start), [inputs.index(base.causes[i].path) for i in late])
+    return [_beside(ground, start, begin, held, range(len(kept)))]
+
+
+def _raced(ground: Recorded, start: Fitted, rows: Sequence[Row], decided: Decided) -> list[Fitted]:
     """A structure with each of the best generic classes beside it, in place of the causes at its
     place and of all; with the best of these in place of each cause too. Those that may be better
     than what was ``decided``."""
@@ -135,14 +171,12 @@ def _raced(ground: Recorded, start: Fitted, rows: Sequence[Row], decided: Fitted
     for maker in makers:
         generic = maker(here)
         gain = worth_of(here, generic) - np.log(len(makers) * generic.tried)
-        if start.evidence + gain > decided.evidence - CERTAIN:
+        if start.evidence + gain > decided.structure.evidence - CERTAIN:
             offered.append((gain, generic))
     offered.sort(key=lambda pair: -pair[0])
-    noise = ground.revived(start.fit.noise)
 
     def tried(generic: Generic, kept: Sequence[int]) -> Fitted:
-        causes, begin = [start.causes[i] for i in kept], [rows[i] for i in kept]
-        return scored(ground, fitted(ground, causes, begin, noise, start.fit.states, extra=generic))
+        return _beside(ground, start, rows, generic, kept)
 
     every = tuple(range(len(start.causes)))
     found: list[Fitted] = []
@@ -160,12 +194,18 @@ def _raced(ground: Recorded, start: Fitted, rows: Sequence[Row], decided: Fitted
     return [*found, *(tried(best.extra, tuple(j for j in every if j != i)) for i in every)]
 
 
-def _answers(ground: Recorded, trials: Sequence[Fitted], decided: Fitted) -> list[Fitted]:
+def _beside(
+    ground: Recorded, start: Fitted, rows: Sequence[Row], generic: Generic, kept: Sequence[int]
+) -> Fitted:
+    """A class fitted beside the ``kept`` causes of a structure, from where that ended."""
+    causes, begin = [start.causes[i] for i in kept], [rows[i] for i in kept]
+    noise = ground.revived(start.fit.noise)
+    return scored(ground, fitted(ground, causes, begin, noise, start.fit.states, extra=generic))
+
+
+def _answers(ground: Recorded, trials: Sequence[Fitted], decided: Decided) -> list[Fitted]:
     """The structures that take half of what acts beyond the decided one."""
-    most = MOST * _remainder(ground, decided)
-    return [
-        trial for trial in trials if _explains(ground, trial) or _remainder(ground, trial) <= most
-    ]
+    return [one for one in trials if _remainder(ground, one) <= decided.may_leave(one, MOST)]
 
 
 def _kept(causes: Sequence[Hypothesis], generic: Generic) -> list[tuple[int, ...]]:
@@ -186,6 +226,8 @@ def _remainder(ground: Recorded, trial: Fitted) -> float:
     """The power of the unknown force over that of what moves the coordinates, and of the colour of
     the sensors over that of what they show."""
     noise = trial.fit.noise
+    if trial.fit.reason:
+        return np.inf
     force = np.sum((noise.force / ground.scale_or_inf[:, 0]) ** 2)
     return float(force + np.sum((noise.colour / ground.shown) ** 2))
 
@@ -223,23 +265,24 @@ def _doubted(
     enough: Sequence[Fitted],
     classes: Sequence[Likely],
 ) -> frozenset[Hypothesis]:
-    """The causes of the structure, the first of the trials, that are not needed beside the classes.
-    A law is not where the likeliest class explains what acts (is ``enough``) without the laws at
-    its place, nor where structures without it that explain have a part of the probability. No
-    number of the model or of a channel is, for the columns of a class may hold a part of any."""
-    doubt = []
+    """The causes of the structure, the first of the trials, that are not needed. A law is not where
+    the likeliest class explains what acts (is ``enough``) without the laws at its place, nor where
+    structures without it, beside a class that explains or an unknown force, have a part of the
+    probability. No number of the model or of a channel is beside a class that is certain, for its
+    columns may hold a part of any."""
+    doubt: set[Hypothesis] = set()
+    spare: list[Fitted] = []
     certain = any(one.probability > PROBABLE and one.whole for one in classes)
-    likely, first = classes[0].probability > LIKELY, classes[0].generic
-    decided, best = trials[0].causes, max(trial.evidence for trial in trials)
-    alone = _alone(enough, first, best)
-    for cause in decided:
-        number = cause.place is None and certain
-        spared = any(cause not in trial.causes for trial in alone)
+    if classes and classes[0].probability > LIKELY:
+        spare = _alone(enough, classes[0].generic, max(trial.evidence for trial in trials))
+    without = [*enough, *(trial for trial in trials if trial.extra is None)]
+    for cause in trials[0].causes:
         having = [trial for trial in trials if cause in trial.causes]
-        lacking = [trial for trial in enough if cause not in trial.causes]
+        lacking = [trial for trial in without if cause not in trial.causes]
         chance = float(_weights([*having, *lacking])[: len(having)].sum())
-        if number or (spared and likely) or chance < PROBABLE:
-            doubt.append(cause)
+        number = cause.place is None and certain
+        if number or any(cause not in trial.causes for trial in spare) or chance < PROBABLE:
+            doubt.add(cause)
     return frozenset(doubt)
 
 
@@ -256,19 +299,13 @@ def _alone(enough: Sequence[Fitted], generic: Generic, best: float) -> list[Fitt
     ]
 
 
-def _explained_alone(ground: Recorded, trials: Sequence[Fitted]) -> bool:
+def _explained_alone(ground: Recorded, trials: Sequence[Fitted], decided: Decided) -> bool:
     """Whether the likeliest structure has a class that explains alone, without any cause."""
     best = max(trials, key=lambda trial: trial.evidence)
-    bare = [t for t in trials[1:] if not t.causes and _suffices(ground, t, trials[0])]
+    bare = [t for t in trials[1:] if not t.causes and _suffices(ground, t, decided)]
     return best.extra is not None and bool(_alone(bare, best.extra, best.evidence))
 
 
-def _suffices(ground: Recorded, trial: Fitted, decided: Fitted) -> bool:
+def _suffices(ground: Recorded, trial: Fitted, decided: Decided) -> bool:
     """Whether a structure explains what acts beyond the decided one."""
-    most = SMALL * _remainder(ground, decided)
-    return _explains(ground, trial) or _remainder(ground, trial) <= most
-
-
-def _explains(ground: Recorded, trial: Fitted) -> bool:
-    """Whether a structure leaves nothing that is worth a word."""
-    return not trial.fit.reason and _remainder(ground, trial) <= NEGLIGIBLE**2
+    return _remainder(ground, trial) <= decided.may_leave(trial, SMALL)

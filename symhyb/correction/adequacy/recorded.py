@@ -12,6 +12,7 @@ from symhyb.discrepancy.likelihood.track import track
 from symhyb.discrepancy.places.hypotheses import Hypothesis, Library
 from symhyb.discrepancy.recorded.runs import Run
 from symhyb.discrepancy.recorded.windows import SAMPLES_LEAST, Cut, stretches
+from symhyb.discrepancy.results import Change
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.runs.windows import WindowModel
 
@@ -98,19 +99,20 @@ class Recorded:
 
 
 def recorded(prepared: Prepared, setting: Setting) -> Recorded | None:
-    """The recordings of a decision, cut at gaps, of long ones the first part of every stretch; None
-    where no stretch is long enough."""
+    """The recordings of a decision, cut at gaps, where the mismatch acts; of long ones the first
+    part of every stretch. None where no stretch is long enough."""
     found = [
-        (item, which)
+        (part, which)
         for which, run in enumerate(_runs(prepared, setting))
         for item in stretches(run.recording, prepared.machine, run.motion, run.steps, run.fine)
+        if (part := _acting(item, setting.change)).rows.size >= SAMPLES_LEAST
     ]
     if not found:
         return None
     known = sorted({which for _, which in found})
     share = SAMPLES_MOST / sum(item.rows.size for item, _ in found)
     items = tuple(
-        item if share >= 1 else item.until(max(int(share * item.rows.size), SAMPLES_LEAST))
+        item if share >= 1 else item.between(0, max(int(share * item.rows.size), SAMPLES_LEAST))
         for item, _ in found
     )
     return Recorded(
@@ -126,6 +128,14 @@ def recorded(prepared: Prepared, setting: Setting) -> Recorded | None:
         setting.gain_floor,
         setting.accuracy,
     )
+
+
+def _acting(item: Cut, change: Change | None) -> Cut:
+    """The part of a stretch in which a mismatch that begins or ends acts."""
+    if change is None or item.source[0].name != change.recording:
+        return item
+    at = int(np.searchsorted(item.block.t[0], change.time_s))
+    return item.between(at, item.rows.size) if change.kind == "begins" else item.between(0, at)
 
 
 def _runs(prepared: Prepared, setting: Setting) -> list[Run]:

@@ -44,7 +44,8 @@ class Generic:
     a number), its columns for ``each`` stretch with the prior deviation ``spread`` (K,) of their
     coefficients and the prior ``mean`` (K,) in such deviations, what describes the one that fits
     best (a ``figure`` in Hz or s, or NaN), what a channel ``does``, the ``other`` coordinate of a
-    coupling, and out of how many sets of columns these were the best (``tried``)."""
+    coupling or inputs that are held too, and out of how many sets of columns these were the best
+    (``tried``)."""
 
     kind: ClassName
     where: Place | str

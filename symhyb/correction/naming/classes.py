@@ -60,6 +60,9 @@ def _said(generic: Generic) -> str:
             return f"The record of the input {at} looks noisy: another force acts"
         case "input" if generic.does == "holds":
             hold = quantity_text(figure, "s", digits=2)
+            if generic.other:
+                both = f"{at} and {generic.other}"
+                return f"The inputs {both} act as staircases, each value held for {hold}"
             return f"The input {at} acts as a staircase, each value held for {hold}"
         case "input":
             return f"The input {at} does not act in proportion to what was recorded of it"

@@ -11,6 +11,7 @@ _BESIDE = {
     "input": "another effect of the input",
     "lag": "a lag of the input",
     "hidden mode": "a hidden mode",
+    "law": "a smooth force of stretch and rate",
     "time-varying": "a number that changes",
     "sensor": "a fault of the sensor",
 }

@@ -35,7 +35,7 @@ def active_part(setting: Setting, change: Change | None) -> Setting:
         if not kept or (stages and sum(len(item.start) for item in kept) < WINDOWS_LEAST):
             break
         stages.append(Stage(stage.length_s, kept))
-    return replace(setting, stages=tuple(stages)) if stages else setting
+    return replace(setting, stages=tuple(stages), change=change) if stages else setting
 
 
 def _acting(item: Cut, change: Change) -> Cut | None:

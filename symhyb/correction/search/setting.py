@@ -10,6 +10,7 @@ from symhyb.correction.search.selection import Problem
 from symhyb.correction.search.trajectory import Refined
 from symhyb.discrepancy.places.hypotheses import Hypothesis, Library
 from symhyb.discrepancy.recorded.windows import Cut
+from symhyb.discrepancy.results import Change
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.runs.windows import WindowModel
 
@@ -27,7 +28,8 @@ class Setting:
     """What a decision works on: force hypotheses lowered, parametric causes, windows prepared for
     the model with all parametric causes free, stages from short to long, noise ``sd`` (m,) SI, and
     the smallest gain error that interpolation between samples cannot feign, and the relative
-    ``accuracy`` of fitted values that the numerics allow."""
+    ``accuracy`` of fitted values that the numerics allow. ``change``: the stages are those of the
+    part in which the mismatch acts."""
 
     library: Library
     parametric: tuple[Hypothesis, ...]
@@ -36,6 +38,7 @@ class Setting:
     sd: Array
     gain_floor: float
     accuracy: float
+    change: Change | None = None
 
     @property
     def hypotheses(self) -> tuple[Hypothesis, ...]:

@@ -15,6 +15,7 @@ from math import inf, isfinite
 from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from symhyb.discrepancy.places.placements import places_of as places_of
 from symhyb.discrepancy.recorded.course import Course
@@ -39,6 +40,7 @@ from symhyb.numeric.lowered.machine import Machine, build
 from symhyb.numeric.lowered.manifold import free_part
 from symhyb.units import ONE, Unit, parse_unit
 
+CHUNK = 100_000  # samples at once
 ASSUMED = "assumed"  # a gain, offset or delay that the file does not state
 _UNKNOWN = Key("", 0, 0, 0)  # of what is no key of a law: a parameter, a coefficient of a formula
 _AS_THEY_ARE = Terms()
@@ -257,12 +259,16 @@ class Library:
         """Generalized forces (N, n, places) of a unit force that acts at each place, SI."""
         return _forces_along(self, course)[:, :, self._first - len(self.places) : self._first]
 
-    def motion(self, course: Course) -> tuple[Array, Array]:
-        """Stretch and rate (N, places) of every place, SI."""
-        given = course.q, course.v, course.t, self.machine.values
-        stretch, rate, _ = along(self.machine.pathways, given, (3,), course.t.size)
-        chosen = slice(self._first - len(self.places), self._first)
-        return stretch[:, chosen], rate[:, chosen]
+    def motion(self, course: Course, rows: NDArray[np.int64] | None = None) -> tuple[Array, Array]:
+        """Stretch and rate (…, places) of every place, SI, at ``rows`` (…) of a course or at all
+        (N,) of them."""
+        shape = course.t.shape if rows is None else rows.shape
+        chosen = slice(None) if rows is None else rows.reshape(-1)
+        t = course.t[chosen]
+        given = course.q[chosen], course.v[chosen], t, self.machine.values
+        stretch, rate, _ = along(self.machine.pathways, given, (3,), t.size)
+        places = slice(self._first - len(self.places), self._first)
+        return stretch[:, places].reshape(*shape, -1), rate[:, places].reshape(*shape, -1)
 
     @property
     def _first(self) -> int:
@@ -273,13 +279,16 @@ class Library:
 def _forces_along(library: Library, course: Course) -> Array:
     """Generalized forces (N, n, E) of all elements of a library; zero for one that is not finite
     all along (its inner state ran away), which no selection takes."""
-    machine, c = library.machine, course
-    given = c.q, c.v, c.z, c.u, c.t, machine.values
-    (flat,) = along(machine.elements, given, (5,), c.t.size)
-    (carried,) = along(machine.carried, (c.q, c.v, c.a, c.t, machine.values), (4,), c.t.size)
-    flat = flat + carried
-    forces = np.ascontiguousarray(flat.reshape(c.t.size, -1, machine.n).swapaxes(1, 2))
-    forces = free_part(machine, c.q, c.t, machine.values, forces)
+    machine, parts = library.machine, []
+    for begin in range(0, course.t.size, CHUNK):
+        rows = slice(begin, begin + CHUNK)
+        q, v, a, z, u = (x[rows] for x in (course.q, course.v, course.a, course.z, course.u))
+        t, p = course.t[rows], machine.values
+        (flat,) = along(machine.elements, (q, v, z, u, t, p), (5,), t.size)
+        (carried,) = along(machine.carried, (q, v, a, t, p), (4,), t.size)
+        each = (flat + carried).reshape(t.size, -1, machine.n).swapaxes(1, 2)
+        parts.append(free_part(machine, q, t, p, np.ascontiguousarray(each)))
+    forces = np.concatenate(parts)
     forces[:, :, ~np.isfinite(forces).all(axis=(0, 1))] = 0.0
     return forces
 

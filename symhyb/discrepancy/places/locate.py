@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from symhyb.discrepancy.places.candidates import lacking
-from symhyb.discrepancy.places.hypotheses import Library
+from symhyb.discrepancy.places.hypotheses import CHUNK, Library
 from symhyb.discrepancy.places.occurrence import (
     Placed,
     band_of,
@@ -84,18 +84,21 @@ def locate(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Seen:
-    """Windows of all recordings with the dynamics linearised along the measured motion."""
+    """Windows of all recordings with the dynamics linearised along the measured motion, and the
+    motion of all places (``moved``)."""
 
     library: Library
     machine: Machine
     cuts: tuple[Cut, ...]
     linears: tuple[Linear, ...]
+    moved: tuple[tuple[Array, Array, Array], ...]
 
     @classmethod
     def of(cls, library: Library, model: WindowModel, cuts: Sequence[Cut], p: Array) -> "_Seen":
         suited = tuple(item.suited(model.machine) for item in cuts)
         linears = tuple(model.along(item.block, item.states, p) for item in suited)
-        return cls(library, model.machine, suited, linears)
+        moved = tuple(_moved(library, item) for item in suited)
+        return cls(library, model.machine, suited, linears, moved)
 
     @property
     def names(self) -> list[str]:
@@ -103,7 +106,7 @@ class _Seen:
 
     def motions(self, index: int) -> list[tuple[Array, Array, Array]]:
         """Stretch, rate and generalized unit force at a place, recording by recording."""
-        return [_motion(self.library, item, index) for item in self.cuts]
+        return [(s[..., index], r[..., index], unit[..., index]) for s, r, unit in self.moved]
 
     def placed(self, index: int, corners: Sequence[Array], sd: Array) -> Placed:
         """The windows reduced to the force surface of one place."""
@@ -137,7 +140,7 @@ def _occurrence(
     bare = first.course(seen.machine)
     lacks = discrepancy(seen.machine, bare, seen.machine.values)
     missing = lacking(lacks, library.directions(course), index)
-    acting = (surface(stretch[None], rate[None], corners) @ values)[0]
+    acting = _along_surface(stretch, rate, corners, values)
     lines, power = spectrum(course.t, missing, acting)
     band, beyond = band_of(lines, power), beyond_of(stretch, missing)
     active = activity(course.t, stretch, rate, acting)
@@ -185,11 +188,18 @@ def activity(t: Array, stretch: Array, rate: Array, force: Array) -> Activity | 
     return Activity(*ranges, spans[:50])
 
 
-def _motion(library: Library, item: Cut, index: int) -> tuple[Array, Array, Array]:
-    """Stretch and rate (W, L) of a place and the generalized unit force there (W, L, n)."""
-    course, rows = item.course(library.machine), item.rows
-    stretch, rate = library.motion(course)
-    return stretch[rows, index], rate[rows, index], library.directions(course)[rows][..., index]
+def _moved(library: Library, item: Cut) -> tuple[Array, Array, Array]:
+    """Stretch and rate (W, L, places) of all places and the generalized unit forces there (W, L, n,
+    places)."""
+    course = item.course(library.machine)
+    return *library.motion(course, item.rows), library.directions(course)[item.rows]
+
+
+def _along_surface(stretch: Array, rate: Array, corners: Sequence[Array], values: Array) -> Array:
+    """The force (N,) of a surface with these ``values`` (B,) at its corners along a recording, in
+    their unit; bit by bit, for the hat functions are many."""
+    parts = [slice(begin, begin + CHUNK) for begin in range(0, stretch.size, CHUNK)]
+    return np.concatenate([surface(stretch[i], rate[i], corners) @ values for i in parts])
 
 
 def knots(values: Sequence[Array], count: int) -> Array:

@@ -36,11 +36,13 @@ SLIP = 1e-3  # of the largest rate: where a function may jump with its sign
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Bumps:
-    """Where functions of the state sit: ``mean`` and ``spread`` (2n + k,) in SI; in spreads the
-    ``centres`` (B, 2n + k) and the ``width`` of Gaussians and the knots of each part of it."""
+    """Where functions of the state sit: ``mean`` and ``spread`` (2n + k,) in SI, and the
+    ``fastest`` rates (n,), SI; in spreads the ``centres`` (B, 2n + k) and the ``width`` of
+    Gaussians and the knots of each part of it."""
 
     mean: Array
     spread: Array
+    fastest: Array
     centres: Array
     width: float
     corners: tuple[Array, ...]
@@ -56,21 +58,21 @@ def memoryless(
     """
     cuts = [item.suited(model.machine) for item in cuts]
     coordinates = len(model.machine.free) or model.machine.n
-    bumps = _bumps([_variables(item, model) for item in cuts], coordinates)
+    bumps = _bumps([_variables(item, model) for item in cuts], coordinates, model.machine.n)
     remembering = _columns(library, [k.name for k in KINDS.values() if k.state])
     known = _columns(library, [k.name for k in KINDS.values() if not k.state and k.of_state])
     sums = _Sums()
     for item in cuts:
-        state = _functions(item, model, bumps)[:, : FUNCTIONS_MOST // coordinates]
-        laws = library.forces(item.course(library.machine))
-        forces = np.concatenate(
-            [_on_each(state, model), laws[..., known], laws[..., remembering]], axis=2
-        )
+        variables, laws = _variables(item, model), library.forces(item.course(library.machine))
         for first in range(0, len(item.start), CHUNK):  # a Gram matrix a window: not all at once
             part = item.chosen(np.arange(first, min(first + CHUNK, len(item.start))))
+            rows = part.rows.reshape(-1)
+            state = _functions(variables[rows], model, bumps)[:, : FUNCTIONS_MOST // coordinates]
+            listed = laws[rows][:, :, [*known, *remembering]]
+            forces = np.concatenate([_on_each(state, model), listed], axis=2)
             linear = model.along(part.block, part.states, p)
             residual = part.block.y - linear.output - linear.from_defect()
-            columns = linear.from_forces(forces[part.rows])
+            columns = linear.from_forces(forces.reshape(*part.rows.shape, *forces.shape[1:]))
             sums.add(reduce(part, residual, linear.from_start(), columns, sd))
     total = np.arange(sums.held.shape[0])
     own = np.delete(total, np.arange(total.size - 1 - len(remembering), total.size - 1))
@@ -170,8 +172,9 @@ def _variables(item: Cut, model: WindowModel) -> Array:
     return np.concatenate([course.q, course.v, course.u], axis=1)
 
 
-def _bumps(variables: Sequence[Array], coordinates: int) -> Bumps:
-    """Where functions of the state sit, from the states (N, 2n + k) of all recordings, SI."""
+def _bumps(variables: Sequence[Array], coordinates: int, n: int) -> Bumps:
+    """Where functions of the state sit, from the states (N, 2n + k) of all recordings, SI, the
+    first 2n of which are places and rates."""
     joined = np.concatenate(variables)
     mean, spread = joined.mean(axis=0), joined.std(axis=0)
     spread = np.where(spread > 0, spread, 1.0)
@@ -181,21 +184,20 @@ def _bumps(variables: Sequence[Array], coordinates: int) -> Bumps:
     apart = np.linalg.norm(centres[:, None] - centres[None], axis=2)
     width = float(np.median(apart[apart > 0])) if np.any(apart > 0) else 1.0
     corners = tuple(knots([column], KNOTS) for column in ((joined - mean) / spread).T)
-    return Bumps(mean, spread, centres, width, corners)
+    fastest = np.quantile(np.abs(joined[:, n : 2 * n]), 0.99, axis=0)
+    return Bumps(mean, spread, np.maximum(fastest, 1e-300), centres, width, corners)
 
 
-def _functions(item: Cut, model: WindowModel, bumps: Bumps) -> Array:
-    """Functions of the state (N, B) along a recording: products of its parts, piecewise linear
-    functions of each part, surfaces over each position and its rate, Gaussians, and what jumps with
-    the sign of a rate, alone and times each position and its size."""
-    mean, spread, centres, width = bumps.mean, bumps.spread, bumps.centres, bumps.width
-    raw = _variables(item, model)
-    x = (raw - mean) / spread
+def _functions(raw: Array, model: WindowModel, bumps: Bumps) -> Array:
+    """Functions (N, B) of states (N, 2n + k), SI: products of its parts, piecewise linear functions
+    of each part, surfaces over each position and its rate, Gaussians, and what jumps with the sign
+    of a rate, alone and times each position and its size."""
+    centres, width = bumps.centres, bumps.width
+    x = (raw - bumps.mean) / bumps.spread
     near = np.exp(-np.sum((x[:, None] - centres[None]) ** 2, axis=2) / (2 * width**2))
     n = model.machine.n
     q, v = x[:, :n], raw[:, n : 2 * n]
-    fastest = np.maximum(np.quantile(np.abs(v), 0.99, axis=0), 1e-300)
-    jumps = np.tanh(v / (SLIP * fastest))
+    jumps = np.tanh(v / (SLIP * bumps.fastest))
     bent = [hats(x[:, i], at) for i, at in enumerate(bumps.corners)]
     own = [
         surface(x[:, i], x[:, n + i], [bumps.corners[i][::4], bumps.corners[n + i][::2]])

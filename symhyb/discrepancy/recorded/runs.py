@@ -21,6 +21,7 @@ FINE_LEAST, FINE_MOST = 8, 64  # steps near a reversal, for one elsewhere
 STEPS_MOST = 16
 BEND_SHARE = 2e-3  # of the size of a smooth input, that lines within steps may cut: the accuracy of
 # the fitted values
+WINDOWS_MOST = 300  # evenly spread, that tell how fine steps must be
 WINDOWS_WORSE = 0.1  # share of windows in which the integration may err more
 PROBE_TRANSITION = 1e-3  # of the largest speed
 STEP_SHARE = 0.1  # of the noise: the error of integration that is allowed
@@ -171,6 +172,9 @@ def _enough(
         cuts = cut_with(steps)
         if cuts is None:
             return first
+        if len(cuts.start) > WINDOWS_MOST:
+            spread = np.linspace(0, len(cuts.start) - 1, WINDOWS_MOST)
+            cuts = cuts.chosen(spread.astype(np.int64))
         with np.errstate(over="ignore", invalid="ignore"):
             _, fine = model.simulate(cuts.block, cuts.start, values)
             if coarse is not None:

@@ -19,6 +19,7 @@ from symhyb.discrepancy.recorded.course import Course, course_of
 from symhyb.discrepancy.recorded.motion import Motion
 from symhyb.discrepancy.recorded.signals import measured
 from symhyb.judgement import LARGE
+from symhyb.model.types import Input
 from symhyb.model.vocabulary import KINDS
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.kernels.vector import along
@@ -112,18 +113,18 @@ class Cut:
             self.noise,
         )
 
-    def until(self, last: int) -> "Cut":
-        """The samples before ``last`` of every window."""
+    def between(self, first: int, last: int) -> "Cut":
+        """The samples from ``first`` to before ``last`` of every window."""
         whole = self.block
         block = replace(
             whole,
-            t=whole.t[:, :last],
-            d=whole.d[:, :last],
-            y=whole.y[:, :last],
-            substeps=whole.substeps[:, : last - 1],
+            t=whole.t[:, first:last],
+            d=whole.d[:, first:last],
+            y=whole.y[:, first:last],
+            substeps=whole.substeps[:, first : last - 1],
         )
-        states, rows = self.states[:, :last], self.rows[:, :last]
-        return replace(self, block=block, states=states, rows=rows)
+        states, rows = self.states[:, first:last], self.rows[:, first:last]
+        return replace(self, block=block, start=states[:, 0], states=states, rows=rows)
 
     def suited(self, machine: Machine) -> "Cut":
         """The windows for a machine with the same coordinates: with its inner states, and with
@@ -234,11 +235,17 @@ def _cut(
     y, course = measured(recording, machine), course_of(recording, machine, motion)
     states = course.states[rows]
     held = np.arange(len(rows)) % 3 == 2
-    inputs = [recording.inputs[item.name] for item in machine.model.inputs]
-    recorded = recording.t, np.column_stack(inputs) if inputs else np.empty((recording.t.size, 0))
-    recorded = finer(*recorded, *bent_columns(machine.model.inputs))
-    block = Block(recording.t[rows], course.drive[rows], y[rows], parts[rows[:, :-1]], recorded)
+    record = _record(recording, machine.model.inputs)
+    block = Block(recording.t[rows], course.drive[rows], y[rows], parts[rows[:, :-1]], record)
     return Cut(block, states[:, 0], states, held, rows, (recording, motion), steps=steps)
+
+
+@lru_cache(maxsize=32)
+def _record(recording: Recording, inputs: tuple[Input, ...]) -> tuple[Array, Array]:
+    """Times (K,) s and inputs (K, k), SI, as recorded; smooth ones on a finer grid."""
+    found = [recording.inputs[item.name] for item in inputs]
+    columns = np.column_stack(found) if found else np.empty((recording.t.size, 0))
+    return finer(recording.t, columns, *bent_columns(inputs))
 
 
 def _settled(motion: Motion, step: float) -> int:

@@ -77,7 +77,9 @@ class StateForm:
         cleared = [c.delay.si if c.delay else 0.0 for c in channels]
         for i, item in enumerate(model.inputs):
             if item.name in self.late:
-                cleared[i] = float(p[self.machine.column(f"{item.name}.delay")])
+                stated, cleared[i] = cleared[i], self.cleared(i, p)
+                if not (stated or cleared[i]):
+                    continue  # as it was recorded
                 follow = held_at if item.between == "held" else resampled
                 drive[..., i] = follow(record[0], record[1][:, i], t - cleared[i])
         for j, lag in enumerate(late):

@@ -11,6 +11,7 @@ from symhyb.numeric.lowered.machine import Machine
 from symhyb.numeric.lowered.steps import rosenbrock_step
 
 SUBSTEPS = 2  # between two samples
+CHUNK = 50_000  # samples at once
 
 
 def inner_along(
@@ -27,22 +28,34 @@ def inner_along(
         return np.zeros((*p.shape[:-1], t.size, inner))
     form = inner_form(machine)
     drive = form.driven(u, *motion)
+    first = [call(machine.inner_rest, (motion[0][0], float(t[0]), row))[0][0] for row in sets]
+    state = np.concatenate([np.array(first), sets], axis=1)
+    parts = [state[:, None, :inner]]
+    for begin in range(0, t.size - 1, CHUNK):
+        rows = slice(begin, begin + CHUNK + 1)
+        states = _stepped(form, t[rows], drive[rows], state)
+        state = states[:, -1]
+        parts.append(states[:, SUBSTEPS - 1 :: SUBSTEPS, :inner].copy())
+    z = np.concatenate(parts, axis=1)
+    return z if p.ndim == 2 else z[0]
+
+
+def _stepped(form: StateForm, t: Array, drive: Array, start: Array) -> Array:
+    """Inner states with their parameters (C, steps, z + P) from ``start`` (C, z + P) along times
+    (N,) and what drives them (N, d), SI."""
     parts = np.linspace(0, 1, SUBSTEPS, endpoint=False)
     begin = (t[:-1, None] + parts * np.diff(t)[:, None]).reshape(-1)
     rise = np.diff(drive, axis=0)[:, None] / SUBSTEPS
     d0 = (drive[:-1, None] + np.arange(SUBSTEPS)[:, None] * rise).reshape(begin.size, -1)
     d1 = d0 + np.repeat(rise[:, 0], SUBSTEPS, axis=0)
     h = np.repeat(np.diff(t) / SUBSTEPS, SUBSTEPS)
-    first = [call(machine.inner_rest, (motion[0][0], float(t[0]), row))[0][0] for row in sets]
-    start = np.concatenate([np.array(first), sets], axis=1)
     run = kept(("inner", form.key), lambda: Chains(_step(form)))
     varying = [
-        np.broadcast_to(row, (len(sets), *row.shape))
+        np.broadcast_to(row, (len(start), *row.shape))
         for row in (d0, d1, begin[:, None], h[:, None])
     ]
     (states,) = run(start, varying, np.zeros(0))
-    z = np.concatenate([start[:, None, :inner], states[:, SUBSTEPS - 1 :: SUBSTEPS, :inner]], 1)
-    return z if p.ndim == 2 else z[0]
+    return np.asarray(states)
 
 
 def _step(form: StateForm) -> ca.Function:

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from scipy.signal import lsim
 
 from symhyb.correction.adequacy.agreement import Disputed, disputed
@@ -96,9 +97,39 @@ def test_a_law_that_is_real_stays_beside_an_unmeasured_force() -> None:
     assert not disputed(final, trials)
 
 
-def test_a_class_that_can_be_the_cause_says_nothing_of_it() -> None:
+def test_a_class_that_may_hold_a_law_speaks_against_it_only_where_it_takes_of_it() -> None:
     final, (base, _, force) = estimated(pushed(5, damping=1.6), [DAMPER], [{"damping": 0.8}])
-    off = replace(base.fit, values=np.zeros_like(base.fit.values))
-    (one,) = disputed(final, [replace(base, fit=off)])
+    value = base.fit.values[0]
+
+    def at(share: float) -> Fitted:
+        values = np.append(share * value, np.zeros(base.fit.values.size - 1))
+        return replace(base, fit=replace(base.fit, values=values))
+
+    (one,) = disputed(final, [at(0.1)])
     assert (one.cause, one.beside) == (DAMPER, None)
-    assert not disputed(final, [replace(base, fit=off, extra=force.extra)])
+    (other,) = disputed(final, [replace(at(0.1), extra=force.extra)])
+    assert (other.cause, other.beside) == (DAMPER, force.extra)
+    assert "beside a smooth force of stretch and rate" in dispute_sentence(pushed_model(), other)
+    assert disputed(final, [at(3.0)])
+    assert not disputed(final, [replace(at(3.0), extra=force.extra)])
+    assert not disputed(final, [replace(at(0.6), extra=force.extra)])  # more than half is left
+
+
+def test_a_harmonic_force_is_disputed_by_its_amplitude_that_recordings_share() -> None:
+    tone = Hypothesis(
+        "harmonic",
+        On("x"),
+        ("sine", "cosine"),
+        (False, False),
+        (("frequency", 1.3),),
+        ("frequency",),
+        own=("phase",),
+    )
+    t = STEP * np.arange(600)
+    made = pushed(6, beside=0.8 * np.sin(2 * np.pi * 1.3 * t))
+    row = {"amplitude": 0.6, "frequency": 1.3, "phase": 0.1}
+    final, (base, *_) = estimated(made, [tone], [row])
+    assert not disputed(final, [base])
+    less = replace(base.fit, values=np.append(0.1 * base.fit.values[0], base.fit.values[1:]))
+    (one,) = disputed(final, [replace(base, fit=less)])
+    assert one.claimed[0] == pytest.approx(0.8, rel=0.05)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -13,11 +14,13 @@ from scipy.signal import cont2discrete
 from symhyb.correction.adequacy.classes.catalogue import classes_of
 from symhyb.correction.adequacy.classes.columns import smooth
 from symhyb.correction.adequacy.classes.crossing_input import spared_by
+from symhyb.correction.adequacy.classes.held_input import _steps, held_input
 from symhyb.correction.adequacy.classes.law import law
 from symhyb.correction.adequacy.classes.worth import around, best_of, worth_of, worths_of
 from symhyb.correction.adequacy.evidence import evidence
 from symhyb.correction.adequacy.recorded import Recorded
-from symhyb.correction.adequacy.structure import Fitted, Generic, fitted
+from symhyb.correction.adequacy.structure import Fitted, Generic, Likely, fitted
+from symhyb.correction.naming.classes import class_found
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.model.types import On
@@ -170,6 +173,41 @@ def test_a_law_by_name_beats_the_class_of_laws() -> None:
     assert abs(named.fit.values[0] - 30.0) < 3 * spread
 
 
+def test_a_damper_is_a_part_of_the_class_of_laws_and_not_needed_beside_it() -> None:
+    """A loss that grows with speed to the power of 1.5, which no listed law is."""
+
+    def acting(t: float, x: float, v: float, f: float) -> float:
+        return f - 1.2 * np.sign(v) * np.abs(v) ** 1.5
+
+    setting = setting_of(pushed_model(), seen(*moved(9, acting), 9))
+    nothing, offered = tried(setting)
+    generic = next(one for _, one in offered if one.kind == "law")
+    alone = with_class(setting, nothing, generic)
+    noise = setting.revived(nothing.fit.noise)
+    cause = Hypothesis("damper", On("x"), ("damping",), (True,))
+    beside = fitted(setting, (cause,), ({"damping": 0.5},), noise, extra=generic)
+    assert alone.evidence > evidence(setting, beside)
+    assert alone.fit.noise.force[0] < 0.1 * nothing.fit.noise.force[0]
+
+
+def ringing() -> Recording:
+    """A mass of 0.15 kg on a spring, 2.9 Hz by itself and in motion when the recording begins, as
+    it shows on a machine that follows no input."""
+    w, t = 2 * np.pi * 2.9, STEP * np.arange(SAMPLES)
+    swing = 6.0 * np.exp(-0.01 * w * t) * np.cos(w * t)
+    return pushed(10, samples=SAMPLES, beside=swing)
+
+
+def test_a_mode_may_be_in_motion_when_a_recording_begins() -> None:
+    setting = setting_of(pushed_model(), ringing())
+    nothing, offered = tried(setting)
+    mode = next(one for _, one in offered if one.kind == "hidden mode")
+    assert mode.figure == pytest.approx(2.9, rel=0.02)
+    assert mode.spread.size == 10  # two of them for how the recording begins
+    found = with_class(setting, nothing, mode)
+    assert found.evidence > nothing.evidence + 100
+
+
 def held(samples: int) -> Recording:
     """The machine sees each value of the recorded push for as many samples."""
     t = STEP * np.arange(SAMPLES)
@@ -195,6 +233,29 @@ def test_a_staircase_is_reported_with_the_time_of_its_steps(samples: int) -> Non
     assert best.extra.figure == pytest.approx(samples * STEP)
     assert best.fit.values[-1] == pytest.approx(1.0, abs=0.02)  # a staircase has no size of its own
     assert best.fit.noise.force[0] < 0.05 * nothing.fit.noise.force[0]
+
+
+def test_inputs_that_one_clock_holds_are_one_class() -> None:
+    setting = setting_of(PLATE, plate(0.0, 0.0))
+    nothing = fitted(setting, (), (), setting.first_noise())
+    both = held_input(around(setting, nothing), (0, 1))
+    assert (both.where, both.other, both.spread.size) == ("f", "g", 2)
+    assert class_found(Likely(both, 0.99)).sentence.startswith("The inputs f and g act as")
+    assert both.key != held_input(around(setting, nothing), (0,)).key
+
+
+def test_a_staircase_takes_the_place_of_a_smooth_curve_too() -> None:
+    """Between two samples it must act by what it holds, whatever the model has there."""
+    t = STEP * np.arange(400)
+    values = np.sin(2 * np.pi * 3.0 * t)
+    curve = CubicSpline(t, values)
+    after, before = _steps(values, 1, 0, bent=True)
+    acting = np.array([curve.integrate(a, b) for a, b in pairwise(t)])
+    added = STEP * (after[:-1] + before[1:]) / 2
+    lines = STEP * (values[:-1] + values[1:]) / 2
+    inner = slice(1, -1)
+    assert (acting + added)[inner] == pytest.approx((STEP * values[:-1])[inner], abs=1e-5)
+    assert np.abs(lines - acting)[inner].max() > 1e-4  # what a line would be off by
 
 
 PLATE = model_of(

@@ -7,26 +7,40 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.signal import cont2discrete, dlsim
 
 import symhyb as sh
 from symhyb import diagnosis as story
 from symhyb.correction.adequacy import judge
 from symhyb.correction.adequacy.agreement import Disputed
 from symhyb.correction.adequacy.followed import Along
-from symhyb.correction.adequacy.judge import TOO_SHORT, Adequacy, adequacy
-from symhyb.correction.adequacy.recorded import Recorded
-from symhyb.correction.adequacy.structure import Fitted
+from symhyb.correction.adequacy.judge import TOO_SHORT, Adequacy, Decided, adequacy
+from symhyb.correction.adequacy.recorded import Recorded, recorded
+from symhyb.correction.adequacy.structure import Fitted, fitted
 from symhyb.correction.search.preparing import Prepared, prepare, settle
 from symhyb.correction.search.setting import Setting
 from symhyb.correction.search.trajectory import Refined, refine
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.discrepancy.results import Change
 from symhyb.judgement import PROBABLE
 from symhyb.model.types import On
-from tests.pushed import NOISE, STEP, markov, pushed, pushed_model, pushing
+from tests.pushed import (
+    DAMPING,
+    NOISE,
+    STEP,
+    STIFFNESS,
+    markov,
+    pushed,
+    pushed_model,
+    pushing,
+    setting_of,
+)
 
 SAMPLES = 1000
 DAMPER = Hypothesis("damper", On("x"), ("damping",), (True,))
+DELAY = Hypothesis("delay", None, ("value",), (False,), path="f.delay")
+TONE = (("frequency", 0.12),)
 GAIN = Hypothesis("gain", None, ("value",), (False,), path="f.gain")
 
 
@@ -69,11 +83,9 @@ def test_what_is_disputed_is_an_alternative_and_not_reported_apart(
     made = pushed(12, samples=SAMPLES, damping=1.4)
     (found,) = sh.diagnose(pushed_model(), made).found
 
-    def disputing(
-        prepared: Prepared, setting: Setting, final: Refined, along: Along, **more: bool
-    ) -> Adequacy:
+    def disputing(prepared: Prepared, setting: Setting, final: Refined, along: Along) -> Adequacy:
         one = tuple(Disputed(cause, (0.8, 0.01), (2.0, 0.1), None) for cause in final.causes)
-        judgement = adequacy(prepared, setting, final, along, **more)
+        judgement = adequacy(prepared, setting, final, along)
         return replace(judgement, doubt=frozenset(final.causes), disputed=one)
 
     monkeypatch.setattr(story, "adequacy", disputing)
@@ -127,6 +139,79 @@ def test_a_law_that_only_imitates_a_class_is_in_doubt() -> None:
     assert not found.adequate
     assert found.classes[0][0].kind == "law"
     assert DAMPER in found.doubt
+
+
+def held(seed: int) -> Recording:
+    """The machine sees each value of the recorded push until the next."""
+    t = STEP * np.arange(SAMPLES)
+    force = pushing(np.random.default_rng(seed), t)
+    A, B = np.array([[0.0, 1.0], [-STIFFNESS, -DAMPING]]), np.array([[0.0], [1.0]])
+    discrete = cont2discrete((A, B, np.array([[1.0, 0.0]]), np.zeros((1, 1))), STEP, "zoh")
+    _, x, _ = dlsim((*discrete[:4], STEP), force[:, None])
+    noise = 0.1 * NOISE * np.random.default_rng(seed + 1).standard_normal(SAMPLES)
+    return Recording("made.csv", t, {"f": force}, {"laser": x[:, 0] + noise}, (), "")
+
+
+def test_a_delay_of_half_a_sample_is_held_against_a_staircase() -> None:
+    found = judged(held(18), (DELAY, {"value": 0.4 * STEP}))
+    assert found.classes[0].generic.does == "holds"
+    assert found.classes[0].probability > PROBABLE
+    assert DELAY in found.doubt
+
+
+def test_a_delay_that_is_one_stays() -> None:
+    """A whole sample late: as late as a staircase of two samples is on average."""
+    made = pushed(19, samples=SAMPLES)
+    force = made.inputs["f"]
+    late = replace(made, inputs={"f": np.append(force[1:], force[-1])})
+    found = judged(late, (DELAY, {"value": 0.9 * STEP}))
+    assert DELAY not in found.doubt
+
+
+def test_a_law_without_which_an_unknown_force_is_likelier_is_in_doubt() -> None:
+    """A push that nobody recorded, once: a harmonic force looks like it as long as it lasts."""
+    t = STEP * np.arange(SAMPLES)
+    bump = 3.0 * np.exp(-(((t - 10) / 1.5) ** 2))
+    tone = Hypothesis("harmonic", On("x"), ("sine", "cosine"), (False, False), TONE, ("frequency",))
+    made = pushed(20, samples=SAMPLES, beside=bump)
+    found = judged(made, (tone, {"amplitude": 1.0, "frequency": 0.12, "phase": 0.0}))
+    assert found.beyond.acts
+    assert tone in found.doubt
+
+
+def test_what_a_class_may_leave_depends_on_what_it_replaces() -> None:
+    made = pushed(22, samples=SAMPLES, damping=1.2)
+    ground = setting_of(pushed_model(), made)
+    row = {"damping": 0.6}
+    having = fitted(ground, (DAMPER,), (row,), ground.first_noise())
+    lacking = fitted(ground, (), (), ground.first_noise())
+    quiet, loud = Decided(having, 1e-2, False), Decided(having, 1e-2, True)
+    assert quiet.may_leave(having, 0.1) == pytest.approx(1e-3)  # a class beside must take something
+    assert quiet.may_leave(lacking, 0.1) == pytest.approx(1e-2)
+    assert loud.may_leave(lacking, 0.1) == pytest.approx(1e-3)
+    assert Decided(having, 0.0, False).may_leave(having, 0.1) > 0  # nothing that is worth a word
+
+
+def test_what_acts_in_a_part_is_judged_there() -> None:
+    prepared = prepare(pushed_model(), pushed(21, samples=SAMPLES))
+    setting = settle(prepared)
+    whole = recorded(prepared, setting)
+    assert whole is not None
+    begun = replace(setting, change=Change("pushed.csv", 5.0, 0.1, "begins"))
+    part = recorded(prepared, begun)
+    assert part is not None
+    (item,) = part.items
+    assert item.block.t[0, 0] == pytest.approx(5.0, abs=STEP)
+    assert item.block.t[0, -1] == whole.items[0].block.t[0, -1]
+    assert np.array_equal(item.start, item.states[:, 0])
+    ended = replace(setting, change=Change("pushed.csv", 5.0, 0.1, "ends"))
+    other = recorded(prepared, ended)
+    assert other is not None
+    assert other.items[0].rows.size + item.rows.size == whole.items[0].rows.size
+    elsewhere = replace(setting, change=Change("another.csv", 5.0, 0.1, "ends"))
+    same = recorded(prepared, elsewhere)
+    assert same is not None
+    assert same.items[0].rows.size == whole.items[0].rows.size
 
 
 def test_a_law_that_is_small_against_what_acts_beyond_is_in_doubt() -> None:

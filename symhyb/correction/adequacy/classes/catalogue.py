@@ -35,9 +35,8 @@ def classes_of(recorded: Recorded) -> list[Maker]:
     moved = [i for i in range(len(model.coordinates)) if recorded.scale[i] > 0]
     found += [partial(coupling, first=i, second=j) for i, j in combinations(moved, 2)]
     for j in range(len(model.inputs)):
-        found += [
-            partial(maker, which=j) for maker in (input_curve, input_lag, input_fading, held_input)
-        ]
+        found += [partial(maker, which=j) for maker in (input_curve, input_lag, input_fading)]
+        found.append(partial(held_input, inputs=(j,)))
         if spared_by(recorded, j):
             found.append(partial(crossing_input, which=j))
     uncertain = [item.path for item in model.parameters if item.sd is not None]

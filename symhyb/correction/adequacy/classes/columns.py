@@ -45,10 +45,9 @@ def motions(recorded: Recorded) -> _Motions:
 
 
 def _moved(recorded: Recorded, item: Cut) -> tuple[Array, Array, Array]:
-    course = item.course(recorded.library.machine)
-    stretch, rate = recorded.library.motion(course)
-    rows = item.rows[0]
-    return stretch[rows], rate[rows], recorded.library.directions(course)[rows]
+    course, rows = item.course(recorded.library.machine), item.rows[0]
+    directions = recorded.library.directions(course)[rows]
+    return *recorded.library.motion(course, rows), directions
 
 
 def pushes(recorded: Recorded, which: int) -> _Pushes:

@@ -1,11 +1,13 @@
 """An input that is held: the machine sees a staircase, the recording the signal behind it."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from symhyb.correction.adequacy.classes.columns import pushes, pushing
-from symhyb.correction.adequacy.classes.worth import Around, best_of
+from symhyb.correction.adequacy.classes.worth import Around, best_of, joined
+from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Generic
 from symhyb.numeric.kernels.buffers import Array
 
@@ -13,27 +15,38 @@ LONGEST = 5  # samples that a hold lasts at most
 KNOWN = 0.02  # of the staircase: how well its size is known
 
 
-def held_input(start: Around, which: int) -> Generic:
-    """The likeliest staircase, as it stands: it has no size of its own."""
-    recorded = start.recorded
-    name = recorded.windows.machine.model.inputs[which].name
-    options = []
-    for hold in range(1, LONGEST + 1):
-        for first in range(hold):
-            after, before = [], []
-            for u, push in pushes(recorded, which):
-                jumps = _steps(u, hold, first)
-                after.append(push[:, :, None] * jumps[0][:, None, None])
-                before.append(push[:, :, None] * jumps[1][:, None, None])
-            made = pushing(recorded, "input", name, after, hold * recorded.step_s)
-            each = tuple(replace(one, before=b) for one, b in zip(made.each, before, strict=True))
-            size, mean = np.array([KNOWN]), np.array([1 / KNOWN])
-            options.append(replace(made, each=each, spread=size, mean=mean, does="holds"))
-    return best_of(start, options)
+def held_input(start: Around, inputs: Sequence[int]) -> Generic:
+    """The likeliest staircase, as it stands: it has no size of its own. Several inputs may be held
+    together, by one clock."""
+    holds = [(hold, first) for hold in range(1, LONGEST + 1) for first in range(hold)]
+    options = [
+        joined([_staircase(start.recorded, which, hold, first) for which in inputs])
+        for hold, first in holds
+    ]
+    names = [start.recorded.windows.machine.model.inputs[which].name for which in inputs]
+    return replace(best_of(start, options), other=" and ".join(names[1:]))
 
 
-def _steps(values: Array, hold: int, first: int) -> tuple[Array, Array]:
-    """What a staircase adds to the line through the samples, after and before each sample (N,)."""
+def _staircase(recorded: Recorded, which: int, hold: int, first: int) -> Generic:
+    """What an input held for so many samples from the ``first`` on adds to its record."""
+    channel = recorded.windows.machine.model.inputs[which]
+    after, before = [], []
+    for u, push in pushes(recorded, which):
+        jumps = _steps(u, hold, first, channel.between == "smooth")
+        after.append(push[:, :, None] * jumps[0][:, None, None])
+        before.append(push[:, :, None] * jumps[1][:, None, None])
+    made = pushing(recorded, "input", channel.name, after, hold * recorded.step_s)
+    each = tuple(replace(one, before=b) for one, b in zip(made.each, before, strict=True))
+    size, mean = np.array([KNOWN]), np.array([1 / KNOWN])
+    return replace(made, each=each, spread=size, mean=mean, does="holds")
+
+
+def _steps(values: Array, hold: int, first: int, bent: bool) -> tuple[Array, Array]:
+    """What a staircase adds to the line through the samples, after and before each sample (N,); to
+    a ``bent`` curve through them, whose mean between two samples lies h²u''/12 off the line."""
     at = np.arange(values.size)
     stood = values[np.maximum(at - (at - first) % hold, 0)]
+    if bent:
+        curved = np.pad(np.diff(values, 2), 1, mode="edge") / 12
+        stood = stood + 0.5 * (curved + np.append(curved[1:], curved[-1:]))
     return stood - values, np.append(stood[:1], stood[:-1]) - values

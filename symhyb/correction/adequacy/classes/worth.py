@@ -119,13 +119,13 @@ def _gain(gram: Array, begin: Array) -> float:
 
 def best_of(start: Around, options: Sequence[Generic]) -> Generic:
     """The class with the columns that are worth most out of several, which it pays for."""
-    joined = _joined(options)
+    together = joined(options)
     ends = np.cumsum([0, *(one.spread.size for one in options)])
     groups = [range(a, b) for a, b in pairwise(ends)]
-    return replace(options[int(np.argmax(worths_of(start, joined, groups)))], tried=len(options))
+    return replace(options[int(np.argmax(worths_of(start, together, groups)))], tried=len(options))
 
 
-def _joined(options: Sequence[Generic]) -> Generic:
+def joined(options: Sequence[Generic]) -> Generic:
     """The columns of several classes."""
     each = tuple(
         Extra(
