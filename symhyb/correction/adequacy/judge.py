@@ -166,11 +166,13 @@ def _raced(ground: Recorded, start: Fitted, rows: Sequence[Row], decided: Decide
     """A structure with each of the best generic classes beside it, in place of the causes at its
     place and of all; with the best of these in place of each cause too. Those that may be better
     than what was ``decided``."""
-    makers, offered = classes_of(ground), []
+    classes, offered = classes_of(ground), []
     here = around(ground, start)
-    for maker in makers:
-        generic = maker(here)
-        gain = worth_of(here, generic) - np.log(len(makers) * generic.tried)
+    for one in classes:
+        if not _may_take(ground, start, one.pushes):
+            continue
+        generic = one.make(here)
+        gain = worth_of(here, generic) - np.log(len(classes) * generic.tried)
         if start.evidence + gain > decided.structure.evidence - CERTAIN:
             offered.append((gain, generic))
     offered.sort(key=lambda pair: -pair[0])
@@ -192,6 +194,15 @@ def _raced(ground: Recorded, start: Fitted, rows: Sequence[Row], decided: Decide
     if _alone(enough, best.extra, best.evidence):
         return found
     return [*found, *(tried(best.extra, tuple(j for j in every if j != i)) for i in every)]
+
+
+def _may_take(ground: Recorded, start: Fitted, pushes: frozenset[int] | None) -> bool:
+    """Whether a class that ``pushes`` these coordinates could take half of the unknown force."""
+    noise = start.fit.noise
+    if pushes is None or noise.coloured:
+        return True
+    power = (noise.force / ground.scale_or_inf[:, 0]) ** 2
+    return bool(power[list(pushes)].sum() >= MOST * power.sum())
 
 
 def _beside(

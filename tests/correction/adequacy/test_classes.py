@@ -18,6 +18,7 @@ from symhyb.correction.adequacy.classes.held_input import _steps, held_input
 from symhyb.correction.adequacy.classes.law import law
 from symhyb.correction.adequacy.classes.worth import around, best_of, worth_of, worths_of
 from symhyb.correction.adequacy.evidence import evidence
+from symhyb.correction.adequacy.judge import _may_take
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Fitted, Generic, Likely, fitted
 from symhyb.correction.naming.classes import class_found
@@ -104,7 +105,7 @@ def tried(setting: Recorded) -> tuple[Fitted, list[tuple[float, Generic]]]:
     nothing = fitted(setting, (), (), setting.first_noise())
     nothing = replace(nothing, evidence=evidence(setting, nothing))
     start = around(setting, nothing)
-    made = [maker(start) for maker in classes_of(setting)]
+    made = [one.make(start) for one in classes_of(setting)]
     gains = [worth_of(start, generic) - np.log(generic.tried) for generic in made]
     order = sorted(range(len(made)), key=lambda i: -gains[i])
     return nothing, [(gains[i], made[i]) for i in order]
@@ -302,6 +303,27 @@ def plate(gyroscopic: float, leak: float) -> Recording:
     return Recording("made.csv", t, {"f": pushes[0], "g": pushes[1]}, sensors, (), "")
 
 
+def test_a_class_is_made_where_it_could_take_half_of_the_unknown_force() -> None:
+    setting = setting_of(PLATE, plate(0.0, 0.0))
+    offered = classes_of(setting)
+    made = {(one.make.func.__name__, one.pushes) for one in offered}  # type: ignore[attr-defined]
+    first, second, both = frozenset((0,)), frozenset((1,)), frozenset((0, 1))
+    assert {("law", first), ("law", second), ("hidden_mode", second)} <= made
+    assert {("coupling", both), ("input_lag", first), ("crossing_input", second)} <= made
+    assert {("sensor_drift", None)} <= made
+    nothing = fitted(setting, (), (), setting.first_noise())
+
+    def acting(*force: float, colour: float = 0.0) -> Fitted:
+        noise = nothing.fit.noise
+        noise = replace(noise, force=np.array(force), colour=np.full_like(noise.colour, colour))
+        return replace(nothing, fit=replace(nothing.fit, noise=noise))
+
+    here = acting(0.1, 0.01)
+    assert [_may_take(setting, here, one) for one in (first, second, both, None)] == [1, 0, 1, 1]
+    assert _may_take(setting, acting(0.1, 0.01, colour=1e-3), second)
+    assert _may_take(setting, acting(0.0, 0.0), second)
+
+
 @pytest.mark.parametrize(
     ("gyroscopic", "leak", "where"), [(0.5, 0.0, On("a")), (0.0, 0.1, "f")], ids=["motion", "input"]
 )
@@ -356,7 +378,7 @@ def test_coefficients_that_are_known_cost_nothing() -> None:
     """A column with a prior that is narrow about its true size is worth more than a free one."""
     setting = setting_of(pushed_model(), held(2))
     start = around(setting, fitted(setting, (), (), setting.first_noise()))
-    stairs = next(g for g in (maker(start) for maker in classes_of(setting)) if g.does == "holds")
+    stairs = next(g for g in (one.make(start) for one in classes_of(setting)) if g.does == "holds")
     free = replace(stairs, spread=np.array([1.0]), mean=np.zeros(1))
     wrong = replace(stairs, mean=-stairs.mean)
     assert worth_of(start, stairs) > worth_of(start, free) > 100 > worth_of(start, wrong)

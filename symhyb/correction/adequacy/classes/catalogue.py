@@ -3,10 +3,12 @@
 from collections.abc import Callable
 from functools import partial
 from itertools import combinations
+from typing import NamedTuple
 
 import numpy as np
 
 from symhyb.correction.adequacy.classes.changing import changing
+from symhyb.correction.adequacy.classes.columns import pushed_at
 from symhyb.correction.adequacy.classes.coupling import coupling
 from symhyb.correction.adequacy.classes.crossing_input import crossing_input, spared_by
 from symhyb.correction.adequacy.classes.held_input import held_input
@@ -23,26 +25,38 @@ from symhyb.correction.adequacy.classes.worth import Around
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Generic
 
-Maker = Callable[[Around], Generic]
+
+class Offered(NamedTuple):
+    """A class to be made around a structure, and the coordinates that it pushes by itself; None
+    where that is not known, or where it is no force."""
+
+    make: Callable[[Around], Generic]
+    pushes: frozenset[int] | None = None
 
 
-def classes_of(recorded: Recorded) -> list[Maker]:
-    """The classes of a machine, each to be made around a structure."""
+def classes_of(recorded: Recorded) -> list[Offered]:
+    """The classes of a machine."""
     model = recorded.windows.machine.model
-    found: list[Maker] = []
+    found: list[Offered] = []
     for i in range(len(recorded.library.places)):
-        found += [partial(law, which=i), partial(hidden_mode, which=i)]
+        at = pushed_at(recorded, i)
+        found += [Offered(partial(maker, which=i), at) for maker in (law, hidden_mode)]
     moved = [i for i in range(len(model.coordinates)) if recorded.scale[i] > 0]
-    found += [partial(coupling, first=i, second=j) for i, j in combinations(moved, 2)]
+    for i, j in combinations(moved, 2):
+        found.append(Offered(partial(coupling, first=i, second=j), frozenset((i, j))))
     for j in range(len(model.inputs)):
-        found += [partial(maker, which=j) for maker in (input_curve, input_lag, input_fading)]
-        found.append(partial(held_input, inputs=(j,)))
-        if spared_by(recorded, j):
-            found.append(partial(crossing_input, which=j))
+        spared = spared_by(recorded, j)
+        at = frozenset(range(len(model.coordinates))) - {*spared}
+        found += [
+            Offered(partial(maker, which=j), at) for maker in (input_curve, input_lag, input_fading)
+        ]
+        found.append(Offered(partial(held_input, inputs=(j,)), at))
+        if spared:
+            found.append(Offered(partial(crossing_input, which=j), frozenset(spared)))
     uncertain = [item.path for item in model.parameters if item.sd is not None]
-    found += [partial(changing, path=path) for path in uncertain]
+    found += [Offered(partial(changing, path=path)) for path in uncertain]
     for j in range(len(model.sensors)):
         if any(np.isfinite(item.block.y[0][:, j]).any() for item in recorded.items):
             makers = (sensor_drift, sensor_curve, sensor_fading, sensor_lag)
-            found += [partial(maker, which=j) for maker in makers]
+            found += [Offered(partial(maker, which=j)) for maker in makers]
     return found

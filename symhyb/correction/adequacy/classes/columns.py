@@ -50,6 +50,14 @@ def _moved(recorded: Recorded, item: Cut) -> tuple[Array, Array, Array]:
     return *recorded.library.motion(course, rows), directions
 
 
+def pushed_at(recorded: Recorded, which: int) -> frozenset[int]:
+    """The coordinates that a force at a place pushes."""
+    size = np.max(
+        [np.abs(toward[:, :, which]).max(axis=0) for _, _, toward in motions(recorded)], 0
+    )
+    return frozenset(int(i) for i in np.flatnonzero(size > CHANGE * size.max()))
+
+
 def pushes(recorded: Recorded, which: int) -> _Pushes:
     """An input (N,) and the generalized force (N, n) of one unit of it, along every stretch, SI."""
     known = _pushes.setdefault(recorded, {})
