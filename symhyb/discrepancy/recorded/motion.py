@@ -283,7 +283,6 @@ def _fit(
     shown = len(machine.model.sensors) + (machine.constraints if few is None else 0)
     used, guided = np.isfinite(y), y.shape[1] > shown
     residual = np.full(y.shape, np.nan)
-    normal = sparse.csc_array((n * size, n * size))
     rows, solver = sparse.csr_array((0, n * size)), None
     known: tuple[Array, ...] = ()
     for _ in range(12):
@@ -309,7 +308,8 @@ def _fit(
     criterion = count * np.log(max(cost, 1e-300) / count) + n * size * np.log(count)
     if free < 0.15 * count or swings(t, q, v):
         criterion = np.inf
-    spreads = bands(basis, normal, n)
+    assert solver is not None
+    spreads = bands(basis, solver, n)
     return SplineFit(list(coefficients), basis, residual, cost / free, spreads, criterion, spacing)
 
 

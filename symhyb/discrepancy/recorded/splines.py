@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 from scipy.interpolate import BSpline
-from scipy.sparse.linalg import splu
+from scipy.sparse.linalg import SuperLU
 
 from symhyb.numeric.kernels.buffers import Array
 
@@ -51,11 +51,13 @@ def design(
             continue
         cells = []
         for i in range(slopes[0].shape[2]):
-            cell = sum(
+            parts = [
                 sparse.diags_array(slope[keep, j, i] * weights[j]) @ b[keep]
                 for slope, b in zip(slopes, basis, strict=True)
-            )
-            cells.append(cell)
+                if np.any(slope[keep, j, i])
+            ]
+            nothing = sparse.csr_array((keep.size, basis[0].shape[1]))
+            cells.append(sum(parts[1:], start=parts[0]) if parts else nothing)
         rows.append(sparse.hstack(cells, format="csr"))
     return sparse.csr_array(sparse.vstack(rows, format="csr"))
 
@@ -66,13 +68,11 @@ def ridge(normal: sparse.csc_array) -> sparse.csc_array:
     return sparse.csc_array(sparse.diags_array(1e-9 + 1e-12 * normal.diagonal()))
 
 
-def bands(
-    basis: Sequence[sparse.csr_array], normal: sparse.csc_array, n: int
-) -> tuple[Array, Array, Array]:
-    """Typical sd of q, v, a (n,) each for unit noise, SI, from rows in the middle of the record."""
+def bands(basis: Sequence[sparse.csr_array], solver: SuperLU, n: int) -> tuple[Array, Array, Array]:
+    """Typical sd of q, v, a (n,) each for unit noise, SI, from rows in the middle of the record, by
+    the factored normal equations."""
     total, size = basis[0].shape
     rows = np.unique(np.linspace(total * 0.3, total * 0.7, 15).astype(int))
-    solver = splu(normal)
     bands = []
     for b in basis:
         chosen = b[rows].toarray()
