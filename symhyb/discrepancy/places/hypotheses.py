@@ -263,12 +263,15 @@ class Library:
         """Stretch and rate (…, places) of every place, SI, at ``rows`` (…) of a course or at all
         (N,) of them."""
         shape = course.t.shape if rows is None else rows.shape
-        chosen = slice(None) if rows is None else rows.reshape(-1)
-        t = course.t[chosen]
-        given = course.q[chosen], course.v[chosen], t, self.machine.values
-        stretch, rate, _ = along(self.machine.pathways, given, (3,), t.size)
+        every = np.arange(course.t.size) if rows is None else rows.reshape(-1)
         places = slice(self._first - len(self.places), self._first)
-        return stretch[:, places].reshape(*shape, -1), rate[:, places].reshape(*shape, -1)
+        found = np.empty((2, every.size, len(self.places)))
+        for begin in range(0, every.size, CHUNK):
+            some = every[begin : begin + CHUNK]
+            given = course.q[some], course.v[some], course.t[some], self.machine.values
+            stretch, rate, _ = along(self.machine.pathways, given, (3,), some.size)
+            found[:, begin : begin + CHUNK] = stretch[:, places], rate[:, places]
+        return found[0].reshape(*shape, -1), found[1].reshape(*shape, -1)
 
     @property
     def _first(self) -> int:
