@@ -42,7 +42,7 @@ def disputed(final: Refined, trials: Sequence[Fitted]) -> tuple[Disputed, ...]:
                 continue
             own, own_sd = claimed[cause]
             off, size = value - own, own - _usual(final, cause)
-            if _may_hold(trial) and off * size > 0:
+            if may_hold(trial) and off * size > 0:
                 continue
             if abs(off) > OUTSTANDING * np.hypot(sd, own_sd) and abs(off) > MOST * abs(size):
                 found[cause] = Disputed(cause, (own, own_sd), (value, sd), trial.extra)
@@ -54,7 +54,7 @@ def _same(trial: Fitted, cause: Hypothesis) -> bool:
     return trial.extra is not None and trial.extra.where == cause.path
 
 
-def _may_hold(trial: Fitted) -> bool:
+def may_hold(trial: Fitted) -> bool:
     """Whether the class of a trial may hold a part of a law."""
     return trial.extra is not None and trial.extra.kind == "law"
 

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from symhyb.correction.adequacy.agreement import Disputed, disputed
+from symhyb.correction.adequacy.agreement import Disputed, disputed, may_hold
 from symhyb.correction.adequacy.beyond import NOTHING, Beyond, beyond
 from symhyb.correction.adequacy.channel_noise import faulty_sensors, noisy_input
 from symhyb.correction.adequacy.classes.catalogue import classes_of
@@ -89,7 +89,8 @@ def adequacy(
     disputes: tuple[Disputed, ...] = ()
     if left.acts:
         better = [trial for trial in raced if trial.evidence > base.evidence + CERTAIN]
-        disputes = disputed(final, [base, *better])
+        asked = [one for one in better if not may_hold(one) or _answers(ground, [one], decided)]
+        disputes = disputed(final, [base, *asked])
     doubt = _small(final, ground, left) | {one.cause for one in disputes}
     stay = [i for i, cause in enumerate(base.causes) if _by_recording(cause)]
     if len(stay) < len(base.causes) and not _explained_alone(ground, trials, decided):

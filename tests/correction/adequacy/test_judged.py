@@ -13,10 +13,12 @@ import symhyb as sh
 from symhyb import diagnosis as story
 from symhyb.correction.adequacy import judge
 from symhyb.correction.adequacy.agreement import Disputed
+from symhyb.correction.adequacy.classes.law import law
+from symhyb.correction.adequacy.classes.worth import around
 from symhyb.correction.adequacy.followed import Along
 from symhyb.correction.adequacy.judge import TOO_SHORT, Adequacy, Decided, adequacy
 from symhyb.correction.adequacy.recorded import Recorded, recorded
-from symhyb.correction.adequacy.structure import Fitted, fitted
+from symhyb.correction.adequacy.structure import Fitted, Row, fitted
 from symhyb.correction.search.preparing import Prepared, prepare, settle
 from symhyb.correction.search.setting import Setting
 from symhyb.correction.search.trajectory import Refined, refine
@@ -177,6 +179,34 @@ def test_a_law_without_which_an_unknown_force_is_likelier_is_in_doubt() -> None:
     found = judged(made, (tone, {"amplitude": 1.0, "frequency": 0.12, "phase": 0.0}))
     assert found.beyond.acts
     assert tone in found.doubt
+
+
+@pytest.mark.parametrize("explains", [True, False])
+def test_a_class_that_explains_too_little_speaks_against_no_law(
+    explains: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It takes nine tenths of the damping, and all or nothing of what acts beyond."""
+
+    def raced(
+        ground: Recorded, start: Fitted, rows: Sequence[Row], decided: Decided
+    ) -> list[Fitted]:
+        if not start.causes:
+            return []
+        extra = law(around(ground, start), ground.library.places.index(On("x")))
+        noise, values = start.fit.noise, start.fit.values
+        force = noise.force * (0.0 if explains else 1.0)
+        less = np.concatenate([0.1 * values[:1], values[1:], np.zeros(extra.spread.size)])
+        wider = np.pad(start.fit.covariance, (0, extra.spread.size))
+        fit = replace(start.fit, values=less, covariance=wider, noise=replace(noise, force=force))
+        return [replace(start, evidence=start.evidence + 50.0, fit=fit, extra=extra)]
+
+    monkeypatch.setattr(judge, "_raced", raced)
+    planted = markov(np.random.default_rng(23), SAMPLES, 0.3, 0.2)
+    found = judged(
+        pushed(23, samples=SAMPLES, damping=2.0, beside=planted), (DAMPER, {"damping": 1.0})
+    )
+    assert found.beyond.acts
+    assert [one.cause for one in found.disputed] == ([DAMPER] if explains else [])
 
 
 def test_what_a_class_may_leave_depends_on_what_it_replaces() -> None:
