@@ -23,7 +23,8 @@ ROOMS = ("correction", "discrepancy")
 # constants of other modules in comparisons, with what they are: limits of work, tolerances of the
 # numerics, where a search begins and ends, and what is shown. None decides what is claimed.
 OTHERS = {
-    "correction/adequacy/classes/columns.py": {"FINEST": "numerics"},
+    "correction/adequacy/classes/columns.py": {"FINEST": "numerics", "CHANGE": "numerics"},
+    "correction/adequacy/recorded.py": {"SAMPLES_LEAST": "work"},
     "correction/advice/advice.py": {"ODDS_SHOWN": "display"},
     "correction/learning/library.py": {"DEGREE_MOST": "work", "COUPLED": "work"},
     "correction/learning/network.py": {"PATIENCE": "work", "FOLDS": "work"},
@@ -68,6 +69,7 @@ OTHERS = {
     },
     "discrepancy/recorded/knots.py": {"WORSE_MOST": "work", "LONG": "work"},
     "discrepancy/recorded/runs.py": {
+        "WINDOWS_MOST": "work",
         "BEND_SHARE": "numerics",
         "STEPS_MOST": "work",
         "WINDOWS_WORSE": "numerics",

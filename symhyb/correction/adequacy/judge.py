@@ -280,17 +280,19 @@ def _doubted(
     """The causes of the structure, the first of the trials, that are not needed. A law is not where
     the likeliest class explains what acts (is ``enough``) without the laws at its place, nor where
     structures without it, beside a class that explains or an unknown force, have a part of the
-    probability. No number of the model or of a channel is beside a class that is certain, for its
-    columns may hold a part of any."""
+    probability; a parameter that states an sd is free in all of them, named or not. No number of
+    the model or of a channel is beside a class that is certain, for its columns may hold a part
+    of any."""
     doubt: set[Hypothesis] = set()
     spare: list[Fitted] = []
     certain = any(one.probability > PROBABLE and one.whole for one in classes)
     if classes and classes[0].probability > LIKELY:
         spare = _alone(enough, classes[0].generic, max(trial.evidence for trial in trials))
-    without = [*enough, *(trial for trial in trials if trial.extra is None)]
+    plain = [trial for trial in trials if trial.extra is None]
     for cause in trials[0].causes:
         having = [trial for trial in trials if cause in trial.causes]
-        lacking = [trial for trial in without if cause not in trial.causes]
+        lacking = [trial for trial in enough if cause not in trial.causes]
+        lacking += [trial for trial in plain if cause not in trial.all_causes]
         chance = float(_weights([*having, *lacking])[: len(having)].sum())
         number = cause.place is None and certain
         if number or any(cause not in trial.causes for trial in spare) or chance < PROBABLE:
