@@ -27,6 +27,7 @@ KNOTS_TIME = 12  # of a function of time
 LENGTHS = (1.0, 0.4, 0.12)  # of a smooth function, in half ranges, that are tried
 LAGS = 5  # time constants that are tried
 CHANGE = 1e-4  # relative, of an input or a number, for its direction
+PUSHED = 1e-4  # of the largest push of a place: a coordinate that gets less is not pushed
 GRID = 80  # points of a smooth function
 FINEST = 1e-5  # of the largest variance of a direction of a smooth function
 
@@ -55,7 +56,7 @@ def pushed_at(recorded: Recorded, which: int) -> frozenset[int]:
     size = np.max(
         [np.abs(toward[:, :, which]).max(axis=0) for _, _, toward in motions(recorded)], 0
     )
-    return frozenset(int(i) for i in np.flatnonzero(size > CHANGE * size.max()))
+    return frozenset(int(i) for i in np.flatnonzero(size > PUSHED * size.max()))
 
 
 def pushes(recorded: Recorded, which: int) -> _Pushes:
