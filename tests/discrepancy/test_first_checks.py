@@ -269,6 +269,17 @@ def test_the_response_under_a_drive_that_does_not_repeat() -> None:
     assert np.median(error) < 0.1
 
 
+def test_a_model_that_runs_away_has_no_response() -> None:
+    t = np.arange(8000) / 100
+    run = run_of(driven_model(parameters={"d": (12.0, "N*s/m")}), t, broad(t, 0.5, 5.0), sd=1e-5)
+    unstable = driven_model(parameters={"d": (-12.0, "N*s/m")})
+    checks = first_checks(build(unstable), run)
+    (found,) = checks.responses
+    assert not found.apart
+    said = [sentence for name, sentence in checks.said if name == "response"]
+    assert said[-1].startswith("the model alone, simulated from the recorded start, is 100 times")
+
+
 def test_the_response_at_the_lines_of_a_periodic_drive() -> None:
     t = np.arange(8000) / 200
     run = run_of(driven_model(), t, multisine(t, 4.0, range(1, 20)), sd=1e-5)

@@ -26,6 +26,8 @@ from symhyb.numeric.lowered.machine import Machine, build
 from symhyb.numeric.runs import explicit
 from symhyb.numeric.runs.dormand_prince import DENSE, ERRORS, NODES, STAGES
 from symhyb.numeric.runs.explicit import Field, Steps, Tolerances, bends, field
+from symhyb.numeric.runs.integrate import LEFT, simulate
+from symhyb.numeric.runs.scenario import Scenario
 
 Array = NDArray[np.float64]
 INPUT = {"f": {"unit": "N"}}
@@ -247,3 +249,24 @@ def test_a_compiler_that_fails_is_reported_and_leaves_nothing(
     assert (result.method, result.reason) == ("adams", "")
     assert result.note.startswith("the C compiler brokencc could not compile")
     assert list(named.iterdir()) == []
+
+
+@pytest.mark.parametrize("compiler", [True, False])
+def test_a_run_ends_where_it_leaves_its_bound(
+    compiler: bool, named: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """x'' = 9 x/1.2 from x = 1: x = cosh(√7.5 t) reaches 50 at arcosh(50)/√7.5 = 1.682 s."""
+    if not compiler:
+        monkeypatch.setenv("SYMHYB_CC", "")
+    model = oscillator({"fall": spring("k")}, {"k": (-9.0, "N/m")})
+    t = np.linspace(0, 10, 1001)
+    place, speed = np.ones(1), np.zeros(1)
+    bound = np.array([50.0, 1e6])
+    scenario = Scenario(t, place, speed, t, np.empty((t.size, 0)), bound=bound)
+    result = simulate(build(model), scenario)
+    assert result.reason.startswith(LEFT)
+    good = np.isfinite(result.q[:, 0])
+    last = t[good][-1]
+    assert last == pytest.approx(np.arccosh(50) / np.sqrt(7.5), abs=0.011)
+    assert not good[np.argmin(good) :].any()
+    assert result.q[good, 0] == pytest.approx(np.cosh(np.sqrt(7.5) * t[good]), rel=1e-5)

@@ -38,10 +38,11 @@ from symhyb.numeric.lowered.dynamics import state_form
 from symhyb.numeric.lowered.linear import depends_on_time
 from symhyb.numeric.lowered.machine import Machine
 from symhyb.numeric.runs.between import held_columns
-from symhyb.numeric.runs.integrate import simulate
+from symhyb.numeric.runs.integrate import LEFT, simulate
 from symhyb.numeric.runs.scenario import Scenario
 
 SAMPLES_MOST = 10_000  # of a recording: longer ones are averaged in blocks, or cut
+FAR = 100.0  # of the largest recorded size: where a state is so large its free run says no more
 Value = TypeVar("Value")
 
 
@@ -67,7 +68,8 @@ class Swing:
 
 @dataclass(frozen=True, slots=True)
 class FirstChecks:
-    """All that was checked of one ``recording``; ``skipped`` gives the reason by check."""
+    """All that was checked of one ``recording``; ``skipped`` gives the reason by check, ``away``
+    says where the model's own free run left what was recorded."""
 
     recording: str
     timing: Timing
@@ -76,6 +78,7 @@ class FirstChecks:
     responses: tuple[Response, ...]
     balance: Balance | None
     skipped: Mapping[str, str] = field(default_factory=dict)
+    away: str = ""
 
     @property
     def said(self) -> tuple[tuple[str, str], ...]:
@@ -88,7 +91,10 @@ class FirstChecks:
             "delays": [late.sentence for late in self.timing.late],
             "rest": [self.standstill.sentence] if self.standstill else [],
             "modes": [line for swing in self.swings for line in swing.sentences],
-            "response": [response.sentence for response in self.responses],
+            "response": [
+                *(response.sentence for response in self.responses),
+                *([self.away] if self.responses and self.away else []),
+            ],
             "energy": [self.balance.sentence] if self.balance else [],
         }
         for name, sentences in parts.items():
@@ -130,12 +136,15 @@ def first_checks(
         skipped["delays"] = "no channel can be held against others, or against a force"
     standing = kept("rest", _standstill(machine, motion, course))
     swings = kept("modes", _swings(machine, corrected, course))
-    runs = simulated if simulated is not None else _free_run(machine, thin, course)
+    away = ""
+    runs = simulated
+    if runs is None:
+        runs, away = _free_run(machine, thin, course)
     base = recording if simulated is not None else thin
     responses = kept("response", _responses(machine, base, runs))
     balance = kept("energy", balance_of(machine, motion, course))
     return FirstChecks(
-        recording.name, timing, standing, swings or (), responses or (), balance, skipped
+        recording.name, timing, standing, swings or (), responses or (), balance, skipped, away
     )
 
 
@@ -208,10 +217,11 @@ def _swing(name: str, machine: Machine, course: Course) -> Swing | str:
 
 def _free_run(
     machine: Machine, recording: Recording, course: Course
-) -> Mapping[str, Mapping[str, Array]]:
-    """The model simulated from the smoothed start, by sensor."""
+) -> tuple[Mapping[str, Mapping[str, Array]], str]:
+    """The model simulated from the smoothed start, by sensor, and where it ran away, in words."""
     form = state_form(machine)
     size = np.abs(course.states).max(axis=0, initial=0.0)
+    size = np.where(size > 0, size, 1.0)
     t_u, u = driving(recording, machine)
     scenario = Scenario(
         recording.t,
@@ -219,13 +229,22 @@ def _free_run(
         course.v[0],
         t_u,
         u,
-        np.where(size > 0, size, 1.0),
+        size,
         z=course.z[0],
         given=on_lines(recording.t, course.drive[:, form.inputs :], t_u) if form.given else None,
+        bound=FAR * size,
     )
     run = simulate(machine, scenario)
     names = [sensor.name for sensor in machine.model.sensors]
-    return {"model": {name: run.y[:, j] for j, name in enumerate(names)}}
+    runs = {"model": {name: run.y[:, j] for j, name in enumerate(names)}}
+    if run.complete:
+        return runs, ""
+    end = float(run.t[np.argmin(np.isfinite(run.q).all(axis=1))] - run.t[0])
+    why = f"is {FAR:g} times beyond what was recorded" if run.reason.startswith(LEFT) else "stops"
+    return runs, (
+        f"the model alone, simulated from the recorded start, {why} after {end:.3g} s: it has no "
+        "response to be held beside these"
+    )
 
 
 def _responses(

@@ -37,11 +37,12 @@ COMPILING, COMPILING_EACH = 50_000_000, 100_000  # what compiling costs, in inst
 INSTRUCTIONS_MOST = 20_000  # above, compiling takes minutes
 STABLE = 3.0  # a decay times the longest step; twice that is stable
 COLLINEAR = 1e-12  # of the range of a drive: a bend that is rounding
+GROWTH = "growth without bound"
 REASONS = (
     "",
     "more steps than allowed",
     "a step of no length",
-    "growth without bound",
+    GROWTH,
     "a full tape",
     "something watched may have fallen through zero",
 )

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from symhyb.numeric.kernels.buffers import Array
-from symhyb.numeric.runs.explicit import Field, Steps, Tolerances, bends
+from symhyb.numeric.runs.explicit import GROWTH, Field, Steps, Tolerances, bends
 
 STAGES = 12  # evaluations of a step
 WORK_STIFF = 400_000_000  # instructions of a vain attempt: 0.1 s compiled, 1 s as interpreted; a
@@ -30,7 +30,7 @@ GROWN = 1e6  # scales
 class Course:
     """What to integrate, SI: outputs ``t`` (N,), ``start`` (X,), parameters ``p`` (P,), and the
     drive (K, drive) at times ``t_u`` (K,), straight between them; no step is longer than
-    ``longest`` s."""
+    ``longest`` s, and the run ends where a state is beyond its ``bound`` (X,)."""
 
     t: Array
     start: Array
@@ -38,6 +38,7 @@ class Course:
     t_u: Array
     drive: Array
     longest: float = np.inf
+    bound: Array | None = None
 
 
 def explicit_states(
@@ -47,8 +48,8 @@ def explicit_states(
     tolerances: tuple[float, float],
     stiff: bool,
 ) -> Array | None:
-    """States (N, X) of a run, SI; None if it took more steps than worth it, or did not reach its
-    end.
+    """States (N, X) of a run, SI, NaN from where it left its bound; None if it took more steps than
+    worth it, or did not reach its end for another reason.
 
     ``scales`` (X,) are sizes of the states, SI, found by a rough run if None; ``tolerances`` are
     relative, and absolute in these scales.
@@ -64,6 +65,8 @@ def explicit_states(
         if found is None:
             return None
     run = _run(field, course, nodes, found, tolerances, steps)
+    if run.reason == GROWTH and course.bound is not None:
+        return run.x
     if run.reason:
         return None
     if scales is None:
@@ -82,7 +85,8 @@ def _run(
     steps: int,
 ) -> Steps:
     relative, absolute = tolerances
-    limits = Tolerances(relative, absolute * scales, GROWN * scales, steps)
+    bound = GROWN * scales if course.bound is None else course.bound
+    limits = Tolerances(relative, absolute * scales, bound, steps)
     return field.integrate(course.t, course.start, course.p, nodes, limits, longest=course.longest)
 
 

@@ -45,6 +45,8 @@ from symhyb.numeric.runs.settling import Event
 ROUGH = 1e-4  # relative tolerance of the run that finds the scales
 ROUGH_OUTPUTS = 200
 EARLY = 0.1  # of a run that nothing recorded drives: shows how large the motion is
+LEFT = "the motion left the bounds that were set for it"
+PIECES = 50  # of a run of CVODES between which a bound is looked at
 SCALE_LEAST = 1e-12  # SI: a state that moves less is not seen
 STEPS_LEAST, STEPS_TOGETHER = 500, 2_000_000  # for one output, and shared by all of them
 NEAR_LOCK = 0.1  # |cos| of the second of three rotations where a run ended
@@ -114,9 +116,10 @@ def simulate(
     stiff = _stiff(form, scenario, drive, start, values)
     explicit = _explicit(form, scenario, drive, start, values, stiff)
     if explicit is not None:
-        x, reason, note = closed_rows(form, scenario, drive, explicit, values, "")
-        if not reason:
-            run = _observe(form, scenario, drive, x, values, "", "explicit")
+        left = _left(scenario, scenario.t, explicit)
+        x, reason, note = closed_rows(form, scenario, drive, explicit, values, left)
+        if reason == left:
+            run = _observe(form, scenario, drive, x, values, reason, "explicit")
             return replace(run, note=note)
     for method in ("bdf",) if stiff else ("adams", "bdf"):
         scales = scenario.scales
@@ -126,7 +129,7 @@ def simulate(
             form, scenario, drive, start, values, scales, method, RELATIVE_TOLERANCE
         )
         x, reason, note = closed_rows(form, scenario, drive, x, values, reason)
-        if not reason:
+        if not reason or reason.startswith(LEFT):
             break
     run = _observe(form, scenario, drive, x, values, reason, method)
     return replace(run, note="; ".join(filter(None, (compiler_fails(), note))))
@@ -139,9 +142,23 @@ def _explicit(
     rates = None if culprits(form.machine.model) else field(form)
     if rates is None:
         return None
-    course = Course(scenario.t, start, p, scenario.t_u, drive, longest_step(form))
+    longest = longest_step(form)
+    course = Course(scenario.t, start, p, scenario.t_u, drive, longest, scenario.bound)
     tolerances = (RELATIVE_TOLERANCE, ABSOLUTE_TOLERANCE)
     return explicit_states(rates, course, scenario.scales, tolerances, stiff)
+
+
+def _left(scenario: Scenario, t: Array, x: Array) -> str:
+    """Where states (N, X) at ``t`` (N,) leave the bound that a scenario sets, from where on they
+    become NaN, as the reason why the run ends; empty if nowhere."""
+    if scenario.bound is None:
+        return ""
+    far = ~(np.abs(x) <= scenario.bound).all(axis=1)
+    if not far.any():
+        return ""
+    end = int(np.argmax(far))
+    x[end:] = np.nan
+    return f"{LEFT} by {t[end]:.6g} s"
 
 
 def _bent(scenario: Scenario, machine: Machine) -> Scenario:
@@ -250,6 +267,8 @@ def _integrate(
     jumps = jumps_of(scenario.t_u, drive, t)
     grid = np.union1d(t, jumps)  # an input may jump between two outputs
     marks = [0, *np.searchsorted(grid, jumps).tolist(), grid.size - 1]
+    if scenario.bound is not None:  # looked at between pieces of the run
+        marks += np.linspace(0, grid.size - 1, PIECES).astype(int).tolist()
     rate = _rate(form, scenario, drive, scales)
     # finding a scale is no reason to work long, and a law that chatters never ends
     hopeless = tolerance >= ROUGH or culprits(form.machine.model)
@@ -264,6 +283,9 @@ def _integrate(
         x[first + 1 : first + 1 + len(states)] = states * scales
         if reason:
             reason += culprits(form.machine.model)
+            break
+        reason = _left(scenario, grid[: last + 1], x[: last + 1])
+        if reason:
             break
     return x[np.searchsorted(grid, t)], reason
 

@@ -12,7 +12,8 @@ class Scenario:
 
     ``scales`` (X,) are typical sizes of the states (q, v, z), else found by a rough run; ``z`` the
     inner states at the start, else those of a machine at rest; ``given`` (K, 3·g) places, speeds
-    and accelerations of the g imposed coordinates at ``t_u``.
+    and accelerations of the g imposed coordinates at ``t_u``. ``bound`` (X,) are sizes of the
+    states, SI, beyond which nobody wishes to know: there the run ends.
     """
 
     t: Array
@@ -23,3 +24,4 @@ class Scenario:
     scales: Array | None = None
     z: Array | None = None
     given: Array | None = None
+    bound: Array | None = None
