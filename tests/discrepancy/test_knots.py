@@ -2,8 +2,10 @@
 
 import numpy as np
 import pytest
+from scipy.sparse.linalg import splu
 
 from symhyb.discrepancy.recorded.knots import LONG, PORTIONS, SplineFit, chosen, portions
+from symhyb.discrepancy.recorded.splines import spline_basis
 
 SPACINGS = (2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0)
 
@@ -19,8 +21,7 @@ class Fitter:
         size = len(range(*rows.indices(self.total)))
         self.asked.append((size, spacing))
         worth = size * abs(np.log(spacing / self.best))
-        one = (np.zeros(1),) * 3
-        return SplineFit((), (), np.zeros((size, 1)), 1.0, one, float(worth), spacing)
+        return SplineFit((), (), np.zeros((size, 1)), 1.0, float(worth), spacing)
 
 
 @pytest.mark.parametrize(("best", "narrower"), [(16.0, 8.0), (2.0, 2.0), (128.0, 64.0)])
@@ -55,7 +56,21 @@ def test_portions_lie_from_end_to_end() -> None:
 
 
 def test_a_part_pays_for_its_numbers_as_the_whole_does() -> None:
-    one = (np.zeros(1),) * 3
-    fit = SplineFit((np.zeros(30),), (), np.zeros((100, 1)), 1.0, one, 5.0, 1.0)
+    fit = SplineFit((np.zeros(30),), (), np.zeros((100, 1)), 1.0, 5.0, 1.0)
     assert fit.criterion_of(100) == 5.0
     assert fit.criterion_of(1000) == pytest.approx(5 + 30 * np.log(10))
+
+
+def test_bands_of_a_fit_are_those_of_its_normal_equations() -> None:
+    """sd of a value at row k, for unit noise: the root of b_k (BᵀB)⁻¹ b_kᵀ."""
+    basis = spline_basis(np.linspace(0, 1, 60), 0.1)
+    normal = (basis[0].T @ basis[0]).tocsc()
+    size = basis[0].shape[1]
+    fit = SplineFit((np.zeros(size),), basis, np.zeros((60, 1)), 1.0, 5.0, 0.1, splu(normal))
+    done = fit.banded()
+    assert done.solver is None
+    assert done.banded() is done
+    rows = np.unique(np.linspace(18, 42, 15).astype(int))
+    for band, b in zip(done.bands, basis, strict=True):
+        spread = b.toarray()[rows] @ np.linalg.inv(normal.toarray()) @ b.toarray()[rows].T
+        assert band == pytest.approx([np.sqrt(np.median(np.diag(spread)))], rel=1e-9)

@@ -22,10 +22,9 @@ from symhyb.discrepancy.recorded.windows import correlation_time
 from symhyb.discrepancy.words.wording import number_text, percent_text, small_text
 from symhyb.errors import InputError
 from symhyb.judgement import DELAY_LEAST, FEW, NOISE_FACTOR, NOTABLE, SMALL, SURE
-from symhyb.model.types import Model
 from symhyb.numeric.kernels.buffers import Array, resampled
 from symhyb.numeric.kernels.vector import along
-from symhyb.numeric.lowered.machine import Machine, build
+from symhyb.numeric.lowered.machine import Machine
 
 GRID = 41  # delays that are tried first
 REACH = 0.25  # of the shortest period: the longest delay that is looked for, either way
@@ -144,28 +143,19 @@ def _inputs(machine: Machine, motion: Motion, course: Course) -> Iterator[Late]:
         target = target / np.where(size > 0, size, 1.0)
         others = [push[:, i] * c.u[:, i : i + 1] for i in range(len(model.inputs)) if i != j]
         noise = float(np.sqrt(np.mean((band / np.where(size > 0, size, 1.0)) ** 2)))
-        ordinary = _ordinary(c, free, others)
-        yield _late(item.name, against, c.t, target, pushing, ordinary, motion, noise)
+        ordinary = [_ordinary(c, free, i) for i in free]
+        yield _late(item.name, against, c.t, [target, *others], pushing, ordinary, motion, noise)
 
 
-def _ordinary(course: Course, free: list[int], others: list[Array]) -> list[Array]:
-    """What inertia, damping, drag, stiffness, dry friction and a constant on each free coordinate,
-    and other inputs, could make of a force: columns (N, free)."""
-    columns = list(others)
-    for row in range(len(free)):
-        for i in free:
-            q, v, a = course.q[:, i], course.v[:, i], course.a[:, i]
-            columns += [_only(signal, row, len(free)) for signal in (q, v, a, v * np.abs(v), q**3)]
-        speed = course.v[:, free[row]]
-        columns.append(_only(np.sign(speed), row, len(free)))
-        columns.append(_only(np.ones_like(speed), row, len(free)))
-    return columns
-
-
-def _only(signal: Array, row: int, rows: int) -> Array:
-    column = np.zeros((signal.size, rows))
-    column[:, row] = signal
-    return column
+def _ordinary(course: Course, free: list[int], where: int) -> Array:
+    """What inertia, damping, drag and stiffness by each free coordinate, dry friction and a
+    constant could make of the force on one of them: columns (N, 5 free + 2)."""
+    columns = []
+    for i in free:
+        q, v, a = course.q[:, i], course.v[:, i], course.a[:, i]
+        columns += [q, v, a, v * np.abs(v), q**3]
+    speed = course.v[:, where]
+    return np.column_stack([*columns, np.sign(speed), np.ones_like(speed)])
 
 
 def _sensors(machine: Machine, recording: Recording, motion: Motion) -> Iterator[Late]:
@@ -187,21 +177,19 @@ def _sensors(machine: Machine, recording: Recording, motion: Motion) -> Iterator
             return resampled(recording.t, expected, recording.t - delay)[:, None]
 
         plain = [np.ones((recording.t.size, 1))]
-        yield _late(sensor.name, "the other sensors", recording.t, filled, later, plain, motion)
+        yield _late(sensor.name, "the other sensors", recording.t, [filled], later, plain, motion)
 
 
 def _shown(machine: Machine, name: str, recording: Recording) -> Array | None:
     """What a sensor (N,) should show, SI, by the motion that all others show; None where they do
     not show all of it."""
-    model: Model = machine.model
-    column = [sensor.name for sensor in model.sensors].index(name)
-    rest = replace(model, sensors=tuple(s for s in model.sensors if s.name != name))
+    column = [sensor.name for sensor in machine.model.sensors].index(name)
     others = {key: one for key, one in recording.sensors.items() if key != name}
-    alone, without = replace(recording, sensors=others), build(rest, keep=False)
+    alone = replace(recording, sensors=others)
     try:
-        if unplaced(alone, without):
+        if unplaced(alone, machine):
             return None
-        motion = motion_of(alone, without)
+        motion = motion_of(alone, machine)
     except InputError:
         return None
     u = acting(recording, machine)
@@ -215,27 +203,33 @@ def _late(
     channel: str,
     against: str,
     t: Array,
-    target: Array,
+    whole: list[Array],
     signal: Callable[[float], Array],
-    others: list[Array],
+    rows: list[Array],
     motion: Motion,
     noise: float = np.inf,
 ) -> Late:
-    """The delay by which a ``signal`` (N, r) is best made of the ``target`` (N, r), SI, and the
-    columns of ``others``: the least that they leave of it, first on a grid, then by Newton.
+    """The delay by which a ``signal`` (N, r) is best made of what acts as a ``whole``, the force
+    that is asked for before others, each (N, r), SI, and of columns (N, c) for each of its r
+    ``rows``: the least that they leave of it, first on a grid, then by Newton.
     Where they leave more than ``noise`` explains, physics that is missing may feign the delay."""
     reach = min(REACH * float(motion.periods().min()), REACH_MOST * float(t[-1] - t[0]))
     inside = (t >= t[0] + reach) & (t <= t[-1] - reach)
-    fixed = np.column_stack([one[inside].reshape(-1) for one in (target, *others)])
-    sizes = np.sqrt(np.mean(fixed**2, axis=0))
-    basis, *_ = np.linalg.svd(fixed[:, sizes > 0] / sizes[sizes > 0], full_matrices=False)
+    bases = [_orthonormal(one[inside]) for one in rows]
+
+    def without_rows(values: Array) -> Array:
+        parts = zip(values[inside].T, bases, strict=True)
+        return np.column_stack([one - basis @ (basis.T @ one) for one, basis in parts]).reshape(-1)
+
+    basis = _orthonormal(np.column_stack([without_rows(one) for one in whole]))
+    taken = basis.shape[1] + sum(one.shape[1] for one in bases)
     step = float(np.median(np.diff(t)))
 
     def change(delay: float) -> Array:
         return np.asarray((signal(delay + step) - signal(delay - step)) / (2 * step))
 
     def beyond(values: Array) -> Array:
-        flat = values[inside].reshape(-1)
+        flat = without_rows(values)
         return np.asarray(flat - basis @ (basis.T @ flat))
 
     def misses(delay: float) -> float:
@@ -250,15 +244,15 @@ def _late(
     seen = float(slope @ slope)
     if seen <= SMALL * float(np.sum(change(delay)[inside] ** 2)):
         return Late(channel, against, None, np.inf, False, UNTOLD)
-    together = correlation_time([left.reshape(1, -1)], target.shape[1])
-    variance = float(left @ left) / max(left.size - basis.shape[1] - 1, 1)
+    together = correlation_time([left.reshape(1, -1)], len(rows))
+    variance = float(left @ left) / max(left.size - taken - 1, 1)
     sd = float(np.sqrt(variance * together / seen))
     if sd > reach:
         said = f"{UNTOLD} (± {small_text(sd, 's', digits=2)})"
         return Late(channel, against, None, sd, False, said)
-    whole = signal(delay)[inside]
-    size = float(np.sum((whole - whole.mean(axis=0)) ** 2))
-    rough = np.isfinite(noise) and whole.size * noise**2 > SMALL * size
+    there = signal(delay)[inside]
+    size = float(np.sum((there - there.mean(axis=0)) ** 2))
+    rough = np.isfinite(noise) and there.size * noise**2 > SMALL * size
     if rough or float(left @ left) > SMALL * size:
         return Late(channel, against, None, sd, False, SHOWN)
     if abs(delay) >= reach * (1 - 1e-6):
@@ -267,3 +261,10 @@ def _late(
         return Late(channel, against, delay, sd, False, FEIGNED)
     claimed = abs(delay) > SURE * sd and abs(delay) > DELAY_LEAST * step
     return Late(channel, against, delay, sd, claimed)
+
+
+def _orthonormal(columns: Array) -> Array:
+    """Directions (N, k) of length 1 that span the columns that are not zero."""
+    sizes = np.sqrt(np.mean(columns**2, axis=0))
+    basis, *_ = np.linalg.svd(columns[:, sizes > 0] / sizes[sizes > 0], full_matrices=False)
+    return np.asarray(basis)

@@ -5,11 +5,13 @@ coordinate.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import sparse
+from scipy.sparse.linalg import SuperLU
 
+from symhyb.discrepancy.recorded.splines import bands
 from symhyb.numeric.kernels.buffers import Array
 
 SPACINGS = (1.3, 1.6, 2, 3, 4, 6, 8, 11, 16, 23, 32, 45, 64, 91, 128)  # samples between two knots
@@ -21,16 +23,25 @@ PORTIONS = 5
 @dataclass(frozen=True, slots=True)
 class SplineFit:
     """Splines fitted to a recording: ``coefficients`` (n times B), the ``basis`` of values and two
-    derivatives (N, B) each, ``residual`` (N, m), the ``variance`` of whitened residuals, ``bands``
-    (n,) each for unit noise, the ``criterion``, and the ``spacing`` of knots in s."""
+    derivatives (N, B) each, ``residual`` (N, m), the ``variance`` of whitened residuals, the
+    ``criterion``, the ``spacing`` of knots in s, and the factored normal equations. ``bands`` (n,)
+    each, for unit noise, are those of the chosen fits, which need their ``solver`` no more."""
 
     coefficients: Sequence[Array]
     basis: Sequence[sparse.csr_array]
     residual: Array
     variance: float
-    bands: tuple[Array, Array, Array]
     criterion: float
     spacing: float
+    solver: SuperLU | None = None
+    bands: tuple[Array, ...] = ()
+
+    def banded(self) -> "SplineFit":
+        """The fit with its bands, and without its solver."""
+        if self.solver is None:
+            return self
+        found = bands(self.basis, self.solver, len(self.coefficients))
+        return replace(self, solver=None, bands=found)
 
     def criterion_of(self, total: int) -> float:
         """The criterion where this is a part of a recording of ``total`` samples."""
@@ -65,9 +76,9 @@ def chosen(
     if best is None:
         raise ValueError("no spacing to choose from")
     if len(parts) == 1:
-        return best
+        return best[0].banded(), best[1].banded()
     near = spacings[least], spacings[max(least - 1, 0)]
-    return fitted(slice(None), near[0]), fitted(slice(None), near[1])
+    return fitted(slice(None), near[0]).banded(), fitted(slice(None), near[1]).banded()
 
 
 def portions(total: int) -> list[slice]:

@@ -22,7 +22,7 @@ from symhyb.discrepancy.recorded.cyclic import cyclic, rates_shown
 from symhyb.discrepancy.recorded.independent import Independent, independent, placed_with
 from symhyb.discrepancy.recorded.knots import SPACINGS, SplineFit, chosen
 from symhyb.discrepancy.recorded.signals import acting, measured, noise_level
-from symhyb.discrepancy.recorded.splines import bands, design, ridge, spline_basis, swings
+from symhyb.discrepancy.recorded.splines import design, ridge, spline_basis, swings
 from symhyb.discrepancy.recorded.tracking import firmness, tracked
 from symhyb.discrepancy.recorded.watching import watching_model
 from symhyb.errors import InputError, Problem
@@ -308,9 +308,8 @@ def _fit(
     criterion = count * np.log(max(cost, 1e-300) / count) + n * size * np.log(count)
     if free < 0.15 * count or swings(t, q, v):
         criterion = np.inf
-    assert solver is not None
-    spreads = bands(basis, solver, n)
-    return SplineFit(list(coefficients), basis, residual, cost / free, spreads, criterion, spacing)
+    variance, places = cost / free, list(coefficients)
+    return SplineFit(places, basis, residual, variance, criterion, spacing, solver)
 
 
 def _seen(
