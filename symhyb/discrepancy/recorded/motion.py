@@ -308,8 +308,8 @@ def _fit(
     criterion = count * np.log(max(cost, 1e-300) / count) + n * size * np.log(count)
     if free < 0.15 * count or swings(t, q, v):
         criterion = np.inf
-    variance, places = cost / free, list(coefficients)
-    return SplineFit(places, basis, residual, variance, criterion, spacing, solver)
+    fitted = list(coefficients)
+    return SplineFit(fitted, basis, residual, cost / free, criterion, spacing, solver)
 
 
 def _seen(
