@@ -147,9 +147,12 @@ def _against(
     keys: Sequence[tuple[int, int, str]],
     recordings: int,
 ) -> Outlier | None:
-    """One recording against the others, if it differs beyond chance and by more than a tenth."""
+    """One recording against the others, if it differs beyond chance and by more than a tenth; of
+    phases whole turns do not count."""
     mine, rest = known[which], _joined([other for i, other in known.items() if i != which])
     offset, spread = mine.value - rest.value, mine.covariance + rest.covariance
+    turning = [key == "phase" for *_, key in keys]
+    offset = np.where(turning, np.remainder(offset + np.pi, 2 * np.pi) - np.pi, offset)
     distance = float(offset @ np.linalg.pinv(spread, hermitian=True) @ offset)
     chance = float(chdtrc(offset.size, distance))
     size = np.abs(offset) / np.sqrt(np.diag(spread))

@@ -1,0 +1,46 @@
+"""One recording held against the others, by the values that a fit to each alone gives."""
+
+import numpy as np
+import pytest
+
+from symhyb.correction.search.fleet import _against, _Estimate
+
+
+def estimate(*numbers: tuple[float, float]) -> _Estimate:
+    """Values with their deviations, independent of each other."""
+    return _Estimate(
+        np.array([value for value, _ in numbers]), np.diag([sd**2 for _, sd in numbers])
+    )
+
+
+def test_a_number_that_differs_is_told_with_both_values() -> None:
+    keys = [(0, 0, "stiffness"), (1, 1, "damping")]
+    known = {0: estimate((2.0, 0.1), (5.0, 0.1)), 1: estimate((2.1, 0.1), (9.0, 0.1))}
+    found = _against(1, known, keys, 1)
+    assert found is not None
+    assert (found.cause, found.key) == (1, "damping")
+    assert found.value == pytest.approx((9.0, 0.1))
+    assert found.others == pytest.approx((5.0, 0.1))
+
+
+def test_what_differs_by_less_than_a_tenth_is_one_number() -> None:
+    known = {0: estimate((5.0, 0.01)), 1: estimate((5.4, 0.01))}
+    assert _against(1, known, [(0, 0, "damping")], 1) is None
+
+
+@pytest.mark.parametrize("other", [0.4 + 2 * np.pi, 0.4 - 4 * np.pi])
+def test_whole_turns_of_a_phase_do_not_count(other: float) -> None:
+    known = {0: estimate((0.4, 0.01)), 1: estimate((other, 0.01))}
+    assert _against(1, known, [(0, 0, "phase")], 1) is None
+    assert _against(1, known, [(0, 0, "stiffness")], 1) is not None
+
+
+def test_a_phase_that_nothing_held_is_no_change() -> None:
+    """A wave that does not act in one half has any phase there, as a fit left it."""
+    known = {0: estimate((-5.2e138, 1e137)), 1: estimate((1.91, 0.05))}
+    assert _against(1, known, [(0, 0, "phase")], 1) is None
+
+
+def test_a_phase_that_differs_is_told() -> None:
+    known = {0: estimate((3.0, 0.01)), 1: estimate((-2.0, 0.01))}
+    assert _against(1, known, [(0, 0, "phase")], 1) is not None
