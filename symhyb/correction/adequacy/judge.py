@@ -269,7 +269,8 @@ def _classes(trials: Sequence[Fitted], enough: Collection[object]) -> tuple[Like
                 both = one._replace(probability=one.probability + first.probability)
                 ranked = [both, *ranked[1:i], *ranked[i + 1 :]]
             break
-    return tuple(one for one in ranked if one.probability > 1 - PROBABLE)
+    rounded = (one._replace(probability=min(one.probability, 1.0)) for one in ranked)
+    return tuple(one for one in rounded if one.probability > 1 - PROBABLE)
 
 
 def _doubted(
