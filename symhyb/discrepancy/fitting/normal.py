@@ -9,6 +9,8 @@ from scipy.optimize import lsq_linear
 from symhyb.numeric.kernels.buffers import Array
 
 UNSEEN = 1e-13  # of the largest eigenvalue of a scaled normal matrix
+FAR = 1e12  # of the largest number of a target; a solution is at most 1e6 times as large
+SLACK = 1e-12  # the solver asks for room between bounds
 DEPENDENT = 1e-10  # the same, below which columns are one and the same: their share is split
 
 
@@ -22,16 +24,23 @@ def bounded_step(gram: Array, right: Array, damping: float, lower: Array, upper:
         return np.zeros_like(right)
     unit = gram / balance + (damping + 1e-12) * np.eye(right.size)
     triangle = np.linalg.cholesky(unit + 1e-12 * np.eye(right.size)).T
-    target = np.linalg.solve(triangle.T, right / scale)
+    target = np.asarray(np.linalg.solve(triangle.T, right / scale), float)
     x = np.linalg.solve(triangle, target)
     low, high = lower * scale, upper * scale
     if np.any(x < low) or np.any(x > high):
-        room = np.maximum(high - low, 1e-300)
-        low, high = low - 1e-12 * room, high + 1e-12 * room
-        x = np.clip(
-            lsq_linear(triangle, target, bounds=(low, high)).x, lower * scale, upper * scale
-        )
+        x = np.clip(_bounded(triangle, target, low, high), low, high)
     return np.asarray(x / scale)
+
+
+def _bounded(triangle: Array, target: Array, low: Array, high: Array) -> Array:
+    """The least squares solution (F,) within bounds, by active sets: an interior point divides by
+    the room between them, and never ends where there is none. All is measured in the largest
+    number of the target; a bound that is out of reach then is none."""
+    size = max(float(np.abs(target).max()), 1e-300)
+    low, high = low / size, high / size
+    low = np.where(low < -FAR, -np.inf, low - SLACK * np.maximum(np.abs(low), 1.0))
+    high = np.where(high > FAR, np.inf, high + SLACK * np.maximum(np.abs(high), 1.0))
+    return np.asarray(size * lsq_linear(triangle, target / size, (low, high), method="bvls").x)
 
 
 def inverse_of(gram: Array) -> Array:
