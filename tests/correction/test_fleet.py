@@ -3,7 +3,13 @@
 import numpy as np
 import pytest
 
-from symhyb.correction.search.fleet import _against, _Estimate
+from symhyb.correction.search.fleet import Outlier, _against, _Estimate, widened
+from symhyb.correction.search.trajectory import Refined
+from symhyb.discrepancy.fitting.task import Fit
+from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.model.types import On
+from symhyb.numeric.lowered.machine import build
+from tests.rigs import spring_model
 
 
 def estimate(*numbers: tuple[float, float]) -> _Estimate:
@@ -44,3 +50,27 @@ def test_a_phase_that_nothing_held_is_no_change() -> None:
 def test_a_phase_that_differs_is_told() -> None:
     known = {0: estimate((3.0, 0.01)), 1: estimate((-2.0, 0.01))}
     assert _against(1, known, [(0, 0, "phase")], 1) is not None
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "sd"),
+    [
+        ((4.0, 0.1), (6.0, 0.1), 1.0),
+        ((4.0, 0.1), (60.0, 9.9), 0.5656),
+        ((4.0, 2.0), (4.1, 2.0), 0.5),
+    ],
+    ids=["alike", "one_hardly_tells", "no_wider"],
+)
+def test_a_number_that_changes_is_as_uncertain_as_its_halves_lie_apart(
+    first: tuple[float, float], second: tuple[float, float], sd: float
+) -> None:
+    """w (1 − w) d² for values d apart with the weights w and 1 − w; no less than before."""
+    machine = build(spring_model())
+    drag = Hypothesis("drag", On("x"), ("drag",), (True,))
+    nothing = np.zeros(0)
+    fit = Fit(
+        np.array([5.0]), np.array([[0.25]]), nothing, nothing.astype(int), nothing > 0, 1.0, ()
+    )
+    final = Refined((drag,), machine, ("cause0.drag",), machine.values, fit)
+    found = widened(final, Outlier(1, 0, "drag", second, first, 30.0, 1e-6))
+    assert np.sqrt(found.fit.covariance[0, 0]) == pytest.approx(sd, rel=1e-3)

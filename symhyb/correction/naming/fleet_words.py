@@ -50,7 +50,9 @@ def misfit(final: Refined, outlier: Outlier, recordings: Sequence[Recording]) ->
 
 
 def drift_sentence(
-    final: Refined, odd: Outlier, so: str = "the deviation that is given covers both"
+    final: Refined,
+    odd: Outlier,
+    so: str = "the deviation that is given weighs both by how well each half tells it",
 ) -> str:
     """Say that a number is not the same in both halves of the recordings, and what follows."""
     cause = final.causes[odd.cause]

@@ -226,11 +226,16 @@ def _half(item: Cut, which: int) -> NDArray[np.int64]:
 
 
 def widened(final: Refined, odd: Outlier) -> Refined:
-    """The structure with the deviation of the drifting number as wide as its two values."""
+    """The structure with the deviation of the drifting number as wide as its two values lie apart,
+    each weighed by its precision: half of that where both are known alike, and little where one
+    half hardly tells it."""
     numbers = [(i, key) for i, cause in enumerate(final.causes) for key in keys_of(cause)]
     n = numbers.index((odd.cause, odd.key))
     covariance = final.fit.covariance.copy()
-    covariance[n, n] = max(covariance[n, n], ((odd.value[0] - odd.others[0]) / 2) ** 2)
+    precise = np.array([1 / odd.value[1] ** 2, 1 / odd.others[1] ** 2])
+    weight = precise / precise.sum()
+    apart = float(weight.prod()) * (odd.value[0] - odd.others[0]) ** 2
+    covariance[n, n] = max(covariance[n, n], apart)
     return replace(final, fit=replace(final.fit, covariance=covariance))
 
 
