@@ -32,7 +32,7 @@ OTHERS = {
     "correction/learning/choosing.py": {"UNSEEN": "numerics"},
     "correction/learning/formulations.py": {"UNSEEN": "numerics"},
     "correction/learning/orthogonal.py": {"DEPENDENT": "numerics"},
-    "discrepancy/fitting/normal.py": {"DEPENDENT": "numerics", "FAR": "numerics"},
+    "discrepancy/fitting/normal.py": {"DEPENDENT": "numerics", "NARROW": "numerics"},
     "discrepancy/places/points.py": {"PARALLEL": "numerics"},
     "correction/naming/findings.py": {"SKEW": "bound of a key, which the laws state"},
     "correction/naming/textbook.py": {"_LINEAR": "numerics"},

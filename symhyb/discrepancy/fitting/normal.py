@@ -9,8 +9,7 @@ from scipy.optimize import lsq_linear
 from symhyb.numeric.kernels.buffers import Array
 
 UNSEEN = 1e-13  # of the largest eigenvalue of a scaled normal matrix
-FAR = 1e12  # of the largest number of a target; a solution is at most 1e6 times as large
-SLACK = 1e-12  # the solver asks for room between bounds
+NARROW = 1e-12  # of the largest number of a target: no room between bounds
 DEPENDENT = 1e-10  # the same, below which columns are one and the same: their share is split
 
 
@@ -33,14 +32,17 @@ def bounded_step(gram: Array, right: Array, damping: float, lower: Array, upper:
 
 
 def _bounded(triangle: Array, target: Array, low: Array, high: Array) -> Array:
-    """The least squares solution (F,) within bounds, by active sets: an interior point divides by
-    the room between them, and never ends where there is none. All is measured in the largest
-    number of the target; a bound that is out of reach then is none."""
-    size = max(float(np.abs(target).max()), 1e-300)
-    low, high = low / size, high / size
-    low = np.where(low < -FAR, -np.inf, low - SLACK * np.maximum(np.abs(low), 1.0))
-    high = np.where(high > FAR, np.inf, high + SLACK * np.maximum(np.abs(high), 1.0))
-    return np.asarray(size * lsq_linear(triangle, target / size, (low, high), method="bvls").x)
+    """The least squares solution (F,) within bounds, by an interior point. It divides by the room
+    between bounds and never ends where there is none: numbers without room are held there."""
+    room = np.maximum(high - low, 1e-300)
+    held = room <= NARROW * max(float(np.abs(target).max()), float(np.abs(triangle).max()))
+    x, free = np.where(held, low, 0.0), ~held
+    if not free.any():
+        return x
+    rest = target - triangle[:, held] @ x[held]
+    inside = low[free] - 1e-12 * room[free], high[free] + 1e-12 * room[free]
+    x[free] = lsq_linear(triangle[:, free], rest, bounds=inside).x
+    return x
 
 
 def inverse_of(gram: Array) -> Array:
