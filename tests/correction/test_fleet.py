@@ -49,7 +49,9 @@ def test_a_phase_that_nothing_held_is_no_change() -> None:
 
 def test_a_phase_that_differs_is_told() -> None:
     known = {0: estimate((3.0, 0.01)), 1: estimate((-2.0, 0.01))}
-    assert _against(1, known, [(0, 0, "phase")], 1) is not None
+    found = _against(1, known, [(0, 0, "phase")], 1)
+    assert found is not None
+    assert found.value[0] - found.others[0] == pytest.approx(2 * np.pi - 5.0)
 
 
 @pytest.mark.parametrize(

@@ -153,6 +153,7 @@ def _against(
     offset, spread = mine.value - rest.value, mine.covariance + rest.covariance
     turning = [key == "phase" for *_, key in keys]
     offset = np.where(turning, np.remainder(offset + np.pi, 2 * np.pi) - np.pi, offset)
+    rest = _Estimate(np.where(turning, mine.value - offset, rest.value), rest.covariance)
     distance = float(offset @ np.linalg.pinv(spread, hermitian=True) @ offset)
     chance = float(chdtrc(offset.size, distance))
     size = np.abs(offset) / np.sqrt(np.diag(spread))

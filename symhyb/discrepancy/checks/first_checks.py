@@ -32,6 +32,7 @@ from symhyb.discrepancy.recorded.runs import Run
 from symhyb.discrepancy.recorded.signals import acting, driving, measured
 from symhyb.discrepancy.results import Repeats
 from symhyb.discrepancy.words.wording import joined
+from symhyb.judgement import RUNAWAY
 from symhyb.model.types import Model
 from symhyb.numeric.kernels.buffers import Array, on_lines
 from symhyb.numeric.lowered.dynamics import state_form
@@ -42,7 +43,6 @@ from symhyb.numeric.runs.integrate import LEFT, simulate
 from symhyb.numeric.runs.scenario import Scenario
 
 SAMPLES_MOST = 10_000  # of a recording: longer ones are averaged in blocks, or cut
-FAR = 100.0  # of the largest recorded size: where a state is so large its free run says no more
 Value = TypeVar("Value")
 
 
@@ -136,11 +136,10 @@ def first_checks(
         skipped["delays"] = "no channel can be held against others, or against a force"
     standing = kept("rest", _standstill(machine, motion, course))
     swings = kept("modes", _swings(machine, corrected, course))
-    away = ""
-    runs = simulated
-    if runs is None:
-        runs, away = _free_run(machine, thin, course)
-    base = recording if simulated is not None else thin
+    if simulated is not None:
+        base, runs, away = recording, simulated, ""
+    else:
+        base, (runs, away) = thin, _free_run(machine, thin, course)
     responses = kept("response", _responses(machine, base, runs))
     balance = kept("energy", balance_of(machine, motion, course))
     return FirstChecks(
@@ -232,7 +231,7 @@ def _free_run(
         size,
         z=course.z[0],
         given=on_lines(recording.t, course.drive[:, form.inputs :], t_u) if form.given else None,
-        bound=FAR * size,
+        bound=RUNAWAY * size,
     )
     run = simulate(machine, scenario)
     names = [sensor.name for sensor in machine.model.sensors]
@@ -240,7 +239,9 @@ def _free_run(
     if run.complete:
         return runs, ""
     end = float(run.t[np.argmin(np.isfinite(run.q).all(axis=1))] - run.t[0])
-    why = f"is {FAR:g} times beyond what was recorded" if run.reason.startswith(LEFT) else "stops"
+    why = (
+        f"is {RUNAWAY:g} times beyond what was recorded" if run.reason.startswith(LEFT) else "stops"
+    )
     return runs, (
         f"the model alone, simulated from the recorded start, {why} after {end:.3g} s: it has no "
         "response to be held beside these"

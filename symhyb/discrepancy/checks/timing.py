@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.course import Course
@@ -127,6 +128,8 @@ def _inputs(machine: Machine, motion: Motion, course: Course) -> Iterator[Late]:
     c, against = course, "the recorded motion"
     (slopes,) = along(machine.input_matrix, (c.q, c.v, c.t, machine.values), (3,), c.t.size)
     by = slopes.reshape(c.t.size, len(model.inputs), machine.n)[:, :, free]  # (N, k, free)
+    inside = _inside(c.t, motion)
+    ordinary = [_orthonormal(_ordinary(c, free, i)[inside]) for i in free]
     lacking = discrepancy(machine, c, machine.values)[:, free]
     band = force_band(machine, motion, c)[:, free]
     for j, item in enumerate(model.inputs):
@@ -143,7 +146,6 @@ def _inputs(machine: Machine, motion: Motion, course: Course) -> Iterator[Late]:
         target = target / np.where(size > 0, size, 1.0)
         others = [push[:, i] * c.u[:, i : i + 1] for i in range(len(model.inputs)) if i != j]
         noise = float(np.sqrt(np.mean((band / np.where(size > 0, size, 1.0)) ** 2)))
-        ordinary = [_ordinary(c, free, i) for i in free]
         yield _late(item.name, against, c.t, [target, *others], pushing, ordinary, motion, noise)
 
 
@@ -176,7 +178,7 @@ def _sensors(machine: Machine, recording: Recording, motion: Motion) -> Iterator
         def later(delay: float, expected: Array = expected) -> Array:
             return resampled(recording.t, expected, recording.t - delay)[:, None]
 
-        plain = [np.ones((recording.t.size, 1))]
+        plain = [_orthonormal(np.ones((int(_inside(recording.t, motion).sum()), 1)))]
         yield _late(sensor.name, "the other sensors", recording.t, [filled], later, plain, motion)
 
 
@@ -203,25 +205,23 @@ def _late(
     channel: str,
     against: str,
     t: Array,
-    whole: list[Array],
+    columns: list[Array],
     signal: Callable[[float], Array],
-    rows: list[Array],
+    bases: list[Array],
     motion: Motion,
     noise: float = np.inf,
 ) -> Late:
-    """The delay by which a ``signal`` (N, r) is best made of what acts as a ``whole``, the force
-    that is asked for before others, each (N, r), SI, and of columns (N, c) for each of its r
-    ``rows``: the least that they leave of it, first on a grid, then by Newton.
+    """The delay by which a ``signal`` (N, r) is best made of ``columns``, each (N, r), SI, and of
+    what each of its r rows may hold besides, an orthonormal basis (I, k) of the samples that
+    are :func:`_inside`: the least that they leave of it, first on a grid, then by Newton.
     Where they leave more than ``noise`` explains, physics that is missing may feign the delay."""
-    reach = min(REACH * float(motion.periods().min()), REACH_MOST * float(t[-1] - t[0]))
-    inside = (t >= t[0] + reach) & (t <= t[-1] - reach)
-    bases = [_orthonormal(one[inside]) for one in rows]
+    reach, inside = _reach(t, motion), _inside(t, motion)
 
     def without_rows(values: Array) -> Array:
         parts = zip(values[inside].T, bases, strict=True)
         return np.column_stack([one - basis @ (basis.T @ one) for one, basis in parts]).reshape(-1)
 
-    basis = _orthonormal(np.column_stack([without_rows(one) for one in whole]))
+    basis = _orthonormal(np.column_stack([without_rows(one) for one in columns]))
     taken = basis.shape[1] + sum(one.shape[1] for one in bases)
     step = float(np.median(np.diff(t)))
 
@@ -244,7 +244,7 @@ def _late(
     seen = float(slope @ slope)
     if seen <= SMALL * float(np.sum(change(delay)[inside] ** 2)):
         return Late(channel, against, None, np.inf, False, UNTOLD)
-    together = correlation_time([left.reshape(1, -1)], len(rows))
+    together = correlation_time([left.reshape(1, -1)], len(bases))
     variance = float(left @ left) / max(left.size - taken - 1, 1)
     sd = float(np.sqrt(variance * together / seen))
     if sd > reach:
@@ -261,6 +261,17 @@ def _late(
         return Late(channel, against, delay, sd, False, FEIGNED)
     claimed = abs(delay) > SURE * sd and abs(delay) > DELAY_LEAST * step
     return Late(channel, against, delay, sd, claimed)
+
+
+def _reach(t: Array, motion: Motion) -> float:
+    """The longest delay, s, that is looked for in signals at ``t`` (N,)."""
+    return min(REACH * float(motion.periods().min()), REACH_MOST * float(t[-1] - t[0]))
+
+
+def _inside(t: Array, motion: Motion) -> NDArray[np.bool_]:
+    """The samples (N,) that stay within the recording however late a signal may be."""
+    reach = _reach(t, motion)
+    return np.asarray((t >= t[0] + reach) & (t <= t[-1] - reach))
 
 
 def _orthonormal(columns: Array) -> Array:

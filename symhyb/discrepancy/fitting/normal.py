@@ -9,7 +9,7 @@ from scipy.optimize import lsq_linear
 from symhyb.numeric.kernels.buffers import Array
 
 UNSEEN = 1e-13  # of the largest eigenvalue of a scaled normal matrix
-NARROW = 1e-12  # of the largest number of a target: no room between bounds
+NARROW = 1e-12  # of the largest number of a scaled problem: no room between bounds
 DEPENDENT = 1e-10  # the same, below which columns are one and the same: their share is split
 
 
@@ -33,8 +33,9 @@ def bounded_step(gram: Array, right: Array, damping: float, lower: Array, upper:
 
 def _bounded(triangle: Array, target: Array, low: Array, high: Array) -> Array:
     """The least squares solution (F,) within bounds, by an interior point. It divides by the room
-    between bounds and never ends where there is none: numbers without room are held there."""
-    room = np.maximum(high - low, 1e-300)
+    between bounds and never ends where there is none: numbers without room are held there. The
+    solver's bounds are a share of the room wider, so that one without another is none to it."""
+    room = high - low
     held = room <= NARROW * max(float(np.abs(target).max()), float(np.abs(triangle).max()))
     x, free = np.where(held, low, 0.0), ~held
     if not free.any():

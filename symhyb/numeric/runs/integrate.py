@@ -116,8 +116,8 @@ def simulate(
     stiff = _stiff(form, scenario, drive, start, values)
     explicit = _explicit(form, scenario, drive, start, values, stiff)
     if explicit is not None:
-        left = _left(scenario, scenario.t, explicit)
-        x, reason, note = closed_rows(form, scenario, drive, explicit, values, left)
+        x, left = _within(scenario.bound, scenario.t, explicit)
+        x, reason, note = closed_rows(form, scenario, drive, x, values, left)
         if reason == left:
             run = _observe(form, scenario, drive, x, values, reason, "explicit")
             return replace(run, note=note)
@@ -148,17 +148,15 @@ def _explicit(
     return explicit_states(rates, course, scenario.scales, tolerances, stiff)
 
 
-def _left(scenario: Scenario, t: Array, x: Array) -> str:
-    """Where states (N, X) at ``t`` (N,) leave the bound that a scenario sets, from where on they
-    become NaN, as the reason why the run ends; empty if nowhere."""
-    if scenario.bound is None:
-        return ""
-    far = ~(np.abs(x) <= scenario.bound).all(axis=1)
+def _within(bound: Array | None, t: Array, x: Array) -> tuple[Array, str]:
+    """States (N, X) at ``t`` (N,), NaN from where one is beyond its ``bound`` (X,), SI, and why the
+    run ends there; empty if it does not."""
+    if bound is None:
+        return x, ""
+    far = np.maximum.accumulate(~(np.abs(x) <= bound).all(axis=1))
     if not far.any():
-        return ""
-    end = int(np.argmax(far))
-    x[end:] = np.nan
-    return f"{LEFT} by {t[end]:.6g} s"
+        return x, ""
+    return np.where(far[:, None], np.nan, x), f"{LEFT} by {t[np.argmax(far)]:.6g} s"
 
 
 def _bent(scenario: Scenario, machine: Machine) -> Scenario:
@@ -284,7 +282,7 @@ def _integrate(
         if reason:
             reason += culprits(form.machine.model)
             break
-        reason = _left(scenario, grid[: last + 1], x[: last + 1])
+        x[first : last + 1], reason = _within(scenario.bound, span, x[first : last + 1])
         if reason:
             break
     return x[np.searchsorted(grid, t)], reason
