@@ -44,35 +44,50 @@ class Attitude:
     rates: tuple[tuple[sp.Symbol, sp.Expr], ...] = ()
 
 
+@dataclass(frozen=True, slots=True)
+class Turn:
+    """One step by which a body is turned: its ``axes`` (3, 3) as columns in those before, what it
+    adds to ω, ``spin`` (3,) in the axes after it, and the ``rates`` that this names by symbols."""
+
+    axes: Matrix
+    spin: Vector
+    rates: tuple[tuple[sp.Symbol, sp.Expr], ...] = ()
+
+
 def turned(body: Body, before: Attitude, symbols: Symbols) -> Attitude:
     """The attitude of a body that hangs on a frame (the ground for one that stands free)."""
-    match body.turned:
-        case Rotations(steps):
-            for axis, angle in steps:
-                before = _step(before, "xyz".index(axis), to_sympy(angle, symbols.scope), symbols)
-            return before
-        case Quaternion(parts):
-            w, *x = (symbols.scope[name, 0] for name in parts)
-            rate, *slope = (symbols.scope[name, 1] for name in parts)
-            axes = quaternion_axes(w, tuple(x))
-            own = quaternion_spin(w, tuple(x), rate, tuple(slope))
-            carried = across(axes, before.omega)
-            omega = tuple(a + b for a, b in zip(carried, own, strict=True))
-            return Attitude(product(before.axes, axes), omega, before.rates)
+    for turn in turns_of(body, symbols):
+        carried = across(turn.axes, before.omega)
+        omega = tuple(sp.Add(*two) for two in zip(carried, turn.spin, strict=True))
+        before = Attitude(product(before.axes, turn.axes), omega, before.rates + turn.rates)
     return before
 
 
-def _step(before: Attitude, axis: int, angle: sp.Expr, symbols: Symbols) -> Attitude:
-    """One more rotation by ``angle`` about the axis of that index."""
+def turns_of(body: Body, symbols: Symbols) -> tuple[Turn, ...]:
+    """The steps by which a body in space is turned, in their order."""
+    match body.turned:
+        case Rotations(steps):
+            return tuple(
+                _about("xyz".index(axis), to_sympy(angle, symbols.scope), symbols)
+                for axis, angle in steps
+            )
+        case Quaternion(parts):
+            w, *x = (symbols.scope[name, 0] for name in parts)
+            rate, *slope = (symbols.scope[name, 1] for name in parts)
+            spin = quaternion_spin(w, tuple(x), rate, tuple(slope))
+            return (Turn(quaternion_axes(w, tuple(x)), spin),)
+    return ()
+
+
+def _about(axis: int, angle: sp.Expr, symbols: Symbols) -> Turn:
+    """A turn by ``angle`` about the axis of that index."""
     c, s = sp.cos(angle), sp.sin(angle)
     j, k = (axis + 1) % 3, (axis + 2) % 3
     rows = [[ONE if m == n else ZERO for n in range(3)] for m in range(3)]
     rows[j][j], rows[j][k], rows[k][j], rows[k][k] = c, -s, s, c
-    step = tuple(map(tuple, rows))
     rate, named = _rate(angle, symbols)
-    omega = list(across(step, before.omega))
-    omega[axis] += rate
-    return Attitude(product(before.axes, step), tuple(omega), before.rates + named)
+    spin = tuple(rate if m == axis else ZERO for m in range(3))
+    return Turn(tuple(map(tuple, rows)), spin, named)
 
 
 def _rate(

@@ -14,14 +14,26 @@ from dataclasses import dataclass
 import sympy as sp
 
 from symhyb.laws.maths import Action, Motion
-from symhyb.mechanics.attitude import Vector, across, along, tensor_of
+from symhyb.mechanics.attitude import Turn, Vector, across, along, tensor_of, turns_of
 from symhyb.mechanics.kinematics import Geometry, geometry, located, stretch_of
 from symhyb.mechanics.laws import ZERO, acting, action_of
 from symhyb.mechanics.symbols import Symbols, symbols_of, to_sympy
 from symhyb.model.expression import Expression, Reading, readings
 from symhyb.model.space import dimension
-from symhyb.model.types import At, Element, Model, On, Quaternion
+from symhyb.model.types import At, Body, Element, Model, On, Quaternion
 from symhyb.model.vocabulary import KINDS
+
+
+@dataclass(frozen=True, slots=True)
+class Link:
+    """How a body in space hangs on its ``parent`` (the ground, if empty): its ``joint`` (3,) in the
+    axes of the parent, m, the ``turns`` from those axes to its own, and the ``centre`` (3,) of its
+    mass in these, m. One that stands free has its centre for a joint, on the ground."""
+
+    parent: str
+    joint: Vector
+    turns: tuple[Turn, ...]
+    centre: Vector
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +41,7 @@ class Mass:
     """What a body adds to T: ``mass`` (kg) at ``centre`` (m), ``inertia`` (kg·m²) turned by
     ``angle``; and in gravity to V. In space ½ ωᵀJω: ``tensor`` J (6,) in the axes of the body and
     its angular velocity ``omega`` (3,). ``quaternion`` are the four symbols q and their rates by
-    which it is turned, if it is turned so."""
+    which it is turned, if it is turned so; ``link`` is how it hangs on others."""
 
     body: str
     mass: sp.Expr
@@ -39,6 +51,7 @@ class Mass:
     tensor: Vector = ()
     omega: Vector = ()
     quaternion: tuple[Vector, Vector] | None = None
+    link: Link | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,6 +128,7 @@ def derive(model: Model) -> Equations:
             tensor_of(body, symbols) if spatial else (),
             places.attitude(body.name).omega if spatial else (),
             _quaternion(body.turned, symbols) if isinstance(body.turned, Quaternion) else None,
+            _link(body, symbols) if spatial else None,
         )
         for body in model.bodies
     )
@@ -150,6 +164,13 @@ def _optional(expression: Expression | None, symbols: Symbols) -> sp.Expr:
 def _quaternion(turned: Quaternion, symbols: Symbols) -> tuple[Vector, Vector]:
     q, v = (tuple(symbols.scope[name, order] for name in turned.parts) for order in (0, 1))
     return q, v
+
+
+def _link(body: Body, symbols: Symbols) -> Link:
+    at, turns = located(body.at, symbols), turns_of(body, symbols)
+    if body.joint is None:
+        return Link("", at, turns, (ZERO, ZERO, ZERO))
+    return Link(body.parent, located(body.joint, symbols), turns, at)
 
 
 def _term(

@@ -6,14 +6,16 @@ separate common-subexpression pass (measured 14–60 times faster than ``lambdif
 
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from itertools import chain
 
 import casadi as ca
 import sympy as sp
 
-from symhyb.mechanics.attitude import Vector, spun
+from symhyb.mechanics.attitude import Vector
 from symhyb.mechanics.equations import Couple, Equations, Mass, Term, Vectorial
 from symhyb.mechanics.symbols import reading_symbol
 from symhyb.model.expression import Reading
+from symhyb.numeric.lowered import links
 
 SUMS_KEPT = 16  # enough for the few sums that a link of a chain adds
 STILL = 1e-9  # m/s: below, the direction of a point's velocity fades
@@ -156,6 +158,7 @@ class Lowered:
         self._rates = self._rates_of(equations)
         for symbol, angle in _turns(equations):
             self._lower.define(symbol, self._rates[angle])
+        self._velocities = links.velocities(equations.masses, self._column_of, self._rate)
         for body in equations.masses:
             self._add_mass(body)
         self.forces: list[ca.SX] = []
@@ -187,7 +190,8 @@ class Lowered:
         that of the link before, as the positions do."""
         moving: list[sp.Expr] = []
         for body in equations.masses:
-            moving += [*body.centre, body.angle]
+            moving += [] if body.link else [*body.centre, body.angle]
+        moving += chain.from_iterable(links.moving(equations.masses))
         moving += [angle for _, angle in _turns(equations)]
         for term in equations.terms:
             if not isinstance(term, Couple):
@@ -217,13 +221,19 @@ class Lowered:
 
     def _add_mass(self, body: Mass) -> None:
         mass, centre = self._lower(body.mass), self._column_of(body.centre)
-        self.kinetic += mass * ca.sumsqr(self._rate(body.centre)) / 2
         self.potential -= mass * ca.dot(self._column_of(self._equations.gravity), centre)
-        if body.inertia != 0:
-            self.kinetic += self._lower(body.inertia) * self._rate([body.angle]) ** 2 / 2
+        if body.link is None:
+            self.kinetic += mass * ca.sumsqr(self._rate(body.centre)) / 2
+            if body.inertia != 0:
+                self.kinetic += self._lower(body.inertia) * self._rate([body.angle]) ** 2 / 2
+            return
+        velocity, omega = self._velocities[body.body]
+        self.kinetic += mass * ca.sumsqr(velocity) / 2
         if body.tensor:
-            omega = self._column_of(body.omega)
-            self.kinetic += ca.dot(omega, self._column_of(spun(body.tensor, body.omega))) / 2
+            xx, yy, zz, xy, xz, yz = map(self._lower, body.tensor)
+            rows = ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
+            tensor = ca.sparsify(ca.vertcat(*(ca.horzcat(*row) for row in rows)))
+            self.kinetic += ca.dot(omega, ca.mtimes(tensor, omega)) / 2
         if body.quaternion is not None:
             self._guide(body, *body.quaternion)
 
