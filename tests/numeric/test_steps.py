@@ -19,9 +19,10 @@ from builders import (
 )
 from numpy.typing import ArrayLike, NDArray
 
+from symhyb.numeric.kernels.buffers import call
 from symhyb.numeric.lowered.dynamics import state_form
 from symhyb.numeric.lowered.machine import Machine, build
-from symhyb.numeric.lowered.steps import factored, rosenbrock_step, solved
+from symhyb.numeric.lowered.steps import factored, rosenbrock_step, solved, step_and_middle
 
 Array = NDArray[np.float64]
 INPUT: Mapping[str, Entries] = {"f": {"unit": "N"}}
@@ -184,3 +185,16 @@ def test_a_zero_that_is_written_is_no_nonzero() -> None:
     matrix = ca.SX.eye(2)
     matrix[1, 0] = 0 * ca.SX.sym("a")
     assert [sorted(row) for row in factored(matrix)] == [[0], [1]]
+
+
+def test_the_state_in_the_middle_of_a_step_is_accurate_to_third_order() -> None:
+    machine = driven()
+    form, start = state_form(machine), np.array([0.3, -0.2])
+    both, errors = step_and_middle(form), []
+    for h in (0.02, 0.01):
+        inputs = (np.zeros(1), np.full(1, 0.7 * h), 0.0, h, machine.values)
+        (after,), (middle,) = call(both, (start, *inputs))
+        assert after == pytest.approx(march(machine, start, h, 1, 0.7), abs=1e-14)
+        errors.append(np.linalg.norm(middle - march(machine, start, h / 2, 8, 0.7)))
+    assert errors[1] > 1e-12
+    assert np.log2(errors[0] / errors[1]) > 3.5  # of one step

@@ -9,8 +9,10 @@ from builders import cart_pole, damper, model_of, oscillator, push, run, spring
 from numpy.typing import NDArray
 
 from symhyb.model.types import Model
+from symhyb.numeric.kernels import memory
 from symhyb.numeric.lowered.machine import Machine, build
-from symhyb.numeric.runs.windows import Block, WindowModel
+from symhyb.numeric.runs import window_steps
+from symhyb.numeric.runs.windows import Block, Linear, WindowModel
 
 Array = NDArray[np.float64]
 
@@ -301,3 +303,47 @@ def test_windows_of_many_lengths_are_linearised_without_a_free_parameter() -> No
         return model.simulate(windows, start + step * np.eye(4)[0], machine.values)[1]
 
     assert linear.from_start()[..., 0] == pytest.approx(slope(seen, 1e-3), rel=1e-6, abs=1e-6)
+
+
+def taken(machine: Machine, windows: Block, start: Array, measured: Array | None = None) -> Linear:
+    """Slopes along simulated windows, or along a measured motion; anew, as a limit has changed."""
+    memory._kept.clear()
+    model = WindowModel(machine, (0, 1))
+    if measured is not None:
+        return model.along(windows, measured, machine.values)
+    return model.differentiate(windows, start, machine.values, forces=True)
+
+
+@pytest.mark.parametrize("windows_many", [3, 12])
+def test_slopes_of_large_machines_are_those_of_whole_steps(
+    windows_many: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Taken from the slopes of the rates they differ by the error of the integration."""
+    machine = build(cart_pole())
+    t = uneven(windows_many, 30, seed=1)
+    u = 2 * np.sin(5 * t)[..., None]
+    start = np.random.default_rng(2).normal(size=(windows_many, 4)) * [0.1, 0.5, 0.3, 1.0]
+    gaps = []
+    for substeps in (4, 8):
+        windows = block(t, u, 3, substeps=substeps)
+        whole = taken(machine, windows, start)
+        anew = taken(machine, windows, start, whole.x + 0.01)
+        with monkeypatch.context() as patch:
+            patch.setattr(window_steps, "RATES_LARGE", 0)
+            staged = taken(machine, windows, start)
+            along = taken(machine, windows, start, whole.x + 0.01)
+        pairs = (
+            (whole.x, staged.x),
+            (whole.from_start(), staged.from_start()),
+            (whole.from_free(), staged.from_free()),
+            (whole.left, staged.left),
+            (whole.right, staged.right),
+            (anew.transition, along.transition),
+            (anew.by_free, along.by_free),
+            (anew.defect, along.defect),
+        )
+        gaps.append([np.abs(a - b).max() / np.abs(a).max() for a, b in pairs])
+    memory._kept.clear()
+    assert gaps[0][0] == gaps[0][-1] == 0  # the motion is the same to the last bit
+    assert max(gaps[0]) < 1e-2
+    assert all(fine < coarse / 4 for coarse, fine in zip(*gaps, strict=True) if coarse)

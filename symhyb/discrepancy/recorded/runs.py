@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.course import course_of
@@ -104,8 +105,8 @@ def with_noise(runs: Sequence[Run], sd: Array, model: WindowModel) -> tuple[Run,
 
 def _steps_needed(model: WindowModel, run: Run) -> int:
     """Steps between samples at which twice as many change the outputs by less than a tenth of the
-    noise in nine of ten windows of one period along the measured motion; where the model as given
-    runs away from the recording, its error says nothing."""
+    noise in nine of ten windows of one period along the measured motion; from where the model as
+    given has run away from the recording, its error says nothing."""
     length = float(run.motion.periods().min())
     samples = run.recording.t.size - 1
 
@@ -178,8 +179,16 @@ def _enough(
         with np.errstate(over="ignore", invalid="ignore"):
             _, fine = model.simulate(cuts.block, cuts.start, values)
             if coarse is not None:
-                error = np.sqrt(np.mean((fine - coarse) ** 2, axis=1))
+                near = _near(fine, cuts.block.y, reach)
+                error = np.sqrt(np.mean(np.where(near, fine - coarse, 0.0) ** 2, axis=1))
                 if np.mean((error > allowed).any(axis=1)) <= WINDOWS_WORSE:
                     return steps // 2
         coarse, steps = fine, 2 * steps
     return most
+
+
+def _near(simulated: Array, measured: Array, reach: Array) -> NDArray[np.bool_]:
+    """The samples (W, L, 1) until which no output (W, L, m) has left what was measured by more
+    than ``reach`` (m,), the range of its sensor, SI."""
+    gone = (~(np.abs(simulated - measured) <= reach) & np.isfinite(measured)).any(axis=2)
+    return ~np.maximum.accumulate(gone, axis=1)[..., None]

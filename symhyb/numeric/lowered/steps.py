@@ -1,11 +1,13 @@
-"""One integration step as a CasADi function of state, inputs, parameters and a test force.
+"""One integration step as a CasADi function of state, inputs, parameters and a test force, and the
+slopes of the rates along it.
 
 Windows of a recording are integrated on the grid of its samples. CVODES would restart at every
 sample of a recorded input; an L-stable Rosenbrock method with a fixed step does not, stands
 the steep slope of dry friction, and is differentiated exactly.
 
-Source: Hairer & Wanner, Solving ODEs II, RODAS4 (order 4, stiffly accurate), with the reduction
-for second-order systems to as many equations as there are speeds and inner states.
+Source: Hairer & Wanner, Solving ODEs II, RODAS4 (order 4, stiffly accurate; order 3 within the
+step), with the reduction for second-order systems to as many equations as there are speeds and
+inner states.
 """
 
 import casadi as ca
@@ -35,6 +37,22 @@ _C = (
     ),
 )
 _M = (1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950, 1.0, 1.0)
+_WITHIN = (
+    (
+        10.12623508344586,
+        -7.487995877610167,
+        -34.80091861555747,
+        -7.992771707568823,
+        1.025137723295662,
+    ),
+    (
+        -0.6762803392801253,
+        6.087714651680015,
+        16.43084320892478,
+        24.76722511418386,
+        -6.594389125716872,
+    ),
+)
 _ALPHA = (0.0, 0.386, 0.21, 0.63, 1.0, 1.0)
 _GAMMA = (0.25, -0.1043, 0.1035, -0.0362, 0.0, 0.0)
 _DIAGONAL = 0.25
@@ -48,6 +66,19 @@ def rosenbrock_step(form: StateForm) -> ca.Function:
     The drive runs linearly from d0 to d1 over the step (first-order hold); w (n) is an extra
     generalized force, constant over the step. A step with h = 0 returns x.
     """
+    given, after, _ = _step(form)
+    return ca.Function("step", given, [after], {"cse": True})
+
+
+def step_and_middle(form: StateForm) -> ca.Function:
+    """The same without test force, (x, d0, d1, t, h, p) -> x after the step, and in its middle."""
+    (*given, w), *both = _step(form)
+    parts = [ca.substitute(part, w, 0 * w) for part in both]
+    return ca.Function("step", given, parts, {"cse": True})
+
+
+def _step(form: StateForm) -> tuple[list[ca.SX], ca.SX, ca.SX]:
+    """The arguments of a step, and x after it and in its middle."""
     f, size = len(form.free), form.size
     x, d0, t, p, w = form.symbols()
     d1, h, s = ca.SX.sym("d1", form.drive), ca.SX.sym("h"), ca.SX.sym("s")
@@ -73,7 +104,20 @@ def rosenbrock_step(form: StateForm) -> ca.Function:
         dy = solved(rows, right_y + step * ca.mtimes(by_q, right_q))
         stages.append((right_q + step * dy[:f, 0], dy))
     after = ca.vertcat(*_combined(_M, stages, q0, y0))
-    return ca.Function("step", [x, d0, d1, t, h, p, w], [after], {"cse": True})
+    bent, more = (ca.vertcat(*_combined(row, stages[:5], 0 * q0, 0 * y0)) for row in _WITHIN)
+    middle = (x + after) / 2 + (bent + more / 2) / 4
+    return [x, d0, d1, t, h, p, w], after, middle
+
+
+def rate_slopes(form: StateForm, free: list[int], forces: bool) -> ca.Function:
+    """(x, d, t, p) -> slopes of the rates of v_free and z by x, the ``free`` parameters (columns of
+    p) and, if asked for, test ``forces``: (X − n_free, X + F + n), SI."""
+    x, d, t, p, w = form.symbols()
+    rates = form.rates()(x, d, t, p, w)
+    parts = [ca.jacobian(rates, x), ca.jacobian(rates, p)[:, free]]
+    parts += [ca.jacobian(rates, w)] if forces else []
+    slopes = ca.substitute(ca.densify(ca.horzcat(*parts)), w, 0 * w)
+    return ca.Function("rate_slopes", [x, d, t, p], [slopes], {"cse": True})
 
 
 def _combined(

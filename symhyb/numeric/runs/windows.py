@@ -251,16 +251,20 @@ class WindowModel:
         """All outputs of steps (S, entries) that begin anew at ``begins`` (C,) from ``starts`` (C,
         X), with the arguments ``given`` (S, rows) of each.
 
-        A few long chains would leave most lanes of the machine empty: their slopes are taken step
-        by step, each from where a plain run came to.
+        A few long chains would leave most lanes of the machine empty, and slopes of large machines
+        are taken from their rates: step by step, each from where a plain run came to.
         """
-        total = len(given[0])
-        if what == "plain" or begins.size >= LANES or total <= LANES * begins.size:
+        total, large = len(given[0]), self._steps.large
+        together = begins.size >= LANES or total <= LANES * begins.size
+        if what == "plain" or (together and not large):
             return self._applied(what, begins, starts, given, p)
-        (after,) = self._applied("plain", begins, starts, given, p)
+        after, *middle = self._applied("middle" if large else "plain", begins, starts, given, p)
         before = np.concatenate([after[:1], after[:-1]])
         before[begins] = starts
-        return self._applied(what, np.arange(total), before, given, p)
+        if not large:
+            return self._applied(what, np.arange(total), before, given, p)
+        states = before, middle[0], after
+        return [after, *self._steps.slopes(states, given, p, what == "screen")]
 
     def _applied(
         self, what: str, begins: NDArray[np.int64], starts: Array, given: Sequence[Array], p: Array

@@ -1,0 +1,50 @@
+"""Slopes of steps by collocation: of linear rates their exponential; calm where they are stiff."""
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.linalg import expm
+
+from symhyb.numeric.kernels.collocation import collocated
+
+Array = NDArray[np.float64]
+
+
+def exact(rates: Array, h: float, positions: int) -> Array:
+    """Slopes (X, X + C) after ``h`` s of a system with constant slopes ``rates`` (m, X + C)."""
+    m, width = rates.shape
+    whole = np.zeros((width, width))
+    whole[:positions, positions : 2 * positions] = np.eye(positions)
+    whole[positions : positions + m] = rates
+    return np.asarray(expm(h * whole)[: positions + m])
+
+
+def test_constant_slopes_give_their_exponential_to_fourth_order() -> None:
+    rates = np.random.default_rng(1).standard_normal((3, 5 + 2))  # two places, an inner state
+    steps = np.array([0.4, 0.2])
+    made = collocated([np.stack([rates, rates])] * 3, steps, 2)
+    errors = [np.abs(one - exact(rates, h, 2)).max() for one, h in zip(made, steps, strict=True)]
+    assert errors[0] < 2e-3
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(5, abs=0.4)
+
+
+def test_slopes_that_change_within_a_step_are_followed_to_fourth_order() -> None:
+    """δv' = −c(t) δv with c = 1 + t: δv = exp(−t − t²/2)."""
+    errors = []
+    for h in (0.1, 0.05):
+        nodes = [np.array([[[0.0, -1 - t]]]) for t in (0.0, h / 2, h)]
+        (made,) = collocated(nodes, np.array([h]), 1)
+        errors.append(abs(made[1, 1] - np.exp(-h - h**2 / 2)))
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(5, abs=0.5)
+
+
+def test_what_is_stiff_dies_within_a_step() -> None:
+    (made,) = collocated([np.array([[[0.0, -1e8]]])] * 3, np.array([0.01]), 1)
+    assert made[1, 1] == pytest.approx(0, abs=1e-5)
+    assert made[0] == pytest.approx([1, 0], abs=1e-5)
+
+
+def test_a_step_of_no_length_changes_nothing() -> None:
+    rates = np.random.default_rng(2).standard_normal((1, 2, 6))
+    (made,) = collocated([rates] * 3, np.zeros(1), 2)
+    assert made == pytest.approx(np.eye(4, 6))
