@@ -44,22 +44,36 @@ def design(
 ) -> sparse.csr_array:
     """Rows of the measurements that are ``used`` (N, m), by their ``slopes`` (N, m, n) by q, v and
     a, times ``weights`` (m,), one over the sensor's unit."""
-    rows = []
+    first, values = _compact(basis)
+    n, size = slopes[0].shape[2], basis[0].shape[1]
+    data, columns, counts = [], [], []
     for j in range(used.shape[1]):
         keep = np.flatnonzero(used[:, j])
-        if keep.size == 0:
-            continue
-        cells = []
-        for i in range(slopes[0].shape[2]):
-            parts = [
-                sparse.diags_array(slope[keep, j, i] * weights[j]) @ b[keep]
-                for slope, b in zip(slopes, basis, strict=True)
-                if np.any(slope[keep, j, i])
-            ]
-            nothing = sparse.csr_array((keep.size, basis[0].shape[1]))
-            cells.append(sum(parts[1:], start=parts[0]) if parts else nothing)
-        rows.append(sparse.hstack(cells, format="csr"))
-    return sparse.csr_array(sparse.vstack(rows, format="csr"))
+        leans = np.stack([slope[keep, j] * weights[j] for slope in slopes])  # (3, K, n)
+        acting = np.flatnonzero(leans.any(axis=(0, 1)))
+        entries = sum(
+            lean[:, acting, None] * own[keep, None] for lean, own in zip(leans, values, strict=True)
+        )
+        places = (acting * size)[:, None] + np.arange(DEGREE + 1)
+        data.append(np.ravel(entries))
+        columns.append(np.ravel(first[keep, None, None] + places))
+        counts.append(np.full(keep.size, places.size))
+    ends = np.concatenate([[0], np.cumsum(np.concatenate(counts))])
+    entries = np.concatenate(data), np.concatenate(columns), ends
+    return sparse.csr_array(entries, shape=(ends.size - 1, n * size))
+
+
+def _compact(basis: Sequence[sparse.csr_array]) -> tuple[NDArray[np.int64], list[Array]]:
+    """The first of the coefficients (N,) that each row of the ``basis`` depends on, and its
+    factors (N, 6) of that and the next five."""
+    rows = [np.repeat(np.arange(b.shape[0]), np.diff(b.indptr)) for b in basis]
+    first = np.full(basis[0].shape[0], basis[0].shape[1] - DEGREE - 1)
+    for b, row in zip(basis, rows, strict=True):
+        np.minimum.at(first, row, b.indices)
+    values = [np.zeros((first.size, DEGREE + 1)) for _ in basis]
+    for b, row, own in zip(basis, rows, values, strict=True):
+        own[row, b.indices - first[row]] = b.data
+    return first, values
 
 
 def ridge(normal: sparse.csc_array) -> sparse.csc_array:
