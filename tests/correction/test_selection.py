@@ -168,3 +168,18 @@ def test_a_coefficient_too_small_for_a_name_is_refused() -> None:
     )
     assert solve(reduced, (0,)) is not None
     assert solve(small, (0,)) is None
+
+
+def test_a_column_of_rounding_alone_is_never_chosen(data: tuple[np.ndarray, np.ndarray]) -> None:
+    """Its coefficient would be 1e150 and more, whose square is no number."""
+    columns, right = data
+    columns = columns.copy()
+    columns[:, 4] *= 1e-160
+    sets = [
+        subset.causes
+        for sizes in best_subsets(problem(columns, right), largest=3)
+        for subset in sizes
+    ]
+    assert sets
+    assert all(4 not in causes for causes in sets)
+    assert solve(problem(columns, right), (4,)) is None

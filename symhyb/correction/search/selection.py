@@ -17,6 +17,7 @@ from symhyb.numeric.kernels.buffers import Array
 BEAM = 24
 LARGEST = 5  # causes at once
 AT_ONCE = 2000  # sets that are solved side by side
+UNSEEN = 1e-100  # of the noise for one SI unit: a column that is rounding alone
 CONDITION = 1e10  # of scaled columns: beyond, a subset cannot be distinguished
 
 
@@ -126,7 +127,7 @@ def _side_by_side(problem: Problem, sets: Sequence[tuple[int, ...]]) -> list[Sub
     block = problem.gram[joined[:, :, None], joined[:, None, :]]
     block[:, range(width), range(width)] += problem.prior[joined]
     scale = np.sqrt(np.diagonal(block, axis1=1, axis2=2))
-    able: NDArray[np.int64] = np.flatnonzero(np.all(scale > 0, axis=1))
+    able: NDArray[np.int64] = np.flatnonzero(np.all(scale > UNSEEN, axis=1))
     unit = block[able] / (scale[able, :, None] * scale[able, None, :])
     eigen = np.linalg.eigvalsh(unit)
     clear = eigen[:, 0] >= eigen[:, -1] / CONDITION
@@ -164,7 +165,7 @@ def _fitted(problem: Problem, joined: Sequence[int]) -> Array | None:
         return np.zeros(0)
     block = problem.gram[np.ix_(joined, joined)] + np.diag(problem.prior[joined])
     scale = np.sqrt(np.diag(block))
-    if np.any(scale <= 0):
+    if np.any(scale <= UNSEEN):
         return None
     unit = block / np.outer(scale, scale)
     eigen = np.linalg.eigvalsh(unit)
