@@ -173,15 +173,16 @@ def compare(
     from symhyb.discrepancy.recorded.residual import compare as compare_recording
     from symhyb.model.read import read_model
     from symhyb.numeric.lowered.machine import build
+    from symhyb.steps import Counted
 
     declared, mapped = read_model(model), read_map(columns)
     machine, gaps, checked = build(declared), [], []
     read = [read_recording(one, declared, mapped, span=(start, end)) for one in recordings]
     with progress() as say:
-        for recording in read:
-            say(f"comparing {recording.name}")
+        for done, recording in enumerate(read):
+            say(Counted(f"comparing {recording.name}", done, len(read)))
             gaps.append(compare_recording(machine, recording))
-            say(f"first checks of {recording.name}")
+            say(Counted(f"first checks of {recording.name}", done, len(read)))
             checked.append(first_checks(machine, recording, gaps[-1].motion))
     repeats = repeats_of(declared, read, [gap.motion for gap in gaps])
     pairs = list(zip(gaps, checked, strict=True))

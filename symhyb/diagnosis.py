@@ -5,7 +5,7 @@ trajectories and judged on held windows → the map of places → what was found
 recordings prove; they never choose. docs/method.md has the statistics and what was measured.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from symhyb.correction.adequacy.input_noise import stands, with_input_noise
@@ -43,6 +43,7 @@ from symhyb.discrepancy.results import Diagnosis, Misfit, Repeats
 from symhyb.errors import NumericsError
 from symhyb.model.types import Model
 from symhyb.numeric.kernels.threads import one_thread
+from symhyb.steps import Say
 
 RECORD_NEXT = (
     "a longer run, of at least ten periods of the slowest motion, driven so that every coordinate "
@@ -53,8 +54,6 @@ STILL = (
     "These recordings cannot tell: no sensor changes in any of them, so that the machine stands "
     "still or its sensors are dead. Nothing in them contradicts the model."
 )
-
-Say = Callable[[str], None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,8 +144,8 @@ def _told(
     """What follows from a choice: shares, words, what must not be claimed."""
     nothing, selected = choice.decision.nothing, choice.decision.selected
     final, setting = known.final, choice.setting
-    tell("removing each cause once, for its share")
-    shown = prove(prepared, setting, final, known.stage, known.items)
+    tell("holding the diagnosis against unseen windows")
+    shown = prove(prepared, setting, final, known.stage, known.items, tell)
     held = shown
     if prepared.holdout:  # what is unseen proves and never chooses
         held = prove(replace(prepared, holdout=()), setting, final, known.stage, ())

@@ -3,7 +3,7 @@
 import json
 import os
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -16,11 +16,10 @@ from symhyb.model.write import write_model
 from symhyb.report.files import write_diagnosis, write_simulation
 from symhyb.report.learned import learned_json, render_learned
 from symhyb.report.learned_document import LearnedDocument
+from symhyb.steps import Say
 from symhyb.study import StudyResult, carry_out, read_all, sha256_of, versions
 from symhyb.study_file import Study
 from symhyb.writing import staged
-
-Say = Callable[[str], None]
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,7 @@ that want their own way are offered here by the same names: what is lacking alon
 laws of it, and simulation with them. docs/learn.md has both.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
@@ -57,6 +57,7 @@ from symhyb.numeric.runs.formulations import (
     Terms,
     simulate_corrected,
 )
+from symhyb.steps import Say
 
 __all__ = [
     "Chosen",
@@ -83,7 +84,6 @@ __all__ = [
     "values_along",
 ]
 
-Say = Callable[[str], None]
 By = Literal["sparse", "network"]
 FORMULATIONS: tuple[str, ...] = get_args(Formulation)
 STILL = "no sensor changes in any of these recordings, so that nothing can be learned from them"

@@ -42,10 +42,10 @@ from symhyb.model.write import write_model
 from symhyb.numeric.lowered.machine import build
 from symhyb.report.contract import exit_status, to_json
 from symhyb.report.files import write_diagnosis, write_report, write_simulation
+from symhyb.steps import Say
 from symhyb.study_file import Source, Study, read_study
 from symhyb.writing import require_folder, staged
 
-Say = Callable[[str], None]
 LIBRARIES = ("numpy", "scipy", "casadi", "sympy", "pysindy", "scikit-learn")
 
 

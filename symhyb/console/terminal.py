@@ -1,17 +1,18 @@
 """What all verbs share: progress, notes, options that are read, files of a run."""
 
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rich.console import Console
-from rich.markup import escape
 
+from symhyb.console.progress_line import ProgressLine, live
 from symhyb.errors import InputError, Problem
 from symhyb.fault import SO_FAR, STAGE
 from symhyb.interruption import is_interruption
+from symhyb.steps import Say
 from symhyb.writing import require_folder, write_file
 
 if TYPE_CHECKING:  # a verb that only reads a file need not load the numerics
@@ -29,20 +30,20 @@ def table_console() -> Console:
 
 
 @contextmanager
-def progress() -> Iterator[Callable[[str], None]]:
-    """Yield ``say(step)``, which shows the step on a terminal and is silent elsewhere. An
-    error that nobody expected learns in which step it happened; an interruption says so, and what
-    was known by then."""
-    console, last = Console(stderr=True), ["starting"]
-    status = console.status("") if console.is_terminal else None
+def progress(console: Console | None = None) -> Iterator[Say]:
+    """Yield ``say(step)``, which shows the step, for how long all has taken and, of a
+    :class:`~symhyb.steps.Counted` one, how much time is left, in one line of a terminal; it is
+    silent elsewhere. An error that nobody expected learns in which step it happened; an
+    interruption says so, and what was known by then."""
+    console = console or Console(stderr=True)
+    last, line = ["starting"], ProgressLine()
 
     def say(step: str) -> None:
         last[0] = step
-        if status is not None:
-            status.update(escape(step))
+        line.say(step)
 
     try:
-        with status or nullcontext():
+        with live(console, line) if console.is_terminal else nullcontext():
             yield say
     except (KeyboardInterrupt, Exception) as stop:
         if is_interruption(stop):

@@ -22,20 +22,26 @@ from symhyb.correction.search.setting import Setting
 from symhyb.correction.search.trajectory import Refined
 from symhyb.judgement import CLOSE
 from symhyb.model.vocabulary import steep
+from symhyb.steps import Say, counted, silent
+
+STEP = "holding what is close against whole recordings"
 
 
-def settled(prepared: Prepared, setting: Setting, decision: Decision) -> Decision:
+def settled(
+    prepared: Prepared, setting: Setting, decision: Decision, say: Say = silent
+) -> Decision:
     """The decision with the structure selected among those of almost its score. Where none is so
     close beside a steep law, along which fits to windows end in minima of their own, among its
-    parts."""
+    parts. ``say`` gets the step, counted."""
     finalists = _finalists(setting, decision)
     if len(finalists) == 1 and steep(decision.selected.machine.model):
-        return _needed(prepared, setting, decision)
+        return _needed(prepared, setting, decision, say)
     ground = recorded(prepared, setting) if len(finalists) > 1 else None
     if ground is None:
         return decision
     cuts = setting.stages[-1].cuts
-    found = [followed(ground, trial, (trial, cuts)) for trial in finalists]
+    trials = counted(say, STEP, finalists)
+    found = [followed(ground, trial, (trial, cuts)) for trial in trials]
     stated = np.array([one.evidence for one in found])
     if not np.isfinite(stated).any():  # none of them could be followed along whole recordings
         return decision
@@ -50,7 +56,7 @@ def settled(prepared: Prepared, setting: Setting, decision: Decision) -> Decisio
     return replace(decision, selected=selected, judged=judged, log=(*decision.log, *log))
 
 
-def _needed(prepared: Prepared, setting: Setting, decision: Decision) -> Decision:
+def _needed(prepared: Prepared, setting: Setting, decision: Decision, say: Say) -> Decision:
     """The decision without a cause that whole recordings speak against. Of a parameter that states
     an sd they say nothing: it is free in every structure there, named or not."""
     selected, cuts = decision.selected, setting.stages[-1].cuts
@@ -64,7 +70,8 @@ def _needed(prepared: Prepared, setting: Setting, decision: Decision) -> Decisio
     ground = recorded(prepared, setting) if parts else None
     if ground is None:
         return decision
-    stated = [followed(ground, trial, (trial, cuts)).evidence for trial in (selected, *parts)]
+    trials = counted(say, STEP, (selected, *parts))
+    stated = [followed(ground, trial, (trial, cuts)).evidence for trial in trials]
     best = int(np.argmax(stated))
     if best == 0 or not np.isfinite(stated[best]):
         return decision

@@ -6,7 +6,7 @@ forces where M is constant and couples nothing, F = m Δv', and else stays a cor
 Sizes: N samples, I inputs.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
@@ -27,8 +27,8 @@ from symhyb.model.types import Element, Model, Network, On
 from symhyb.model.weights import keep
 from symhyb.numeric.lowered.network import Weights, stored
 from symhyb.numeric.runs.formulations import Correction, Formulation, Networks
+from symhyb.steps import Counted, Say
 
-Say = Callable[[str], None]
 ROWS_MOST = 6000  # samples that a network is trained on, evenly spread
 NO_FILE = (
     "The rates cannot be written as a model file: a file holds forces, and the mass matrix that "
@@ -120,8 +120,8 @@ def _of_forces(
 ) -> Learnt:
     found: list[One] = []
     corrected = model
-    for on in asked.on:
-        say(f"training a network on {on}")
+    for done, on in enumerate(asked.on):
+        say(Counted(f"training a network on {on}", done, len(asked.on)))
         one: Trained | None = train_network(
             corrected,
             recordings,

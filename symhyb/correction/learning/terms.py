@@ -8,7 +8,7 @@ apart and the simulation can, and kept only where held windows are simulated bet
 that is reported comes from coefficients.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -24,9 +24,10 @@ from symhyb.judgement import ACCURACY
 from symhyb.mechanics.mass_text import mass_texts
 from symhyb.model.types import Model
 from symhyb.numeric.runs.formulations import Correction, Formulation, Terms
+from symhyb.steps import Say
 
 ROUNDS = 3  # of dropping terms and exchanging one
-Say = Callable[[str], None]
+
 NO_FILE = (
     "The rates cannot be written as a model file: a file holds forces, and the mass matrix that "
     "turns rates into forces cannot be written as expressions here. The terms are in learned.json."

@@ -38,12 +38,13 @@ from symhyb.correction.search.selection import Problem, Subset, best_subsets, wi
 from symhyb.correction.search.setting import Setting, along_motion
 from symhyb.correction.search.so_far import fits_best, if_interrupted
 from symhyb.correction.search.trajectory import Refined, grouped
-from symhyb.correction.search.trials import Row, Say, Trials, first_guess
+from symhyb.correction.search.trials import Row, Trials, first_guess
 from symhyb.correction.search.twins import exact_twins
 from symhyb.correction.search.variants import variants_of
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.judgement import NEAR_NOISE, SIGNIFICANT, UNEXPLAINED
 from symhyb.numeric.kernels.buffers import Array
+from symhyb.steps import Say
 
 ROUNDS = 12
 CLOSE_MOST = 8  # structures that are decided among, with the selected one

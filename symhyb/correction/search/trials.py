@@ -1,6 +1,6 @@
 """Structures refined at the longest windows, each once."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -9,10 +9,10 @@ from symhyb.correction.search.setting import Setting, Stage, around
 from symhyb.correction.search.trajectory import Refined, grouped, refine
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.numeric.kernels.buffers import Array
+from symhyb.steps import Say
 
 NEXT_TO_NONE = 1e-3  # of the mean of the others: where a recording without a cause begins
 
-Say = Callable[[str], None]
 Row = dict[str, float]
 
 

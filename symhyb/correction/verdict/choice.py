@@ -4,7 +4,7 @@ Where an effect begins or ends on the way its law is sought where it acts; a rec
 fit the others is named, and does not choose with them.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from symhyb.correction.adequacy.finalists import settled
@@ -22,8 +22,7 @@ from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.places.locate import locate
 from symhyb.discrepancy.results import Change, Misfit, PlaceShare
 from symhyb.judgement import SIGNIFICANT
-
-Say = Callable[[str], None]
+from symhyb.steps import Say
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +53,7 @@ def choose(prepared: Prepared, setting: Setting, say: Say) -> Choice:
 def chosen_again(prepared: Prepared, setting: Setting, choice: Choice, say: Say) -> Choice:
     """A choice in another ``setting``, whose noise is another one: among the structures that were
     close."""
-    decision = settled(prepared, setting, decide_among(setting, choice.decision, say))
+    decision = settled(prepared, setting, decide_among(setting, choice.decision, say), say)
     return replace(choice, setting=setting, decision=decision)
 
 
@@ -91,9 +90,8 @@ def chosen(prepared: Prepared, setting: Setting, proposals: Sequence[Subset], sa
         decision = decide(setting, proposals, say)
         if len(cuts) == 2 and (own := own_value(decision.selected, odd[0])) is not None:
             misfits = (misfit(decision.selected, own, [i.source[0] for i in cuts]),)
-    say("holding what is close against whole recordings")
     with if_interrupted(lambda: fits_best(decision.selected, len(decision.trials))):
-        decision = settled(prepared, setting, decision)
+        decision = settled(prepared, setting, decision, say)
     return Choice(setting, decision, places, change, misfits)
 
 

@@ -14,12 +14,13 @@ from symhyb.correction.search.setting import Setting, Stage
 from symhyb.correction.search.trajectory import Refined, grouped, refine
 from symhyb.correction.verdict.choice import Choice
 from symhyb.correction.verdict.held import with_what_is_held
-from symhyb.correction.verdict.whole import Completed, Say, completed_over_all
+from symhyb.correction.verdict.whole import Completed, completed_over_all
 from symhyb.correction.verdict.whole_words import added_sentence
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.judgement import NEAR_NOISE
 from symhyb.model.vocabulary import KINDS
+from symhyb.steps import Say
 
 
 @dataclass(frozen=True, slots=True)

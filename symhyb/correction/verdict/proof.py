@@ -15,6 +15,7 @@ from symhyb.discrepancy.recorded.runs import cut_within
 from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.runs.windows import WindowModel
+from symhyb.steps import Say, counted, silent
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,18 +40,24 @@ class _Unseen:
 
 
 def prove(
-    prepared: Prepared, setting: Setting, final: Refined, stage: Stage, items: Sequence[Named]
+    prepared: Prepared,
+    setting: Setting,
+    final: Refined,
+    stage: Stage,
+    items: Sequence[Named],
+    say: Say = silent,
 ) -> Proof:
     """Remove each reported effect once, refit the rest on the training windows, and see.
 
     Without unseen recordings the windows that were held out of the fit stand in for them.
+    ``say`` gets each removal, counted.
     """
     before = _unseen(prepared, stage, _refitted(prepared, setting, stage, final, ()))
     everything = tuple(range(len(final.causes)))
     kept = _refitted(prepared, setting, stage, final, everything)
     after = _unseen(prepared, stage, kept)
     shares = []
-    for item in items:
+    for item in counted(say, "removing each cause once, for its share", items):
         rest = tuple(i for i in everything if i not in item.causes)
         without = _unseen(prepared, stage, _refitted(prepared, setting, stage, final, rest))
         shares.append(_ratio(without.cost - after.cost, before.cost))

@@ -9,7 +9,7 @@ every small error adds up for ever.
 They are compared by the score of the search, in the unit of what the better one leaves.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -26,11 +26,10 @@ from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.judgement import MOST, NEAR_NOISE, SIGNIFICANT
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.runs.windows import WindowModel
+from symhyb.steps import Say
 
 TENTH = 10  # the end and the start are tenths of a recording
 TRIED_MOST = 4  # causes, each over whole recordings
-
-Say = Callable[[str], None]
 
 
 @dataclass(frozen=True, slots=True)
