@@ -39,6 +39,7 @@ from symhyb.model.diff import diff
 from symhyb.model.read import read_model
 from symhyb.model.types import Model
 from symhyb.model.write import write_model
+from symhyb.numeric.kernels.memory import seldom_collected
 from symhyb.numeric.lowered.machine import build
 from symhyb.report.contract import exit_status, to_json
 from symhyb.report.files import write_diagnosis, write_report, write_simulation
@@ -103,6 +104,7 @@ def run_study(
     return checked(carry_out(study, say, lambda result: leave_files(checked(result), directory)))
 
 
+@seldom_collected()
 def carry_out(study: Study, say: Say | None = None, leave: Leave | None = None) -> StudyResult:
     """Diagnose, correct the model and judge the correction.
 

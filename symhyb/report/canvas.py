@@ -22,6 +22,7 @@ _STYLE: dict[Any, Any] = {  # matplotlib's own type lists every key it knows
     "text.parse_math": False,  # a name may hold a dollar sign
     "axes.titlesize": 9.0,
     "axes.titlelocation": "left",
+    "axes.titley": 1.0,  # nothing stands between it and the panel, which need not be measured
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.edgecolor": QUIET,
@@ -59,6 +60,10 @@ def svg(figure: "Figure") -> bytes:
     """
     from matplotlib.backends.backend_svg import FigureCanvasSVG
 
+    for panel in figure.axes:
+        for axis in (panel.xaxis, panel.yaxis):
+            if not axis.get_label_text():  # its place would be found from every number of the axis
+                axis.set_label_coords(0.5, 0.5)
     target = io.BytesIO()
     about = {"Date": None, "Creator": "symhyb"}
     FigureCanvasSVG(figure).print_svg(target, metadata=about)  # type: ignore[no-untyped-call]
