@@ -27,6 +27,7 @@ NAMES = (
     "links",
     "oscillators",
     "regression",
+    "runs",
     "starting",
     "sticking",
     "timing",
@@ -286,3 +287,25 @@ def test_the_chain_moves_as_its_equations_say(study: Study, masses: int) -> None
     left[:, masses // 2] -= growth.CONCEALED * v[:, masses // 2]
     assert growth.MASS * a == pytest.approx(left, abs=2e-3 * np.abs(left).max())
     assert len(parse_model(growth.chain(masses)).coordinates) == masses
+
+
+def test_every_model_has_a_run_and_its_inputs_move(study: Study) -> None:
+    runs = study["runs"]
+    assert set(runs.SIZES) | set(runs.MEANS) <= set(runs.names())
+    for name in ("six_joint_arm", "quarter_car", "pendulum"):
+        machine, scenario = runs.scenario_of(name, 1.0)
+        assert scenario.u.shape == (scenario.t_u.size, len(machine.model.inputs))
+        assert (np.ptp(scenario.u, axis=0) > 0).all()
+        if scenario.given is not None:  # places, speeds and accelerations go together
+            q, v, a = scenario.given.T
+            assert v[1:-1] == pytest.approx((q[2:] - q[:-2]) * runs.RATE / 2, rel=1e-2, abs=1e-2)
+            assert a[1:-1] == pytest.approx((v[2:] - v[:-2]) * runs.RATE / 2, rel=1e-2, abs=1e-1)
+
+
+def test_a_run_is_held_against_each_method(study: Study) -> None:
+    runs = study["runs"]
+    row = runs.row("pendulum", 1.0)
+    assert row.bar is None or row.bar == 2.0
+    assert all(f"{method} " in row.note for method in ("explicit", "bdf", "adams"))
+    assert "early" not in row.note
+    assert runs.row("rig_alone", 1.0) is None

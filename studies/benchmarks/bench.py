@@ -34,6 +34,7 @@ PARTS = (
     "matching",
     "compiled",
     "growth",
+    "models",
 )
 
 
@@ -45,6 +46,7 @@ def measure(part: str) -> list[Row]:
     import links
     import oscillators
     import regression
+    import runs
     import starting
     import sticking
     import trajectories
@@ -60,6 +62,7 @@ def measure(part: str) -> list[Row]:
         "matching": trajectories.rows,
         "compiled": compiled.rows,
         "growth": growth.rows,
+        "models": runs.rows,
     }
     return work[part]()
 

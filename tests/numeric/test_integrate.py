@@ -1,5 +1,6 @@
 """Simulation against closed forms and another engine; energy; failure as an outcome."""
 
+import re
 import time
 from collections.abc import Callable
 
@@ -59,8 +60,8 @@ def test_pendulum_against_elliptic_functions(
 
     The error that is left is the solver's: it falls with the tolerance.
     """
-    monkeypatch.setattr("symhyb.numeric.runs.integrate.RELATIVE_TOLERANCE", tolerance)
-    monkeypatch.setattr("symhyb.numeric.runs.integrate.ABSOLUTE_TOLERANCE", tolerance / 100)
+    monkeypatch.setattr("symhyb.numeric.runs.turns.RELATIVE_TOLERANCE", tolerance)
+    monkeypatch.setattr("symhyb.numeric.runs.turns.ABSOLUTE_TOLERANCE", tolerance / 100)
     start = 2.5
     result = run(pendulum(), t := np.linspace(0, 8, 401), start)
     omega = np.sqrt(0.4 * 9.81 * 0.3 / (0.01 + 0.4 * 0.3**2))
@@ -287,7 +288,7 @@ def test_a_motion_that_grows_without_bound_ends_with_a_reason() -> None:
     )
     result, seconds = elapsed(lambda: run(model, np.linspace(0, 20, 201), 0.3))
     assert not result.complete
-    assert "between 0.9 and 1 s" in result.reason
+    assert re.search(r"between 0\.9\d* and 1 s", result.reason)
     assert "grows without bound" in result.reason
     good = np.isfinite(result.q[:, 0])
     assert good.sum() == 10

@@ -39,8 +39,8 @@ from symhyb.numeric.lowered.dynamics import state_form
 from symhyb.numeric.lowered.linear import depends_on_time
 from symhyb.numeric.lowered.machine import Machine
 from symhyb.numeric.runs.between import held_columns
-from symhyb.numeric.runs.integrate import LEFT, simulate
-from symhyb.numeric.runs.scenario import Scenario
+from symhyb.numeric.runs.integrate import simulate
+from symhyb.numeric.runs.scenario import LEFT, Scenario
 
 SAMPLES_MOST = 10_000  # of a recording: longer ones are averaged in blocks, or cut
 Value = TypeVar("Value")

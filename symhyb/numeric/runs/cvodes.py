@@ -11,6 +11,7 @@ import numpy as np
 from symhyb.model.switching import switches
 from symhyb.model.types import Model
 from symhyb.numeric.kernels.buffers import Array, call
+from symhyb.numeric.runs.sizes import GROWN
 
 Options = dict[str, bool | int | float | str]
 
@@ -33,8 +34,15 @@ FLAGS = {  # what CVODES returns (its user guide, appendix B), apart from too mu
     "MEM_": "ran out of memory {span}",
 }
 JUMP_TAKES = 1e-6  # of the longest time between two samples: less is a jump of a held input
+# for Newton's method: ∂x'/∂x as one function of scalar operations, which takes a third of the time
+# of as many directional derivatives (an arm of six joints)
+SLOPES_BY_STATES: dict[str, Any] = {
+    "cse": True,
+    "is_diff_in": [True, False, False, False],
+    "jac_penalty": 0.0,
+}
 LONGEST_STEP = 2  # samples of an input: no pulse is stepped over
-GROWN = 1e6  # a state this many scales large has grown without bound
+STEPS_LEAST, STEPS_TOGETHER = 500, 2_000_000  # for one output, and shared by all of them
 
 
 def advanced(
@@ -61,11 +69,19 @@ def advanced(
     return np.concatenate([before, after]), failed
 
 
-def held_drive(t: Array, drive: Array) -> ca.Function:
-    """First-order hold of the drive (K, D), SI, recorded at times ``t`` (K,) in s, as a function of
-    time."""
+def driven(right: ca.Function, t: Array, drive: Array) -> dict[str, Any]:
+    """The system x' = right(x, d, t, p) along a drive (K, D), SI, recorded at times ``t`` (K,) in
+    s, by first-order hold."""
     options = {"lookup_mode": ["binary"]}  # rounded times are not evenly spaced to the last bit
-    return ca.interpolant("d", "linear", [t], drive.ravel(), options)
+    held = ca.interpolant("d", "linear", [t], drive.ravel(), options)
+    x, time, p = (ca.MX.sym(n, right.size1_in(i)) for n, i in (("x", 0), ("t", 2), ("p", 3)))
+    return {"x": x, "t": time, "p": p, "ode": right(x, held(time), time, p)}
+
+
+def steps_of_output(outputs: int, hopeless: bool = False) -> int:
+    """How many steps CVODES may take for one of so many outputs; a tenth where that is
+    ``hopeless``."""
+    return STEPS_LEAST + STEPS_TOGETHER // (10 if hopeless else 1) // outputs
 
 
 def cvodes_options(

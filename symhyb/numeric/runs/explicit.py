@@ -1,8 +1,9 @@
 """Whole runs by an explicit Runge–Kutta method in machine code, where a C compiler is found.
 
 The rates of a machine are an instruction list. The integrator, compiled once for all machines, runs
-it as it is; when it has run one for longer than compiling takes, the rates are compiled too. Both
-ways give the same numbers, so that nothing but the time depends on what was run before.
+it as it is; when it has run one for longer than compiling takes, the rates are compiled too, in the
+middle of a run as well. Both ways give the same numbers, so that nothing but the time depends on
+what was run before.
 Steps end where the drive changes its slope, which is what a restart at every sample is: a method
 of one step begins anew at no cost.
 Sizes: N outputs, X states, K samples of the drive, P parameters.
@@ -11,6 +12,7 @@ Source: Hairer, Nørsett & Wanner, Solving ODEs I, DOP853 (see :mod:`~.dormand_p
 """
 
 import ctypes
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -31,13 +33,15 @@ from symhyb.numeric.runs.dormand_prince import SLOPES
 from symhyb.numeric.runs.explicit_call import POINTER, List, Task
 from symhyb.numeric.runs.explicit_source import WORK, integrator_code, machine_code
 
-FLAGS = ("-O3", "-fno-math-errno", "-fno-trapping-math", "-ffp-contract=off")
+FLAGS = ("-O2", "-fno-math-errno", "-fno-trapping-math", "-ffp-contract=off")
 STEPS_PART = 100  # a run has at least so many steps: what happens briefly is not stepped over
-COMPILING, COMPILING_EACH = 50_000_000, 100_000  # what compiling costs, in instructions run
+COMPILING, COMPILING_EACH = 50_000_000, 50_000  # what compiling costs, in instructions run
 INSTRUCTIONS_MOST = 20_000  # above, compiling takes minutes
 STABLE = 3.0  # a decay times the longest step; twice that is stable
 COLLINEAR = 1e-12  # of the range of a drive: a bend that is rounding
 GROWTH = "growth without bound"
+STIFF = "stiff"
+PAUSE = "a pause"
 REASONS = (
     "",
     "more steps than allowed",
@@ -45,7 +49,11 @@ REASONS = (
     GROWTH,
     "a full tape",
     "something watched may have fallen through zero",
+    STIFF,
+    PAUSE,
 )
+NEVER = 1 << 62
+Weigh = Callable[[float, float, Array], float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +71,8 @@ class Tolerances:
 class Steps:
     """States (N, X), SI, NaN from where the run stopped, with its ``reason``; how many steps were
     accepted and rejected, and how often the rates were evaluated; the largest size of each state
-    at the end of a step, ``reach`` (X,), SI."""
+    at the end of a step, ``reach`` (X,), SI; where it stopped, at ``t`` s in the state ``last``
+    (X,), SI."""
 
     x: Array
     reason: str
@@ -71,6 +80,8 @@ class Steps:
     accepted: int
     rejected: int
     evaluations: int
+    t: float
+    last: Array
 
 
 class Tape:
@@ -88,8 +99,9 @@ class Desk:
 
     Outputs at ``t`` (N,) go to ``rows`` (N, X), from ``start`` (X,) at ``t[0]``; the drive runs
     straight between ``nodes``, times (K,) and values (K, drive); SI. ``count``: rows written, steps
-    accepted and rejected, evaluations; ``reach`` (X,): largest sizes; ``place``: where the last
-    step began and ended, its length, and how long the next wishes to be, all in s."""
+    accepted and rejected, evaluations, stiff steps and others since; ``reach`` (X,): largest sizes;
+    ``place``: where the last step began and ended, its length, and how long the next wishes to be,
+    all in s."""
 
     def __init__(
         self,
@@ -104,7 +116,7 @@ class Desk:
             np.ascontiguousarray(a, float)
             for a in (*nodes, t, limits.absolute, limits.bound, start)
         ]
-        self.count, self.reach = np.zeros(4, np.int64), np.zeros(start.size)
+        self.count, self.reach = np.zeros(6, np.int64), np.zeros(start.size)
         self.place, self.work = np.zeros(4), np.zeros((WORK, start.size))
         drive = np.zeros(nodes[1].shape[1] + 1)
         given += [rows, self.work, drive, self.reach, self.count, self.place]
@@ -125,6 +137,7 @@ class Desk:
             float(t[-1]),
             0.0,
             1,
+            pause=NEVER,
         )
 
 
@@ -158,27 +171,48 @@ class Field:
         limits: Tolerances,
         tape: "Tape | None" = None,
         longest: float = np.inf,
+        suspect: float = 0.0,
+        weigh: Weigh = lambda t, h, x: 0.0,
     ) -> Steps:
         """States at ``t`` (N,) from ``start`` (X,) at ``t[0]``, with parameters ``p`` (P,) and a
         drive that runs straight between ``nodes``, times (K,) and values (K, drive), in steps that
-        are at most ``longest`` s; SI. They are written down on the ``tape``, if there is one."""
+        are at most ``longest`` s; SI. They are written down on the ``tape``, if there is one.
+
+        Where the equations are stiff and steps shorter than ``suspect`` s, ``weigh`` is told the
+        time, the length of a step and the state (X,), SI. The run goes on with what it returns in
+        the place of ``suspect``, and ends there if that is 0."""
         rows = np.full((t.size, start.size), np.nan)
         desk = Desk(t, start, nodes, limits, rows, tape)
-        desk.task.longest = min(desk.task.longest, longest)
-        status = self.advance(desk, self.prepared(p))
-        done, accepted, rejected, evaluations = (int(number) for number in desk.count)
+        desk.task.longest, desk.task.suspect = min(desk.task.longest, longest), suspect
+        while True:
+            ready = self.prepared(p)
+            desk.task.pause = NEVER if self._tried else int(desk.count[3]) + self._until_compiled()
+            reason = REASONS[self.advance(desk, ready)]
+            at, step = desk.place[1:3].tolist()
+            last = desk.work[int(reason == GROWTH)].copy()
+            if reason == STIFF:
+                desk.task.suspect = weigh(at, step, last)
+            if reason != PAUSE and not (reason == STIFF and desk.task.suspect):
+                break
+            desk.task.resumed = 1
+        done, accepted, rejected, evaluations = (int(number) for number in desk.count[:4])
         rows[done:] = np.nan
-        return Steps(rows, REASONS[status], desk.reach, accepted, rejected, evaluations)
+        return Steps(rows, reason, desk.reach, accepted, rejected, evaluations, at, last)
 
     def advance(self, desk: Desk, ready: Prepared) -> int:
         """Integrate what lies on a desk; how it ended, a place in ``REASONS``."""
-        task = ctypes.byref(desk.task)
+        task, before = ctypes.byref(desk.task), int(desk.count[3]) if desk.task.resumed else 0
         if ready.own is None:
             status = self._library.integrate(ready.rate, ready.memory, task)
         else:
             status = ready.own.integrate(ready.memory, task)
-        self._done += int(desk.count[3]) * len(self.code.steps)
+        self._done += (int(desk.count[3]) - before) * len(self.code.steps)
         return int(status)
+
+    def _until_compiled(self) -> int:
+        """How many evaluations are left until compiling pays."""
+        size = max(len(self.code.steps), 1)
+        return max((COMPILING + COMPILING_EACH * size - self._done) // size, 0) + 1
 
     def pull_back(
         self, tape: "Tape", steps: int, seed: Array, p: Array, t: Array, nodes: tuple[Array, Array]

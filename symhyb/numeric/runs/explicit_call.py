@@ -44,4 +44,6 @@ class Task(ctypes.Structure):
         *((name, ctypes.c_double) for name in ("begin", "end", "first")),
         *((name, ctypes.c_longlong) for name in ("row", "watches")),
         *((name, POINTER) for name in ("watch", "watch_memory", "seen")),
+        ("suspect", ctypes.c_double),
+        *((name, ctypes.c_longlong) for name in ("pause", "resumed")),
     )

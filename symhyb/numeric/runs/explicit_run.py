@@ -1,29 +1,35 @@
-"""When a whole run is integrated by the explicit method, and to what accuracy.
+"""A whole run by the explicit method: to what accuracy, how far, and when it is to change methods.
 
 An explicit method is the quickest unless the equations are so stiff that its steps must be far
-shorter than the motion asks for. Where that is to be feared, it is tried with as many steps as cost
-less than a run of CVODES does; if they do not suffice, or the run ends early for any other reason,
-CVODES does the run and says why it fails if it does.
+shorter than the motion asks for. That shows on the way: many steps in a row lie at the border of
+stability. Where much is at stake, the implicit method then tries a part of what is left; if it
+needs less than the explicit one there, it goes on from the state reached. Work is counted in steps
+and instructions, not by the clock, so that a run always goes the same way.
 Sizes: N outputs, X states, K samples of the drive, P parameters.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from symhyb.numeric.kernels.buffers import Array
-from symhyb.numeric.runs.explicit import GROWTH, Field, Steps, Tolerances, bends
+from symhyb.numeric.runs.explicit import INSTRUCTIONS_MOST, Field, Steps, Tolerances, bends
+from symhyb.numeric.runs.sizes import GROWN, ROUGH, rough_sizes, seen, unit_sizes
 
-STAGES = 12  # evaluations of a step
-WORK_STIFF = 400_000_000  # instructions of a vain attempt: 0.1 s compiled, 1 s as interpreted; a
-# tenth of that failed where CVODES then took 6 times as long (six-joint arm, 10 s), and 200 times
-# under six inputs recorded at 200 Hz
-WORK = 2_000_000_000  # where nothing points to stiffness
-STEPS_NODE = 3  # allowed besides for every bend of the drive
-ROUGH, ROUGH_OUTPUTS, EARLY = 1e-4, 200, 0.1  # the run that finds the scales, and its first part
-SCALE_LEAST = 1e-12  # SI: a state that moves less is not seen
-SCALE_OFF = 10.0  # a scale this many times too large asks for another run
-GROWN = 1e6  # scales
+STEPS_MOST = 5_000_000  # tried in a run, a tenth of them at first: 3 s for 100 instructions
+# ns for an explicit step, for each instruction of its rates, and for one that is never compiled
+STEP, STEP_EACH, STEP_EACH_LISTED = 400.0, 4.4, 84.0
+IMPLICIT, IMPLICIT_EACH = 3000.0, 23.0  # the same for one of BDF: evaluations and slopes by CasADi
+AT_STAKE, AT_STAKE_EACH = 2e7, 3e4  # ns: of less no change is tried; CVODES begins in a third of it
+TRIED = 0.2  # of what is left, which both have to do to be compared
+SHORTER = 4.0  # so many times shorter steps than where BDF was found slower ask for another try
+SIZE_OFF = 10.0  # a size this many times too large asks for another run
+
+Nodes = tuple[Array, Array]
+# whether BDF gets from a time and a state (X,), SI, to another time in so many steps, with sizes of
+# the states (X,), SI
+Try = Callable[[float, Array, float, Array, int], bool]
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,77 +47,82 @@ class Course:
     bound: Array | None = None
 
 
-def explicit_states(
+def explicit_run(
     field: Field,
     course: Course,
     scales: Array | None,
     tolerances: tuple[float, float],
-    stiff: bool,
-) -> Array | None:
-    """States (N, X) of a run, SI, NaN from where it left its bound; None if it took more steps than
-    worth it, or did not reach its end for another reason.
+    gets: Try | None,
+) -> tuple[Steps, Array]:
+    """A run as far as the explicit method is the one for it, and the sizes of the states (X,), SI.
 
-    ``scales`` (X,) are sizes of the states, SI, found by a rough run if None; ``tolerances`` are
-    relative, and absolute in these scales.
+    ``scales`` (X,) are these sizes, found by a rough run if None; ``tolerances`` are relative, and
+    absolute in these scales; ``gets`` tries BDF. None: it has proved quicker, and whatever is stiff
+    is left to it.
     """
-    if course.t.size < 2 or not np.isfinite(course.start).all():
-        return None
     nodes = bends(course.t_u, course.drive)
-    work = (WORK_STIFF if stiff else WORK) // (STAGES * max(len(field.code.steps), 1))
-    steps = work + STEPS_NODE * nodes[0].size
-    found = scales
-    if found is None:
-        found = _rough_scales(field, course, nodes, tolerances, steps)
-        if found is None:
-            return None
-    run = _run(field, course, nodes, found, tolerances, steps)
-    if run.reason == GROWTH and course.bound is not None:
-        return run.x
-    if run.reason:
-        return None
-    if scales is None:
-        size = np.where(run.reach > SCALE_LEAST, run.reach, found)
-        if np.any(found > SCALE_OFF * size):
-            run = _run(field, course, nodes, size, tolerances, steps)
-    return None if run.reason else run.x
+    found = _rough(field, course, nodes, tolerances) if scales is None else scales
+    run = _run(field, course, nodes, found, tolerances, gets)
+    size = seen(run.reach, found)
+    if scales is None and not run.reason and np.any(found > SIZE_OFF * size):
+        run, found = _run(field, course, nodes, size, tolerances, gets), size
+    return run, found
 
 
 def _run(
     field: Field,
     course: Course,
-    nodes: tuple[Array, Array],
+    nodes: Nodes,
     scales: Array,
     tolerances: tuple[float, float],
-    steps: int,
+    gets: Try | None,
 ) -> Steps:
     relative, absolute = tolerances
-    bound = GROWN * scales if course.bound is None else course.bound
-    limits = Tolerances(relative, absolute * scales, bound, steps)
-    return field.integrate(course.t, course.start, course.p, nodes, limits, longest=course.longest)
+    bound = course.bound
+    if bound is None:  # a state that hardly moved at first may well grow by more than that
+        bound = GROWN * np.maximum(scales, unit_sizes(course.start))
+    limits = Tolerances(relative, absolute * scales, bound, STEPS_MOST)
+    end, size = float(course.t[-1]), len(field.code.steps)
+
+    def weigh(t: float, h: float, x: Array) -> float:
+        left = (end - t) / h  # steps at the border of stability are alike
+        part = TRIED * left * _cost(field) / (IMPLICIT + IMPLICIT_EACH * size)
+        if gets is None or left > STEPS_MOST:
+            return 0.0
+        return 0.0 if gets(t, x, t + TRIED * (end - t), scales, int(part)) else h / SHORTER
+
+    return field.integrate(
+        course.t,
+        course.start,
+        course.p,
+        nodes,
+        limits,
+        longest=course.longest,
+        suspect=np.inf if gets is None else _suspect(field, course),
+        weigh=weigh,
+    )
 
 
-def _rough_scales(
-    field: Field,
-    course: Course,
-    nodes: tuple[Array, Array],
-    tolerances: tuple[float, float],
-    steps: int,
-) -> Array | None:
-    """Largest size of each state (X,) in a rough run over the first part, or over all where a
-    state still rests then; 1 where it stands still. None if the run fails."""
-    unit = np.maximum(np.abs(course.start), 1e-3)
-    absolute = tolerances[1] * ROUGH / tolerances[0] * unit
-    limits = Tolerances(ROUGH, absolute, np.full(unit.size, np.inf), steps)
-    size = np.zeros(unit.size)
-    for part in (EARLY, 1.0):
-        last = part * (course.t.size - 1)
-        rows = np.unique(np.linspace(0, last, ROUGH_OUTPUTS).astype(int))
-        if rows.size < 2:
-            continue
-        run = field.integrate(course.t[rows], course.start, course.p, nodes, limits)
-        if run.reason:
-            return None
-        size = run.reach
-        if np.all(size > SCALE_LEAST):
-            break
-    return np.asarray(np.where(size > SCALE_LEAST, size, 1.0))
+def _cost(field: Field) -> float:
+    """Of an explicit step, ns."""
+    size = len(field.code.steps)
+    return STEP + size * (STEP_EACH if size <= INSTRUCTIONS_MOST else STEP_EACH_LISTED)
+
+
+def _suspect(field: Field, course: Course) -> float:
+    """The length in s of steps with which a whole run would cost what is worth a change."""
+    at_stake = AT_STAKE + AT_STAKE_EACH * len(field.code.steps)
+    return float(course.t[-1] - course.t[0]) * _cost(field) / at_stake
+
+
+def _rough(field: Field, course: Course, nodes: Nodes, tolerances: tuple[float, float]) -> Array:
+    """The sizes of the states (X,), SI, in a rough run; as far as it comes, where it is stiff."""
+    suspect = _suspect(field, course)
+
+    def run(t: Array, unit: Array) -> tuple[Array, bool]:
+        absolute = tolerances[1] * ROUGH / tolerances[0] * unit
+        limits = Tolerances(ROUGH, absolute, np.full(unit.size, np.inf), STEPS_MOST)
+        found = field.integrate(t, course.start, course.p, nodes, limits, suspect=suspect)
+        return np.where(np.isfinite(found.reach), found.reach, 0.0), not found.reason
+
+    return rough_sizes(course.t, course.start, run)

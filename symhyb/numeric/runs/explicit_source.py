@@ -85,15 +85,20 @@ void rate(void *memory, double t, const double *x, const double *d, double *slop
 # one: every step sees smooth rates. count: rows written, steps accepted and rejected, evaluations.
 # place: where the last step began and ended, its length, and how long the next wishes to be. Where
 # something is watched, it returns after a step in which that may have fallen through zero, before
-# the rows of that step.
+# the rows of that step. It returns after a step too where the equations are stiff and the steps
+# shorter than suspect, and where the rates were evaluated pause times; resumed, it goes on there as
+# if it had not returned. Stiff: fifteen steps at the border of stability, h·λ above 6.1, with fewer
+# than six others in a row between them (Hairer & Wanner, Solving ODEs II, IV.2). The estimate of λ
+# is the change of slope over that of place between the last stage and the end of a step.
 _INTEGRATOR = """
 typedef void (*watch_type)(void *, double, const double *, const double *, double *);
 struct task {{ long long states, drives, nodes, outputs, steps_most; double relative, longest;
   const double *node_t, *node_d, *t, *absolute, *bound, *start; double *x, *work, *drive,
   *reach; long long *count; double *place; double *tape_x, *tape_t; long long *tape_i, tape_most;
   double begin, end, first; long long row, watches; watch_type watch; void *watch_memory;
-  double *seen; }};
-enum {{ DONE, WORK_MOST, STEP_LEAST, GROWN, TAPE_FULL, WATCHED }};
+  double *seen; double suspect; long long pause, resumed; }};
+#define STABLE 6.1 /* h times a decay up to which this method is stable */
+enum {{ DONE, WORK_MOST, STEP_LEAST, GROWN, TAPE_FULL, WATCHED, STIFF, PAUSED }};
 static void hold(const struct task *r, long long k, double t, double *d) {{
   const long long m = DRIVES;
   if (!m) return;
@@ -161,18 +166,24 @@ int integrate(RATE void *memory, const struct task *r) {{
   double *const curve = k[{slopes} - 1] + n, *const looked = curve + {curve} * n;
   long long row = r->row, at = 0, *count = r->count;
   const double end = r->end;
-  double t = r->begin;
-  memcpy(y, r->start, n * sizeof(double));
-  if (row) memcpy(r->x, y, n * sizeof(double));
-  for (long long i = 0; i < n; i++) r->reach[i] = fabs(y[i]);
-  count[0] = row; count[1] = count[2] = 0; count[3] = 2;
+  double t = r->resumed ? r->place[1] : r->begin, wish = r->resumed ? r->place[3] : r->first;
   while (at + 2 < r->nodes && r->node_t[at + 1] <= t) at++;
-  hold(r, at, t, d);
-  rate(memory, t, y, d, k[0]);
-  double wish = r->first > 0 ? r->first : first_step(GIVEN memory, r, at, t, y, k[0], y1, k[1]);
-  if (r->watches) r->watch(r->watch_memory, t, y, d, r->seen);
-  int rejected = 0;
+  if (r->resumed) row = count[0];
+  else {{
+    memcpy(y, r->start, n * sizeof(double));
+    if (row) memcpy(r->x, y, n * sizeof(double));
+    for (long long i = 0; i < n; i++) r->reach[i] = fabs(y[i]);
+    r->place[1] = t;
+    count[0] = row; count[1] = count[2] = count[4] = count[5] = 0; count[3] = 2;
+    hold(r, at, t, d);
+    rate(memory, t, y, d, k[0]);
+    if (!(wish > 0)) wish = first_step(GIVEN memory, r, at, t, y, k[0], y1, k[1]);
+    if (r->watches) r->watch(r->watch_memory, t, y, d, r->seen);
+  }}
+  int rejected = 0, stiff = 0;
   while (t < end) {{
+    if (stiff) return STIFF;
+    if (count[3] >= r->pause && !rejected && count[1]) return PAUSED;
     r->place[0] = t;
     /* a tenth of the steps at first, all at the end: a run that crawls is given up soon */
     const double share = 0.1 + 0.9 * (t - r->begin) / (end - r->begin);
@@ -190,11 +201,14 @@ int integrate(RATE void *memory, const struct task *r) {{
       e3[i] = {order_3};
       e5[i] = {order_5};
     }}
-    double sum_3 = 0, sum_5 = 0;
+    double sum_3 = 0, sum_5 = 0, turn = 0, way = 0;
+    const double *const z11 = stage ? stage + 11 * n : curve;
     for (long long i = 0; i < n; i++) {{
       const double scale = r->absolute[i] + r->relative * fmax(fabs(y[i]), fabs(y1[i]));
       sum_3 += e3[i] / scale * (e3[i] / scale);
       sum_5 += e5[i] / scale * (e5[i] / scale);
+      turn += (k[12][i] - k[11][i]) / scale * ((k[12][i] - k[11][i]) / scale);
+      way += (y1[i] - z11[i]) / scale * ((y1[i] - z11[i]) / scale);
     }}
     const double mixed = sum_5 + 0.01 * sum_3;
     const double error = mixed > 0 ? h * sum_5 / sqrt(mixed * (double)n) : h * mixed;
@@ -210,6 +224,11 @@ int integrate(RATE void *memory, const struct task *r) {{
     const double grow = error > 0 ? fmin(most, fmax(1.0 / 3, 0.9 / eighth(error))) : most;
     wish = last && !rejected ? fmax(wish, h * grow) : h * grow; /* a wall makes no step short */
     rejected = 0;
+    if (h < r->suspect && h * h * turn > STABLE * STABLE * way) {{
+      count[5] = 0;
+      stiff = ++count[4] >= 15;
+      if (stiff) count[4] = 0;
+    }} else if (++count[5] >= 6) count[4] = 0;
     r->place[1] = next;
     r->place[2] = h;
     r->place[3] = wish;
@@ -259,7 +278,7 @@ int integrate(RATE void *memory, const struct task *r) {{
 
 
 def _integrator() -> str:
-    stages = "\n".join(_stage(s, "y1") for s in range(1, 13))
+    stages = "\n".join(_stage(s, "curve" if s == 11 else "y1") for s in range(1, 13))
     more = "\n".join("  " + _stage(s, "e5") for s in range(13, SLOPES))
     dense = "\n".join(f"        c[{j} * n + i] = h * ({_sum(row)});" for j, row in enumerate(DENSE))
     return _INTEGRATOR.format(

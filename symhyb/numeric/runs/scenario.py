@@ -2,7 +2,11 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from symhyb.numeric.kernels.buffers import Array
+
+LEFT = "the motion left the bounds that were set for it"
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,3 +29,14 @@ class Scenario:
     z: Array | None = None
     given: Array | None = None
     bound: Array | None = None
+
+
+def within(bound: Array | None, t: Array, x: Array) -> tuple[Array, str]:
+    """States (N, X) at ``t`` (N,), NaN from where one is beyond its ``bound`` (X,), SI, and why the
+    run ends there; empty if it does not."""
+    if bound is None:
+        return x, ""
+    far = np.maximum.accumulate(~(np.abs(x) <= bound).all(axis=1))
+    if not far.any():
+        return x, ""
+    return np.where(far[:, None], np.nan, x), f"{LEFT} by {t[np.argmax(far)]:.6g} s"
