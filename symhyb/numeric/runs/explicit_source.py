@@ -21,6 +21,7 @@ from symhyb.numeric.kernels.vector_source import (
     number,
 )
 from symhyb.numeric.runs.dormand_prince import DENSE, ERRORS, NODES, SLOPES, STAGES
+from symhyb.numeric.runs.explicit_call import LIST, TASK
 from symhyb.numeric.runs.explicit_reverse import reverse_code
 
 INLINE_MOST = 60  # instructions: each stage of a step gets its own copy of rates that are so short
@@ -45,8 +46,7 @@ void execute(long long count, const int *code, double *slots) {{
     }}
   }}
 }}
-struct list {{ double *slots; const int *steps, *loads, *stores; long long n_steps, n_loads,
-               n_stores, n_slopes; }};
+struct list {{ {fields} }};
 /* loads: rows of (slot, argument, entry), arguments x, d, t; stores: rows of (slot, entry) */
 void interpret(void *memory, double t, const double *x, const double *d, double *slope) {{
   const struct list *p = memory;
@@ -91,12 +91,8 @@ void rate(void *memory, double t, const double *x, const double *d, double *slop
 # than six others in a row between them (Hairer & Wanner, Solving ODEs II, IV.2). The estimate of λ
 # is the change of slope over that of place between the last stage and the end of a step.
 _INTEGRATOR = """
-typedef void (*watch_type)(void *, double, const double *, const double *, double *);
-struct task {{ long long states, drives, nodes, outputs, steps_most; double relative, longest;
-  const double *node_t, *node_d, *t, *absolute, *bound, *start; double *x, *work, *drive,
-  *reach; long long *count; double *place; double *tape_x, *tape_t; long long *tape_i, tape_most;
-  double begin, end, first; long long row, watches; watch_type watch; void *watch_memory;
-  double *seen; double suspect; long long pause, resumed; }};
+typedef void watch_type(void *, double, const double *, const double *, double *);
+struct task {{ {fields} }};
 #define STABLE 6.1 /* h times a decay up to which this method is stable */
 enum {{ DONE, WORK_MOST, STEP_LEAST, GROWN, TAPE_FULL, WATCHED, STIFF, PAUSED }};
 static void hold(const struct task *r, long long k, double t, double *d) {{
@@ -282,6 +278,7 @@ def _integrator() -> str:
     more = "\n".join("  " + _stage(s, "e5") for s in range(13, SLOPES))
     dense = "\n".join(f"        c[{j} * n + i] = h * ({_sum(row)});" for j, row in enumerate(DENSE))
     return _INTEGRATOR.format(
+        fields=TASK,
         slopes=SLOPES,
         curve=CURVE,
         looks=LOOKS,
@@ -302,7 +299,7 @@ def integrator_code() -> str:
         f"      case {operation}: *to = {form.format('x', 'y')}; break;"
         for operation, form in sorted(forms.items())
     )
-    interpreter = _INTERPRETER.format(tangent=HYPERBOLIC_TANGENT, cases=cases)
+    interpreter = _INTERPRETER.format(fields=LIST, tangent=HYPERBOLIC_TANGENT, cases=cases)
     return interpreter + _ANY_MACHINE + _integrator() + reverse_code()
 
 

@@ -50,8 +50,9 @@ def implicit_run(
 
 
 def is_stiff(form: StateForm, scenario: Scenario, drive: Array, start: Array, p: Array) -> bool:
-    """Whether the machine asks for BDF: a law is steep, remembers or switches, or the machine
-    linearised at the start has a decay that is fast against its swing and what is recorded."""
+    """Whether the machine asks for BDF along a ``drive`` (K, D) from ``start`` (X,), SI: a law is
+    steep, remembers or switches, or the machine linearised there has a decay that is fast against
+    its swing and the samples of what is recorded."""
     model = form.machine.model
     if any(KINDS[element.kind].stiff for element in model.elements) or culprits(model):
         return True
@@ -93,9 +94,9 @@ def implicit_states(
     most: int = 0,
     doubtful: bool = False,
 ) -> tuple[Array, str]:
-    """States (N, X) and the reason why they end early; one integration between jumps of inputs, of
-    at most ``most`` steps for an output. One that is ``doubtful`` goes by pieces that double: what
-    fails soon has not cost much."""
+    """States (N, X), SI, and the reason why they end early; one integration between jumps of
+    inputs, of at most ``most`` steps for an output. One that is ``doubtful`` goes by pieces that
+    double: what fails soon has not cost much."""
     t = scenario.t
     jumps = jumps_of(scenario.t_u, drive, t)
     grid = np.union1d(t, jumps)  # an input may jump between two outputs

@@ -22,7 +22,7 @@ from symhyb.numeric.runs.scenario import Scenario, within
 from symhyb.numeric.runs.sizes import seen
 
 STEPS_STIFF = 10_000  # of BDF for one output, where the explicit method is far slower
-FIRST_PIECE = 1 / 15  # of what is left when a run is found stiff: four pieces by BDF to the end
+FIRST_PIECE = 1 / 7  # of what is left when a run is found stiff: three pieces by BDF to the end
 
 
 def in_turns(
