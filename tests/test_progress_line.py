@@ -86,6 +86,12 @@ def test_a_step_of_one_piece_is_not_counted() -> None:
     assert BEGUN.then(Counted("a", 0, 1), 0.0).words(3.0, 3.0) == "0:03  a"
 
 
+def test_letters_that_a_terminal_obeys_stand_by_their_numbers() -> None:
+    line = ProgressLine(Clock())
+    line.say("comparing \x1b[31mred.csv")
+    assert drawn(line, 80)[0].endswith("comparing \\u001b[31mred.csv")
+
+
 def test_a_count_that_begins_anew_forgets_the_last() -> None:
     shown = BEGUN.then(Counted("a", 2, 3), 10.0).then(Counted("b", 0, 3), 50.0)
     assert "about 20 s left" in shown.then(Counted("b", 1, 3), 60.0).words(60.0, 60.0)

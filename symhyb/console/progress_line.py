@@ -2,16 +2,20 @@
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from rich.console import Console
-from rich.live import Live
-from rich.spinner import Spinner
 from rich.text import Text
 
+from symhyb.errors import visible
 from symhyb.steps import Counted
 
+if TYPE_CHECKING:
+    from rich.live import Live
+
 A_SECOND = 4  # times that the line is drawn
+TURNING = "⠋⠙⠹⠸⠼⠴⠦⠧⠇⠏"  # one at a time: something happens
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +29,7 @@ class Shown:
 
     def then(self, step: str, now: float) -> "Shown":
         """The next step, said ``now``. The next piece of a counted one began with its first."""
-        last, clean = self.step, " ".join(step.split())
+        last, clean = self.step, visible(" ".join(step.split()))
         if not isinstance(step, Counted):
             return Shown(clean, now, now)
         pieces = Counted(clean, step.done, step.total)
@@ -65,7 +69,6 @@ class ProgressLine:
     """What :class:`rich.live.Live` draws again and again: one line, cut to the terminal's width."""
 
     now: Callable[[], float] = time.monotonic
-    spinner: Spinner = field(default_factory=lambda: Spinner("dots"))
     begun: float = 0.0
     shown: Shown = Shown("", 0.0, 0.0)
 
@@ -79,11 +82,13 @@ class ProgressLine:
 
     def __rich__(self) -> Text:
         now = self.now()
-        words = f" {self.shown.words(now - self.begun, now)}"
-        line = Text(no_wrap=True, overflow="ellipsis", end="")
-        return line.append(self.spinner.render(now)).append(words)  # type: ignore[arg-type]
+        sign = TURNING[int(A_SECOND * now) % len(TURNING)]
+        words = self.shown.words(now - self.begun, now)
+        return Text(f"{sign} {words}", no_wrap=True, overflow="ellipsis", end="")
 
 
-def live(console: Console, line: ProgressLine) -> Live:
+def live(console: Console, line: ProgressLine) -> "Live":
     """The line on the terminal until this is left, when it vanishes."""
+    from rich.live import Live  # where there is no terminal nobody needs it
+
     return Live(line, console=console, refresh_per_second=A_SECOND, transient=True)
