@@ -5,7 +5,7 @@ Sizes: N samples, n coordinates, m sensors.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -103,15 +103,15 @@ def applied_force(machine: Machine, course: Course) -> Array:
 
 def force_band(machine: Machine, motion: Motion, course: Course) -> Array:
     """One standard deviation of ΔF (N, n) from the bands of q, v and a, to first order, SI."""
-    base = discrepancy(machine, course, machine.values)
-    total = np.zeros_like(base)
-    for name, spread in (("q", motion.q_sd), ("v", motion.v_sd), ("a", motion.a_sd)):
-        for j in range(machine.n):
-            moved = getattr(course, name).copy()
-            moved[:, j] += spread[j]
-            change = discrepancy(machine, replace(course, **{name: moved}), machine.values) - base
-            total += change**2
-    return np.sqrt(total)
+    c = course
+    given = c.q, c.v, c.a, c.z, c.u, c.t, machine.values
+    slopes = along(machine.discrepancy_slopes, given, (6,), c.t.size)
+    bands = (motion.q_sd, motion.v_sd, motion.a_sd)
+    total = np.zeros((c.t.size, machine.n))
+    for slope, sd in zip(slopes, bands, strict=True):
+        by = slope.reshape(c.t.size, machine.n, machine.n)  # ∂ΔF/∂q column by column
+        total += np.sum((by * sd[:, None]) ** 2, axis=1)
+    return np.where(np.isfinite(c.reaction), np.sqrt(total), 0.0)
 
 
 def held_notes(machine: Machine) -> tuple[str, ...]:

@@ -114,7 +114,7 @@ def rate_slopes(form: StateForm, free: list[int], forces: bool) -> ca.Function:
     p) and, if asked for, test ``forces``: (X − n_free, X + F + n), SI."""
     x, d, t, p, w = form.symbols()
     rates = form.rates()(x, d, t, p, w)
-    parts = [ca.jacobian(rates, x), ca.jacobian(rates, p)[:, free]]
+    parts = [ca.jacobian(rates, x), ca.jacobian(rates, p[free])]
     parts += [ca.jacobian(rates, w)] if forces else []
     slopes = ca.substitute(ca.densify(ca.horzcat(*parts)), w, 0 * w)
     return ca.Function("rate_slopes", [x, d, t, p], [slopes], {"cse": True})
