@@ -39,7 +39,7 @@ OTHERS = {
     "correction/search/clocks.py": {"STANDS": "iteration"},
     "correction/search/exchanges.py": {"TRIED": "work", "OUT": "work"},
     "correction/search/lines.py": {"NARROW": "bound of a key, which the laws state"},
-    "correction/search/selection.py": {"CONDITION": "numerics"},
+    "correction/search/selection.py": {"CONDITION": "numerics", "UNSEEN": "numerics"},
     "correction/search/twins.py": {"PARALLEL": "numerics"},
     "correction/verdict/whole.py": {"SAMPLES_MOST": "work"},
     "discrepancy/checks/balance.py": {"STANDING": "numerics"},

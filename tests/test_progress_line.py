@@ -162,6 +162,7 @@ def test_a_verb_on_a_terminal_is_one_line_until_it_is_interrupted(
     )
     child, terminal = pty.fork()
     if child == 0:  # pragma: no cover - another process
+        signal.signal(signal.SIGINT, signal.SIG_DFL)  # a shell in the background ignores it
         os.environ.update(TERM="xterm", COLUMNS=str(width))
         os.execv(sys.executable, [sys.executable, str(script)])
     fcntl.ioctl(terminal, termios.TIOCSWINSZ, struct.pack("HHHH", 24, width, 0, 0))
