@@ -48,3 +48,18 @@ def test_a_step_of_no_length_changes_nothing() -> None:
     rates = np.random.default_rng(2).standard_normal((1, 2, 6))
     (made,) = collocated([rates] * 3, np.zeros(1), 2)
     assert made == pytest.approx(np.eye(4, 6))
+
+
+def test_steps_without_a_solution_and_diverged_ones_have_no_slopes_and_harm_no_others() -> None:
+    """δv' = c δv with c = 12/(5 h) in the middle and 0 elsewhere: there 0·δv is to be what it was
+    before. The third step begins where nothing is finite."""
+    fine, none = np.array([0.0, -1.0]), np.array([0.0, np.inf])
+    singular = 1 / (5 / 12)
+    nodes = [
+        np.array([[fine], [np.zeros(2)], [none]]),
+        np.array([[fine], [[0.0, singular]], [none]]),
+        np.array([[fine], [np.zeros(2)], [none]]),
+    ]
+    made = collocated(nodes, np.ones(3), 1)
+    assert made[0, 1, 1] == pytest.approx(np.exp(-1), abs=2e-3)
+    assert np.isnan(made[1:, 1]).any(axis=1).all()

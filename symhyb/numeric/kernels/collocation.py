@@ -17,14 +17,20 @@ import numpy as np
 from symhyb.numeric.kernels.buffers import Array
 
 _A = np.array([[1 / 6, -1 / 3, 1 / 6], [1 / 6, 5 / 12, -1 / 12], [1 / 6, 2 / 3, 1 / 6]])
-NODES = (0.0, 0.5, 1.0)
 
 
 def collocated(slopes: Sequence[Array], h: Array, positions: int) -> Array:
     """Slopes (S, X, X + C) of the states after steps of ``h`` (S,) s by those before them and by θ.
 
-    ``slopes`` are those of the rates y' by (q, y, θ), (S, m, X + C), at each of the ``NODES``, SI.
+    ``slopes`` are those of the rates y' by (q, y, θ), (S, m, X + C), at the beginning, in the
+    middle and at the end of the steps, SI. A step whose equations have no solution, or along which
+    a run has diverged, has slopes that are no numbers.
     """
+    with np.errstate(over="ignore", invalid="ignore"):
+        return _collocated(slopes, h, positions)
+
+
+def _collocated(slopes: Sequence[Array], h: Array, positions: int) -> Array:
     f, (steps, m, width) = positions, slopes[0].shape
     states = f + m
     h = h[:, None, None]
@@ -40,9 +46,20 @@ def collocated(slopes: Sequence[Array], h: Array, positions: int) -> Array:
             block[..., :f] -= h**2 * sum(_A[i, j] * _A[j, k] * slopes[j][..., :f] for j in range(3))
             matrix[:, rows, k * m : (k + 1) * m] = block
     matrix += np.eye(3 * m)
-    stages = np.linalg.solve(matrix, right)
+    stages = _solved(matrix, right)
     after = np.empty((steps, states, width))
     after[:, f:] = stages[:, 2 * m :]
     after[:, :f] = h * sum(_A[2, k] * stages[:, k * m : k * m + f] for k in range(3))
     after[:, :f, :f] += np.eye(f)
     return after
+
+
+def _solved(matrix: Array, right: Array) -> Array:
+    """The solutions (S, 3 m, C) of equations; not a number where there is none."""
+    try:
+        return np.asarray(np.linalg.solve(matrix, right))
+    except np.linalg.LinAlgError:
+        able = np.linalg.slogdet(matrix)[0] != 0
+        found = np.full_like(right, np.nan)
+        found[able] = np.linalg.solve(matrix[able], right[able])
+        return found
