@@ -12,7 +12,6 @@ from symhyb.units import Unit
 
 COORDINATE_KEYS = ("travel", "speed", "acceleration")
 INPUT_KEYS = ("range", "rate")
-RANGES = ("travel", "range")
 PAIR = "two numbers, as in [-0.05, 0.05]"
 
 
