@@ -106,7 +106,8 @@ def with_noise(runs: Sequence[Run], sd: Array, model: WindowModel) -> tuple[Run,
 def _steps_needed(model: WindowModel, run: Run) -> int:
     """Steps between samples at which twice as many change the outputs by less than a tenth of the
     noise in nine of ten windows of one period along the measured motion; from where the model as
-    given has run away from the recording, its error says nothing."""
+    given has run away from the recording its error says nothing, and that until then counts as it
+    grows over the whole window."""
     length = float(run.motion.periods().min())
     samples = run.recording.t.size - 1
 
@@ -180,11 +181,19 @@ def _enough(
             _, fine = model.simulate(cuts.block, cuts.start, values)
             if coarse is not None:
                 near = _near(fine, cuts.block.y, reach)
-                error = np.sqrt(np.mean(np.where(near, fine - coarse, 0.0) ** 2, axis=1))
+                error = _grown(np.where(near, fine - coarse, 0.0), near)
                 if np.mean((error > allowed).any(axis=1)) <= WINDOWS_WORSE:
                     return steps // 2
         coarse, steps = fine, 2 * steps
     return most
+
+
+def _grown(error: Array, near: NDArray[np.bool_]) -> Array:
+    """The RMS (W, m) of an ``error`` (W, L, m) over whole windows, of which the ``near`` samples
+    (W, L, 1) show how it grows with time; 0 where these are none but the first."""
+    length, shown = near.shape[1], near.sum(axis=1)
+    rms = np.sqrt(np.sum(error**2, axis=1) / np.maximum(shown, 1))
+    return np.asarray(np.where(shown > 1, rms * length / np.maximum(shown, 1), 0.0))
 
 
 def _near(simulated: Array, measured: Array, reach: Array) -> NDArray[np.bool_]:
