@@ -43,7 +43,7 @@ from symhyb.discrepancy.results import Diagnosis, Misfit, Repeats
 from symhyb.errors import NumericsError
 from symhyb.model.types import Model
 from symhyb.numeric.kernels.threads import one_thread
-from symhyb.steps import Say
+from symhyb.steps import Say, silent
 
 RECORD_NEXT = (
     "a longer run, of at least ten periods of the slowest motion, driven so that every coordinate "
@@ -98,7 +98,7 @@ def conclude(
 ) -> Concluded:
     """:func:`diagnose` up to the advice on what to record next, which :func:`advised` adds."""
     with one_thread():
-        return _concluded(model, recordings, holdout, own, say or (lambda line: None))
+        return _concluded(model, recordings, holdout, own, say or silent)
 
 
 def _concluded(

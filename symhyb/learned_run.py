@@ -16,7 +16,7 @@ from symhyb.model.write import write_model
 from symhyb.report.files import write_diagnosis, write_simulation
 from symhyb.report.learned import learned_json, render_learned
 from symhyb.report.learned_document import LearnedDocument
-from symhyb.steps import Say
+from symhyb.steps import Say, silent
 from symhyb.study import StudyResult, carry_out, read_all, sha256_of, versions
 from symhyb.study_file import Study
 from symhyb.writing import staged
@@ -59,7 +59,7 @@ def carry_out_order(order: Order, say: Say | None = None) -> Outcome:
         InputError: the model, a recording or an option is wrong.
         NumericsError: the numerics failed.
     """
-    tell = say or (lambda line: None)
+    tell = say or silent
     begin = time.perf_counter()
     tell("reading the model and the recordings")
     model = read_model(order.study.model)

@@ -57,7 +57,7 @@ from symhyb.numeric.runs.formulations import (
     Terms,
     simulate_corrected,
 )
-from symhyb.steps import Say
+from symhyb.steps import Say, silent
 
 __all__ = [
     "Chosen",
@@ -167,7 +167,7 @@ def learn(
         NumericsError: the model cannot be simulated along the recordings.
     """
     _require_ways(by, formulation)
-    tell = say or (lambda line: None)
+    tell = say or silent
     train, unseen = several(recordings), several(holdout)
     coordinates = asked_coordinates(model, on)
     if still(train):

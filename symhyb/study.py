@@ -43,7 +43,7 @@ from symhyb.numeric.kernels.memory import seldom_collected
 from symhyb.numeric.lowered.machine import build
 from symhyb.report.contract import exit_status, to_json
 from symhyb.report.files import write_diagnosis, write_report, write_simulation
-from symhyb.steps import Say
+from symhyb.steps import Say, silent
 from symhyb.study_file import Source, Study, read_study
 from symhyb.writing import require_folder, staged
 
@@ -115,7 +115,7 @@ def carry_out(study: Study, say: Say | None = None, leave: Leave | None = None) 
         InputError: the model or a recording is wrong: all problems of all recordings at once.
         NumericsError: the numerics failed.
     """
-    say = say or (lambda _: None)
+    say = say or silent
     begin = time.perf_counter()
     say("reading the model and the recordings")
     model = read_model(study.model)

@@ -161,7 +161,12 @@ def tensor_of(body: Body, symbols: Symbols) -> Vector:
     return (*values, ZERO, ZERO, ZERO) if len(values) == 3 else values
 
 
+def matrix_of(tensor: Vector) -> Matrix:
+    """J (3, 3) of a tensor (6,)."""
+    xx, yy, zz, xy, xz, yz = tensor
+    return ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
+
+
 def spun(tensor: Vector, omega: Sequence[sp.Expr]) -> Vector:
     """J ω (3,) of a tensor (6,)."""
-    xx, yy, zz, xy, xz, yz = tensor
-    return tuple(dotted(row, omega) for row in ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))
+    return tuple(dotted(row, omega) for row in matrix_of(tensor))

@@ -181,7 +181,7 @@ def _enough(
             _, fine = model.simulate(cuts.block, cuts.start, values)
             if coarse is not None:
                 near = _near(fine, cuts.block.y, reach)
-                error = _grown(np.where(near, fine - coarse, 0.0), near)
+                error = _grown(fine - coarse, near)
                 if np.mean((error > allowed).any(axis=1)) <= WINDOWS_WORSE:
                     return steps // 2
         coarse, steps = fine, 2 * steps
@@ -191,9 +191,10 @@ def _enough(
 def _grown(error: Array, near: NDArray[np.bool_]) -> Array:
     """The RMS (W, m) of an ``error`` (W, L, m) over whole windows, of which the ``near`` samples
     (W, L, 1) show how it grows with time; 0 where these are none but the first."""
-    length, shown = near.shape[1], near.sum(axis=1)
-    rms = np.sqrt(np.sum(error**2, axis=1) / np.maximum(shown, 1))
-    return np.asarray(np.where(shown > 1, rms * length / np.maximum(shown, 1), 0.0))
+    shown = near.sum(axis=1)
+    count = np.maximum(shown, 1)
+    rms = np.sqrt(np.sum(np.where(near, error, 0.0) ** 2, axis=1) / count)
+    return np.asarray(np.where(shown > 1, rms * near.shape[1] / count, 0.0))
 
 
 def _near(simulated: Array, measured: Array, reach: Array) -> NDArray[np.bool_]:

@@ -11,7 +11,7 @@ from itertools import chain
 import casadi as ca
 import sympy as sp
 
-from symhyb.mechanics.attitude import Vector
+from symhyb.mechanics.attitude import Vector, matrix_of
 from symhyb.mechanics.equations import Couple, Equations, Mass, Term, Vectorial
 from symhyb.mechanics.symbols import reading_symbol
 from symhyb.model.expression import Reading
@@ -230,9 +230,8 @@ class Lowered:
         velocity, omega = self._velocities[body.body]
         self.kinetic += mass * ca.sumsqr(velocity) / 2
         if body.tensor:
-            xx, yy, zz, xy, xz, yz = map(self._lower, body.tensor)
-            rows = ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
-            tensor = ca.sparsify(ca.vertcat(*(ca.horzcat(*row) for row in rows)))
+            columns = map(self._column_of, matrix_of(body.tensor))  # it is symmetric
+            tensor = ca.sparsify(ca.horzcat(*columns))
             self.kinetic += ca.dot(omega, ca.mtimes(tensor, omega)) / 2
         if body.quaternion is not None:
             self._guide(body, *body.quaternion)

@@ -71,10 +71,13 @@ def advanced(
 
 def driven(right: ca.Function, t: Array, drive: Array) -> dict[str, Any]:
     """The system x' = right(x, d, t, p) along a drive (K, D), SI, recorded at times ``t`` (K,) in
-    s, by first-order hold."""
+    s, by first-order hold; of scalar operations alone where nothing drives it."""
+    kind: Any = ca.MX if right.size1_in(1) else ca.SX
+    x, time, p = (kind.sym(n, right.size1_in(i)) for n, i in (("x", 0), ("t", 2), ("p", 3)))
+    if kind is ca.SX:
+        return {"x": x, "t": time, "p": p, "ode": right(x, ca.SX(0, 1), time, p)}
     options = {"lookup_mode": ["binary"]}  # rounded times are not evenly spaced to the last bit
     held = ca.interpolant("d", "linear", [t], drive.ravel(), options)
-    x, time, p = (ca.MX.sym(n, right.size1_in(i)) for n, i in (("x", 0), ("t", 2), ("p", 3)))
     return {"x": x, "t": time, "p": p, "ode": right(x, held(time), time, p)}
 
 

@@ -127,11 +127,9 @@ def implicit_states(
 
 
 def _rate(form: StateForm, scenario: Scenario, drive: Array, scales: Array) -> dict[str, Any]:
-    """The equations for states divided by their scales; SX unless recorded inputs act."""
+    """The equations for states divided by their scales."""
     x, d, t, p, w = form.symbols()
     f, full = len(form.free), x * scales
     slopes = form.rates()(full, d, t, p, 0 * w)
     ode = ca.densify(ca.vertcat(full[f : 2 * f, 0], slopes) / scales)
-    if not form.drive:
-        return {"x": x, "t": t, "p": p, "ode": ode}
     return driven(ca.Function("ode", [x, d, t, p], [ode], SLOPES_BY_STATES), scenario.t_u, drive)

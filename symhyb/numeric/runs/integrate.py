@@ -196,11 +196,7 @@ def solve_system(
     """
     scenario = _bent(scenario, form.machine)
     drive = _drive(form, scenario)
-    if form.drive:
-        rate = driven(right, scenario.t_u, drive)
-    else:
-        y, t, symbols = ca.SX.sym("y", start.size), ca.SX.sym("t"), ca.SX.sym("p", p.size)
-        rate = {"x": y, "t": t, "p": symbols, "ode": right(y, ca.SX(0, 1), t, symbols)}
+    rate = driven(right, scenario.t_u, drive)
     most = steps_of_output(scenario.t.size)
     options = cvodes_options(scenario.t_u, drive, most, "bdf", RELATIVE_TOLERANCE)
     rows = np.full((scenario.t.size, start.size), np.nan)

@@ -39,10 +39,7 @@ class Steps:
         """The steps of chains: ``plain``, with slopes to ``fit``, or to ``screen``; of a large
         machine with the state in the ``middle`` instead of slopes."""
         if what not in self._ready:
-            middle = what == "middle"
-            self._ready[what] = Chains(
-                step_and_middle(self._form) if middle else self._function(what)
-            )
+            self._ready[what] = Chains(self._function(what))
         return self._ready[what]
 
     def slopes(
@@ -98,7 +95,9 @@ class Steps:
 
     def _function(self, what: str) -> ca.Function:
         """(x, d0, d1, t, h, p) -> x after the step; for fits with its slopes by x and p, for
-        screens also by a test force w."""
+        screens also by a test force w; or with x in its middle."""
+        if what == "middle":
+            return step_and_middle(self._form)
         x, d0, t, p, w = self._form.symbols()
         d1, h = ca.SX.sym("d1", self._form.drive), ca.SX.sym("h")
         names = {"plain": "", "fit": "xp", "screen": "xpw"}[what]
