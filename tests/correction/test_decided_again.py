@@ -16,7 +16,7 @@ def setting_of(noise: float) -> Setting:
 
 def decided() -> tuple[Setting, Decision]:
     setting = setting_of(NOISE)
-    return setting, decide(setting, (), lambda line: None)
+    return setting, decide(setting, None, lambda line: None)
 
 
 def names(decision: Decision) -> set[str]:

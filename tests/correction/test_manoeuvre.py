@@ -12,7 +12,7 @@ from symhyb.correction.advice.manoeuvre import Rivals, needed_evidence
 from symhyb.correction.advice.offers import natural_frequencies, offers, rounded
 from symhyb.correction.advice.playing import played
 from symhyb.correction.advice.signals import signal_of
-from symhyb.correction.learning.sparse import propose
+from symhyb.correction.search.force_screen import force_screen
 from symhyb.correction.search.preparing import prepare, settle
 from symhyb.correction.search.trajectory import refine
 from symhyb.discrepancy.results import Manoeuvre, SignalName
@@ -83,7 +83,7 @@ def test_the_matrix_knows_twins_and_what_stands_out() -> None:
     prepared = prepare(spring_model(), spring_recording(5, {"drag": 2.0}, duration=8.0))
     setting = settle(prepared)
     middle = setting.stages[min(1, len(setting.stages) - 1)]
-    found = propose(prepared.machine, setting.library, middle.cuts, 5 / prepared.shortest)
+    found = force_screen(prepared.machine, setting.library, middle.cuts, 5 / prepared.shortest)
     matrix = isolability(setting, decide(setting, found, lambda line: None))
     assert matrix is not None
     assert matrix.causes[0] == "drag quadratic in speed on x"

@@ -3,7 +3,7 @@
     force    ∫ φ (p' − ∂T/∂q − k_e) dt = −∫ φ' p dt − ∫ φ (∂T/∂q + k_e) dt = Σ c_j ∫ φ θ_j dt
     rates    ∫ φ (v' − f_v) dt         = −∫ φ' v dt − ∫ φ f_v dt           = Σ r_j ∫ φ θ_j dt
 
-φ are the modulated windows of :mod:`symhyb.correction.learning.sparse`: no second derivative of
+φ are the modulated windows of :mod:`symhyb.correction.search.force_screen`: no second derivative of
 noisy data is formed. f_v = M⁻¹(k_e − k_c) are the accelerations of the model.
 Sizes: N rows of all windows, T terms, f free coordinates.
 """
@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from symhyb.correction.learning.sparse import modulated
+from symhyb.correction.search.force_screen import BAND, modulated
 from symhyb.correction.search.preparing import Prepared
 from symhyb.discrepancy.recorded.course import Course
 from symhyb.discrepancy.recorded.runs import cut_within
@@ -28,7 +28,6 @@ from symhyb.numeric.lowered.machine import Machine
 from symhyb.numeric.runs.formulations import Formulation, features
 
 PERIODS = 1.5  # of the shortest motion: a window
-BAND = 5.0  # of the highest modulation, per shortest period
 WINDOWS_WANTED = 20  # over all recordings: each is held once
 
 

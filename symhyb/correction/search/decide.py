@@ -20,6 +20,7 @@ from symhyb.correction.search.conventions import (
 )
 from symhyb.correction.search.exchanges import distinct, exchanges
 from symhyb.correction.search.first_structures import BEGUN, LARGEST, begun, begun_along
+from symhyb.correction.search.force_screen import ForceScreen
 from symhyb.correction.search.formulas import beside, candidates, instead
 from symhyb.correction.search.lines import lines_of
 from symhyb.correction.search.score import (
@@ -47,6 +48,7 @@ from symhyb.numeric.kernels.buffers import Array
 from symhyb.steps import Say
 
 ROUNDS = 12
+FAR = 10.0  # times the price of a cause: what is lost with one that stands far out
 CLOSE_MOST = 8  # structures that are decided among, with the selected one
 
 
@@ -95,9 +97,12 @@ class Decision:
         return self.behind(trial) + more * choice_of(self.count)
 
 
-def decide(setting: Setting, proposals: Sequence[Subset], say: Say) -> Decision:
-    """Choose a structure. ``proposals`` are subsets from other screens, by cause index."""
-    pool = {subset.causes for subset in proposals}
+def decide(setting: Setting, forces: ForceScreen | None, say: Say) -> Decision:
+    """Choose a structure; ``forces`` is the screen of the same force hypotheses at their level."""
+    pool: set[tuple[int, ...]] = set()
+    if forces:
+        problem = forces.problem(forces.begin())
+        pool |= _first_of(problem, best_subsets(problem, LARGEST))
     problems, twins = [], exact_twins(setting)
     for stage in setting.stages:
         say(f"screening {len(setting.hypotheses)} causes on windows of {stage.length_s:.3g} s")
@@ -105,13 +110,30 @@ def decide(setting: Setting, proposals: Sequence[Subset], say: Say) -> Decision:
         equals = with_twins(indistinguishable(problem), twins)
         problem = without(problem, {second for _, second in equals})
         sizes = best_subsets(problem, LARGEST)
-        pool |= {s.causes for sized in sizes[1:] for s in distinct(problem, sized)[:BEGUN]}
+        pool |= _first_of(problem, sizes)
         problems.append((sizes[-1][0].chi2 / max(sizes[0][0].chi2, 1e-300), problem))
     # where the linear problem explains most, its promises are worth most
     problems.sort(key=lambda pair: pair[0])
     trials = Trials(setting, say, equals)
     with if_interrupted(lambda: _known(trials)):
+        _begun_whole(trials, forces)
         return _decided(trials, [problem for _, problem in problems], pool)
+
+
+def _first_of(problem: Problem, sizes: Sequence[Sequence[Subset]]) -> set[tuple[int, ...]]:
+    """The first few subsets of each size that differ in more than the shapes of their laws."""
+    return {s.causes for sized in sizes[1:] for s in distinct(problem, sized)[:BEGUN]}
+
+
+def _begun_whole(trials: Trials, forces: ForceScreen | None) -> None:
+    """Fit all that forces show at once, where a machine has more coordinates than a few causes
+    explain: an arm whose every joint lacks friction does not follow with one of them."""
+    if forces is None or len(trials.setting.windows.machine.free) <= LARGEST:
+        return
+    trials.say("least squares of the forces of all causes")
+    whole = forces.whole(choice_of(trials.count), trials.dropped)
+    if whole is not None and len(whole.causes) > LARGEST:
+        _tried(trials, whole.causes, first_guess(forces.problem(forces.begin()), whole))
 
 
 def decide_among(setting: Setting, decision: Decision, say: Say) -> Decision:
@@ -153,8 +175,9 @@ def _decided(trials: Trials, problems: Sequence[Problem], pool: set[tuple[int, .
     one cause more, less or else."""
     setting, problem = trials.setting, problems[0]
     nothing = trials.refined(())
-    best, log = nothing, []
-    for subset in begun(trials, nothing, problem, pool):
+    best, log = _best(trials), []
+    few = len(best.causes) <= LARGEST
+    for subset in begun(trials, nothing, problem, pool) if few else ():
         if best.fit.scale > NEAR_NOISE or _cheaper(subset, best):
             _tried(trials, subset.causes, first_guess(problem, subset))
             best = _best(trials)
@@ -210,7 +233,7 @@ def _sentence(trials: Trials, better: Refined, before: Refined) -> str:
 
 def _look_around(trials: Trials, base: Refined) -> None:
     """Fit what may be better than the best so far."""
-    smaller = [_without(trials, base, {i}) for i in range(len(base.causes))]
+    smaller = _each_left_out(trials, base)
     for offer in exchanges(trials, base):
         _tried(trials, offer.causes, offer.rows, base.fit.starts)
     if base.fit.scale < NEAR_NOISE:
@@ -251,6 +274,17 @@ def _tried(
         _tried(trials, *_but(own, values, gone - plainer.keys()), trial.fit.starts)
 
 
+def _each_left_out(trials: Trials, base: Refined) -> list[Refined | None]:
+    """A structure without each of its causes; None where it has many, and its own deviation says
+    that leaving this one out costs far more than it saves."""
+    dear = FAR * (price(base, trials.count) / max(len(base.causes), 1) + SIGNIFICANT)
+    few = len(base.causes) <= LARGEST
+    return [
+        _without(trials, base, {i}) if few or standing(base, i) < dear else None
+        for i in range(len(base.causes))
+    ]
+
+
 def _without(trials: Trials, trial: Refined, gone: Collection[int]) -> Refined:
     """A structure without some of its causes. Where it is known already, but fits worse than the
     deviations of these causes say, it ended in a minimum of its own and is fitted from here."""
@@ -278,14 +312,14 @@ def _but(
 
 
 def _suggested(
-    trials: Trials, base: Refined, smaller: Sequence[Refined]
+    trials: Trials, base: Refined, smaller: Sequence[Refined | None]
 ) -> Iterator[tuple[Sequence[int], Sequence[Row], Sequence[Array] | None]]:
     """What a fitted structure that leaves more than noise suggests: variants of its laws, also in
     place of two laws at a place (it is given without each of its causes: ``smaller``), further
     lines beside a line."""
     yield from _varied(trials, base, base.causes)
     for gone, trial in zip(base.causes, smaller, strict=True):
-        if not trial.fit.reason and gone.place is not None:
+        if trial is not None and not trial.fit.reason and gone.place is not None:
             yield from _varied(trials, trial, [c for c in trial.causes if c.place == gone.place])
     own, rows = trials.causes(base), grouped(base)
     for lines, more in lines_of(trials.setting, base):

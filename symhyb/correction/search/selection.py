@@ -5,8 +5,9 @@ thousands of subsets cost milliseconds. A beam of the best subsets grows by one 
 forbidden signs drop out. Sizes: F columns, the residual is column F.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,20 +56,36 @@ class Problem:
 
 def best_subsets(problem: Problem, largest: int = LARGEST) -> list[list[Subset]]:
     """The best subsets of each size 0, 1, 2 … up to ``largest`` causes by χ², best first."""
+    return list(islice(growing(problem, BEAM), largest + 1))
+
+
+def growing(problem: Problem, beam: int) -> Iterator[list[Subset]]:
+    """The best subsets of each size 0, 1, 2 … by χ², best first, as long as any grows; ``beam`` of
+    each size grow."""
     empty = solve(problem, ())
-    sizes: list[list[Subset]] = [[empty]] if empty is not None else []
-    while sizes and len(sizes) <= largest:
+    best = [empty] if empty is not None else []
+    while best:
+        yield best
         grown = {
             tuple(sorted((*parent.causes, cause)))
-            for parent in sizes[-1]
+            for parent in best
             for cause in range(len(problem.hypotheses))
             if cause not in parent.causes
         }
         found = _solved(problem, [key for key in sorted(grown) if not _repeats(problem, key)])
-        if not found:
-            break
-        sizes.append(sorted(found, key=lambda subset: subset.chi2)[:BEAM])
-    return sizes
+        best = sorted(found, key=lambda subset: subset.chi2)[:beam]
+
+
+def neighbours(problem: Problem, subset: Subset) -> list[Subset]:
+    """The subsets with one cause less, but not none, and with another one in its place."""
+    few = {tuple(sorted({*subset.causes} - {gone})) for gone in subset.causes}
+    sets = few | {
+        tuple(sorted((*kept, cause)))
+        for kept in few
+        for cause in range(len(problem.hypotheses))
+        if cause not in subset.causes
+    }
+    return _solved(problem, [key for key in sorted(sets) if key and not _repeats(problem, key)])
 
 
 def solve(problem: Problem, causes: Sequence[int]) -> Subset | None:
@@ -121,7 +138,8 @@ def _solved(problem: Problem, sets: Sequence[tuple[int, ...]]) -> list[Subset]:
 def _side_by_side(problem: Problem, sets: Sequence[tuple[int, ...]]) -> list[Subset]:
     """The subsets (S) that the data can tell and whose coefficients are in bounds and large
     enough; all sets have as many columns."""
-    chosen = np.array([[c for cause in causes for c in problem.columns[cause]] for causes in sets])
+    rows = [[c for cause in causes for c in problem.columns[cause]] for causes in sets]
+    chosen = np.array(rows, np.int64)
     joined = np.hstack([chosen, np.tile(np.array(problem.always, int), (len(sets), 1))])
     width = joined.shape[1]
     block = problem.gram[joined[:, :, None], joined[:, None, :]]

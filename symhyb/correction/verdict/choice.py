@@ -4,22 +4,21 @@ Where an effect begins or ends on the way its law is sought where it acts; a rec
 fit the others is named, and does not choose with them.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from symhyb.correction.adequacy.finalists import settled
 from symhyb.correction.adequacy.sensor_noise import measured_again
-from symhyb.correction.learning.sparse import propose
 from symhyb.correction.naming.fleet_words import misfit
 from symhyb.correction.search.beginnings import active_part, changed, contradicted
 from symhyb.correction.search.decide import Decision, decide, decide_among
 from symhyb.correction.search.fleet import Outlier, outliers, own_value, parted, without
+from symhyb.correction.search.force_screen import BAND, ForceScreen, force_screen
 from symhyb.correction.search.preparing import Prepared
-from symhyb.correction.search.selection import Subset
 from symhyb.correction.search.setting import Setting, Stage
 from symhyb.correction.search.so_far import fits_best, if_interrupted
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.places.locate import locate
+from symhyb.discrepancy.recorded.runs import cut_within
 from symhyb.discrepancy.results import Change, Misfit, PlaceShare
 from symhyb.judgement import SIGNIFICANT
 from symhyb.steps import Say
@@ -39,15 +38,17 @@ class Choice:
 
 def choose(prepared: Prepared, setting: Setting, say: Say) -> Choice:
     """Screen all causes, map the places and decide; again where the sensors prove noisier."""
-    say("sparse regression on the weak form")
-    cuts = _middle(setting).cuts
-    proposals = propose(prepared.machine, setting.library, cuts, 5 / prepared.shortest)
-    choice = chosen(prepared, setting, proposals, say)
+    say("pushing every cause at the level of forces")
+    length = _middle(setting).length_s
+    cuts = [cut_within(run, prepared.machine, length) for run in prepared.runs]
+    windows = [item for item in cuts if item is not None]
+    forces = force_screen(prepared.machine, setting.library, windows, BAND / prepared.shortest)
+    choice = chosen(prepared, setting, forces, say)
     sd = measured_again(prepared, choice.setting, choice.decision)
     if sd is None:
         return choice
     say("deciding again, for the noise of a sensor is correlated in time")
-    return chosen(prepared, replace(setting, sd=sd), proposals, say)
+    return chosen(prepared, replace(setting, sd=sd), forces, say)
 
 
 def chosen_again(prepared: Prepared, setting: Setting, choice: Choice, say: Say) -> Choice:
@@ -62,7 +63,7 @@ def _middle(setting: Setting) -> Stage:
     return setting.stages[min(1, len(setting.stages) - 1)]
 
 
-def chosen(prepared: Prepared, setting: Setting, proposals: Sequence[Subset], say: Say) -> Choice:
+def chosen(prepared: Prepared, setting: Setting, forces: ForceScreen | None, say: Say) -> Choice:
     """One decision, with the noise of the sensors as it is known."""
     say("mapping the places")
     places = locate(
@@ -73,7 +74,7 @@ def chosen(prepared: Prepared, setting: Setting, proposals: Sequence[Subset], sa
         setting.sd,
         setting.stages[0].cuts,
     )
-    setting, decision, change = _where_it_acts(setting, proposals, places, say)
+    setting, decision, change = _where_it_acts(setting, forces, places, say)
     odd: tuple[Outlier, ...] = ()
     cuts = setting.stages[-1].cuts
     if len(cuts) > 1:
@@ -87,7 +88,7 @@ def chosen(prepared: Prepared, setting: Setting, proposals: Sequence[Subset], sa
             if len(cuts) > 2
             else parted(setting, decision.selected, odd[0], _rivals(decision, odd[0]))
         )
-        decision = decide(setting, proposals, say)
+        decision = decide(setting, forces, say)
         if len(cuts) == 2 and (own := own_value(decision.selected, odd[0])) is not None:
             misfits = (misfit(decision.selected, own, [i.source[0] for i in cuts]),)
     with if_interrupted(lambda: fits_best(decision.selected, len(decision.trials))):
@@ -108,13 +109,13 @@ def _rivals(decision: Decision, odd: Outlier) -> list[Hypothesis]:
 
 
 def _where_it_acts(
-    setting: Setting, proposals: Sequence[Subset], places: tuple[PlaceShare, ...], say: Say
+    setting: Setting, forces: ForceScreen | None, places: tuple[PlaceShare, ...], say: Say
 ) -> tuple[Setting, Decision, Change | None]:
     """The decision in the part of a recording where the effect acts, if that is a part."""
     change = changed(places)
     part = active_part(setting, change)
-    decision = decide(part, proposals, say)
+    decision = decide(part, forces, say)
     if change is None or contradicted(setting, decision.selected, change):
         return part, decision, change
     say("deciding again, for it may act throughout")
-    return setting, decide(setting, proposals, say), None
+    return setting, decide(setting, forces, say), None

@@ -366,7 +366,7 @@ def _finish(
 
 
 def _failed(task: Task, starts: list[Array], values: Array) -> Fit:
-    windows = sum(len(item.start) for item in task.cuts)
+    seen = np.concatenate([np.isfinite(item.block.y).sum(axis=(1, 2)) for item in task.cuts])
     held = np.concatenate([item.held for item in task.cuts])
-    worst, unknown = np.full(windows, np.inf), np.full((values.size, values.size), np.inf)
-    return Fit(values, unknown, worst, np.ones(windows, int), held, 1.0, tuple(starts), UNBOUNDED)
+    worst, unknown = np.full(seen.size, np.inf), np.full((values.size, values.size), np.inf)
+    return Fit(values, unknown, worst, seen, held, 1.0, tuple(starts), UNBOUNDED)
