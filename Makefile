@@ -28,14 +28,17 @@ COUNT ?= 20000
 fuzz: $(READY)
 	$(BIN)/python studies/reliability/fuzz.py --count $(COUNT)
 
-# the quick tests with the oldest versions that pyproject.toml allows, in an environment of its own
+# with the oldest versions that pyproject.toml allows, in an environment of its own: quick tests of
+# all that calls a library, and of whole diagnoses
 OLDEST := build/oldest
+OF_OLDEST := data export laws mechanics model models numeric optimisation report \
+	test_cli.py test_diagnosis.py test_learn.py test_study.py
 # but for those that need the tools of development, or look at the newest versions
-NOT_OF_OLDEST := test_layers.py test_reliability.py::test_every_package_is_pinned_and_of_an_accepted_licence \
-	report/test_contract.py::test_the_schemas_are_those_of_the_types \
+NOT_OF_OLDEST := report/test_contract.py::test_the_schemas_are_those_of_the_types \
 	laws/test_add_a_law.py::test_the_law_of_the_page_is_written_as_all_code_is
 oldest: $(OLDEST)/ready
-	$(OLDEST)/bin/python -m pytest -q -n 2 -p no:cacheprovider $(NOT_OF_OLDEST:%=--deselect tests/%)
+	$(OLDEST)/bin/python -m pytest -q -n 2 -p no:cacheprovider $(OF_OLDEST:%=tests/%) \
+		$(NOT_OF_OLDEST:%=--deselect tests/%)
 
 $(OLDEST)/ready: pyproject.toml constraints-oldest.txt
 	@echo "installing the oldest versions into $(OLDEST) (about a minute, once)"

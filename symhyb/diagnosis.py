@@ -22,6 +22,7 @@ from symhyb.correction.search.preparing import Prepared, prepare, settle
 from symhyb.correction.search.setting import Setting
 from symhyb.correction.search.so_far import fits_best, if_interrupted
 from symhyb.correction.search.trajectory import Refined
+from symhyb.correction.search.wholes import at_level_of_forces
 from symhyb.correction.verdict.choice import Choice, choose, chosen_again
 from symhyb.correction.verdict.conclusion import concluded
 from symhyb.correction.verdict.constants import with_constant
@@ -112,7 +113,9 @@ def _concluded(
         return Concluded(Diagnosis("undecided", STILL, record_next=RECORD_NEXT))
     tell("estimating motion and noise")
     prepared, setting = _prepared(model, recordings, holdout, own)
-    choice = choose(prepared, setting, tell)
+    tell("pushing every cause at the level of forces")
+    prepared, setting, forces = at_level_of_forces(prepared, setting, own)
+    choice = choose(prepared, setting, forces, tell)
     nothing, selected = choice.decision.nothing, choice.decision.selected
     if nothing.fit.reason and not selected.causes:
         raise NumericsError(f"the model cannot be simulated: {nothing.fit.reason}")

@@ -35,13 +35,14 @@ from symhyb.correction.search.score import (
     uncertain,
     weak,
 )
-from symhyb.correction.search.selection import Problem, Subset, best_subsets, without
+from symhyb.correction.search.selection import FEW, Problem, Subset, best_subsets, without
 from symhyb.correction.search.setting import Setting, along_motion
 from symhyb.correction.search.so_far import fits_best, if_interrupted
 from symhyb.correction.search.trajectory import Refined, grouped
 from symhyb.correction.search.trials import Row, Trials, first_guess
 from symhyb.correction.search.twins import exact_twins
 from symhyb.correction.search.variants import variants_of
+from symhyb.correction.search.wholes import whole_of
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.judgement import NEAR_NOISE, SIGNIFICANT, UNEXPLAINED
 from symhyb.numeric.kernels.buffers import Array
@@ -128,12 +129,9 @@ def _first_of(problem: Problem, sizes: Sequence[Sequence[Subset]]) -> set[tuple[
 def _begun_whole(trials: Trials, forces: ForceScreen | None) -> None:
     """Fit all that forces show at once, where a machine has more coordinates than a few causes
     explain: an arm whose every joint lacks friction does not follow with one of them."""
-    if forces is None or len(trials.setting.windows.machine.free) <= LARGEST:
-        return
-    trials.say("least squares of the forces of all causes")
-    whole = forces.whole(choice_of(trials.count), trials.dropped)
-    if whole is not None and len(whole.causes) > LARGEST:
-        _tried(trials, whole.causes, first_guess(forces.problem(forces.begin()), whole))
+    whole = whole_of(trials.setting, forces, trials.dropped)
+    if whole is not None:
+        _tried(trials, whole.subset.causes, whole.rows)
 
 
 def decide_among(setting: Setting, decision: Decision, say: Say) -> Decision:
@@ -236,7 +234,7 @@ def _look_around(trials: Trials, base: Refined) -> None:
     smaller = _each_left_out(trials, base)
     for offer in exchanges(trials, base):
         _tried(trials, offer.causes, offer.rows, base.fit.starts)
-    if base.fit.scale < NEAR_NOISE:
+    if base.fit.scale < NEAR_NOISE or len(base.causes) > FEW:
         return
     for causes, rows, starts in _suggested(trials, base, smaller):
         _tried(trials, causes, rows, starts)
@@ -278,7 +276,7 @@ def _each_left_out(trials: Trials, base: Refined) -> list[Refined | None]:
     """A structure without each of its causes; None where it has many, and its own deviation says
     that leaving this one out costs far more than it saves."""
     dear = FAR * (price(base, trials.count) / max(len(base.causes), 1) + SIGNIFICANT)
-    few = len(base.causes) <= LARGEST
+    few = len(base.causes) <= FEW
     return [
         _without(trials, base, {i}) if few or standing(base, i) < dear else None
         for i in range(len(base.causes))

@@ -11,7 +11,7 @@ from itertools import combinations
 import numpy as np
 
 from symhyb.correction.search.score import choice_of, piece_of, samples
-from symhyb.correction.search.selection import Problem, Subset, best_subsets, solve, without
+from symhyb.correction.search.selection import FEW, Problem, Subset, best_subsets, solve, without
 from symhyb.correction.search.setting import effects, exchanged
 from symhyb.correction.search.trajectory import Refined, grouped
 from symhyb.correction.search.trials import Row, Trials, first_guess
@@ -55,7 +55,8 @@ def _all(trials: Trials, base: Refined) -> Iterator[Offer]:
         return
     own, rows, unit = trials.causes(base), grouped(base), piece_of(base)
     number, choice = np.log(samples(base)), choice_of(trials.count)
-    for many in range(min(OUT, len(own)) + 1):
+    few = len(own) <= FEW
+    for many in range(min(OUT if few else 1, len(own)) + 1):
         for out in combinations(range(len(own)), many):
             gone = [base.causes[i] for i in out]
             stay = [i for i in range(len(own)) if i not in out]
@@ -68,7 +69,7 @@ def _all(trials: Trials, base: Refined) -> Iterator[Offer]:
                     price = more * number + (len(subset.causes) - many) * choice
                     taken = still.chi2 + still.held - subset.chi2 - subset.held
                     gain = float(taken / unit - price)
-                    if gain > -max(MOST * price, CLOSE):
+                    if gain > (-max(MOST * price, CLOSE) if few else 0.0):
                         fresh = _begun(problem, subset, gone, [rows[i] for i in out])
                         yield Offer(
                             (*(own[i] for i in stay), *subset.causes),

@@ -54,6 +54,11 @@ class ForceScreen:
         """How many independent rows there are, over all coordinates."""
         return len(self.grams) * self.count
 
+    @property
+    def total(self) -> Array:
+        """The Gram matrices (f, C + 1, C + 1) of all windows."""
+        return np.asarray(self.grams + self.held)
+
     def problem(self, weights: Array) -> Problem:
         """The linear problem of these ``weights`` (f,) of the squares of coordinates."""
         lower = np.array([0.0 if s else -np.inf for h in self.hypotheses for s in h.positive])
@@ -72,14 +77,14 @@ class ForceScreen:
 
     def begin(self) -> Array:
         """Weights (f,) by which what is lacking counts alike on every coordinate."""
-        return self._per_row(self.grams[:, -1, -1] + self.held[:, -1, -1])
+        return self._per_row(self.total[:, -1, -1])
 
     def left(self, subset: Subset) -> Array:
         """The squares (f,) that a subset leaves on each coordinate, in all windows."""
         mix = np.zeros(self.grams.shape[1])
         mix[[c for cause in subset.causes for c in self.columns[cause]]] = -subset.values
         mix[-1] = 1.0
-        squares = mix @ (self.grams + self.held) @ mix
+        squares = mix @ self.total @ mix
         return np.asarray(np.maximum(squares, 0.0))
 
     def whole(self, choice: float, dropped: Set[int]) -> Subset | None:

@@ -36,7 +36,7 @@ from symhyb.discrepancy.results import RecordingFault
 from symhyb.errors import InputError, Problem
 from symhyb.judgement import ACCURACY, GROWN, LARGE, NEGLIGIBLE, WINDOWS_LEAST
 from symhyb.laws.reach import Reach
-from symhyb.model.types import Model, Place
+from symhyb.model.types import Model, On, Place
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.lowered.machine import Machine, build
 from symhyb.numeric.runs.between import held_columns
@@ -118,16 +118,16 @@ def _recorded(runs: Sequence[Run]) -> NDArray[np.bool_]:
     return np.asarray(np.isfinite([run.motion.sd for run in runs]).any(axis=0))
 
 
-def settle(prepared: Prepared, own: Sequence[str] = ()) -> Setting:
-    """Lower all hypotheses and lay windows at growing lengths; ``own`` names what each recording
-    has its own value of.
+def settle(prepared: Prepared, own: Sequence[str] = (), more: Sequence[On] = ()) -> Setting:
+    """Lower all hypotheses, also at ``more`` places, and lay windows at growing lengths; ``own``
+    names what each recording has its own value of.
 
     Raises:
         InputError: ``own`` names neither a parameter of the model nor a key of a law.
     """
     check_own(prepared.model, own)
     model, machine = prepared.model, prepared.machine
-    places = places_of(model)
+    places = (*places_of(model), *more)
     narrow = transition_share(_relative_noise(prepared))
     motions = [(run.motion.q, run.motion.v, run.motion.t) for run in prepared.runs]
     tried = (

@@ -41,6 +41,11 @@ class Setting:
     change: Change | None = None
 
     @property
+    def middle(self) -> Stage:
+        """The windows on which places are mapped: neither the shortest nor long."""
+        return self.stages[min(1, len(self.stages) - 1)]
+
+    @property
     def hypotheses(self) -> tuple[Hypothesis, ...]:
         """All causes, in the order of the reduced problems."""
         return (*self.library.hypotheses, *self.parametric)

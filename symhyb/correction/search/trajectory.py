@@ -105,13 +105,7 @@ def refine(
     states (W, X) of each recording to begin with; ``everything`` fits the held windows too;
     ``careful`` iterates until the values stand.
     """
-    elements: list[Element] = []
-    for i, cause in enumerate(causes):
-        if cause.place is not None:
-            shared = {key: value for key, value in start[i].items() if "@" not in key}
-            elements.append(cause.element(model, element_name(i), shared))
-    extended = replace(model, elements=(*model.elements, *elements))
-    machine = build(extended, keep=False)
+    machine = build(with_causes(model, causes, start), keep=False)
     paths = tuple(path for i, cause in enumerate(causes) for path in paths_of(i, cause))
     free = tuple(machine.column(path) for path in paths)
     p = machine.values.copy()
@@ -135,6 +129,18 @@ def refine(
     p[list(free)] = fitted.values[: len(free)]
     found = Refined(tuple(causes), machine, paths, p, fitted)
     return replace(found, each=each, owned=owned) if owned else found
+
+
+def with_causes(
+    model: Model, causes: Sequence[Hypothesis], values: Sequence[Mapping[str, float]]
+) -> Model:
+    """The model with the elements of the causes that are laws, of these ``values`` by key, SI."""
+    elements: list[Element] = []
+    for i, cause in enumerate(causes):
+        if cause.place is not None:
+            shared = {key: value for key, value in values[i].items() if "@" not in key}
+            elements.append(cause.element(model, element_name(i), shared))
+    return replace(model, elements=(*model.elements, *elements))
 
 
 def shared_out(causes: Sequence[Hypothesis], recordings: int) -> tuple[tuple[int, ...], ...]:

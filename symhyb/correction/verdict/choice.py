@@ -12,13 +12,12 @@ from symhyb.correction.naming.fleet_words import misfit
 from symhyb.correction.search.beginnings import active_part, changed, contradicted
 from symhyb.correction.search.decide import Decision, decide, decide_among
 from symhyb.correction.search.fleet import Outlier, outliers, own_value, parted, without
-from symhyb.correction.search.force_screen import BAND, ForceScreen, force_screen
+from symhyb.correction.search.force_screen import ForceScreen
 from symhyb.correction.search.preparing import Prepared
-from symhyb.correction.search.setting import Setting, Stage
+from symhyb.correction.search.setting import Setting
 from symhyb.correction.search.so_far import fits_best, if_interrupted
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.places.locate import locate
-from symhyb.discrepancy.recorded.runs import cut_within
 from symhyb.discrepancy.results import Change, Misfit, PlaceShare
 from symhyb.judgement import SIGNIFICANT
 from symhyb.steps import Say
@@ -36,13 +35,8 @@ class Choice:
     misfits: tuple[Misfit, ...]
 
 
-def choose(prepared: Prepared, setting: Setting, say: Say) -> Choice:
+def choose(prepared: Prepared, setting: Setting, forces: ForceScreen | None, say: Say) -> Choice:
     """Screen all causes, map the places and decide; again where the sensors prove noisier."""
-    say("pushing every cause at the level of forces")
-    length = _middle(setting).length_s
-    cuts = [cut_within(run, prepared.machine, length) for run in prepared.runs]
-    windows = [item for item in cuts if item is not None]
-    forces = force_screen(prepared.machine, setting.library, windows, BAND / prepared.shortest)
     choice = chosen(prepared, setting, forces, say)
     sd = measured_again(prepared, choice.setting, choice.decision)
     if sd is None:
@@ -58,18 +52,13 @@ def chosen_again(prepared: Prepared, setting: Setting, choice: Choice, say: Say)
     return replace(choice, setting=setting, decision=decision)
 
 
-def _middle(setting: Setting) -> Stage:
-    """The windows on which places are mapped: neither the shortest nor long."""
-    return setting.stages[min(1, len(setting.stages) - 1)]
-
-
 def chosen(prepared: Prepared, setting: Setting, forces: ForceScreen | None, say: Say) -> Choice:
     """One decision, with the noise of the sensors as it is known."""
     say("mapping the places")
     places = locate(
         setting.library,
         setting.windows,
-        _middle(setting).cuts,
+        setting.middle.cuts,
         prepared.machine.values,
         setting.sd,
         setting.stages[0].cuts,

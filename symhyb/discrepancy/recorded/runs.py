@@ -159,6 +159,26 @@ def _fine_needed(machine: Machine, run: Run) -> int:
     return _enough(WindowModel(steep), run, cut, first, FINE_MOST)
 
 
+def fine_for(machine: Machine, run: Run, length_s: float) -> int:
+    """How much finer near reversals, at most as before, for a machine whose laws are those that are
+    searched for: the error may be a tenth of what it leaves of the recording, if that is more than
+    noise, in windows of ``length_s``."""
+
+    def cut(fine: int) -> Cut | None:
+        found = cut_within(replace(run, fine=fine), machine, length_s)
+        return None if found is None else found.suited(machine)
+
+    model, first = WindowModel(machine), cut(run.fine)
+    if first is None:
+        return run.fine
+    with np.errstate(over="ignore", invalid="ignore"):
+        _, y = model.simulate(first.block, first.start, machine.values)
+        squares = np.nanmean((y - first.block.y) ** 2, axis=1)
+    left = np.sqrt(np.median(squares, axis=0))
+    louder = replace(run, sd=np.fmax(run.sd, np.where(np.isfinite(left), left, 0.0)))
+    return min(_enough(model, louder, cut, 1, run.fine), run.fine)
+
+
 def _enough(
     model: WindowModel, run: Run, cut_with: Callable[[int], Cut | None], first: int, most: int
 ) -> int:

@@ -1,0 +1,96 @@
+"""All causes at once, where a machine has many joints, and how fine its windows must run."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from symhyb.correction.search.coupled import coupled_places
+from symhyb.correction.search.first_structures import LARGEST
+from symhyb.correction.search.force_screen import BAND, ForceScreen, force_screen
+from symhyb.correction.search.preparing import Prepared, settle
+from symhyb.correction.search.score import choice_of
+from symhyb.correction.search.selection import Subset
+from symhyb.correction.search.setting import Setting, Stage
+from symhyb.correction.search.trajectory import with_causes
+from symhyb.correction.search.trials import Row, first_guess
+from symhyb.discrepancy.recorded.runs import cut_within, fine_for
+from symhyb.discrepancy.recorded.windows import Cut
+from symhyb.numeric.lowered.machine import build
+
+
+@dataclass(frozen=True, slots=True)
+class Whole:
+    """A ``subset`` of causes, and ``rows`` of values, by key, SI, at which their fit begins."""
+
+    subset: Subset
+    rows: tuple[Row, ...]
+
+
+def at_level_of_forces(
+    prepared: Prepared, setting: Setting, own: Sequence[str]
+) -> tuple[Prepared, Setting, ForceScreen | None]:
+    """What the forces of all causes show, with places of two joints where these share a loss, and
+    windows as fine as that asks for; ``own`` as in :func:`.settle`."""
+    forces = _screened(prepared, setting)
+    whole = whole_of(setting, forces)
+    if forces is None or whole is None:
+        return prepared, setting, forces
+    band, cuts = BAND / prepared.shortest, _windows(prepared, setting)
+    places = coupled_places(prepared, setting.library, cuts, band, forces, whole.subset)
+    if places:
+        setting = settle(prepared, own, places)
+        forces = _screened(prepared, setting)
+        whole = whole_of(setting, forces)
+    return *_as_fine_as_needed(prepared, setting, whole), forces
+
+
+def _screened(prepared: Prepared, setting: Setting) -> ForceScreen | None:
+    cuts, band = _windows(prepared, setting), BAND / prepared.shortest
+    return force_screen(prepared.machine, setting.library, cuts, band)
+
+
+def _windows(prepared: Prepared, setting: Setting) -> list[Cut]:
+    """All windows of the middle length."""
+    length = setting.middle.length_s
+    cuts = [cut_within(run, prepared.machine, length) for run in prepared.runs]
+    return [item for item in cuts if item is not None]
+
+
+def whole_of(
+    setting: Setting, forces: ForceScreen | None, dropped: frozenset[int] | set[int] = frozenset()
+) -> Whole | None:
+    """All causes that pay at the level of forces, but the ``dropped`` ones; None if a machine has
+    no more free coordinates than a few causes explain, or no more causes pay."""
+    if forces is None or len(setting.windows.machine.free) <= LARGEST:
+        return None
+    families = {cause.family for cause in setting.hypotheses}
+    found = forces.whole(choice_of(len(families) - len(dropped)), dropped)
+    if found is None or len(found.causes) <= LARGEST:
+        return None
+    return Whole(found, tuple(first_guess(forces.problem(forces.begin()), found)))
+
+
+def _as_fine_as_needed(
+    prepared: Prepared, setting: Setting, whole: Whole | None
+) -> tuple[Prepared, Setting]:
+    """Recordings and windows with no finer steps near reversals than a ``whole`` asks for: without
+    the masses that it has, friction turns light bodies over in no time."""
+    if whole is None:
+        return prepared, setting
+    causes = [setting.hypotheses[cause] for cause in whole.subset.causes]
+    machine = build(with_causes(prepared.model, causes, whole.rows), keep=False)
+    length = setting.stages[-1].length_s
+    runs = [replace(run, fine=fine_for(machine, run, length)) for run in prepared.runs]
+    fine = {id(run.recording): run.fine for run in runs}
+    finest = max(run.fine for run in runs)
+    unseen = [replace(run, fine=min(run.fine, finest)) for run in prepared.holdout]
+    stages = [
+        Stage(
+            stage.length_s,
+            tuple(replace(cut, fine=fine[id(cut.source[0])]) for cut in stage.cuts),
+        )
+        for stage in setting.stages
+    ]
+    return (
+        replace(prepared, runs=tuple(runs), holdout=tuple(unseen)),
+        replace(setting, stages=tuple(stages)),
+    )
