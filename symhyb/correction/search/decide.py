@@ -35,7 +35,7 @@ from symhyb.correction.search.score import (
     uncertain,
     weak,
 )
-from symhyb.correction.search.selection import FEW, Problem, Subset, best_subsets, without
+from symhyb.correction.search.selection import TOGETHER, Problem, Subset, best_subsets, without
 from symhyb.correction.search.setting import Setting, along_motion
 from symhyb.correction.search.so_far import fits_best, if_interrupted
 from symhyb.correction.search.trajectory import Refined, grouped
@@ -234,7 +234,7 @@ def _look_around(trials: Trials, base: Refined) -> None:
     smaller = _each_left_out(trials, base)
     for offer in exchanges(trials, base):
         _tried(trials, offer.causes, offer.rows, base.fit.starts)
-    if base.fit.scale < NEAR_NOISE or len(base.causes) > FEW:
+    if base.fit.scale < NEAR_NOISE or len(base.causes) > TOGETHER:
         return
     for causes, rows, starts in _suggested(trials, base, smaller):
         _tried(trials, causes, rows, starts)
@@ -276,7 +276,7 @@ def _each_left_out(trials: Trials, base: Refined) -> list[Refined | None]:
     """A structure without each of its causes; None where it has many, and its own deviation says
     that leaving this one out costs far more than it saves."""
     dear = FAR * (price(base, trials.count) / max(len(base.causes), 1) + SIGNIFICANT)
-    few = len(base.causes) <= FEW
+    few = len(base.causes) <= TOGETHER
     return [
         _without(trials, base, {i}) if few or standing(base, i) < dear else None
         for i in range(len(base.causes))

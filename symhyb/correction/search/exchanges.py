@@ -11,7 +11,14 @@ from itertools import combinations
 import numpy as np
 
 from symhyb.correction.search.score import choice_of, piece_of, samples
-from symhyb.correction.search.selection import FEW, Problem, Subset, best_subsets, solve, without
+from symhyb.correction.search.selection import (
+    TOGETHER,
+    Problem,
+    Subset,
+    best_subsets,
+    solve,
+    without,
+)
 from symhyb.correction.search.setting import effects, exchanged
 from symhyb.correction.search.trajectory import Refined, grouped
 from symhyb.correction.search.trials import Row, Trials, first_guess
@@ -55,7 +62,7 @@ def _all(trials: Trials, base: Refined) -> Iterator[Offer]:
         return
     own, rows, unit = trials.causes(base), grouped(base), piece_of(base)
     number, choice = np.log(samples(base)), choice_of(trials.count)
-    few = len(own) <= FEW
+    few = len(own) <= TOGETHER
     for many in range(min(OUT if few else 1, len(own)) + 1):
         for out in combinations(range(len(own)), many):
             gone = [base.causes[i] for i in out]

@@ -16,7 +16,7 @@ from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.numeric.kernels.buffers import Array
 
 BEAM = 24
-FEW = 5  # causes: more are neither chosen at once nor exchanged in pairs
+TOGETHER = 5  # causes: more are neither chosen at once nor exchanged in pairs
 AT_ONCE = 2000  # sets that are solved side by side
 UNSEEN = 1e-100  # of the noise for one SI unit: a column that is rounding alone
 CONDITION = 1e10  # of scaled columns: beyond, a subset cannot be distinguished
@@ -54,7 +54,7 @@ class Problem:
     recordings: tuple[str, ...] = ()
 
 
-def best_subsets(problem: Problem, largest: int = FEW) -> list[list[Subset]]:
+def best_subsets(problem: Problem, largest: int = TOGETHER) -> list[list[Subset]]:
     """The best subsets of each size 0, 1, 2 … up to ``largest`` causes by χ², best first."""
     return list(islice(growing(problem, BEAM), largest + 1))
 
