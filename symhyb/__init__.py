@@ -13,7 +13,7 @@ _HOMES = {
     "symhyb.model.types": ("Model",),
     "symhyb.data.recording": ("Recording", "read_recording"),
     "symhyb.numeric.lowered.machine": ("Machine", "build"),
-    "symhyb.numeric.runs.integrate": ("simulate",),
+    "symhyb.exact.simulation": ("simulate",),
     "symhyb.numeric.runs.scenario": ("Scenario",),
     "symhyb.optimisation.rollout": ("Rollout",),
     "symhyb.optimisation.objective": ("Objective",),

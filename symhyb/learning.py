@@ -15,6 +15,14 @@ from typing import Literal, get_args
 
 import numpy as np
 
+from symhyb.correction.learning.corrected import (
+    Correction,
+    Formulation,
+    Law,
+    Networks,
+    Terms,
+    simulate_corrected,
+)
 from symhyb.correction.learning.formulations import (
     lacking,
     measured_course,
@@ -49,14 +57,6 @@ from symhyb.errors import InputError, Problem, did_you_mean
 from symhyb.model.types import Element, Model
 from symhyb.model.write import append_elements
 from symhyb.numeric.lowered.network import Weights
-from symhyb.numeric.runs.formulations import (
-    Correction,
-    Formulation,
-    Law,
-    Networks,
-    Terms,
-    simulate_corrected,
-)
 from symhyb.steps import Say, silent
 
 __all__ = [

@@ -11,12 +11,13 @@ from symhyb.discrepancy.recorded.motion import given_motion
 from symhyb.discrepancy.recorded.sampling import as_sampled
 from symhyb.discrepancy.recorded.signals import driving
 from symhyb.errors import InputError, NumericsError, Problem
+from symhyb.exact.simulation import simulate
 from symhyb.limits import RUN_ROWS
 from symhyb.model.expression import Name, parse_expression
 from symhyb.model.types import Model, Sensor
 from symhyb.numeric.kernels.buffers import Array, held_at, on_line, on_lines
 from symhyb.numeric.lowered.machine import Machine, build
-from symhyb.numeric.runs.integrate import Trajectory, simulate
+from symhyb.numeric.runs.integrate import Trajectory
 from symhyb.numeric.runs.scenario import Scenario
 from symhyb.units import parse_unit
 

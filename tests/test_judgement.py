@@ -26,6 +26,12 @@ OTHERS = {
     "correction/adequacy/classes/columns.py": {"FINEST": "numerics", "PUSHED": "numerics"},
     "correction/adequacy/recorded.py": {"SAMPLES_LEAST": "work"},
     "correction/advice/advice.py": {"ODDS_SHOWN": "display"},
+    "correction/learning/factor.py": {
+        "CONDITION_MOST": "numerics",
+        "CONSTANT": "numerics",
+        "DEPENDENT": "numerics",
+        "LOST": "numerics",
+    },
     "correction/learning/library.py": {"DEGREE_MOST": "work", "COUPLED": "work"},
     "correction/learning/network.py": {"PATIENCE": "work", "FOLDS": "work"},
     "correction/learning/choosing.py": {"UNSEEN": "numerics"},

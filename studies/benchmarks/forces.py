@@ -96,7 +96,6 @@ def measured(case: str, samples: int, repeats: int) -> dict[str, float]:
     function, arguments = machine.discrepancy, arguments_of(machine, samples)
     contenders: dict[str, Work] = {
         "ours": lambda: along(function, arguments, HELD),
-        "two threads": lambda: along(function, arguments, HELD, threads=2),
         "numpy": lambda: straight_line(function, arguments),
     }
     if case == "oscillator":
@@ -106,7 +105,7 @@ def measured(case: str, samples: int, repeats: int) -> dict[str, float]:
 
 def _compiled(machine: Machine, samples: int, repeats: int) -> dict[str, float]:
     function, small = machine.discrepancy, arguments_of(machine, 3_000_000)
-    along(function, small, HELD)  # compiled now; the first use of a machine pays for that
+    along(function, small, HELD)  # the first use of a machine pays for what is compiled
     del small
     before = _resident()
     arguments = arguments_of(machine, samples)
@@ -183,15 +182,6 @@ def rows(samples: int = 10_000_000, repeats: int = 9) -> list[Row]:
             True,
             "×",
             milliseconds(slow["written"]),
-        ),
-        Row(
-            name,
-            "the first of these over ours in two threads",
-            slow["numpy"] / slow["two threads"],
-            None,
-            True,
-            "×",
-            milliseconds(slow["two threads"]),
         ),
         Row(
             name,

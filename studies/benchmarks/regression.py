@@ -15,8 +15,8 @@ from pysindy.optimizers import STLSQ
 from threadpoolctl import threadpool_limits
 from timing import Row, in_turns, middle, milliseconds
 
+from symhyb.correction.learning.factor import factor_of
 from symhyb.correction.learning.regression import Candidates, regress, resampled
-from symhyb.numeric.kernels.factor import factor_of
 
 Array = NDArray[np.float64]
 TRUE = {"x0": -2.0, "x2": -0.8, "x0x0x0": -1.5, "|x2|x2": -0.6, "tanh x3": -0.4}

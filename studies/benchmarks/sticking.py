@@ -26,9 +26,9 @@ from oscillators import (
 from scipy.integrate import solve_ivp
 from timing import Row, in_turns, middle, milliseconds
 
+from symhyb.exact.simulation import simulate
 from symhyb.model.read import parse_model
 from symhyb.numeric.lowered.machine import build
-from symhyb.numeric.runs.integrate import simulate
 
 Array = NDArray[np.float64]
 

@@ -7,9 +7,9 @@ from importlib.resources import files
 
 import numpy as np
 
+from symhyb.export.functions.exported import c_source, functions
 from symhyb.export.spec import Spec
 from symhyb.numeric.kernels.buffers import Array
-from symhyb.numeric.lowered.exported import c_source, functions
 
 SAMPLES = 20
 TOLERANCE = 1e-13  # of the largest value: other C libraries round tanh and exp differently

@@ -9,9 +9,9 @@ from symhyb.errors import InputError, Problem
 from symhyb.export.adams import adams_files
 from symhyb.export.c_code import c_files
 from symhyb.export.fmu import fmu, kinds_of
+from symhyb.export.functions.exported import serialised
 from symhyb.export.spec import C_WORDS, Role, Spec, spec_of
 from symhyb.model.types import Model
-from symhyb.numeric.lowered.exported import serialised
 from symhyb.writing import require_folder, staged, write_file
 
 TARGETS = ("fmu", "c", "casadi", "adams", "latex")

@@ -9,8 +9,8 @@ from importlib.metadata import PackageNotFoundError, version
 
 import numpy as np
 
+from symhyb.export.functions.exported import Flags
 from symhyb.export.spec import Spec, Variable
-from symhyb.numeric.lowered.exported import Flags
 from symhyb.units import Unit
 
 KINDS = {"cs": "CoSimulation", "me": "ModelExchange"}

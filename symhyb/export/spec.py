@@ -15,9 +15,9 @@ from fractions import Fraction
 from typing import Literal
 
 from symhyb.errors import InputError, Problem
+from symhyb.export.functions.exported import Exported, export_elements, export_machine
 from symhyb.model.types import Model, On
 from symhyb.model.vocabulary import stretch_unit
-from symhyb.numeric.lowered.exported import Exported, export_elements, export_machine
 from symhyb.units import ONE, Unit, parse_unit
 
 Role = Literal["time", "input", "output", "indicator", "state", "rate", "parameter", "mode"]

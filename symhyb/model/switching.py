@@ -1,6 +1,6 @@
 """What switches in a model: dry friction that can hold, stops that touch, and laws left as written.
 
-Exact simulation (:mod:`symhyb.numeric.runs.events`) turns friction on a coordinate or between
+Exact simulation (:mod:`symhyb.exact.events`) turns friction on a coordinate or between
 points, and every side of a gap, into an automaton. Other laws with a corner stay what they are.
 """
 

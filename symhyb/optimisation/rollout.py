@@ -34,6 +34,7 @@ from symhyb.numeric.runs.explicit import (
 )
 from symhyb.numeric.runs.integrate import simulate
 from symhyb.numeric.runs.scenario import Scenario
+from symhyb.optimisation.reverse import pulled_back
 
 # Relative; absolute a hundredth of it, in scales of the states. The error of slopes is larger than
 # that of states, by 100 to 1000 where friction is steep: at 1e-12 it stays below 1e-8.
@@ -268,8 +269,9 @@ class Reversal:
         first = of._parts.sensed_pulled.along(of.t, weights, at, self.p)
         by_x, by_d, by_p = np.split(first, np.cumsum([x.shape[1], self.drive.shape[1]]), axis=1)
         total = by_x if states is None else by_x + states
-        start, values, drive = of._parts.pulled.pull_back(
-            self.tape, self.run.accepted, total, self.p, of.t, (of.t_u, self.drive)
+        nodes, steps = (of.t_u, self.drive), self.run.accepted
+        start, values, drive = pulled_back(
+            of._parts.pulled, self.tape, steps, total, self.p, of.t, nodes
         )
         np.add.at(drive, of._place, (1 - of._share)[:, None] * by_d)
         np.add.at(drive, of._place + 1, of._share[:, None] * by_d)

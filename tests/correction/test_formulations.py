@@ -4,6 +4,14 @@ import numpy as np
 import pytest
 from builders import DRIVEN_MASS, cart_and_pole
 
+from symhyb.correction.learning.corrected import (
+    Correction,
+    Formulation,
+    Networks,
+    Terms,
+    rows_of,
+    simulate_corrected,
+)
 from symhyb.correction.learning.formulations import (
     lacking,
     measured_course,
@@ -15,14 +23,6 @@ from symhyb.errors import InputError
 from symhyb.model.read import parse_model
 from symhyb.numeric.kernels.buffers import call
 from symhyb.numeric.lowered.machine import Machine, build
-from symhyb.numeric.runs.formulations import (
-    Correction,
-    Formulation,
-    Networks,
-    Terms,
-    rows_of,
-    simulate_corrected,
-)
 from symhyb.numeric.runs.integrate import Trajectory, simulate
 from symhyb.numeric.runs.scenario import Scenario
 

@@ -24,7 +24,7 @@ from symhyb.model.read import parse_model
 from symhyb.model.types import Between, Model, On, Place
 from symhyb.model.vocabulary import KINDS
 from symhyb.model.write import append_elements, text_of
-from symhyb.numeric.kernels.buffers import call, mapped
+from symhyb.numeric.kernels.vector import along
 from symhyb.numeric.lowered.dynamics import state_form
 from symhyb.numeric.lowered.inner import inner_along
 from symhyb.numeric.lowered.machine import Machine, build
@@ -197,11 +197,9 @@ def test_probes_are_the_law_in_its_unknown_numbers() -> None:
         coefficients = np.array([rng.uniform(1, 2), *rng.uniform(0.2, 0.8, len(columns) - 1)])
         element = hypothesis.element(model, "it", hypothesis.values(coefficients))
         machine, alone = swinging(replace(model, elements=(*model.elements, element)))
-        function = mapped(machine.elements, T.size, repeated=(5,))
         c, p = alone, machine.values
-        (exact,) = call(function, (c.q, c.v, c.z, c.u, c.t, p))
-        carried = mapped(machine.carried, T.size, repeated=(4,))
-        exact = exact + call(carried, (c.q, c.v, c.a, c.t, p))[0]
+        (exact,) = along(machine.elements, (c.q, c.v, c.z, c.u, c.t, p), (5,), T.size)
+        exact = exact + along(machine.carried, (c.q, c.v, c.a, c.t, p), (4,), T.size)[0]
         last = exact.reshape(T.size, -1, 2)[:, -1]
         size = np.abs(last).max()
         assert size > 0 or hypothesis.kind == "gap", str(hypothesis)

@@ -26,9 +26,9 @@ from symhyb.export.c_code import fmu_code, samples
 from symhyb.export.deliver import Order, deliver
 from symhyb.export.description import model_description
 from symhyb.export.fmu import fmu
+from symhyb.export.functions.modes import BAND_PLAY, NARROWEST, STOP_PLAY
 from symhyb.export.spec import Spec, spec_of
 from symhyb.model.read import read_model
-from symhyb.numeric.lowered.modes import BAND_PLAY, NARROWEST, STOP_PLAY
 
 MODELS = Path(__file__).parents[2] / "models"
 FAR = 20.0  # half widths from where a law turns: tanh is 1 there

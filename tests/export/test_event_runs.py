@@ -19,11 +19,12 @@ from fmus import (
 )
 from numpy.typing import NDArray
 
+from symhyb.exact.simulation import simulate
+from symhyb.export.functions.modes import BAND_PLAY
 from symhyb.export.spec import Spec, spec_of
 from symhyb.model.types import Model
 from symhyb.numeric.lowered.machine import build
-from symhyb.numeric.lowered.modes import BAND_PLAY
-from symhyb.numeric.runs.integrate import Trajectory, simulate
+from symhyb.numeric.runs.integrate import Trajectory
 from symhyb.numeric.runs.scenario import Scenario
 
 END = 6.0  # s

@@ -11,12 +11,12 @@ from builders import model_of, oscillator, push
 from fmus import FOUND, element, machine, whole
 
 from symhyb.errors import InputError
+from symhyb.export.functions.modes import SMOOTHING
 from symhyb.export.spec import si_unit, spec_of
 from symhyb.model.read import parse_model
 from symhyb.model.types import Model
 from symhyb.numeric.kernels.buffers import call
 from symhyb.numeric.lowered.machine import build
-from symhyb.numeric.lowered.modes import SMOOTHING
 from symhyb.numeric.lowered.network import FADE
 from symhyb.units import parse_unit
 

@@ -29,7 +29,8 @@ from textbook import Array
 from symhyb.model.read import parse_model
 from symhyb.model.types import Model
 from symhyb.model.vocabulary import KINDS
-from symhyb.numeric.kernels.buffers import call, mapped
+from symhyb.numeric.kernels.buffers import call
+from symhyb.numeric.kernels.vector import along
 from symhyb.numeric.lowered.machine import Machine, build
 from symhyb.numeric.runs.integrate import simulate
 from symhyb.numeric.runs.scenario import Scenario
@@ -86,7 +87,7 @@ def test_energy_changes_by_the_power_of_what_is_not_conservative(name: str) -> N
 def test_the_energy_of_a_run_is_the_work_that_was_done(name: str) -> None:
     end, machine, start = PERIODS * SPREAD[name][1], machine_of(name), start_of(name)
     t_u, u = knots(name, end)
-    edge, along = acting(name, t_u, u)
+    edge, forced = acting(name, t_u, u)
     edges = np.linspace(0, end, FINE.get(name, PANELS) * (edge.size - 1) + 1)
     half = edges[1] / 2
     inside = (edges[:-1, None] + half * (1 + NODES)).ravel()
@@ -94,13 +95,13 @@ def test_the_energy_of_a_run_is_the_work_that_was_done(name: str) -> None:
     given = imposed_motion(name, t_u)
     run = simulate(machine, Scenario(t, start, np.zeros(start.size), t_u, u, given=given))
     assert run.complete, run.reason
-    inputs = np.array([np.interp(t, edge, column) for column in along.T]).reshape(-1, t.size).T
-    balance = mapped(balance_of(machine), t.size, repeated=(6,))
-    energy, power, _ = call(balance, (run.q, run.v, run.a, run.z, inputs, t, machine.values))
+    inputs = np.array([np.interp(t, edge, column) for column in forced.T]).reshape(-1, t.size).T
+    here = (run.q, run.v, run.a, run.z, inputs, t, machine.values)
+    energy, power, _ = along(balance_of(machine), here, (6,), t.size)
     at_edges, at_nodes = np.isin(t, edges), np.isin(t, inside)
     work = half * power[at_nodes, 0].reshape(-1, NODES.size) @ WEIGHTS
     gained = np.diff(energy[at_edges, 0])
-    kinetic = call(mapped(machine.energy, t.size, (4,)), (run.q, run.v, run.z, t, machine.values))
+    kinetic = along(machine.energy, (run.q, run.v, run.z, t, machine.values), (4,), t.size)
     moved = float(np.ptp(kinetic[0]))
     assert moved > 0
     assert np.abs(np.cumsum(gained - work)).max() < (1e-5 if name in FINE else 1e-6) * moved

@@ -4,7 +4,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from symhyb.numeric.kernels.buffers import call, mapped
+from symhyb.numeric.kernels.buffers import call
 
 x, y = ca.SX.sym("x", 2), ca.SX.sym("y")
 BOTH = ca.Function("both", [x, y], [ca.densify(ca.diag(x) * y), x[0] + y], ["x", "y"], ["A", "b"])
@@ -33,13 +33,3 @@ def test_a_wrong_number_of_entries_is_said_with_the_name_of_the_argument() -> No
 def test_an_empty_output_is_empty() -> None:
     empty = ca.Function("empty", [x], [ca.SX(0, 1)])
     assert call(empty, [np.zeros(2)])[0].shape == (1, 0)
-
-
-def test_mapped_over_samples_is_a_loop() -> None:
-    rng = np.random.default_rng(1)
-    points = rng.normal(size=(5, 2))
-    a, b = call(mapped(BOTH, 5, repeated=(1,)), [points, 3.0])
-    for i, point in enumerate(points):
-        expected = call(BOTH, [point, 3.0])
-        assert a.reshape(5, 2, 2)[i].tolist() == expected[0].tolist()
-        assert b[i].tolist() == expected[1][0].tolist()

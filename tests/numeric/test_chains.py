@@ -97,7 +97,7 @@ def every_operation() -> ca.Function:
 
 
 def test_there_is_a_machine_where_there_is_a_compiler() -> None:
-    assert (chains_listed.machine() is None) == (chains_listed.shared_library("", ("-O0",)) is None)
+    assert (chains_listed.machine() is None) == (chains_listed.library_of("") is None)
 
 
 @pytest.mark.parametrize("count", [1, LANES - 1, LANES, LANES + 1, 3 * LANES + 2])

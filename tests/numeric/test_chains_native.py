@@ -4,7 +4,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from symhyb.numeric.kernels import chains_native, chains_text
+from symhyb.numeric.kernels import chains_native, chains_text, compiled
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.kernels.chains import Chains
 from symhyb.numeric.kernels.chains_source import LANES
@@ -26,7 +26,7 @@ def both(
     begin_from(0, monkeypatch)
     run = Chains(step)
     run(*given)
-    compiled(run)
+    built(run)
     return interpreted, run(*given)
 
 
@@ -34,10 +34,15 @@ def begin_from(work: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Compile as soon as so many instructions were run, whatever is in the cache."""
     monkeypatch.setattr(chains_native, "BEGIN_FROM", work)
     monkeypatch.setattr(chains_native, "BEGIN_FROM_EACH", 0)
-    monkeypatch.setattr(chains_native, "ready_library", lambda *task: None)
+    made = compiled.library_of
+    monkeypatch.setattr(
+        chains_native,
+        "library_of",
+        lambda code, level, ready=False: None if ready else made(code, level),
+    )
 
 
-def compiled(run: Chains) -> chains_native.Run | None:
+def built(run: Chains) -> chains_native.Run | None:
     """The code that a compiler is at work on, when it is done."""
     assert run._engine is not None
     native = run._engine.native
@@ -95,12 +100,12 @@ def test_it_takes_over_where_a_function_has_run_long(monkeypatch: pytest.MonkeyP
     first = run(*given)  # two blocks of six steps
     assert native.thread is None
     second = run(*given)
-    built = compiled(run)
-    assert built is not None
+    done = built(run)
+    assert done is not None
     third = run(*given)
     for made in (second, third):
         np.testing.assert_array_equal(first[0], made[0])
-    assert native.run is built
+    assert native.run is done
 
 
 def test_one_function_is_compiled_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -112,7 +117,7 @@ def test_one_function_is_compiled_at_a_time(monkeypatch: pytest.MonkeyPatch) -> 
         run(*given)
         assert run._engine.native.thread is None
     run(*given)
-    assert compiled(run) is not None
+    assert built(run) is not None
 
 
 def test_what_was_compiled_before_is_taken_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -121,7 +126,7 @@ def test_what_was_compiled_before_is_taken_at_once(monkeypatch: pytest.MonkeyPat
         begin_from(0, first)
         run = Chains(simple())
         (expected,) = run(*given)
-        compiled(run)
+        built(run)
     again = Chains(simple())
     np.testing.assert_array_equal(again(*given)[0], expected)
     assert again._engine is not None
@@ -133,10 +138,10 @@ def test_without_it_the_machine_goes_on(monkeypatch: pytest.MonkeyPatch) -> None
     given = np.ones((2, 1)), [np.full((2, 3, 1), 0.9)], np.ones(1)
     (expected,) = Chains(simple())(*given)
     begin_from(0, monkeypatch)
-    monkeypatch.setattr(chains_native, "shared_library", lambda *task: None)
+    monkeypatch.setattr(chains_native, "library_of", lambda *task, ready=False: None)
     run = Chains(simple())
     np.testing.assert_array_equal(run(*given)[0], expected)
-    assert compiled(run) is None
+    assert built(run) is None
     np.testing.assert_array_equal(run(*given)[0], expected)
 
 

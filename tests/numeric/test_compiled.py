@@ -1,6 +1,5 @@
 """Libraries are found by what they depend on, and the absence of a compiler is silent."""
 
-import ctypes
 import os
 from collections.abc import Iterator
 from pathlib import Path
@@ -35,7 +34,7 @@ def test_without_a_compiler_there_is_no_library(
     cache: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(module, "find_compiler", lambda: None)
-    assert module.shared_library(CODE, ()) is None
+    assert module.library_of(CODE) is None
     assert not list(cache.iterdir())
 
 
@@ -43,7 +42,7 @@ def test_a_compiler_that_fails_leaves_nothing_behind(
     cache: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(module, "find_compiler", lambda: ("false", "broken"))
-    assert module.shared_library(CODE, ()) is None
+    assert module.library_of(CODE) is None
     assert not list(cache.iterdir())
 
 
@@ -53,26 +52,56 @@ def test_a_compiler_that_is_no_program_is_none(monkeypatch: pytest.MonkeyPatch) 
         assert module.find_compiler.__wrapped__() is None
 
 
+def file_of(cache: Path, code: str = CODE, level: str = "-O1") -> Path:
+    """The one file that this code adds to the cache."""
+    before = set(cache.glob("*.so"))
+    library = module.library_of(code, level)
+    assert library is not None
+    assert library.answer() == 42
+    (new,) = set(cache.glob("*.so")) - before
+    content = new.read_bytes()
+    new.unlink()  # what is loaded stays whole, whatever a test does to the file
+    new.write_bytes(content)
+    return new
+
+
 @needs_compiler
-def test_what_the_code_depends_on_is_in_its_name(cache: Path) -> None:
-    first = module.shared_library(CODE, ("-O1",))
-    others = [
-        module.shared_library(CODE + " ", ("-O1",)),
-        module.shared_library(CODE, ("-O2",)),
-        module.shared_library(CODE, ("-O1",), ()),
-        module.shared_library(CODE, ("-O1",), about="another processor"),
-    ]
-    assert first is not None
-    assert module.shared_library(CODE, ("-O1",)) == first
-    assert len({first, *others}) == 5
-    assert ctypes.CDLL(str(first)).answer() == 42
+def test_what_the_code_depends_on_is_in_its_name(
+    cache: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file_of(cache)
+    file_of(cache, CODE + " ")
+    file_of(cache, level="-O2")
+    assert module.library_of(CODE, "-O1") is not None
+    assert len(list(cache.glob("*.so"))) == 3
+    monkeypatch.setattr(module, "processor", lambda: "another")
+    file_of(cache)
+
+
+@needs_compiler
+def test_what_is_not_ready_is_not_built(cache: Path) -> None:
+    assert module.library_of(CODE, ready=True) is None
+    assert not list(cache.iterdir())
+    assert module.library_of(CODE) is not None
+    assert module.library_of(CODE, ready=True) is not None
+
+
+@needs_compiler
+def test_a_library_that_cannot_be_loaded_is_none(
+    cache: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refused(path: str) -> None:
+        raise OSError(f"{path}: failed to map segment")  # a folder that is mounted noexec
+
+    monkeypatch.setattr(module.ctypes, "CDLL", refused)
+    assert module.library_of(CODE) is None
+    assert len(list(cache.glob("*.so"))) == 1
 
 
 @needs_compiler
 @pytest.mark.parametrize("damage", ["half", "flip", "digest", "no digest"])
 def test_a_damaged_library_is_built_again(cache: Path, damage: str) -> None:
-    library = module.shared_library(CODE, ())
-    assert library is not None
+    library = file_of(cache)
     whole, digest = library.read_bytes(), library.with_suffix(".sum")
     if damage == "half":
         library.write_bytes(whole[: len(whole) // 2])
@@ -82,9 +111,8 @@ def test_a_damaged_library_is_built_again(cache: Path, damage: str) -> None:
         digest.write_bytes(b"\xff")
     else:
         digest.unlink()
-    assert module.shared_library(CODE, ()) == library
+    assert module.library_of(CODE, "-O1") is not None
     assert library.read_bytes() == whole
-    assert ctypes.CDLL(str(library)).answer() == 42
 
 
 def test_the_newest_files_are_kept(tmp_path: Path) -> None:
@@ -120,13 +148,12 @@ def test_a_link_in_place_of_the_folder_is_not_followed(home: Path, tmp_path: Pat
 
 @needs_compiler
 def test_a_link_in_place_of_a_library_is_built_anew(cache: Path, tmp_path: Path) -> None:
-    library = module.shared_library(CODE, ["-O1"])
-    assert library is not None
+    library = file_of(cache)
     planted = tmp_path / "planted.so"
     planted.write_bytes(library.read_bytes())
     library.unlink()
     library.symlink_to(planted)
-    assert module.shared_library(CODE, ["-O1"]) == library
+    assert module.library_of(CODE, "-O1") is not None
     assert not library.is_symlink()
 
 

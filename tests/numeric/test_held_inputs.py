@@ -13,6 +13,7 @@ from symhyb.discrepancy.recorded.course import course_of
 from symhyb.discrepancy.recorded.motion import motion_of
 from symhyb.discrepancy.recorded.signals import acting, driving
 from symhyb.discrepancy.recorded.windows import lay
+from symhyb.exact.simulation import simulate
 from symhyb.model.read import parse_model
 from symhyb.model.types import Model
 from symhyb.model.write import text_of
@@ -67,7 +68,7 @@ def test_an_oscillator_follows_the_staircase(
         monkeypatch.setattr(integrate, "field", lambda form: None)
     t, u = drive()
     scenario = Scenario(t, np.zeros(1), np.zeros(1), t, u[:, None])
-    run = integrate.simulate(build(model()), scenario, exact=method == "exact")
+    run = simulate(build(model()), scenario, exact=method == "exact")
     assert run.complete
     exact = staircase(t, u)
     error = np.abs(np.column_stack([run.q, run.v]) - exact).max(axis=0)
@@ -79,7 +80,7 @@ def test_an_oscillator_follows_the_staircase(
 def test_lines_are_half_a_sample_ahead() -> None:
     t, u = drive()
     scenario = Scenario(t, np.zeros(1), np.zeros(1), t, u[:, None])
-    run = integrate.simulate(build(model("")), scenario)
+    run = simulate(build(model("")), scenario)
     exact = staircase(t, u)
     assert np.abs(run.q[:, 0] - exact[:, 0]).max() > 0.02 * np.abs(exact[:, 0]).max()
 

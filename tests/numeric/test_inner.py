@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid
 
 from symhyb.model.types import Model
-from symhyb.numeric.kernels.buffers import call, mapped
+from symhyb.numeric.kernels import vector
 from symhyb.numeric.lowered import inner
 from symhyb.numeric.lowered.inner import inner_along
 from symhyb.numeric.lowered.machine import Machine, build
@@ -41,9 +41,8 @@ def along(machine: Machine, t: Array, s: Array, r: Array) -> tuple[Array, Array,
     motion, u = (s[:, None], r[:, None], a[:, None]), np.empty((t.size, 0))
     z = inner_along(machine, t, motion, u, machine.values)
     p = machine.values
-    (y,) = call(mapped(machine.outputs, t.size, repeated=(6,)), (*motion, z, u, t, p))
-    energy = mapped(machine.energy, t.size, repeated=(4,))
-    stored = call(energy, (motion[0], motion[1], z, t, p))[2]
+    (y,) = vector.along(machine.outputs, (*motion, z, u, t, p), (6,), t.size)
+    stored = vector.along(machine.energy, (motion[0], motion[1], z, t, p), (4,), t.size)[2]
     return z[:, 0] if z.shape[1] else np.zeros(t.size), y[:, 0], stored[:, 0]
 
 

@@ -23,7 +23,7 @@ from scipy.integrate import cumulative_simpson, solve_ivp
 from scipy.special import ellipj, ellipk
 
 from symhyb.model.types import Model
-from symhyb.numeric.kernels.buffers import call, mapped
+from symhyb.numeric.kernels.vector import along
 from symhyb.numeric.lowered.machine import Machine, build
 from symhyb.numeric.runs.integrate import Trajectory, simulate
 from symhyb.numeric.runs.scenario import Scenario
@@ -214,8 +214,8 @@ def test_scales_make_small_motions_as_accurate_as_large_ones() -> None:
 
 def energy(machine: Machine, result: Trajectory) -> Array:
     """T + V + what the elements store, along a trajectory, J."""
-    total = mapped(machine.energy, result.t.size, repeated=(4,))
-    T, V, stored = call(total, (result.q, result.v, result.z, result.t, machine.values))
+    given = (result.q, result.v, result.z, result.t, machine.values)
+    T, V, stored = along(machine.energy, given, (4,), result.t.size)
     return np.asarray(T[:, 0] + V[:, 0] + stored.sum(axis=1))
 
 
@@ -260,8 +260,8 @@ def test_energy_changes_by_the_power_of_what_is_not_conservative() -> None:
     t = np.linspace(0, 2, 4001)
     u = 3 * np.sin(4 * t) + 1
     result = run(machine, t, [0.0, 0.4], [0.1, 0.0], u)
-    each = mapped(machine.elements, t.size, repeated=(5,))
-    (flat,) = call(each, (result.q, result.v, result.z, u, t, machine.values))
+    given = (result.q, result.v, result.z, u, t, machine.values)
+    (flat,) = along(machine.elements, given, (5,), t.size)
     forces = flat.reshape(t.size, 5, 2)
     power = np.einsum("nei,ni->ne", forces, result.v)
     x, phi = result.v.T

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from builders import Entries, model_of, run, spring, value
 
+from symhyb.exact.simulation import simulate
 from symhyb.mechanics.show import show_equations
 from symhyb.model.types import Model
 from symhyb.numeric.lowered.machine import build
-from symhyb.numeric.runs.integrate import simulate
 from symhyb.numeric.runs.scenario import Scenario
 
 J1, J2, C = 1.2, 0.4, 50.0

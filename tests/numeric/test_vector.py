@@ -1,47 +1,34 @@
 """Every engine gives CasADi's numbers, whatever the shape of the arrays, special values too."""
 
 import itertools
-import os
-import subprocess
-import sys
 import tracemalloc
-from collections.abc import Callable
-from pathlib import Path
+from functools import partial
 
 import casadi as ca
 import numpy as np
 import pytest
 
-from symhyb.numeric.kernels import compiled, vector, vector_c, vector_numpy, vector_source
-from symhyb.numeric.kernels.buffers import call, mapped
-from symhyb.numeric.kernels.instructions import BINARY, UNARY, program
+from symhyb.numeric.kernels import vector, vector_numpy
+from symhyb.numeric.kernels.buffers import call
+from symhyb.numeric.kernels.chains_listed import machine
+from symhyb.numeric.kernels.instructions import BINARY, UNARY
 from symhyb.numeric.kernels.vector import along
 
-NEVER = 10**12
 ENGINES = ("c", "numpy", "casadi")
 SPECIAL = (0.0, -0.0, 1.0, -1.0, 0.5, -2.5, 3.0, 1e-310, 1e300, -1e17, np.inf, -np.inf, np.nan)
 
 
 @pytest.fixture(params=ENGINES)
-def engine(request: pytest.FixtureRequest, only: Callable[[str], None]) -> str:
-    if request.param == "c" and compiled.find_compiler() is None:
+def engine(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
+    """One engine does everything."""
+    if request.param == "c" and machine() is None:
         pytest.skip("no C compiler")
-    only(request.param)
+    if request.param == "casadi":
+        monkeypatch.setattr(vector, "_work", lambda *given: None)
+    if request.param == "numpy":
+        monkeypatch.setattr(vector, "machine", lambda: None)
+    monkeypatch.setattr(vector, "SAMPLES_LEAST", 1)
     return str(request.param)
-
-
-@pytest.fixture
-def only(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
-    """Make one engine do everything, however little there is to do."""
-    monkeypatch.setattr(compiled, "cache_folder", lambda kind: tmp_path)
-
-    def choose(name: str) -> None:
-        monkeypatch.setattr(vector, "SAMPLES_NUMPY", NEVER if name == "casadi" else 1)
-        monkeypatch.setattr(vector, "INSTRUCTIONS_NUMPY", -1)
-        monkeypatch.setattr(vector, "WORK_C", 0 if name == "c" else NEVER)
-        monkeypatch.setattr(vector, "WORK_C_INSTRUCTION", 0)
-
-    return choose
 
 
 def oscillator() -> ca.Function:
@@ -98,12 +85,13 @@ def test_all_outputs_of_all_shapes(engine: str, total: int, held: tuple[int, ...
         np.testing.assert_allclose(found, wanted.reshape(found.shape), rtol=1e-14, atol=1e-15)
 
 
-def test_it_stands_in_for_call_and_mapped(engine: str) -> None:
+def test_many_samples_are_those_of_casadi(engine: str) -> None:
     function, total = oscillator(), 20_001
     arguments = draw(function, total, (5,))
     arguments[5] = np.abs(arguments[5]) + 0.1
     (found,) = along(function, arguments, (5,))
-    (wanted,) = call(mapped(function, total, (5,)), arguments)
+    wide = [*arguments[:5], np.repeat(arguments[5][None], total, axis=0)]
+    (wanted,) = call(function.map(total), wide)
     assert found.shape == wanted.shape == (total, 1)
     np.testing.assert_allclose(found, wanted, rtol=1e-13, atol=1e-14)
 
@@ -122,46 +110,41 @@ def test_every_operation_with_every_special_value(engine: str, operation: int) -
     random = np.random.default_rng(7).normal(scale=3, size=(500, 2))
     x, y = np.concatenate([pairs, random]).T
     (found,) = along(function, (x, y))
-    (wanted,) = call(mapped(function, x.size), (x, y))
+    (wanted,) = call(function.map(x.size), (x, y))
     # 1e17 is a large angle: libraries agree on it to the last digits only
     np.testing.assert_allclose(found, wanted, rtol=2e-15, atol=1e-320, equal_nan=True)
 
 
-def test_engines_do_what_they_are_asked_to(only: Callable[[str], None]) -> None:
-    function, kinds = oscillator(), {"numpy": vector_numpy.Plan, "c": vector_c.Kernel}
-    given = [[column] for column in np.ones((5, 10))] + [[np.ones(1)] * 5]
-    for name, kind in kinds.items():
-        if name == "c" and compiled.find_compiler() is None:
-            continue
-        only(name)
-        assert isinstance(vector._engine(function, frozenset({5}), 10, given), kind)
-    only("casadi")
-    assert vector._engine(function, frozenset({5}), 10, given) is None
+def test_each_engine_does_what_is_its_own(engine: str) -> None:
+    work = vector._work(oscillator(), frozenset({5}), 10)
+    if engine == "casadi":
+        assert work is None
+    else:
+        assert isinstance(work, partial)
+        assert (work.func is vector_numpy.blocks) == (engine == "numpy")
 
 
-def test_only_much_work_is_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked = []
-    monkeypatch.setattr(vector, "_kernel", lambda *key: asked.append(key))
-    monkeypatch.setattr(vector, "find_compiler", lambda: ("cc", "gcc"))
-    function = oscillator()
-    for total in (10, 100_000, 10_000_000):
-        vector._engine(function, frozenset({5}), total, [[np.ones(1)]] * 6)
-    assert len(asked) == 1
+def test_few_samples_of_a_long_function_are_casadis() -> None:
+    x = ca.SX.sym("x")
+    y = x
+    for _ in range(200):
+        y = ca.sin(y) + x
+    function = ca.Function("long", [x], [y])
+    assert vector._work(function, frozenset(), 100) is None
+    assert vector._work(function, frozenset(), 1000) is not None
 
 
-def test_strided_columns_and_lists_of_columns(engine: str) -> None:
+def test_arrays_of_any_layout(engine: str) -> None:
     function, total = wide(), 5000
     random = np.random.default_rng(1)
     table = random.normal(size=(total, 16))
     q, v, p = table[:, 2:5], table[:, :15:3], np.array([0.3, -0.2])
     wanted = along(function, (q.copy(), v.copy(), p, []), (2,))
-    backwards = [np.ascontiguousarray(c[::-1])[::-1] for c in v.T]
     for shape in (
         (q, v, p, []),
-        (list(q.T), [c.copy() for c in v.T], p, np.zeros((total, 0))),
-        (np.asfortranarray(q), backwards, list(p), ()),
-        (q.reshape(50, 100, 3), v.reshape(50, 100, 5), p, []),
-        ([c.astype(">f8") for c in q.T], v.astype(np.longdouble), p[:, None], []),
+        (np.asfortranarray(q), np.asfortranarray(v), list(p), ()),
+        (q.reshape(50, 100, 3), v.reshape(50, 100, 5), p, np.zeros((total, 0))),
+        (q.astype(">f8"), v.astype(np.longdouble), p[:, None], []),
     ):
         for found, other in zip(along(function, shape, (2,)), wanted, strict=True):
             np.testing.assert_array_equal(found, other)
@@ -191,20 +174,9 @@ def test_no_samples_as_a_user_has_them() -> None:
         assert [result.size for result in results] == [0] * function.n_out()
 
 
-def test_threads_change_nothing(engine: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(vector, "SAMPLES_THREAD", 10)
-    function = wide()
-    arguments = draw(function, 1001, (2,))
-    one_thread = along(function, arguments, (2,))
-    for found, wanted in zip(along(function, arguments, (2,), threads=3), one_thread, strict=True):
-        np.testing.assert_array_equal(found, wanted)
-
-
-def test_blocks_of_registers(only: Callable[[str], None], monkeypatch: pytest.MonkeyPatch) -> None:
-    # A long function whose values live for different times, in blocks that do not divide N.
-    only("numpy")
-    monkeypatch.setattr(vector_numpy, "BLOCK_LEAST", 64)
-    monkeypatch.setattr(vector_numpy, "BUFFER", 0)
+def test_a_long_function_in_blocks(engine: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Values that live for different times, and blocks that do not divide N."""
+    monkeypatch.setattr(vector_numpy, "BLOCK", 64)
     x, random = ca.SX.sym("x", 4), np.random.default_rng(11)
     values = list(ca.vertsplit(x))
     for _ in range(300):
@@ -217,8 +189,6 @@ def test_blocks_of_registers(only: Callable[[str], None], monkeypatch: pytest.Mo
         along(function, [given]), reference(function, [given], ()), strict=True
     ):
         np.testing.assert_allclose(found, wanted, rtol=1e-12, atol=1e-12)
-    plan = vector_numpy.plan(program(function), frozenset())
-    assert plan.registers < len(plan.steps) / 2
 
 
 def test_functions_that_are_not_scalar_are_casadis(engine: str) -> None:
@@ -237,10 +207,9 @@ def test_a_choice_that_is_not_taken_does_not_count(engine: str) -> None:
     np.testing.assert_allclose(found[:2, 0], [np.log(4), -2])
 
 
-def test_tanh_is_accurate(only: Callable[[str], None]) -> None:
-    if compiled.find_compiler() is None:
+def test_tanh_is_accurate() -> None:
+    if machine() is None:
         pytest.skip("no C compiler")
-    only("c")
     tiny = np.geomspace(1e-310, 40, 200_001)
     x = np.concatenate([tiny, -tiny, np.linspace(-21, 21, 200_001)])
     (found,) = along(one(ca.OP_TANH), (x, x))
@@ -257,11 +226,9 @@ def test_subnormal_numbers_stay_after_loading(engine: str) -> None:
 @pytest.mark.parametrize(
     ("arguments", "text"),
     [
-        ((np.ones((9, 2)), np.ones((9, 5)), np.ones(2), []), "v has 9 samples, needs 6"),
-        ((np.ones((9, 3)), np.ones((8, 5)), np.ones(2), []), "v has 8 samples, needs 9"),
-        ((np.ones((9, 3)), np.ones((9, 5)), np.ones(3), []), "p has 3 entries, needs"),
-        ((np.ones((9, 3)), np.ones((9, 5)), np.ones(4), []), "p has 2 samples, needs 1"),
-        ((np.ones((9, 3)), [np.ones(9)] * 4, np.ones(2), []), "v has 4 columns, needs 5"),
+        ((np.ones((9, 2)), np.ones((9, 5)), np.ones(2), []), "v has 45 entries, needs 30"),
+        ((np.ones((9, 3)), np.ones((8, 5)), np.ones(2), []), "v has 40 entries, needs 45"),
+        ((np.ones((9, 3)), np.ones((9, 5)), np.ones(3), []), "p has 3 entries, needs 2"),
         ((np.ones((9, 3)), np.ones((9, 5)), np.ones(2), np.ones(9)), "u has 9 entries"),
         ((np.ones((9, 3)), np.ones((9, 5)), np.ones(2)), "3 arguments, needs 4"),
     ],
@@ -276,9 +243,9 @@ def test_wrong_sizes_are_refused(arguments: tuple[np.ndarray, ...], text: str) -
         along(function, arguments, (2,))
 
 
-def test_nothing_is_copied(engine: str) -> None:
+def test_arrays_are_not_copied(engine: str) -> None:
     function, total = oscillator(), 300_000
-    if engine == "casadi":  # which does little work only: it needs no more than what it was before
+    if engine == "casadi":  # which does little work only: it gets the parameters at every sample
         total = 1000
     arguments = [*np.ones((5, total)), np.ones(5)]
     along(function, [a[:2000] if i < 5 else a for i, a in enumerate(arguments)], (5,))
@@ -286,66 +253,4 @@ def test_nothing_is_copied(engine: str) -> None:
     along(function, arguments, (5,))
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
-    assert peak < 8 * total + 1_500_000  # the output, and registers
-
-
-def test_a_library_that_cannot_be_loaded_is_none(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / "text.so").write_text("no machine code")
-    monkeypatch.setattr(vector_c, "find_compiler", lambda: ("cc", "gcc"))
-    monkeypatch.setattr(vector_c, "shared_library", lambda *given: tmp_path / "text.so")
-    assert vector_c.build(program(oscillator()), frozenset()) is None
-
-
-@pytest.mark.parametrize("compiler", ["false", "gone"])
-def test_without_a_working_compiler_numpy_does_it(
-    only: Callable[[str], None], monkeypatch: pytest.MonkeyPatch, compiler: str
-) -> None:
-    only("c")
-    found = None if compiler == "gone" else (compiler, "broken")
-    for module in (compiled, vector, vector_c):
-        monkeypatch.setattr(module, "find_compiler", lambda: found)
-    function = oscillator()
-    given = [[column] for column in np.ones((5, 10))] + [[np.ones(1)] * 5]
-    chosen = vector._engine(function, frozenset({5}), 10, given)
-    assert isinstance(chosen, vector_numpy.Plan)
-
-
-def test_a_library_without_vector_forms_gives_the_same(tmp_path: Path) -> None:
-    if compiled.find_compiler() is None:
-        pytest.skip("no C compiler")
-    function = wide()
-    code = vector_source.source(program(function), frozenset({2}), frozenset({0}), frozenset())
-    assert "__simd__" not in code
-    (tmp_path / "code.c").write_text(code)
-    flags = [*vector_c.FLAGS, "-Wall", "-Wextra", "-Werror", "-Wno-unknown-pragmas", "-std=gnu11"]
-    command = [compiled.find_compiler()[0], *flags, "-c", "code.c"]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-
-
-def test_a_second_process_finds_the_library(tmp_path: Path) -> None:
-    if compiled.find_compiler() is None:
-        pytest.skip("no C compiler")
-    script = """
-import casadi as ca, numpy as np
-from symhyb.numeric.kernels import vector
-vector.WORK_C = vector.WORK_C_INSTRUCTION = 0
-x = ca.SX.sym("x", 2)
-f = ca.Function("f", [x], [ca.sin(x[0]) * ca.exp(x[1])])
-print(vector.along(f, [np.linspace(0, 1, 4000).reshape(-1, 2)])[0].sum().hex())
-"""
-    said = set()
-    for _ in range(2):
-        done = subprocess.run(
-            [sys.executable, "-c", script],
-            capture_output=True,
-            text=True,
-            check=True,
-            env={**os.environ, "XDG_CACHE_HOME": str(tmp_path), "HOME": str(tmp_path)},
-        )
-        said.add(done.stdout)
-        libraries = list(tmp_path.rglob("*.so"))
-        assert len(libraries) == 1
-    assert len(said) == 1
+    assert peak < 8 * total + 1_500_000  # the output, and what is between

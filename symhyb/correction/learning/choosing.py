@@ -15,12 +15,12 @@ from itertools import combinations, product
 
 import numpy as np
 
+from symhyb.correction.learning.factor import factor_of
 from symhyb.correction.learning.sparse import OptimizerName, supports
 from symhyb.correction.learning.weak import WeakForm
 from symhyb.errors import InputError
 from symhyb.judgement import MARGIN
 from symhyb.numeric.kernels.buffers import Array
-from symhyb.numeric.kernels.factor import factor_of
 
 UNSEEN = 1e-9  # of the largest column: a term that is no larger is not seen
 FOLDS = 5

@@ -15,6 +15,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from symhyb.correction.learning.corrected import (
+    Formulation,
+    Law,
+    Networks,
+    Terms,
+    features,
+    value_of,
+)
 from symhyb.correction.learning.network import MEMBERS, WIDTH, members_of
 from symhyb.correction.learning.refining import joined
 from symhyb.correction.learning.regression import Candidates, regress
@@ -27,7 +35,6 @@ from symhyb.numeric.kernels.vector import along
 from symhyb.numeric.lowered.dynamics import state_form
 from symhyb.numeric.lowered.inner import inner_along
 from symhyb.numeric.lowered.machine import Machine
-from symhyb.numeric.runs.formulations import Formulation, Law, Networks, Terms, features, value_of
 
 UNSEEN = 1e-9  # of the largest column: a term that is no larger is not seen
 

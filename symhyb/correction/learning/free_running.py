@@ -9,6 +9,7 @@ from typing import Literal
 
 import numpy as np
 
+from symhyb.correction.learning.corrected import Correction, Law, simulate_corrected
 from symhyb.correction.learning.formulations import lacking, values_along
 from symhyb.correction.search.preparing import Prepared
 from symhyb.data.recording import Recording
@@ -25,7 +26,6 @@ from symhyb.model.types import Model
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.lowered.dynamics import state_form
 from symhyb.numeric.lowered.machine import Machine, build
-from symhyb.numeric.runs.formulations import Correction, Law, simulate_corrected
 from symhyb.numeric.runs.scenario import Scenario
 
 STARTS = "those of the smoothed motion"

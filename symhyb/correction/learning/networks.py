@@ -12,6 +12,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from symhyb.correction.learning.corrected import Correction, Formulation, Networks
 from symhyb.correction.learning.formulations import lacking, network_law
 from symhyb.correction.learning.free_running import closer
 from symhyb.correction.learning.matched import Signs, Worth, matched, worth
@@ -26,7 +27,6 @@ from symhyb.model.expression import evaluate, names, parse_expression
 from symhyb.model.types import Element, Model, Network, On
 from symhyb.model.weights import keep
 from symhyb.numeric.lowered.network import Weights, stored
-from symhyb.numeric.runs.formulations import Correction, Formulation, Networks
 from symhyb.steps import Counted, Say
 
 ROWS_MOST = 6000  # samples that a network is trained on, evenly spread

@@ -9,13 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from symhyb.correction.learning.choosing import choose_terms, coefficients_of, exchanges
+from symhyb.correction.learning.corrected import Formulation
 from symhyb.correction.learning.library import DEGREE, Candidate, LibraryName, candidates
 from symhyb.correction.learning.sparse import OptimizerName
 from symhyb.correction.learning.weak import WeakForm, weak_form
 from symhyb.correction.learning.written import Chosen
 from symhyb.correction.search.preparing import Prepared
 from symhyb.discrepancy.places.candidates import transition_share
-from symhyb.numeric.runs.formulations import Formulation
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,8 +2,8 @@
 
 An optimiser that asks of the rows [A, B] only squares and products (least squares, ridge,
 thresholds on coefficients, what is left) finds in the triangle R of
-:mod:`symhyb.numeric.kernels.factor` all that it would find in the rows: AᵀA, AᵀB and BᵀB are the
-same, so every regression on a part of the columns, every threshold and every residual is. STLSQ,
+:mod:`symhyb.correction.learning.factor` all that it would find in the rows: AᵀA, AᵀB and BᵀB are
+the same, so every regression on a part of the columns, every threshold and residual is. STLSQ,
 SR3, SSR and FROLS are of this kind.
 What picks rows (trimming, bagging) is not, and is refused; rows are drawn here instead, chunk by
 chunk, as fits a series in time (block bootstrap: Künsch, Annals of Statistics 17, 1989).
@@ -27,9 +27,9 @@ from typing import Protocol
 
 import numpy as np
 
+from symhyb.correction.learning.factor import Blocks, Factor, factor_of, pieces_of
 from symhyb.errors import InputError, Problem
 from symhyb.numeric.kernels.buffers import Array
-from symhyb.numeric.kernels.factor import Blocks, Factor, factor_of, pieces_of
 from symhyb.numeric.kernels.threads import one_thread
 
 BLOCK = 2**17  # numbers evaluated at a time: a megabyte stays in the cache

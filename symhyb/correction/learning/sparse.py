@@ -5,9 +5,9 @@ from typing import Literal, get_args
 
 import numpy as np
 
+from symhyb.correction.learning.factor import Factor
 from symhyb.correction.learning.regression import Optimizer, fitted
 from symhyb.errors import InputError, Problem, did_you_mean
-from symhyb.numeric.kernels.factor import Factor
 
 # of a column's share in the right-hand side
 THRESHOLDS = (0.8, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002)

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from symhyb.correction.learning.corrected import Correction, Formulation, Terms
 from symhyb.correction.learning.free_running import closer
 from symhyb.correction.learning.matched import Signs, Worth, matched, price_of, weakest, worth
 from symhyb.correction.learning.proposing import Regression, Sparse, regression
@@ -23,7 +24,6 @@ from symhyb.errors import InputError, NumericsError, Problem
 from symhyb.judgement import ACCURACY
 from symhyb.mechanics.mass_text import mass_texts
 from symhyb.model.types import Model
-from symhyb.numeric.runs.formulations import Correction, Formulation, Terms
 from symhyb.steps import Say
 
 ROUNDS = 3  # of dropping terms and exchanging one

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from symhyb.correction.learning.corrected import Formulation, features
 from symhyb.correction.search.force_screen import BAND, modulated
 from symhyb.correction.search.preparing import Prepared
 from symhyb.discrepancy.recorded.course import Course
@@ -25,7 +26,6 @@ from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.kernels.vector import along
 from symhyb.numeric.lowered.dynamics import state_form
 from symhyb.numeric.lowered.machine import Machine
-from symhyb.numeric.runs.formulations import Formulation, features
 
 PERIODS = 1.5  # of the shortest motion: a window
 WINDOWS_WANTED = 20  # over all recordings: each is held once

@@ -11,11 +11,11 @@ kinds of the vocabulary resist, so that their keys carry the other one.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from symhyb.correction.learning.corrected import Formulation
 from symhyb.correction.learning.library import Candidate
 from symhyb.model.expression import Name, parse_expression, unit_of
 from symhyb.model.types import Element, Model, On, Parameter
 from symhyb.model.vocabulary import KINDS, force_unit, key_unit, stretch_unit
-from symhyb.numeric.runs.formulations import Formulation
 from symhyb.units import ONE, Unit, parse_unit
 
 LETTERS = {"stiffness": "k", "quadratic": "k_2", "cubic": "k_3", "damping": "d", "drag": "b"}

@@ -106,13 +106,3 @@ def on_lines(t: Array, columns: Array, at: Array) -> Array:
     (N, D) in their units."""
     held = [on_line(t, column, at) for column in columns.T]
     return np.column_stack(held) if held else np.empty((at.size, 0))
-
-
-def mapped(function: ca.Function, total: int, repeated: Sequence[int] = ()) -> ca.Function:
-    """``function`` over ``total`` samples; the arguments ``repeated`` are the same for all."""
-    arguments = [
-        ca.MX.sym(function.name_in(i), function.size1_in(i), 1 if i in repeated else total)
-        for i in range(function.n_in())
-    ]
-    wide = [ca.repmat(a, 1, total) if i in repeated else a for i, a in enumerate(arguments)]
-    return ca.Function(function.name(), arguments, function.map(total).call(wide))

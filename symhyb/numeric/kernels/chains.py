@@ -36,7 +36,7 @@ class Chains:
         self._function = function
         self._loops: dict[tuple[int, int], ca.Function] = {}
         code, run = program(function), machine()
-        self._engine = None if code is None or run is None else _Engine(code, run)
+        self._engine = None if code is None or run is None else Engine(code, run)
 
     def __call__(self, start: Array, varying: Sequence[Array], p: Array) -> list[Array]:
         """Apply the function S times to each of C chains.
@@ -44,9 +44,9 @@ class Chains:
         ``start`` (C, X), ``varying`` arguments (C, S, rows), ``p`` (P,). Returns all outputs after
         every step, (C, S, entries), entries in CasADi's column-major order.
         """
-        if self._engine is not None:
-            return self._engine(start, varying, p)
         chains, steps = varying[0].shape[:2]
+        if self._engine is not None:
+            return self._engine([start, *varying], p, chains, steps)
         loop = self._loop(chains, steps)
         outputs = call(loop, (start, *(a.reshape(chains * steps, -1) for a in varying), p))
         return [output.reshape(chains, steps, -1) for output in outputs]
@@ -65,18 +65,19 @@ class Chains:
         return loop
 
 
-class _Engine:
+class Engine:
     """A program that advances chains by the machine for instruction lists, and by code of its own
-    as soon as that is there."""
+    as soon as that is there. Its last argument is the same always."""
 
     def __init__(self, code: Program, machine: Machine):
         self._code, self._machine = code, machine
         self._listed: Listed | None = None
         self.native = Native(code)
 
-    def __call__(self, start: Array, varying: Sequence[Array], p: Array) -> list[Array]:
-        chains, steps = varying[0].shape[:2]
-        given = [np.ascontiguousarray(a, dtype=np.float64) for a in (start, *varying)]
+    def __call__(self, given: Sequence[Array], p: Array, chains: int, steps: int) -> list[Array]:
+        """All outputs (C, S, entries), from the start (C, X), what varies (C, S, rows), and ``p``
+        (P,); in the units of the function."""
+        given = [np.ascontiguousarray(a, dtype=np.float64) for a in given]
         made = [np.zeros((chains, steps, width)) for width in self._code.results]
         blocks = max(-(-chains // LANES), 1)
         own = self.native.after(blocks * steps)

@@ -15,11 +15,8 @@ from numpy.typing import NDArray
 
 from symhyb.numeric.kernels.buffers import Array, aligned
 from symhyb.numeric.kernels.chains_source import JOINED, LANES, machine_code
-from symhyb.numeric.kernels.compiled import shared_library
+from symhyb.numeric.kernels.compiled import library_of
 from symhyb.numeric.kernels.instructions import NOTHING, Program
-from symhyb.numeric.kernels.vector_c import processor
-
-FLAGS = ("-O3", "-fno-math-errno", "-fno-trapping-math", "-ffp-contract=off")
 
 Machine = Callable[..., None]
 # the arrays given, those to be filled, the chains to advance, and their steps
@@ -156,12 +153,10 @@ def _rows(which: Sequence[_Instruction], at: Sequence[int]) -> NDArray[np.int32]
 @lru_cache(maxsize=1)
 def machine() -> Machine | None:
     """The machine of this computer's processor; None without a compiler."""
-    about = processor()
-    flags = (*FLAGS, "-march=native") if about else FLAGS
-    path = shared_library(machine_code(), flags, about=about)
-    if path is None:
+    library = library_of(machine_code(), "-O3")
+    if library is None:
         return None
-    run = ctypes.CDLL(str(path)).run
+    run = library.run
     number, address = ctypes.c_longlong, ctypes.c_void_p
     run.argtypes = (*(number,) * 3, address, *(number, address) * 4, *(address,) * 3, number)
     run.restype = None

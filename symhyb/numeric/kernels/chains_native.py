@@ -11,18 +11,16 @@ import ctypes
 import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
 from symhyb.numeric.kernels.buffers import Array, aligned
 from symhyb.numeric.kernels.chains_source import LANES
 from symhyb.numeric.kernels.chains_text import source
-from symhyb.numeric.kernels.compiled import ready_library, shared_library
+from symhyb.numeric.kernels.compiled import library_of
 from symhyb.numeric.kernels.instructions import Program
-from symhyb.numeric.kernels.vector_c import processor
 
-FLAGS = ("-O1", "-fno-math-errno", "-fno-trapping-math", "-ffp-contract=off")
+LEVEL = "-O1"  # of the compiler
 INSTRUCTIONS_MOST = 100_000  # a compiler takes about 0.07 ms each
 # Instructions of eight lanes after which compiling begins: some, and so many for each that there
 # is. They take the machine for instruction lists a third of the time that a compiler takes.
@@ -53,7 +51,7 @@ class Native:
         if size > INSTRUCTIONS_MOST:
             return None
         if not self._steps:
-            self.run = _loaded(ready_library(*_task(self.code)))
+            self.run = _bound(library_of(source(self.code), LEVEL, ready=True))
         self._steps += steps
         worth = self._steps * size >= BEGIN_FROM + BEGIN_FROM_EACH * size
         if self.run is None and worth and _compiler.acquire(blocking=False):
@@ -63,24 +61,14 @@ class Native:
 
     def _compile(self) -> None:
         try:
-            self.run = _loaded(shared_library(*_task(self.code)))
+            self.run = _bound(library_of(source(self.code), LEVEL))
         finally:
             _compiler.release()
 
 
-def _task(code: Program) -> tuple[str, tuple[str, ...], tuple[str, ...], str]:
-    """What a compiler gets: C text, flags, libraries and what the result depends on beside them."""
-    about = processor()
-    return source(code), (*FLAGS, "-march=native") if about else FLAGS, ("-lm",), about
-
-
-def _loaded(path: Path | None) -> Run | None:
+def _bound(library: ctypes.CDLL | None) -> Run | None:
     """The compiled function; None without it."""
-    if path is None:
-        return None
-    try:
-        library = ctypes.CDLL(str(path))
-    except OSError:  # a folder from which nothing may be run
+    if library is None:
         return None
     address, function = ctypes.c_void_p, library.run
     function.argtypes = (*(ctypes.c_longlong,) * 3, *(address,) * 5)

@@ -9,7 +9,7 @@ for all.
 
 import casadi as ca
 
-from symhyb.numeric.kernels.vector_source import (
+from symhyb.numeric.kernels.expressions import (
     CALLED,
     HYPERBOLIC_TANGENT,
     TWO_ARGUMENTS,

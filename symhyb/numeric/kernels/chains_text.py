@@ -9,8 +9,8 @@ Sizes: C chains, S steps.
 from collections.abc import Iterable, Sequence
 
 from symhyb.numeric.kernels.chains_source import LANES, PLAIN
+from symhyb.numeric.kernels.expressions import HYPERBOLIC_TANGENT, expression, number
 from symhyb.numeric.kernels.instructions import NOTHING, Program
-from symhyb.numeric.kernels.vector_source import HYPERBOLIC_TANGENT, expression, number
 
 TOGETHER = 500  # instructions; from 300 to 1000 the code and the compiler are as fast
 

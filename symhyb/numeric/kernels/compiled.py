@@ -1,11 +1,12 @@
 """C code as machine code where a C compiler is found, kept in a cache.
 
-Code is compiled once and kept in the user's cache folder under the hash of the code, the compiler
-and its flags, with a digest of the result beside it, so that a damaged file is never loaded and
-none is taken for another. ``SYMHYB_CC`` names another compiler; set to nothing, it switches
-compilation off.
+Code is compiled once and kept in the user's cache folder under the hash of the code, the compiler,
+its flags and the processor, with a digest of the result beside it, so that a damaged file is never
+loaded and none is taken for another. ``SYMHYB_CC`` names another compiler; set to nothing, it
+switches compilation off.
 """
 
+import ctypes
 import hashlib
 import os
 import shutil
@@ -17,6 +18,9 @@ from pathlib import Path
 from stat import S_ISDIR
 
 FILES_MOST = 300  # kept in a cache folder
+# Special values occur, and products and sums are not fused: what cancels by one way to evaluate a
+# function cancels by all others.
+FLAGS = ("-fno-math-errno", "-fno-trapping-math", "-ffp-contract=off")
 
 
 @lru_cache(maxsize=1)
@@ -34,49 +38,42 @@ def find_compiler() -> tuple[str, str] | None:
     return (path, answer.stdout) if answer.returncode == 0 else None
 
 
-def shared_library(
-    code: str, flags: Sequence[str], libraries: Sequence[str] = ("-lm",), about: str = ""
-) -> Path | None:
-    """The compiled ``code`` from the cache, compiled first if need be; None if that fails.
-
-    ``about`` is what the result depends on beside code, compiler, flags and libraries, such as the
-    processor where the flags say *native*.
-    """
-    library, compiler = _place(code, flags, libraries, about), find_compiler()
-    if library is None or compiler is None:
-        return None
+@lru_cache(maxsize=1)
+def processor() -> str:
+    """What *native* means on this machine; empty where it cannot be known."""
     try:
-        if not _intact(library) and not _build(library, code, compiler[0], flags, libraries):
-            return None
-    except OSError:  # a full disk, or a folder that went away
-        return None
-    return library
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        return ""
+    traits = [
+        line for line in lines if line.startswith(("model name", "flags", "Features", "CPU "))
+    ]
+    return hashlib.sha256("\n".join(sorted(set(traits))).encode()).hexdigest() if traits else ""
 
 
-def ready_library(
-    code: str, flags: Sequence[str], libraries: Sequence[str] = ("-lm",), about: str = ""
-) -> Path | None:
-    """The same if it is in the cache already; None if not."""
-    library = _place(code, flags, libraries, about)
-    return library if library is not None and _intact(library) else None
-
-
-def _place(code: str, flags: Sequence[str], libraries: Sequence[str], about: str) -> Path | None:
-    """Where the compiled code is kept; None without a compiler or a folder for it."""
+def library_of(code: str, level: str = "-O2", ready: bool = False) -> ctypes.CDLL | None:
+    """The compiled ``code``, loaded: from the cache, compiled first if need be unless only what is
+    ``ready`` is wanted; None where that is impossible. ``level`` is how far to optimise."""
     compiler, folder = find_compiler(), cache_folder("compiled")
     if compiler is None or folder is None:
         return None
-    what = "\0".join((code, compiler[1], *flags, *libraries, about))
-    return folder / f"{hashlib.sha256(what.encode()).hexdigest()}.so"
+    about = processor()
+    flags = (level, *FLAGS, "-march=native") if about else (level, *FLAGS)
+    what = "\0".join((code, compiler[1], *flags, about))
+    library = folder / f"{hashlib.sha256(what.encode()).hexdigest()}.so"
+    try:
+        if not _intact(library) and (ready or not _build(library, code, compiler[0], flags)):
+            return None
+        return ctypes.CDLL(str(library))
+    except OSError:  # a full disk, or a folder that went away or from which nothing may be run
+        return None
 
 
-def _build(
-    library: Path, code: str, compiler: str, flags: Sequence[str], libraries: Sequence[str]
-) -> bool:
+def _build(library: Path, code: str, compiler: str, flags: Sequence[str]) -> bool:
     with tempfile.TemporaryDirectory(dir=library.parent) as work:
         source, built = Path(work) / "code.c", Path(work) / "code.so"
         source.write_text(code, encoding="utf-8")
-        command = [compiler, *flags, "-fPIC", "-shared", str(source), "-o", str(built), *libraries]
+        command = [compiler, *flags, "-fPIC", "-shared", str(source), "-o", str(built), "-lm"]
         if subprocess.run(command, capture_output=True, check=False).returncode != 0:
             return False
         digest = Path(work) / "digest"

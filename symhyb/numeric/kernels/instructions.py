@@ -1,7 +1,8 @@
 """The straight-line code of a CasADi SX function, in single-assignment form.
 
-Shared by what turns a function into other code (:mod:`vector_c`, :mod:`vector_numpy`) and by what
-keeps it on disk (:mod:`cache`). Every value has a number and is computed exactly once:
+Shared by what turns a function into other code (:mod:`chains`,
+:mod:`~symhyb.numeric.runs.explicit`) and by what keeps it on disk (:mod:`cache`). Every value has a
+number and is computed exactly once:
 
     loads       value <- entry of an argument
     constants   value <- number
@@ -116,6 +117,17 @@ class Program:
         for value, _, left, right in self.steps:
             same[value] = same[left] and (right == NOTHING or same[right])
         return tuple(same)
+
+    def gathered(self, fixed: frozenset[int]) -> "Program":
+        """The same with the arguments ``fixed`` one below the other in one, which is the last."""
+        moving = [i for i in range(len(self.arguments)) if i not in fixed]
+        place = {argument: (i, 0) for i, argument in enumerate(moving)}
+        size = 0
+        for argument in sorted(fixed):
+            place[argument] = len(moving), size
+            size += self.arguments[argument]
+        loads = tuple((v, place[i][0], place[i][1] + entry) for v, i, entry in self.loads)
+        return replace(self, loads=loads, arguments=(*(self.arguments[i] for i in moving), size))
 
     def divided_once(self, repeated: frozenset[int]) -> "Program":
         """The same with a factor in place of each divisor that stays when the arguments

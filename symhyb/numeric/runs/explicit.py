@@ -23,17 +23,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symhyb.numeric.kernels.buffers import Array
-from symhyb.numeric.kernels.compiled import find_compiler, shared_library
+from symhyb.numeric.kernels.compiled import find_compiler, library_of
 from symhyb.numeric.kernels.instructions import NOTHING, Program, program
 from symhyb.numeric.kernels.memory import kept
-from symhyb.numeric.kernels.vector_c import processor
 from symhyb.numeric.lowered.constrained import PULL
 from symhyb.numeric.lowered.dynamics import StateForm
 from symhyb.numeric.runs.dormand_prince import SLOPES
 from symhyb.numeric.runs.explicit_call import POINTER, List, Task
 from symhyb.numeric.runs.explicit_source import WORK, integrator_code, machine_code
 
-FLAGS = ("-O2", "-fno-math-errno", "-fno-trapping-math", "-ffp-contract=off")
 STEPS_PART = 100  # a run has at least so many steps: what happens briefly is not stepped over
 COMPILING, COMPILING_EACH = 50_000_000, 50_000  # what compiling costs, in instructions run
 INSTRUCTIONS_MOST = 20_000  # above, compiling takes minutes
@@ -206,7 +204,7 @@ class Field:
             status = self._library.integrate(ready.rate, ready.memory, task)
         else:
             status = ready.own.integrate(ready.memory, task)
-        self._done += (int(desk.count[3]) - before) * len(self.code.steps)
+        self.count(int(desk.count[3]) - before)
         return int(status)
 
     def _until_compiled(self) -> int:
@@ -214,31 +212,9 @@ class Field:
         size = max(len(self.code.steps), 1)
         return max((COMPILING + COMPILING_EACH * size - self._done) // size, 0) + 1
 
-    def pull_back(
-        self, tape: "Tape", steps: int, seed: Array, p: Array, t: Array, nodes: tuple[Array, Array]
-    ) -> tuple[Array, Array, Array]:
-        """The slopes of Σ seed·x, ``seed`` (N, X), along ``steps`` of a ``tape``, by start (X,),
-        free parameters (F,) and drive (K, drive), SI.
-
-        These rates are not those that were integrated but, for x next to a weight of x', (2X,),
-        their slopes by x, drive and free parameters, weighed."""
-        states, drives = seed.shape[1], nodes[1].shape[1]
-        one = np.ones(states)
-        desk = Desk(t, one, nodes, Tolerances(1, one, one, 1), seed, tape)
-        desk.count[1] = steps
-        free = self.code.results[0] - states - drives
-        back, by_p, by_d = np.zeros(states), np.zeros(free), np.zeros(nodes[1].shape)
-        work = np.zeros((2 * SLOPES + 4) * states + drives + free)
-        pull = self.prepared(p)
-        self._library.reverse(
-            pull.rate,
-            pull.memory,
-            ctypes.byref(desk.task),
-            ctypes.c_longlong(free),
-            *(_address(a) for a in (np.ascontiguousarray(seed), back, by_p, by_d, work)),
-        )
-        self._done += 12 * steps * len(self.code.steps)
-        return back, by_p, by_d
+    def count(self, evaluations: int) -> None:
+        """So many evaluations were run: what runs long is compiled."""
+        self._done += evaluations * len(self.code.steps)
 
     def along(self, t: Array, x: Array, d: Array, p: Array) -> Array:
         """The function itself at N points: times ``t`` (N,), ``x`` (N, X), ``d`` (N, drive), and
@@ -251,7 +227,7 @@ class Field:
             ready.rate,
             ready.memory,
             ctypes.c_longlong(t.size),
-            *(_address(a) for a in (width, *given, made)),
+            *(address(a) for a in (width, *given, made)),
         )
         return made
 
@@ -276,13 +252,13 @@ class Field:
         own, p = self._own, np.ascontiguousarray(p, float)
         if own is not None:
             held = np.zeros(own.held() + 1)
-            own.prepare(_address(p), _address(held))
-            return Prepared(ctypes.cast(own.rate, POINTER), _address(held), held, own)
+            own.prepare(address(p), address(held))
+            return Prepared(ctypes.cast(own.rate, POINTER), address(held), held, own)
         before, inside, loads, stores, constants, fixed = self._arrays
         slots = np.zeros(self.code.size + 1)
         slots[constants[:, 0].astype(int)] = constants[:, 1]
         slots[fixed[:, 0]] = p[fixed[:, 1]]
-        self._library.execute(ctypes.c_longlong(len(before)), _address(before), _address(slots))
+        self._library.execute(ctypes.c_longlong(len(before)), address(before), address(slots))
         listed = List(
             slots.ctypes.data,
             *(a.ctypes.data for a in (inside, loads, stores)),
@@ -369,21 +345,16 @@ def _lists(code: Program, same: tuple[bool, ...]) -> tuple[NDArray[Any], ...]:
     )
 
 
-def _address(values: NDArray[Any]) -> POINTER:
+def address(values: NDArray[Any]) -> POINTER:
+    """Where an array of any shape (N,) and unit lies, for C."""
     return values.ctypes.data_as(POINTER)
 
 
 @lru_cache(maxsize=200)
 def _library(code: str) -> ctypes.CDLL | None:
     """Compiled code, loaded; None where that is impossible."""
-    about = processor()
-    flags = (*FLAGS, "-march=native") if about else FLAGS
-    path = shared_library(code, flags, about=about)
-    if path is None:
-        return None
-    try:
-        library = ctypes.CDLL(str(path))
-    except OSError:  # a folder from which nothing may be run
+    library = library_of(code)
+    if library is None:
         return None
     if "long long held" in code:
         library.held.restype = ctypes.c_longlong
@@ -392,5 +363,5 @@ def _library(code: str) -> ctypes.CDLL | None:
     else:
         library.execute.restype = None
         library.integrate.argtypes = (POINTER,) * 3
-        library.reverse.restype = library.rows.restype = None
+        library.rows.restype = None
     return library

@@ -11,8 +11,7 @@ give the same numbers. All memory is the caller's: any number of threads may int
 from collections.abc import Sequence
 from functools import lru_cache
 
-from symhyb.numeric.kernels.instructions import NOTHING, Program
-from symhyb.numeric.kernels.vector_source import (
+from symhyb.numeric.kernels.expressions import (
     CALLED,
     HYPERBOLIC_TANGENT,
     TWO_ARGUMENTS,
@@ -20,9 +19,9 @@ from symhyb.numeric.kernels.vector_source import (
     formula,
     number,
 )
+from symhyb.numeric.kernels.instructions import NOTHING, Program
 from symhyb.numeric.runs.dormand_prince import DENSE, ERRORS, NODES, SLOPES, STAGES
 from symhyb.numeric.runs.explicit_call import LIST, TASK
-from symhyb.numeric.runs.explicit_reverse import reverse_code
 
 INLINE_MOST = 60  # instructions: each stage of a step gets its own copy of rates that are so short
 CURVE = 3 + len(DENSE)  # rows of the polynomial between the ends of a step
@@ -272,6 +271,15 @@ int integrate(RATE void *memory, const struct task *r) {{
 }}
 """
 
+# a function of the same kind at N points
+_ROWS = """
+void rows(rate_type rate, void *memory, long long count, const long long *width, const double *t,
+          const double *x, const double *d, double *out) {
+  for (long long i = 0; i < count; i++)
+    rate(memory, t[i], x + i * width[0], d + i * width[1], out + i * width[2]);
+}
+"""
+
 
 def _integrator() -> str:
     stages = "\n".join(_stage(s, "curve" if s == 11 else "y1") for s in range(1, 13))
@@ -300,7 +308,7 @@ def integrator_code() -> str:
         for operation, form in sorted(forms.items())
     )
     interpreter = _INTERPRETER.format(fields=LIST, tangent=HYPERBOLIC_TANGENT, cases=cases)
-    return interpreter + _ANY_MACHINE + _integrator() + reverse_code()
+    return interpreter + _ANY_MACHINE + _integrator() + _ROWS
 
 
 def _called(name: str) -> str:

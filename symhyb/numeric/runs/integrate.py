@@ -13,14 +13,12 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 
-from symhyb.errors import InputError, Problem
 from symhyb.model.space import gimbal_lock
 from symhyb.numeric.kernels.buffers import Array, call, on_lines
 from symhyb.numeric.kernels.vector import along
 from symhyb.numeric.lowered.dynamics import StateForm, state_form
 from symhyb.numeric.lowered.lengths import at_unit_length
 from symhyb.numeric.lowered.machine import Machine
-from symhyb.numeric.lowered.switched import switched
 from symhyb.numeric.runs.between import finer, held_columns, smooth_columns, stepped
 from symhyb.numeric.runs.closing import closed_rows, closed_start
 from symhyb.numeric.runs.cvodes import (
@@ -29,13 +27,11 @@ from symhyb.numeric.runs.cvodes import (
     culprits,
     cvodes_options,
     driven,
-    jumps_of,
     steps_of_output,
 )
 from symhyb.numeric.runs.explicit import compiler_fails, field
 from symhyb.numeric.runs.implicit_run import implicit_run
-from symhyb.numeric.runs.scenario import Scenario
-from symhyb.numeric.runs.settling import Event
+from symhyb.numeric.runs.scenario import Event, Scenario
 from symhyb.numeric.runs.turns import in_turns
 
 NEAR_LOCK = 0.1  # |cos| of the second of three rotations where a run ended
@@ -70,9 +66,7 @@ class Trajectory:
         return not self.reason
 
 
-def simulate(
-    machine: Machine, scenario: Scenario, p: Array | None = None, exact: bool = False
-) -> Trajectory:
+def simulate(machine: Machine, scenario: Scenario, p: Array | None = None) -> Trajectory:
     """Integrate M q'' = k_e − k_c over ``scenario.t`` with parameters ``p`` (P,) in SI, default
     the model's. Inputs must cover the output times.
 
@@ -80,10 +74,8 @@ def simulate(
     this is quicker, or where the explicit method stops, to say why. Else CVODES alone: BDF with
     Newton's method where a law is steep or remembers, or where the machine linearised at the start
     has a decay that is fast against its swing; else Adams with functional iteration, and BDF if
-    that fails. A law that switches is left to BDF at once.
-
-    ``exact``: dry friction holds instead of creeping, and stops touch; every transition is located
-    and listed in ``events`` (:mod:`symhyb.numeric.runs.events`).
+    that fails. A law that switches is left to BDF at once. Dry friction creeps and stops are
+    smooth; exact runs are :mod:`symhyb.exact`.
 
     Raises:
         ValueError: an input that stops before the simulation does, or times that do not increase.
@@ -96,8 +88,6 @@ def simulate(
     if form.size == 0:
         x = np.zeros((scenario.t.size, 0))
         return _observe(form, scenario, drive, x, values, "", "none")
-    if exact:
-        return _exact(form, scenario, drive, start, values)
     x, reason, method, note = found_states(form, scenario, drive, start, values)
     return replace(_observe(form, scenario, drive, x, values, reason, method), note=note)
 
@@ -144,29 +134,6 @@ def _bent(scenario: Scenario, machine: Machine) -> Scenario:
     if scenario.given is None:
         return replace(scenario, t_u=t, u=u)
     return replace(scenario, t_u=t, u=u, given=on_lines(scenario.t_u, scenario.given, t))
-
-
-def _exact(form: StateForm, scenario: Scenario, drive: Array, start: Array, p: Array) -> Trajectory:
-    """The run with located events."""
-    from symhyb.numeric.runs.driven import Drive
-    from symhyb.numeric.runs.events import is_stiff, locate_events
-
-    if form.machine.constraints:
-        text = "an exact run knows no constraints; leave out 'exact'"
-        raise InputError(Problem(text, "constraints", form.machine.model.file))
-    machine, model = switched(form), form.machine.model
-    longest = float(cvodes_options(scenario.t_u, drive, 0, "bdf", 1.0)["max_step_size"]) or np.inf
-    jumps = jumps_of(scenario.t_u, drive, scenario.t)
-    held = Drive(scenario.t_u, drive)
-    stiff = is_stiff(machine, scenario.t, start, held, p)
-    run = locate_events(machine, scenario.t, start, held, p, jumps, stiff, longest)
-    f = len(form.free)
-    motion = form.motion(run.x, on_lines(scenario.t_u, drive, scenario.t))
-    q, v = at_unit_length(model, *motion)
-    reason = run.reason + (culprits(model) if run.reason else "")
-    method = "radau" if stiff else "dop853"
-    z = run.x[:, 2 * f :]
-    return Trajectory(scenario.t, q, v, run.a, run.y, z, reason, method, events=run.events)
 
 
 def inner_start(machine: Machine, scenario: Scenario, p: Array) -> Array:

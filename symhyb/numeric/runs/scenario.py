@@ -40,3 +40,14 @@ def within(bound: Array | None, t: Array, x: Array) -> tuple[Array, str]:
     if not far.any():
         return x, ""
     return np.where(far[:, None], np.nan, x), f"{LEFT} by {t[np.argmax(far)]:.6g} s"
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """A located transition: ``time`` in s, the ``element`` (of a gap with two stops: name.upper),
+    and what it does: 'sticks', 'slides +', 'slides -', 'touches', 'lets go', 'presses again' or
+    'leaves'."""
+
+    time: float
+    element: str
+    transition: str

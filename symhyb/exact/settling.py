@@ -1,7 +1,7 @@
 """Which frictions hold and which slide, and what a located event changes.
 
 Places at rest hold where that takes no more than their levels. With G and b of
-:mod:`symhyb.numeric.lowered.switched` the forces λ of all that rest solve
+:mod:`symhyb.exact.switched` the forces λ of all that rest solve
 
     min ½ λᵀ G λ − bᵀ λ,   −backwards ≤ λ ≤ forwards
 
@@ -16,8 +16,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from symhyb.exact.switched import Switched
 from symhyb.numeric.kernels.buffers import Array, call
-from symhyb.numeric.lowered.switched import Switched
+from symhyb.numeric.runs.scenario import Event
 
 FREE, PRESSING, ENTERED = 0, 1, 2  # of a stop; entered: inside, but its damper pulls back
 AT_REST = 1e-12  # SI: a start this slow is a start at rest
@@ -44,17 +45,6 @@ class Modes:
         pressing = [float(stop == PRESSING) for stop in self.stops]
         entered = [float(stop == ENTERED) for stop in self.stops]
         return np.array([*self.sigma, *self.fixed, *pressing, *entered])
-
-
-@dataclass(frozen=True, slots=True)
-class Event:
-    """A located transition: ``time`` in s, the ``element`` (of a gap with two stops: name.upper),
-    and what it does: 'sticks', 'slides +', 'slides -', 'touches', 'lets go', 'presses again' or
-    'leaves'."""
-
-    time: float
-    element: str
-    transition: str
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,12 +9,13 @@ from builders import Entries, model_of, push, spring
 from numpy.typing import NDArray
 
 from symhyb.errors import InputError
+from symhyb.exact.leaping import Leap
+from symhyb.exact.simulation import simulate
 from symhyb.model.read import read_model
 from symhyb.model.switching import left_smooth
 from symhyb.model.types import Model
 from symhyb.numeric.lowered.machine import build
-from symhyb.numeric.runs.integrate import Trajectory, simulate
-from symhyb.numeric.runs.leaping import Leap
+from symhyb.numeric.runs.integrate import Trajectory
 from symhyb.numeric.runs.scenario import Scenario
 
 Array = NDArray[np.float64]
@@ -368,7 +369,7 @@ def test_leaps_in_machine_code_find_what_single_steps_find(
     fast = free(model, t := np.linspace(0, 4, 2001), q, v)
     assert len(leaps) > 0
     count = len(leaps)
-    monkeypatch.setattr("symhyb.numeric.runs.events.fields", lambda machine, held: None)
+    monkeypatch.setattr("symhyb.exact.events.fields", lambda machine, held: None)
     slow = free(model, t, q, v)
     assert len(leaps) == count
     reported = [(event.element, event.transition) for event in fast.events]
@@ -444,8 +445,8 @@ def test_an_exact_run_of_a_loop_is_refused() -> None:
 
 def test_chatter_ends_with_a_reason(monkeypatch: pytest.MonkeyPatch) -> None:
     """As soon as so many transitions count as one instant, the element is named."""
-    monkeypatch.setattr("symhyb.numeric.runs.events.APART", 1.0)
-    monkeypatch.setattr("symhyb.numeric.runs.events.AT_ONCE", 6)
+    monkeypatch.setattr("symhyb.exact.events.APART", 1.0)
+    monkeypatch.setattr("symhyb.exact.events.AT_ONCE", 6)
     run = free(rig(Oscillator()), np.linspace(0, 8, 81), [0.0], [0.0])
     assert not run.complete
     assert run.reason.startswith("elements.rail changed between sliding, holding or touching 6 ")

@@ -1,18 +1,28 @@
-"""The C text that runs the steps of an explicit run backwards, for the slopes of what it gave."""
+"""The steps of an explicit run backwards, in machine code, for the slopes of what it gave.
 
+Sizes: N outputs, X states, K samples of the drive, P parameters, F of them free.
+
+Source: Hager, Runge–Kutta methods in optimal control and the transformed adjoint system, Numer.
+Math. 87, 2000.
+"""
+
+import ctypes
 from collections.abc import Sequence
+from functools import lru_cache
 
+import numpy as np
+
+from symhyb.errors import NumericsError
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.kernels.compiled import library_of
 from symhyb.numeric.runs.dormand_prince import DENSE, NODES, SLOPES, STAGES
+from symhyb.numeric.runs.explicit import Desk, Field, Tape, Tolerances, address
+from symhyb.numeric.runs.explicit_source import integrator_code
 
 # The steps of a tape backwards: what a change of the states at the outputs, weighed by seed, is in
 # terms of the start (back), the parameters and the nodes of the drive. pull: (x, weights of x'), d,
-# t -> the same weighed by the slopes of the rates by x, d and p. rows: such a function at N points.
+# t -> the same weighed by the slopes of the rates by x, d and p.
 _REVERSE = """
-void rows(rate_type rate, void *memory, long long count, const long long *width, const double *t,
-          const double *x, const double *d, double *out) {{
-  for (long long i = 0; i < count; i++)
-    rate(memory, t[i], x + i * width[0], d + i * width[1], out + i * width[2]);
-}}
 void reverse(rate_type pull, void *memory, const struct task *r, long long parameters,
              const double *seed, double *back, double *by_p, double *by_d, double *work) {{
   const long long n = r->states, m = r->drives;
@@ -75,8 +85,58 @@ void reverse(rate_type pull, void *memory, const struct task *r, long long param
 """
 
 
-def reverse_code() -> str:
-    """The C text of ``reverse`` and ``rows``, which stands behind the integrator."""
+def pulled_back(
+    slopes: Field,
+    tape: Tape,
+    steps: int,
+    seed: Array,
+    p: Array,
+    t: Array,
+    nodes: tuple[Array, Array],
+) -> tuple[Array, Array, Array]:
+    """The slopes of Σ seed·x, ``seed`` (N, X), along ``steps`` of a ``tape`` with outputs at ``t``
+    (N,), parameters ``p`` (P,) and a drive between ``nodes``, times (K,) and values (K, drive): by
+    start (X,), free parameters (F,) and drive (K, drive), SI.
+
+    ``slopes`` are not the rates that were integrated but, for x next to a weight of x', (2X,),
+    their slopes by x, drive and free parameters, weighed.
+
+    Raises:
+        NumericsError: no C compiler that works.
+    """
+    library = _library()
+    if library is None:
+        raise NumericsError("slopes of whole runs need a C compiler that works")
+    states, drives = seed.shape[1], nodes[1].shape[1]
+    one = np.ones(states)
+    desk = Desk(t, one, nodes, Tolerances(1, one, one, 1), seed, tape)
+    desk.count[1] = steps
+    free = slopes.code.results[0] - states - drives
+    back, by_p, by_d = np.zeros(states), np.zeros(free), np.zeros(nodes[1].shape)
+    work = np.zeros((2 * SLOPES + 4) * states + drives + free)
+    pull = slopes.prepared(p)
+    library.reverse(
+        pull.rate,
+        pull.memory,
+        ctypes.byref(desk.task),
+        ctypes.c_longlong(free),
+        *(address(a) for a in (np.ascontiguousarray(seed), back, by_p, by_d, work)),
+    )
+    slopes.count(12 * steps)
+    return back, by_p, by_d
+
+
+@lru_cache(maxsize=1)
+def _library() -> ctypes.CDLL | None:
+    """``reverse`` behind the integrator, whose structures it shares; None without a compiler."""
+    library = library_of(integrator_code() + _reverse_code())
+    if library is not None:
+        library.reverse.restype = None
+    return library
+
+
+def _reverse_code() -> str:
+    """The C text of ``reverse``."""
 
     def full(row: Sequence[tuple[int, float]]) -> str:
         known = dict(row)

@@ -15,9 +15,9 @@ from itertools import accumulate
 import casadi as ca
 import numpy as np
 
+from symhyb.exact.switched import Held, Switched
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.kernels.memory import kept
-from symhyb.numeric.lowered.switched import Held, Switched
 from symhyb.numeric.runs.explicit import (
     REASONS,
     Desk,

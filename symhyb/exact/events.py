@@ -3,7 +3,7 @@
 Between two events the equations are smooth. They are integrated by DOP853 (in machine code where
 there is a C compiler; Radau IIA where the machine is stiff), and what may switch is watched inside
 every step; where it crosses zero, the root is located on the dense output, the modes are settled
-anew (:mod:`symhyb.numeric.runs.settling`) and the integration begins again. Forces that hold are
+anew (:mod:`symhyb.exact.settling`) and the integration begins again. Forces that hold are
 integrated beside the states, so that a machine at rest is not stepped over. Inputs act by
 first-order hold; jumps are restarts.
 
@@ -19,16 +19,10 @@ from typing import Any
 import numpy as np
 from scipy.integrate import DOP853, Radau
 
-from symhyb.model.vocabulary import KINDS
-from symhyb.numeric.kernels.buffers import Array, call, on_lines
-from symhyb.numeric.kernels.vector import along
-from symhyb.numeric.lowered.switched import Held, Switched
-from symhyb.numeric.runs.crossings import ROUNDING, first_crossing
-from symhyb.numeric.runs.driven import Drive, Ready
-from symhyb.numeric.runs.explicit import bends
-from symhyb.numeric.runs.leaping import Leap, fields
-from symhyb.numeric.runs.settling import (
-    Event,
+from symhyb.exact.crossings import ROUNDING, first_crossing
+from symhyb.exact.driven import Drive, Ready
+from symhyb.exact.leaping import Leap, fields
+from symhyb.exact.settling import (
     Instant,
     Modes,
     after,
@@ -36,6 +30,12 @@ from symhyb.numeric.runs.settling import (
     returned,
     transitions,
 )
+from symhyb.exact.switched import Held, Switched
+from symhyb.model.vocabulary import KINDS
+from symhyb.numeric.kernels.buffers import Array, call, on_lines
+from symhyb.numeric.kernels.vector import along
+from symhyb.numeric.runs.explicit import bends
+from symhyb.numeric.runs.scenario import Event
 
 RELATIVE_TOLERANCE = 1e-9
 ABSOLUTE_TOLERANCE = 1e-12  # of the largest size of each state so far

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from symhyb.correction.learning.factor import Blocks, factor_of, pieces_of
 from symhyb.errors import InputError
-from symhyb.numeric.kernels.factor import Blocks, factor_of, pieces_of
 
 Array = NDArray[np.float64]
 

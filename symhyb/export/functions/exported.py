@@ -5,7 +5,7 @@
 of elements:     u = q, q' and the recorded inputs that matter, x = z, y = +ΔF: what a host *adds*
 of the machine:  u = recorded inputs and imposed motion, x = (q, q', z), y = what the sensors record
 
-With ``events``, laws that jump are in modes (:mod:`symhyb.numeric.lowered.modes`): these are the
+With ``events``, laws that jump are in modes (:mod:`symhyb.export.functions.modes`): these are the
 last of p, and what tells them is the last of y.
 """
 
@@ -18,15 +18,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symhyb.errors import InputError, Problem
+from symhyb.export.functions.exportable import owners, require_force_elements
+from symhyb.export.functions.holes import Hole, filled, parts_of
+from symhyb.export.functions.modes import Modes, Names, calmed
 from symhyb.model.expression import readings
 from symhyb.model.switching import modes as modes_of
 from symhyb.model.types import Model
 from symhyb.numeric.kernels.buffers import Array, call
 from symhyb.numeric.lowered.dynamics import StateForm, state_form
-from symhyb.numeric.lowered.exportable import owners, require_force_elements
-from symhyb.numeric.lowered.holes import Hole, filled, parts_of
 from symhyb.numeric.lowered.machine import Machine, build, functions_of
-from symhyb.numeric.lowered.modes import Modes, Names, calmed
 
 Flags = NDArray[np.bool_]
 

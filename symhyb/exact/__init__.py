@@ -1,0 +1,1 @@
+"""Exact runs: dry friction that holds, stops that touch, every transition located."""
