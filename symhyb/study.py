@@ -249,6 +249,7 @@ def manifest(result: StudyResult) -> dict[str, Any]:
             for role, file in files.items()
             if file is not None
         },
+        **curve_hashes(result.model),
         "recordings": [
             {
                 "role": role,
@@ -345,6 +346,12 @@ def versions() -> dict[str, str]:
     """The versions of Python, of symhyb and of the libraries whose numbers these are."""
     libraries = {name: metadata.version(name) for name in LIBRARIES}
     return {"python": platform.python_version(), "symhyb": __version__, **libraries}
+
+
+def curve_hashes(model: Model) -> dict[str, list[dict[str, str]]]:
+    """The files of characteristic curves, which belong to a model; nothing where it has none."""
+    files = [{"file": curve.file, "sha256": curve.sha256} for curve in model.curve_files()]
+    return {"curves": files} if files else {}
 
 
 def sha256_of(file: Path) -> str:

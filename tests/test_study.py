@@ -1,5 +1,6 @@
 """Studies: the file, what is expected, what is left behind; and the three that are shipped."""
 
+import hashlib
 import json
 import os
 from collections.abc import Callable
@@ -8,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from builders import DRIVEN_MASS
 from fakes import NOTHING, Fake, fake_diagnosis, friction, verdict
 
 import symhyb.diagnosis as diagnosis_module
@@ -24,7 +26,7 @@ from symhyb.model.types import Between, On
 from symhyb.model.write import write_model
 from symhyb.published import Reference
 from symhyb.report.contract import to_json
-from symhyb.study import manifest, run_study
+from symhyb.study import curve_hashes, manifest, run_study
 from symhyb.study_file import Source, Study, read_study
 from symhyb.writing import staged
 
@@ -774,3 +776,15 @@ def test_the_files_are_there_before_advice_is_sought(
     result = run_study(STUDIES / "null" / "study.toml", tmp_path / "out")
     assert result.diagnosis.record_next == "Drive f harder."
     assert "Drive f harder." in (tmp_path / "out" / "diagnosis.json").read_text(encoding="utf-8")
+
+
+def test_files_of_curves_are_told_with_their_hashes(tmp_path: Path) -> None:
+    points = b"speed [m/s],force [N]\n-1,-2\n0,0\n1,3\n"
+    (tmp_path / "strut.csv").write_bytes(points)
+    element = '[elements.{}]\nkind = "curve"\non = "x"\nover = "rate"\nfile = "strut.csv"\n'
+    text = DRIVEN_MASS + element.format("left") + element.format("right")
+    (tmp_path / "model.toml").write_text(text)
+    digest = hashlib.sha256(points).hexdigest()
+    told = curve_hashes(read_model(tmp_path / "model.toml"))
+    assert told == {"curves": [{"file": "strut.csv", "sha256": digest}]}
+    assert curve_hashes(read_model(ROOT / "models" / "oscillator.toml")) == {}

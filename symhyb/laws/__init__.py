@@ -6,6 +6,7 @@ A new law is a new file and one name more in ``LAWS``; docs/add-a-law.md shows h
 from symhyb.laws import (
     added_mass,
     constant,
+    curve,
     damper,
     drag,
     friction,
@@ -33,6 +34,7 @@ LAWS: tuple[Law, ...] = (
     harmonic.LAW,
     ripple.LAW,
     added_mass.LAW,
+    curve.LAW,
     given.FORCE,
     given.TORQUE,
     given.EXPRESSION,

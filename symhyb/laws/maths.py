@@ -10,17 +10,20 @@ from typing import Any
 
 import numpy as np
 
+from symhyb.laws.characteristic import Characteristic
+
 Value = Any
 """A SymPy expression, a NumPy array or a number, always in SI."""
 Values = Mapping[str, Value]
-"""The keys that are set, by name."""
+"""The keys that are set, by name; of a ``curve`` its :class:`Characteristic` too."""
 Options = Mapping[str, str]
 """The words of an element, by key: the ``side`` of a gap."""
 
 
 @dataclass(frozen=True, slots=True)
 class Maths:
-    """The functions of one library; ``step`` is 1 above 0 and 0 at it and below."""
+    """The functions of one library; ``step`` is 1 above 0 and 0 at it and below, ``curve`` the
+    value of a characteristic."""
 
     abs: Callable[[Value], Value]
     sign: Callable[[Value], Value]
@@ -30,6 +33,7 @@ class Maths:
     tanh: Callable[[Value], Value]
     max: Callable[[Value, Value], Value]
     min: Callable[[Value, Value], Value]
+    curve: Callable[[Characteristic, Value], Value]
     pi: Value
 
 
@@ -42,6 +46,7 @@ NUMPY = Maths(
     np.tanh,
     np.maximum,
     np.minimum,
+    lambda curve, x: curve(x),
     np.pi,
 )
 

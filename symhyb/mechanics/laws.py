@@ -9,12 +9,22 @@ import sympy as sp
 
 from symhyb.laws import friction, levels
 from symhyb.laws.maths import Action, Maths, Motion
+from symhyb.mechanics.tabulated import tabulated
 from symhyb.model.types import Element
 from symhyb.model.vocabulary import KINDS
 
 ZERO = sp.Integer(0)  # added to a plain number, it makes a SymPy expression of it
 SYMPY = Maths(
-    sp.Abs, sp.sign, lambda x: sp.Heaviside(x, 0), sp.exp, sp.sin, sp.tanh, sp.Max, sp.Min, sp.pi
+    sp.Abs,
+    sp.sign,
+    lambda x: sp.Heaviside(x, 0),
+    sp.exp,
+    sp.sin,
+    sp.tanh,
+    sp.Max,
+    sp.Min,
+    lambda curve, x: tabulated(curve)(x),
+    sp.pi,
 )
 
 Values = Mapping[str, sp.Expr]
@@ -29,7 +39,8 @@ def action_of(element: Element, at: Motion, values: Values) -> Action:
     law = KINDS.get(element.kind)
     if law is None or law.action is None:
         raise TypeError(f"no law for kind {element.kind!r}")
-    does = law.action(SYMPY, at, values, dict(element.options))
+    given = {"curve": element.curve.characteristic} if element.curve else {}
+    does = law.action(SYMPY, at, {**values, **given}, dict(element.options))
     inner = None if does.inner is None else ZERO + does.inner
     return Action(ZERO + does.force, ZERO + does.stored, inner, ZERO + does.rest, ZERO + does.mass)
 

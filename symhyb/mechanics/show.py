@@ -16,7 +16,8 @@ from sympy.printing.str import StrPrinter
 from symhyb.mechanics.readable import Readable, readable
 from symhyb.mechanics.rows import Row, Side
 from symhyb.mechanics.show_latex import as_latex
-from symhyb.mechanics.words import reading_in_words, sensor_notes
+from symhyb.mechanics.tabulated import TabulatedBase
+from symhyb.mechanics.words import curves_in_words, reading_in_words, sensor_notes
 from symhyb.model.types import Model
 
 WIDTH = 100  # columns of text
@@ -49,6 +50,10 @@ class _Text(StrPrinter):  # type: ignore[misc]
     def _print_Heaviside(self, expression: sp.Heaviside) -> str:
         return f"step({self.stringify(expression.args[:1], ', ')})"
 
+    def _print_TabulatedBase(self, expression: TabulatedBase) -> str:
+        name, marks = expression.called
+        return f"curve{marks}({name}, {self.stringify(expression.args, ', ')})"
+
     def _called(self, name: str, expression: sp.Expr) -> str:
         return f"{name}({self.stringify(expression.args, ', ')})"
 
@@ -61,6 +66,7 @@ def _as_text(model: Model, derived: Readable, matrices: bool) -> str:
         ("constraints, held by forces J^T lambda beside k_e, J the slopes by q", _held(derived)),
         ("rates of the inner states", _inner(derived)),
         ("with", _names(derived)),
+        ("curves", _table(curves_in_words(model))),
         ("parameters", _parameters(model)),
         ("sensors", _sensors(model, derived)),
     ):

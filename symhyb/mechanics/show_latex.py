@@ -9,7 +9,8 @@ from sympy.printing.latex import LatexPrinter
 from symhyb.mechanics.readable import Readable
 from symhyb.mechanics.rows import Named, Row
 from symhyb.mechanics.symbols import reading_symbol
-from symhyb.mechanics.words import reading_in_words, sensor_notes
+from symhyb.mechanics.tabulated import TabulatedBase
+from symhyb.mechanics.words import curves_in_words, reading_in_words, sensor_notes
 from symhyb.model.types import Model
 
 
@@ -21,6 +22,12 @@ class _Latex(LatexPrinter):  # type: ignore[misc]
 
     def _print_AppliedUndef(self, expression: sp.Expr, exp: str | None = None) -> str:
         return self._called(expression.func.__name__, expression.args, exp)
+
+    def _print_TabulatedBase(self, expression: TabulatedBase, exp: str | None = None) -> str:
+        name, marks = expression.called
+        inside = ", ".join(self._print(item) for item in expression.args)
+        power = f"^{{{marks}{exp or ''}}}".replace("'", r"\prime ") if marks or exp else ""
+        return rf"\mathrm{{curve}}{power}\left(\text{{{_escaped(name)}}}, {inside}\right)"
 
     def _called(self, name: str, arguments: tuple[sp.Expr, ...], exp: str | None) -> str:
         inside = ", ".join(self._print(item) for item in arguments)
@@ -44,6 +51,7 @@ def as_latex(model: Model, derived: Readable) -> str:
         for row in derived.gaps
         for held in (row.gap if row.slip is None else row.speed(derived.symbols),)
     ]
+    result += [_comment(f"{said}: {words}") for said, words in curves_in_words(model)]
     used = [f"{names[item.symbol]} &= {printer.doprint(item.value)}" for item in derived.names]
     for title, rows in (
         ("constraints, held by forces J^T lambda beside k_e, J the slopes by q", held),

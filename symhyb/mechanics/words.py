@@ -1,9 +1,10 @@
-"""Sensors in words: what an instrument shows, and how a channel differs from the truth."""
+"""Sensors and curves in words: what an instrument shows, how a channel differs from the truth."""
 
 from collections.abc import Collection
 
+from symhyb.model.curves import Curve
 from symhyb.model.expression import Reading
-from symhyb.model.types import Sensor
+from symhyb.model.types import Model, Sensor
 
 
 def reading_in_words(reading: Reading, constraints: Collection[str] = ()) -> str:
@@ -33,6 +34,22 @@ def reading_in_words(reading: Reading, constraints: Collection[str] = ()) -> str
                 return f"the force by which the constraint {first} holds"
             return f"the force that gives {first} its imposed motion, M q'' + k_c - k_e"
     return str(reading)
+
+
+def curves_in_words(model: Model) -> list[tuple[str, str]]:
+    """The curves of the file and those of its elements, each with what it runs through, and how."""
+    curves = model.all_curves()
+    return [(f"curve({curve.name}, .)", _curve_in_words(curve)) for curve in curves]
+
+
+def _curve_in_words(curve: Curve) -> str:
+    (first, _), (last, _) = curve.points[0], curve.points[-1]
+    along, up = curve.units
+    between = {"monotone": "monotone cubics", "linear": "straight lines"}[curve.interpolation]
+    beyond = {"line": "the line of the end slope", "hold": "the last value"}[curve.extrapolation]
+    source = f" of {curve.file}" if curve.file else ""
+    said = f"{len(curve.points)} points{source} from {first:g} to {last:g} {along}, in {up};"
+    return f"{said} {between} between them, {beyond} beyond"
 
 
 def sensor_notes(sensor: Sensor) -> tuple[str]:

@@ -6,6 +6,7 @@ from fractions import Fraction
 
 from symhyb.errors import did_you_mean
 from symhyb.laws.base import Key
+from symhyb.model.curves import Curve
 from symhyb.model.expression import Expression, Name, Number, Operation
 from symhyb.model.frames import point_faults
 from symhyb.model.scope import (
@@ -21,8 +22,8 @@ from symhyb.model.scope import (
 from symhyb.model.source import Path
 from symhyb.model.tables import Fault, shorten
 from symhyb.model.types import At, Between, Element, Model, On, Parameter
-from symhyb.model.vocabulary import KINDS, key_unit, stretch_unit
-from symhyb.units import Unit
+from symhyb.model.vocabulary import KINDS, force_unit, key_unit, stretch_unit
+from symhyb.units import Unit, parse_unit
 
 _HIGHEST = 20  # the highest power that a unit has
 
@@ -54,6 +55,20 @@ def element_faults(
     yield from _exponent_faults(element, model)
     for seen in element.network.inputs if element.network else ():
         yield from expression_faults((*path, "inputs"), seen, local, FORCE, None)
+    if element.curve is not None and known is not None:
+        yield from _curve_faults(element, element.curve, known)
+
+
+def _curve_faults(element: Element, curve: Curve, model: Model) -> Iterator[Fault]:
+    """The units of a curve must be those of its place."""
+    along = stretch_unit(model, element.place)
+    if element.option("over", "") == "rate":
+        along = along / parse_unit("s")
+    needed = along, force_unit(model, element.place)
+    key = "units" if curve.owned else "curve"
+    for axis, unit, wanted in zip("xy", curve.units, needed, strict=True):
+        if not unit.same_dimension(wanted):
+            yield ("elements", element.name, key), f"{axis} of the curve is {unit}, needs {wanted}"
 
 
 def _use(key: Key) -> Use:

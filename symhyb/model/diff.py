@@ -1,10 +1,12 @@
 """What two models say differently: in sentences first, then line by line."""
 
+import hashlib
 import re
 from collections.abc import Iterator, Mapping
 from difflib import unified_diff
 
 from symhyb.model.constraints import Constraint
+from symhyb.model.curves import Curve
 from symhyb.model.expression import Name
 from symhyb.model.limits import Limit
 from symhyb.model.types import (
@@ -25,7 +27,7 @@ from symhyb.model.types import (
 from symhyb.model.write import text_of
 from symhyb.units import parse_unit
 
-Part = Coordinate | Parameter | Input | Point | Body | Constraint | Element | Sensor | Limit
+Part = Coordinate | Parameter | Input | Point | Body | Constraint | Curve | Element | Sensor | Limit
 Facets = Mapping[str, str]
 
 
@@ -109,6 +111,7 @@ def _parts(model: Model) -> dict[str, Facets]:
         ("point", model.points),
         ("body", model.bodies),
         ("constraint", model.constraints),
+        ("curve", model.curves),
         ("element", model.elements),
         ("sensor", model.sensors),
         ("limits of", model.limits),
@@ -139,6 +142,8 @@ def _facets(part: Part) -> Facets:
         case Constraint():
             held = {key: value.text for key, value in part.values}
             return {"": " ".join((part.kind, ", ".join(part.names))).strip(), **held}
+        case Curve():
+            return _curve_facets(part)
         case Element():
             return _element_facets(part)
         case Limit():
@@ -162,6 +167,9 @@ def _element_facets(element: Element) -> Facets:
     facets |= dict(element.options)
     if element.network is not None:
         facets |= _network_facets(element.network)
+    if element.curve is not None:
+        curve = element.curve
+        facets |= _curve_facets(curve) if curve.owned else {"curve": curve.name}
     return {**facets, **{name: _quantity(own[name]) for name in own if name not in shown}}
 
 
@@ -171,6 +179,21 @@ def _network_facets(network: Network) -> Facets:
         "sha256": network.sha256[:12],
         "inputs": ", ".join(seen.text for seen in network.inputs),
         "trust": ", ".join(f"{low:.6g} to {high:.6g}" for low, high in network.trust),
+    }
+
+
+def _curve_facets(curve: Curve) -> Facets:
+    """How many points there are and how far they reach, with a hash of them; their file."""
+    (first, _), (last, _) = curve.points[0], curve.points[-1]
+    along, up = curve.units
+    digest = hashlib.sha256(repr(curve.points).encode()).hexdigest()[:8]
+    reach = f"{len(curve.points)} from {first:.6g} to {last:.6g} {along}, in {up}, hash {digest}"
+    source = {"file": curve.file} if curve.file else {}
+    return {
+        "points": reach,
+        **source,
+        "interpolation": curve.interpolation,
+        "extrapolation": curve.extrapolation,
     }
 
 

@@ -16,6 +16,7 @@ from symhyb.model.check import energy_unit, faults_of
 from symhyb.model.limits import read_limit
 from symhyb.model.read_bodies import read_body, read_point
 from symhyb.model.read_constraints import read_constraint
+from symhyb.model.read_curves import read_curve
 from symhyb.model.read_elements import read_element, read_parameter
 from symhyb.model.read_space import dimension_of
 from symhyb.model.render import FORMAT
@@ -36,6 +37,7 @@ SECTIONS = (
     "bodies",
     "energy",
     "constraints",
+    "curves",
     "elements",
     "sensors",
     "limits",
@@ -119,6 +121,9 @@ def _draft(root: Table, text: str, file: str) -> tuple[Model, frozenset[str]]:
     Those names stay known, so that one mistake does not return as "unknown name" elsewhere.
     """
     points = _present(read_point(table, name) for table, name in root.pairs("points"))
+    home = FilePath(file).parent if file else None
+    curves = _present(read_curve(table, home) for table in root.tables("curves"))
+    known = {**dict.fromkeys(root.declared("curves")), **{curve.name: curve for curve in curves}}
     size = dimension_of(root.entries)
     energy = root.table("energy")
     model = Model(
@@ -129,7 +134,10 @@ def _draft(root: Table, text: str, file: str) -> tuple[Model, frozenset[str]]:
         inputs=_present(map(_input, root.tables("inputs"))),
         points=points,
         bodies=_present(read_body(table, root, points, size) for table in root.tables("bodies")),
-        elements=_present(read_element(table, root, size) for table in root.tables("elements")),
+        curves=curves,
+        elements=_present(
+            read_element(table, root, size, home, known) for table in root.tables("elements")
+        ),
         sensors=_present(map(_sensor, root.tables("sensors"))),
         energy=_energy(energy) if energy else Energy(),
         constraints=_present(map(read_constraint, root.tables("constraints"))),
@@ -149,8 +157,9 @@ def _draft(root: Table, text: str, file: str) -> tuple[Model, frozenset[str]]:
         *(f"points.{value.name}" for value in model.points),
         *(f"bodies.{value.name}" for value in model.bodies),
         *(f"elements.{value.name}" for value in model.elements),
+        *(f"curves.{value.name}" for value in model.curves),
     }
-    sections = ("coordinates", "parameters", "inputs", "points", "bodies", "elements")
+    sections = ("coordinates", "parameters", "inputs", "points", "bodies", "elements", "curves")
     for key in sections:
         most = COORDINATES if key == "coordinates" else DECLARED
         if (count := len(root.declared(key))) > most:

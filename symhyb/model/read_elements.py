@@ -1,14 +1,20 @@
 """Read the elements of a model file: kind, place, values and their own parameters."""
 
+from collections.abc import Mapping
+from pathlib import Path
+
 from symhyb.errors import did_you_mean
 from symhyb.laws.base import Key, Law
+from symhyb.model.curves import Curve
 from symhyb.model.expression import Expression, Name
+from symhyb.model.read_curves import CURVE_KEYS, read_own
 from symhyb.model.read_network import NETWORK_KEYS, read_network
 from symhyb.model.read_space import kind_in, read_axes
 from symhyb.model.tables import Table, describe, shorten
 from symhyb.model.types import At, Between, Element, On, Parameter, Place
 from symhyb.model.vocabulary import KINDS, placement_of
 
+NO_CURVES: Mapping[str, Curve | None] = {}
 _COMMON = ("kind", "on", "between", "at", "about", "found", "parameters")
 
 
@@ -22,29 +28,36 @@ def read_parameter(table: Table, owner: str = "") -> Parameter | None:
     return Parameter(table.path[-1], 1.0 if value is None else value, unit, sd, about, was, owner)
 
 
-def read_element(table: Table, root: Table, dimension: int = 2) -> Element | None:
+def read_element(
+    table: Table,
+    root: Table,
+    dimension: int = 2,
+    home: Path | None = None,
+    curves: Mapping[str, Curve | None] = NO_CURVES,
+) -> Element | None:
     """Read one element, None if its kind or place cannot be known; vectors have ``dimension``
-    components."""
+    components. Files lie in the folder ``home``; ``curves`` are those of the model by name."""
     kind = _kind(table)
     if kind is None:
         return None
     kind = kind_in(kind, dimension)
-    trained = kind.name == "network"
-    network_keys = NETWORK_KEYS if trained else ()
+    trained, curved = kind.name == "network", kind.name == "curve"
+    more_keys = NETWORK_KEYS if trained else ("curve", *CURVE_KEYS) if curved else ()
     vectorial = any(key.vector for key in kind.keys) and "at" in table.entries
     axes_keys = ("axes",) if vectorial and "axes" in table.entries else ()
-    own_keys = (*(key.name for key in kind.keys), *network_keys, *axes_keys)
+    own_keys = (*(key.name for key in kind.keys), *more_keys, *axes_keys)
     table = table.checked((*_COMMON, *own_keys))
     place = _place(table, kind)
     owner = table.path[-1]
     parameters = tuple(read_parameter(inner, owner) for inner in table.tables("parameters"))
     about, found = table.about(), table.table("found")
     network = read_network(table) if trained else None
+    curve = read_own(table, home, curves) if curved else None
     if place is None:
         return None
     values, options = _values(table, kind, place), _options(table, kind)
     options += read_axes(table, root.declared("bodies"), dimension) if axes_keys else ()
-    if trained and network is None:
+    if (trained and network is None) or (curved and curve is None):
         return None
     if None in parameters:  # the fault is noted; without its unit the laws cannot be checked
         return None
@@ -58,6 +71,7 @@ def read_element(table: Table, root: Table, dimension: int = 2) -> Element | Non
         about=about,
         options=options,
         network=network,
+        curve=curve,
     )
 
 

@@ -1,8 +1,8 @@
 """Read what a model file says of a trained force law: its file, hash, inputs and trust box."""
 
 import re
-from pathlib import PurePosixPath, PureWindowsPath
 
+from symhyb.model.beside import named_file
 from symhyb.model.expression import Expression
 from symhyb.model.tables import Table, describe, shorten
 from symhyb.model.types import Network
@@ -12,11 +12,8 @@ NETWORK_KEYS = ("weights", "sha256", "inputs", "trust")
 
 def read_network(table: Table) -> Network | None:
     """Read the keys of a network, None if one of them is missing or wrong."""
-    weights, digest = table.text("weights", required=True), table.text("sha256", required=True)
-    if weights is not None and not _beside(weights):
-        sentence = f"'{shorten(weights)}' must be a file beside the model file or below it"
-        table.fault(f"{sentence}: a relative name without '..'", "weights")
-        weights = None
+    weights = named_file(table, "weights", required=True)
+    digest = table.text("sha256", required=True)
     if digest is not None and not re.fullmatch(r"[0-9a-fA-F]{64}", digest):
         table.fault(f"must be 64 hexadecimal digits, not '{shorten(digest)}'", "sha256")
         digest = None
@@ -26,13 +23,6 @@ def read_network(table: Table) -> Network | None:
     if weights is None or digest is None or not inputs or not trust:
         return None
     return Network(weights, digest.lower(), inputs, trust)
-
-
-def _beside(name: str) -> bool:
-    """Whether a file name stays in the folder of the model file, on every system."""
-    posix, windows = PurePosixPath(name), PureWindowsPath(name)
-    leaves = posix.is_absolute() or windows.drive or windows.root or ".." in windows.parts
-    return bool(name.strip()) and not leaves and "\0" not in name
 
 
 def _seen(table: Table) -> tuple[Expression, ...]:

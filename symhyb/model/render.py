@@ -4,6 +4,7 @@ import json
 from collections.abc import Iterable, Iterator, Mapping
 
 from symhyb.model.constraints import CONSTRAINTS, Constraint
+from symhyb.model.curves import EXTRAPOLATIONS, INTERPOLATIONS, Curve
 from symhyb.model.expression import Expression
 from symhyb.model.limits import Limit
 from symhyb.model.types import (
@@ -108,6 +109,9 @@ def element_lines(element: Element) -> Iterator[str]:
     lines = [(key, _toml(value)) for key, value in entries.items()]
     if element.network is not None:
         lines += _network_entries(element.network)
+    if element.curve is not None:
+        own = element.curve.owned
+        lines += _curve_entries(element.curve) if own else [("curve", _toml(element.curve.name))]
     lines.append(("about", _toml(element.about)))
     if element.found:
         lines.append(("found", _inline(element.found)))
@@ -151,6 +155,9 @@ def _lines(model: Model) -> Iterator[str]:
     for constraint in model.constraints:
         lines = list(_aligned(_constraint_entries(constraint)))
         yield from ("", f"[constraints.{constraint.name}]", *lines)
+    for curve in model.curves:
+        lines = list(_aligned([*_curve_entries(curve), ("about", _toml(curve.about))]))
+        yield from ("", f"[curves.{curve.name}]", *lines)
     for element in model.elements:
         yield from ("", *element_lines(element))
 
@@ -164,6 +171,22 @@ def _network_entries(network: Network) -> list[tuple[str, str]]:
         ("inputs", _toml(network.inputs)),
         ("trust", f"[{box}]"),
     ]
+
+
+def _curve_entries(curve: Curve) -> list[tuple[str, str]]:
+    """The keys of a curve; its points keep every digit."""
+    points = ", ".join(f"[{x!r}, {y!r}]" for x, y in curve.points)
+    if curve.file:
+        entries = [("file", _toml(curve.file))]
+        entries += [("columns", _toml(curve.columns))] if curve.columns else []
+    else:
+        entries = [("points", f"[{points}]")]
+    entries.append(("units", _toml([unit.text for unit in curve.units])))
+    if curve.interpolation != INTERPOLATIONS[0]:
+        entries.append(("interpolation", _toml(curve.interpolation)))
+    if curve.extrapolation != EXTRAPOLATIONS[0]:
+        entries.append(("extrapolation", _toml(curve.extrapolation)))
+    return entries
 
 
 def _coordinate(coordinate: Coordinate) -> str:

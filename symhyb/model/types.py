@@ -11,6 +11,7 @@ from functools import lru_cache
 from typing import Literal
 
 from symhyb.model.constraints import Assembly, Constraint
+from symhyb.model.curves import Curve
 from symhyb.model.expression import Expression, names, parse_expression
 from symhyb.model.limits import Limit
 from symhyb.units import ONE, Unit
@@ -226,6 +227,7 @@ class Element:
 
     ``parameters`` are the element's own; its expressions see them before the model's.
     ``found`` is the provenance of a discovered element (a plain mapping as pairs), else empty.
+    ``curve`` is the characteristic of a curve, its own or one of the model.
     """
 
     name: str
@@ -237,6 +239,7 @@ class Element:
     about: str = ""
     options: tuple[tuple[str, str], ...] = ()
     network: Network | None = None
+    curve: Curve | None = None
 
     def option(self, key: str, default: str) -> str:
         """The word under ``key`` (the ``side`` of a gap), or ``default`` where it is unset."""
@@ -277,6 +280,7 @@ class Model:
     about: str = ""
     constraints: tuple[Constraint, ...] = ()
     limits: tuple[Limit, ...] = ()
+    curves: tuple[Curve, ...] = ()
     assembly: Assembly | None = field(default=None, compare=False)
 
     def start(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
@@ -288,6 +292,15 @@ class Model:
         q = [c.start * f for c, f in zip(self.coordinates, factors, strict=True)]
         v = [c.start_rate * f for c, f in zip(self.coordinates, factors, strict=True)]
         return tuple(q), tuple(v)
+
+    def all_curves(self) -> tuple[Curve, ...]:
+        """The curves of the file, then those of elements, each once."""
+        own = (element.curve for element in self.elements if element.curve is not None)
+        return tuple(dict.fromkeys((*self.curves, *own)))
+
+    def curve_files(self) -> tuple[Curve, ...]:
+        """The curves whose points stand in files of their own, one a file."""
+        return tuple({curve.file: curve for curve in self.all_curves() if curve.file}.values())
 
     def all_parameters(self) -> tuple[Parameter, ...]:
         """Every parameter in the order of the machine's vector p: the model's own, the elements',

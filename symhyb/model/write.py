@@ -57,14 +57,29 @@ def replace_parameters(model: Model, values: Mapping[str, tuple[float, float | N
 
 
 def write_model(model: Model, path: str | FilePath) -> None:
-    """Write a model file whole or not at all. The weights of its networks go where the file says
-    that they are.
+    """Write a model file whole or not at all. The weights of its networks and the points of its
+    curves go where the file says that they are.
 
     Raises:
-        InputError: a file cannot be written, or other weights have the name of these.
+        InputError: a file cannot be written, or other weights or points have the name of these.
     """
     write_weights(model, FilePath(path))
+    _write_points(model, FilePath(path).parent)
     write_file(path, text_of(model))
+
+
+def _write_points(model: Model, folder: FilePath) -> None:
+    """Put the files of curves beside a model file; one that is there already stays as it is."""
+    for curve in model.curve_files():
+        place, data = folder / curve.file, curve.content.encode()
+        try:
+            there = place.read_bytes()
+        except OSError:
+            write_file(place, data)
+            continue
+        if there != data:
+            said = "holds other points than the curve; write the model into another folder"
+            raise InputError(Problem(said, file=str(place)))
 
 
 def text_of(model: Model) -> str:

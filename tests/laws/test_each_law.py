@@ -6,6 +6,7 @@ The examples of the laws are moved by s = 0.3·sin 5t, SI, so that rates reach 1
 import subprocess
 import sys
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,20 +19,24 @@ from symhyb.discrepancy.results import Estimate
 from symhyb.discrepancy.words.wording import effect_phrase, effect_sentence
 from symhyb.laws import LAWS
 from symhyb.laws.base import Key, Law
+from symhyb.laws.characteristic import Characteristic, through
 from symhyb.laws.maths import NUMPY, Action, Motion
 from symhyb.laws.reach import Reach
 from symhyb.laws.variants import Pace
 from symhyb.mechanics.laws import action_of
+from symhyb.model.curves import Curve
 from symhyb.model.types import Coordinate, Element, Model, On
 from symhyb.model.vocabulary import key_unit
-from symhyb.units import parse_unit
+from symhyb.units import ONE, parse_unit
 
 AMPLITUDE, PACE = 0.3, 5.0
 CYCLE = 2 * np.pi / PACE
 ACTING = [law for law in LAWS if law.action is not None]
 LAW_OF = {law.name: law for law in LAWS}
 PASSIVE = [law for law in ACTING if law.passive]
-WORDED = [law for law in ACTING if any(not key.signal for key in law.keys)]
+WORDED = [law for law in ACTING if law.strengths and any(not key.signal for key in law.keys)]
+POINTS = ((-2.0, -3.0), (-1.0, -2.5), (-0.2, -1.0), (0.0, 0.0), (0.3, 0.5), (1.2, 0.7))
+CURVE = through("c", *zip(*POINTS, strict=True))
 MODEL = Model("", (Coordinate("x", parse_unit("m")),), energy_unit=parse_unit("J"))
 
 
@@ -44,9 +49,19 @@ def numeric(law: Law) -> list[Key]:
     return [key for key in law.keys if not key.choices and not key.signal and key.name != "length"]
 
 
-def acts(law: Law, motion: Motion, values: dict[str, float] | None = None) -> Action:
+def curve_of(law: Law) -> dict[str, Characteristic]:
+    """What a curve runs through beside the values of its keys."""
+    return {"curve": CURVE} if law.name == "curve" else {}
+
+
+def options_of(law: Law) -> dict[str, str]:
+    return {"over": "rate"} if law.name == "curve" else {}
+
+
+def acts(law: Law, motion: Motion, values: dict[str, Any] | None = None) -> Action:
     assert law.action is not None
-    return law.action(NUMPY, motion, dict(law.example) if values is None else values, {})
+    given = {**law.example, **curve_of(law)} if values is None else values
+    return law.action(NUMPY, motion, given, options_of(law))
 
 
 @cache
@@ -119,7 +134,10 @@ def test_the_declared_units_are_those_of_the_law(law: Law) -> None:
     newton, metre, second = 5.0, 1000.0, 2.0
     motion, does = cycle(law)
     n = law.example.get("exponent", 1.0)
-    values = {}
+    values: dict[str, Any] = {}
+    if law.name == "curve":
+        x, y = np.array(POINTS).T
+        values["curve"] = through("other", x * metre / second, y * newton)
     for key, value in law.example.items():
         declared = law.key(key)
         assert declared is not None
@@ -139,10 +157,13 @@ def test_the_declared_units_are_those_of_the_law(law: Law) -> None:
 def test_the_equations_hold_the_same_law(law: Law) -> None:
     symbols = sp.symbols("s r z t", real=True)
     values = {key: sp.Float(value) for key, value in law.example.items()}
-    built = action_of(Element("it", law.name, On("x"), ()), Motion(*symbols), values)
+    curve = Curve("c", POINTS, (ONE, ONE)) if law.name == "curve" else None
+    options = tuple(options_of(law).items())
+    element = Element("it", law.name, On("x"), (), options=options, curve=curve)
+    built = action_of(element, Motion(*symbols), values)
     motion, does = cycle(law)
     given = (motion.s, motion.r, motion.z, motion.t)
-    force = sp.lambdify(symbols, built.force, "numpy")(*given)
+    force = sp.lambdify(symbols, built.force, [{"c": CURVE}, "numpy"])(*given)
     stored = sp.lambdify(symbols, built.stored, "numpy")(*given)
     assert force * np.ones_like(motion.t) == pytest.approx(does.force * np.ones_like(motion.t))
     assert stored * np.ones_like(motion.t) == pytest.approx(does.stored * np.ones_like(motion.t))

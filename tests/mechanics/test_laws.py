@@ -9,8 +9,10 @@ import sympy as sp
 from symhyb.laws.friction import DEFAULT_TRANSITION
 from symhyb.laws.maths import Action, Motion
 from symhyb.mechanics.laws import action_of
+from symhyb.model.curves import Curve
 from symhyb.model.types import Element, On
 from symhyb.model.vocabulary import KINDS
+from symhyb.units import ONE
 
 S, RATE, Z, T = sp.symbols("s rate z t", real=True)
 AT = Motion(S, RATE, Z, T)
@@ -63,7 +65,7 @@ def test_what_a_spring_stores_is_the_integral_of_its_force() -> None:
     assert law.stored.subs(S, 0) == 0
 
 
-STORING = {"spring", "gap", "hysteresis", "friction_dynamic", "relaxation"}
+STORING = {"curve", "spring", "gap", "hysteresis", "friction_dynamic", "relaxation"}
 
 
 @pytest.mark.parametrize("kind", sorted(set(KINDS) - STORING - {"network"}))
@@ -80,7 +82,10 @@ def test_the_vocabulary_and_the_laws_agree_on_inner_states(kind: str) -> None:
     if kind == "network":  # its force is a hole that lowering fills
         assert not declared.state
         return
-    law = action_of(Element("it", kind, On("x"), ()), AT, one)
+    curve = Curve("c", ((0.0, 0.0), (1.0, 1.0)), (ONE, ONE)) if kind == "curve" else None
+    options = tuple((key.name, key.choices[0]) for key in declared.keys if key.choices)
+    element = Element("it", kind, On("x"), (), options=options, curve=curve)
+    law = action_of(element, AT, one)
     assert (law.inner is not None) == bool(declared.state)
     assert (law.mass != 0) == (kind == "added_mass")
 

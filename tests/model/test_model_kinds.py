@@ -5,12 +5,13 @@ from dataclasses import replace
 import pytest
 
 from symhyb.errors import InputError
+from symhyb.model.curves import Curve
 from symhyb.model.diff import changes
 from symhyb.model.expression import parse_expression
 from symhyb.model.read import parse_model
 from symhyb.model.render import render
 from symhyb.model.types import At, Between, Element, Model, Network, On, Parameter
-from symhyb.model.vocabulary import KINDS, Key, key_unit
+from symhyb.model.vocabulary import KINDS, Key, force_unit, key_unit, stretch_unit
 from symhyb.model.write import append_elements, replace_parameters
 from symhyb.units import parse_unit
 
@@ -65,8 +66,15 @@ def full_element(model: Model, name: str, kind: str, where: str) -> Element:
     if kind == "network":
         seen = (parse_expression("x"), parse_expression("x' + f/c*w"))
         network = Network("nets/a.npz", HASH, seen, ((-0.1, 1 / 3), (-2.0, 1e-300)))
+    curve = None
+    if kind == "curve":
+        along = stretch_unit(model, place)  # the first of its words: over the stretch
+        points = ((-0.1, -1 / 3), (0.0, 1e-300), (2 / 3, 7.0))
+        units = (along, force_unit(model, place))
+        curve = Curve(f"elements.{name}", points, units, "linear", "hold")
+    found = (("by", "test"),)
     return Element(
-        name, kind, place, tuple(values), tuple(own), (("by", "test"),), "all", options, network
+        name, kind, place, tuple(values), tuple(own), found, "all", options, network, curve
     )
 
 

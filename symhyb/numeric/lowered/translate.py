@@ -6,14 +6,16 @@ separate common-subexpression pass (measured 14–60 times faster than ``lambdif
 
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from itertools import chain
+from itertools import chain, pairwise
 
 import casadi as ca
 import sympy as sp
 
+from symhyb.laws.characteristic import Characteristic
 from symhyb.mechanics.attitude import Vector, matrix_of
 from symhyb.mechanics.equations import Couple, Equations, Mass, Term, Vectorial
 from symhyb.mechanics.symbols import reading_symbol
+from symhyb.mechanics.tabulated import TabulatedBase
 from symhyb.model.expression import Reading
 from symhyb.numeric.lowered import links
 
@@ -83,6 +85,8 @@ class Lowering:
             return _fold(parts, ca.fmin)
         if isinstance(expression, sp.atan2):
             return ca.atan2(parts[0], parts[1])
+        if isinstance(expression, TabulatedBase):
+            return picked(expression.characteristic, parts[0])
         function = _UNARY.get(expression.func)
         if function is None:
             raise TypeError(f"no CasADi counterpart for {expression.func}")
@@ -100,6 +104,22 @@ class Lowering:
         total = _fold(parts if start is None else [start, *parts], lambda x, y: x + y)
         self._sums.append((terms, total))
         return total
+
+
+def picked(curve: Characteristic, x: ca.SX) -> ca.SX:
+    """The piece in which x lies: its coefficients are picked by comparisons, which have no slope,
+    so that derivatives cost no more than those of one polynomial."""
+    steps: list[ca.SX] = [ca.SX(1), *(x >= at for at in curve.breaks), ca.SX(0)]
+    here = [begun - over for begun, over in pairwise(steps)]
+    columns = zip(*curve.pieces, strict=True)
+    origin, *coefficients = (
+        _fold([mark * c for mark, c in zip(here, column, strict=True)], lambda a, b: a + b)
+        for column in columns
+    )
+    total = coefficients[-1]
+    for c in reversed(coefficients[:-1]):
+        total = total * (x - origin) + c
+    return total
 
 
 def _fold(parts: list[ca.SX], join: Callable[[ca.SX, ca.SX], ca.SX]) -> ca.SX:

@@ -1,0 +1,198 @@
+"""Characteristic curves in a machine against SciPy: values, slopes, signs, runs and windows."""
+
+from itertools import pairwise
+
+import casadi as ca
+import numpy as np
+import pytest
+from blocks import block, slope, uneven
+from builders import model_of, oscillator, push, run, spring, value
+from scipy.integrate import solve_ivp
+from scipy.interpolate import PchipInterpolator
+
+from symhyb.laws.characteristic import Characteristic, through
+from symhyb.model.types import Model
+from symhyb.numeric.kernels.buffers import call
+from symhyb.numeric.lowered.machine import build
+from symhyb.numeric.lowered.translate import picked
+from symhyb.numeric.runs.windows import WindowModel
+
+X = np.array([-0.6, -0.2, -0.05, 0.0, 0.1, 0.3, 0.8])
+F = np.array([-9.0, -6.2, -3.0, 0.0, 1.0, 2.6, 4.0])
+INNER = PchipInterpolator(X, F)
+SLOPES = INNER.derivative()
+POINTS = [[1e3 * x, f] for x, f in zip(X, F, strict=True)]
+MASS, STIFFNESS = 1.2, 40.0
+
+
+def force(x: float) -> float:
+    """The curve by SciPy, with the lines of its end slopes beyond."""
+    at = min(max(x, X[0]), X[-1])
+    return float(INNER(at) + SLOPES(at) * (x - at))
+
+
+def curved(over: str, place: str = "x", **more: object) -> Model:
+    """A driven mass on a spring with a curve; ``n`` is a factor of it."""
+    unit = "mm" if over == "stretch" else "mm/s"
+    curve = {"kind": "curve", "over": over, "units": [unit, "N"], "points": POINTS, "scale": "n"}
+    where = {"on": "x"} if place == "x" else {"between": ["wall", "block"], "length": "far"}
+    return oscillator(
+        {"hold": spring("k"), "pad": {**curve, **where, **more}, "motor": push("f")},
+        {"k": (STIFFNESS, "N/m"), "n": (1.5, "1")},
+        {
+            "place": {"measures": "x", "unit": "m"},
+            "cell": {"measures": "force(pad)", "unit": "N"},
+        },
+        {"f": {"unit": "N"}},
+    )
+
+
+def characteristics() -> list[Characteristic]:
+    rng = np.random.default_rng(1)
+    x = np.sort(rng.normal(size=100))
+    return [
+        through("c", X, F),
+        through("c", X, F, "linear", "hold"),
+        through("c", x, rng.normal(size=100)),
+        through("c", [0.0, 1.0], [1.0, 3.0]),
+        # one steep piece must not cost the others their digits
+        through("c", [-1.0, 0.0, 1e-9, 1.0], [0.0, 0.0, 1e6, 1e6 + 1e-3]),
+    ]
+
+
+@pytest.mark.parametrize("curve", characteristics(), ids=["pchip", "lines", "100", "2", "steep"])
+def test_the_lowered_curve_and_its_slopes_are_those_of_the_pieces(curve: Characteristic) -> None:
+    x = ca.SX.sym("x")
+    lowered = picked(curve, x)
+    first = ca.jacobian(lowered, x)
+    function = ca.Function("f", [x], [lowered, first, ca.jacobian(first, x)], {"cse": True})
+    fine = [np.linspace(a, b, 50) for a, b in pairwise(curve.breaks)]
+    at = np.concatenate([[-3.0, -1e-3], *fine, curve.breaks, [5.0]])
+    made = [np.array(part).ravel() for part in function.map(at.size)(at[None, :])]
+    for found, exact in zip(made, (curve, curve.slope(), curve.slope().slope()), strict=True):
+        expected = exact(at)
+        assert found == pytest.approx(expected, rel=1e-12, abs=1e-13 * np.abs(expected).min())
+
+
+def test_slopes_cost_next_to_nothing() -> None:
+    x, curve = ca.SX.sym("x"), characteristics()[2]
+    lowered = picked(curve, x)
+    alone = ca.Function("f", [x], [lowered], {"cse": True}).n_instructions()
+    slopes = [ca.jacobian(lowered, x), ca.hessian(lowered, x)[0]]
+    with_slopes = ca.Function("f", [x], [lowered, *slopes], {"cse": True}).n_instructions()
+    assert alone < 16 * len(curve.breaks)
+    assert with_slopes - alone < 20
+
+
+def test_what_is_no_number_stays_none() -> None:
+    x = ca.SX.sym("x")
+    assert np.isnan(float(ca.Function("f", [x], [picked(characteristics()[0], x)])(np.nan)))
+
+
+@pytest.mark.parametrize("place", ["x", "wall to block"])
+@pytest.mark.parametrize("over", ["stretch", "rate"])
+def test_the_force_resists_with_the_sign_of_a_spring_or_damper(over: str, place: str) -> None:
+    machine = build(curved(over, place))
+    for at in (-1.0, -0.3, -0.01, 0.04, 0.25, 1.3):
+        q, v = ([at], [0.3]) if over == "stretch" else ([0.2], [at])
+        made = value(machine.k_e, q, v, [], [0.0], 0.0, machine.values)
+        assert made == pytest.approx([-STIFFNESS * q[0] - 1.5 * force(at)], rel=1e-12)
+        assert value(machine.outputs, q, v, [0], [], [0.0], 0.0, machine.values)[1] == (
+            pytest.approx(1.5 * force(at), rel=1e-12)
+        )
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+@pytest.mark.parametrize("over", ["stretch", "rate"])
+def test_runs_are_those_of_scipy(
+    over: str, compiled: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By the explicit method in machine code, and by CVODES."""
+    if not compiled:
+        monkeypatch.setattr("symhyb.numeric.runs.integrate.field", lambda form: None)
+    t, pushed = np.linspace(0, 3, 301), 6.0
+    made = run(curved(over), t, -0.3, 0.9, pushed * np.ones(301))
+    assert made.complete
+
+    def rate(_: float, state: np.ndarray) -> list[float]:
+        law = force(state[0] if over == "stretch" else state[1])
+        return [state[1], (pushed - STIFFNESS * state[0] - 1.5 * law) / MASS]
+
+    exact = solve_ivp(rate, (0, 3), [-0.3, 0.9], t_eval=t, rtol=1e-9, atol=1e-11, max_step=5e-3)
+    assert np.ptp(exact.y[0]) > 0.1
+    assert made.q[:, 0] == pytest.approx(exact.y[0], abs=5e-6)
+    assert ("explicit" in made.method) == compiled
+
+
+def test_over_the_stretch_energy_is_kept_and_over_the_rate_lost() -> None:
+    t = np.linspace(0, 3, 31)
+    kept, lost = (
+        run(build(curved(over)), t, 0.3, 0.5, np.zeros(31)) for over in ("stretch", "rate")
+    )
+
+    def energy(machine, trajectory) -> np.ndarray:  # type: ignore[no-untyped-def]
+        total = []
+        for q, v, at in zip(trajectory.q, trajectory.v, t, strict=True):
+            parts = call(machine.energy, [q, v, [], at, machine.values])
+            total.append(sum(float(np.sum(part)) for part in parts))
+        return np.array(total)
+
+    conserved = energy(build(curved("stretch")), kept)
+    assert conserved == pytest.approx(conserved[0], rel=1e-6)
+    assert np.all(np.diff(energy(build(curved("rate")), lost)) < 0)
+
+
+@pytest.mark.parametrize("over", ["stretch", "rate"])
+def test_windows_are_differentiated_by_states_and_by_the_factor(over: str) -> None:
+    machine = build(curved(over))
+    model = WindowModel(machine, (machine.column("n"), machine.column("k")))
+    t = uneven(2, 25, seed=5)
+    windows = block(t, 6 * np.sin(5 * t)[..., None], 2, substeps=2)
+    start = np.array([[0.13, 0.45], [-0.12, -0.32]])
+    linear = model.differentiate(windows, start, machine.values)
+    for i in range(2):
+        moved = np.eye(2)[i]
+        found = slope(
+            lambda h, d=moved: model.simulate(windows, start + h * d, machine.values)[1], 1e-6
+        )
+        exact = linear.from_start()[..., i]
+        assert exact == pytest.approx(found, rel=1e-3, abs=1e-3 * np.abs(found).max())
+    for column, i in enumerate(model.free):
+        moved = np.eye(machine.values.size)[i]
+        found = slope(
+            lambda h, d=moved: model.simulate(windows, start, machine.values + h * d)[1], 1e-5
+        )
+        exact = linear.from_free()[..., column]
+        assert exact == pytest.approx(found, rel=1e-3, abs=1e-3 * np.abs(found).max())
+
+
+def test_machines_that_differ_by_points_alone_are_two() -> None:
+    """Lowered functions are shared by machines of one structure."""
+    first, second = curved("rate"), curved("rate", points=[[0, 0], [100, 50]])
+    made = [
+        value(build(model).k_e, [0.0], [0.1], [], [0.0], 0.0, build(model).values)
+        for model in (first, second)
+    ]
+    assert made[1] == pytest.approx([-75.0])
+    assert made[0] != pytest.approx(made[1])
+
+
+def test_an_angle_takes_degrees_and_torques() -> None:
+    stop = {
+        "kind": "curve",
+        "on": "phi",
+        "over": "stretch",
+        "units": ["deg", "N*cm"],
+        "points": [[-90, -200], [0, 0], [90, 100]],
+        "interpolation": "linear",
+    }
+    model = model_of(
+        coordinates={"phi": {"unit": "deg"}},
+        parameters={"J": (0.1, "kg*m^2")},
+        bodies={"rotor": {"mass": 1, "at": ["0", "0"], "inertia": "J", "angle": "phi"}},
+        elements={"stop": stop},
+    )
+    machine = build(model)
+    for at, torque in ((np.pi / 4, -0.5), (-np.pi / 4, 1.0), (np.pi, -2.0)):
+        made = value(machine.k_e, [at], [0.0], [], [], 0.0, machine.values)
+        assert made == pytest.approx([torque])
