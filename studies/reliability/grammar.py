@@ -32,6 +32,8 @@ def expression(random: Random, depth: int = 0) -> str:
         return f"({inner[0]}) {random.choice('+-*/')} {inner[1]}"
     if kind < 8:
         return f"({inner[0]})**{random.choice((*LITERALS, inner[1], '2', '3', '(1/2)', '500'))}"
+    if random.random() < 0.05:
+        return f"curve({random.choice(NAMES)}, {inner[0]})"
     name = random.choice(FUNCTIONS)
     return f"{name}({inner[0]}{', ' + inner[1] if random.random() < 0.2 else ''})"
 

@@ -32,6 +32,19 @@ from symhyb.units import UnitError, parse_unit
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
+CURVED = """symhyb = 1
+[coordinates]
+x = { unit = "m" }
+[energy]
+kinetic = "m*x'**2/2"
+[parameters]
+m = { value = 1, unit = "kg" }
+[elements.strut]
+kind = "curve"
+on = "x"
+over = "rate"
+file = "points.csv"
+"""
 Make = Callable[[Random, bytes, Sequence[bytes]], bytes]
 
 
@@ -94,6 +107,13 @@ def _weights(data: bytes) -> None:
     evaluated(weights, np.zeros((3, weights.mean.size)))
 
 
+def _curve(data: bytes) -> None:
+    """A file of points beside a model that names it."""
+    with tempfile.TemporaryDirectory() as folder:
+        (Path(folder) / "points.csv").write_bytes(data)
+        parse_model(CURVED, str(Path(folder) / "model.toml"))
+
+
 def _table(module: str, function: str, name: str) -> Callable[[bytes], None]:
     def take(data: bytes) -> None:
         getattr(import_module(f"symhyb.data.{module}"), function)(data, name)
@@ -142,6 +162,11 @@ def _csv() -> Sequence[bytes]:
         *(one.encode() for one in (plain, german, dated, "# rig 3\n# 1 Hz\n" + plain)),
         *_kept("*.csv"),
     ]
+
+
+def _points() -> Sequence[bytes]:
+    plain = "speed [m/s],force [N]\n-0.5,-610\n# at rest\n0,0\n.5,5.5e2\n1,700\n"
+    return [plain.encode(), plain.replace(",", ";").encode(), *_kept("points*.csv")]
 
 
 def _json() -> Sequence[bytes]:
@@ -281,6 +306,7 @@ def readers() -> tuple[Reader, ...]:
             refuses,
         ),
         Reader("weights", _weights, lambda: _kept("weights.json"), of_json, SIGNS, refuses),
+        Reader("curve", _curve, _points, of_bytes, SIGNS, refuses),
         Reader("csv", _table("csv_file", "read_csv", "sent.csv"), _csv, of_bytes, SIGNS, refuses),
         Reader(
             "json", _table("json_file", "read_json", "sent.json"), _json, of_json, SIGNS, refuses

@@ -15,6 +15,7 @@ def print_model(model: Model) -> None:
         "inputs": [f"{item.name} [{item.unit}]" for item in model.inputs],
         "bodies": [body.name for body in model.bodies],
         "constraints": [_constraint(item) for item in model.constraints],
+        "curves": [f"{c.name} ({len(c.points)} points)" for c in model.all_curves()],
         "elements": [f"{e.name} ({e.kind} {place_text(e.place)})" for e in model.elements],
         "sensors": [f"{s.name} [{s.unit}] measures {s.measures}" for s in model.sensors],
     }
@@ -45,6 +46,10 @@ def model_facts(model: Model) -> dict[str, Any]:
         "bodies": [body.name for body in model.bodies],
         "constraints": {
             item.name: {"kind": item.kind, "of": list(item.names)} for item in model.constraints
+        },
+        "curves": {
+            c.name: {"points": len(c.points), "units": [unit.text for unit in c.units]}
+            for c in model.all_curves()
         },
         "elements": {
             e.name: {"kind": e.kind, "place": place_text(e.place)} for e in model.elements

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
+from symhyb.mechanics.tabulated import tabulated
 from symhyb.model.expression import Expression, Name, Node, Number, Operation, Reading
 from symhyb.model.types import Model
 from symhyb.model.vocabulary import KINDS
@@ -34,12 +35,15 @@ _FUNCTIONS = {
 }
 
 
+CURVE = -1  # in place of the order of a name: the function of a curve
+
+
 @dataclass(frozen=True, slots=True)
 class Symbols:
     """The symbols of one model: q, v = q', a = q'' (n each), the inner states z of elements that
     have one (by name of the element), u (k), p (P, in the order of :meth:`Model.all_parameters`),
-    time t; ``scope`` resolves names of the shared namespace, ``owned`` the parameters of one
-    element."""
+    time t; ``scope`` resolves names of the shared namespace and curves, ``owned`` the parameters
+    of one element."""
 
     q: tuple[sp.Symbol, ...]
     v: tuple[sp.Symbol, ...]
@@ -74,6 +78,7 @@ def symbols_of(model: Model) -> Symbols:
         gain = p[item.gain.path] if item.gain else sp.Integer(1)
         offset = p[item.offset.path] if item.offset else sp.Integer(0)
         scope[item.name, 0] = gain * recorded + offset
+    scope.update({(curve.name, CURVE): tabulated(curve.characteristic) for curve in model.curves})
     owned = {
         element.name: {(own.name, 0): p[own.path] for own in element.parameters}
         for element in model.elements
@@ -94,6 +99,8 @@ def to_sympy(expression: Expression | Node, scope: Mapping[tuple[str, int], sp.E
             return _number(value)
         case Name(name, order):
             return scope[name, order]
+        case Operation("curve", (argument,), name):
+            return scope[name, CURVE](to_sympy(argument, scope))
         case Operation(operator, arguments):
             return _operation(operator, [to_sympy(item, scope) for item in arguments])
         case Reading():

@@ -13,6 +13,7 @@ from symhyb.model.trees import (
     Operation,
     Reading,
     brief,
+    curves_in,
     evaluate,
     names,
     readings,
@@ -25,14 +26,17 @@ def unit_of(
     expression: Expression | Node,
     units: Callable[[Name], Unit],
     shown: Callable[[Reading], Unit] | None = None,
+    curves: Callable[[str], tuple[Unit, Unit]] | None = None,
 ) -> Unit | None:
     """Return the unit of an expression, None for a literal 0, which fits every unit.
 
-    ``units`` tells the unit of a name, ``shown`` that of a reading.
+    ``units`` tells the unit of a name, ``shown`` that of a reading, ``curves`` those of the x and
+    the y of a curve.
 
     Raises:
         ExpressionError: a sum of different dimensions, a function of a number with a unit, a power
-            that is not a plain number, a reading where ``shown`` is None.
+            that is not a plain number, a reading where ``shown`` is None, a curve of other units or
+            where ``curves`` is None.
     """
     tree = expression.tree if isinstance(expression, Expression) else expression
     match tree:
@@ -45,12 +49,26 @@ def unit_of(
                 raise ExpressionError(f"only sensors may use {tree}")
             return shown(tree)
         case Operation(operator, arguments):
-            found = tuple(unit_of(argument, units, shown) for argument in arguments)
+            found = tuple(unit_of(argument, units, shown, curves) for argument in arguments)
+            if operator == "curve":
+                return _of_curve(tree, found[0], curves)
             try:
                 return _combined(operator, arguments, found)
             except UnitError as error:
                 sentence = f"'{brief(show(tree))}' has no readable unit: {error}"
                 raise ExpressionError(sentence) from None
+
+
+def _of_curve(
+    tree: Operation, found: Unit | None, curves: Callable[[str], tuple[Unit, Unit]] | None
+) -> Unit:
+    if curves is None:
+        raise ExpressionError(f"curve({tree.curve}, …) stands in a model file alone")
+    x, y = curves(tree.curve)
+    if found is not None and not found.same_dimension(x):
+        value = brief(show(tree.arguments[0]))
+        raise ExpressionError(f"the curve '{tree.curve}' takes {x}, but '{value}' is in {found}")
+    return y
 
 
 def _combined(
@@ -99,7 +117,8 @@ def _power(arguments: tuple[Node, ...], found: tuple[Unit | None, ...]) -> Unit 
         )
     if base is None or base == ONE:
         return base
-    constant = not names(arguments[1]) and not readings(arguments[1])
+    plain = not readings(arguments[1]) and not curves_in(arguments[1])
+    constant = plain and not names(arguments[1])
     value = float(evaluate(arguments[1], {})) if constant else math.nan
     if constant and math.isfinite(value) and abs(value) <= 20:
         fraction = Fraction(value).limit_denominator(12)

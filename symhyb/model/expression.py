@@ -28,6 +28,7 @@ from symhyb.model.trees import (
     Operation,
     Reading,
     brief,
+    curves_in,
     evaluate,
     names,
     readings,
@@ -45,6 +46,7 @@ __all__ = [
     "Number",
     "Operation",
     "Reading",
+    "curves_in",
     "evaluate",
     "names",
     "parse_expression",
@@ -138,6 +140,8 @@ def _convert(node: ast.expr, depth: int) -> Node:
             return Operation(_BINARY[type(op)], arguments)
         case ast.Call(func=ast.Name(id=name), args=args, keywords=[]) if name in READINGS:
             return _reading(name, args)
+        case ast.Call(func=ast.Name(id="curve"), args=args, keywords=[]):
+            return _curve(args, depth)
         case ast.Call(func=ast.Name(id=name), args=args, keywords=[]):
             return _call(name, [_convert(argument, depth + 1) for argument in args])
     raise ExpressionError(
@@ -174,7 +178,7 @@ def _name(name: str) -> Node:
 def _call(name: str, arguments: list[Node]) -> Node:
     name = _ALIASES.get(name, name)
     if name not in FUNCTIONS:
-        known = [*FUNCTIONS, *READINGS]
+        known = [*FUNCTIONS, "curve", *READINGS]
         raise ExpressionError(
             f"'{_source(name)}' is not a known function{did_you_mean(name, known)}"
         )
@@ -186,6 +190,14 @@ def _call(name: str, arguments: list[Node]) -> Node:
             f" not {len(arguments)}"
         )
     return Operation(name, tuple(arguments))
+
+
+def _curve(arguments: list[ast.expr], depth: int) -> Operation:
+    """Read a curve of the model at a value; its name is no value itself."""
+    match arguments:
+        case [ast.Name(id=name), value] if _PRIME not in name:
+            return Operation("curve", (_convert(value, depth + 1),), name)
+    raise ExpressionError("'curve' takes the name of a curve and a value, as in curve(<name>, x)")
 
 
 def _reading(what: str, arguments: list[ast.expr]) -> Reading:

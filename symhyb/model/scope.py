@@ -1,9 +1,10 @@
 """What names mean in a model, which of them may stand where, and the units that follow."""
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from symhyb.errors import did_you_mean
+from symhyb.model.curves import Curve
 from symhyb.model.expression import (
     Expression,
     ExpressionError,
@@ -11,6 +12,7 @@ from symhyb.model.expression import (
     Node,
     Operation,
     Reading,
+    curves_in,
     names,
     readings,
     show,
@@ -52,18 +54,20 @@ _ROUGH = ("min", "max", "sign", "abs")
 @dataclass(frozen=True, slots=True)
 class Scope:
     """What the names mean: units by name (None: unreadable), and which are what; ``shown`` tells
-    the unit of a reading (LookupError: unknown)."""
+    the unit of a reading (LookupError: unknown), ``curves`` are by name (None: unreadable)."""
 
     units: Mapping[str, Unit | None]
     coordinates: frozenset[str]
     inputs: frozenset[str]
     shown: Callable[[Reading], Unit] | None = None
+    curves: Mapping[str, Curve | None] = field(default_factory=dict)
 
 
 def scope_of(model: Model, unreadable: frozenset[str] = frozenset()) -> Scope:
     """Collect the shared namespace of a model; ``unreadable`` holds dotted names."""
     units: dict[str, Unit | None] = {"t": parse_unit("s")}
     kinds: dict[str, set[str]] = {"coordinates": set(), "parameters": set(), "inputs": set()}
+    curves: dict[str, Curve | None] = {curve.name: curve for curve in model.curves}
     named: list[tuple[str, str, Unit | None]] = [
         (section, value.name, value.unit)
         for section, values in shared_names(model)
@@ -73,11 +77,14 @@ def scope_of(model: Model, unreadable: frozenset[str] = frozenset()) -> Scope:
         section, name = dotted.split(".", 1)
         if section in kinds:
             named.append((section, name, None))
+        elif section == "curves":
+            curves[name] = None
     for section, name, unit in named:
         if name not in units:  # a name declared twice is a fault of its own; the first one counts
             kinds[section].add(name)
             units[name] = unit
-    return Scope(units, frozenset(kinds["coordinates"]), frozenset(kinds["inputs"]))
+    coordinates, inputs = frozenset(kinds["coordinates"]), frozenset(kinds["inputs"])
+    return Scope(units, coordinates, inputs, curves=curves)
 
 
 def shared_names(
@@ -110,9 +117,19 @@ def vector_unit(vector: Vector, scope: Scope) -> Unit | None:
 def unit_in(expression: Expression, scope: Scope) -> Unit | None:
     """Return the unit of an expression, None if it has none or cannot be known."""
     try:
-        return unit_of(expression, lambda name: _unit_of_name(name, scope), scope.shown)
+        return _unit_of(expression, scope)
     except (ExpressionError, LookupError):
         return None
+
+
+def _unit_of(expression: Expression, scope: Scope) -> Unit | None:
+    def curve(name: str) -> tuple[Unit, Unit]:
+        found = scope.curves[name]
+        if found is None:
+            raise LookupError(name)
+        return found.units
+
+    return unit_of(expression, lambda name: _unit_of_name(name, scope), scope.shown, curve)
 
 
 def _unit_of_name(name: Name, scope: Scope) -> Unit:
@@ -131,7 +148,7 @@ def expression_faults(
     if faults:
         return
     try:
-        unit = unit_of(expression, lambda name: _unit_of_name(name, scope), scope.shown)
+        unit = _unit_of(expression, scope)
     except LookupError:
         return
     except ExpressionError as error:
@@ -149,7 +166,14 @@ def _use_faults(path: Path, expression: Expression, scope: Scope, use: Use) -> I
     rough = None if use.rough else _rough(expression.tree, scope)
     if rough is not None:
         text = shorten(show(rough))
-        yield path, f"'{text}' has no smooth speed, which {use.words} needs; use tanh or sqrt"
+        cure = "use tanh or sqrt"
+        if rough.curve:
+            cure = "let the curve be monotone, and a line beyond its points"
+        yield path, f"'{text}' has no smooth speed, which {use.words} needs; {cure}"
+    for curve in curves_in(expression):
+        if curve not in scope.curves:
+            cure = did_you_mean(curve, list(scope.curves)) or "; state it under [curves]"
+            yield path, f"'{shorten(curve)}' is not a known curve{cure}"
     for name in sorted(names(expression), key=str):
         moving = name.name in scope.coordinates
         if name.name not in scope.units:
@@ -173,6 +197,7 @@ def _rough(tree: Node, scope: Scope) -> Operation | None:
     if not isinstance(tree, Operation):
         return None
     moving = {name.name for name in names(tree)} & (scope.coordinates | {"t"})
-    if tree.operator in _ROUGH and moving:
+    curve = scope.curves.get(tree.curve)
+    if moving and (tree.operator in _ROUGH or (curve is not None and not curve.smooth)):
         return tree
     return next((found for part in tree.arguments if (found := _rough(part, scope))), None)

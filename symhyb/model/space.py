@@ -15,7 +15,7 @@ from math import cos, degrees, hypot, inf, isfinite, sin
 import numpy as np
 from numpy.typing import NDArray
 
-from symhyb.model.expression import Expression, ExpressionError, Name, evaluate, names
+from symhyb.model.expression import Expression, ExpressionError, Name, curves_in, evaluate, names
 from symhyb.model.scope import MASS, POSITION, Scope, expression_faults
 from symhyb.model.source import Path
 from symhyb.model.tables import Fault, shorten
@@ -160,7 +160,9 @@ def _value(expression: Expression, model: Model) -> float | None:
     values: Values = {parameter.name: parameter.si for parameter in model.parameters}
     if any(name.order or name.name not in values for name in names(expression)):
         return None
-    return float(evaluate(expression, values))
+    curves = model.characteristics()
+    known = all(name in curves for name in curves_in(expression))
+    return float(evaluate(expression, values, curves)) if known else None
 
 
 def _element_faults(element: Element, model: Model, size: int) -> Iterator[Fault]:
@@ -203,7 +205,7 @@ def gimbal_lock(model: Model, places: Mapping[str, float], near: float = LOCKED)
         if not all(moving):
             continue
         try:
-            value = float(evaluate(angle, values))
+            value = float(evaluate(angle, values, model.characteristics()))
         except (KeyError, ExpressionError):
             continue
         if not abs(sin(value) if by_sine else cos(value)) < near:

@@ -70,10 +70,12 @@ class Name:
 
 @dataclass(frozen=True, slots=True)
 class Operation:
-    """``+ - * / **`` with two arguments, ``neg`` with one, or a function of :data:`FUNCTIONS`."""
+    """``+ - * / **`` with two arguments, ``neg`` with one, a function of :data:`FUNCTIONS`, or
+    ``curve`` with one: the characteristic ``curve`` of the model, by its name, at that value."""
 
     operator: str
     arguments: tuple["Node", ...]
+    curve: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,6 +128,15 @@ def readings(expression: Expression | Node) -> tuple[Reading, ...]:
     return ()
 
 
+def curves_in(expression: Expression | Node) -> tuple[str, ...]:
+    """Return the name of every curve that occurs, in the order of the text, each once."""
+    tree = expression.tree if isinstance(expression, Expression) else expression
+    if not isinstance(tree, Operation):
+        return ()
+    inner = (name for argument in tree.arguments for name in curves_in(argument))
+    return tuple(dict.fromkeys([*([tree.curve] if tree.curve else []), *inner]))
+
+
 _NUMPY: Mapping[str, Callable[..., NDArray[np.float64]]] = {
     "+": np.add,
     "-": np.subtract,
@@ -153,18 +164,22 @@ _NUMPY: Mapping[str, Callable[..., NDArray[np.float64]]] = {
 }
 
 
+NO_CURVES: Mapping[str, Callable[[NDArray[np.float64]], NDArray[np.float64]]] = {}
+
+
 def evaluate(
     expression: Expression | Node,
     values: Mapping[tuple[str, int] | str, NDArray[np.float64] | float],
+    curves: Mapping[str, Callable[[NDArray[np.float64]], NDArray[np.float64]]] = NO_CURVES,
 ) -> NDArray[np.float64]:
     """Compute an expression with NumPy; ``x'`` is looked up as ``("x", 1)``.
 
     ``values`` are numbers or arrays of one shape, (N,), in SI units; the result has that shape and
-    is in SI, too. What has no value (log of −1, overflow) becomes NaN or infinity, without a
-    warning.
+    is in SI, too. ``curves`` are those of the model. What has no value (log of −1, overflow)
+    becomes NaN or infinity, without a warning.
 
     Raises:
-        KeyError: a name without a value.
+        KeyError: a name without a value, or a curve that is not there.
         ExpressionError: a reading, which only the equations of a machine can tell.
     """
     tree = expression.tree if isinstance(expression, Expression) else expression
@@ -174,9 +189,11 @@ def evaluate(
         case Name(name, order):
             key: tuple[str, int] | str = (name, order)
             return np.asarray(values[name if order == 0 and name in values else key], np.float64)
+        case Operation("curve", (argument,), name):
+            return curves[name](evaluate(argument, values, curves))
         case Operation(operator, arguments):
             with np.errstate(all="ignore"):
-                return _NUMPY[operator](*(evaluate(argument, values) for argument in arguments))
+                return _NUMPY[operator](*(evaluate(part, values, curves) for part in arguments))
         case Reading():
             raise ExpressionError(f"'{tree}' is what a sensor shows; it has no value here")
 
@@ -191,6 +208,8 @@ def show(tree: Node) -> str:
             return f"{value:.12g}" if float(f"{value:.12g}") == value else repr(value)
         case Name() | Reading():
             return str(tree)
+        case Operation("curve", (argument,), name):
+            return f"curve({name}, {show(argument)})"
         case Operation("neg", (argument,)):
             return "-" + _inside(argument, 3)
         case Operation("**", (base, power)):

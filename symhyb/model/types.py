@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Literal
 
+from symhyb.laws.characteristic import Characteristic
 from symhyb.model.constraints import Assembly, Constraint
 from symhyb.model.curves import Curve
 from symhyb.model.expression import Expression, names, parse_expression
@@ -297,6 +298,10 @@ class Model:
         """The curves of the file, then those of elements, each once."""
         own = (element.curve for element in self.elements if element.curve is not None)
         return tuple(dict.fromkeys((*self.curves, *own)))
+
+    def characteristics(self) -> dict[str, Characteristic]:
+        """The curves of the file by name, SI."""
+        return {curve.name: curve.characteristic for curve in self.curves}
 
     def curve_files(self) -> tuple[Curve, ...]:
         """The curves whose points stand in files of their own, one a file."""

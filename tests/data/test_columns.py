@@ -177,6 +177,7 @@ def test_time_is_needed_and_the_cure_is_said(problems, signals):
         ({"laser": ""}, "'' is no column"),
         ({"laser": "f.real"}, "'f.real' is no column"),
         ({"laser": "__import__('os')"}, "is no column"),
+        ({"laser": "curve(c, f)"}, "asks for a curve, which stands in a model file alone"),
         ({"laser": "laser'"}, "there is no column 'laser''"),
         ({"laser": "3"}, "'3' is a single number, not a column"),
     ],

@@ -12,6 +12,7 @@ from symhyb.model.expression import (
     Number,
     Operation,
     Reading,
+    curves_in,
     evaluate,
     names,
     parse_expression,
@@ -319,3 +320,51 @@ def test_a_reading_has_no_value_and_only_the_unit_that_it_is_given() -> None:
     power = parse_expression("x**distance(a, b)")
     with pytest.raises(ExpressionError, match="its power must be a whole number"):
         unit_of(power, lambda name: parse_unit("m"), lambda reading: ONE)
+
+
+def test_a_curve_is_a_name_and_a_value() -> None:
+    tree = parse_expression("2*curve(valve, x' - curve(cam, phi))").tree
+    inner = Operation("curve", (Name("phi"),), "cam")
+    value = Operation("-", (Name("x", 1), inner))
+    assert tree == Operation("*", (Number(2.0), Operation("curve", (value,), "valve")))
+    assert show(tree) == "2*curve(valve, x' - curve(cam, phi))"
+    assert parse_expression(show(tree)).tree == tree
+    assert names(tree) == {Name("x", 1), Name("phi")}
+    assert curves_in(tree) == ("valve", "cam")
+    assert curves_in(Name("curve")) == ()
+    assert names(parse_expression("curve*curve(curve, curve)")) == {Name("curve")}
+
+
+@pytest.mark.parametrize(
+    "text", ["curve(valve)", "curve()", "curve(valve, x, y)", "curve(x', x)", "curve(2, x)"]
+)
+def test_a_curve_without_its_name_or_value_is_refused(text: str) -> None:
+    with pytest.raises(ExpressionError, match=r"as in curve\(<name>, x\)"):
+        parse_expression(text)
+
+
+def test_a_curve_has_a_value_where_it_is_known() -> None:
+    expression = parse_expression("1 + curve(c, 2*x)")
+    x = np.array([0.0, 1.0, 3.0])
+    assert evaluate(expression, {"x": x}, {"c": np.square}) == pytest.approx(1 + 4 * x**2)
+    with pytest.raises(KeyError):
+        evaluate(expression, {"x": x})
+
+
+def test_a_curve_takes_one_unit_and_gives_another() -> None:
+    units = {"valve": (parse_unit("mm/s"), parse_unit("N"))}
+
+    def unit(text: str) -> Unit | None:
+        speed = parse_unit("m/s")
+        return unit_of(parse_expression(text), lambda name: speed, None, units.__getitem__)
+
+    assert unit("2*curve(valve, v)") == parse_unit("N")
+    assert unit("curve(valve, 0)") == parse_unit("N")
+    with pytest.raises(ExpressionError, match=r"'valve' takes mm/s, but 'v\*\*2' is in m\^2/s\^2"):
+        unit("curve(valve, v**2)")
+    with pytest.raises(ExpressionError, match="its power must be a whole number"):
+        unit("v**(curve(valve, v)/curve(valve, v))")
+    with pytest.raises(LookupError):
+        unit("curve(other, v)")
+    with pytest.raises(ExpressionError, match="stands in a model file alone"):
+        unit_of(parse_expression("curve(valve, v)"), lambda name: ONE)

@@ -280,6 +280,72 @@ def test_a_curve_of_the_model_has_the_units_of_where_it_is_used() -> None:
     assert said == "elements.strut.curve: y of the curve is N*m, needs N"
 
 
+MORE = """[curves.valve]
+units = ["m/s", "N"]
+points = [[-0.3, -9], [0, 0], [0.4, 3.5]]
+[curves.pad]
+units = ["mm", "N"]
+points = [[-300, -9], [0, 0], [400, 3.5]]
+interpolation = "linear"
+"""
+
+
+def test_a_curve_may_stand_in_any_expression() -> None:
+    model = parse_model(
+        DRIVEN_MASS
+        + MORE
+        + """[points]
+tip = ["x", "curve(rail, x)"]
+[curves.rail]
+units = ["m", "m"]
+points = [[0, 0], [1, 0.2]]
+[energy]
+potential = "l*curve(pad, x)"
+[elements.odd]
+kind = "law"
+on = "x"
+force = "-curve(valve, x')*curve(pad, x)/n"
+[parameters.l]
+value = 1.0
+unit = "m"
+[parameters.n]
+value = 1.0
+unit = "N"
+"""
+    )
+    assert [curve.name for curve in model.curves] == ["valve", "pad", "rail"]
+    bare = replace(model, text="")
+    assert replace(parse_model(render(bare)), text="") == bare
+
+
+IN_EXPRESSIONS = {
+    "unknown": ("curve(vavle, x')", "'vavle' is not a known curve; did you mean 'valve'?"),
+    "wrong value": ("curve(valve, x)", "the curve 'valve' takes m/s, but 'x' is in m"),
+    "wrong result": ("x*curve(valve, x')", "'x*curve(valve, x')' is m*N, needs N"),
+    "unknown name": ("curve(valve, w)", "'w' is not a known name"),
+    "no name": ("curve(x')", "'curve' takes the name of a curve and a value"),
+}
+
+
+@pytest.mark.parametrize(("force", "said"), IN_EXPRESSIONS.values(), ids=IN_EXPRESSIONS)
+def test_a_fault_in_an_expression_is_told(force: str, said: str) -> None:
+    text = f'[elements.odd]\nkind = "law"\non = "x"\nforce = "{force}"\n'
+    (found,) = problems(MORE + text)
+    assert said in found
+
+
+def test_a_curve_that_cannot_be_read_is_told_once() -> None:
+    text = '[elements.odd]\nkind = "law"\non = "x"\nforce = "curve(valve, x\')"\n'
+    (found,) = problems((MORE + text).replace("[0, 0], [0.4", "[0, 0], [0, 1], [0.4", 1))
+    assert found == "curves.valve.points: point 3 x = 0 is stated twice"
+
+
+def test_a_place_needs_a_curve_without_kinks() -> None:
+    (found,) = problems(MORE + '[points]\ntip = ["x", "curve(pad, x)/k"]\n')
+    assert "'curve(pad, x)' has no smooth speed, which a position needs" in found
+    assert found.endswith("let the curve be monotone, and a line beyond its points")
+
+
 NAMES = {
     "absolute": ("/etc/passwd", "must be a file beside the model file or below it"),
     "upwards": ("../strut.csv", "must be a file beside the model file or below it"),

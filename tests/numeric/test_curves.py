@@ -6,11 +6,12 @@ import casadi as ca
 import numpy as np
 import pytest
 from blocks import block, slope, uneven
-from builders import model_of, oscillator, push, run, spring, value
+from builders import DRIVEN_MASS, model_of, oscillator, push, run, spring, value
 from scipy.integrate import solve_ivp
 from scipy.interpolate import PchipInterpolator
 
 from symhyb.laws.characteristic import Characteristic, through
+from symhyb.model.read import parse_model
 from symhyb.model.types import Model
 from symhyb.numeric.kernels.buffers import call
 from symhyb.numeric.lowered.machine import build
@@ -175,6 +176,82 @@ def test_machines_that_differ_by_points_alone_are_two() -> None:
     ]
     assert made[1] == pytest.approx([-75.0])
     assert made[0] != pytest.approx(made[1])
+
+
+SHARED = """symhyb = 1
+[coordinates]
+phi = {{ unit = "rad", start_rate = 2.0 }}
+y = {{ unit = "m" }}
+[parameters]
+J = {{ value = 0.01, unit = "kg*m^2" }}
+m = {{ value = 0.2, unit = "kg" }}
+[bodies.shaft]
+mass = 1
+at = ["0", "0"]
+inertia = "J"
+angle = "phi"
+[bodies.follower]
+mass = "m"
+at = ["0", "y"]
+[curves.cam]
+units = ["rad", "mm"]
+points = {cam}
+[constraints.cam]
+zero = "y - curve(cam, phi)"
+[sensors]
+lift = {{ measures = "curve(cam, phi)", unit = "mm" }}
+"""
+
+
+def test_a_cam_is_a_constraint_with_a_curve() -> None:
+    """The follower rides on the cam, and nothing but the shaft's inertia changes with the lift:
+    (J + m c'²) phi'² is kept."""
+    phi = np.linspace(-1.0, 8.0, 19)
+    lift = 4.0 * (1 - np.cos(phi))
+    model = parse_model(SHARED.format(cam=np.column_stack([phi, lift]).tolist()))
+    machine, t = build(model), np.linspace(0, 2, 41)
+    made = run(machine, t, *(np.array(part) for part in model.start()))
+    cam = PchipInterpolator(phi, lift / 1e3)
+    assert made.complete
+    assert np.ptp(made.q[:, 0]) > 3.0
+    assert made.q[:, 1] == pytest.approx(cam(made.q[:, 0]), abs=1e-9)
+    assert made.y[:, 0] == pytest.approx(cam(made.q[:, 0]), abs=1e-9)
+    inertia = 0.01 + 0.2 * cam.derivative()(made.q[:, 0]) ** 2
+    kept = inertia * made.v[:, 0] ** 2
+    assert kept == pytest.approx(kept[0], rel=1e-4)
+
+
+def test_a_potential_may_be_a_curve() -> None:
+    """Its force is minus the slope, exactly."""
+    model = model_of(
+        coordinates={"x": {"unit": "m"}},
+        parameters={"m": (1.0, "kg")},
+        bodies={"block": {"mass": "m", "at": ["x", "0"]}},
+        curves={"well": {"units": ["m", "J"], "points": [list(p) for p in zip(X, F, strict=True)]}},
+        energy={"potential": "2*curve(well, x)"},
+    )
+    machine = build(model)
+    for at in (-0.7, -0.1, 0.05, 0.2, 0.9):
+        inside = min(max(at, X[0]), X[-1])
+        made = value(machine.k_e, [at], [0.0], [], [], 0.0, machine.values)
+        assert made == pytest.approx([-2 * float(SLOPES(inside))], rel=1e-10)
+
+
+def test_an_element_and_an_expression_with_one_curve_do_the_same() -> None:
+    text = """[curves.valve]
+units = ["m/s", "N"]
+points = [[-1, -3], [0, 0], [1, 7]]
+[elements.strut]
+"""
+    element = 'kind = "curve"\non = "x"\nover = "rate"\ncurve = "valve"\n'
+    law = 'kind = "law"\non = "x"\nforce = "-curve(valve, x\')"\n'
+    made = []
+    for way in (element, law):
+        machine = build(parse_model(DRIVEN_MASS + text + way))
+        made.append(value(machine.k_e, [0.1], [0.4], [], [2.0], 0.0, machine.values))
+    assert made[0] == pytest.approx(made[1], rel=1e-15)
+    other = build(parse_model(DRIVEN_MASS + text.replace("7", "8") + law))
+    assert value(other.k_e, [0.1], [0.4], [], [2.0], 0.0, other.values) != pytest.approx(made[0])
 
 
 def test_an_angle_takes_degrees_and_torques() -> None:

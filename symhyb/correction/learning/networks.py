@@ -225,7 +225,7 @@ def _constant_masses(model: Model) -> dict[str, float] | None:
         expression = parse_expression(text)
         if any(one.name in moving for one in names(expression)):
             return None
-        masses[name] = float(evaluate(expression, values))
+        masses[name] = float(evaluate(expression, values, model.characteristics()))
     return masses
 
 

@@ -46,8 +46,9 @@ def _strength(final: Refined, element: Element, key: str) -> tuple[float, float]
     values: dict[tuple[str, int] | str, Array | float] = {
         name: float(value) for name, value in (known | own).items()
     }
+    curves = machine.model.characteristics()
     strength, asymmetry = (element.value(name) for name in (key, "asymmetry"))
     return (
-        0.0 if strength is None else float(evaluate(strength, values)),
-        0.0 if asymmetry is None else float(evaluate(asymmetry, values)),
+        0.0 if strength is None else float(evaluate(strength, values, curves)),
+        0.0 if asymmetry is None else float(evaluate(asymmetry, values, curves)),
     )

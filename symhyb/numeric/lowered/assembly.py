@@ -120,6 +120,7 @@ def _gaps_of(model: Model) -> _Gaps:
         bare.points,
         [replace(body, about="") for body in bare.bodies],
         constraints_key(bare),
+        bare.characteristics(),
     )
     key = cache.key("closure", repr(parts))
     function, labels = kept(("closure", key), lambda: _from_cache(bare, key))

@@ -299,6 +299,7 @@ def structure_of(model: Model) -> str:
             (e.name, e.kind, e.place, [(k, x.tree) for k, x in e.values], e.options, e.network)
             for e in model.elements
         ],
+        model.characteristics(),
         [e.curve.characteristic for e in model.elements if e.curve is not None],
         model.energy,
         model.gravity,
