@@ -15,6 +15,8 @@ from symhyb.model.tables import Table, describe, shorten
 from symhyb.units import Unit, UnitError, parse_unit
 
 CURVE_KEYS = ("points", "file", "columns", "units", "interpolation", "extrapolation")
+ENDINGS = (".csv", ".tsv", ".txt", ".dat")
+RESULT = "simulation.csv"  # what a diagnosis leaves beside the corrected model and its files
 FAULTS_MOST = 10  # of points, that are told one by one
 
 Point = tuple[float, float]
@@ -150,6 +152,10 @@ def _is_number(value: object) -> bool:
 def _from_file(table: Table, home: Path | None, columns: Sequence[str]) -> _Source:
     """Read the points of the file beside the model file."""
     file = named_file(table, "file")
+    if file is not None and (not file.lower().endswith(ENDINGS) or file.lower() == RESULT):
+        kinds = f"must end in {', '.join(ENDINGS)}; '{RESULT}' is a result of symhyb"
+        table.fault(f"'{shorten(file)}' is no name of a file of points: it {kinds}", "file")
+        return _Source()
     content = None if file is None else _content(table, file, home)
     if file is None or content is None:
         return _Source()

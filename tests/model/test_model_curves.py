@@ -352,8 +352,10 @@ NAMES = {
     "windows": ("C:/strut.csv", "must be a file beside the model file or below it"),
     "backslash": ("a\\..\\..\\strut.csv", "must be a file beside the model file or below it"),
     "none": ("other.csv", "there is no such file"),
-    "folder": (".", "is a folder, not a file"),
-    "too long": ("a" * 5000, "cannot be"),
+    "no points": ("model.toml", "must end in .csv"),
+    "a result": ("Simulation.csv", "'simulation.csv' is a result of symhyb"),
+    "folder": ("folder.csv", "is a folder, not a file"),
+    "too long": ("a" * 5000 + ".csv", "cannot be"),
 }
 
 
@@ -361,6 +363,7 @@ NAMES = {
 def test_a_file_that_leads_elsewhere_is_refused(name: str, said: str, tmp_path: Path) -> None:
     name = name.replace("\\", "\\\\")
     path = in_folder(tmp_path, FROM_FILE.replace('"strut.csv"', f'"{name}"'))
+    (tmp_path / "folder.csv").mkdir()
     with pytest.raises(InputError, match=said) as caught:
         read_model(path)
     assert len(caught.value.problems) == 1

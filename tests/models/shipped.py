@@ -26,6 +26,7 @@ SPREAD: dict[str, tuple[tuple[float, ...], float, tuple[float, ...]]] = {
     "cartpole": ((0.1, 2.0), 0.3, (1.0,)),
     "two_link_arm": ((2.0, 2.0), 0.5, (20.0, 8.0)),
     "quarter_car": ((0.05, 0.03, 0.02), 0.1, ()),
+    "strut": ((0.05,), 0.08, (800.0,)),
     "half_car": ((0.05, 0.05, 0.03, 0.03), 0.1, (0.03, 0.03)),
     "chain_of_masses": ((2e-3,) * 4, 0.02, (1.0,)),
     "two_inertia_backlash": ((1.0, 0.02), 0.02, (1.0,)),

@@ -5,7 +5,7 @@ import pytest
 from scipy.linalg import expm
 from scipy.special import ellipj, ellipk
 from shipped import machine_of
-from textbook import numbers
+from textbook import entries, numbers
 
 from symhyb.numeric.kernels.buffers import call
 from symhyb.numeric.runs.integrate import Trajectory, simulate
@@ -200,6 +200,16 @@ def test_cars_stand_on_their_springs() -> None:
     done = run("half_car", 5.0, start, [0.0] * 4, [0.0, 0.0])
     assert np.abs(slope) > 1e-3
     assert done.q == pytest.approx(np.tile(start, (done.t.size, 1)), abs=1e-5)
+
+
+def test_a_strut_takes_at_each_speed_what_was_measured() -> None:
+    """In N at mm/s, read from the file without symhyb; and no force from its spring at rest."""
+    machine = machine_of("strut")
+    points = entries("strut", "elements")["strut"]["points"]
+    assert isinstance(points, list)
+    for speed, force in points:
+        at = (np.zeros(1), np.array([speed / 1e3]), np.empty(0), np.zeros(1), 0, machine.values)
+        assert call(machine.k_e, at)[0][0] == pytest.approx([-force], abs=1e-9)
 
 
 def test_a_standing_car_shows_its_weight_to_the_rig() -> None:

@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
 from sympy.physics.mechanics import LagrangesMethod, dynamicsymbols
 
 Array = NDArray[np.float64]
@@ -236,6 +237,24 @@ def quarter_car(q: Symbols, p: Names, u: Symbols, _: sp.Symbol) -> Energies:
     return Energies(kinetic, weight + spring, (-strut, strut + tyre, -tyre))
 
 
+def strut(q: Symbols, p: Names, u: Symbols, _: sp.Symbol) -> Energies:
+    rate = q[0].diff(T)
+    points = np.array(entries("strut", "elements")["strut"]["points"], dtype=float)
+    lost = p["n"] * measured(rate, points[:, 0] * SI["mm"], points[:, 1])
+    kinetic, spring = p["m"] * rate**2 / 2, p["k"] * q[0] ** 2 / 2
+    return Energies(kinetic, spring, (u[0] - lost,))
+
+
+def measured(x: sp.Expr, places: Array, values: Array) -> sp.Expr:
+    """The monotone cubics of SciPy, and the lines of their end slopes beyond."""
+    inner = PchipInterpolator(places, values)
+    ends = inner.derivative()(places[[0, -1]])
+    pieces = [(values[0] + ends[0] * (x - places[0]), x < places[0])]
+    for at, until, cubic in zip(places, places[1:], inner.c.T, strict=False):
+        pieces.append((sum(c * (x - at) ** (3 - i) for i, c in enumerate(cubic)), x < until))
+    return sp.Piecewise(*pieces, (values[-1] + ends[1] * (x - places[-1]), True))
+
+
 def half_car(q: Symbols, p: Names, u: Symbols, _: sp.Symbol) -> Energies:
     z, theta, z_f, z_r = q
     kinetic = p["m"] * z.diff(T) ** 2 + p["J"] * theta.diff(T) ** 2
@@ -335,6 +354,7 @@ WRITTEN: Mapping[str, Callable[[Symbols, Names, Symbols, sp.Symbol], Energies]] 
         cartpole,
         two_link_arm,
         quarter_car,
+        strut,
         half_car,
         chain_of_masses,
         two_inertia_backlash,
