@@ -71,7 +71,7 @@ def test_every_law_of_the_vocabulary_is_tried_at_every_place() -> None:
             BAND: reach(2.0, 0.35, force=0.3 * np.sin(40 * T)),
         },
     )
-    laws = set(KINDS) - {"force", "torque", "law", "network"}
+    laws = set(KINDS) - {"curve", "force", "torque", "law", "network"}
     for place in (On("x"), BAND):
         mine = [h for h in tried if h.place == place]
         assert laws - {h.kind for h in mine} <= {"ripple"}
@@ -206,7 +206,7 @@ def test_probes_are_the_law_in_its_unknown_numbers() -> None:
         combined = forces[:, :, list(columns)] @ coefficients
         assert combined == pytest.approx(last, rel=1e-9, abs=1e-9 * (size + 1)), str(hypothesis)
         kinds.add(hypothesis.kind)
-    assert kinds == set(KINDS) - {"force", "torque", "law", "network"}
+    assert kinds == set(KINDS) - {"curve", "force", "torque", "law", "network"}
 
 
 def test_limits_keep_shapes_near_where_they_were_tried() -> None:

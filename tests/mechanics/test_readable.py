@@ -13,6 +13,7 @@ from matplotlib.mathtext import MathTextParser
 
 from symhyb.mechanics.readable import Readable, readable
 from symhyb.mechanics.show import show_equations
+from symhyb.mechanics.tabulated import TabulatedBase
 from symhyb.mechanics.tidy import along
 from symhyb.model.expression import parse_expression
 from symhyb.model.read import parse_model, read_model
@@ -80,6 +81,11 @@ drive = { kind = "force", at = "tip", force = ["u*x/l", "u"] }
 rope = { kind = "law", between = ["wall", "block"], tension = "c*cos(phi)" }
 water = { kind = "added_mass", on = "x", mass = "m/3" }
 cable = { kind = "added_mass", between = ["wall", "tip"], mass = "m/5" }
+pad = { kind = "curve", between = ["wall", "tip"], over = "rate", scale = "k*l/c", curve = "p" }
+tilt = { kind = "law", on = "phi", torque = "l*curve(p, curve(r, phi)*w)" }
+[curves]
+p = { units = ["m/s", "N"], points = [[-2, -3], [-1, -2], [0, 0], [0.5, 3]] }
+r = { units = ["rad", "1"], points = [[-1, 2], [0, 0], [1, 1]], extrapolation = "hold" }
 [sensors]
 place = { measures = "x + y", unit = "m", gain = 1.2, delay = 0.01, about = "50 % of all_things" }
 cell = { measures = "reaction(phi)", unit = "N*m" }
@@ -144,6 +150,9 @@ class Evaluated:
             self.known[item.symbol] = self(item.value)
 
     def __call__(self, expression: sp.Expr) -> float:
+        curves = expression.atoms(TabulatedBase)
+        known = {one: sp.Float(one.characteristic(self(one.args[0]))) for one in curves}
+        expression = expression.xreplace(known)
         names = list(expression.free_symbols)
         function = sp.lambdify(names, expression, "numpy")
         return float(function(*(self.known[name] for name in names)))
