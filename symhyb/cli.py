@@ -29,6 +29,7 @@ from symhyb.cli_options import (
 )
 from symhyb.errors import InputError, NumericsError, visible
 from symhyb.export.verb import export
+from symhyb.imports.verb import import_
 from symhyb.interruption import is_interruption, listen
 
 # Of the linear algebra, before NumPy is loaded: problems are small, and threads that wait for each
@@ -333,6 +334,7 @@ def run(
 
 app.command()(learn)
 app.command()(export)
+app.command("import")(import_)
 
 
 def main() -> NoReturn:

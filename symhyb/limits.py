@@ -26,6 +26,9 @@ VARIABLE_NUMBERS = 200_000_000  # in one variable of an HDF5 file, which may cla
 PACKED_LEAST, PACKED_TIMES = 10_000_000, 200  # bytes that an archive unpacks to, or times its own
 VALUE = 1e100  # SI: what is larger is no measurement, but a logger's word for a missing one
 LASTING, SHORT = 1e11, 1e-9  # s, 3000 years and a nanosecond: how long a recording may last
+ROBOT_BYTES = 20_000_000  # of a robot from another program, without its meshes
+ROBOT_NUMBER = 1e12  # SI; the largest in it
+XML_DEEP = 100  # elements of XML in each other
 RUN_ROWS = 5_000_000  # of a simulation
 
 # A process that reads a format with a native parser gets, beside so much for each byte of the file:

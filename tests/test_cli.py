@@ -31,6 +31,7 @@ VERBS = (
     "learn",
     "diff",
     "run",
+    "import",
     "data list",
     "data show",
     "data fetch",

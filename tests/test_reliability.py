@@ -132,7 +132,7 @@ def test_a_run_goes_on_where_it_was_and_writes_its_table(study: Study, tmp_path:
 
 def test_every_package_is_pinned_and_of_an_accepted_licence(study: Study) -> None:
     supply = study["supply"]
-    packages = supply.installed("symhyb", frozenset(["formats", "fmi"]))
+    packages = supply.installed("symhyb", frozenset(["formats", "fmi", "urdf"]))
     assert {"casadi", "numpy", "sympy", "pysindy", "scikit-learn", "h5py"} <= packages.keys()
     assert list(supply.complaints(packages, supply.pinned())) == []
 

@@ -23,6 +23,8 @@ from mutate import of_bytes, of_json, of_toml, of_zip
 
 from symhyb.errors import InputError, Problem
 from symhyb.expected import read_expected
+from symhyb.imports.deliver import Order, model_of
+from symhyb.imports.urdf import parse_urdf
 from symhyb.model.expression import ExpressionError, parse_expression, show
 from symhyb.model.read import parse_model
 from symhyb.numeric.lowered.machine import build
@@ -74,6 +76,10 @@ def _model(data: bytes) -> None:
 
 def _machine(data: bytes) -> None:
     build(parse_model(_text(data), "model.toml"))
+
+
+def _robot(data: bytes) -> None:
+    model_of(parse_urdf(data, "robot.urdf"), Order(floating=len(data) % 2 == 0))
 
 
 def _unit(data: bytes) -> None:
@@ -265,6 +271,12 @@ def _words_of_models() -> Sequence[bytes]:
 SIGNS = tuple(b"+ - * / ** ( ) ' \" , . [ ] { } = # \n \\ e9 1e400 NaN inf - 0x 1_0".split(b" "))
 
 
+def _words_of_robots() -> Sequence[bytes]:
+    text = b"".join(_kept("*.urdf"))
+    tags, values = (set(re.findall(form, text)) for form in (rb"</?[^<>]*>", rb'\w+="[^"]*"'))
+    return [*sorted(tags | values), b"<!DOCTYPE a>", b"&lt;", b"&#10;", b"0", b"-1", b"1e300"]
+
+
 def readers() -> tuple[Reader, ...]:
     """Every reader of what a stranger may send."""
     refuses, words = (InputError,), (*SIGNS, *_words_of_models())
@@ -296,6 +308,14 @@ def readers() -> tuple[Reader, ...]:
             refuses,
         ),
         Reader("machine", _machine, small, of_toml, words, refuses),
+        Reader(
+            "urdf",
+            _robot,
+            lambda: _kept("*.urdf"),
+            of_bytes,
+            (*SIGNS, *_words_of_robots()),
+            refuses,
+        ),
         Reader("study", _in_a_file("study.toml", read_study), _studies, of_toml, SIGNS, refuses),
         Reader(
             "expected",

@@ -144,7 +144,8 @@ def _body_faults(body: Body, model: Model, scope: Scope, energy: Unit | None) ->
     except UnitError as error:
         yield (*place, "at"), f"gives no unit of energy: {error}"
     yield from expression_faults((*place, "mass"), body.mass, scope, MASS, needed)
-    yield from _sign_faults((*place, "mass"), body.mass, model)
+    if not (_is_zero(body.mass) and _acts_without_mass(body, model)):
+        yield from _sign_faults((*place, "mass"), body.mass, model)
     if body.angle is not None:
         yield from expression_faults((*place, "angle"), body.angle, scope, POSITION, ONE)
     if body.inertia is not None:
@@ -163,9 +164,20 @@ def _mass_unit(energy: Unit | None, place: Unit | None) -> Unit | None:
     return base * parse_unit("s^2") / place**2
 
 
+def _is_zero(mass: Expression) -> bool:
+    return isinstance(mass.tree, Number) and mass.tree.value == 0
+
+
+def _acts_without_mass(body: Body, model: Model) -> bool:
+    """Whether a body hangs and is of use with a mass of 0: it carries others, or has inertia."""
+    turns = body.inertia is not None or bool(body.tensor)
+    carries = any(other.parent == body.name for other in model.bodies)
+    return body.joint is not None and (turns or carries)
+
+
 def _sign_faults(path: Path, mass: Expression, model: Model) -> Iterator[Fault]:
     """A mass that is one plain number or parameter must be positive."""
-    if isinstance(mass.tree, Number) and mass.tree.value == 0:
+    if _is_zero(mass):
         yield path, "is 0; it must be positive"
     if isinstance(mass.tree, Name):
         for parameter in model.parameters:

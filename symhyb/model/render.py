@@ -1,8 +1,9 @@
 """Write values of a model as TOML text that reads back to the same values."""
 
 import json
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
+from symhyb.errors import visible
 from symhyb.model.constraints import CONSTRAINTS, Constraint
 from symhyb.model.curves import EXTRAPOLATIONS, INTERPOLATIONS, Curve
 from symhyb.model.expression import Expression
@@ -28,9 +29,33 @@ FORMAT = 1
 """The version of the file format that is written and read."""
 
 
-def render(model: Model) -> str:
-    """Write a whole model as text that reads back to the same values."""
-    return "\n".join(_lines(model)) + "\n"
+Comments = Mapping[str, Sequence[str]]
+"""Lines for people by the dotted name of the table or entry above which they stand (``bodies.arm``,
+``parameters.m``), those of the head of the file by an empty name."""
+
+
+def render(model: Model, comments: Comments | None = None) -> str:
+    """Write a whole model as text that reads back to the same values, with comments."""
+    return "\n".join(_commented(_lines(model), comments or {})) + "\n"
+
+
+def _commented(lines: Iterable[str], comments: Comments) -> Iterator[str]:
+    """Put comments above the tables and entries that they are about."""
+
+    def said(place: str) -> Iterator[str]:
+        for text in comments.get(place, ()):
+            yield f"# {visible(' '.join(text.splitlines()))}".rstrip()
+
+    if comments.get(""):
+        yield from (*said(""), "")
+    table = ""
+    for line in lines:
+        if line.startswith("["):
+            table = line.strip("[]")
+            yield from said(table)
+        elif table and "=" in line:
+            yield from said(f"{table}.{line.partition('=')[0].strip()}")
+        yield line
 
 
 def rounded(value: float, digits: int = 15) -> str:

@@ -304,3 +304,21 @@ def test_an_imposed_voltage_needs_an_energy() -> None:
     assert "the unit of energy cannot be told" in problem
     stated = '[energy]\npotential = "x**2/2"\n'
     assert parse_model(text + stated).energy_unit.text == "V^2"
+
+
+def test_a_frame_and_a_rotor_may_have_no_mass() -> None:
+    """A body that hangs may have the mass 0 if others hang on it or it has inertia."""
+    upper, lower, slider = (f"[bodies.{name}]\n" for name in ("upper", "lower", "slider"))
+
+    def without(head: str, text: str = ARM) -> str:
+        before, after = text.split(head)
+        return before + head + after.replace('mass = "m"', 'mass = "0"', 1)
+
+    assert body(parse_model(without(upper)), "upper").mass.text == "0"
+    frame = without(upper).replace('at = ["l/2", "0"]\ninertia = "J"\n', "", 1)
+    assert body(parse_model(frame), "upper").inertia is None
+    assert parse_model(without(lower))
+    with pytest.raises(InputError, match=r"bodies\.slider\.mass: is 0; it must be positive"):
+        parse_model(without(slider))
+    with pytest.raises(InputError, match=r"bodies\.load\.mass: is 0; it must be positive"):
+        parse_model(without("[bodies.load]\n"))

@@ -167,3 +167,19 @@ def test_writing_is_whole_or_not_at_all(duffing: Model, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="is a folder; name a file in it"):
         write_model(duffing, tmp_path / "folder")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["folder", "out.toml"]
+
+
+def test_comments_stand_above_what_they_are_about(duffing: Model) -> None:
+    said = {
+        "": ("two lines", "", "of the head"),
+        "parameters": ("numbers",),
+        "parameters.k": ("of the spring",),
+        "elements.spring": ("an element\nwith \u202e what no terminal shows",),
+    }
+    text = render(duffing, said)
+    assert text.startswith("# two lines\n#\n# of the head\n\nsymhyb")
+    assert "\n# numbers\n[parameters]\n" in text
+    assert "\n# of the spring\nk" in text
+    assert "\n# an element with \\u202e what no terminal shows\n[elements.spring]\n" in text
+    bare = parse_model(render(duffing))
+    assert replace(parse_model(text), text=bare.text) == bare

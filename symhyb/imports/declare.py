@@ -1,0 +1,183 @@
+"""A model of a robot: coordinates, parameters, bodies, losses, motors, sensors and limits.
+
+Each number of the robot is a parameter of its own.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from symhyb.imports.draft import AXES, Draft, Names, drafted, unit_of
+from symhyb.imports.hanging import hung, position
+from symhyb.imports.reduction import Moved, Reduced
+from symhyb.imports.rigid import quaternion_of
+from symhyb.imports.robot import Robot
+from symhyb.model.expression import parse_expression
+from symhyb.model.limits import Limit
+from symhyb.model.types import Body, Coordinate, Element, Input, Model, On, Sensor, Vector
+from symhyb.units import parse_unit
+
+GRAVITY = 9.81  # m/s²
+_ENTRIES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+_ROUNDING = 1e-15  # of the largest entry of a tensor: what turning it leaves of a zero
+
+
+@dataclass(frozen=True, slots=True)
+class Declared:
+    """A model, the ``names`` in it, and for each body the parameters that are declared for it."""
+
+    model: Model
+    names: Names
+    groups: Mapping[str, tuple[str, ...]]
+
+
+def declare(
+    robot: Robot, reduced: Reduced, rates: bool = False, passive: Sequence[str] = ()
+) -> Declared:
+    """The model of a robot: with sensors of ``rates`` beside those of positions, and without motors
+    in the ``passive`` joints."""
+    draft = drafted(reduced.bodies)
+    draft.number("g", GRAVITY, "m/s^2", "gravity")
+    groups: dict[str, tuple[str, ...]] = {}
+    heavy = _heavy(reduced.bodies)
+    for body in reduced.bodies:
+        before = len(draft.parameters)
+        if body.name in heavy:
+            _declare_body(draft, body)
+        if body.drive is None:
+            _free_coordinates(draft, body)
+        else:
+            _declare_losses(draft, body)
+        if body.own and body.drive is not None:
+            _own_coordinate(draft, body, reduced.start[body.joint.name], rates)
+            if body.joint.name not in passive:
+                _declare_motor(draft, body)
+        groups[body.name] = tuple(item.name for item in draft.parameters[before:])
+    model = Model(
+        title=robot.name,
+        coordinates=tuple(draft.coordinates),
+        parameters=tuple(draft.parameters),
+        inputs=tuple(draft.inputs),
+        bodies=tuple(draft.bodies),
+        elements=tuple(draft.elements),
+        sensors=tuple(draft.sensors),
+        limits=tuple(draft.limits),
+        gravity=_vector(["0", "0", "-g"]),
+    )
+    return Declared(model, draft.names, groups)
+
+
+def _vector(parts: Sequence[str]) -> Vector:
+    return tuple(parse_expression(part) for part in parts)
+
+
+def _heavy(bodies: Sequence[Moved]) -> frozenset[str]:
+    """The bodies that move any mass or inertia: their own, or that of others that hang on them."""
+    found: set[str] = set()
+    for body in reversed(bodies):
+        if body.inertial is not None or body.name in found:
+            found |= {body.name, body.carrier}
+    return frozenset(found)
+
+
+def _declare_body(draft: Draft, body: Moved) -> None:
+    """Declare a body: how it hangs on its carrier, and its mass."""
+    links, place = draft.names.links, hung(draft, body)
+    turns = bool(body.carrier) or place.turned is not None
+    mass, centre, inertia, tensor = _mass(draft, body, turns)
+    draft.bodies.append(
+        Body(
+            links[body.name],
+            parse_expression(mass),
+            _vector(centre),
+            inertia=parse_expression(inertia) if inertia else None,
+            parent=links[body.carrier] if body.carrier else "",
+            joint=_vector(place.at),
+            turned=place.turned,
+            tensor=_vector(tensor),
+        )
+    )
+
+
+def _mass(draft: Draft, body: Moved, turns: bool) -> tuple[str, list[str], str, list[str]]:
+    """Mass, centre, and inertia as one value or as a tensor, of what is welded together; what never
+    ``turns`` has no use for inertia."""
+    stem, inertial = draft.names.links[body.name], body.inertial
+    if inertial is None:
+        return "0", ["0"] * 3, "", []
+    mass = draft.number(f"{stem}_m", inertial.mass, "kg", f"mass of {body.name}")
+    centre = [
+        draft.number(f"{stem}_c{axis}", value, "m", f"{axis} of the centre of mass")
+        for axis, value in zip(AXES, inertial.centre, strict=True)
+    ]
+    if not turns:
+        return mass, centre, "", []
+    values = [float(inertial.tensor[entry]) for entry in _ENTRIES]
+    largest, unit = max(map(abs, values)), "kg*m^2"
+    values = [0.0 if abs(value) < _ROUNDING * largest else value for value in values]
+    if not any(values[3:]) and len(set(values[:3])) == 1:
+        about = "about every axis through the centre of mass"
+        return mass, centre, draft.number(f"{stem}_J", values[0], unit, about), []
+    tensor = []
+    for (i, j), value in zip(_ENTRIES, values, strict=True):
+        axes = AXES[i] + AXES[j]
+        tensor.append(
+            draft.number(f"{stem}_J{axes}", value, unit, f"{axes}, about the centre of mass")
+        )
+    return mass, centre, "", tensor if any(values[3:]) else tensor[:3]
+
+
+def _own_coordinate(draft: Draft, body: Moved, start: float, rates: bool) -> None:
+    """Declare the coordinate of a joint, its sensors and its limits."""
+    joint, stem, unit = body.joint, draft.names.joints[body.joint.name], parse_unit(unit_of(body))
+    about = f"{body.name} against {joint.parent or 'the ground'}"
+    draft.coordinates.append(Coordinate(stem, unit, start, about=about, stated=("start",)))
+    draft.sensors.append(Sensor(stem, parse_expression(stem), unit, about="position"))
+    if rates:
+        rate = parse_unit(f"{unit_of(body)}/s")
+        draft.sensors.append(
+            Sensor(f"{stem}_rate", parse_expression(f"{stem}'"), rate, about="rate")
+        )
+    if joint.range.travel or joint.range.speed:
+        draft.limits.append(Limit(stem, unit, joint.range.travel, joint.range.speed))
+
+
+def _free_coordinates(draft: Draft, body: Moved) -> None:
+    """Declare the coordinates of a joint that has several, and a sensor of each."""
+    stem, floating = draft.names.joints[body.joint.name], body.joint.kind == "floating"
+    declared = [(f"{stem}_{axis}", "m", 0.0) for axis in (AXES if floating else AXES[:2])]
+    if floating:
+        parts = zip("wxyz", quaternion_of(body.pose.turned), strict=True)
+        declared += [(f"{stem}_q{part}", "1", float(value)) for part, value in parts]
+    else:
+        declared.append((f"{stem}_angle", "rad", 0.0))
+    for name, text, start in declared:
+        unit = parse_unit(text)
+        about = f"{'place' if text == 'm' else 'turn'} of {body.name}"
+        draft.coordinates.append(Coordinate(name, unit, start, about=about))
+        draft.sensors.append(Sensor(name, parse_expression(name), unit))
+
+
+def _declare_losses(draft: Draft, body: Moved) -> None:
+    """Declare damping and dry friction of a joint with one coordinate, as elements."""
+    joint, stem = body.joint, draft.names.joints[body.joint.name]
+    turns = unit_of(body) == "rad"
+    losses = (
+        ("damper", "damping", "damping", joint.damping, "N*m*s/rad" if turns else "N*s/m"),
+        ("friction", "coulomb", "friction", joint.friction, "N*m" if turns else "N"),
+    )
+    place = On(position(Draft(draft.names, draft.units), body))  # its parameters are declared
+    for kind, key, suffix, value, unit in losses:
+        if value:
+            name = draft.number(f"{stem}_{suffix}", value, unit, f"{suffix} in {joint.name}")
+            draft.elements.append(Element(name, kind, place, ((key, parse_expression(name)),)))
+
+
+def _declare_motor(draft: Draft, body: Moved) -> None:
+    """Declare the input and the element that drive a joint, and how strongly they may."""
+    joint, stem = body.joint, draft.names.joints[body.joint.name]
+    key, unit = ("torque", "N*m") if unit_of(body) == "rad" else ("force", "N")
+    name, force = f"{stem}_{key}", parse_unit(unit)
+    draft.inputs.append(Input(name, force, f"on {body.name}, along + of {joint.name}"))
+    draft.elements.append(Element(f"{stem}_motor", key, On(stem), ((key, parse_expression(name)),)))
+    if joint.range.effort:
+        draft.limits.append(Limit(name, force, (-joint.range.effort, joint.range.effort)))

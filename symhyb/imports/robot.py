@@ -1,0 +1,92 @@
+"""A robot as files of other programs declare it: links that joints tie to a tree.
+
+Lengths in m, angles in rad, masses in kg, all vectors in the axes that are named. Everything here
+is as the file says it; what a model makes of it is in :mod:`symhyb.imports.reduction`.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+STRAIGHT = frozenset({"revolute", "continuous", "prismatic"})  # joints with one coordinate
+MOVING = STRAIGHT | {"floating", "planar"}
+KINDS = MOVING | {"fixed"}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Inertial:
+    """``mass`` (kg) at ``centre`` (3,), and its ``tensor`` (3, 3) about that, kg·m², both in the
+    axes of the link."""
+
+    mass: float
+    centre: Array
+    tensor: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Link:
+    """A rigid body by its ``name``; ``line`` is where the file declares it."""
+
+    name: str
+    inertial: Inertial | None = None
+    line: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Mimic:
+    """A joint that moves with another: ``ratio``·(position of ``joint``) + ``offset``."""
+
+    joint: str
+    ratio: float = 1.0
+    offset: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Range:
+    """How far, how fast and how strongly a joint may be driven; None where nothing is stated."""
+
+    travel: tuple[float, float] | None = None
+    speed: float | None = None
+    effort: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Joint:
+    """The joint by which ``child`` hangs on ``parent``.
+
+    Its frame lies at ``xyz`` in the axes of the parent, turned by ``rpy`` (roll, pitch, yaw about
+    the fixed axes x, y, z in this order). In that frame the child turns about the unit vector
+    ``axis``, or travels along it.
+    """
+
+    name: str
+    kind: str
+    parent: str
+    child: str
+    xyz: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    axis: tuple[float, float, float] = (1.0, 0.0, 0.0)
+    damping: float = 0.0
+    friction: float = 0.0
+    range: Range = Range()
+    mimic: Mimic | None = None
+    line: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Robot:
+    """A tree of links. ``joints`` come in the order of the tree, a parent before its children;
+    ``gears`` are the ratios that the file states for the transmission of a joint; ``notes`` say
+    what was read otherwise than it stands, each with the link or joint that it is about."""
+
+    name: str
+    root: str
+    links: Mapping[str, Link]
+    joints: tuple[Joint, ...]
+    file: str = ""
+    gears: Mapping[str, float] = field(default_factory=dict)
+    notes: tuple[tuple[str, str], ...] = ()
