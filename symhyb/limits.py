@@ -18,6 +18,7 @@ EXPRESSION_LETTERS = 2000
 EXPRESSION_DEPTH = 60  # levels of parentheses and functions
 UNIT_LETTERS = 100
 COORDINATES = 500  # of a machine
+HANGING_DEEP = 100  # bodies in space that hang on each other, one below the other
 DECLARED = 2000  # parameters of a machine, inputs, points, bodies, elements, each
 COLUMNS = 10_000  # of a recording
 ROWS = 20_000_000  # of it

@@ -46,8 +46,12 @@ def deliver(source: Path, order: Order, target: Path) -> Done:
     Raises:
         InputError: every problem of the robot or of the order at once; or the target is there.
     """
-    if target.exists() and not order.force:
-        raise InputError(Problem("is there already; --force replaces it", file=str(target)))
+    if target.exists():
+        reason = "" if order.force else "is there already; --force replaces it"
+        if source.exists() and target.samefile(source):
+            reason = "is the robot that is read; name another file"
+        if reason:
+            raise InputError(Problem(reason, file=str(target)))
     robot = read_urdf(source)
     model, said = model_of(robot, order, str(target))
     write_file(target, model.text)

@@ -15,6 +15,7 @@ from math import cos, degrees, hypot, inf, isfinite, sin
 import numpy as np
 from numpy.typing import NDArray
 
+from symhyb.limits import HANGING_DEEP
 from symhyb.model.expression import Expression, ExpressionError, Name, curves_in, evaluate, names
 from symhyb.model.scope import MASS, POSITION, Scope, expression_faults
 from symhyb.model.source import Path
@@ -52,6 +53,8 @@ def space_faults(model: Model, scope: Scope, inertia: Unit | None) -> Iterator[F
     ``inertia`` is the unit of a moment of inertia, None where it cannot be known."""
     size = dimension(model)
     yield from _mixture_faults(model, size)
+    if size == 3:
+        yield from _depth_faults(model)
     taken: dict[str, str] = {}
     for body in model.bodies:
         path: Path = ("bodies", body.name)
@@ -96,6 +99,23 @@ def _mixture_faults(model: Model, size: int) -> Iterator[Fault]:
             if count != size:
                 text = f"has {words[count]} components; the vectors of this model have"
                 yield ("elements", element.name, key), f"{text} {words[size]}"
+
+
+def _depth_faults(model: Model) -> Iterator[Fault]:
+    """The first body below so many others that its attitude is an expression without end."""
+    parents = {body.name: body.parent for body in model.bodies if body.joint is not None}
+    depths: dict[str, int] = {}
+    for name in parents:
+        way, at = [name], parents[name]
+        while at in parents and at not in depths and len(way) <= len(parents):
+            way.append(at)
+            at = parents[at]
+        for one in reversed(way):
+            depths[one] = depths.get(parents[one], 0) + 1
+        if depths[name] > HANGING_DEEP:
+            text = f"hangs below {depths[name] - 1} others; at most {HANGING_DEEP - 1} are computed"
+            yield ("bodies", name, "parent"), text
+            return
 
 
 def _counts(element: Element) -> dict[str, int]:

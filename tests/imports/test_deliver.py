@@ -40,6 +40,12 @@ def test_a_file_that_is_there_is_kept_unless_forced(arm: Path, tmp_path: Path) -
     assert "[bodies.upper]" in target.read_text()
 
 
+def test_the_robot_itself_is_never_replaced(arm: Path) -> None:
+    with pytest.raises(InputError, match="is the robot that is read; name another file"):
+        deliver(arm, Order(force=True), arm)
+    assert arm.read_text() == ARM
+
+
 def test_nothing_is_written_of_a_robot_with_a_mistake(arm: Path, tmp_path: Path) -> None:
     arm.write_text(ARM.replace('type="prismatic"', 'type="slider"'))
     before = set(tmp_path.iterdir())
@@ -112,6 +118,19 @@ def test_orders_that_the_robot_does_not_know(order: Order, said: str) -> None:
         text_of(ARM, order)
     assert len(error.value.problems) == 1
     assert said in str(error.value)
+
+
+def test_a_chain_without_mass_is_as_deep_as_a_model_may_be() -> None:
+    def chain(deep: int) -> str:
+        parts = [f'<link name="l{k}"/>' for k in range(deep)] + [link(f"l{deep}")]
+        parts += [joint(f"j{k}", "revolute", f"l{k}", f"l{k + 1}") for k in range(deep)]
+        return robot(*parts)
+
+    assert "[bodies.l100]" in text_of(chain(100))
+    with pytest.raises(InputError) as error:
+        text_of(chain(480))
+    assert len(error.value.problems) == 1
+    assert "hangs below 100 others; at most 99 are computed" in str(error.value)
 
 
 def test_a_chain_beyond_the_limits_is_one_sentence_each() -> None:

@@ -5,6 +5,7 @@ import re
 import pytest
 
 from symhyb.errors import InputError
+from symhyb.limits import HANGING_DEEP
 from symhyb.model.diff import changes
 from symhyb.model.read import parse_model
 from symhyb.model.render import render
@@ -252,3 +253,20 @@ def test_gimbal_lock_at_the_start_names_the_angle_and_a_cure() -> None:
     tilted = other.replace("start = 0.0", "start = 1.5707963267948966")
     with pytest.raises(InputError, match=r"gimbal lock: at theta = 90 deg"):
         build(parse_model(tilted), keep=False)
+
+
+@pytest.mark.parametrize(("deep", "problems"), [(HANGING_DEEP, 0), (HANGING_DEEP + 5, 1)])
+def test_bodies_hang_so_deep_and_no_deeper(deep: int, problems: int) -> None:
+    """Declared from the last to the first, so that no order helps."""
+    text = 'symhyb = 1\n[coordinates]\na = { unit = "rad" }\n'
+    text += '[parameters]\nm = { value = 1, unit = "kg" }\n'
+    for k in range(deep, 0, -1):
+        parent = f'parent = "b{k - 1}"\n' if k > 1 else ""
+        turned = 'mass = "m"\nat = ["0", "0", "0"]\nrotations = [["x", "a"]]\n'
+        text += f'[bodies.b{k}]\n{parent}joint = ["0", "0", "0"]\n{turned}'
+    if not problems:
+        parse_model(text)
+        return
+    with pytest.raises(InputError, match=f"at most {HANGING_DEEP - 1} are computed") as error:
+        parse_model(text)
+    assert len(error.value.problems) == problems
