@@ -10,13 +10,12 @@ from symhyb.imports.draft import AXES, Draft, Names, drafted, unit_of
 from symhyb.imports.hanging import hung, position
 from symhyb.imports.reduction import Moved, Reduced
 from symhyb.imports.rigid import quaternion_of
-from symhyb.imports.robot import Robot
+from symhyb.imports.robot import TURNED, Robot
 from symhyb.model.expression import parse_expression
 from symhyb.model.limits import Limit
 from symhyb.model.types import Body, Coordinate, Element, Input, Model, On, Sensor, Vector
 from symhyb.units import parse_unit
 
-GRAVITY = 9.81  # m/s²
 _ENTRIES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 _ROUNDING = 1e-15  # of the largest entry of a tensor: what turning it leaves of a zero
 
@@ -36,7 +35,7 @@ def declare(
     """The model of a robot: with sensors of ``rates`` beside those of positions, and without motors
     in the ``passive`` joints."""
     draft = drafted(reduced.bodies)
-    draft.number("g", GRAVITY, "m/s^2", "gravity")
+    gravity = _gravity(draft, robot)
     groups: dict[str, tuple[str, ...]] = {}
     heavy = _heavy(reduced.bodies)
     for body in reduced.bodies:
@@ -49,7 +48,8 @@ def declare(
             _declare_losses(draft, body)
         if body.own and body.drive is not None:
             _own_coordinate(draft, body, reduced.start[body.joint.name], rates)
-            if body.joint.name not in passive:
+            driven = robot.driven is None or body.joint.name in robot.driven
+            if driven and body.joint.name not in passive:
                 _declare_motor(draft, body)
         groups[body.name] = tuple(item.name for item in draft.parameters[before:])
     model = Model(
@@ -61,13 +61,24 @@ def declare(
         elements=tuple(draft.elements),
         sensors=tuple(draft.sensors),
         limits=tuple(draft.limits),
-        gravity=_vector(["0", "0", "-g"]),
+        gravity=_vector(gravity),
     )
     return Declared(model, draft.names, groups)
 
 
 def _vector(parts: Sequence[str]) -> Vector:
     return tuple(parse_expression(part) for part in parts)
+
+
+def _gravity(draft: Draft, robot: Robot) -> list[str]:
+    """The field of gravity, along an axis or by components."""
+    parts = robot.gravity
+    if parts[0] == parts[1] == 0 and parts[2] < 0:
+        return ["0", "0", f"-{draft.number('g', -parts[2], 'm/s^2', 'gravity')}"]
+    return [
+        draft.number(f"g_{axis}", part, "m/s^2", f"gravity along {axis}")
+        for axis, part in zip(AXES, parts, strict=True)
+    ]
 
 
 def _heavy(bodies: Sequence[Moved]) -> frozenset[str]:
@@ -143,9 +154,10 @@ def _own_coordinate(draft: Draft, body: Moved, start: float, rates: bool) -> Non
 
 def _free_coordinates(draft: Draft, body: Moved) -> None:
     """Declare the coordinates of a joint that has several, and a sensor of each."""
-    stem, floating = draft.names.joints[body.joint.name], body.joint.kind == "floating"
-    declared = [(f"{stem}_{axis}", "m", 0.0) for axis in (AXES if floating else AXES[:2])]
-    if floating:
+    stem, kind = draft.names.joints[body.joint.name], body.joint.kind
+    lengths = {"floating": AXES, "planar": AXES[:2]}.get(kind, "")
+    declared = [(f"{stem}_{axis}", "m", 0.0) for axis in lengths]
+    if kind in TURNED:
         parts = zip("wxyz", quaternion_of(body.pose.turned), strict=True)
         declared += [(f"{stem}_q{part}", "1", float(value)) for part, value in parts]
     else:
@@ -158,18 +170,28 @@ def _free_coordinates(draft: Draft, body: Moved) -> None:
 
 
 def _declare_losses(draft: Draft, body: Moved) -> None:
-    """Declare damping and dry friction of a joint with one coordinate, as elements."""
+    """Declare damping, dry friction, rotor and spring of a joint with one coordinate."""
     joint, stem = body.joint, draft.names.joints[body.joint.name]
     turns = unit_of(body) == "rad"
     losses = (
         ("damper", "damping", "damping", joint.damping, "N*m*s/rad" if turns else "N*s/m"),
         ("friction", "coulomb", "friction", joint.friction, "N*m" if turns else "N"),
+        ("added_mass", "mass", "rotor", joint.armature, "kg*m^2" if turns else "kg"),
     )
     place = On(position(Draft(draft.names, draft.units), body))  # its parameters are declared
     for kind, key, suffix, value, unit in losses:
         if value:
             name = draft.number(f"{stem}_{suffix}", value, unit, f"{suffix} in {joint.name}")
             draft.elements.append(Element(name, kind, place, ((key, parse_expression(name)),)))
+    if joint.spring is not None:
+        stiffness, rest = joint.spring
+        about = f"stiffness in {joint.name}"
+        name = draft.number(f"{stem}_spring", stiffness, "N*m/rad" if turns else "N/m", about)
+        at = draft.number(f"{stem}_rest", rest, unit_of(body), "where its spring rests")
+        place = On(place.coordinate if at == "0" else f"{place.coordinate} - {at}")
+        draft.elements.append(
+            Element(name, "spring", place, (("stiffness", parse_expression(name)),))
+        )
 
 
 def _declare_motor(draft: Draft, body: Moved) -> None:

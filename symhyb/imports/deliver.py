@@ -5,12 +5,14 @@ from pathlib import Path
 
 from symhyb.errors import InputError, Problem
 from symhyb.imports.declare import declare
+from symhyb.imports.mjcf import parse_mjcf
 from symhyb.imports.narrate import comments, notes
 from symhyb.imports.reduction import Reduced, Wish, reduced
 from symhyb.imports.robot import Robot
 from symhyb.imports.tree import nearest
-from symhyb.imports.urdf import read_urdf
-from symhyb.limits import COORDINATES, DECLARED
+from symhyb.imports.urdf import parse_urdf
+from symhyb.imports.xml_file import parse_xml
+from symhyb.limits import COORDINATES, DECLARED, ROBOT_BYTES, content_of
 from symhyb.model.read import parse_model
 from symhyb.model.render import render
 from symhyb.model.types import Model
@@ -52,7 +54,7 @@ def deliver(source: Path, order: Order, target: Path) -> Done:
             reason = "is the robot that is read; name another file"
         if reason:
             raise InputError(Problem(reason, file=str(target)))
-    robot = read_urdf(source)
+    robot = read_robot(source)
     model, said = model_of(robot, order, str(target))
     write_file(target, model.text)
     count = len(model.coordinates)
@@ -60,6 +62,17 @@ def deliver(source: Path, order: Order, target: Path) -> Done:
         f"{target}: {count} coordinates, {len(model.bodies)} bodies; next: symhyb check {target}"
     )
     return Done(model, sentence, said)
+
+
+def read_robot(path: Path) -> Robot:
+    """A robot from a URDF or an MJCF, which its outermost element tells.
+
+    Raises:
+        InputError: every problem of the file.
+    """
+    data, file = content_of(path, ROBOT_BYTES), str(path)
+    read = parse_mjcf if parse_xml(data, file).tag == "mujoco" else parse_urdf
+    return read(data, file)
 
 
 def model_of(robot: Robot, order: Order, file: str = "") -> tuple[Model, tuple[str, ...]]:

@@ -13,6 +13,7 @@ from symhyb.units import parse_unit
 AXES = "xyz"
 _JOINT = (
     *("", "_torque", "_force", "_rate", "_motor", "_damping", "_friction", "_ratio", "_offset"),
+    *("_rotor", "_spring", "_rest"),
     *("_ox", "_oy", "_oz", "_roll", "_pitch", "_yaw", "_turn", "_tilt"),
     *("_dx", "_dy", "_dz", "_ex", "_ey", "_ez"),
     *("_x", "_y", "_z", "_angle", "_qw", "_qx", "_qy", "_qz"),
@@ -66,7 +67,7 @@ class Draft:
 
 def drafted(bodies: Sequence[Moved]) -> Draft:
     """A draft of a model with these bodies, in which nothing is declared but names."""
-    taken = {"g"}
+    taken = {"g", "g_x", "g_y", "g_z"}
     joints = stems([body.joint.name for body in bodies], _JOINT, taken, "joint")
     links = stems([body.name for body in bodies], _LINK, taken, "link")
     return Draft(Names(joints, links), {body.joint.name: unit_of(body) for body in bodies})

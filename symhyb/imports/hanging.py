@@ -15,7 +15,7 @@ import numpy as np
 from symhyb.imports.draft import AXES, Draft, unit_of
 from symhyb.imports.reduction import Moved
 from symhyb.imports.rigid import SAME, from_rpy, to_rpy
-from symhyb.imports.robot import STRAIGHT, Array
+from symhyb.imports.robot import STRAIGHT, TURNED, Array
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import Quaternion, Rotations
 
@@ -40,8 +40,8 @@ def hung(draft: Draft, body: Moved) -> Hung:
         draft.number(f"{stem}_o{axis}", value, "m", f"{axis} {of}")
         for axis, value in zip(AXES, body.pose.at, strict=True)
     ]
-    if joint.kind == "floating":
-        return _floating(stem, at)
+    if joint.kind in TURNED:
+        return _quaternion(stem, at, joint.kind == "floating")
     steps = _origin(draft, stem, body, of)
     if joint.kind == "planar":
         at, more = _planar(draft, stem, body, at)
@@ -151,11 +151,13 @@ def across(axis: tuple[float, float, float]) -> tuple[Array, Array]:
     return first, np.cross(third, first)
 
 
-def _floating(stem: str, at: list[str]) -> Hung:
-    """Three coordinates of place, in the axes of the carrier, and a quaternion."""
-    places = [f"{stem}_{axis}" for axis in AXES]
+def _quaternion(stem: str, at: list[str], floating: bool) -> Hung:
+    """A quaternion, and three coordinates of place in the axes of the carrier if it is floating."""
+    turned = Quaternion(tuple(f"{stem}_q{part}" for part in "wxyz"))
+    if not floating:
+        return Hung(at, turned)
+    names = [f"{stem}_{axis}" for axis in AXES]
     moved = [
-        name if place == "0" else f"{place} + {name}"
-        for place, name in zip(at, places, strict=True)
+        name if place == "0" else f"{place} + {name}" for place, name in zip(at, names, strict=True)
     ]
-    return Hung(moved, Quaternion(tuple(f"{stem}_q{part}" for part in "wxyz")))
+    return Hung(moved, turned)

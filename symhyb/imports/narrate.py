@@ -8,7 +8,7 @@ from symhyb.imports.declare import Declared
 from symhyb.imports.draft import AXES
 from symhyb.imports.reduction import Moved, Reduced
 from symhyb.imports.rigid import SAME
-from symhyb.imports.robot import Robot
+from symhyb.imports.robot import TURNED, Robot
 from symhyb.model.render import Comments
 
 WIDTH = 96  # letters of a line of a comment
@@ -45,7 +45,8 @@ def notes(robot: Robot, reduced: Reduced, declared: Declared) -> tuple[str, ...]
 
 def _head(robot: Robot, reduced: Reduced, declared: Declared) -> Iterator[str]:
     count = len(declared.model.coordinates)
-    yield f"{robot.name}, from a URDF with {len(robot.links)} links: {count} coordinates"
+    source = f"{_article(robot)} {robot.source}"
+    yield f"{robot.name}, from {source} with {len(robot.links)} links: {count} coordinates"
     yield ""
     yield from _tree(robot, reduced)
     yield ""
@@ -60,16 +61,23 @@ def _head(robot: Robot, reduced: Reduced, declared: Declared) -> Iterator[str]:
     noted = notes(robot, reduced, declared)
     if noted:
         yield ""
-        yield "Otherwise than in the URDF:"
+        yield f"Otherwise than in the {robot.source}:"
         for note in noted:
             yield from wrap(note, WIDTH - 2, initial_indent="- ", subsequent_indent="  ")
     yield ""
     yield from wrap(
-        "What a URDF does not say: how well its numbers are known (give a parameter sd = one "
-        "standard deviation, and it may be estimated), and the rotors of the motors. A rotor of "
-        "inertia J behind a gear of ratio n adds n**2*J to its joint: an element of the kind "
-        "added_mass on that coordinate.",
+        f"What {source} does not say: how well its numbers are known (give a parameter sd "
+        f"= one standard deviation, and it may be estimated){_of_rotors(robot)}.",
         WIDTH,
+    )
+
+
+def _of_rotors(robot: Robot) -> str:
+    if any(joint.armature for joint in robot.joints):
+        return ""
+    return (
+        ", and the rotors of the motors. A rotor of inertia J behind a gear of ratio n adds n**2*J "
+        "to its joint: an element of the kind added_mass on that coordinate"
     )
 
 
@@ -87,8 +95,8 @@ def _tree(robot: Robot, reduced: Reduced) -> Iterator[str]:
 
 def _motion(body: Moved) -> str:
     joint = body.joint
-    if joint.kind == "floating":
-        return "floating"
+    if joint.kind in TURNED:
+        return joint.kind
     along = [k for k in range(3) if abs(joint.axis[k]) >= SAME]
     sign = "-" if len(along) == 1 and joint.axis[along[0]] < 0 else ""
     axis = (
@@ -108,9 +116,13 @@ def _of_inputs(robot: Robot) -> Iterator[str]:
     yield "what acts on the joint: behind the gear, in N*m or N"
     gears = [f"{name} {ratio:g}" for name, ratio in robot.gears.items() if ratio != 1]
     if gears:
-        yield from wrap(f"Ratios of gears in the URDF: {_listed(gears)}.", WIDTH)
+        yield from wrap(f"Ratios of gears in the {robot.source}: {_listed(gears)}.", WIDTH)
 
 
 def _listed(names: Sequence[str]) -> str:
     more = f" and {len(names) - SHOWN} more" if len(names) > SHOWN else ""
     return ", ".join(names[:SHOWN]) + more
+
+
+def _article(robot: Robot) -> str:
+    return "an" if robot.source == "MJCF" else "a"

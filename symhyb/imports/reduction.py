@@ -113,7 +113,11 @@ def reduced(robot: Robot, wish: Wish | None = None) -> Reduced:
         moving = moving - set(idle) - followers
     if not bodies:
         text = "has no joint that moves anything with mass"
-        cure = "" if wish.free else "; --floating-base lets the root move in space"
+        cure = (
+            ""
+            if wish.free or robot.source != "URDF"
+            else "; --floating-base lets the root move in space"
+        )
         raise InputError(Problem(text + cure, file=robot.file))
     locked = {
         joint.name: _position(joint, drives, start)

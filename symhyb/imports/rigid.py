@@ -95,6 +95,16 @@ def about_vector(axis: Sequence[float], angle: float) -> Array:
     return turned
 
 
+def from_quaternion(parts: Sequence[float]) -> Array:
+    """R (3, 3) of a quaternion, scalar part first; exact where it is that of right angles."""
+    w, x, y, z = (float(part) for part in parts)
+    size = w * w + x * x + y * y + z * z
+    skew: Array = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    turned: Array = np.eye(3) + 2 * (w * skew + skew @ skew) / size
+    near = np.round(turned)
+    return near if np.abs(turned - near).max() < SAME else turned
+
+
 def quaternion_of(turned: Array) -> Array:
     """The quaternion (4,), scalar part first and not negative, of R (3, 3)."""
     xx, yy, zz = np.diag(turned)

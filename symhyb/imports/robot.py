@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 STRAIGHT = frozenset({"revolute", "continuous", "prismatic"})  # joints with one coordinate
-MOVING = STRAIGHT | {"floating", "planar"}
-KINDS = MOVING | {"fixed"}
+MOVING = STRAIGHT | {"floating", "ball", "planar"}
+TURNED = frozenset({"floating", "ball"})  # joints that turn by a quaternion
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,7 +60,8 @@ class Joint:
 
     Its frame lies at ``xyz`` in the axes of the parent, turned by ``rpy`` (roll, pitch, yaw about
     the fixed axes x, y, z in this order). In that frame the child turns about the unit vector
-    ``axis``, or travels along it.
+    ``axis``, or travels along it. ``armature`` is the inertia of the rotor as the joint feels it,
+    ``spring`` a stiffness and where it rests.
     """
 
     name: str
@@ -75,13 +76,16 @@ class Joint:
     range: Range = Range()
     mimic: Mimic | None = None
     line: int = 0
+    armature: float = 0.0
+    spring: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Robot:
     """A tree of links. ``joints`` come in the order of the tree, a parent before its children;
     ``gears`` are the ratios that the file states for the transmission of a joint; ``notes`` say
-    what was read otherwise than it stands, each with the link or joint that it is about."""
+    what was read otherwise than it stands, each with the link or joint that it is about. Of a
+    ``source`` that knows motors ``driven`` are the joints that have one."""
 
     name: str
     root: str
@@ -90,3 +94,6 @@ class Robot:
     file: str = ""
     gears: Mapping[str, float] = field(default_factory=dict)
     notes: tuple[tuple[str, str], ...] = ()
+    gravity: tuple[float, float, float] = (0.0, 0.0, -9.81)
+    driven: frozenset[str] | None = None
+    source: str = "URDF"

@@ -4,7 +4,6 @@ Shapes, materials and meshes are not read, and no file that a URDF names is open
 a file are reported at once, each with its line. The format: wiki.ros.org/urdf/XML.
 """
 
-import os
 import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
@@ -16,28 +15,20 @@ import numpy as np
 
 from symhyb.errors import InputError, Problem, visible
 from symhyb.imports.rigid import Pose, from_rpy, is_of_a_body, moved, nearest_of_a_body
-from symhyb.imports.robot import KINDS, MOVING, STRAIGHT, Inertial, Joint, Link, Mimic, Range, Robot
+from symhyb.imports.robot import MOVING, STRAIGHT, Inertial, Joint, Link, Mimic, Range, Robot
 from symhyb.imports.tree import nearest, tree_problems, walk
 from symhyb.imports.xml_file import Node, parse_xml
-from symhyb.limits import DECLARED, ROBOT_BYTES, ROBOT_NUMBER, content_of
+from symhyb.limits import DECLARED, ROBOT_NUMBER
 from symhyb.model.tables import shorten
 
 IGNORED = frozenset(
     {"visual", "collision", "material", "gazebo", "sensor", "ros2_control", "mujoco"}
 )
+KINDS = (MOVING - {"ball"}) | {"fixed"}
 _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 _NO_LIMIT = 1e9  # what is larger is written for "none"
 Value = TypeVar("Value")
 _TENSOR = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-
-
-def read_urdf(path: str | os.PathLike[str]) -> Robot:
-    """Read a URDF file.
-
-    Raises:
-        InputError: every problem at once.
-    """
-    return parse_urdf(content_of(path, ROBOT_BYTES), str(Path(path)))
 
 
 def parse_urdf(data: bytes, file: str = "") -> Robot:
@@ -77,9 +68,8 @@ def _name(node: Node, key: str = "name") -> str:
 
 
 def _other(tag: str) -> str:
-    known = {"mujoco": "is a model of MuJoCo (MJCF)", "sdf": "is SDF, the format of Gazebo"}
-    found = known.get(tag, f"begins with <{shorten(tag)}>")
-    return f"{found}, not a URDF, which begins with <robot>"
+    found = "is SDF, the format of Gazebo" if tag == "sdf" else f"begins with <{shorten(tag)}>"
+    return f"{found}; a URDF begins with <robot>, an MJCF with <mujoco>"
 
 
 @dataclass(frozen=True, slots=True)

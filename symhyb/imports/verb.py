@@ -11,7 +11,7 @@ import typer
 
 
 def import_(
-    robot: Annotated[Path, typer.Argument(metavar="URDF", help="Robot as a URDF file.")],
+    robot: Annotated[Path, typer.Argument(metavar="ROBOT", help="URDF or MJCF file.")],
     output: Annotated[
         Path, typer.Option("-o", "--output", metavar="MODEL", help="Model file to write.")
     ],
@@ -41,9 +41,9 @@ def import_(
 ) -> None:
     """Write a model file of a robot that another program describes.
 
-    A URDF gives links, joints, masses, damping and dry friction; meshes are not needed. The model
+    The file gives links, joints, masses, damping and dry friction; meshes are not needed. The model
     has a torque or force for each joint and a sensor of its position, and every number is a
-    parameter. What is written otherwise than in the URDF is said, here and in the file.
+    parameter. What is written otherwise than in the file is said, here and in the model.
 
     \b
     Example:

@@ -6,8 +6,9 @@ import pytest
 from robots import ARM, joint, link, robot
 
 from symhyb.errors import InputError
-from symhyb.imports.deliver import Order, deliver, model_of
+from symhyb.imports.deliver import Order, deliver, model_of, read_robot
 from symhyb.imports.urdf import parse_urdf
+from symhyb.limits import ROBOT_BYTES
 from symhyb.model.read import read_model
 
 
@@ -142,3 +143,13 @@ def test_a_chain_beyond_the_limits_is_one_sentence_each() -> None:
     coordinates, parameters = (str(problem) for problem in error.value.problems)
     assert coordinates.startswith("needs 599 coordinates; a machine has at most 500; name those")
     assert parameters.startswith("needs 5991 parameters; a machine has at most 2000; name those")
+
+
+def test_a_file_that_is_not_there_or_too_large(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="there is no such file"):
+        read_robot(tmp_path / "no.urdf")
+    large = tmp_path / "large.urdf"
+    with large.open("wb") as stream:
+        stream.truncate(ROBOT_BYTES + 1)
+    with pytest.raises(InputError, match="is larger than"):
+        read_robot(large)

@@ -1,0 +1,298 @@
+"""Read an MJCF, the model of MuJoCo: bodies, joints, and what their dynamics states.
+
+MuJoCo itself reads the file, in a process of its own with limits, and its compiled model is what
+counts: defaults, angles in degrees, Euler sequences and inertias of plain shapes are its work.
+Meshes are removed before, and no file that an MJCF names is opened.
+
+A hinge about an anchor that is not the origin of its body moves the body's origin there:
+
+    body o───────● anchor            the link has its origin at the anchor, which stays in place
+"""
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from symhyb.data.apart import read_apart
+from symhyb.data.extras import needed
+from symhyb.data.table import Column, Table
+from symhyb.errors import InputError, Problem, visible
+from symhyb.imports.rigid import Pose, about_vector, from_quaternion, here, to_rpy
+from symhyb.imports.robot import Array, Inertial, Joint, Link, Mimic, Range, Robot
+from symhyb.imports.xml_file import Node, parse_xml
+from symhyb.limits import DECLARED
+
+_BODIES = ("body_parentid", "body_pos", "body_quat", "body_mass", "body_ipos", "body_iquat")
+_ARRAYS = (
+    *_BODIES,
+    *("body_inertia", "body_jntnum", "body_jntadr", "jnt_type", "jnt_pos", "jnt_axis"),
+    *("jnt_qposadr", "jnt_dofadr", "jnt_range", "jnt_limited", "jnt_stiffness", "qpos0"),
+    *("qpos_spring", "dof_damping", "dof_frictionloss", "dof_armature", "eq_type", "eq_obj1id"),
+    *("eq_obj2id", "eq_data", "actuator_trntype", "actuator_trnid"),
+)
+_KINDS = {0: "floating", 1: "ball", 2: "prismatic", 3: "revolute"}
+_JOINT = 2  # the type of an equality between two joints
+ROOT = "world"
+
+
+def parse_mjcf(data: bytes, file: str = "") -> Robot:
+    """Read an MJCF from its bytes.
+
+    Raises:
+        InputError: what MuJoCo says of it, or that it includes other files.
+    """
+    root = parse_xml(data, file)
+    problems = list(_problems(root, file))
+    if problems:
+        raise InputError(problems)
+    table = read_apart(compiled, data, file)
+    return _robot(_Compiled.of(table), file)
+
+
+def _problems(root: Node, file: str) -> Iterator[Problem]:
+    """What is not given to MuJoCo."""
+    open_, count = [root], 0
+    while open_:
+        node = open_.pop()
+        open_ += node.children
+        count += node.tag == "body"
+        if node.tag in ("include", "plugin", "extension", "attach", "model"):
+            if node.tag == "include":
+                cure = "put in what it includes, or save the model with MuJoCo: mj_saveLastXML"
+            else:
+                cure = "remove it"
+            yield Problem(f"<{node.tag}> is not read; {cure}", file=file, line=node.line)
+    if count > DECLARED:
+        yield Problem(f"has {count} bodies; at most {DECLARED} are read", file=file)
+
+
+def compiled(content: bytes, file: str) -> Table:
+    """The arrays of MuJoCo's compiled model, as columns with their names; runs in a process of its
+    own.
+
+    Raises:
+        InputError: MuJoCo is not installed, or refuses the model.
+    """
+    mujoco = needed("mujoco", "mjcf", file)
+    try:
+        spec = mujoco.MjSpec.from_string(content.decode("utf-8-sig"))
+        heavy = _stripped(mujoco, spec)
+        model = None if heavy else spec.compile()
+    except (ValueError, RuntimeError, TypeError) as error:
+        said = " ".join(visible(str(error)).split())
+        raise InputError(Problem(f"MuJoCo says: {said}", file=file)) from None
+    if model is None:
+        said = "its mass is that of a mesh, which is not read; give it an <inertial>"
+        raise InputError([Problem(said, f"body.{name}", file) for name in heavy])
+    columns = [Column(name, np.asarray(getattr(model, name), float)) for name in _ARRAYS]
+    columns.append(Column("gravity", np.asarray(model.opt.gravity, float)))
+    words = {
+        "name": spec.modelname,
+        "bodies": [model.body(k).name for k in range(model.nbody)],
+        "joints": [model.joint(k).name for k in range(model.njnt)],
+        "left_out": list(_left_out(model)),
+    }
+    return Table(file, tuple(columns), (json.dumps(words),))
+
+
+def _stripped(mujoco: Any, spec: Any) -> tuple[str, ...]:
+    """Take all from a model that files are opened for, or that claims memory; return the bodies
+    whose mass was that of a mesh."""
+    shapes = (mujoco.mjtGeom.mjGEOM_MESH, mujoco.mjtGeom.mjGEOM_SDF, mujoco.mjtGeom.mjGEOM_HFIELD)
+    filed = [geom for geom in spec.geoms if geom.type in shapes]
+    heavy = dict.fromkeys(_shown(geom.parent.name) for geom in filed if _weighs(geom, spec))
+    for painted in (spec.geoms, spec.sites, spec.tendons):
+        for one in painted:
+            one.material = ""
+    kinds = (spec.meshes, spec.hfields, spec.skins, spec.materials, spec.textures)
+    for one in (*filed, *(one for kind in kinds for one in list(kind))):
+        spec.delete(one)
+    spec.memory = spec.njmax = spec.nconmax = spec.nstack = -1
+    return tuple(heavy)
+
+
+def _weighs(geom: Any, spec: Any) -> bool:
+    """Whether the mass of a body is that of a shape, among others."""
+    stated = geom.parent.explicitinertial and spec.compiler.inertiafromgeom != 1
+    nothing = geom.mass == 0 or (np.isnan(geom.mass) and geom.density == 0)
+    return geom.parent.name != ROOT and not stated and not nothing
+
+
+def _left_out(model: Any) -> Iterator[str]:
+    """What acts in MuJoCo's model and not in a model file that is made of it."""
+    many = np.isin(model.jnt_type[model.dof_jntid], (0, 1))  # speeds of free and ball joints
+    losses = np.abs([model.dof_damping, model.dof_frictionloss, model.dof_armature]).sum(axis=0)
+    acting = (
+        ("damping, friction and armature of ball and free joints", losses[many].any()),
+        ("tendons", model.ntendon),
+        ("flexible bodies", model.nflex),
+        ("gravity compensation", model.body_gravcomp.any()),
+        ("the medium around", model.opt.density or model.opt.viscosity),
+        ("polynomials of springs", model.jnt_stiffnesspoly.any()),
+        ("polynomials of dampers", model.dof_dampingpoly.any()),
+    )
+    yield from (f"left out: {what}" for what, there in acting if there)
+
+
+@dataclass(frozen=True, slots=True)
+class _Compiled:
+    """MuJoCo's arrays by name, with the names of bodies and joints; none is empty or twice."""
+
+    arrays: Mapping[str, Array]
+    name: str
+    bodies: list[str]
+    joints: list[str]
+    left_out: tuple[str, ...]
+
+    @staticmethod
+    def of(table: Table) -> "_Compiled":
+        words: dict[str, Any] = json.loads(table.notes[0])
+        arrays = {column.header: column.values for column in table.columns}
+        bodies = [
+            ROOT if not k else _shown(name) or f"body_{k}" for k, name in enumerate(words["bodies"])
+        ]
+        joints = [_shown(name) or f"joint_{k}" for k, name in enumerate(words["joints"])]
+        left_out = tuple(words["left_out"])
+        return _Compiled(arrays, _shown(words["name"]), _apart(bodies), _apart(joints), left_out)
+
+    def index(self, name: str, row: int) -> int:
+        """A whole number out of an array."""
+        return int(self.arrays[name][row])
+
+
+def _shown(name: str) -> str:
+    return visible(" ".join(name.split()))
+
+
+def _apart(names: list[str]) -> list[str]:
+    """The names, with a number behind those that were there."""
+    taken: set[str] = set()
+    return [_unused(name, taken) for name in names]
+
+
+def _unused(name: str, taken: set[str]) -> str:
+    """A name that is not taken, and then is."""
+    one, count = name, 1
+    while one in taken:
+        count += 1
+        one = f"{name}_{count}"
+    taken.add(one)
+    return one
+
+
+def _robot(model: _Compiled, file: str) -> Robot:
+    """The tree of links: one for each body, and one without mass between two joints of a body."""
+    parents, origins = model.arrays["body_parentid"], {0: (ROOT, here())}
+    links, joints, taken = {ROOT: Link(ROOT)}, [], {*model.bodies, *model.joints}
+    mimics, notes = _equalities(model)
+    notes += [("", text) for text in model.left_out]
+    for number in range(1, len(model.bodies)):
+        name = model.bodies[number]
+        parent, shift = origins[int(parents[number])]
+        pose = shift.then(_pose(model, "body_pos", "body_quat", number))
+        mine = range(
+            model.index("body_jntadr", number),
+            model.index("body_jntadr", number) + model.index("body_jntnum", number),
+        )
+        for place, one in enumerate(mine):
+            last = place == len(mine) - 1
+            child = name if last else _unused(f"{name}_{model.joints[one]}", taken)
+            joint, pose = _joint(model, one, parent, child, pose, mimics)
+            joints.append(joint)
+            links.setdefault(child, Link(child))
+            parent = child
+        if not len(mine):
+            joints.append(_tied(_unused(f"{name}_fixed", taken), parent, name, pose))
+            parent, pose = name, here()
+        origins[number] = parent, pose
+        links[name] = Link(name, _inertial(model, number, pose))
+    driven = _driven(model)
+    gravity = _three(model.arrays["gravity"])
+    return Robot(
+        model.name or "robot", ROOT, links, tuple(joints), file, notes=tuple(notes),
+        gravity=gravity, driven=driven, source="MJCF",
+    )  # fmt: skip
+
+
+def _pose(model: _Compiled, at: str, turned: str, number: int) -> Pose:
+    return Pose(from_quaternion(model.arrays[turned][number]), model.arrays[at][number])
+
+
+def _tied(name: str, parent: str, child: str, pose: Pose) -> Joint:
+    return Joint(name, "fixed", parent, child, _three(pose.at), to_rpy(pose.turned))
+
+
+def _three(vector: Array) -> tuple[float, float, float]:
+    x, y, z = (float(part) for part in vector)
+    return x, y, z
+
+
+def _inertial(model: _Compiled, number: int, pose: Pose) -> Inertial | None:
+    """Mass and tensor in the axes of the link, in which the body lies at ``pose``."""
+    mass = float(model.arrays["body_mass"][number])
+    own = pose.then(_pose(model, "body_ipos", "body_iquat", number))
+    moments = np.diag(model.arrays["body_inertia"][number])
+    if not mass and not moments.any():
+        return None
+    return Inertial(mass, own.at, own.turned @ moments @ own.turned.T)
+
+
+def _joint(
+    model: _Compiled, one: int, parent: str, child: str, pose: Pose, mimics: Mapping[str, Mimic]
+) -> tuple[Joint, Pose]:
+    """A joint by which a body at ``pose`` moves, and where the body lies in the link behind it."""
+    arrays, kind = model.arrays, _KINDS[model.index("jnt_type", one)]
+    dof, slot = model.index("jnt_dofadr", one), model.index("jnt_qposadr", one)
+    anchor, axis = arrays["jnt_pos"][one], arrays["jnt_axis"][one]
+    if kind in ("floating", "ball"):
+        anchor = np.zeros(3) if kind == "floating" else anchor
+        frame = pose.then(Pose(np.eye(3), anchor))
+        free = Joint(model.joints[one], kind, parent, child, _three(frame.at), to_rpy(frame.turned))
+        return free, Pose(np.eye(3), -anchor)
+    zero = float(arrays["qpos0"][slot])
+    if kind == "prismatic":
+        frame = pose.then(Pose(np.eye(3), -zero * axis))
+        anchor = np.zeros(3)
+    else:
+        frame = pose.then(Pose(about_vector(_three(axis), -zero), anchor))
+    stiffness = float(arrays["jnt_stiffness"][one])
+    name = model.joints[one]
+    low, high = (float(part) for part in arrays["jnt_range"][one])
+    joint = Joint(
+        name, kind, parent, child, _three(frame.at), to_rpy(frame.turned), _three(axis),
+        damping=float(arrays["dof_damping"][dof]),
+        friction=float(arrays["dof_frictionloss"][dof]),
+        range=Range((low, high) if arrays["jnt_limited"][one] else None),
+        mimic=mimics.get(name),
+        armature=float(arrays["dof_armature"][dof]),
+        spring=(stiffness, float(arrays["qpos_spring"][slot])) if stiffness else None,
+    )  # fmt: skip
+    return joint, Pose(np.eye(3), -anchor)
+
+
+def _equalities(model: _Compiled) -> tuple[dict[str, Mimic], list[tuple[str, str]]]:
+    """Joints that follow others by a straight line; notes on other conditions."""
+    found, notes = {}, []
+    for row, kind in enumerate(model.arrays["eq_type"]):
+        first, second = (model.index(f"eq_obj{end}id", row) for end in (1, 2))
+        line = model.arrays["eq_data"][row]
+        if kind != _JOINT or second < 0 or line[2:5].any():
+            said = f"condition {row + 1} under <equality> is left out: it is no ratio of two joints"
+            notes.append(("", said))
+            continue
+        at = [float(model.arrays["qpos0"][model.index("jnt_qposadr", k)]) for k in (first, second)]
+        ratio, offset = float(line[1]), at[0] + float(line[0]) - float(line[1]) * at[1]
+        found[model.joints[first]] = Mimic(model.joints[second], ratio, offset)
+    return found, notes
+
+
+def _driven(model: _Compiled) -> frozenset[str] | None:
+    """The joints that have an actuator; None if nothing has one."""
+    targets = zip(
+        model.arrays["actuator_trntype"], model.arrays["actuator_trnid"].reshape(-1, 2), strict=True
+    )
+    found = frozenset(model.joints[int(ids[0])] for kind, ids in targets if kind in (0, 1))
+    return found or None
