@@ -17,6 +17,7 @@ from symhyb.correction.search.score import (
     standing,
     unit_of,
     weak,
+    weak_together,
 )
 from symhyb.correction.search.trajectory import Refined
 from symhyb.discrepancy.fitting.task import Fit
@@ -28,6 +29,7 @@ from symhyb.numeric.lowered.machine import build
 X = On("x")
 DAMPER = Hypothesis("damper", X, ("damping",), (True,))
 SKEWED = Hypothesis("damper", X, ("damping", "skew"), (True, False))
+SAME_COLUMN = (("spring", "stiffness"), ("added_mass", "mass"))
 FRICTION = Hypothesis("friction", X, ("coulomb", "static"), (True, True))
 UNSURE = model_of(
     coordinates={"x": {"unit": "m"}},
@@ -167,3 +169,16 @@ def test_without_a_cause_more_is_left_by_the_square_of_how_far_it_stands_out() -
     assert standing(one, 0) == pytest.approx(25.0)
     coarse = replace(one, accuracy=0.2)  # of the numerics: as large as the deviation
     assert standing(coarse, 0) == pytest.approx(12.5)
+
+
+def test_of_two_causes_that_stand_for_each_other_one_stays() -> None:
+    spring_, mass = (Hypothesis(kind, X, (key,), (False,)) for kind, key in SAME_COLUMN)
+    both = trial(DAMPER, spring_, mass, values=(5.0, 1.0, 2.0), sd=1.0)
+    covariance = np.eye(3)
+    covariance[1, 2] = covariance[2, 1] = -0.99  # what one gains the other loses
+    both = replace(both, fit=replace(both.fit, covariance=covariance))
+    assert weak(both) == (1, 2)
+    assert weak_together(both) == (1,)  # then the mass is 3.0 (2 + 0.99) with a deviation of 0.14
+
+    apart = replace(both, fit=replace(both.fit, covariance=np.eye(3)))
+    assert weak_together(apart) == weak(apart) == (1, 2)

@@ -33,7 +33,7 @@ from symhyb.correction.search.score import (
     score,
     standing,
     uncertain,
-    weak,
+    weak_together,
 )
 from symhyb.correction.search.selection import TOGETHER, Problem, Subset, best_subsets, without
 from symhyb.correction.search.setting import Setting, along_motion
@@ -259,7 +259,7 @@ def _tried(
     """Fit a structure, and without what does not stand out in it: of a variant of a law what was
     added to it, else the cause."""
     trial = trials.refined(causes, rows, starts)
-    gone = set() if trial.fit.reason else set(weak(trial))
+    gone = set() if trial.fit.reason else set(weak_together(trial))
     plainer = {i: law for i in gone if (law := _plain_law(trials, trial.causes[i])) is not None}
     if gone and (plainer or len(gone) < len(trial.causes)):
         if not plainer:

@@ -12,6 +12,7 @@ model lacks is no noise).
 """
 
 from collections.abc import Iterator
+from dataclasses import replace
 from math import inf
 
 import numpy as np
@@ -143,6 +144,36 @@ def weak(trial: Refined) -> tuple[int, ...]:
         if not _strong(trial, i, first, spread)
         or any(added and not stands for added, stands in _shapes(trial, i, first, spread))
     )
+
+
+def weak_together(trial: Refined) -> tuple[int, ...]:
+    """The causes, by their place in the structure, that do not stand out once the weaker ones are
+    gone: of two that stand for each other one stays. The weakest goes first, and the others take
+    its part as the covariance of the fit says (backward elimination)."""
+    gone: list[int] = []
+    now, rest = trial, weak(trial)
+    if trial.owned:  # each recording has strengths of its own
+        return rest
+    firsts = firsts_of(trial.causes)
+    while rest:
+        out = min(rest, key=lambda i: standing(now, i))
+        gone.append(out)
+        now = _conditioned(now, firsts[out])
+        rest = tuple(i for i in weak(now) if i not in gone)
+    return tuple(sorted(gone))
+
+
+def _conditioned(trial: Refined, number: int) -> Refined:
+    """A structure with the values and deviations that it has if a number is none."""
+    fit = trial.fit
+    variance = float(fit.covariance[number, number])
+    if not 0 < variance < inf:
+        return trial
+    along = fit.covariance[:, number] / variance
+    values = fit.values - along * fit.values[number]
+    covariance = fit.covariance - np.outer(along, fit.covariance[number])
+    np.fill_diagonal(covariance, np.maximum(np.diag(covariance), 0.0))  # of rounding
+    return replace(trial, fit=replace(fit, values=values, covariance=covariance))
 
 
 def plain(trial: Refined) -> tuple[int, ...]:
