@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from builders import model_of
+from law_rigs import RIG, on_rig
 from rigs import spring_model, spring_recording
 from scipy.integrate import solve_ivp
 
@@ -11,6 +12,7 @@ from symhyb.correction.search.force_screen import ForceScreen, force_screen, wea
 from symhyb.correction.search.preparing import Prepared, prepare, settle
 from symhyb.correction.search.setting import Setting
 from symhyb.data.recording import Recording
+from symhyb.model.read import parse_model
 from symhyb.model.types import Model
 
 BAND = 5.0
@@ -142,3 +144,9 @@ def test_rows_that_are_not_finite_show_nothing(monkeypatch: pytest.MonkeyPatch) 
     nothing = np.zeros(3, bool), np.full((3, 3, 1, size), np.nan)
     monkeypatch.setattr(screens, "weak_rows", lambda *_: iter([nothing]))
     assert screened(prepared, setting) is None
+
+
+def test_a_machine_whose_motion_is_imposed_has_no_screen() -> None:
+    sliding = on_rig(lambda x, v, z, f: (2.0 * np.tanh(v / 1e-3), 0.0), 1, duration=4.0)
+    prepared = prepare(parse_model(RIG, "rig.toml"), sliding)
+    assert screened(prepared, settle(prepared)) is None

@@ -139,9 +139,9 @@ def force_screen(
     machine: Machine, library: Library, cuts: Sequence[Cut], band_hz: float
 ) -> ForceScreen | None:
     """The screen of the force hypotheses over windows with smoothed motion; ``band_hz`` is the
-    highest modulation. None with constraints, whose reactions nothing here knows, and where a row
-    is not finite."""
-    if machine.constraints:
+    highest modulation. None with constraints, whose reactions nothing here knows, where all motion
+    is imposed, and where a row is not finite."""
+    if machine.constraints or not machine.free:
         return None
     free, size = len(machine.free), sum(map(len, library.columns)) + 1
     grams, count = np.zeros((2, free, size, size)), 0.0
