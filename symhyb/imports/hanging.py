@@ -143,7 +143,8 @@ def _planar(draft: Draft, stem: str, body: Moved, at: list[str]) -> tuple[list[s
 
 
 def across(axis: tuple[float, float, float]) -> tuple[Array, Array]:
-    """Two unit vectors that with ``axis`` as the third make a right-handed frame: of z, x and y."""
+    """Two unit vectors (3,), dimensionless, that with ``axis`` as the third make a right-handed
+    frame: of z, x and y."""
     third = np.array(axis)
     first = np.eye(3)[(int(np.argmax(np.abs(third))) + 1) % 3]
     first = first - (first @ third) * third

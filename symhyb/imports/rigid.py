@@ -26,7 +26,8 @@ DENSITY = 2700.0  # kg/m³, of aluminium: of what links are made
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pose:
-    """A frame in another: its axes are the columns of ``turned`` (3, 3), its origin ``at`` (3,)."""
+    """A frame in another: its axes are the columns of ``turned`` (3, 3), its origin ``at`` (3,) in
+    m."""
 
     turned: Array
     at: Array
@@ -56,7 +57,7 @@ def cosine_and_sine(angle: float) -> tuple[float, float]:
 
 
 def about(axis: int, angle: float) -> Array:
-    """R (3, 3) of a turn about the axis of that index."""
+    """R (3, 3), dimensionless, of a turn about the axis of that index."""
     c, s = cosine_and_sine(angle)
     j, k = (axis + 1) % 3, (axis + 2) % 3
     matrix: Array = np.eye(3)
@@ -65,13 +66,13 @@ def about(axis: int, angle: float) -> Array:
 
 
 def from_rpy(rpy: Sequence[float]) -> Array:
-    """R (3, 3) of roll, pitch and yaw."""
+    """R (3, 3) of roll, pitch and yaw in rad."""
     roll, pitch, yaw = rpy
     return about(2, yaw) @ about(1, pitch) @ about(0, roll)
 
 
 def to_rpy(turned: Array) -> tuple[float, float, float]:
-    """Roll, pitch and yaw of R (3, 3); where the pitch is a right angle the roll is 0."""
+    """Roll, pitch and yaw, rad, of R (3, 3); where the pitch is a right angle the roll is 0."""
     cross = hypot(turned[0, 0], turned[1, 0])
     pitch = atan2(-turned[2, 0], cross)
     if cross < SAME:
@@ -87,7 +88,7 @@ def _snapped(angle: float) -> float:
 
 
 def about_vector(axis: Sequence[float], angle: float) -> Array:
-    """R (3, 3) of a turn about a unit vector (Rodrigues)."""
+    """R (3, 3), dimensionless, of a turn about a unit vector (Rodrigues)."""
     c, s = cosine_and_sine(angle)
     x, y, z = axis
     skew: Array = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
@@ -96,7 +97,7 @@ def about_vector(axis: Sequence[float], angle: float) -> Array:
 
 
 def from_quaternion(parts: Sequence[float]) -> Array:
-    """R (3, 3) of a quaternion, scalar part first; exact where it is that of right angles."""
+    """R (3, 3), dimensionless, of a quaternion, scalar part first; exact at right angles."""
     w, x, y, z = (float(part) for part in parts)
     size = w * w + x * x + y * y + z * z
     skew: Array = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
@@ -106,7 +107,7 @@ def from_quaternion(parts: Sequence[float]) -> Array:
 
 
 def quaternion_of(turned: Array) -> Array:
-    """The quaternion (4,), scalar part first and not negative, of R (3, 3)."""
+    """The quaternion (4,), dimensionless, scalar part first and not negative, of R (3, 3)."""
     xx, yy, zz = np.diag(turned)
     sums = np.array([xx + yy + zz, xx - yy - zz, yy - xx - zz, zz - xx - yy])
     lead = int(np.argmax(sums))
@@ -141,21 +142,21 @@ def joined(parts: Sequence[Inertial]) -> Inertial:
 
 
 def about_point(part: Inertial, point: Array) -> Array:
-    """The tensor (3, 3) about another point than the centre, kg·m²."""
+    """The tensor (3, 3), kg·m², about another point (3,), m, than the centre."""
     arm = part.centre - point
     swept: Array = (arm @ arm) * np.eye(3) - np.outer(arm, arm)
     return part.tensor + part.mass * swept
 
 
 def is_of_a_body(tensor: Array) -> bool:
-    """Whether a tensor (3, 3) about the centre is positive and obeys the triangle inequality; 0,
-    that of a point, does."""
+    """Whether a tensor (3, 3), SI, about the centre is positive and obeys the triangle inequality;
+    0, that of a point, does."""
     second = np.linalg.eigvalsh(_second_moments(tensor))
     return bool(second[0] >= -SLIGHT * max(second[-1], 0.0))
 
 
 def nearest_of_a_body(tensor: Array) -> Array:
-    """The tensor of a body whose second moments are nearest to those of this one."""
+    """The tensor (3, 3), SI, of a body whose second moments are nearest to those of this one."""
     values, axes = np.linalg.eigh(_second_moments(tensor))
     second = (axes * np.maximum(values, 0.0)) @ axes.T
     nearest: Array = np.trace(second) * np.eye(3) - second

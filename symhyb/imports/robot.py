@@ -19,8 +19,8 @@ TURNED = frozenset({"floating", "ball"})  # joints that turn by a quaternion
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Inertial:
-    """``mass`` (kg) at ``centre`` (3,), and its ``tensor`` (3, 3) about that, kg·m², both in the
-    axes of the link."""
+    """``mass`` (kg) at ``centre`` (3,) in m, and its ``tensor`` (3, 3) about that, kg·m², both in
+    the axes of the link."""
 
     mass: float
     centre: Array

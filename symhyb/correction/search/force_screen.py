@@ -199,7 +199,7 @@ def modulated(t: Array, band_hz: float) -> tuple[Array, Array]:
 
 
 def independent(test: Array) -> float:
-    """How many of test functions (R, L) are independent under white noise: those of neighbouring
+    """How many of test functions (R, L), in s, are independent under white noise: neighbouring
     harmonics overlap."""
     shared = test @ test.T
     return float(np.trace(shared) ** 2 / np.sum(shared**2))
