@@ -12,7 +12,7 @@ export PIP_NO_INPUT := 1
 export OMP_NUM_THREADS := 1
 export OPENBLAS_NUM_THREADS := 1
 
-.PHONY: test demo slow fuzz oldest package windows masters lint types layers docs all install clean
+.PHONY: test demo slow thorough fuzz oldest package windows masters lint types layers docs all install clean
 
 test: $(READY)
 	$(BIN)/python -m pytest -q -n 2
@@ -23,6 +23,10 @@ demo: $(READY)
 slow: $(READY)
 	$(BIN)/python -m pytest -q -n 2 -m slow
 
+# what a change of the search, of laws or of exports is tried on beside the slow tests, and a release
+thorough: $(READY)
+	$(BIN)/python -m pytest -q -n 2 -m thorough
+
 # 20 000 inputs made to hurt for every reader; make fuzz COUNT=1000000 takes a night
 COUNT ?= 20000
 fuzz: $(READY)
@@ -31,8 +35,8 @@ fuzz: $(READY)
 # with the oldest versions that pyproject.toml allows, in an environment of its own: quick tests of
 # all that calls a library, and of whole diagnoses
 OLDEST := build/oldest
-OF_OLDEST := data export laws mechanics model models numeric optimisation report \
-	test_cli.py test_diagnosis.py test_learn.py test_study.py
+OF_OLDEST := data export laws model numeric optimisation report \
+	test_cli.py test_diagnosis.py test_learn.py
 # but for those that need the tools of development, or look at the newest versions
 NOT_OF_OLDEST := report/test_contract.py::test_the_schemas_are_those_of_the_types \
 	laws/test_add_a_law.py::test_the_law_of_the_page_is_written_as_all_code_is

@@ -35,8 +35,8 @@ def laser(values: Array, run: Recording) -> Recording:
     "fault",
     [
         "spikes",
-        pytest.param("saturated", marks=pytest.mark.slow),
-        pytest.param("drops out", marks=pytest.mark.slow),
+        pytest.param("saturated", marks=pytest.mark.thorough),
+        pytest.param("drops out", marks=pytest.mark.thorough),
     ],
 )
 def test_samples_that_a_sensor_got_wrong_are_left_out_with_a_note(fault: str) -> None:
@@ -108,7 +108,7 @@ pos_x2 = { measures = "x2", unit = "m" }
 """
 
 
-@pytest.mark.parametrize("size", [3.0, pytest.param(24.0, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("size", [3.0, pytest.param(24.0, marks=pytest.mark.thorough)])
 def test_masses_that_overtake_each_other_tell_no_physics(size: float) -> None:
     """Equations without lengths let two masses pass through each other; points cannot."""
 
@@ -159,7 +159,7 @@ def test_less_than_a_period_is_said_and_names_nothing() -> None:
     assert "cannot tell" in diagnosis.sentence
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_machine_at_rest_half_of_the_time_still_tells_its_friction() -> None:
     run, random = spring_recording(1, {"coulomb": 1.0}, duration=10.0), np.random.default_rng(0)
     size = run.t.size
@@ -213,7 +213,10 @@ def test_a_correction_that_runs_away_is_seen() -> None:
 
 @pytest.mark.parametrize(
     "drift",
-    [pytest.param(0.001, marks=pytest.mark.slow), pytest.param(0.005, marks=pytest.mark.slow)],
+    [
+        pytest.param(0.001, marks=pytest.mark.thorough),
+        pytest.param(0.005, marks=pytest.mark.thorough),
+    ],
 )
 def test_a_clock_that_runs_fast_is_reported(drift: float) -> None:
     model, run = chain_model(), chain_recording(3)
@@ -236,7 +239,7 @@ def _clock(model: Model, run: Recording) -> RecordingFault | None:
     return drifting(setting, lambda clocks: settle(prepare(model, run, (), clocks)))
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_chaotic_double_pendulum_over_a_minute_ends_in_a_sentence() -> None:
     model, random = double_pendulum(), np.random.default_rng(1)
     measured = {"a": "alpha", "b": "beta"}

@@ -14,7 +14,7 @@ from symhyb.discrepancy.results import Diagnosis
 from symhyb.model.read import parse_model, read_model
 from symhyb.model.types import On
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.thorough
 
 MODEL = read_model(Path(__file__).parents[1] / "models" / "slider_crank.toml")
 FRICTION, TRANSITION = 2.0, 2e-3  # N on the slider, m/s

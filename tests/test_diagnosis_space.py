@@ -70,7 +70,7 @@ def recording(seed: int, coulomb: float) -> sh.Recording:
     return sh.Recording("furuta.csv", t, inputs, seen, (), "")
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_dry_friction_in_the_motor_of_a_furuta_pendulum_is_named() -> None:
     diagnosis = sh.diagnose(sh.read_model(MODEL), recording(1, 0.008))
     (found,) = diagnosis.found
@@ -81,7 +81,7 @@ def test_dry_friction_in_the_motor_of_a_furuta_pendulum_is_named() -> None:
     assert any("On psi (joint of arm to the ground)" in sentence for sentence in reported)
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_furuta_pendulum_that_lacks_nothing_is_left_alone() -> None:
     diagnosis = sh.diagnose(sh.read_model(MODEL), recording(2, 0.0))
     assert diagnosis.found == ()
@@ -144,7 +144,7 @@ def swung(damping: float) -> sh.Recording:
     return sh.Recording("swung.csv", t, {}, dict(zip(names, seen, strict=True)), (), "")
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_what_slows_a_body_that_a_quaternion_turns_is_named_at_its_point() -> None:
     diagnosis = sh.diagnose(parse_model(HUNG, "hung.toml"), swung(0.05))
     (found,) = diagnosis.found

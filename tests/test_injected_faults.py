@@ -115,8 +115,10 @@ QUICK = ("simulate", "export", "check", "compare")
 
 
 def marked(verbs: Iterable[str]) -> list[object]:
-    """The verbs, of which those that diagnose are slow."""
-    return [pytest.param(verb, marks=() if verb in QUICK else pytest.mark.slow) for verb in verbs]
+    """The verbs, of which those that diagnose take long."""
+    return [
+        pytest.param(verb, marks=() if verb in QUICK else pytest.mark.thorough) for verb in verbs
+    ]
 
 
 @pytest.mark.parametrize("there", [False, True])

@@ -17,7 +17,7 @@ import symhyb as sh
 from symhyb.discrepancy.results import Diagnosis
 from symhyb.model.read import parse_model
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.thorough
 
 ROOT = Path(__file__).parent.parent
 Texts = Mapping[str, str]

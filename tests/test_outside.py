@@ -6,7 +6,7 @@ from rigs import STIFFNESS, spring_model
 
 import symhyb as sh
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.thorough
 
 
 @pytest.mark.parametrize(

@@ -49,7 +49,7 @@ def test_noise_is_noise_of_the_same_size() -> None:
     assert not recording.shares(noise)
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_correction_that_runs_away_unseen_is_reported_and_not_withdrawn() -> None:
     """Found at small swings, a softening cubic has no place of rest beyond 0.42 m."""
 
@@ -69,7 +69,7 @@ def test_a_correction_that_runs_away_unseen_is_reported_and_not_withdrawn() -> N
     assert "has not seen" not in calm.sentence
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("stiffness", "verdict"), [(60.0, "missing physics"), (-30.0, "undecided")]
 )
@@ -91,7 +91,7 @@ def test_a_correction_that_runs_away_is_refused(stiffness: float, verdict: str) 
     assert number.value == pytest.approx(stiffness - 200.0, abs=4 * number.sd + 0.5)
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "path", studies(), ids=lambda path: "-".join(path.relative_to(STUDIES).parts[:-1])
 )

@@ -27,8 +27,8 @@ def with_wrong(name: str, value: float) -> Model:
     ("name", "wrong", "truth", "kind"),
     [
         ("m", 1.2, 1.3, "added_mass"),
-        pytest.param("k", 190.0, 200.0, "spring", marks=pytest.mark.slow),
-        pytest.param("d", 0.6, 0.8, "damper", marks=pytest.mark.slow),
+        pytest.param("k", 190.0, 200.0, "spring", marks=pytest.mark.thorough),
+        pytest.param("d", 0.6, 0.8, "damper", marks=pytest.mark.thorough),
     ],
 )
 def test_a_held_number_that_says_as_much_as_a_law_is_reported_beside_it(
@@ -43,7 +43,7 @@ def test_a_held_number_that_says_as_much_as_a_law_is_reported_beside_it(
     assert f"One number that the model file holds says as much: {name} = " in diagnosis.sentence
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_no_number_is_blamed_for_friction() -> None:
     diagnosis = sh.diagnose(spring_model(), spring_recording(1, {"coulomb": 0.5}))
     assert [one.element.kind for one in diagnosis.found] == ["friction"]
@@ -85,7 +85,7 @@ encoder = {{ measures = "phi", unit = "rad" }}
 """
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_no_physics_is_named_where_one_held_number_says_more_than_all_of_it() -> None:
     """A mass is inertia and weight at once, and no law of the list is both: a spring that pushes
     away and a gain of the motor were reported."""

@@ -50,7 +50,7 @@ def test_products_couple_coordinates_and_inputs() -> None:
     assert isinstance(tried[0], Hypothesis)
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("law", "formula", "truth"),
     [
@@ -77,7 +77,7 @@ def test_a_product_that_has_no_name_is_found_and_said_with_a_warning(
     assert sh.apply(model, diagnosis.found).elements[-1].kind == "law"
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_what_has_a_name_is_reported_by_it() -> None:
     """Dahl's friction and drag are explained by products less well; and nothing stays nothing."""
     for law, kind in (
@@ -90,7 +90,7 @@ def test_what_has_a_name_is_reported_by_it() -> None:
     assert sh.diagnose(spring_model(), driven(none, 3)).verdict == "nothing missing"
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_overtones_of_a_line_are_found() -> None:
     none = product(0.0, lambda x, v, f: 0.0)
     lines = {6.3: 1.0, 12.6: 0.6, 18.9: 0.4}

@@ -30,35 +30,35 @@ def assert_close(found: dict[str, tuple[float, float]], truth: dict[str, float])
         assert abs(found[key][0] - value) < 4 * found[key][1], key
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_an_exponent_of_hysteresis_is_found() -> None:
     found = diagnosed(bouc_wen(150.0, 1.6e4, 1e4, exponent=2.0))
     truth = {"stiffness": 150.0, "beta": 1.6e4, "gamma": 1e4, "exponent": 2.0}
     assert_close(found, {f"hysteresis.{key}": value for key, value in truth.items()})
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_play_in_series_with_hysteresis_is_found() -> None:
     found = diagnosed(bouc_wen(300.0, 100.0, 40.0, play=0.004))
     truth = {"stiffness": 300.0, "beta": 100.0, "gamma": 40.0, "play": 0.004}
     assert_close(found, {f"hysteresis.{key}": value for key, value in truth.items()})
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_micro_damping_is_found() -> None:
     found = diagnosed(lugre(1.0, 600.0, micro=8.0))
     truth = {"coulomb": 1.0, "stiffness": 600.0, "micro_damping": 8.0}
     assert_close(found, {f"friction_dynamic.{key}": value for key, value in truth.items()})
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_damping_of_a_stop_is_found() -> None:
     found = diagnosed(stop(800.0, 0.012, damping=6.0))
     truth = {"stiffness": 800.0, "clearance": 0.012, "damping": 6.0}
     assert_close(found, {f"gap.{key}": value for key, value in truth.items()})
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("law", "truth"),
     [

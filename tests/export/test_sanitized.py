@@ -59,7 +59,7 @@ def driver(fmi: int) -> str:
     return (HERE / f"driver{fmi}.c").read_text(encoding="utf-8")
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 @pytest.mark.parametrize("fmi", [2, 3])
 @pytest.mark.parametrize("made", MADE)
 def test_no_check_of_the_compiler_finds_anything(
@@ -70,7 +70,7 @@ def test_no_check_of_the_compiler_finds_anything(
     assert (number, said) == (0, "all as it should be\n"), said
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("right", "wrong", "said"),
     [
@@ -96,7 +96,7 @@ def test_what_is_wrong_is_found(right: str, wrong: str, said: str, tmp_path: Pat
     assert said in text
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 @pytest.mark.parametrize("checks", ["address,undefined", "thread"])
 @pytest.mark.parametrize("fmi", [2, 3])
 @pytest.mark.parametrize("made", MADE)

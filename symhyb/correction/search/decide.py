@@ -263,7 +263,9 @@ def _tried(
     plainer = {i: law for i in gone if (law := _plain_law(trials, trial.causes[i])) is not None}
     if gone and (plainer or len(gone) < len(trial.causes)):
         if not plainer:
-            _without(trials, trial, gone)
+            rest = _without(trials, trial, gone)
+            if len(rest.causes) > TOGETHER:  # what stands for a cause that left may be weak now
+                _tried(trials, trials.causes(rest), grouped(rest), rest.fit.starts)
             return
         own, values = trials.causes(trial), grouped(trial)
         for i, law in plainer.items():
