@@ -35,7 +35,7 @@ fuzz: $(READY)
 # with the oldest versions that pyproject.toml allows, in an environment of its own: quick tests of
 # all that calls a library, and of whole diagnoses
 OLDEST := build/oldest
-OF_OLDEST := data export laws model numeric optimisation report \
+OF_OLDEST := data export imports laws model numeric optimisation report \
 	test_cli.py test_diagnosis.py test_learn.py
 # but for those that need the tools of development, or look at the newest versions
 NOT_OF_OLDEST := report/test_contract.py::test_the_schemas_are_those_of_the_types \
