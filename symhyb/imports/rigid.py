@@ -26,8 +26,8 @@ DENSITY = 2700.0  # kg/m³, of aluminium: of what links are made
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pose:
-    """A frame in another: its axes are the columns of ``turned`` (3, 3), its origin ``at`` (3,) in
-    m."""
+    """A frame in another: the columns of ``turned`` (3, 3) are its axes, ``at`` (3,), m, its
+    origin."""
 
     turned: Array
     at: Array
