@@ -39,7 +39,7 @@ def test_what_cannot_be_ruled_out_may_be_expected_too() -> None:
         assert not one.passed
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_at_rest_drag_and_a_second_loss_that_may_be_linear_or_dry(
     tmp_path: Path, public_file: Public
 ) -> None:
