@@ -3,7 +3,7 @@
 The motor of a wrist often turns at the sum of two joints' rates, since its drive runs through the
 one before; belts and differentials do the same. A file of links and joints does not say so. At the
 level of forces that is seen where causes on single joints leave most: friction and damping of the
-sum act on both joints alike (Hoang, Gautier et al., IFAC Proceedings 2014, on a Stäubli TX40).
+sum act on both joints alike.
 Sizes: W windows, R rows of a window, L samples, f free coordinates, P pairs with a sign.
 """
 

@@ -101,7 +101,7 @@ class Decision:
 def decide(setting: Setting, forces: ForceScreen | None, say: Say) -> Decision:
     """Choose a structure; ``forces`` is the screen of the same force hypotheses at their level."""
     pool: set[tuple[int, ...]] = set()
-    if forces:
+    if forces is not None:
         problem = forces.problem(forces.begin())
         pool |= _first_of(problem, best_subsets(problem, LARGEST))
     problems, twins = [], exact_twins(setting)

@@ -32,7 +32,7 @@ def begun(
     found = [s for causes in sorted(pool) if (s := solve(problem, causes)) is not None]
     if empty is None or not found:
         return []
-    unit = _unit(min(found, key=_left), nothing)
+    unit = _unit(min(found, key=lambda subset: subset.left), nothing)
     gains = {s.causes: _gain(trials, nothing, empty, s, unit, 1.0) for s in found}
     able = [s for s in found if _gain(trials, nothing, empty, s, unit, MOST) > 0]
     ranked = sorted(able, key=lambda s: -gains[s.causes])
@@ -74,14 +74,9 @@ def _promised(trials: Trials, nothing: Refined, problem: Problem, many: int) -> 
     return best if promised else None
 
 
-def _left(subset: Subset) -> float:
-    """χ² of all windows."""
-    return subset.chi2 + subset.held
-
-
 def _unit(best: Subset, nothing: Refined) -> float:
     """χ² per sample that the ``best`` subset leaves, of noise at least."""
-    return max(_left(best) / samples(nothing), 1.0)
+    return max(best.left / samples(nothing), 1.0)
 
 
 def _gain(
@@ -91,7 +86,7 @@ def _gain(
     is ``paid``."""
     choices = len(subset.causes) * choice_of(trials.count)
     price = subset.numbers * np.log(samples(nothing)) + choices
-    return float((_left(empty) - _left(subset)) / unit - paid * price)
+    return float((empty.left - subset.left) / unit - paid * price)
 
 
 def _stated(problem: Problem) -> tuple[int, ...]:

@@ -10,8 +10,8 @@ oscillation filters it out; the modulation keeps the band.
 
 A force is linear in every coefficient here, also in a mass that is missing, however light the
 machine is without it; along windows that mass divides all forces. Coordinates are weighted by what
-is left on them, and that again, as arms are identified (iteratively reweighted least squares:
-Gautier & Poignet, Control Engineering Practice 9, 2001). The result is a proposal, not a decision.
+is left on them, and that again, as arms are identified (weighted least squares: Gautier & Poignet,
+Control Engineering Practice 9, 2001). The result is a proposal, not a decision.
 Sizes: W windows, R rows of a window, C columns, f free coordinates, L samples.
 """
 
@@ -105,7 +105,7 @@ class ForceScreen:
         cause less or another one is better."""
         best: Subset | None = None
         for sized in growing(problem, GROWING):
-            found = min(sized, key=_left)
+            found = min(sized, key=lambda subset: subset.left)
             if best is not None and not self._cheaper(found, best, choice):
                 break
             best = found
@@ -128,7 +128,7 @@ class ForceScreen:
     def _score(self, subset: Subset, best: Subset, choice: float) -> float:
         """The score of a subset in units of what the ``best`` leaves."""
         price = subset.numbers * np.log(self.rows) + len(subset.causes) * choice
-        return float(_left(subset) / max(_left(best) / self.rows, 1e-300) + price)
+        return float(subset.left / max(best.left / self.rows, 1e-300) + price)
 
     def _per_row(self, squares: Array) -> Array:
         """Weights (f,) that make squares (f,) one a row; 0 where a coordinate shows none."""
@@ -203,8 +203,3 @@ def independent(test: Array) -> float:
     harmonics overlap."""
     shared = test @ test.T
     return float(np.trace(shared) ** 2 / np.sum(shared**2))
-
-
-def _left(subset: Subset) -> float:
-    """The squares of all windows."""
-    return subset.chi2 + subset.held

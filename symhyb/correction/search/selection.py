@@ -33,6 +33,11 @@ class Subset:
     held: float
     numbers: int
 
+    @property
+    def left(self) -> float:
+        """χ² of all windows."""
+        return self.chi2 + self.held
+
 
 @dataclass(frozen=True, slots=True)
 class Problem:
