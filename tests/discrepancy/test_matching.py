@@ -10,10 +10,11 @@ from builders import damper, oscillator, push, recording, spring
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from symhyb.discrepancy.fitting.matching import fit
+from symhyb.discrepancy.fitting.matching import ROUGHLY, fit
 from symhyb.discrepancy.fitting.task import Fit, Task
 from symhyb.discrepancy.recorded.motion import motion_of
 from symhyb.discrepancy.recorded.windows import Cut, lay
+from symhyb.judgement import UNEXPLAINED
 from symhyb.numeric.lowered.machine import Machine, build
 from symhyb.numeric.runs.windows import WindowModel
 
@@ -283,3 +284,20 @@ def test_a_start_from_which_the_simulation_explodes_fails_with_a_reason() -> Non
     assert np.isinf(found.chi2).all()
     assert np.isinf(found.covariance).all()
     assert found.count.shape == found.held.shape == (6,)
+
+
+def test_a_rough_fit_ends_where_a_tenth_of_a_piece_is_left_and_no_sooner_at_the_noise() -> None:
+    """Without drag the fit leaves far more than noise; with it nothing is rough."""
+    windows = cut(3)
+    for free in (("k",), ("k", "d", "b")):
+        machine, model = rig(*free)
+        p = machine.values.copy()
+        if "b" not in free:
+            p[machine.column("b")] = 0.0
+        careful = fit(model, task(windows, len(free)), p)
+        rough = fit(model, task(windows, len(free), rough=True), p)
+        if "b" in free:
+            np.testing.assert_array_equal(rough.values, careful.values)
+        else:
+            assert careful.scale > 2 * UNEXPLAINED
+            assert careful.train <= rough.train <= (1 + 2 * ROUGHLY) * careful.train

@@ -11,6 +11,7 @@
 
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import islice
 
 from symhyb.correction.search.conventions import (
     exchange,
@@ -35,7 +36,7 @@ from symhyb.correction.search.score import (
     uncertain,
     weak_together,
 )
-from symhyb.correction.search.selection import TOGETHER, Problem, Subset, best_subsets, without
+from symhyb.correction.search.selection import Problem, Subset, best_subsets, many, without
 from symhyb.correction.search.setting import Setting, along_motion
 from symhyb.correction.search.so_far import fits_best, if_interrupted
 from symhyb.correction.search.trajectory import Refined, grouped
@@ -49,7 +50,6 @@ from symhyb.numeric.kernels.buffers import Array
 from symhyb.steps import Say
 
 ROUNDS = 12
-FAR = 10.0  # times the price of a cause: what is lost with one that stands far out
 CLOSE_MOST = 8  # structures that are decided among, with the selected one
 
 
@@ -146,8 +146,7 @@ def decide_among(setting: Setting, decision: Decision, say: Say) -> Decision:
         _tried(trials, trials.causes(trial), grouped(trial), trial.fit.starts)
     best = _best(trials)
     for _ in range(ROUNDS):
-        for i in range(len(best.causes)):
-            _without(trials, best, {i})
+        _each_left_out(trials, best)
         better = _best(trials)
         log.append(_sentence(trials, better, best))
         if better is best:
@@ -187,7 +186,8 @@ def _decided(trials: Trials, problems: Sequence[Problem], pool: set[tuple[int, .
     for _ in range(ROUNDS):
         _look_around(trials, best)
         better = _best(trials)
-        if better is best and best.fit.scale > NEAR_NOISE:
+        few = not many(best.causes)  # no formula of one place stands for more
+        if better is best and best.fit.scale > NEAR_NOISE and few:
             _without_a_name(trials, best, nothing)
             better = _best(trials)
         log.append(_sentence(trials, better, best))
@@ -232,9 +232,12 @@ def _sentence(trials: Trials, better: Refined, before: Refined) -> str:
 def _look_around(trials: Trials, base: Refined) -> None:
     """Fit what may be better than the best so far."""
     smaller = _each_left_out(trials, base)
-    for offer in exchanges(trials, base):
+    offers = exchanges(trials, base)
+    if many(base.causes):  # the others are weighed again along what this one leaves
+        offers = islice(offers, 1)
+    for offer in offers:
         _tried(trials, offer.causes, offer.rows, base.fit.starts)
-    if base.fit.scale < NEAR_NOISE or len(base.causes) > TOGETHER:
+    if base.fit.scale < NEAR_NOISE or many(base.causes):
         return
     for causes, rows, starts in _suggested(trials, base, smaller):
         _tried(trials, causes, rows, starts)
@@ -264,7 +267,7 @@ def _tried(
     if gone and (plainer or len(gone) < len(trial.causes)):
         if not plainer:
             rest = _without(trials, trial, gone)
-            if len(rest.causes) > TOGETHER:  # what stands for a cause that left may be weak now
+            if many(rest.causes):  # what stands for a cause that left may be weak now
                 _tried(trials, trials.causes(rest), grouped(rest), rest.fit.starts)
             return
         own, values = trials.causes(trial), grouped(trial)
@@ -276,9 +279,9 @@ def _tried(
 
 def _each_left_out(trials: Trials, base: Refined) -> list[Refined | None]:
     """A structure without each of its causes; None where it has many, and its own deviation says
-    that leaving this one out costs far more than it saves."""
-    dear = FAR * (price(base, trials.count) / max(len(base.causes), 1) + SIGNIFICANT)
-    few = len(base.causes) <= TOGETHER
+    that leaving this one out costs more than it saves."""
+    dear = price(base, trials.count) / max(len(base.causes), 1) + SIGNIFICANT
+    few = not many(base.causes)
     return [
         _without(trials, base, {i}) if few or standing(base, i) < dear else None
         for i in range(len(base.causes))

@@ -12,10 +12,10 @@ import numpy as np
 
 from symhyb.correction.search.score import choice_of, piece_of, samples
 from symhyb.correction.search.selection import (
-    TOGETHER,
     Problem,
     Subset,
     best_subsets,
+    many,
     solve,
     without,
 )
@@ -62,18 +62,18 @@ def _all(trials: Trials, base: Refined) -> Iterator[Offer]:
         return
     own, rows, unit = trials.causes(base), grouped(base), piece_of(base)
     number, choice = np.log(samples(base)), choice_of(trials.count)
-    few = len(own) <= TOGETHER
-    for many in range(min(OUT if few else 1, len(own)) + 1):
-        for out in combinations(range(len(own)), many):
+    few = not many(own)
+    for leaving in range(min(OUT if few else 1, len(own)) + 1):
+        for out in combinations(range(len(own)), leaving):
             gone = [base.causes[i] for i in out]
             stay = [i for i in range(len(own)) if i not in out]
             problem = _open(
                 trials, exchanged(along, parts, out), [base.causes[i] for i in stay], gone
             )
-            for sized in best_subsets(problem, IN if many < OUT else 1)[1:]:
+            for sized in best_subsets(problem, IN if leaving < OUT else 1)[1:]:
                 for subset in distinct(problem, sized)[:TRIED]:
                     more = subset.numbers - sum(cause.numbers for cause in gone)
-                    price = more * number + (len(subset.causes) - many) * choice
+                    price = more * number + (len(subset.causes) - leaving) * choice
                     taken = still.chi2 + still.held - subset.chi2 - subset.held
                     gain = float(taken / unit - price)
                     if gain > (-max(MOST * price, CLOSE) if few else 0.0):

@@ -16,7 +16,9 @@ from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.numeric.kernels.buffers import Array
 
 BEAM = 24
-TOGETHER = 5  # causes: more are neither chosen at once nor exchanged in pairs
+TOGETHER = (
+    5  # causes: more are neither chosen at once nor exchanged in pairs, and not fitted to try
+)
 AT_ONCE = 2000  # sets that are solved side by side
 UNSEEN = 1e-100  # of the noise for one SI unit: a column that is rounding alone
 CONDITION = 1e10  # of scaled columns: beyond, a subset cannot be distinguished
@@ -57,6 +59,11 @@ class Problem:
     upper: Array
     least: Array
     recordings: tuple[str, ...] = ()
+
+
+def many(causes: Sequence[object]) -> bool:
+    """Whether these are more causes than are tried by fits rather than weighed on Gram matrices."""
+    return len(causes) > TOGETHER
 
 
 def best_subsets(problem: Problem, largest: int = TOGETHER) -> list[list[Subset]]:

@@ -120,7 +120,7 @@ def refine(
     lower, upper, mean, spread = bounds
     task = Task(tuple(cuts), sd, lower, upper, mean, spread, everything, own=owned, first=begin)
     if not careful:
-        task = replace(task, decrease=TRIAL_DECREASE, iterations=TRIAL_ITERATIONS)
+        task = replace(task, decrease=TRIAL_DECREASE, iterations=TRIAL_ITERATIONS, rough=True)
     begun = None if starts is None else [_begun(*pair) for pair in zip(cuts, starts, strict=True)]
     fitted = fit(WindowModel(machine, free), task, p, begun)
     each = tuple(

@@ -12,7 +12,7 @@ from symhyb.correction.search.selection import Subset
 from symhyb.correction.search.setting import Setting, Stage
 from symhyb.correction.search.trajectory import with_causes
 from symhyb.correction.search.trials import Row, first_guess
-from symhyb.discrepancy.recorded.runs import cut_within, fine_for
+from symhyb.discrepancy.recorded.runs import Run, cut_within, fine_for, fine_needed, has_many
 from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.numeric.lowered.machine import build
 
@@ -33,7 +33,7 @@ def at_level_of_forces(
     forces = _screened(prepared, setting)
     whole = whole_of(setting, forces)
     if forces is None or whole is None:
-        return prepared, setting, forces
+        return *_as_fine_as_needed(prepared, setting, None), forces
     band, cuts = BAND / prepared.shortest, _windows(prepared, setting)
     places = coupled_places(prepared, setting.library, cuts, band, forces, whole.subset)
     if places:
@@ -60,7 +60,7 @@ def whole_of(
 ) -> Whole | None:
     """All causes that pay at the level of forces, but the ``dropped`` ones; None if a machine has
     no more free coordinates than a few causes explain, or no more causes pay."""
-    if forces is None or len(setting.windows.machine.free) <= LARGEST:
+    if forces is None or not has_many(setting.windows.machine):
         return None
     families = {cause.family for cause in setting.hypotheses}
     found = forces.whole(choice_of(len(families) - len(dropped)), dropped)
@@ -72,17 +72,13 @@ def whole_of(
 def _as_fine_as_needed(
     prepared: Prepared, setting: Setting, whole: Whole | None
 ) -> tuple[Prepared, Setting]:
-    """Recordings and windows with no finer steps near reversals than a ``whole`` asks for: without
-    the masses that it has, friction turns light bodies over in no time."""
-    if whole is None:
+    """Recordings and windows of a machine of more than a few coordinates with steps near reversals
+    as fine as a ``whole`` asks for, or whatever could act: without the masses that a whole has,
+    friction turns light bodies over in no time."""
+    if not has_many(prepared.machine):
         return prepared, setting
-    causes = [setting.hypotheses[cause] for cause in whole.subset.causes]
-    machine = build(with_causes(prepared.model, causes, whole.rows), keep=False)
-    length = setting.stages[-1].length_s
-    runs = [replace(run, fine=fine_for(machine, run, length)) for run in prepared.runs]
+    runs, unseen = (_fine(prepared, setting, whole, x) for x in (prepared.runs, prepared.holdout))
     fine = {id(run.recording): run.fine for run in runs}
-    finest = max(run.fine for run in runs)
-    unseen = [replace(run, fine=min(run.fine, finest)) for run in prepared.holdout]
     stages = [
         Stage(
             stage.length_s,
@@ -90,7 +86,15 @@ def _as_fine_as_needed(
         )
         for stage in setting.stages
     ]
-    return (
-        replace(prepared, runs=tuple(runs), holdout=tuple(unseen)),
-        replace(setting, stages=tuple(stages)),
-    )
+    return replace(prepared, runs=runs, holdout=unseen), replace(setting, stages=tuple(stages))
+
+
+def _fine(
+    prepared: Prepared, setting: Setting, whole: Whole | None, runs: Sequence[Run]
+) -> tuple[Run, ...]:
+    if whole is None:
+        return tuple(replace(run, fine=fine_needed(prepared.machine, run)) for run in runs)
+    causes = [setting.hypotheses[cause] for cause in whole.subset.causes]
+    machine = build(with_causes(prepared.model, causes, whole.rows), keep=False)
+    length = setting.stages[-1].length_s
+    return tuple(replace(run, fine=fine_for(machine, run, length)) for run in runs)

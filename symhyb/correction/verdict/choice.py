@@ -14,6 +14,7 @@ from symhyb.correction.search.decide import Decision, decide, decide_among
 from symhyb.correction.search.fleet import Outlier, outliers, own_value, parted, without
 from symhyb.correction.search.force_screen import ForceScreen
 from symhyb.correction.search.preparing import Prepared
+from symhyb.correction.search.selection import many
 from symhyb.correction.search.setting import Setting
 from symhyb.correction.search.so_far import fits_best, if_interrupted
 from symhyb.discrepancy.places.hypotheses import Hypothesis
@@ -42,6 +43,9 @@ def choose(prepared: Prepared, setting: Setting, forces: ForceScreen | None, say
     if sd is None:
         return choice
     say("deciding again, for the noise of a sensor is correlated in time")
+    louder = replace(choice.setting, sd=sd)
+    if many(choice.decision.selected.causes):  # forces, not windows, show so many
+        return chosen_again(prepared, louder, choice, say)
     return chosen(prepared, replace(setting, sd=sd), forces, say)
 
 

@@ -18,13 +18,15 @@ from symhyb.discrepancy.fitting.gentle import gentle
 from symhyb.discrepancy.fitting.normal import bounded_step, inverse_of
 from symhyb.discrepancy.fitting.squares import best_of, squares
 from symhyb.discrepancy.fitting.task import Fit, Task
+from symhyb.discrepancy.recorded.runs import has_many
 from symhyb.discrepancy.recorded.windows import Cut, correlation_time
-from symhyb.judgement import UNEXPLAINED
+from symhyb.judgement import PIECES, UNEXPLAINED
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.runs.windows import WindowModel
 
 TRIAL_DECREASE = 1e-4
 TRIAL_ITERATIONS = 7  # a structure that needs more is not close
+ROUGHLY = 0.1 / PIECES  # of the cost, where it is no noise: a tenth of what the score counts in
 DAMPING_MOST = 1e8
 UNBOUNDED = "the simulation grew without bound"
 SHARES = (1.0, 0.0)  # of the step of a window's initial state: the best is taken
@@ -57,12 +59,14 @@ def fit(model: WindowModel, task: Task, p: Array, starts: Sequence[Array] | None
 
     Initial states start at ``starts`` (W, X) of each recording (default: those of the smoothed
     motion) and are fitted on every window, parameters on those that are not held. With dry friction
-    they begin where gentle friction ends, unless they explain the windows already.
+    they begin where gentle friction ends, unless they explain the windows already, or are those of
+    another fit of a machine of many coordinates, whose runs are dear.
     """
     first = p[list(model.free)] if task.first is None else task.first
     values = np.clip(first, task.lower, task.upper)
     begun = list(starts or [item.start for item in task.cuts])
-    softer = gentle(model.machine, task.cuts, p)
+    near = starts is not None and has_many(model.machine)
+    softer = None if near else gentle(model.machine, task.cuts, p)
     if softer is not None and not _explained(model, task, p, values, begun):
         found = _fitted(model, task, softer.p, values, begun)
         if not found.reason:
@@ -131,12 +135,15 @@ def _descended(
     """Parameters, initial states and squares (W,) of the windows of each recording after damped
     Gauss–Newton steps, while they pay."""
     damping, gained, cost = 0.0, 0.0, _total(task, values, shown)
+    count = sum(int(np.isfinite(item.block.y).sum()) for item in task.cuts)
     for _ in range(task.iterations):
+        rough = task.rough and cost > UNEXPLAINED * count
+        least = cost * (ROUGHLY if rough else task.decrease)
         parts = _linearise(model, task, p, values, now)
         accepted = False
         while damping <= DAMPING_MOST:
             change, moved, predicted = _step(task, parts, values, damping)
-            if predicted <= task.decrease * cost:
+            if predicted <= least:
                 break
             trial = values + change
             ahead, met = _tried(model, task, p, trial, now, moved)
@@ -146,7 +153,7 @@ def _descended(
                 gained, values, now, shown, cost = cost - after, trial, ahead, met, after
                 break
             damping = max(10 * damping, 1e-3)
-        if not accepted or gained <= task.decrease * cost:
+        if not accepted or gained <= least:
             break
     return values, now, shown
 

@@ -62,7 +62,8 @@ class Task:
     ``mean`` and ``spread`` (F,; one sd, inf for none).
 
     With ``everything`` the held windows are fitted too. Steps end where one is predicted to lower
-    the cost by less than ``decrease`` of it, or after ``iterations``.
+    the cost by less than ``decrease`` of it, or after ``iterations``; while it is far above the
+    noise, of a ``rough`` task sooner.
 
     Where recordings have numbers of their own, ``own`` says for each of them which of the fitted
     numbers its free parameters are; ``first`` is then where all these numbers begin.
@@ -77,6 +78,7 @@ class Task:
     everything: bool = False
     decrease: float = DECREASE
     iterations: int = ITERATIONS
+    rough: bool = False
     own: tuple[tuple[int, ...], ...] = ()
     first: Array | None = None
 

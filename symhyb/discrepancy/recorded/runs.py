@@ -19,6 +19,7 @@ from symhyb.numeric.lowered.machine import Machine, build
 from symhyb.numeric.runs.windows import WindowModel
 
 FINE_LEAST, FINE_MOST = 8, 64  # steps near a reversal, for one elsewhere
+COORDINATES_FEW = 3  # free coordinates of a machine that a few causes explain
 STEPS_MOST = 16
 BEND_SHARE = 2e-3  # of the size of a smooth input, that lines within steps may cut: the accuracy of
 # the fitted values
@@ -96,11 +97,20 @@ def too_poor(runs: Sequence[Run], sensors: Sequence[str]) -> str:
     return ""
 
 
+def has_many(machine: Machine) -> bool:
+    """Whether more coordinates are free than a few causes explain."""
+    return len(machine.free) > COORDINATES_FEW
+
+
 def with_noise(runs: Sequence[Run], sd: Array, model: WindowModel) -> tuple[Run, ...]:
-    """The runs with this noise (m,), SI, and as many integration steps as it asks for."""
+    """The runs with this noise (m,), SI, and as many integration steps as it asks for. How fine
+    they are near reversals is left open for a machine of many coordinates, where :func:`fine_for`
+    says it once it is known what acts."""
     known = [replace(run, sd=sd) for run in runs]
     stepped = [replace(run, steps=_steps_needed(model, run)) for run in known]
-    return tuple(replace(run, fine=_fine_needed(model.machine, run)) for run in stepped)
+    if has_many(model.machine):
+        return tuple(stepped)
+    return tuple(replace(run, fine=fine_needed(model.machine, run)) for run in stepped)
 
 
 def _steps_needed(model: WindowModel, run: Run) -> int:
@@ -131,7 +141,7 @@ def _for_bends(model: WindowModel, run: Run) -> int:
     return steps
 
 
-def _fine_needed(machine: Machine, run: Run) -> int:
+def fine_needed(machine: Machine, run: Run) -> int:
     """How much finer near reversals, for as much dry friction as the force that the model
     lacks could hold; where every interval has many steps already, fewer times as many are tried."""
     first = max(FINE_LEAST // run.steps, 1)
@@ -160,15 +170,15 @@ def _fine_needed(machine: Machine, run: Run) -> int:
 
 
 def fine_for(machine: Machine, run: Run, length_s: float) -> int:
-    """How much finer near reversals, at most as before, for a machine whose laws are those that are
-    searched for: the error may be a tenth of what it leaves of the recording, if that is more than
-    noise, in windows of ``length_s``."""
+    """How much finer near reversals for a machine whose laws are those that are searched for: the
+    error may be a tenth of what it leaves of the recording, if that is more than noise, in windows
+    of ``length_s``."""
 
     def cut(fine: int) -> Cut | None:
         found = cut_within(replace(run, fine=fine), machine, length_s)
         return None if found is None else found.suited(machine)
 
-    model, first = WindowModel(machine), cut(run.fine)
+    model, first = WindowModel(machine), cut(FINE_LEAST)
     if first is None:
         return run.fine
     with np.errstate(over="ignore", invalid="ignore"):
@@ -176,7 +186,7 @@ def fine_for(machine: Machine, run: Run, length_s: float) -> int:
         squares = np.nanmean((y - first.block.y) ** 2, axis=1)
     left = np.sqrt(np.median(squares, axis=0))
     louder = replace(run, sd=np.fmax(run.sd, np.where(np.isfinite(left), left, 0.0)))
-    return min(_enough(model, louder, cut, 1, run.fine), run.fine)
+    return _enough(model, louder, cut, 1, FINE_MOST)
 
 
 def _enough(
