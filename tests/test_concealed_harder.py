@@ -115,7 +115,13 @@ def short(study: Study, monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.usefixtures("short")
 @pytest.mark.parametrize(
-    ("seed", "sort"), [(9, "coloured"), (5, "held"), (3, "unmeasured"), (10, "unmeasured")]
+    ("seed", "sort"),
+    [
+        (9, "coloured"),
+        pytest.param(5, "held", marks=pytest.mark.slow),
+        (3, "unmeasured"),
+        (10, "unmeasured"),
+    ],
 )
 def test_a_harder_case_conceals_the_same(study: Study, seed: int, sort: str) -> None:
     plain = study["conceal"].draw(seed)

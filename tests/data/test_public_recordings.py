@@ -90,6 +90,7 @@ def test_a_ball_by_its_sheet_and_drop(public_file):
     assert recording.t.size == 44
 
 
+@pytest.mark.slow
 def test_the_balls_have_to_be_reported_apart(public_file):
     path = public_file("balldrops", "Ball_drops_data.xls")
     mapping = {"t": "Time (s)", "height": "Height (m)"}

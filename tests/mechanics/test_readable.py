@@ -243,6 +243,7 @@ at = ["x", "l*{factors}"]
     compare(model, 1)
 
 
+@pytest.mark.slow
 def test_latex_is_balanced_and_its_formulas_can_be_set() -> None:
     parser = MathTextParser("path")
     texts = [

@@ -70,6 +70,7 @@ def estimated(
     return final, [base, *others]
 
 
+@pytest.mark.slow
 def test_an_added_mass_that_is_a_hidden_mode_is_disputed() -> None:
     final, (base, mode, force) = estimated(with_hidden_mode(), [MASS], [{"mass": 0.1}])
     (one,) = disputed(final, [base, mode, force])
