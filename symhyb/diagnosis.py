@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from symhyb.correction.adequacy.input_noise import stands, with_input_noise
 from symhyb.correction.adequacy.judge import Adequacy, adequacy
 from symhyb.correction.advice.advice import advise
+from symhyb.correction.advice.combinations import combined
 from symhyb.correction.advice.isolability import isolability
 from symhyb.correction.naming.beside_words import together
 from symhyb.correction.naming.dispute_words import dispute_sentence
@@ -167,7 +168,8 @@ def _told(
     answer = if_apart(answer, prepared.model, prepared.runs)
     answer = with_constant(answer, choice)
     answer = with_faults(answer, model, prepared.faults, final.fit.scale)
-    return _with_isolability(_remembered(answer, prepared, setting), choice)
+    answer = _with_isolability(_remembered(answer, prepared, setting), choice)
+    return _with_combinations(answer, choice)
 
 
 def _prepared(
@@ -231,6 +233,16 @@ def _with_isolability(answer: Diagnosis, choice: Choice) -> Diagnosis:
     if table is not None and not (answer.found or answer.parameters or answer.measurement):
         table = replace(table, found=(False,) * len(table.found))  # what fits best is not claimed
     return replace(answer, isolability=table)
+
+
+def _with_combinations(answer: Diagnosis, choice: Choice) -> Diagnosis:
+    """The answer with notes on parameters that the recordings do not determine, or determine only
+    together."""
+    try:
+        said = combined(choice.setting, choice.decision)
+    except Exception as error:  # no finished diagnosis is lost for it
+        return _with_note(answer, "Which parameters are determined is not known", error)
+    return replace(answer, notes=(*answer.notes, *said))
 
 
 def advised(concluded: Concluded, say: Say | None = None) -> Diagnosis:
