@@ -1,0 +1,1 @@
+"""Equations of motion that SymPy's mechanics derived, as a model."""
