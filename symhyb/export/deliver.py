@@ -14,14 +14,15 @@ from symhyb.export.spec import C_WORDS, Role, Spec, spec_of
 from symhyb.model.types import Model
 from symhyb.writing import require_folder, staged, write_file
 
-TARGETS = ("fmu", "c", "casadi", "adams", "latex")
+TARGETS = ("fmu", "c", "casadi", "adams", "latex", "urdf", "mjcf")
+ROBOTS = ("urdf", "mjcf")
 FOLDERS = ("c", "adams")  # what consists of several files
 
 
 @dataclass(frozen=True, slots=True)
 class Order:
     """What a person asks for: ``elements`` alone (none: those found) or the ``whole`` model;
-    ``kinds`` None for those that are usual."""
+    ``kinds`` None for those that are usual; ``robot`` is the URDF or MJCF that is to be changed."""
 
     to: str
     elements: tuple[str, ...] = ()
@@ -31,6 +32,7 @@ class Order:
     kinds: tuple[str, ...] | None = None
     platforms: tuple[str, ...] = ()
     events: bool = False
+    robot: Path | None = None
 
 
 def deliver(model: Model, order: Order, output: Path) -> tuple[str, ...]:
@@ -45,6 +47,11 @@ def deliver(model: Model, order: Order, output: Path) -> tuple[str, ...]:
     if order.events and order.to != "fmu":
         text = f"only an FMU tells of events, not '{order.to}'; use --to fmu, or leave out --events"
         raise InputError(Problem(text))
+    if (order.to in ROBOTS) != (order.robot is not None):
+        text = (
+            "--to urdf and --to mjcf go with --robot FILE, the robot's own file; no other form does"
+        )
+        raise InputError(Problem(text))
     kinds = kinds_of(order.events, order.kinds)
     require_folder(output if order.to in FOLDERS else output.absolute().parent)
     if order.to not in FOLDERS and output.is_dir():
@@ -54,6 +61,8 @@ def deliver(model: Model, order: Order, output: Path) -> tuple[str, ...]:
 
         write_file(output, latex(model))
         return (f"{output}: the equations of the whole model",)
+    if order.robot is not None:
+        return _robot(model, order.robot, order.to, output)
     name = order.name or _identifier(order, output)
     spec = spec_of(model, name, order.elements, order.whole, order.events)
     match order.to:
@@ -74,6 +83,20 @@ def deliver(model: Model, order: Order, output: Path) -> tuple[str, ...]:
                 "program that loads it run other code, so load only those you wrote yourself"
             )
     return (said, *_interface(spec))
+
+
+def _robot(model: Model, source: Path, form: str, output: Path) -> tuple[str, ...]:
+    """Write the robot's own file with what the model says of its joints."""
+    from symhyb.export.robot.robot_file import rewritten  # an extra, imported where it is used
+
+    if output.exists() and source.exists() and output.samefile(source):
+        raise InputError(Problem("is the robot that is read; name another file", file=str(output)))
+    done = rewritten(model, source, form)
+    write_file(output, done.text)
+    return (
+        f"{output}: {source.name} with the losses of the model",
+        *(f"  {x}" for x in done.notes),
+    )
 
 
 def _write_all(folder: Path, files: Mapping[str, str]) -> None:

@@ -12,7 +12,10 @@ import typer
 def export(
     model: Annotated[Path, typer.Argument(metavar="MODEL", help="Model file.")],
     to: Annotated[
-        str, typer.Option("--to", metavar="FORM", help="One of fmu, c, casadi, adams, latex.")
+        str,
+        typer.Option(
+            "--to", metavar="FORM", help="One of fmu, c, casadi, adams, latex, urdf, mjcf."
+        ),
     ],
     output: Annotated[
         Path,
@@ -35,6 +38,10 @@ def export(
     platforms: Annotated[
         str, typer.Option(metavar="NAMES", help="linux64,win64; default: all that can be compiled.")
     ] = "",
+    robot: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="For urdf and mjcf: the robot's own file."),
+    ] = None,
     events: Annotated[
         bool,
         typer.Option(
@@ -48,16 +55,18 @@ def export(
 
     By default the elements that a diagnosis found, as a force element: coordinates and speeds in,
     +dF out, which the host adds to its applied forces. With --whole the inputs of the model in, its
-    sensors and coordinates out. Everything is in SI.
+    sensors and coordinates out. Everything is in SI. To urdf and mjcf: a copy of the robot's own
+    file with the damping, friction and rotor inertia that the model has in its joints.
 
     \b
-    Example:
+    Examples:
       symhyb export out/corrected.toml --to fmu -o correction.fmu
+      symhyb export out/corrected.toml --to urdf --robot arm.urdf -o arm-corrected.urdf
     """
     from symhyb.export.deliver import Order, deliver
     from symhyb.model.read import read_model
 
     targets = tuple(one for one in platforms.split(",") if one)
     chosen = None if kinds is None else tuple(one for one in kinds.split(",") if one)
-    order = Order(to, tuple(elements or ()), whole, name, fmi, chosen, targets, events)
+    order = Order(to, tuple(elements or ()), whole, name, fmi, chosen, targets, events, robot)
     print(*deliver(read_model(model), order, output), sep="\n")
