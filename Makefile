@@ -75,8 +75,11 @@ types: $(READY)
 layers: $(READY)
 	$(BIN)/lint-imports --no-logo --no-cache
 
+# the site, without the network: warnings are errors, every link and every public name is looked for
 docs: $(READY)
 	$(BIN)/python -m pytest -q tests/test_repository.py -k links
+	$(BIN)/python -m sphinx -c docs -q -W --keep-going -d build/doctrees . build/site
+	$(BIN)/python docs/_site/check_site.py build/site
 
 all: test lint types layers docs slow demo
 

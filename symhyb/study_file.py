@@ -72,7 +72,7 @@ class Source:
 @dataclass(frozen=True, slots=True)
 class Study:
     """What is to be diagnosed: paths as the working directory sees them, ``columns`` as in
-    :func:`symhyb.data.read_recording`, for all recordings; ``file`` is None for a study that no
+    :func:`symhyb.read_recording`, for all recordings; ``file`` is None for a study that no
     file states. ``last_values``: whether every uncertain number of the corrected model is fitted
     once more to all training recordings; ``remainder`` the coordinate that then gets a smooth
     remainder, ``network`` the one that gets a trained network, None for none."""

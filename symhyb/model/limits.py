@@ -20,8 +20,8 @@ class Limit:
     """Limits of the coordinate or input ``name``, each None where the file states none.
 
     ``between`` are the least and the largest value in ``unit`` (``travel`` of a coordinate,
-    ``range`` of an input), ``rate`` is the largest |rate| in it per s (``speed``, ``rate``), and
-    ``acceleration`` of a coordinate the largest |acceleration| in it per s².
+    ``range`` of an input), ``rate`` is the largest rate in it per s in either direction
+    (``speed``, ``rate``), and ``acceleration`` of a coordinate the largest in it per s².
     """
 
     name: str

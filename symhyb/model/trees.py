@@ -70,7 +70,7 @@ class Name:
 
 @dataclass(frozen=True, slots=True)
 class Operation:
-    """``+ - * / **`` with two arguments, ``neg`` with one, a function of :data:`FUNCTIONS`, or
+    """``+ - * / **`` with two arguments, ``neg`` with one, a function of ``FUNCTIONS``, or
     ``curve`` with one: the characteristic ``curve`` of the model, by its name, at that value."""
 
     operator: str
@@ -81,7 +81,7 @@ class Operation:
 @dataclass(frozen=True, slots=True)
 class Reading:
     """What an instrument at named places shows, e.g. ``distance(a, b)``: a function of
-    :data:`READINGS`. Only sensors may use it."""
+    ``READINGS``. Only sensors may use it."""
 
     what: str
     names: tuple[str, ...]

@@ -36,7 +36,7 @@ class Parameter:
 
     @property
     def path(self) -> str:
-        """Unique name within a model: ``"k"``, or ``"found_drag.b"`` for an element's own."""
+        """The unique name within a model, ``"k"``, or ``"found_drag.b"`` of an element's own."""
         return f"{self.owner}.{self.name}" if self.owner else self.name
 
     @property
@@ -142,7 +142,7 @@ class Body:
 
     Without a ``joint`` the body stands free: ``at`` is its centre of mass in the inertial axes, its
     origin is there, and ``angle`` turns it. With a ``joint`` it hangs on its ``parent`` (another
-    body; empty: the ground):
+    body; empty: the ground)::
 
         parent's origin o-- joint, in the parent's axes --o origin of the body
                                                            \  turned by ``angle`` to the parent
@@ -187,13 +187,13 @@ class On:
 
     @property
     def names(self) -> frozenset[str]:
-        """What the stretch is made of: coordinates, and parameters and t of an expression."""
+        """The names in the stretch, those of coordinates, parameters and t."""
         return frozenset(name.name for name in names(self.expression))
 
 
 @dataclass(frozen=True, slots=True)
 class Between:
-    """Placement between two points: the stretch is s = |b − a| − length, a tension pulls."""
+    """Placement between two points: the stretch is ``s = |b − a| − length``, a tension pulls."""
 
     first: str
     second: str

@@ -45,7 +45,8 @@ class Objective:
     ``cost`` takes y (N, m), SI, and returns the number and its slopes (N, m); ``vary`` names what
     the optimiser changes, of "free" (parameters), "start" and "inputs", one vector in this order.
     After each evaluation ``watch`` is given how many there were and the lowest value so far; if it
-    returns True, the optimiser is left through :class:`Stopped`. Nothing is printed.
+    returns True, the optimiser is left through
+    :class:`~symhyb.optimisation.objective.Stopped`. Nothing is printed.
 
     Attributes:
         begin: (D,) the nominal values, SI, each divided by ``scale``.

@@ -27,7 +27,7 @@ def simulate_many(
 
     Raises:
         ValueError: parameter sets of another shape, fewer than one worker, or a scenario that
-            :func:`simulate` refuses.
+            :func:`symhyb.numeric.runs.integrate.simulate` refuses.
     """
     sets = np.asarray(parameter_sets, dtype=float)
     if sets.ndim != 2 or sets.shape[1] != machine.values.size:

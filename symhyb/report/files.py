@@ -28,7 +28,7 @@ def write_report(
     provenance: Mapping[str, str] | None = None,
     first: FirstChecks | None = None,
 ) -> None:
-    """Write the diagnosis as one self-contained HTML page (see :func:`render_page`).
+    """Write the diagnosis as one self-contained HTML page.
 
     ``model`` gives the units to show signals in and the title, if none is given.
 

@@ -1,0 +1,120 @@
+"""What a kind of element does, computed with its own law: force over stretch, rate or time.
+
+The stretch goes as s = S sin(w t); laws with an inner state are integrated along it, and the last
+turn is shown, where the loop has closed.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from _site.drawing import axis, drawn
+from symhyb.laws.base import Law
+from symhyb.laws.characteristic import through
+from symhyb.laws.maths import NUMPY, Action, Motion
+
+STEPS = 6000  # of one turn
+TURNS = 2
+UNITS = {"s": "m", "s′": "m/s", "s″": "m/s²", "t": "s"}
+
+
+@dataclass(frozen=True, slots=True)
+class Drive:
+    """How a law is shown: the amplitude of the stretch (m), its angular frequency (rad/s), what the
+    force is drawn ``over``, and values of keys (SI) instead of those of the law's example."""
+
+    stretch: float = 1.0
+    pace: float = 1.0
+    over: str = "s"
+    values: Mapping[str, float] = field(default_factory=dict)
+    options: Mapping[str, str] = field(default_factory=dict)
+
+
+DRIVES: Mapping[str, Drive] = {
+    "spring": Drive(0.4),
+    "damper": Drive(over="s′"),
+    "drag": Drive(over="s′"),
+    "friction": Drive(over="s′", values={"transition": 0.03}),
+    "gap": Drive(0.25, 0.02),
+    "hysteresis": Drive(0.1),
+    "friction_dynamic": Drive(0.02),
+    "relaxation": Drive(0.1, 5.0),
+    "constant": Drive(),
+    "harmonic": Drive(over="t"),
+    "ripple": Drive(0.3),
+    "added_mass": Drive(over="s″"),
+    "curve": Drive(over="s′", options={"over": "rate"}, values={"scale": 1.0}),
+}
+CURVE = ((-1.0, -900.0), (-0.33, -620.0), (0.0, 0.0), (0.33, 260.0), (1.0, 400.0))
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """A drawing, and the values with which it was made, SI."""
+
+    svg: str
+    values: Mapping[str, float]
+    over: str
+
+
+def shown(law: Law) -> Shown | None:
+    """The drawing of a law; None of one that a model writes itself, or that nobody chose a motion
+    for and that needs one."""
+    drive = DRIVES.get(law.name)
+    if drive is None or law.action is None:
+        return None
+    values = {**law.example, **drive.values}
+    columns, force = run(law, drive, values)
+    x = columns[drive.over]
+    order = np.argsort(x, kind="stable") if not law.state else slice(None)
+    x, force = x[order], force[order]
+    across, up = axis(drive.over, UNITS[drive.over], list(x)), axis("F", "N", list(force))
+    return Shown(
+        drawn(x, force, across, up, f"F of {law.name} over {drive.over}"), values, drive.over
+    )
+
+
+def run(
+    law: Law, drive: Drive, values: Mapping[str, float]
+) -> tuple[dict[str, NDArray[np.float64]], NDArray[np.float64]]:
+    """Stretch, rate, acceleration and time of the last turn (N,), and the force there (N,), SI."""
+    t = np.linspace(0.0, TURNS * 2 * pi / drive.pace, TURNS * STEPS + 1)
+    s = drive.stretch * np.sin(drive.pace * t)
+    r = drive.stretch * drive.pace * np.cos(drive.pace * t)
+    a = -(drive.pace**2) * s
+    given = dict(values)
+    if law.name == "curve":
+        given["curve"] = through("curve", *zip(*CURVE, strict=True))
+    z = states(law, drive, given, t) if law.state else np.zeros_like(t)
+    action = acting(law, drive, given, Motion(s, r, z, t))
+    force = np.broadcast_to(action.force + action.mass * a, t.shape)
+    last = slice(-STEPS - 1, None)
+    columns = {"s": s, "s′": r, "s″": a, "t": t - t[last][0]}
+    return {name: column[last] for name, column in columns.items()}, force[last]
+
+
+def acting(law: Law, drive: Drive, values: Mapping[str, object], motion: Motion) -> Action:
+    """What a law does along a motion."""
+    assert law.action is not None
+    return law.action(NUMPY, motion, values, drive.options)
+
+
+def states(
+    law: Law, drive: Drive, values: Mapping[str, object], t: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """The inner state (N,) at the times ``t`` (N,), s, from rest, by the midpoint rule."""
+
+    def rate(time: float, z: float) -> float:
+        s = drive.stretch * np.sin(drive.pace * time)
+        r = drive.stretch * drive.pace * np.cos(drive.pace * time)
+        return float(acting(law, drive, values, Motion(s, r, z, time)).inner or 0.0)
+
+    z, found = 0.0, np.zeros_like(t)
+    for i, h in enumerate(np.diff(t)):
+        half = z + h / 2 * rate(t[i], z)
+        z += h * rate(t[i] + h / 2, half)
+        found[i + 1] = z
+    return found

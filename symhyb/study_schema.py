@@ -1,0 +1,87 @@
+"""The JSON Schema of study.toml: ``python -m symhyb.study_schema [FILE]`` writes it."""
+
+import sys
+from pathlib import Path
+
+from symhyb.model.schema_parts import (
+    DIALECT,
+    Schema,
+    listed,
+    named,
+    one_given,
+    pair,
+    positive,
+    refer,
+    table,
+    text,
+    truth,
+    write,
+)
+from symhyb.study_file import FORMAT
+
+FILE = Path(__file__).with_name("study.schema.json")
+
+
+def study_schema() -> Schema:
+    """The schema of a study file, format 1."""
+    version = {"type": "integer", "const": FORMAT, "description": "version of the file format"}
+    source = refer("recording")
+    sections: dict[str, Schema] = {
+        "symhyb": version,
+        "title": text("of the report; unset, that of the model"),
+        "about": text("text for people"),
+        "model": text("the model file, relative to this file"),
+        "map": _map("channel = column, for all recordings"),
+        "own": listed("what every recording has its own value of", text("a parameter or a key"), 0),
+        "train": listed("recordings to learn from", source, 1),
+        "holdout": listed("unseen recordings, for the proof alone", source, 0),
+        "score": _score(),
+        "finish": _finish(),
+    }
+    return {
+        "$schema": DIALECT,
+        "title": "symhyb study file, format 1",
+        **table(sections, ("symhyb", "model", "train")),
+        "definitions": {"recording": _recording()},
+    }
+
+
+def _map(about: str) -> Schema:
+    column = text("a column, with its unit if need be, or an expression in columns")
+    return named(about, column)
+
+
+def _recording() -> Schema:
+    keys = {
+        "file": text("a file, relative to this file"),
+        "data": text("a public recording, as name/file"),
+        "span": pair("[start, end] in s; what lies outside is dropped"),
+        "map": _map("entries of the map for this recording alone"),
+    }
+    return table(keys, oneOf=one_given(("file", "data")))
+
+
+def _score() -> Schema:
+    keys = {
+        "window_s": positive("length of the windows, in s"),
+        "force_band_hz": positive("end of the force band, in Hz"),
+    }
+    return table(keys, description="how scores are made")
+
+
+def _finish() -> Schema:
+    keys = {
+        "values": truth("fit every uncertain number of the corrected model once more"),
+        "remainder": text("a coordinate: add a smooth force for what the named laws leave there"),
+        "network": text("a coordinate: train a network for what the named laws leave there"),
+    }
+    return table(keys, description="what is done once the causes are named")
+
+
+def main() -> None:
+    """Write the schema to the file that is named, else to the one that is shipped."""
+    write(study_schema(), Path(sys.argv[1]) if len(sys.argv) > 1 else FILE)
+
+
+if __name__ == "__main__":
+    main()
