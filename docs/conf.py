@@ -43,7 +43,6 @@ suppress_warnings = ["myst.header"]  # a page may begin a section at a lower ran
 
 autodoc_typehints = "signature"
 autodoc_typehints_format = "short"
-autodoc_preserve_defaults = True
 autodoc_member_order = "bysource"
 napoleon_numpy_docstring = False
 napoleon_use_ivar = True

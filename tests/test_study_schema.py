@@ -9,7 +9,7 @@ import pytest
 from symhyb.errors import InputError
 from symhyb.model.schema_parts import written
 from symhyb.study_file import SECTIONS, read_study
-from symhyb.study_schema import FILE, study_schema
+from symhyb.study_schema import FILE, main, study_schema
 
 ROOT = Path(__file__).parents[1]
 SCHEMA = study_schema()
@@ -66,6 +66,12 @@ def test_the_schema_that_is_shipped_is_current() -> None:
 
 def test_its_sections_are_those_of_the_reader() -> None:
     assert set(SCHEMA["properties"]) == set(SECTIONS)
+
+
+def test_it_is_written_where_one_wants_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sys.argv", ["", str(tmp_path / "study.schema.json")])
+    main()
+    assert (tmp_path / "study.schema.json").read_bytes() == FILE.read_bytes()
 
 
 @pytest.mark.parametrize("file", STUDIES, ids=lambda file: file.relative_to(ROOT).as_posix())

@@ -78,7 +78,7 @@ def drawn(x: Sequence[float], y: Sequence[float], across: Axis, up: Axis, title:
 
 
 def extreme(values: Sequence[float]) -> float:
-    """The value that an axis states: the largest, or the smallest where that is much farther off."""
+    """The value that an axis states: the largest, or the smallest where that is far larger."""
     low, high = min(values), max(values)
     return float(low if -low > 2 * high else high)
 

@@ -71,12 +71,28 @@ class Verbs(Generated):
 ARRAY = re.compile(r"~?(?:numpy\.)?ndarray\[tuple\[[^\]]*\], ~?(?:numpy\.)?dtype\[([^\]]*)\]\]")
 
 
+OBJECT = re.compile(r"= <[^<>]*>")
+
+
 def shorten_arrays(
     app: Sphinx, what: str, name: str, thing: Any, options: Any, given: str, returned: str
 ) -> tuple[str | None, str | None]:
-    """Write an array as ``NDArray``: its shape and unit stand in the docstring."""
+    """Write an array as ``NDArray``, since its shape and unit stand in the docstring, and a default
+    that is no literal as dots."""
     short = [text and ARRAY.sub("~numpy.typing.NDArray", text) for text in (given, returned)]
+    short = [text and OBJECT.sub("= ...", text) for text in short]
     return short[0], short[1]
+
+
+def in_our_words(app: Sphinx, doctree: nodes.document) -> None:
+    """What Sphinx writes into lists of fields, as the pages write it."""
+    for field in doctree.findall(nodes.field):
+        for name in field.findall(nodes.field_name):
+            if name.astext() == "Variables":
+                name.children = [nodes.Text("Attributes")]
+        for text in list(field.findall(nodes.Text)):
+            if text == " -- ":
+                text.parent.replace(text, nodes.Text(": "))
 
 
 def setup(app: Sphinx) -> dict[str, Any]:
@@ -84,5 +100,6 @@ def setup(app: Sphinx) -> dict[str, Any]:
     app.add_directive("public-names", Names)
     app.add_directive("kinds", Kinds)
     app.add_directive("verbs", Verbs)
+    app.connect("doctree-read", in_our_words)
     app.connect("autodoc-process-signature", shorten_arrays)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

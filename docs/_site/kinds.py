@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from math import inf
-from textwrap import dedent
 
 from _site.shown import shown
 from symhyb.laws import LAWS
@@ -23,20 +22,28 @@ OWN_ENERGY = {
 }
 SKETCHES: dict[tuple[bool, Placement], str] = {
     (True, "on"): """\
-      wall ┤──[ F ]──[m]──▶ s        F > 0 pulls back: Q = −F on the coordinate
-                  F ◀──┘""",
+on: F > 0 pulls back, Q = −F on the coordinate
+
+    wall ┤──[ F ]──[m]──▶ s
+                F ◀──┘""",
     (False, "on"): """\
-                     [m]──▶ s        F > 0 pushes along: Q = +F on the coordinate
-                      └──▶ F""",
+on: F > 0 pushes along, Q = +F on the coordinate
+
+    [m]──▶ s
+     └──▶ F""",
     (True, "between"): """\
-      a o──▶ F          F ◀──o b     F > 0 is a tension: it pulls both points together
-        │◀── length + s ───▶│""",
+between: F > 0 is a tension, which pulls the points together
+
+    a o──▶ F          F ◀──o b
+      │◀── length + s ───▶│""",
     (True, "at"): """\
-      F ◀──o──▶ v                    against the velocity of the point, s′ = |v|
-           p""",
+at: against the velocity v of the point, s′ = |v|
+
+    F ◀──o──▶ v""",
     (False, "at"): """\
-           o──▶ F                    the vector itself, at the point
-           p""",
+at: the vector itself, at the point
+
+    o──▶ F""",
 }
 SKETCHES[False, "between"] = SKETCHES[True, "between"]
 
@@ -53,7 +60,7 @@ def section(law: Law) -> Iterator[str]:
     words, energy = law.words[0].upper() + law.words[1:], ENERGY[law.energy]
     yield f"{words}; {OWN_ENERGY.get(law.name, energy)}. Places: {places}."
     yield f"```text\nF = {law.law}" + (f"\n{law.state}" if law.state else "") + "\n```"
-    sketches = dedent("\n\n".join(sketch(law, place) for place in law.placements))
+    sketches = "\n\n".join(sketch(law, place) for place in law.placements)
     yield f"```text\n{sketches}\n```"
     if law.keys:
         yield keys_table(law)
@@ -67,12 +74,7 @@ def section(law: Law) -> Iterator[str]:
 def sketch(law: Law, place: Placement) -> str:
     """Which way F acts at a kind of place."""
     if law.inertial and place == "at":
-        return (
-            SKETCHES[True, "at"]
-            .replace("velocity", "acceleration")
-            .replace(", s′ = |v|", "")
-            .replace("▶ v", "▶ a")
-        )
+        return "at: against the acceleration a of the point\n\n    F ◀──o──▶ a"
     return SKETCHES[law.passive, place]
 
 

@@ -51,5 +51,16 @@ def entry(path: str, thing: Any) -> str:
     kind = "autofunction"
     if inspect.isclass(thing):
         kind = "autoexception" if issubclass(thing, Exception) else "autoclass"
-    members = "   :members:\n" if kind != "autofunction" else ""
-    return f"```{{eval-rst}}\n.. {kind}:: {path}\n{members}```\n"
+    options = "".join(f"   :{option}\n" for option in shown(thing))
+    return f"```{{eval-rst}}\n.. {kind}:: {path}\n{options}```\n"
+
+
+def shown(thing: Any) -> Iterator[str]:
+    """What of a class is shown: its members, if they are not those that a library asks for, and
+    its call."""
+    if not inspect.isclass(thing):
+        return
+    if all(base.__module__.split(".")[0] in ("symhyb", "builtins") for base in thing.__mro__):
+        yield "members:"
+        if "__call__" in vars(thing):
+            yield "special-members: __call__"

@@ -16,7 +16,7 @@ from symhyb.laws.base import Law
 from symhyb.laws.characteristic import through
 from symhyb.laws.maths import NUMPY, Action, Motion
 
-STEPS = 6000  # of one turn
+STEPS = 2000  # of one turn
 TURNS = 2
 UNITS = {"s": "m", "s′": "m/s", "s″": "m/s²", "t": "s"}
 
@@ -43,7 +43,7 @@ DRIVES: Mapping[str, Drive] = {
     "friction_dynamic": Drive(0.02),
     "relaxation": Drive(0.1, 5.0),
     "constant": Drive(),
-    "harmonic": Drive(over="t"),
+    "harmonic": Drive(pace=5 * pi, over="t"),
     "ripple": Drive(0.3),
     "added_mass": Drive(over="s″"),
     "curve": Drive(over="s′", options={"over": "rate"}, values={"scale": 1.0}),

@@ -68,10 +68,11 @@ class _Parts:
 
 
 class Rollout:
-    """Runs of one machine over one output grid, see the head of this module.
+    """Runs of one machine over one output grid, y = run(θ, x0, u), with their slopes.
 
-    The ``scenario`` states the output times, the times of the inputs, and nominal start and inputs;
-    ``free`` are the paths of the parameters that are arguments, in this order, all else is held.
+    Sizes: N outputs, m sensors, X states, F free parameters, k inputs at K times. The ``scenario``
+    states the output times, the times of the inputs, and nominal start and inputs; ``free`` are the
+    paths of the parameters that are arguments, in this order, all else is held.
 
     Attributes:
         theta: (F,) nominal values of the free parameters, SI.

@@ -10,7 +10,7 @@ import pytest
 
 from symhyb.errors import InputError
 from symhyb.model.read import parse_model
-from symhyb.model.schema import FILE, model_schema
+from symhyb.model.schema import FILE, main, model_schema
 from symhyb.model.schema_parts import written
 from symhyb.model.tables import Table
 
@@ -129,6 +129,12 @@ def test_the_schema_is_one() -> None:
 
 def test_there_are_models_to_hold_against_it() -> None:
     assert len(MODELS) > 50
+
+
+def test_it_is_written_where_one_wants_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sys.argv", ["", str(tmp_path / "model.schema.json")])
+    main()
+    assert (tmp_path / "model.schema.json").read_bytes() == FILE.read_bytes()
 
 
 @pytest.mark.parametrize("file", MODELS, ids=lambda file: file.relative_to(ROOT).as_posix())
