@@ -54,7 +54,8 @@ nitpicky = True
 nitpick_ignore = [("py:exc", "ExpressionError")]
 nitpick_ignore_regex = [
     (r"py:.*", r"(?!symhyb\b)[\w.]+\.\w+"),  # of other projects, whose inventories are not fetched
-    (r"py:class", r"symhyb\.(numeric|correction)\.\w+\.\w+\.\w+"),  # what values keep inside
+    # what values keep inside
+    (r"py:class", r"symhyb\.(numeric|correction|discrepancy)\.\w+\.\w+\.\w+"),
     (r"py:mod", r"symhyb\..*"),  # rooms of the program, which no page shows
 ]
 

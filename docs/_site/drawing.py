@@ -54,6 +54,8 @@ def drawn(x: Sequence[float], y: Sequence[float], across: Axis, up: Axis, title:
     x0, y0 = place(0.0, 0.0)
     far, high = extreme(x), extreme(y)
     xf, yh = place(far, 0.0)[0], place(0.0, high)[1]
+    # beside the axis where the curve is not, and on it last, with a rim in the page's colour
+    left = x0 > 80 and x[[float(b) for b in y].index(high)] >= 0.0
     parts = [
         f'<svg class="plot" viewBox="0 0 {WIDTH} {HEIGHT}" width="{WIDTH}" role="img"'
         f' aria-label="{escape(title)}" font-size="12" fill="currentColor">',
@@ -61,17 +63,14 @@ def drawn(x: Sequence[float], y: Sequence[float], across: Axis, up: Axis, title:
         line(x0, HEIGHT - BOTTOM + 8, x0, TOP - 14),
         arrow(WIDTH - RIGHT + 22, y0, 1, 0),
         arrow(x0, TOP - 22, 0, -1),
-        f'<text x="{WIDTH - RIGHT + 28:.1f}" y="{y0 + 4:.1f}">{escape(across.name)}</text>',
-        f'<text x="{x0 + 9:.1f}" y="{TOP - 12:.1f}">{escape(up.name)}</text>',
         line(xf, y0 - 4, xf, y0 + 4),
         line(x0 - 4, yh, x0 + 4, yh),
-        f'<text x="{xf:.1f}" y="{y0 + (17 if high > 0 or far < 0 else -8):.1f}"'
-        f' text-anchor="middle">{across.told(far)}</text>',
-        f'<text x="{x0 - 8:.1f}" y="{yh + 4:.1f}" text-anchor="end">{up.told(high)}</text>'
-        if x0 > 80
-        else f'<text x="{x0 + 8:.1f}" y="{yh - 6:.1f}">{up.told(high)}</text>',
         f'<polyline class="curve" points="{path}" fill="none" stroke="currentColor"'
         ' stroke-width="2" stroke-linejoin="round"/>',
+        words(WIDTH - RIGHT + 28, y0 + 4, across.name),
+        words(x0 + 9, TOP - 12, up.name),
+        words(xf, y0 + (17 if high > 0 else -8), across.told(far), "middle"),
+        words(x0 + (-8 if left else 8), yh + 4, up.told(high), "end" if left else "start"),
         "</svg>",
     ]
     return "".join(parts)
@@ -90,6 +89,11 @@ def thinned(points: list[tuple[float, float]]) -> list[tuple[float, float]]:
         if abs(point[0] - kept[-1][0]) + abs(point[1] - kept[-1][1]) > 1.0:
             kept.append(point)
     return kept
+
+
+def words(x: float, y: float, text: str, anchor: str = "start") -> str:
+    """A text that begins, ends or has its middle at x."""
+    return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}">{escape(text)}</text>'
 
 
 def line(x1: float, y1: float, x2: float, y2: float) -> str:

@@ -8,7 +8,8 @@ from _site.names import defined, exported, home, names_text, within
 
 import symhyb
 
-PAGES = sorted((Path(__file__).parents[2] / "docs" / "reference" / "python").glob("*.md"))
+ROOT = Path(__file__).parents[2]
+PAGES = sorted((ROOT / "docs" / "reference" / "python").glob("*.md"))
 DIRECTIVE = re.compile(r"^```\{public-names\} ?(.*)\n((?::.*\n)*)```", re.MULTILINE)
 OPTIMISATION = ("objective", "opti", "rollout", "sensitivities", "sweep")
 
@@ -35,6 +36,20 @@ def test_every_exported_name_is_on_one_page() -> None:
 def test_every_name_of_optimisation_is_on_a_page(module: str) -> None:
     path = f"symhyb.optimisation.{module}"
     assert {f"{path}.{name}" for name, _ in defined(path)} <= set(entries())
+
+
+def test_what_the_pages_import_is_on_a_page() -> None:
+    pages = [page for page in ROOT.rglob("docs/**/*.md") if page.name != "add-a-law.md"]
+    text = "\n".join(page.read_text(encoding="utf-8") for page in (*pages, ROOT / "README.md"))
+    named = [
+        f"{module}.{name.strip()}"
+        for module, names in re.findall(
+            r"^ *from (symhyb[\w.]*) import ([\w, ]+)", text, re.MULTILINE
+        )
+        for name in names.split(",")
+    ]
+    assert named
+    assert set(named) - set(entries()) == set()
 
 
 def test_nothing_is_on_two_pages() -> None:

@@ -109,7 +109,7 @@ def network_law(
     members: int = MEMBERS,
     seed: int = 0,
 ) -> Networks:
-    """A network a row for ``wanted`` (N, R), SI, trained as :func:`train_network` does
+    """A network a row for ``wanted`` (N, R), SI, trained as :func:`symhyb.train_network` does
     (standardised, stopped early on blocks of time, the mean of ``members``), but not refined by
     simulation error. It fades outside of what the course shows of its ``inputs``, expressions.
 
