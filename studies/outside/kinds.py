@@ -69,9 +69,10 @@ TABLE = (
     Kind("gyroscopic", ("coupling",), PLANE, i.gyroscopic),
     Kind("circulatory", ("coupling",), PLANE, i.circulatory),
     Kind("skew spring", ("coupling",), PLANE, i.skew),
-    Kind("digressive damper", ("law",), ALL, f.digressive),
-    Kind("eddy brake", ("law",), ALL, f.eddy),
-    Kind("power 1.5", ("law",), ALL, f.power),
+    # listed laws by now: the right one at its place is right, and so is the class
+    Kind("digressive damper", ("law",), ALL, f.digressive, ("damper_kinked",)),
+    Kind("eddy brake", ("law",), ALL, f.eddy, ("eddy_brake",)),
+    Kind("power 1.5", ("law",), ALL, f.power, ("power",)),
     Kind("magnet", ("law",), FIXED, f.magnet),
     Kind("saturating spring", ("law",), OPEN, f.saturating),
     Kind("exponential spring", ("law",), OPEN, f.exponential),

@@ -41,15 +41,17 @@ def eddy(bare: Bare, sizes: Generator, fresh: Generator) -> Change:
     """An eddy-current brake: strongest at its critical speed, weaker beyond."""
     place = draw_place(bare, sizes)
     critical = sizes.uniform(0.4, 1.0) * rms(place.w)
-    return law_at(
+    change = law_at(
         bare, place, lambda s, w: 2 * (w / critical) / (1 + (w / critical) ** 2), share(sizes)
     )
+    return replace(change, facts={**(change.facts or {}), "critical": critical})
 
 
 def power(bare: Bare, sizes: Generator, fresh: Generator) -> Change:
     """A loss that grows with speed to the power of 1.5."""
     place = draw_place(bare, sizes)
-    return law_at(bare, place, lambda s, w: np.sqrt(np.abs(w)) * w, share(sizes))
+    change = law_at(bare, place, lambda s, w: np.sqrt(np.abs(w)) * w, share(sizes))
+    return replace(change, facts={**(change.facts or {}), "exponent": 1.5})
 
 
 def magnet(bare: Bare, sizes: Generator, fresh: Generator) -> Change:

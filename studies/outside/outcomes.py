@@ -13,6 +13,7 @@ SPAN = 3.0  # sd; a value within it claims nothing false
 LIKELY = 0.5  # probability from which a class counts as stated
 EMPIRICAL = ("law", "network")  # a fit without a name: it states the class "law"
 SOON = 0.5  # s; so near is the instant of a change right
+SHAPES = ("exponent", "critical")  # numbers of a listed law that the seal of an old kind holds
 NEUTRAL = {"gain": 1.0, "offset": 0.0, "delay": 0.0}  # what a channel without a fault has
 
 
@@ -124,9 +125,14 @@ def _covered(claim: Claim, answer: dict[str, Any]) -> bool:
 
 
 def _is_accepted(claim: Claim, answer: dict[str, Any]) -> bool:
-    """Whether a claim of the vocabulary is a right answer for the kind, where it acts."""
+    """Whether a claim of the vocabulary is a right answer for the kind, where it acts, and the
+    shape that it states, if the seal holds it, is the true one."""
     empirical = "law" in answer["classes"] and claim.kind in EMPIRICAL
-    return (empirical or claim.kind in answer["accepted"]) and claim.where == answer["place"]
+    if not (empirical or claim.kind in answer["accepted"]) or claim.where != answer["place"]:
+        return False
+    true = answer.get("facts", {})
+    stated = {key: pair for key, pair in claim.values.items() if key in SHAPES and key in true}
+    return all(abs(value - true[key]) <= SPAN * sd for key, (value, sd) in stated.items())
 
 
 def _dated(reported: dict[str, Any], answer: dict[str, Any]) -> bool:

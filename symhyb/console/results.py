@@ -19,6 +19,7 @@ from symhyb.discrepancy.words.wording import (
 )
 from symhyb.expected import Check
 from symhyb.model.types import place_text
+from symhyb.model.vocabulary import said_of
 from symhyb.report.sentences import alternative_sentence, remainder_sentence, score_sentences
 
 if TYPE_CHECKING:  # a verb that only reads a file need not load the numerics
@@ -85,7 +86,7 @@ def _effects(diagnosis: Diagnosis) -> Iterator[str]:
 def _effect(found: Found) -> str:
     """Write one found element: name, kind, place and every number with its deviation."""
     element = found.element
-    words = [f"{key} {word}" for key, word in element.options]
+    words = [f"{key} {word}" for key, word in said_of(element)]
     numbers = ", ".join([*words, *(f"{one.term} = {amount_text(one)}" for one in found.estimates)])
     share = "" if found.share is None else f" (share {percent_text(found.share)})"
     return f"{element.name}: {element.kind} {place_text(element.place)}, {numbers}{share}"

@@ -1,4 +1,8 @@
-"""Mass that moves with the stretch: F = mass·s''."""
+"""Mass that moves with the stretch: F = mass·s''.
+
+On an angle it is an inertia: what turns along, or a rotor of inertia J behind a gear of ratio n,
+which a joint feels as n²·J.
+"""
 
 from collections.abc import Iterator
 
@@ -20,8 +24,10 @@ def _candidates(_: Reach) -> Iterator[Candidate]:
 def _phrase(n: Numbers, _: Options) -> Phrase | None:
     if "mass" not in n:
         return None
-    noun = "added inertia" if n.turns else "added mass"
-    return Phrase(f"{noun} of {n.amount('mass')}", terms=("mass",), resists="acceleration")
+    head = f"added mass of {n.amount('mass')}"
+    if n.turns:
+        head = f"added inertia of {n.amount('mass')} (as of a rotor behind a gear)"
+    return Phrase(head, terms=("mass",), resists="acceleration")
 
 
 LAW = Law(

@@ -40,7 +40,9 @@ class Key:
     within the factor ``reach`` of where it was tried, and not below so many times another key as
     ``above`` says; ``divides`` means that it must not be 0, ``exact`` that no gain of a sensor can
     feign it (a time or a place), ``either_sign`` that a variant may take the other sign too,
-    ``inertia`` that it is a mass, which is in kg.
+    ``inertia`` that it is a mass, which is in kg. ``listed`` are values at which another law of
+    the list says the same: a value that does not stand out of them is not named. A ``quoted`` one
+    is told in words though it was set and not fitted.
 
     In words: ``symbol`` is its usual letter, ``noun`` what it is as the subject of a sentence,
     ``label`` the same in a list behind a law, ``spoken`` its unit in SI and as it is read out.
@@ -64,6 +66,8 @@ class Key:
     divides: bool = False
     exact: bool = False
     either_sign: bool = False
+    listed: tuple[float, ...] = ()
+    quoted: bool = False
     inertia: bool = False
     symbol: str = ""
     noun: str = ""
@@ -147,7 +151,9 @@ class Law:
     them was found. ``at_rest``: candidates also where nothing moves.
     ``of_state`` is False of what is no function of stretch and rate; ``steady`` laws do not change
     on the way (one that seems to stands in for something else). ``joins``: what was found of it at
-    one place is one element. ``subject`` names the law of which this is another form.
+    one place is one element. ``bent`` laws take on shapes between those of simpler ones, beside
+    which they are tried only where these leave more than noise. ``subject`` names the law of which
+    this is another form.
 
     ``phrase`` words a found effect; ``resists`` is the key whose sign says whether it resists the
     motion or drives it, ``pushes`` the one whose sign says which way it acts; ``critical`` a key
@@ -181,6 +187,7 @@ class Law:
     of_state: bool = True
     steady: bool = False
     joins: bool = False
+    bent: bool = False
     subject: str = ""
 
     phrase: Callable[[Numbers, Options], Phrase | None] = no_phrase

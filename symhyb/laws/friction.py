@@ -6,6 +6,9 @@ The law that is fitted rises over a transition instead of jumping:
 
 so its peak stays below ``static``, where dry friction reaches it. A fit makes up for that by a
 higher level and a shorter Stribeck speed. Both are known no better than the smoothing allows.
+
+The level may grow with a load, by load_coefficient·|load|: in gears, belts, brakes and wheels what
+slides is pressed by the force that is carried.
 """
 
 from collections.abc import Collection, Iterator
@@ -17,6 +20,8 @@ from symhyb.laws.base import ANYWHERE, LENGTH, Fitted, Key, Law, Terms
 from symhyb.laws.levels import (
     COULOMB,
     LEVEL,
+    LOAD,
+    LOAD_COEFFICIENT,
     STATIC,
     STRIBECK,
     friction_level,
@@ -26,10 +31,12 @@ from symhyb.laws.maths import Action, Maths, Motion, Options, Value, Values
 from symhyb.laws.phrases import Numbers, Phrase
 from symhyb.laws.reach import LOSS, SHAPED, Candidate, Reach
 from symhyb.laws.sided import ASYMMETRY, FACTOR, directions, sided
+from symhyb.laws.variants import Pace, Row, Variant
 
 SPEED_SCALE = 1.0  # m/s (rad/s …), where no recording tells how fast the machine moves
 DEFAULT_TRANSITION = 1e-4  # of the speed scale
 STRIBECK_SHARES = (0.05, 0.2)  # of the largest rate
+LOADED = 0.5  # of the level of dry friction: what a load has of it at first
 SPEEDS = np.linspace(0.01, 20.0, 4000)  # in transitions, where the peak is looked for
 WORDS = "dry (Coulomb) friction"
 
@@ -52,18 +59,40 @@ def _candidates(reach: Reach) -> Iterator[Candidate]:
         yield Candidate(("coulomb", "static"), (True, True), shape, ("stribeck",), order=SHAPED)
 
 
-def _phrase(n: Numbers, _: Options) -> Phrase | None:
+def _variants(row: Row, pace: Pace, added: Collection[str]) -> Iterator[Variant]:
+    """Friction a part of which grows with what presses at the place: with each load that the
+    machine knows there."""
+    if "load_coefficient" in added:
+        return
+    for load in pace.loads:
+        level = row["coulomb"]
+        first = {
+            **row,
+            "coulomb": (1 - LOADED) * level,
+            "load_coefficient": LOADED * level / load.size,
+        }
+        yield Variant(first, ("load_coefficient",), options=(("load", load.text),))
+
+
+def _phrase(n: Numbers, options: Options) -> Phrase | None:
     if "coulomb" not in n:
         return None
     noun = WORDS + (" torque" if n.turns else "")
     levels, terms = level_phrase(n)
     listed = ", ".join(part for part in (levels, directions(n, "coulomb")) if part)
     head = f"{noun} of {n.amount('coulomb')}" + (f" ({listed})" if listed else "")
-    return Phrase(head, terms=("coulomb", *terms), resists="motion")
+    if "load_coefficient" in n:
+        share = n.counted(n.value("load_coefficient"), n.sd("load_coefficient"))
+        load = f" {options['load']}" if "load" in options else ""
+        head += f" that grows by {share} of the load{load}"
+    return Phrase(head, terms=("coulomb", *terms, "load_coefficient"), resists="motion")
 
 
 def _formula(keys: Collection[str], _: Options) -> str:
     level, rest = ("g", f", {LEVEL}") if "static" in keys else ("coulomb", "")
+    if "load_coefficient" in keys:
+        loaded = "load_coefficient*abs(load)"
+        level = f"({level} + {loaded})" if {"coulomb", "static"} & {*keys} else loaded
     return f"{level}*tanh(s'/transition){FACTOR if 'asymmetry' in keys else ''}{rest}"
 
 
@@ -103,13 +132,15 @@ LAW = Law(
             label="transition speed",
         ),
         ASYMMETRY,
+        LOAD_COEFFICIENT,
+        LOAD,
         LENGTH,
     ),
     energy="dissipative",
     words=WORDS,
     torque_words=f"{WORDS} torque",
     law=f"g*tanh(s'/transition), {LEVEL}",
-    strengths=("coulomb", "static"),
+    strengths=("coulomb", "static", "load_coefficient"),
     placements=ANYWHERE,
     action=_action,
     steep=True,
@@ -118,6 +149,7 @@ LAW = Law(
     smoothed_over="transition",
     switch="holds",
     candidates=_candidates,
+    variants=_variants,
     terms=Terms(added=("static",)),
     phrase=_phrase,
     resists="coulomb",
@@ -129,5 +161,7 @@ LAW = Law(
         "stribeck": 0.2,
         "transition": 0.05,
         "asymmetry": -0.4,
+        "load_coefficient": 0.3,
+        "load": 1.5,
     },
 )

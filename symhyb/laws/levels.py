@@ -1,4 +1,7 @@
-"""The level of dry friction: g = coulomb + (static − coulomb)·exp(−(s'/stribeck)²)."""
+"""The level of dry friction, N, with what it grows with:
+
+g = coulomb + (static − coulomb)·exp(−(s'/stribeck)²) + load_coefficient·|load|
+"""
 
 from symhyb.laws.base import Key
 from symhyb.laws.maths import Maths, Value, Values
@@ -23,14 +26,37 @@ STRIBECK = Key(
     symbol="v_s",
     label="Stribeck speed",
 )
+LOAD = Key(
+    "load",
+    1,
+    0,
+    0,
+    "0",
+    "the force that presses: any expression in positions, speeds, inputs and time",
+    signal=True,
+)
+LOAD_COEFFICIENT = Key(
+    "load_coefficient",
+    0,
+    0,
+    0,
+    "0",
+    "part of the size of the load that friction grows by",
+    lower=0.0,
+    symbol="mu",
+    noun="friction by load",
+    label="coefficient of the load",
+)
 
 
 def friction_level(m: Maths, rate: Value, values: Values) -> Value:
     """g at a ``rate``, N."""
-    coulomb = values.get("coulomb", 0)
-    if "static" not in values or "stribeck" not in values:
-        return coulomb
-    return coulomb + (values["static"] - coulomb) * m.exp(-((rate / values["stribeck"]) ** 2))
+    level = coulomb = values.get("coulomb", 0)
+    if "static" in values and "stribeck" in values:
+        level += (values["static"] - coulomb) * m.exp(-((rate / values["stribeck"]) ** 2))
+    if "load" in values and "load_coefficient" in values:
+        level += values["load_coefficient"] * m.abs(values["load"])
+    return level
 
 
 def level_phrase(n: Numbers) -> tuple[str, tuple[str, ...]]:

@@ -17,11 +17,20 @@ Row = Mapping[str, float]
 @dataclass(frozen=True, slots=True)
 class Pace:
     """How a place moves, SI: RMS and largest rate, and the time that the stretch (RMS about its
-    mean) takes at the RMS rate, s."""
+    mean) takes at the RMS rate, s; and what presses there (see :class:`Load`)."""
 
     rate: float
     fastest: float
     time: float
+    loads: tuple["Load", ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Load:
+    """What presses at a place: an expression of the model file, in SI, and its RMS ``size``, N."""
+
+    text: str
+    size: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,14 +38,16 @@ class Variant:
     """A law that is tried in place of a fitted one, from the values ``first`` of its keys, SI.
 
     ``added`` are the keys that make it a variant, ``tied`` those of them that grow with the first
-    coefficient; a key that the plain law has too is tried about the value in ``tried``. A variant
-    of another ``law`` than the fitted one is one of its ``candidate``.
+    coefficient; a key that the plain law has too is tried about the value in ``tried``;
+    ``options`` are words, or expressions, that it has beside those of the plain law. A variant of
+    another ``law`` than the fitted one is one of its ``candidate``.
     """
 
     first: Row
     added: tuple[str, ...] = ()
     tied: tuple[str, ...] = ()
     tried: Row = field(default_factory=dict)
+    options: tuple[tuple[str, str], ...] = ()
     law: str = ""
     candidate: Candidate | None = None
 

@@ -35,6 +35,11 @@ def show_equations(model: Model, latex: bool = False, matrices: bool = False) ->
     return as_latex(model, derived) if latex else _as_text(model, derived, matrices)
 
 
+def text_of(expression: sp.Expr) -> str:
+    """An expression in the notation of the model file."""
+    return str(_Text({"full_prec": False}).doprint(expression))
+
+
 class _Text(StrPrinter):  # type: ignore[misc]
     """SymPy's text in the notation of the model file: ``abs``, ``min`` and ``max``."""
 

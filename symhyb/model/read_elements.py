@@ -187,6 +187,9 @@ def _complete(table: Table, kind: Law, placement: str) -> None:
             table.fault(f"kind '{kind.name}' needs '{name}'{reason}")
     if "static" in table.entries and kind.key("stribeck") and table.lacks("stribeck"):
         table.fault("'static' needs 'stribeck', the speed at which it falls to 'coulomb'")
+    for name, other in (("load_coefficient", "load"), ("load", "load_coefficient")):
+        if name in table.entries and kind.key(other) and table.lacks(other):
+            table.fault(f"'{name}' needs '{other}': friction grows by load_coefficient*abs(load)")
 
 
 def _frozen(value: object) -> object:

@@ -14,12 +14,14 @@ from fractions import Fraction
 
 from symhyb.laws import LAWS
 from symhyb.laws.base import Key, Law, Placement
+from symhyb.model.expression import Expression, parse_expression
 from symhyb.model.scope import scope_of, unit_in
-from symhyb.model.types import At, Between, Model, On, Place
+from symhyb.model.types import At, Between, Element, Model, On, Place
 from symhyb.units import ONE, Unit, parse_unit
 
 KINDS: Mapping[str, Law] = {law.name: law for law in LAWS}
 
+Words = tuple[tuple[str, str], ...]
 _INERTIA = {"N": "kg", "N*m": "kg*m^2"}  # unit of a mass by the unit of force
 
 
@@ -27,6 +29,28 @@ def key_of(kind: str, key: str) -> Key | None:
     """The key of a kind by its name; None of what is no kind, or has no such key."""
     law = KINDS.get(kind)
     return None if law is None else law.key(key)
+
+
+def expressed(kind: str, options: Words) -> tuple[tuple[str, Expression], ...]:
+    """Those of the ``options`` of a cause that are expressions of an element (a ``load``)."""
+    return tuple((key, parse_expression(word)) for key, word in options if _signal(kind, key))
+
+
+def worded(kind: str, options: Words) -> Words:
+    """Those of the ``options`` of a cause that are words of an element (a ``side``)."""
+    return tuple((key, word) for key, word in options if not _signal(kind, key))
+
+
+def said_of(element: Element) -> Words:
+    """The words of an element, and its expressions beside its strengths, as a cause has them."""
+    law = KINDS[element.kind]
+    given = [(key, value.text) for key, value in element.values if _signal(element.kind, key)]
+    return (*element.options, *(pair for pair in given if pair[0] not in law.strengths))
+
+
+def _signal(kind: str, key: str) -> bool:
+    declared = key_of(kind, key.split(".")[0])
+    return declared is not None and declared.signal
 
 
 def steep(model: Model) -> bool:

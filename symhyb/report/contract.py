@@ -30,6 +30,7 @@ from symhyb.discrepancy.results import (
 )
 from symhyb.errors import NumericsError
 from symhyb.model.types import At, Between, On, Place
+from symhyb.model.vocabulary import said_of
 from symhyb.report.document import (
     ActivityEntry,
     AlternativeEntry,
@@ -136,8 +137,8 @@ def _found(effect: Found) -> FoundEntry:
         "stability": finite(effect.stability),
         "probability": finite(effect.probability),
     }
-    if element.options:
-        entry["options"] = dict(element.options)
+    if said := said_of(element):
+        entry["options"] = dict(said)
     if effect.active is not None:
         entry["active"] = _active(effect.active)
     if effect.own:

@@ -364,7 +364,8 @@ SIDED = [
             On("phi"),
             [Estimate("m_a", 0.25, 0.02, "kg*m^2", "mass")],
             "",
-            "On phi, added inertia of 0.25 ± 0.02 kg·m² resists the acceleration.",
+            "On phi, added inertia of 0.25 ± 0.02 kg·m² (as of a rotor behind a gear) resists the "
+            "acceleration.",
         ),
         (
             "added_mass",

@@ -21,6 +21,7 @@ from symhyb.discrepancy.results import (
     Measurement,
     Reestimated,
 )
+from symhyb.discrepancy.words.effects import words_of
 from symhyb.discrepancy.words.formula import LAW, SYMBOLS, WARNING, law_element, law_unit
 from symhyb.discrepancy.words.formula import law_text as law_text_of
 from symhyb.discrepancy.words.wording import alternative_phrase, effect_sentence, percent_text
@@ -28,7 +29,7 @@ from symhyb.judgement import PROBABLE, SIGNIFICANT
 from symhyb.laws.sided import SKEW
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import At, Between, ChannelKind, Element, Model, On, Parameter, Place
-from symhyb.model.vocabulary import KINDS, key_of, key_unit
+from symhyb.model.vocabulary import KINDS, expressed, key_of, key_unit, worded
 
 _CHANNEL_KINDS: Mapping[str, ChannelKind] = {
     "gain": "gain",
@@ -112,11 +113,13 @@ def found_of(
         entries.append((key, parse_expression(symbol)))
         if deviation is not None:
             estimates.append(Estimate(symbol, value / unit.factor, deviation, unit.text, key))
+    entries += expressed(item.kind, item.options)
+    words = worded(item.kind, item.options)
     element = Element(
-        name, item.kind, item.place, tuple(entries), tuple(own), provenance, options=item.options
+        name, item.kind, item.place, tuple(entries), tuple(own), provenance, options=words
     )
     meaning = _meaning(model, item)
-    sentence = effect_sentence(item.kind, item.place, estimates, share, item.options, meaning)
+    sentence = effect_sentence(item.kind, item.place, estimates, share, words_of(element), meaning)
     law = KINDS[item.kind].text(item.values, dict(item.options))
     return Found(element, law, tuple(estimates), share, sentence, active)
 

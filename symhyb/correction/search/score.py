@@ -136,14 +136,27 @@ def believable(trial: Refined, length_s: float = inf) -> bool:
 
 def weak(trial: Refined) -> tuple[int, ...]:
     """The causes, by their place in the structure, whose strength or added key does not stand out
-    of its own deviation."""
+    of its own deviation, or which say the same as a simpler law of the list."""
     spread = np.sqrt(np.diag(trial.fit.covariance))
     return tuple(
         i
         for i, first in enumerate(firsts_of(trial.causes))
         if not _strong(trial, i, first, spread)
         or any(added and not stands for added, stands in _shapes(trial, i, first, spread))
+        or _listed(trial, i, first)
     )
+
+
+def _listed(trial: Refined, which: int, first: int) -> bool:
+    """Whether a key of a cause, whose numbers begin at ``first``, does not stand out of a value at
+    which another law of the list says the same: a power of 1.02 ± 0.01 is viscous damping."""
+    cause, values = trial.causes[which], grouped(trial)[which]
+    for key, path in zip(list(values)[: cause.numbers], trial.paths[first:], strict=False):
+        declared = key_of(cause.kind, key)
+        for same in declared.listed if declared else ():
+            if abs(values[key] - same) <= OUTSTANDING * trial.value(path)[1]:
+                return True
+    return False
 
 
 def weak_together(trial: Refined) -> tuple[int, ...]:

@@ -8,9 +8,13 @@ import numpy as np
 from symhyb.correction.search.setting import Setting
 from symhyb.discrepancy.places.candidates import hypothesis_of
 from symhyb.discrepancy.places.hypotheses import Hypothesis
-from symhyb.laws.variants import Pace, Row, Variant
-from symhyb.model.types import Place
+from symhyb.discrepancy.recorded.windows import Cut
+from symhyb.judgement import NEGLIGIBLE
+from symhyb.laws.variants import Load, Pace, Row, Variant
+from symhyb.model.expression import evaluate, parse_expression
+from symhyb.model.types import On, Place
 from symhyb.model.vocabulary import KINDS
+from symhyb.numeric.kernels.buffers import Array
 
 
 def variants_of(
@@ -48,6 +52,7 @@ def _varied(plain: Hypothesis, variant: Variant) -> Hypothesis:
         shape=tuple(shape.items()),
         refined=(*plain.refined, *variant.added),
         tied=(*plain.tied, *variant.tied),
+        options=(*plain.options, *variant.options),
         added=(*plain.added, *variant.added),
     )
 
@@ -66,4 +71,33 @@ def pace_of(setting: Setting, place: Place) -> Pace:
         typical,
         float(np.quantile(np.abs(rate), 0.99)),
         float(np.std(stretch)) / typical if typical > 0 else 0.0,
+        _loads(setting, place),
     )
+
+
+def _loads(setting: Setting, place: Place) -> tuple[Load, ...]:
+    """What presses at a coordinate, those forces whose size changes along the recordings."""
+    model = setting.windows.machine.model
+    if not isinstance(place, On) or not place.plain:
+        return ()
+    from symhyb.mechanics.loads import loads_on  # SymPy takes half a second to import
+
+    found = []
+    for text in loads_on(model, place.coordinate):
+        size = np.concatenate([_along(setting, item, text) for item in setting.stages[0].cuts])
+        typical = float(np.sqrt(np.mean(size**2)))
+        if np.isfinite(typical) and np.std(size) > NEGLIGIBLE * typical:
+            found.append(Load(text, typical))
+    return tuple(found)
+
+
+def _along(setting: Setting, item: Cut, text: str) -> Array:
+    """The size (N,) of a force, an expression of the model file, along a recording, N."""
+    machine = setting.library.machine
+    model, course = setting.windows.machine.model, item.course(machine)
+    values: dict[tuple[str, int] | str, Array | float] = {"t": course.t}
+    values |= {one.name: one.si for one in model.parameters}
+    for i, one in enumerate(machine.model.coordinates):
+        values |= {one.name: course.q[:, i], (one.name, 1): course.v[:, i]}
+    values |= {one.name: course.u[:, i] for i, one in enumerate(machine.model.inputs)}
+    return np.abs(evaluate(parse_expression(text), values)) * np.ones(course.t.size)

@@ -19,6 +19,7 @@ from symhyb.discrepancy.recorded.passages import one_way, passed_at_one_speed
 from symhyb.discrepancy.recorded.runs import Run, cut_into_windows
 from symhyb.discrepancy.recorded.windows import END_KNOTS
 from symhyb.discrepancy.results import Alternative, Diagnosis, Found, Measurement, RecordingFault
+from symhyb.discrepancy.words.effects import words_of
 from symhyb.discrepancy.words.wording import (
     effect_phrase,
     joined,
@@ -29,6 +30,7 @@ from symhyb.discrepancy.words.wording import (
 )
 from symhyb.judgement import NOTABLE, RUNAWAY, SMALL, UNEXPLAINED
 from symhyb.model.types import Model, place_text
+from symhyb.model.vocabulary import said_of
 from symhyb.numeric.lowered.machine import Machine
 from symhyb.numeric.runs.windows import WindowModel
 
@@ -98,7 +100,7 @@ def withdrawn(diagnosis: Diagnosis, reason: str, best: str = "what fits best") -
     """The diagnosis undecided for a reason; what was found stands among the alternatives."""
     found = [_as_alternative(item) for item in diagnosis.found]
     named = [
-        f"{effect_phrase(item.element.kind, item.estimates, item.element.options)} "
+        f"{effect_phrase(item.element.kind, item.estimates, words_of(item.element))} "
         f"{place_text(item.element.place)}"
         for item in diagnosis.found
     ]
@@ -120,7 +122,7 @@ def withdrawn(diagnosis: Diagnosis, reason: str, best: str = "what fits best") -
 def _as_alternative(item: Found) -> Alternative:
     element = item.element
     return Alternative(
-        None, element.kind, item.estimates, 0.0, place=element.place, options=element.options
+        None, element.kind, item.estimates, 0.0, place=element.place, options=said_of(element)
     )
 
 

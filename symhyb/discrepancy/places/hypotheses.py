@@ -33,7 +33,7 @@ from symhyb.model.types import (
     Sensor,
     place_text,
 )
-from symhyb.model.vocabulary import KINDS, key_of, key_unit
+from symhyb.model.vocabulary import KINDS, expressed, key_of, key_unit, worded
 from symhyb.numeric.kernels.buffers import Array, call
 from symhyb.numeric.kernels.vector import along
 from symhyb.numeric.lowered.machine import Machine, build
@@ -54,10 +54,10 @@ class Hypothesis:
     ``terms`` are unknown coefficients in which the force is linear; ``shape`` are keys that are set
     beforehand (SI), ``refined`` those of them that are fitted afterwards and so cost a number each,
     ``tied`` those that grow with the first coefficient (the damping of a relaxation of a given
-    time). ``positive`` says which terms physics forbids to be negative; ``options`` are words;
-    ``own`` are fitted keys that every recording has its own value of; ``added`` are the refined
-    keys that make a variant of a plain law (the play of a hysteresis). ``bounds`` (key, lower,
-    upper), SI, hold at this place where those of the law are too wide.
+    time). ``positive`` says which terms physics forbids to be negative; ``options`` are words, or
+    expressions (a ``load``); ``own`` are fitted keys that every recording has its own value of;
+    ``added`` are the refined keys that make a variant of a plain law (the play of a hysteresis).
+    ``bounds`` (key, lower, upper), SI, hold at this place where those of the law are too wide.
     """
 
     kind: str
@@ -108,9 +108,9 @@ class Hypothesis:
 
     def extends(self, other: "Hypothesis") -> bool:
         """Whether this is the law ``other``, perhaps with a key more."""
-        mine = self.kind, self.place, self.path, self.options
-        same = mine == (other.kind, other.place, other.path, other.options)
-        return same and set(other.terms) <= set(self.terms)
+        mine = self.kind, self.place, self.path
+        same = mine == (other.kind, other.place, other.path)
+        return same and {*other.terms, *other.options} <= {*self.terms, *self.options}
 
     def __str__(self) -> str:
         if self.place is None:
@@ -180,7 +180,9 @@ class Hypothesis:
             unit = self.unit(model, key)
             own.append(Parameter(key, value / unit.factor, unit, owner=name))
         entries = tuple((item.name, parse_expression(item.name)) for item in own)
-        return Element(name, self.kind, self.place, entries, tuple(own), options=self.options)
+        entries += expressed(self.kind, self.options)
+        words = worded(self.kind, self.options)
+        return Element(name, self.kind, self.place, entries, tuple(own), options=words)
 
     def probes(self, model: Model, name: str) -> tuple[Element, ...]:
         """One element a term: this term 1, the others 0, the shape as set."""

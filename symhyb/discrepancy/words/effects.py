@@ -20,8 +20,8 @@ from symhyb.laws import LAWS
 from symhyb.laws.gap import SIDES
 from symhyb.laws.phrases import Phrase
 from symhyb.model.expression import Operation
-from symhyb.model.types import Between, On, Place
-from symhyb.model.vocabulary import KINDS, key_of
+from symhyb.model.types import Between, Element, On, Place
+from symhyb.model.vocabulary import KINDS, key_of, said_of
 from symhyb.units import parse_unit
 
 _DIGITS = 3  # of a quantity that follows from fitted ones
@@ -79,6 +79,18 @@ class _Estimates:
 
     def listed(self, parts: Sequence[str]) -> str:
         return joined(parts)
+
+
+def words_of(element: Element) -> Options:
+    """What is told of an element beside its fitted numbers: words, expressions, and set values
+    without which its numbers say nothing."""
+    law, own = KINDS[element.kind], {one.name: one for one in element.parameters}
+    told = []
+    for key, value in element.values:
+        declared, one = law.key(key), own.get(value.text)
+        if declared is not None and declared.quoted and one is not None:
+            told.append((key, quantity_text(one.value, one.unit.text)))
+    return (*said_of(element), *told)
 
 
 def phrase_of(kind: str, estimates: Sequence[Estimate], options: Options = ()) -> Phrase:

@@ -31,6 +31,7 @@ from symhyb.discrepancy.words.effects import (
     amount_text,
     phrase_of,
     secondary_of,
+    words_of,
 )
 from symhyb.discrepancy.words.formula import LAW, law_text
 from symhyb.model.types import Place, place_text
@@ -183,7 +184,7 @@ def _lacking(found: Sequence[Found]) -> str:
     places: dict[Place, list[str]] = {}
     for effect in found:
         element = effect.element
-        words = element.options
+        words = words_of(element)
         if element.kind == LAW:
             words = (("formula", effect.law.removeprefix(law_text("", "coefficient"))),)
         phrase = effect_phrase(element.kind, effect.estimates, words)

@@ -1,0 +1,141 @@
+"""Losses that are neither friction nor viscous nor quadratic: what they do, and what they are told
+as. The rig moves a part of 0.5 kg and measures what that takes; see ``law_rigs.py``."""
+
+import numpy as np
+import pytest
+from law_rigs import RIG, Law, numbers, on_rig
+
+import symhyb as sh
+from symhyb.laws import LAWS, damper_kinked, eddy_brake, friction, power
+from symhyb.laws.base import Law as Kind
+from symhyb.laws.maths import NUMPY, Motion
+from symhyb.laws.variants import Load, Pace
+from symhyb.model.read import parse_model
+from symhyb.model.vocabulary import KINDS
+
+RATE = np.linspace(-2, 2, 41)
+ZERO = np.zeros(41)
+STIFFNESS = 400.0
+SPRUNG = (
+    RIG.replace("[bodies", f'k = {{ value = {STIFFNESS}, unit = "N/m" }}\n[bodies', 1)
+    + '[elements.spring]\nkind = "spring"\non = "x"\nstiffness = "k"\n'
+)
+
+
+def force(law: Kind, **values: float) -> np.ndarray:
+    assert law.action is not None
+    does = law.action(NUMPY, Motion(ZERO, RATE, ZERO, ZERO), values, {})
+    return np.asarray(does.force)
+
+
+@pytest.mark.parametrize(("exponent", "kind"), [(1.0, "damper"), (2.0, "drag")])
+def test_a_power_of_one_and_of_two_are_damper_and_drag(exponent: float, kind: str) -> None:
+    mine = force(power.LAW, coefficient=3.0, exponent=exponent, speed=0.5, transition=1e-9)
+    (key,) = KINDS[kind].strengths
+    assert mine == pytest.approx(force(KINDS[kind], **{key: 3.0 / 0.5**exponent}))
+
+
+def test_the_coefficient_of_a_power_is_its_force_at_the_reference_speed() -> None:
+    for exponent in (0.3, 1.5, 2.7):
+        mine = force(power.LAW, coefficient=3.0, exponent=exponent, speed=1.2)
+        assert np.interp(1.2, RATE, mine) == pytest.approx(3.0, rel=1e-6)
+        assert np.interp(-1.2, RATE, mine) == pytest.approx(-3.0, rel=1e-6)
+
+
+def test_a_root_of_the_speed_has_a_finite_slope_at_rest() -> None:
+    small = Motion(0.0, np.array([0.0, 1e-12]), 0.0, 0.0)
+    assert power.LAW.action is not None
+    does = power.LAW.action(
+        NUMPY, small, {"coefficient": 1.0, "exponent": 0.2, "speed": 1.0, "transition": 1e-3}, {}
+    )
+    assert does.force[0] == 0.0
+    assert does.force[1] == pytest.approx(1e-12 * 1e-3**-0.8)
+
+
+def test_a_knee_turns_from_one_damping_to_another() -> None:
+    values = {"damping": 8.0, "beyond": 2.0, "knee": 0.2}
+    soft = force(damper_kinked.LAW, **values)
+    assert soft == pytest.approx(2 * RATE + 6 * RATE / (1 + np.abs(RATE) / 0.2))
+    sharp = force(damper_kinked.LAW, **values, sharpness=20.0)
+    lines = 2 * RATE + 6 * np.clip(RATE, -0.2, 0.2)
+    assert np.max(np.abs(sharp - lines)) < 0.05
+    assert force(damper_kinked.LAW, damping=8.0, knee=1e9) == pytest.approx(8 * RATE)
+
+
+def test_an_eddy_brake_is_strongest_at_its_critical_speed() -> None:
+    mine = force(eddy_brake.LAW, peak=3.0, critical=0.5)
+    assert RATE[np.argmax(mine)] == pytest.approx(0.5)
+    assert mine.max() == pytest.approx(3.0)
+    assert mine[-1] < 0.6 * 3.0
+
+
+def test_friction_grows_with_the_size_of_its_load() -> None:
+    plain = force(friction.LAW, coulomb=2.0, transition=0.01)
+    for load in (-5.0, 5.0):
+        grown = force(friction.LAW, coulomb=2.0, transition=0.01, load=load, load_coefficient=0.1)
+        assert grown == pytest.approx(1.25 * plain)
+
+
+def test_friction_is_tried_with_each_load_that_is_known_and_begins_at_half() -> None:
+    pace = Pace(1.0, 1.5, 0.2, (Load("-k*x", 4.0), Load("f", 2.0)))
+    found = list(friction.LAW.variants({"coulomb": 3.0}, pace, ()))
+    assert [one.options for one in found] == [(("load", "-k*x"),), (("load", "f"),)]
+    assert [one.first["load_coefficient"] for one in found] == [0.375, 0.75]
+    assert not list(friction.LAW.variants({"coulomb": 3.0}, pace, ("load_coefficient",)))
+
+
+def test_every_value_at_which_a_law_is_another_one_lies_within_what_is_tried() -> None:
+    listed = [(law.name, key.listed) for law in LAWS for key in law.keys if key.listed]
+    assert listed == [("power", (0.0, 1.0, 2.0))]
+
+
+def found_on_rig(law: Law, text: str = RIG) -> tuple[sh.Diagnosis, dict[str, tuple[float, float]]]:
+    diagnosis = sh.diagnose(parse_model(text, "rig.toml"), on_rig(law, 1, duration=5.0))
+    assert diagnosis.verdict == "missing physics", diagnosis.sentence
+    assert len(diagnosis.found) == 1
+    return diagnosis, dict(numbers(diagnosis))
+
+
+def assert_close(found: dict[str, tuple[float, float]], truth: dict[str, float]) -> None:
+    assert set(found) == set(truth)
+    for key, value in truth.items():
+        assert found[key][0] == pytest.approx(value, rel=0.1), key
+        assert abs(found[key][0] - value) < 4 * found[key][1], key
+
+
+@pytest.mark.slow
+def test_a_power_is_found_with_its_exponent() -> None:
+    """It was told as drag, a cube and damping."""
+    diagnosis, found = found_on_rig(lambda x, v, z, f: (2 * np.sign(v) * abs(v / 0.2) ** 1.5, 0.0))
+    assert_close(found, {"power.coefficient": 2 / 2**1.5, "power.exponent": 1.5})
+    assert "at 0.1 m/s that grows with the power 1.5" in diagnosis.sentence
+
+
+@pytest.mark.slow
+def test_a_digressive_damper_is_found_with_its_knee() -> None:
+    _, found = found_on_rig(lambda x, v, z, f: (2 * v + 28 * v / (1 + abs(v) / 0.08), 0.0))
+    truth = {"damping": 30.0, "beyond": 2.0, "knee": 0.08}
+    assert_close(found, {f"damper_kinked.{key}": value for key, value in truth.items()})
+
+
+@pytest.mark.slow
+def test_an_eddy_brake_is_found_with_its_critical_speed() -> None:
+    _, found = found_on_rig(lambda x, v, z, f: (6 * (v / 0.1) / (1 + (v / 0.1) ** 2), 0.0))
+    assert_close(found, {"eddy_brake.peak": 3.0, "eddy_brake.critical": 0.1})
+
+
+@pytest.mark.slow
+def test_friction_by_a_load_is_found_and_written_as_a_model_that_can_be_read() -> None:
+    def law(x: float, v: float, z: float, f: float) -> tuple[float, float]:
+        pull = STIFFNESS * x
+        return float(pull + (0.5 + 0.2 * abs(pull)) * np.tanh(v / 1e-4)), 0.0
+
+    diagnosis, found = found_on_rig(law, SPRUNG)
+    assert {key: found[key][0] for key in found} == pytest.approx(
+        {"friction.coulomb": 0.5, "friction.load_coefficient": 0.2}, rel=0.05
+    )
+    assert "of the load -k*x" in diagnosis.sentence
+    corrected = sh.apply(parse_model(SPRUNG, "rig.toml"), diagnosis.found)
+    again = parse_model(corrected.text, "rig.toml")
+    assert again.elements == corrected.elements
+    assert str(again.elements[-1].value("load")) == "-k*x"
