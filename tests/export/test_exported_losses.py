@@ -1,0 +1,57 @@
+"""Losses in exported code: a power, a knee, an eddy brake, and friction by a load."""
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from builders import model_of
+from test_c_code import compiled
+from test_c_code import put as put_files
+
+from symhyb.export.c_code import SAMPLES, c_files
+from symhyb.export.spec import Spec, spec_of
+
+LOSSES = {
+    "fan": {"kind": "power", "coefficient": "F", "exponent": "p", "speed": "v"},
+    "shock": {"kind": "damper_kinked", "damping": "d", "knee": "v", "sharpness": "p"},
+    "brake": {"kind": "eddy_brake", "peak": "F", "critical": "v"},
+    "guide": {"kind": "friction", "coulomb": "F", "load_coefficient": "mu", "load": "f - k*x"},
+}
+
+
+@cache
+def rig(name: str) -> Spec:
+    """A mass with all four losses as a machine (no ``name``), or one of them alone."""
+    model = model_of(
+        coordinates={"x": {"unit": "m", "start": 0.1}},
+        parameters={
+            "m": (1.2, "kg"),
+            "k": (40.0, "N/m"),
+            "F": (2.0, "N"),
+            "p": (1.5, "1"),
+            "v": (0.3, "m/s"),
+            "d": (8.0, "N*s/m"),
+            "mu": (0.2, "1"),
+        },
+        inputs={"f": {"unit": "N"}},
+        bodies={"block": {"mass": "m", "at": ["x", "0"]}},
+        elements={key: {**loss, "on": "x"} for key, loss in LOSSES.items()},
+        sensors={"place": {"measures": "x", "unit": "m"}},
+    )
+    return spec_of(model, name, (name,)) if name else spec_of(model, "machine", whole=True)
+
+
+@pytest.mark.parametrize("name", ["", "guide"])
+def test_the_c_program_finds_no_difference(name: str, tmp_path: Path) -> None:
+    spec = rig(name)
+    put_files(tmp_path, c_files(spec))
+    reported = compiled(tmp_path, f"{spec.identifier}.c", f"{spec.identifier}_check.c")
+    assert reported == f"0 {spec.identifier}: {SAMPLES} samples, largest relative difference 0\n"
+
+
+def test_the_host_tells_place_and_input_and_gets_the_friction_of_that_load() -> None:
+    e = rig("guide").exported
+    assert e.inputs == (("q", "x"), ("v", "x"), ("u", "f"))
+    _, made = e.evaluate(0.0, e.x, np.array([0.05, 0.7, 12.0]), e.p)
+    assert made == pytest.approx([-(2.0 + 0.2 * abs(12.0 - 40.0 * 0.05))])
