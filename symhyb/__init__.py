@@ -1,20 +1,21 @@
 """symhyb: find, name and model the physics that a mechanical model leaves out.
 
-Names are imported when first used, so ``import symhyb`` costs nothing.
+Names are imported when first used, so ``import symhyb`` costs nothing; ``__init__.pyi`` says the
+same to type checkers and editors.
 """
 
 from importlib import import_module
 from typing import Any
 
 _HOMES = {
-    "symhyb.model.read": ("read_model",),
+    "symhyb.model.read": ("parse_model", "read_model"),
     "symhyb.model.write": ("write_model",),
     "symhyb.model.diff": ("diff",),
     "symhyb.mechanics.methods.from_sympy": ("from_sympy",),
     "symhyb.model.types": ("Model",),
     "symhyb.data.recording": ("Recording", "read_recording"),
     "symhyb.numeric.lowered.machine": ("Machine", "build"),
-    "symhyb.exact.simulation": ("simulate",),
+    "symhyb.running": ("simulate",),
     "symhyb.numeric.runs.scenario": ("Scenario",),
     "symhyb.optimisation.rollout": ("Rollout",),
     "symhyb.optimisation.objective": ("Objective",),
@@ -57,6 +58,7 @@ __all__ = (
     "from_sympy",
     "judge",
     "learn",
+    "parse_model",
     "read_model",
     "read_recording",
     "remainder",

@@ -8,6 +8,7 @@ recordings prove; they never choose. docs/method.md has the statistics and what 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from symhyb.asked import asked
 from symhyb.correction.adequacy.input_noise import stands, with_input_noise
 from symhyb.correction.adequacy.judge import Adequacy, adequacy
 from symhyb.correction.advice.advice import advise
@@ -45,6 +46,8 @@ from symhyb.discrepancy.results import Diagnosis, Misfit, Repeats
 from symhyb.errors import NumericsError
 from symhyb.model.types import Model
 from symhyb.numeric.kernels.threads import one_thread
+from symhyb.numeric.lowered.either import model_of
+from symhyb.numeric.lowered.machine import Machine
 from symhyb.steps import Say, silent
 
 RECORD_NEXT = (
@@ -68,8 +71,9 @@ class Concluded:
     choice: Choice | None = None
 
 
+@asked
 def diagnose(
-    model: Model,
+    model: Model | Machine,
     recordings: Recording | Sequence[Recording],
     holdout: Recording | Sequence[Recording] = (),
     *,
@@ -87,7 +91,7 @@ def diagnose(
         InputError: recordings that cannot be used with this model, or an unknown name in ``own``.
         NumericsError: the model cannot be simulated along the recordings at all.
     """
-    return advised(conclude(model, recordings, holdout, own=own, say=say), say)
+    return advised(conclude(model_of(model), recordings, holdout, own=own, say=say), say)
 
 
 def conclude(
@@ -100,7 +104,8 @@ def conclude(
 ) -> Concluded:
     """:func:`diagnose` up to the advice on what to record next, which :func:`advised` adds."""
     with one_thread():
-        return _concluded(model, recordings, holdout, own, say or silent)
+        concluded = _concluded(model, recordings, holdout, own, say or silent)
+    return replace(concluded, diagnosis=replace(concluded.diagnosis, model=model))
 
 
 def _concluded(

@@ -54,6 +54,13 @@ class InputError(SymhybError):
         super().__init__("\n".join(str(problem) for problem in self.problems))
 
 
+class UnknownNameError(SymhybError, KeyError):
+    """A name that nothing has; the message is the sentence with the nearest and with all names."""
+
+    def __str__(self) -> str:
+        return str(self.args[0])  # a KeyError would quote it
+
+
 class NumericsError(SymhybError):
     """The numerics failed; the message is the sentence that says why (exit status 3)."""
 

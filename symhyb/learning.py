@@ -15,6 +15,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
+from symhyb.asked import asked
 from symhyb.correction.learning.corrected import (
     Correction,
     Formulation,
@@ -56,6 +57,8 @@ from symhyb.discrepancy.words.wording import effect_phrase, joined, number_text,
 from symhyb.errors import InputError, Problem, did_you_mean
 from symhyb.model.types import Element, Model
 from symhyb.model.write import append_elements
+from symhyb.numeric.lowered.either import model_of
+from symhyb.numeric.lowered.machine import Machine
 from symhyb.numeric.lowered.network import Weights
 from symhyb.steps import Say, silent
 
@@ -136,8 +139,9 @@ class Learned:
         return "\n".join((self.sentence, *self.notes, self.verdict.carries))
 
 
+@asked
 def learn(
-    model: Model,
+    model: Model | Machine,
     recordings: Recording | Sequence[Recording],
     holdout: Recording | Sequence[Recording] = (),
     *,
@@ -167,6 +171,7 @@ def learn(
         NumericsError: the model cannot be simulated along the recordings.
     """
     _require_ways(by, formulation)
+    model = model_of(model)
     tell = say or silent
     train, unseen = several(recordings), several(holdout)
     coordinates = asked_coordinates(model, on)

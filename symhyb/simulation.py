@@ -59,10 +59,10 @@ def run_model(
         NumericsError: the integration failed; the message says why.
     """
     machine = build(model if driven is None else as_sampled(model, [driven]))
-    t = _times(model, driven, end, step)
+    t = output_times(model, driven, end, step)
     if driven is None:
         t_u, u, given = t[[0, -1]], np.zeros((2, len(model.inputs))), None
-        _require_free(model)
+        require_free(model)
     else:
         t_u, u = driving(driven, machine)
         given = given_motion(driven, machine) if machine.imposed else None
@@ -75,7 +75,12 @@ def run_model(
     return machine, scenario, run
 
 
-def _require_free(model: Model) -> None:
+def require_free(model: Model) -> None:
+    """Refuse a model with imposed motion that no recording gives.
+
+    Raises:
+        InputError: it has.
+    """
     imposed = [c.name for c in model.coordinates if c.imposed]
     if imposed:
         text = (
@@ -103,21 +108,18 @@ def integration_text(run: Trajectory) -> str:
 def run_table(machine: Machine, scenario: Scenario, run: Trajectory) -> str:
     """Write a run as CSV: t, inputs, sensors without noise, coordinates and their rates, each in
     the unit of the model file, which stands in the header."""
-    model, seconds = machine.model, parse_unit("s")
+    model = machine.model
     columns: list[tuple[str, Array]] = [("t [s]", run.t)]
     for item, signal in zip(model.inputs, scenario.u.T, strict=True):
         follow = held_at if item.between == "held" else on_line
         acts = follow(scenario.t_u, signal, run.t)
         columns.append((f"{item.name} [{item.unit}]", acts / item.unit.factor))
-    for sensor, signal in zip(model.sensors, run.y.T, strict=True):
-        late = 0.0 if sensor.delay is None else sensor.delay.si
-        recorded = np.interp(run.t - late, run.t, signal) / sensor.unit.factor
-        columns.append((f"{sensor.name} [{sensor.unit}]", recorded))
-    taken = {sensor.name for sensor in model.sensors}
-    for i, q in enumerate(model.coordinates):
-        name = f"{q.name} (coordinate)" if q.name in taken else q.name
-        columns.append((f"{name} [{q.unit}]", run.q[:, i] / q.unit.factor))
-        columns.append((f"{q.name}' [{q.unit / seconds}]", run.v[:, i] / q.unit.factor))
+    shown = {name: (f"{name} [{unit}]", values) for name, values, unit in run.signals()}
+    columns += [shown[sensor.name] for sensor in model.sensors]
+    taken = model.sensors.names()
+    for q in model.coordinates:
+        place = f"{q.name} (coordinate)" if q.name in taken else q.name
+        columns += [shown[place], shown[f"{q.name}'"]]
     rows = zip(*(values.tolist() for _, values in columns), strict=True)
     head = ",".join(header for header, _ in columns)
     return "\n".join([head, *(",".join(f"{x:.10g}" for x in row) for row in rows)]) + "\n"
@@ -144,10 +146,17 @@ def events_sentence(run: Trajectory) -> str:
     return "; ".join([head, *parts]) if parts else f"{head}: nothing sticks, slips or touches anew"
 
 
-def _times(model: Model, driven: Recording | None, end: float | None, step: float | None) -> Array:
-    """The output grid (N,) in s."""
+def output_times(
+    model: Model, driven: Recording | None, end: float | None, step: float | None
+) -> Array:
+    """The output grid (N,) in s: from 0 to ``end``, or as the inputs were ``driven``, with rows
+    every ``step``.
+
+    Raises:
+        InputError: times that make no run, or inputs that stop before ``end``.
+    """
     if driven is None and end is None:
-        text = "say with --end when the simulation ends, or give an input recording"
+        text = "say when the simulation ends (--end, or end=), or give a recording of the inputs"
         raise InputError(Problem(text, file=model.file))
     first = 0.0 if driven is None else float(driven.t[0])
     last = float(driven.t[-1]) if driven is not None and end is None else float(end or 0.0)

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symhyb import __version__
+from symhyb.asked import asked
 from symhyb.correction.apply import apply
 from symhyb.correction.finish import finished
 from symhyb.correction.learning.network import NO_NETWORK, train_network
@@ -80,6 +81,7 @@ class StudyResult:
         return exit_status(self.diagnosis) if self.passed else 1
 
 
+@asked
 def run_study(
     path: str | os.PathLike[str],
     directory: str | os.PathLike[str],

@@ -98,7 +98,7 @@ class UnitError(ValueError):
     """A text that is no unit; the message is a sentence with the nearest known one."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Unit:
     """A unit of measurement: ``text`` for people, ``factor`` to coherent SI for numbers.
 
@@ -129,6 +129,9 @@ class Unit:
 
     def __str__(self) -> str:
         return self.text
+
+    def __repr__(self) -> str:
+        return f"<Unit {self.text}>"
 
     def same_dimension(self, other: "Unit") -> bool:
         """Say whether a value in one unit can be converted to the other."""

@@ -3,6 +3,7 @@
 Also that ``import symhyb`` and ``symhyb --help`` answer at once, without the heavy libraries.
 """
 
+import ast
 import importlib
 import inspect
 import pkgutil
@@ -11,6 +12,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from functools import cache
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
@@ -18,7 +20,7 @@ import pytest
 
 import symhyb
 
-HEAVY = ("sympy", "casadi", "pysindy", "sklearn", "matplotlib", "scipy", "pandas")
+HEAVY = ("sympy", "casadi", "pysindy", "sklearn", "matplotlib", "scipy", "pandas", "xarray")
 MOST_NAMES = 32
 
 # A shape is letters and numbers in parentheses, (n), (N,), (m, 2n), (N-1, 3), or said in words.
@@ -131,6 +133,27 @@ def test_exported_names_exist_and_are_few() -> None:
 def test_a_name_that_is_not_exported_is_an_attribute_error() -> None:
     with pytest.raises(AttributeError, match="no_such_name"):
         _ = symhyb.no_such_name
+
+
+def test_type_checkers_are_told_of_the_same_names_from_the_same_places() -> None:
+    """``__init__.pyi`` says what ``__init__`` imports when it is first used."""
+    folder = Path(symhyb.__file__).parent
+    tree = ast.parse((folder / "__init__.pyi").read_text(encoding="utf-8"))
+    said = {
+        alias.name: node.module
+        for node in tree.body
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+        if alias.name == alias.asname
+    }
+    assert said == symhyb._HOME
+    (listed,) = (
+        node.value
+        for node in tree.body
+        if isinstance(node, ast.Assign) and getattr(node.targets[0], "id", "") == "__all__"
+    )
+    assert ast.literal_eval(listed) == list(symhyb.__all__)
+    assert (folder / "py.typed").is_file()
 
 
 def test_importing_symhyb_loads_nothing_heavy() -> None:

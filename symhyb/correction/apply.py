@@ -2,11 +2,13 @@
 
 from collections.abc import Sequence
 
+from symhyb.asked import asked
 from symhyb.discrepancy.results import Found, Measurement, Reestimated
 from symhyb.model.types import Model
 from symhyb.model.write import append_elements, replace_parameters
 
 
+@asked
 def apply(
     model: Model,
     found: Sequence[Found],

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from symhyb.asked import asked
 from symhyb.correction.search.preparing import last_windows, prepare
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.fitting.matching import fit
@@ -40,6 +41,7 @@ class Finished:
         )
 
 
+@asked
 def finished(model: Model, recordings: Recording | Sequence[Recording]) -> Finished:
     """Fit the numbers of found elements, and the parameters of the model, that state an sd (a width
     that only smooths a law states none), on all windows.

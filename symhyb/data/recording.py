@@ -1,25 +1,42 @@
 """A recording: time, inputs and sensors of one run in SI, and what was done to get them."""
 
 import os
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from symhyb.asked import asked
 from symhyb.data.channels import Channels, take
 from symhyb.data.columns import map_columns
 from symhyb.data.formats import read_table
+from symhyb.data.frames import table_of_dataset, table_of_frame
 from symhyb.data.inspection import input_notes, sampling_notes, sensor_notes
 from symhyb.data.rows import SHORTEST, Span, tidy, without_silent_sensors
-from symhyb.errors import InputError, Problem, visible
+from symhyb.data.samples import digest, require_samples
+from symhyb.data.table import Table
+from symhyb.drawn import drawn
+from symhyb.errors import InputError, Problem, UnknownNameError, did_you_mean, visible
+from symhyb.framed import SI, Signal, dataset_of, frame_of
 from symhyb.model.types import Model
+from symhyb.shown import card, counted
+from symhyb.units import ONE, Unit
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Recording:
     """One run of a machine, N samples, all in coherent SI; the arrays are read-only.
+
+    ``recording["laser"]`` is a channel (N,) in SI, ``len(recording)`` is N, and iterating gives the
+    names of the channels. What is made by hand must be clean: finite inputs, time that increases;
+    :meth:`from_frame` takes what loggers write.
 
     Attributes:
         name: name of the file, for sentences.
@@ -27,15 +44,62 @@ class Recording:
         inputs: by name, (N,), finite; among them the motion of imposed coordinates.
         sensors: by name, (N,); NaN where a sample is missing.
         notes: sentences on everything that was noticed, left out or filled in.
-        sha256: of the bytes of the file.
+        sha256: of the bytes of the file; of the samples, where there is no file.
+        units: by channel the unit of the model file, in which frames and pictures show it.
     """
 
     name: str
     t: NDArray[np.float64]
     inputs: Mapping[str, NDArray[np.float64]]
     sensors: Mapping[str, NDArray[np.float64]]
-    notes: tuple[str, ...]
-    sha256: str
+    notes: tuple[str, ...] = ()
+    sha256: str = ""
+    units: Mapping[str, Unit] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        require_samples(self)
+        if not self.sha256:
+            object.__setattr__(self, "sha256", digest(self.t, self.inputs, self.sensors))
+
+    def __len__(self) -> int:
+        return int(self.t.size)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.channels)
+
+    def __contains__(self, name: object) -> bool:
+        return name == "t" or name in self.inputs or name in self.sensors
+
+    def __getitem__(self, name: str) -> NDArray[np.float64]:
+        if name == "t":
+            return self.t
+        for group in (self.sensors, self.inputs):
+            if name in group:
+                return group[name]
+        known = ("t", *self.channels)
+        near = did_you_mean(name, known) if isinstance(name, str) else ""
+        raise UnknownNameError(
+            f"{self.name} has no channel {name!r}{near if 'mean' in near else ''}; "
+            f"there are: {', '.join(known)}"
+        )
+
+    def __repr__(self) -> str:
+        parts = (counted("input", list(self.inputs)), counted("sensor", list(self.sensors)))
+        span = f"{self.t[0]:g} … {self.t[-1]:g} s" if len(self) else "no time"
+        return f"<Recording '{self.name}': {len(self)} samples, {span}, {', '.join(parts)}>"
+
+    def _repr_html_(self) -> str:
+        rows = [("t", "s", *_spread(self.t))]
+        for name, values, unit in self.signals():
+            rows.append((name, unit, *_spread(values)))
+        head = ("channel", "unit", "smallest", "largest", "missing")
+        text = f"{len(self)} samples, {self.duration:g} s"
+        return card(self.name, text, head, rows, self.notes)
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """The names of the inputs, then of the sensors, each once."""
+        return tuple(dict.fromkeys((*self.inputs, *self.sensors)))
 
     @property
     def duration(self) -> float:
@@ -71,6 +135,82 @@ class Recording:
         keep = (self.t >= first) & (self.t <= last)
         return self._part(keep, f"part of {self.name}, {first:g} … {last:g} s")
 
+    @classmethod
+    def from_frame(
+        cls,
+        frame: "pd.DataFrame | Mapping[str, Any]",
+        model: Model,
+        columns: Mapping[str, str] | None = None,
+        *,
+        units: Mapping[str, str] | None = None,
+        name: str = "frame",
+        span: Span = (None, None),
+    ) -> "Recording":
+        """A recording from a frame of pandas, or from a mapping of names to columns.
+
+        Time is the column that is called so, else the index: numbers in s, dates or durations. The
+        rest is as for files (:func:`read_recording`): channels are found by name or through the map
+        ``columns``, and cleaned with notes. The unit of a column is that in ``units`` = {"laser":
+        "mm"}, else that behind its name (``laser [mm]``), else that in ``frame.attrs["units"]``,
+        else that of the model. ``span`` = (start, end) in s.
+
+        Raises:
+            InputError: as :func:`read_recording`.
+        """
+        table = table_of_frame(frame, units, visible(name))
+        return _recorded(table, visible(name), model, columns, span)
+
+    def to_frame(self) -> "pd.DataFrame":
+        """The channels in the units of the model file, as columns over the index ``t`` in s;
+        ``attrs["units"]`` says which, and :meth:`from_frame` reads it."""
+        return frame_of(self.t, self.signals(), name=self.name)
+
+    @classmethod
+    def from_xarray(
+        cls,
+        dataset: "xr.Dataset | xr.DataArray",
+        model: Model,
+        columns: Mapping[str, str] | None = None,
+        *,
+        units: Mapping[str, str] | None = None,
+        name: str = "dataset",
+        span: Span = (None, None),
+    ) -> "Recording":
+        """A recording from a dataset of xarray along one dimension, the time (in s, dates or
+        durations); as :meth:`from_frame`, with the units in ``attrs["units"]`` of each variable.
+
+        Raises:
+            InputError: as :func:`read_recording`; xarray is not installed.
+        """
+        table = table_of_dataset(dataset, units, visible(name))
+        return _recorded(table, visible(name), model, columns, span)
+
+    def to_xarray(self) -> "xr.Dataset":
+        """The channels in the units of the model file along ``t`` in s, as a dataset of xarray.
+
+        Raises:
+            InputError: xarray is not installed.
+        """
+        return dataset_of(self.t, self.signals(), name=self.name)
+
+    def plot(self, *channels: str, ax: Any = None) -> Any:
+        """Draw channels over time, all by default: returns the axes of matplotlib, one a channel;
+        what is given as ``ax`` is drawn on (:mod:`symhyb.report.axes`)."""
+        return drawn("recording", self, ax, channels=channels)
+
+    def signals(self) -> Iterator[Signal]:
+        """Every channel with its values (N,) in the unit of the model file, and that unit. Motion
+        that a sensor of the same name shows as well is left out."""
+        for group, other in ((self.inputs, self.sensors), (self.sensors, {})):
+            for name, values in group.items():
+                shown = name
+                if name in other:
+                    if np.array_equal(values, other[name], equal_nan=True):
+                        continue
+                    shown = f"{name} (coordinate)"
+                unit = self.units.get(name)
+                yield shown, values / (unit or ONE).factor, unit.text if unit else SI
+
     def shares(self, other: "Recording") -> bool:
         """Whether samples of ``other`` are among these: the same file, times and values."""
         return self.common(other).size > 0
@@ -97,13 +237,14 @@ class Recording:
             raise InputError(Problem(text, file=self.name))
         whole = Channels(self.t, self.inputs, self.sensors, self.notes)
         part = without_silent_sensors(take(whole, keep, note))
-        return _recording(self.name, part, self.sha256)
+        return _recording(self.name, part, self.sha256, self.units)
 
     def _outside(self, verb: str, limit: float) -> InputError:
         text = f"cannot {verb} at {limit:g} s: the recording is {self.t[0]:g} … {self.t[-1]:g} s"
         return InputError(Problem(text, file=self.name))
 
 
+@asked
 def read_recording(
     path: str | os.PathLike[str],
     model: Model,
@@ -125,7 +266,13 @@ def read_recording(
         InputError: the file or the map is wrong, a needed channel is missing, time does not
             increase, an input has a hole or stops early, or fewer than 20 samples are left.
     """
-    table = read_table(path)
+    return _recorded(read_table(path), visible(Path(path).name), model, columns, span)
+
+
+def _recorded(
+    table: Table, name: str, model: Model, columns: Mapping[str, str] | None, span: Span
+) -> Recording:
+    """The recording that a table holds of a model's channels, whatever it came from."""
     held = frozenset(item.name for item in model.inputs if item.between == "held")
     channels = tidy(map_columns(table, model, columns), table, span, held)
     units = {channel.name: channel.unit for channel in model.sensors}
@@ -138,10 +285,12 @@ def read_recording(
         *sensor_notes(channels.t, channels.sensors, units),
     )
     noted = Channels(channels.t, channels.inputs, channels.sensors, notes)
-    return _recording(visible(Path(path).name), noted, table.sha256)
+    shown = {**driving, **units}
+    used = {name: shown[name] for name in (*noted.inputs, *noted.sensors)}
+    return _recording(name, noted, table.sha256, used)
 
 
-def _recording(name: str, channels: Channels, sha256: str) -> Recording:
+def _recording(name: str, channels: Channels, sha256: str, units: Mapping[str, Unit]) -> Recording:
     """Freeze what was read: the arrays of a value must not change under its feet."""
     recording = Recording(
         name,
@@ -150,10 +299,20 @@ def _recording(name: str, channels: Channels, sha256: str) -> Recording:
         {key: np.ascontiguousarray(values) for key, values in channels.sensors.items()},
         channels.notes,
         sha256,
+        units,
     )
     for array in (recording.t, *recording.inputs.values(), *recording.sensors.values()):
         array.setflags(write=False)
     return recording
+
+
+def _spread(values: NDArray[np.float64]) -> tuple[str, str, str]:
+    """The smallest and largest of some values, and how many are missing, in words."""
+    known = values[np.isfinite(values)]
+    missing = str(values.size - known.size or "")
+    if not known.size:
+        return "", "", missing
+    return f"{known.min():.5g}", f"{known.max():.5g}", missing
 
 
 def several(recordings: Recording | Sequence[Recording]) -> tuple[Recording, ...]:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from symhyb.data.table import PART, Column, Table, split_unit
 from symhyb.errors import InputError, Problem, did_you_mean
+from symhyb.framed import SI
 from symhyb.model.expression import (
     Expression,
     ExpressionError,
@@ -216,6 +217,8 @@ def _unit(text: str | None, channel: Wanted, table: Table) -> Unit | None:
         return None
     if text.strip() == "g" and channel.unit.same_dimension(STANDARD_GRAVITY):
         return STANDARD_GRAVITY
+    if text.strip() == SI:
+        return replace(channel.unit, text=SI, factor=1.0)
     try:
         unit = parse_unit(text)
     except UnitError as error:

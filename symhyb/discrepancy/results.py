@@ -4,20 +4,66 @@ Values are in the unit that each carries beside it; arrays are in coherent SI wi
 Sizes: N samples, n coordinates, m sensors.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from symhyb.model.types import ChannelKind, Element, Place
+from symhyb.by_name import ByName, Items, name_items
+from symhyb.discrepancy.aside import (
+    Activity,
+    Change,
+    ClassFound,
+    ClassName,
+    Cloud,
+    Isolability,
+    Manoeuvre,
+    Memory,
+    Occurrence,
+    PlaceShare,
+    SignalName,
+)
+from symhyb.discrepancy.scored import Comparison, Score, Trace, Verdict
+from symhyb.drawn import drawn
+from symhyb.errors import UnknownNameError
+from symhyb.model.types import ChannelKind, Element, Model, Place, place_text
+from symhyb.shown import card, counted
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = [
+    "Activity",
+    "Alternative",
+    "Change",
+    "ClassFound",
+    "ClassName",
+    "Cloud",
+    "Comparison",
+    "Diagnosis",
+    "Estimate",
+    "Found",
+    "Isolability",
+    "Manoeuvre",
+    "Measurement",
+    "Memory",
+    "Misfit",
+    "Occurrence",
+    "PlaceShare",
+    "RecordingFault",
+    "Reestimated",
+    "Repeats",
+    "Score",
+    "SignalName",
+    "Trace",
+    "Verdict",
+    "VerdictName",
+]
 
 VerdictName = Literal[
     "missing physics", "parameters", "measurement", "nothing missing", "undecided"
 ]
-
-SignalName = Literal["sine", "sweep", "multisine", "steps", "triangle", "release"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,17 +76,13 @@ class Estimate:
     unit: str
     term: str
 
-
-@dataclass(frozen=True, slots=True)
-class Activity:
-    """Where and when an effect acts: ranges of stretch and rate (SI), stretches of time (s)."""
-
-    stretch: tuple[float, float]
-    rate: tuple[float, float]
-    time: tuple[tuple[float, float], ...]
+    @property
+    def called(self) -> tuple[str, ...]:
+        """By which names it is found among others: its term, then its name in the model file."""
+        return (self.term, self.name)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Found:
     """A named effect, ready to be appended to the model file as ``element``.
 
@@ -50,17 +92,43 @@ class Found:
     its causes stay chosen; None where there are too few windows. ``probability`` is the posterior
     one; None of what only whole recordings added. ``own`` are the values that are each recording's
     own, by the name of the recording; ``element`` and ``estimates`` hold those of the first.
+
+    An estimate is an attribute by its term or name: ``found.coulomb.value``.
     """
 
     element: Element
     law: str
-    estimates: tuple[Estimate, ...]
+    estimates: ByName[Estimate]
     share: float | None
     sentence: str
     active: Activity | None = None
     stability: float | None = None
     probability: float | None = None
     own: tuple[tuple[str, tuple[Estimate, ...]], ...] = ()
+
+    def __post_init__(self) -> None:
+        name_items(self, "estimates")
+
+    @property
+    def called(self) -> tuple[str, ...]:
+        """By which names it is found among others: its element, then its kind."""
+        return (self.element.name, self.element.kind)
+
+    def __getattr__(self, name: str) -> Estimate:
+        if name.startswith("_") or name in type(self).__slots__:  # a value that is being made
+            raise AttributeError(name)
+        try:
+            return self.estimates[name]
+        except UnknownNameError as error:
+            raise AttributeError(f"{self.element.name}: {error}") from None
+
+    def __repr__(self) -> str:
+        numbers = ", ".join(f"{one.term} = {_amount(one)}" for one in self.estimates)
+        place = place_text(self.element.place)
+        return f"<Found {self.element.name}: {self.element.kind} {place}, {numbers or self.law}>"
+
+    def __dir__(self) -> list[str]:
+        return sorted({*object.__dir__(self), *(name for e in self.estimates for name in e.called)})
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,6 +182,11 @@ class Measurement:
     sd: float
     unit: str
 
+    @property
+    def called(self) -> tuple[str, ...]:
+        """By which names it is found among others: ``laser.gain``, then its channel."""
+        return (f"{self.channel}.{self.kind}", self.channel)
+
 
 @dataclass(frozen=True, slots=True)
 class RecordingFault:
@@ -154,219 +227,22 @@ class Alternative:
     together: int = 0
 
 
-@dataclass(frozen=True, slots=True)
-class Change:
-    """A mismatch that begins or ends within a recording, at ``time_s`` known to ``width_s``."""
-
-    recording: str
-    time_s: float
-    width_s: float
-    kind: Literal["begins", "ends"]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Occurrence:
-    """When and how a mismatch acts at a place, along the first recording (a change: along any).
-
-    ``band_hz`` holds the middle four fifths of its power, ``beyond`` (SI) is the size of the
-    stretch below which it is absent. ``t`` (W,), ``before`` and ``after`` (W,): χ² per sample of
-    windows, uncorrected and with the best force of the place's own motion; ``lines`` (K,) in Hz and
-    ``power`` (K,) in units of its largest. ``sentence`` is empty if nothing sets it apart.
-    """
-
-    change: Change | None
-    band_hz: tuple[float, float] | None
-    beyond: float | None
-    t: NDArray[np.float64]
-    before: NDArray[np.float64]
-    after: NDArray[np.float64]
-    lines: NDArray[np.float64]
-    power: NDArray[np.float64]
-    sentence: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class PlaceShare:
-    """How much of the mismatch any smooth function of this place's own motion explains, unseen, and
-    when and how it acts there where that is much."""
-
-    place: Place
-    explained: float | None
-    active: Activity | None = None
-    occurrence: Occurrence | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class Memory:
-    """Whether the missing force is a function of positions, speeds and inputs: the share of the
-    mismatch that such a function explains, unseen (``state``), the share with laws that remember
-    added (``past``), and what that means."""
-
-    state: float
-    past: float
-    sentence: str
-
-
-@dataclass(frozen=True, slots=True)
-class Score:
-    """How well one model meets one set of recordings.
-
-    ``force_nrmse`` by coordinate: RMS of ΔF over the range of ΔF before correction.
-    ``force_residual`` by coordinate: ‖ΔF‖ / ‖applied force k_e‖, both through the same low-pass.
-    ``window_nrmse``, ``free_run_nrmse`` by sensor: RMSE / (max − min) of the measurement.
-    ``window_rmse``, ``free_run_rmse`` by sensor: the same in the sensor's unit.
-    None: not computable.
-    """
-
-    force_nrmse: Mapping[str, float | None]
-    force_residual: Mapping[str, float | None]
-    window_nrmse: Mapping[str, float | None]
-    window_rmse: Mapping[str, float | None]
-    free_run_nrmse: Mapping[str, float | None]
-    free_run_rmse: Mapping[str, float | None]
-
-
-@dataclass(frozen=True, slots=True)
-class Comparison:
-    """One score before and one after the correction."""
-
-    before: Score
-    after: Score
-
-
-@dataclass(frozen=True, slots=True)
-class Trace:
-    """Measured and simulated signals of one recording (free run, initial states fitted).
-
-    ``measured``, ``before``, ``after`` by sensor: (N,) in SI, NaN where missing; ``after`` equals
-    ``before`` where nothing was corrected. ``failures`` are sentences of simulations that stopped.
-    """
-
-    recording: str
-    role: Literal["train", "holdout"]
-    t: NDArray[np.float64]
-    measured: Mapping[str, NDArray[np.float64]]
-    before: Mapping[str, NDArray[np.float64]]
-    after: Mapping[str, NDArray[np.float64]]
-    failures: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class Verdict:
-    """Scores before and after, how they were made, and which of them decides."""
-
-    window_s: float
-    initial_states: str
-    force_band_hz: float | None
-    train: Comparison
-    holdout: Comparison | None
-    carries: str
-    traces: tuple[Trace, ...] = ()
-
-    def __str__(self) -> str:
-        return self.carries
-
-
-@dataclass(frozen=True, slots=True)
-class Cloud:
-    """ΔF of one place over its motion: what the found laws are drawn through.
-
-    ``stretch``, ``rate``, ``force`` (ΔF projected on the place, before correction) and ``band``
-    (one sd): (N,) in SI; ``law`` the force of the found elements at this place, zero if none.
-    """
-
-    place: Place
-    recording: str
-    t: NDArray[np.float64]
-    stretch: NDArray[np.float64]
-    rate: NDArray[np.float64]
-    force: NDArray[np.float64]
-    band: NDArray[np.float64]
-    law: NDArray[np.float64]
-
-
-@dataclass(frozen=True, slots=True)
-class Isolability:
-    """How well the recordings at hand tell causes apart.
-
-    ``evidence`` (C, C + 1), dimensionless: ln of the odds that are expected against the cause of
-    the column where the cause of the row acts, at the size found; the last column is "nothing
-    there". NaN on the diagonal. ``causes`` are words, ``found`` says which of them the
-    diagnosis claims.
-    """
-
-    causes: tuple[str, ...]
-    found: tuple[bool, ...]
-    evidence: NDArray[np.float64]
-
-
-@dataclass(frozen=True, slots=True)
-class Manoeuvre:
-    """What to record next, for a program; ``sentence`` says the same for a person.
-
-    ``channel`` is the input to drive, or the coordinate to release from ``amplitude``.
-    ``amplitude`` (the peak) and ``offset`` are in ``unit``, ``frequency`` (lo, hi) in Hz, None for
-    a release; ``duration`` and ``sampling`` (the time between two samples) in s. ``between`` are
-    the causes that it tells apart, with an ``evidence`` (ln of the odds) of at least so much;
-    ``beyond`` is True where it goes beyond what was recorded. docs/output.md states the signals.
-    """
-
-    channel: str
-    signal: SignalName
-    amplitude: float
-    unit: str
-    duration: float
-    sampling: float
-    frequency: tuple[float, float] | None = None
-    offset: float = 0.0
-    between: tuple[str, ...] = ()
-    evidence: float = 0.0
-    beyond: bool = False
-    sentence: str = ""
-
-
-ClassName = Literal[
-    "law",
-    "coupling",
-    "input",
-    "lag",
-    "hidden mode",
-    "time-varying",
-    "sensor",
-    "unmeasured force",
-]
-
-
-@dataclass(frozen=True, slots=True)
-class ClassFound:
-    """A class of effects that no law by name stands for: its ``kind``, its posterior
-    ``probability``, what describes it (``figure``: the frequency of a mode or of a pulsation in Hz,
-    the time of a lag in s), and where it acts: at a ``place``, in a ``channel`` or in a
-    ``parameter``."""
-
-    kind: ClassName
-    probability: float
-    sentence: str
-    figure: float | None = None
-    place: Place | None = None
-    channel: str | None = None
-    parameter: str | None = None
-
-
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Diagnosis:
     """The answer: a verdict with its sentence, what was found, and what cannot be distinguished.
 
     ``noise`` by sensor in the sensor's unit; ``log`` the story of the decision, one sentence a
     step; ``notes`` what was handled in the recordings. ``manoeuvre`` is ``record_next`` for a
-    program, where it is one.
+    program, where it is one. ``found``, ``parameters`` and ``measurement`` are tuples that take a
+    name, too: ``found["friction"]``, by kind where that is one alone, else by element. ``model`` is
+    the one that was given.
     """
 
     verdict: VerdictName
     sentence: str
-    found: tuple[Found, ...] = ()
-    parameters: tuple[Reestimated, ...] = ()
-    measurement: tuple[Measurement, ...] = ()
+    found: Items[Found] = Items()
+    parameters: Items[Reestimated] = Items()
+    measurement: Items[Measurement] = Items()
     alternatives: tuple[Alternative, ...] = ()
     record_next: str | None = None
     remainder: float | None = None
@@ -383,3 +259,81 @@ class Diagnosis:
     manoeuvre: Manoeuvre | None = None
     memory: Memory | None = None
     classes: tuple[ClassFound, ...] = ()
+    model: Model | None = field(default=None, compare=False, repr=False)
+
+    def __post_init__(self) -> None:
+        name_items(self, "found", "parameters", "measurement")
+
+    def __repr__(self) -> str:
+        parts = [
+            self.verdict,
+            counted("element", self.found.names()) + " found",
+            counted("parameter", self.parameters.names()),
+            counted("channel", self.measurement.names()),
+        ]
+        return f"<Diagnosis: {'; '.join(part for part in parts if not part.startswith('no '))}>"
+
+    def __str__(self) -> str:
+        return self.sentence
+
+    def _repr_html_(self) -> str:
+        head = ("what", "kind", "where", "number", "value", "share", "probability")
+        rows = [
+            (r[0], r[1], r[2], r[3], _number(*r[4:7]), _part(r[8]), _part(r[9]))
+            for r in self._rows()
+        ]
+        title = self.verdict if self.model is None else f"{self.model.title}: {self.verdict}"
+        more = [] if self.record_next is None else [f"What to record next: {self.record_next}"]
+        return card(title, self.sentence, head, rows, (*more, *self.notes))
+
+    def to_frame(self) -> "pd.DataFrame":
+        """All that is claimed, a row a number: elements with their terms, parameters of the model,
+        faults of channels. Values and ``sd`` are in the ``unit`` of their row."""
+        import pandas as pd
+
+        return pd.DataFrame(list(self._rows()), columns=_COLUMNS)
+
+    def plot(self, *causes: str, ax: Any = None) -> Any:
+        """Draw ΔF over rate and over time with the laws that were found, at the places of
+        ``causes`` (elements or kinds), by default of all: returns the axes of matplotlib, two a
+        place; what is given as ``ax`` is drawn on (:mod:`symhyb.report.axes`)."""
+        return drawn("diagnosis", self, ax, causes=causes)
+
+    def _rows(self) -> Iterator[tuple[Any, ...]]:
+        for found in self.found:
+            where = place_text(found.element.place)
+            for e in found.estimates:
+                own = (e.term, e.value, e.sd, e.unit, None, found.share, found.probability)
+                yield (found.element.name, found.element.kind, where, *own)
+        for p in self.parameters:
+            yield (p.name, "parameter", "", p.name, p.value, p.sd, p.unit, p.was, None, None)
+        for m in self.measurement:
+            yield (m.channel, m.kind, m.channel, m.kind, m.value, m.sd, m.unit, None, None, None)
+
+
+_COLUMNS = (
+    "what",
+    "kind",
+    "where",
+    "term",
+    "value",
+    "sd",
+    "unit",
+    "was",
+    "share",
+    "probability",
+)
+
+
+def _amount(one: Estimate) -> str:
+    return _number(one.value, one.sd, one.unit)
+
+
+def _number(value: float, sd: float, unit: str) -> str:
+    """A number with its deviation and unit, short."""
+    spread = f" ± {sd:.2g}" if np.isfinite(sd) and sd > 0 else ""
+    return f"{value:.4g}{spread} {unit}".removesuffix(" 1")
+
+
+def _part(share: float | None) -> str:
+    return "" if share is None else f"{100 * share:.3g} %"

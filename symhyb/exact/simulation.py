@@ -51,4 +51,6 @@ def simulate(
     reason = run.reason + (culprits(model) if run.reason else "")
     method = "radau" if stiff else "dop853"
     z = run.x[:, 2 * f :]
-    return Trajectory(scenario.t, q, v, run.a, run.y, z, reason, method, events=run.events)
+    return Trajectory(
+        scenario.t, q, v, run.a, run.y, z, reason, method, events=run.events, model=model
+    )

@@ -5,6 +5,7 @@ import re
 from collections.abc import Iterator, Mapping
 from difflib import unified_diff
 
+from symhyb.asked import asked
 from symhyb.model.constraints import Constraint
 from symhyb.model.curves import Curve
 from symhyb.model.expression import Name
@@ -31,6 +32,7 @@ Part = Coordinate | Parameter | Input | Point | Body | Constraint | Curve | Elem
 Facets = Mapping[str, str]
 
 
+@asked
 def diff(first: Model, second: Model) -> str:
     """Return what changed from the first model to the second: sentences, then a unified diff.
 

@@ -10,6 +10,7 @@ from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import TypeVar
 
+from symhyb.asked import asked
 from symhyb.errors import InputError, Problem, did_you_mean
 from symhyb.limits import COORDINATES, DECLARED, text_of
 from symhyb.model.check import energy_unit, faults_of
@@ -48,15 +49,20 @@ BETWEEN = ("line", "smooth", "held")  # how an input runs between its samples
 Value = TypeVar("Value")
 
 
+@asked
 def read_model(path: str | FilePath) -> Model:
     """Read and check a model file.
 
     Raises:
         InputError: every problem of the file, each with file, line and dotted name.
     """
+    if "\n" in str(path):
+        text = "is the text of a model, not the path of a file; read it with parse_model(text)"
+        raise InputError(Problem(text, file=str(path).strip().splitlines()[0][:40]))
     return parse_model(text_of(path, "utf-8"), str(path))
 
 
+@asked
 def parse_model(text: str, file: str = "") -> Model:
     """Read and check the text of a model file; ``file`` is its name in messages.
 

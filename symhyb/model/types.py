@@ -6,15 +6,17 @@ m sensors, P parameters.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import lru_cache
 from typing import Literal
 
+from symhyb.by_name import Items, name_items
 from symhyb.laws.characteristic import Characteristic
 from symhyb.model.constraints import Assembly, Constraint
 from symhyb.model.curves import Curve
 from symhyb.model.expression import Expression, names, parse_expression
 from symhyb.model.limits import Limit
+from symhyb.shown import card, counted
 from symhyb.units import ONE, Unit
 
 
@@ -235,12 +237,15 @@ class Element:
     kind: str
     place: Place
     values: tuple[tuple[str, Expression], ...]
-    parameters: tuple[Parameter, ...] = ()
+    parameters: Items[Parameter] = Items()
     found: tuple[tuple[str, object], ...] = ()
     about: str = ""
     options: tuple[tuple[str, str], ...] = ()
     network: Network | None = None
     curve: Curve | None = None
+
+    def __post_init__(self) -> None:
+        name_items(self, "parameters")
 
     def option(self, key: str, default: str) -> str:
         """The word under ``key`` (the ``side`` of a gap), or ``default`` where it is unset."""
@@ -259,30 +264,63 @@ class Energy:
     potential: Expression | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Model:
     """A checked model file. ``energy_unit`` is the unit of T and V (J for mechanics; volts give
     others), ``text`` the file as written, which a correction extends by appending. ``assembly`` is
-    where constraints close, once a machine was built; it is not part of what the model says."""
+    where constraints close, once a machine was built; it is not part of what the model says. All
+    that has a name is found by it too: ``model.parameters["k"]``."""
 
     title: str
-    coordinates: tuple[Coordinate, ...]
-    parameters: tuple[Parameter, ...] = ()
-    inputs: tuple[Input, ...] = ()
-    points: tuple[Point, ...] = ()
-    bodies: tuple[Body, ...] = ()
-    elements: tuple[Element, ...] = ()
-    sensors: tuple[Sensor, ...] = ()
+    coordinates: Items[Coordinate] = Items()
+    parameters: Items[Parameter] = Items()
+    inputs: Items[Input] = Items()
+    points: Items[Point] = Items()
+    bodies: Items[Body] = Items()
+    elements: Items[Element] = Items()
+    sensors: Items[Sensor] = Items()
     energy: Energy = Energy()
     gravity: Vector | None = None
     energy_unit: Unit = ONE
     text: str = ""
     file: str = ""
     about: str = ""
-    constraints: tuple[Constraint, ...] = ()
-    limits: tuple[Limit, ...] = ()
-    curves: tuple[Curve, ...] = ()
+    constraints: Items[Constraint] = Items()
+    limits: Items[Limit] = Items()
+    curves: Items[Curve] = Items()
     assembly: Assembly | None = field(default=None, compare=False)
+
+    def __post_init__(self) -> None:
+        name_items(self, *_DECLARED)
+
+    def __repr__(self) -> str:
+        nouns = ("coordinate", "input", "parameter", "element", "sensor")
+        declared = {noun: getattr(self, f"{noun}s").names() for noun in nouns}
+        parts = [counted(noun, names) for noun, names in declared.items() if names]
+        return f"<Model '{self.title or self.file}': {', '.join(parts)}>"
+
+    def _repr_html_(self) -> str:
+        head = ("what", "name", "says", "about")
+        return card(self.title or self.file or "Model", self.about, head, self._rows())
+
+    def _rows(self) -> Iterator[tuple[str, str, str, str]]:
+        """What the file declares, a row a thing, in words."""
+        for q in self.coordinates:
+            imposed = ", imposed" if q.imposed else ""
+            yield "coordinate", q.name, f"[{q.unit}]{imposed}", q.about
+        for item in self.parameters:
+            yield "parameter", item.name, _said(item), item.about
+        for driver in self.inputs:
+            yield "input", driver.name, f"[{driver.unit}]", driver.about
+        for body in self.bodies:
+            yield "body", body.name, f"mass {body.mass.text}", body.about
+        for e in self.elements:
+            keys = ", ".join(f"{key} = {value.text}" for key, value in e.values)
+            own = ", ".join(f"{item.name} = {_said(item)}" for item in e.parameters)
+            says = f"{e.kind} {place_text(e.place)}: {keys}" + (f" ({own})" if own else "")
+            yield "element", e.name, says, e.about
+        for sensor in self.sensors:
+            yield "sensor", sensor.name, f"{sensor.measures.text} [{sensor.unit}]", sensor.about
 
     def start(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
         """Places and speeds (n each, SI) at which simulations start: as stated, moved so that
@@ -321,6 +359,15 @@ class Model:
             for value in (channel.gain, channel.offset, channel.delay):
                 if value is not None:
                     yield value
+
+
+_DECLARED = tuple(one.name for one in fields(Model) if one.default == ())  # what has names
+
+
+def _said(item: Parameter) -> str:
+    """A parameter with its deviation and unit, short."""
+    spread = "" if item.sd is None else f" ± {item.sd:.3g}"
+    return f"{item.value:.6g}{spread} {item.unit}".removesuffix(" 1")
 
 
 @lru_cache(maxsize=1024)

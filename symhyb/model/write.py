@@ -6,6 +6,7 @@ Every other byte of what a person wrote stays as it was, so a diff shows only th
 from collections.abc import Iterable, Mapping
 from pathlib import Path as FilePath
 
+from symhyb.asked import asked
 from symhyb.errors import InputError, Problem, did_you_mean
 from symhyb.model.read import parse_model
 from symhyb.model.render import element_lines, newline_of, render, rounded
@@ -56,6 +57,7 @@ def replace_parameters(model: Model, values: Mapping[str, tuple[float, float | N
     return parse_model(text, model.file)
 
 
+@asked
 def write_model(model: Model, path: str | FilePath) -> None:
     """Write a model file whole or not at all. The weights of its networks and the points of its
     curves go where the file says that they are.

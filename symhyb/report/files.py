@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from symhyb.asked import asked
 from symhyb.discrepancy.checks.first_checks import FirstChecks
 from symhyb.discrepancy.results import Diagnosis, Trace, Verdict
 from symhyb.model.types import Model
@@ -17,6 +18,7 @@ from symhyb.report.page import render_page
 from symhyb.writing import write_file
 
 
+@asked
 def write_report(
     path: str | os.PathLike[str],
     diagnosis: Diagnosis,
@@ -40,6 +42,7 @@ def write_report(
     write_file(path, page)
 
 
+@asked
 def write_diagnosis(path: str | os.PathLike[str], diagnosis: Diagnosis, verdict: Verdict) -> None:
     """Write ``diagnosis.json``, valid under the output contract.
 
@@ -51,6 +54,7 @@ def write_diagnosis(path: str | os.PathLike[str], diagnosis: Diagnosis, verdict:
     write_file(path, json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
 
 
+@asked
 def write_simulation(path: str | os.PathLike[str], traces: Sequence[Trace], model: Model) -> None:
     """Write ``simulation.csv``: every recording with its simulations before and after.
 

@@ -125,7 +125,7 @@ def simulate_corrected(
     a = _accelerations(form, right, (rows, d, t, p), scales)
     u = d[:, : form.inputs]
     (y,) = along(machine.outputs, (q, v, a, z, u, t, p), (6,), t.size)
-    return Trajectory(t, q, v, a, y, z, reason)
+    return Trajectory(t, q, v, a, y, z, reason, model=machine.model)
 
 
 def _right(

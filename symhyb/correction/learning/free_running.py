@@ -115,6 +115,7 @@ def _trace(machine: Machine, correction: Correction, recording: Recording, role:
         table(runs[0].y),
         table(runs[1].y),
         tuple(failed),
+        {sensor.name: sensor.unit for sensor in machine.model.sensors},
     )
 
 

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from symhyb.asked import asked
 from symhyb.correction.learning.energy import Energy, energy_of
 from symhyb.correction.learning.refining import Fitting, joined, with_output
 from symhyb.correction.learning.seen import Seen, see
@@ -87,6 +88,7 @@ class Trained:
         return np.asarray(np.std([evaluated(one, inputs) for one in self.members], axis=0))
 
 
+@asked
 def train_network(
     model: Model,
     recordings: Recording | Sequence[Recording],

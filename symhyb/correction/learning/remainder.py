@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from symhyb.asked import asked
 from symhyb.correction.learning.orthogonal import beside, linear, named_forces, on_held, solved
 from symhyb.correction.search.preparing import Prepared, last_windows, prepare
 from symhyb.data.recording import Recording
@@ -76,6 +77,7 @@ class _Place:
         return np.column_stack([s**i * r**j for i, j in powers])
 
 
+@asked
 def remainder(
     model: Model, recordings: Recording | Sequence[Recording], on: str | None = None
 ) -> Remainder | None:

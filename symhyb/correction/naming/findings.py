@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from symhyb.by_name import ByName
 from symhyb.correction.naming.probability import probabilities
 from symhyb.correction.naming.textbook import critical_share
 from symhyb.correction.search.conventions import Exchange, exchange
@@ -121,7 +122,7 @@ def found_of(
     meaning = _meaning(model, item)
     sentence = effect_sentence(item.kind, item.place, estimates, share, words_of(element), meaning)
     law = KINDS[item.kind].text(item.values, dict(item.options))
-    return Found(element, law, tuple(estimates), share, sentence, active)
+    return Found(element, law, ByName(estimates), share, sentence, active)
 
 
 def _empirical(
@@ -148,7 +149,7 @@ def _empirical(
     )
     words = (("formula", item.formula),)
     sentence = effect_sentence(LAW, item.place, [own], share, words, WARNING)
-    return Found(element, law_text_of(item.formula), (own,), share, sentence, active)
+    return Found(element, law_text_of(item.formula), ByName((own,)), share, sentence, active)
 
 
 def _meaning(model: Model, item: Named) -> str:

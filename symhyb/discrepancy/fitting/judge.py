@@ -5,6 +5,7 @@ from typing import Literal
 
 import numpy as np
 
+from symhyb.asked import asked
 from symhyb.data.recording import Recording, several
 from symhyb.discrepancy.fitting.scores import Errors, errors, score, yardstick
 from symhyb.discrepancy.recorded.motion import motion_of
@@ -15,6 +16,7 @@ from symhyb.discrepancy.results import Comparison, Score, Trace, Verdict
 from symhyb.discrepancy.words.wording import percent_text
 from symhyb.model.types import Model
 from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.lowered.either import model_of
 from symhyb.numeric.lowered.machine import Machine, build
 from symhyb.numeric.runs.windows import WindowModel
 
@@ -23,9 +25,10 @@ BAND_PERIODS = 20.0  # upper end of the force band per period, where none is giv
 STARTS = "fitted to every window and every run, unseen ones too"
 
 
+@asked
 def judge(
-    model: Model,
-    corrected: Model,
+    model: Model | Machine,
+    corrected: Model | Machine,
     on: Recording | Sequence[Recording] = (),
     *,
     train: Recording | Sequence[Recording] = (),
@@ -38,6 +41,7 @@ def judge(
     motion), ``force_band_hz`` the upper end of the band in Hz in which forces are compared
     (default: 20 of those periods).
     """
+    model, corrected = model_of(model), model_of(corrected)
     unseen, seen = several(on), several(train)
     used = seen or unseen
     machines = build(as_sampled(model, used)), build(as_sampled(corrected, used))
@@ -101,6 +105,7 @@ def _traces(
                 table(first.y, present),
                 table(second.y, present),
                 tuple(failures),
+                {sensor.name: sensor.unit for sensor in machine.model.sensors},
             )
         )
     return traces

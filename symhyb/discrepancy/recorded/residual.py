@@ -4,25 +4,36 @@
 Sizes: N samples, n coordinates, m sensors.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from symhyb.asked import asked
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.course import Course, course_of
 from symhyb.discrepancy.recorded.motion import Motion, motion_of
 from symhyb.discrepancy.words.wording import percent_text, quantity_text
+from symhyb.drawn import drawn
+from symhyb.framed import Signal, dataset_of, frame_of
 from symhyb.judgement import NOISE_FACTOR
 from symhyb.model.types import Model, On
 from symhyb.model.vocabulary import force_unit
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.kernels.vector import along
+from symhyb.numeric.lowered.either import machine_of
 from symhyb.numeric.lowered.machine import Machine
 from symhyb.numeric.lowered.manifold import free_part
+from symhyb.shown import card
+from symhyb.units import parse_unit
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Discrepancy:
     """ΔF of one recording, SI: ``force`` and ``band`` (one sd) (N, n), ``applied`` k_e (N, n),
     along the smoothed ``motion``; ``noise`` by sensor in the sensor's unit."""
@@ -54,9 +65,65 @@ class Discrepancy:
     def __str__(self) -> str:
         return self.summary()
 
+    def __repr__(self) -> str:
+        sizes = ", ".join(f"{name} {size:.4g} {unit}" for name, unit, size, _ in self._sizes())
+        return f"<Discrepancy of '{self.recording}': {self.motion.t.size} samples, RMS of {sizes}>"
 
-def compare(machine: Machine, recording: Recording) -> Discrepancy:
+    def _repr_html_(self) -> str:
+        rows = [
+            (name, unit, f"{size:.4g}", f"{band:.2g}") for name, unit, size, band in self._sizes()
+        ]
+        head = ("force on", "unit", "RMS of ΔF", "of its noise")
+        return card(f"ΔF of {self.recording}", "", head, rows, self.notes)
+
+    def signals(self) -> Iterator[Signal]:
+        """Of every coordinate x the smoothed motion ``x``, ``x'``, ``x''``, the missing force
+        ``dF_x`` with one deviation ``dF_x_sd``, and the applied force ``k_e_x``: values (N,) in the
+        units of the model file, and these."""
+        second = parse_unit("s")
+        for i, coordinate in enumerate(self.model.coordinates):
+            name, unit = coordinate.name, coordinate.unit
+            motion = (self.motion.q, self.motion.v, self.motion.a)
+            for order, part in enumerate(motion):
+                rate = unit / second**order
+                yield name + "'" * order, part[:, i] / unit.factor, rate.text
+            force = force_unit(self.model, On(name))
+            parts = (f"dF_{name}", self.force), (f"dF_{name}_sd", self.band)
+            for key, part in (*parts, (f"k_e_{name}", self.applied)):
+                yield key, part[:, i] / force.factor, force.text
+
+    def to_frame(self) -> "pd.DataFrame":
+        """ΔF, its band, what is applied and the motion in the units of the model file, as columns
+        over the index ``t`` in s (``dF_x``, ``dF_x_sd``, ``k_e_x``, ``x``, ``x'``, ``x''``);
+        ``attrs["units"]`` says which units."""
+        return frame_of(self.motion.t, self.signals(), name=self.recording)
+
+    def to_xarray(self) -> "xr.Dataset":
+        """As :meth:`to_frame`, as a dataset of xarray.
+
+        Raises:
+            InputError: xarray is not installed.
+        """
+        return dataset_of(self.motion.t, self.signals(), name=self.recording)
+
+    def plot(self, *coordinates: str, ax: Any = None, over: str = "") -> Any:
+        """Draw ΔF on ``coordinates`` or on all, over time and over the rate, or over one of
+        ``over`` "time", "rate", "place": returns the axes of matplotlib; what is given as ``ax`` is
+        drawn on, over time where nothing else is said (:mod:`symhyb.report.axes`)."""
+        return drawn("discrepancy", self, ax, coordinates=coordinates, over=over)
+
+    def _sizes(self) -> Iterator[tuple[str, str, float, float]]:
+        """Of every coordinate the unit of its force, and the RMS of ΔF and of its band in it."""
+        for i, coordinate in enumerate(self.model.coordinates):
+            unit = force_unit(self.model, On(coordinate.name))
+            size, band = _rms(self.force)[i] / unit.factor, _rms(self.band)[i] / unit.factor
+            yield coordinate.name, unit.text, size, band
+
+
+@asked
+def compare(machine: Machine | Model, recording: Recording) -> Discrepancy:
     """ΔF of a recording with its band, from motion that all sensors determine together."""
+    machine = machine_of(machine)
     motion = motion_of(recording, machine)
     course = course_of(recording, machine, motion)
     force, applied = discrepancy(machine, course, machine.values), applied_force(machine, course)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Literal
 import casadi as ca
 import numpy as np
 
+from symhyb.asked import asked
 from symhyb.model.types import Model
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.kernels.memory import kept
@@ -20,6 +21,7 @@ from symhyb.numeric.lowered.assembly import assembled, constraints_key
 from symhyb.numeric.lowered.constrained import loops_of, lowered_closure, solve
 from symhyb.numeric.lowered.network import fill_of
 from symhyb.numeric.lowered.sound import require_sound
+from symhyb.shown import card
 
 if TYPE_CHECKING:
     from symhyb.numeric.lowered.translate import Lowered
@@ -27,7 +29,7 @@ if TYPE_CHECKING:
 Opening = Literal["closed", "switched", "banded"]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Machine:
     """A model lowered to CasADi; every number in coherent SI.
 
@@ -90,6 +92,30 @@ class Machine:
     closure_slopes: ca.Function | None = None
     shared: ca.Function | None = None
 
+    def __repr__(self) -> str:
+        title = self.model.title or self.model.file
+        return f"<Machine '{title}': {', '.join(self._sizes())}>"
+
+    def _repr_html_(self) -> str:
+        title = f"Machine: {self.model.title or self.model.file}"
+        rows = [
+            (name, ", ".join(function.name_in()), "×".join(map(str, function.size_out(0))))
+            for name, function in (("M", self.M), ("k_c", self.k_c), ("k_e", self.k_e))
+        ]
+        text = f"{', '.join(self._sizes())}; every number in SI"
+        more = self.model._repr_html_()
+        return card(title, text, ("function", "of", "size"), rows, self.notes, more)
+
+    def _sizes(self) -> tuple[str, ...]:
+        imposed = f" ({len(self.imposed)} imposed)" if self.imposed else ""
+        counts = (
+            (self.n, "coordinate", imposed),
+            (self.inner_states, "inner state", ""),
+            (self.constraints, "constraint row", ""),
+            (self.values.size, "parameter", ""),
+        )
+        return tuple(f"{k} {noun}{'s' * (k != 1)}{more}" for k, noun, more in counts if k)
+
     @property
     def n(self) -> int:
         """Number of coordinates."""
@@ -133,6 +159,7 @@ class Machine:
         return [item.path for item in self.model.all_parameters()].index(path)
 
 
+@asked
 def build(model: Model, keep: bool = True) -> Machine:
     """Lower a checked model to a :class:`Machine`.
 

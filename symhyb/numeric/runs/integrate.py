@@ -8,12 +8,18 @@ across. Failure is an outcome with its reason, never an exception.
 Source: Hindmarsh et al., SUNDIALS, ACM TOMS 31, 2005 (through ``casadi.integrator``).
 """
 
+import dataclasses
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 import numpy as np
 
+from symhyb.drawn import drawn
+from symhyb.framed import Signal, dataset_of, frame_of
 from symhyb.model.space import gimbal_lock
+from symhyb.model.types import Model
 from symhyb.numeric.kernels.buffers import Array, call, on_lines
 from symhyb.numeric.kernels.vector import along
 from symhyb.numeric.lowered.dynamics import StateForm, state_form
@@ -33,11 +39,17 @@ from symhyb.numeric.runs.explicit import compiler_fails, field
 from symhyb.numeric.runs.implicit_run import implicit_run
 from symhyb.numeric.runs.scenario import Event, Scenario
 from symhyb.numeric.runs.turns import in_turns
+from symhyb.shown import card
+from symhyb.units import parse_unit
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
 
 NEAR_LOCK = 0.1  # |cos| of the second of three rotations where a run ended
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Trajectory:
     """A simulated run, SI: ``q``, ``v``, ``a`` (N, n), ``y`` (N, m) sensors without noise, ``z``
     (N, z) inner states.
@@ -46,7 +58,7 @@ class Trajectory:
     integrated, at the end of the run: *explicit* (Runge–Kutta of order 8), or CVODES by *bdf* or
     *adams*; ``note`` says from when and why, if another did before, what stood in the way of
     another, or where loops can fold over. Of an exact run it is DOP853 or Radau, between the
-    located ``events``.
+    located ``events``. ``model`` is what was simulated, whose units frames and pictures show.
     """
 
     t: Array
@@ -59,11 +71,66 @@ class Trajectory:
     method: str = "bdf"
     note: str = ""
     events: tuple[Event, ...] = ()
+    model: Model | None = dataclasses.field(default=None, compare=False)
 
     @property
     def complete(self) -> bool:
         """True if the integration reached the end."""
         return not self.reason
+
+    def __len__(self) -> int:
+        return int(self.t.size)
+
+    def __repr__(self) -> str:
+        title = f" of '{self.model.title}'" if self.model else ""
+        span = f"{self.t[0]:g} … {self.t[-1]:g} s" if len(self) else "no time"
+        ended = f"; ended early: {self.reason}" if self.reason else ""
+        events = f", {len(self.events)} events" if self.events else ""
+        return f"<Trajectory{title}: {len(self)} samples, {span}, {self.method}{events}{ended}>"
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (name, unit, f"{np.nanmin(values):.5g}", f"{np.nanmax(values):.5g}")
+            for name, values, unit in (self.signals() if self.model else ())
+            if np.isfinite(values).any()
+        ]
+        said = tuple(filter(None, (self.reason, self.note)))
+        return card(repr(self)[1:-1], "", ("signal", "unit", "smallest", "largest"), rows, said)
+
+    def signals(self) -> Iterator[Signal]:
+        """What the sensors show, then places, speeds and accelerations of the coordinates, each
+        with its values (N,) in the unit of the model file, and that unit."""
+        if self.model is None:
+            raise ValueError("a run that does not know its model has no names to show")
+        for sensor, shown in zip(self.model.sensors, self.y.T, strict=True):
+            late = 0.0 if sensor.delay is None else sensor.delay.si
+            seen = np.interp(self.t - late, self.t, shown) / sensor.unit.factor
+            yield sensor.name, seen, sensor.unit.text
+        taken, second = self.model.sensors.names(), parse_unit("s")
+        for order, motion in enumerate((self.q, self.v, self.a)):
+            for coordinate, column in zip(self.model.coordinates, motion.T, strict=True):
+                name = coordinate.name + "'" * order
+                name = f"{name} (coordinate)" if name in taken else name
+                unit = coordinate.unit / second**order
+                yield name, column / coordinate.unit.factor, unit.text
+
+    def to_frame(self) -> "pd.DataFrame":
+        """The run in the units of the model file: what sensors show without noise, coordinates and
+        their rates, as columns over the index ``t`` in s; ``attrs["units"]`` says which units."""
+        return frame_of(self.t, self.signals())
+
+    def to_xarray(self) -> "xr.Dataset":
+        """As :meth:`to_frame`, as a dataset of xarray.
+
+        Raises:
+            InputError: xarray is not installed.
+        """
+        return dataset_of(self.t, self.signals())
+
+    def plot(self, *names: str, ax: Any = None) -> Any:
+        """Draw sensors and coordinates over time, those of ``names`` or all: returns the axes of
+        matplotlib, one a name; what is given as ``ax`` is drawn on (:mod:`symhyb.report.axes`)."""
+        return drawn("trajectory", self, ax, names=names)
 
 
 def simulate(machine: Machine, scenario: Scenario, p: Array | None = None) -> Trajectory:
@@ -202,7 +269,8 @@ def _observe(
     still = np.zeros(form.machine.n)
     y, a = along(form.outputs(), (x, d, t, values, still), repeated=(3, 4), samples=total)
     z = x[:, 2 * len(form.free) :]
-    return Trajectory(t, q, v, a, y, z, _ending(form.machine, q, reason), method)
+    ended, model = _ending(form.machine, q, reason), form.machine.model
+    return Trajectory(t, q, v, a, y, z, ended, method, model=model)
 
 
 def drive_at(form: StateForm, scenario: Scenario) -> Array:

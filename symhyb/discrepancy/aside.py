@@ -1,0 +1,164 @@
+"""What a diagnosis says beside its causes: where and when something is missing, how large it is
+over the motion, which causes recordings tell apart, and what to record next.
+
+Values are in the unit that each carries beside it; arrays are in coherent SI with time on axis 0.
+Sizes: N samples, C causes, W windows, K lines of a spectrum.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symhyb.model.types import Place
+
+SignalName = Literal["sine", "sweep", "multisine", "steps", "triangle", "release"]
+
+
+@dataclass(frozen=True, slots=True)
+class Activity:
+    """Where and when an effect acts: ranges of stretch and rate (SI), stretches of time (s)."""
+
+    stretch: tuple[float, float]
+    rate: tuple[float, float]
+    time: tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """A mismatch that begins or ends within a recording, at ``time_s`` known to ``width_s``."""
+
+    recording: str
+    time_s: float
+    width_s: float
+    kind: Literal["begins", "ends"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Occurrence:
+    """When and how a mismatch acts at a place, along the first recording (a change: along any).
+
+    ``band_hz`` holds the middle four fifths of its power, ``beyond`` (SI) is the size of the
+    stretch below which it is absent. ``t`` (W,), ``before`` and ``after`` (W,): χ² per sample of
+    windows, uncorrected and with the best force of the place's own motion; ``lines`` (K,) in Hz and
+    ``power`` (K,) in units of its largest. ``sentence`` is empty if nothing sets it apart.
+    """
+
+    change: Change | None
+    band_hz: tuple[float, float] | None
+    beyond: float | None
+    t: NDArray[np.float64]
+    before: NDArray[np.float64]
+    after: NDArray[np.float64]
+    lines: NDArray[np.float64]
+    power: NDArray[np.float64]
+    sentence: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class PlaceShare:
+    """How much of the mismatch any smooth function of this place's own motion explains, unseen, and
+    when and how it acts there where that is much."""
+
+    place: Place
+    explained: float | None
+    active: Activity | None = None
+    occurrence: Occurrence | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Memory:
+    """Whether the missing force is a function of positions, speeds and inputs: the share of the
+    mismatch that such a function explains, unseen (``state``), the share with laws that remember
+    added (``past``), and what that means."""
+
+    state: float
+    past: float
+    sentence: str
+
+
+@dataclass(frozen=True, slots=True)
+class Cloud:
+    """ΔF of one place over its motion: what the found laws are drawn through.
+
+    ``stretch``, ``rate``, ``force`` (ΔF projected on the place, before correction) and ``band``
+    (one sd): (N,) in SI; ``law`` the force of the found elements at this place, zero if none.
+    """
+
+    place: Place
+    recording: str
+    t: NDArray[np.float64]
+    stretch: NDArray[np.float64]
+    rate: NDArray[np.float64]
+    force: NDArray[np.float64]
+    band: NDArray[np.float64]
+    law: NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Isolability:
+    """How well the recordings at hand tell causes apart.
+
+    ``evidence`` (C, C + 1), dimensionless: ln of the odds that are expected against the cause of
+    the column where the cause of the row acts, at the size found; the last column is "nothing
+    there". NaN on the diagonal. ``causes`` are words, ``found`` says which of them the
+    diagnosis claims.
+    """
+
+    causes: tuple[str, ...]
+    found: tuple[bool, ...]
+    evidence: NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Manoeuvre:
+    """What to record next, for a program; ``sentence`` says the same for a person.
+
+    ``channel`` is the input to drive, or the coordinate to release from ``amplitude``.
+    ``amplitude`` (the peak) and ``offset`` are in ``unit``, ``frequency`` (lo, hi) in Hz, None for
+    a release; ``duration`` and ``sampling`` (the time between two samples) in s. ``between`` are
+    the causes that it tells apart, with an ``evidence`` (ln of the odds) of at least so much;
+    ``beyond`` is True where it goes beyond what was recorded. docs/output.md states the signals.
+    """
+
+    channel: str
+    signal: SignalName
+    amplitude: float
+    unit: str
+    duration: float
+    sampling: float
+    frequency: tuple[float, float] | None = None
+    offset: float = 0.0
+    between: tuple[str, ...] = ()
+    evidence: float = 0.0
+    beyond: bool = False
+    sentence: str = ""
+
+
+ClassName = Literal[
+    "law",
+    "coupling",
+    "input",
+    "lag",
+    "hidden mode",
+    "time-varying",
+    "sensor",
+    "unmeasured force",
+]
+
+
+@dataclass(frozen=True, slots=True)
+class ClassFound:
+    """A class of effects that no law by name stands for: its ``kind``, its posterior
+    ``probability``, what describes it (``figure``: the frequency of a mode or of a pulsation in Hz,
+    the time of a lag in s), and where it acts: at a ``place``, in a ``channel`` or in a
+    ``parameter``."""
+
+    kind: ClassName
+    probability: float
+    sentence: str
+    figure: float | None = None
+    place: Place | None = None
+    channel: str | None = None
+    parameter: str | None = None
