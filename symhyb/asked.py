@@ -9,6 +9,7 @@ import inspect
 import os
 import types
 from collections.abc import Callable, Mapping, Sequence, ValuesView
+from contextlib import suppress
 from functools import cache, wraps
 from numbers import Integral, Real
 from typing import Any, Literal, ParamSpec, TypeVar, Union, get_args, get_origin, get_type_hints
@@ -122,8 +123,13 @@ def signature_text(function: Callable[..., Any]) -> str:
 
 @cache
 def _hints(function: Callable[..., Any]) -> dict[str, Any]:
-    hints = get_type_hints(function)
-    hints.pop("return", None)
+    """The annotations of the parameters; those that only type checkers can see are left out."""
+    stated = {key: one for key, one in inspect.get_annotations(function).items() if key != "return"}
+    hints: dict[str, Any] = {}
+    for name, one in stated.items():
+        with suppress(NameError):
+            single = types.SimpleNamespace(__annotations__={name: one})
+            hints |= get_type_hints(single, function.__globals__)
     return hints
 
 

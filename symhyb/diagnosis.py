@@ -18,6 +18,7 @@ from symhyb.correction.naming.beside_words import together
 from symhyb.correction.naming.dispute_words import dispute_sentence
 from symhyb.correction.naming.fleet_words import parameters_with_own, repeats_said
 from symhyb.correction.naming.jitter_words import jitter_sentence
+from symhyb.correction.naming.joint import posterior_of
 from symhyb.correction.search.beginnings import in_part
 from symhyb.correction.search.clocks import drifting
 from symhyb.correction.search.preparing import Prepared, prepare, settle
@@ -173,6 +174,7 @@ def _told(
     answer = if_apart(answer, prepared.model, prepared.runs)
     answer = with_constant(answer, choice)
     answer = with_faults(answer, model, prepared.faults, final.fit.scale)
+    answer = replace(answer, posterior=posterior_of(model, final, known.items, answer))
     answer = _with_isolability(_remembered(answer, prepared, setting), choice)
     return _with_combinations(answer, choice)
 

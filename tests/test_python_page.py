@@ -70,6 +70,12 @@ def test_the_whole_page_runs(capsys: pytest.CaptureFixture[str]) -> None:
     assert list(table) == columns
     row = table[(table["kind"] == "drag") & (table["term"] == "drag")].iloc[0]
     assert (row["value"], row["sd"], row["unit"]) == (drag.value, drag.sd, drag.unit)
+    posterior = names["posterior"]
+    np.testing.assert_allclose(posterior.sd, table["sd"], rtol=1e-12)
+    np.testing.assert_array_equal(posterior.mean, table["value"])
+    assert np.linalg.eigvalsh(posterior.correlation).min() > 0
+    assert np.abs(posterior.correlation - np.eye(posterior.mean.size)).max() > 0.01
+    assert set(names["tree"]["posterior"].data_vars) == set(posterior.names)
     scores = names["verdict"].to_frame().set_index(["recordings", "score", "of"])
     free = scores.loc[("holdout", "free_run_nrmse", "position")]
     assert free["after"] < 0.2 * free["before"]

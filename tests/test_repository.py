@@ -137,7 +137,7 @@ def test_the_oldest_versions_that_are_allowed_are_those_that_are_tested() -> Non
     extras = project["optional-dependencies"]
     own = [
         extras[name]
-        for name in ("mat73", "parquet", "excel", "mdf", "fmi", "mjcf", "urdf", "xarray")
+        for name in ("mat73", "parquet", "excel", "mdf", "fmi", "mjcf", "urdf", "xarray", "arviz")
     ]
     needed = {*project["dependencies"], *(one for extra in own for one in extra)}
     oldest = {pin.replace("==", ">=") for pin in pins("constraints-oldest.txt")}

@@ -136,6 +136,7 @@ class Recording:
         return self._part(keep, f"part of {self.name}, {first:g} … {last:g} s")
 
     @classmethod
+    @asked
     def from_frame(
         cls,
         frame: "pd.DataFrame | Mapping[str, Any]",
@@ -166,6 +167,7 @@ class Recording:
         return frame_of(self.t, self.signals(), name=self.name)
 
     @classmethod
+    @asked
     def from_xarray(
         cls,
         dataset: "xr.Dataset | xr.DataArray",

@@ -24,9 +24,10 @@ from symhyb.discrepancy.aside import (
     PlaceShare,
     SignalName,
 )
+from symhyb.discrepancy.posterior import CHAINS, DRAWS, Posterior
 from symhyb.discrepancy.scored import Comparison, Score, Trace, Verdict
 from symhyb.drawn import drawn
-from symhyb.errors import UnknownNameError
+from symhyb.errors import InputError, Problem, UnknownNameError
 from symhyb.model.types import ChannelKind, Element, Model, Place, place_text
 from symhyb.shown import card, counted
 
@@ -51,6 +52,7 @@ __all__ = [
     "Misfit",
     "Occurrence",
     "PlaceShare",
+    "Posterior",
     "RecordingFault",
     "Reestimated",
     "Repeats",
@@ -235,7 +237,7 @@ class Diagnosis:
     step; ``notes`` what was handled in the recordings. ``manoeuvre`` is ``record_next`` for a
     program, where it is one. ``found``, ``parameters`` and ``measurement`` are tuples that take a
     name, too: ``found["friction"]``, by kind where that is one alone, else by element. ``model`` is
-    the one that was given.
+    the one that was given, ``posterior`` all claimed numbers together.
     """
 
     verdict: VerdictName
@@ -259,7 +261,8 @@ class Diagnosis:
     manoeuvre: Manoeuvre | None = None
     memory: Memory | None = None
     classes: tuple[ClassFound, ...] = ()
-    model: Model | None = field(default=None, compare=False, repr=False)
+    model: Model | None = field(default=None, compare=False)
+    posterior: Posterior | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:
         name_items(self, "found", "parameters", "measurement")
@@ -298,6 +301,17 @@ class Diagnosis:
         ``causes`` (elements or kinds), by default of all: returns the axes of matplotlib, two a
         place; what is given as ``ax`` is drawn on (:mod:`symhyb.report.axes`)."""
         return drawn("diagnosis", self, ax, causes=causes)
+
+    def to_arviz(self, draws: int = DRAWS, chains: int = CHAINS, seed: int = 0) -> Any:
+        """The joint posterior as ArviZ takes it (:meth:`Posterior.to_arviz`).
+
+        Raises:
+            InputError: no number is claimed, or arviz-base is not installed.
+        """
+        if self.posterior is None:
+            text = f"there is no posterior: no number is claimed ({self.verdict})"
+            raise InputError(Problem(text))
+        return self.posterior.to_arviz(draws, chains, seed)
 
     def _rows(self) -> Iterator[tuple[Any, ...]]:
         for found in self.found:

@@ -53,7 +53,7 @@ def draw_trace(value: Trace, ax: Any, sensors: Sequence[str] = ()) -> Any:
     known = list(value.measured)
     _require(sensors, known, value.recording)
     wanted = list(sensors or known)
-    panels = _panels(ax, len(wanted), value.recording)
+    panels = _panels(ax, len(wanted), value.recording, shared=True)
     for panel, sensor in zip(_each(panels, len(wanted)), wanted, strict=True):
         for moment, color, width in (
             ("measured", MEASURED, 1.6),
@@ -65,7 +65,7 @@ def draw_trace(value: Trace, ax: Any, sensors: Sequence[str] = ()) -> Any:
                 panel.plot(value.t, values, color=color, lw=width, label=moment)
         _name(panel, TIME, f"{sensor}{_bracketed(signals[f'{sensor}_measured'][1])}")
         _legend(panel)
-    return _returned(panels)
+    return _returned(panels, outer=ax is None)
 
 
 def draw_verdict(value: Verdict, ax: Any, sensors: Sequence[str] = ()) -> Any:
@@ -157,7 +157,7 @@ def _cloud(panel: "Axes", cloud: Cloud, way: str, value: Diagnosis) -> None:
 
 def _over_time(t: NDArray[np.float64], signals: Sequence[Signal], ax: Any, title: str) -> Any:
     """Signals over the time ``t`` (N,) in s, one a panel, or together on the one axes given."""
-    panels = _panels(ax, len(signals), title)
+    panels = _panels(ax, len(signals), title, shared=True)
     together = panels.size < len(signals)
     for panel, (name, values, unit) in zip(_each(panels, len(signals)), signals, strict=True):
         label = f"{name}{_bracketed(unit)}"
@@ -165,7 +165,7 @@ def _over_time(t: NDArray[np.float64], signals: Sequence[Signal], ax: Any, title
         _name(panel, TIME, "" if together else label)
     if together:
         _legend(panels[0])
-    return _returned(panels)
+    return _returned(panels, outer=ax is None)
 
 
 def _chosen(signals: list[Signal], names: Sequence[str], title: str) -> list[Signal]:
@@ -190,8 +190,8 @@ def _many(ax: Any, panels: int) -> bool:
     return ax is None or np.size(ax) >= panels
 
 
-def _panels(ax: Any, count: int, title: str) -> Panels:
-    """The axes to draw on (P,): those given, or those of a new figure with a common time.
+def _panels(ax: Any, count: int, title: str, shared: bool = False) -> Panels:
+    """The axes to draw on (P,): those given, or those of a new figure, with a ``shared`` time.
 
     Raises:
         InputError: things that are no axes, or fewer of them than there are panels, but for one.
@@ -199,7 +199,7 @@ def _panels(ax: Any, count: int, title: str) -> Panels:
     from matplotlib.axes import Axes
 
     if ax is None:
-        return _new(count, title)
+        return _new(count, title, shared)
     given = np.atleast_1d(np.asarray(ax, dtype=object)).ravel()
     strange = [type(one).__name__ for one in given if not isinstance(one, Axes)]
     if strange:
@@ -210,7 +210,7 @@ def _panels(ax: Any, count: int, title: str) -> Panels:
     return given
 
 
-def _new(count: int, title: str) -> Panels:
+def _new(count: int, title: str, shared: bool) -> Panels:
     """The axes (P,) of a new figure, which pyplot knows, so that a notebook shows it."""
     import matplotlib.pyplot as plt
 
@@ -218,6 +218,7 @@ def _new(count: int, title: str) -> Panels:
         max(count, 1),
         1,
         squeeze=False,
+        sharex=shared,
         figsize=(WIDTH, 0.6 + HEIGHT * max(count, 1)),
         layout="constrained",
     )
@@ -231,7 +232,10 @@ def _each(panels: Panels, count: int) -> list[Any]:
     return list(panels) if panels.size == count else [panels[0]] * count
 
 
-def _returned(panels: Panels) -> Any:
+def _returned(panels: Panels, outer: bool = False) -> Any:
+    """One axes or an array of them; ``outer``: with a shared time, which the last panel names."""
+    for panel in panels if outer else ():
+        panel.label_outer()
     return panels[0] if panels.size == 1 else panels
 
 

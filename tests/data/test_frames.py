@@ -272,6 +272,13 @@ def test_what_is_wrong_with_a_frame_is_said(call: Callable[[], object], said: st
         call()
 
 
+def test_a_model_is_needed_to_read_a_frame() -> None:
+    with pytest.raises(TypeError, match=r"from_frame: 'model' must be a Model, not str 'm.toml'"):
+        Recording.from_frame(frame(), "m.toml")
+    with pytest.raises(TypeError, match="from_frame: 'units' must be a mapping by name or None"):
+        Recording.from_frame(frame(), MODEL, units="mm")
+
+
 def test_names_of_columns_are_shown_and_not_obeyed() -> None:
     run = Recording.from_frame(frame(**{"\u001b[31mred": T}), MODEL, name="a\u001b[1mb")
     assert "\u001b" not in "".join((run.name, *run.notes))

@@ -41,7 +41,8 @@ def drawn(panel: Axes, number: int = 0) -> tuple[np.ndarray, np.ndarray]:
 def test_a_recording_has_a_panel_a_channel() -> None:
     panels = RUN.plot()
     assert [panel.get_ylabel() for panel in panels] == ["f [N]", "laser [mm]"]
-    assert panels[-1].get_xlabel() == "time [s]"
+    assert [panel.get_xlabel() for panel in panels] == ["", "time [s]"]
+    assert panels[0].get_shared_x_axes().joined(*panels)
     np.testing.assert_array_equal(drawn(panels[1])[0], T)
     np.testing.assert_allclose(drawn(panels[1])[1], 3 * np.cos(T))
     assert panels[0].figure.get_suptitle() == "run"
