@@ -7,15 +7,18 @@ failed, 130 interrupted.
 
 import os
 import sys
-from dataclasses import asdict
 from io import TextIOWrapper
 from pathlib import Path
 from typing import Annotated, NoReturn
 
 import typer
 
+from symhyb import __version__
 from symhyb.cli_data import data
+from symhyb.cli_doctor import doctor
 from symhyb.cli_learn import learn
+from symhyb.cli_model import check, diff, equations, simulate
+from symhyb.cli_new import draw, new
 from symhyb.cli_options import (
     End,
     Folder,
@@ -27,6 +30,7 @@ from symhyb.cli_options import (
     Start,
     print_json,
 )
+from symhyb.cli_recording import compare, fit, look
 from symhyb.errors import InputError, NumericsError, visible
 from symhyb.export.verb import export
 from symhyb.imports.verb import import_
@@ -38,163 +42,33 @@ _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 app = typer.Typer(
     name="symhyb",
-    help="Find the physics that a model of a machine leaves out, from a recording of the machine.",
     epilog="Each verb has its own page: symhyb diagnose --help",
     no_args_is_help=True,
-    add_completion=False,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
 )
 app.add_typer(data, name="data")
 
 
-@app.command()
-def check(model: ModelFile, as_json: Json = False) -> None:
-    """Check a model file and say what it declares.
-
-    Every problem is reported at once, as file:line: name: what is wrong; did you mean ...?
-
-    \b
-    Example:
-      symhyb check models/emps.toml
-    """
-    from symhyb.console.model import model_facts, print_model
-    from symhyb.console.terminal import progress
-    from symhyb.model.read import read_model
-    from symhyb.numeric.lowered.machine import build
-
-    try:
-        declared = read_model(model)
-        with progress() as say:
-            say("deriving the equations")
-            build(declared)
-    except InputError as error:
-        if as_json:
-            print_json({"ok": False, "problems": [asdict(one) for one in error.problems]})
-        raise
-    if as_json:
-        print_json({"ok": True, "problems": [], **model_facts(declared)})
-    else:
-        print_model(declared)
+def _version(wanted: bool) -> None:
+    if wanted:
+        print(f"symhyb {__version__}")
+        raise typer.Exit
 
 
-@app.command()
-def equations(
-    model: ModelFile,
-    latex: Annotated[bool, typer.Option("--latex", help="Write LaTeX.")] = False,
-    matrices: Annotated[
-        bool, typer.Option("--matrices", help="Print M, k_c and k_e entry by entry, summed up.")
+@app.callback()
+def everywhere(
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=_version, is_eager=True, help="Print the version."),
     ] = False,
 ) -> None:
-    """Print the equations of motion of a model.
-
-    M q'' + k_c = k_e: one block for each coordinate, with one row for each body and element. Then
-    the rates of inner states, names for what several rows use, parameters and sensors.
-
-    \b
-    Example:
-      symhyb equations models/pendulum.toml --latex
-    """
-    from symhyb.mechanics.show import show_equations
-    from symhyb.model.read import read_model
-
-    print(show_equations(read_model(model), latex, matrices), end="")
+    """Find the physics that a model of a machine leaves out, from a recording of the machine."""
 
 
-@app.command()
-def simulate(
-    model: ModelFile,
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="FILE", help="CSV to write.")],
-    inputs: Annotated[
-        Path | None,
-        typer.Option("--input", metavar="RECORDING", help="Recording that holds the inputs."),
-    ] = None,
-    columns: Map = None,
-    end: Annotated[float | None, typer.Option(metavar="S", help="Time to stop at, in s.")] = None,
-    step: Annotated[float | None, typer.Option(metavar="S", help="Between two rows, in s.")] = None,
-    exact: Annotated[
-        bool, typer.Option("--exact", help="Friction sticks and stops touch, as located events.")
-    ] = False,
-    events: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="CSV for the events; this too makes the run exact."),
-    ] = None,
-) -> None:
-    """Simulate a model and write what its sensors record.
-
-    The run begins as the model declares. Without --input all inputs are zero and --end is needed;
-    with it the run covers the recording. Dry friction is smoothed, and creeps where the machine
-    sticks, unless the run is --exact.
-
-    \b
-    Example:
-      symhyb simulate models/oscillator.toml -o run.csv \\
-          --input studies/oscillator/train.csv
-    """
-    from symhyb.console.terminal import leave_run, progress, read_map, require_files, warn
-    from symhyb.model.read import read_model
-    from symhyb.model.switching import left_smooth
-    from symhyb.simulation import read_inputs, run_model
-
-    exact = exact or events is not None
-    declared, mapped = read_model(model), read_map(columns)
-    require_files(output, events)
-    driven = read_inputs(inputs, declared, mapped) if inputs else None
-    warn(driven.notes if driven else ())
-    warn(left_smooth(declared) if exact else ())
-    with progress() as say:
-        say("simulating")
-        done = run_model(declared, driven, end, step, exact)
-    leave_run(*done, output, events, exact)
-
-
-@app.command()
-def compare(
-    model: ModelFile,
-    recordings: Recordings,
-    columns: Map = None,
-    start: Start = None,
-    end: End = None,
-    as_json: Json = False,
-) -> None:
-    """Say how large the force is that a model lacks, and what the first checks show.
-
-    That force is dF = M q'' + k_c - k_e along the recorded motion; it is given beside its noise.
-    First checks: sample rates and delays, rest position, modes, frequency responses, energy
-    balance, repeated runs. Naming a cause is what diagnose does.
-
-    \b
-    Example:
-      symhyb compare models/oscillator.toml studies/oscillator/train.csv
-    """
-    from symhyb.console.comparison import check_facts, discrepancy_facts, print_first_checks
-    from symhyb.console.terminal import progress, read_map
-    from symhyb.data.recording import read_recording
-    from symhyb.discrepancy.checks.first_checks import first_checks, repeats_of
-    from symhyb.discrepancy.recorded.residual import compare as compare_recording
-    from symhyb.model.read import read_model
-    from symhyb.numeric.lowered.machine import build
-    from symhyb.steps import Counted
-
-    declared, mapped = read_model(model), read_map(columns)
-    machine, gaps, checked = build(declared), [], []
-    read = [read_recording(one, declared, mapped, span=(start, end)) for one in recordings]
-    with progress() as say:
-        for done, recording in enumerate(read):
-            say(Counted(f"comparing {recording.name}", done, len(read)))
-            gaps.append(compare_recording(machine, recording))
-            say(Counted(f"first checks of {recording.name}", done, len(read)))
-            checked.append(first_checks(machine, recording, gaps[-1].motion))
-    repeats = repeats_of(declared, read, [gap.motion for gap in gaps])
-    pairs = list(zip(gaps, checked, strict=True))
-    if as_json:
-        facts = [{**discrepancy_facts(gap), "first_checks": check_facts(one)} for gap, one in pairs]
-        print_json({"recordings": facts, "repeats": [asdict(one) for one in repeats]})
-        return
-    for gap, one in pairs:
-        print(gap.summary())
-        print_first_checks(one)
-    print(*(one.sentence for one in repeats), sep="\n", end="\n" if repeats else "")
+for verb in (new, check, draw, equations, diff, simulate, look, compare, fit):
+    app.command()(verb)
 
 
 @app.command()
@@ -278,25 +152,6 @@ def diagnose(
 
 
 @app.command()
-def diff(
-    first: Annotated[Path, typer.Argument(metavar="MODEL", help="Model file.")],
-    second: Annotated[Path, typer.Argument(metavar="MODEL", help="Model file to compare it with.")],
-) -> None:
-    """Say what two model files say differently.
-
-    In sentences first, then line by line.
-
-    \b
-    Example:
-      symhyb diff models/oscillator.toml out/corrected.toml
-    """
-    from symhyb.model.diff import diff as difference
-    from symhyb.model.read import read_model
-
-    print(difference(read_model(first), read_model(second)))
-
-
-@app.command()
 def run(
     study: Annotated[Path, typer.Argument(metavar="STUDY", help="Study file.")],
     output: Folder,
@@ -335,6 +190,7 @@ def run(
 app.command()(learn)
 app.command()(export)
 app.command("import")(import_)
+app.command()(doctor)
 
 
 def main() -> NoReturn:

@@ -1,6 +1,7 @@
 """Arguments and options that several verbs of the command line share."""
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -30,9 +31,16 @@ Holdout = Annotated[
     typer.Option(metavar="RECORDING", help="Unseen recording, for the proof alone. Repeat it."),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON for scripts instead of sentences.")]
+Force = Annotated[bool, typer.Option("--force", help="Replace a file that is there.")]
 Folder = Annotated[
     Path, typer.Option("-o", "--output", metavar="DIR", help="Folder for the files; made if new.")
 ]
+
+
+def listed(options: Sequence[str] | None) -> tuple[str, ...]:
+    """The names of an option that is repeated, or lists them as ``a,b``."""
+    parts = (part.strip() for text in options or () for part in text.split(","))
+    return tuple(part for part in parts if part)
 
 
 def print_json(content: Any) -> None:

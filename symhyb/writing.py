@@ -33,6 +33,23 @@ def require_folder(directory: str | os.PathLike[str]) -> None:
         raise InputError(Problem(reason, file=str(path if there == path else there)))
 
 
+def require_new(path: str | os.PathLike[str] | None, force: bool = False) -> None:
+    """Refuse a file that is there already, unless by ``force``, and one that cannot be written,
+    before any work is done. None is no file.
+
+    Raises:
+        InputError: it is there, is a folder, or its folder cannot be written to.
+    """
+    if path is None:
+        return
+    target = Path(path)
+    if target.is_dir():
+        raise InputError(Problem("is a folder; name a file in it", file=str(path)))
+    if target.exists() and not force:
+        raise InputError(Problem("is there already; --force replaces it", file=str(path)))
+    require_folder(target.absolute().parent)
+
+
 def write_file(path: str | os.PathLike[str], content: str | bytes) -> None:
     """Write one file at once, so that nobody meets half of it; its folder is made if it is new.
 

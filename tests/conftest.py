@@ -1,10 +1,11 @@
-"""What all tests share: the public recordings, if they are on this machine."""
+"""What all tests share: the public recordings, if they are on this machine, and the command."""
 
 import os
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from command import Call, caller
 
 from symhyb.data.datasets import FOLDER, fetch
 
@@ -25,3 +26,9 @@ def public_file() -> Callable[..., Path]:
     if os.environ.get("CI") == "true":
         pytest.fail(text)
     pytest.skip(text)
+
+
+@pytest.fixture
+def symhyb(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Call:
+    """Return ``symhyb(*arguments)``, which runs the command line in this process."""
+    return caller(monkeypatch, capsys)

@@ -3,18 +3,19 @@
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
+import tomllib
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 
 import jsonschema
 import numpy as np
 import pytest
+from command import Call, Done
 from fakes import NOTHING, Fake, fake_diagnosis, friction
 
-from symhyb.cli import main
 from symhyb.errors import NumericsError
 from symhyb.model.read import read_model
 
@@ -23,11 +24,16 @@ OSCILLATOR = str(ROOT / "models" / "oscillator.toml")
 TRAIN, HOLDOUT = (str(ROOT / "studies" / "oscillator" / f"{n}.csv") for n in ("train", "holdout"))
 SCHEMA = ROOT / "symhyb" / "report" / "diagnosis.schema.json"
 VERBS = (
+    "new",
     "check",
+    "draw",
     "equations",
     "simulate",
+    "look",
     "compare",
+    "fit",
     "diagnose",
+    "doctor",
     "learn",
     "diff",
     "run",
@@ -91,34 +97,6 @@ laser = { measures = "x", unit = "s" }
 """
 
 
-@dataclass(frozen=True, slots=True)
-class Done:
-    """How a call of the command line ended."""
-
-    status: int
-    out: str
-    err: str
-
-
-Call = Callable[..., Done]
-
-
-@pytest.fixture
-def symhyb(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Call:
-    """Return ``symhyb(*arguments)``, which runs the command line in this process."""
-
-    def call(*arguments: object) -> Done:
-        monkeypatch.setattr(sys, "argv", ["symhyb", *map(str, arguments)])
-        capsys.readouterr()
-        with pytest.raises(SystemExit) as stop:
-            main()
-        out, err = capsys.readouterr()
-        assert "Traceback" not in out
-        return Done(int(stop.value.code or 0), out, err)
-
-    return call
-
-
 @pytest.fixture
 def fake(monkeypatch: pytest.MonkeyPatch) -> Fake:
     return fake_diagnosis(monkeypatch)
@@ -152,9 +130,44 @@ def rows(change: Callable[[np.ndarray], None] = lambda table: None, header: str 
 def test_each_verb_has_one_page_of_help_with_an_example(symhyb: Call, verb: str) -> None:
     done = symhyb(*verb.split(), "--help")
     assert done.status == 0
+    assert symhyb(*verb.split(), "-h").out == done.out
     assert f"Example:\n    symhyb {verb} " in done.out or f"symhyb {verb}\n" in done.out
     assert len(done.out.splitlines()) <= 45
     assert all(len(line) <= 90 for line in done.out.splitlines())
+
+
+def test_the_version_is_that_of_the_package(symhyb: Call) -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert symhyb("--version").out == f"symhyb {project['version']}\n"
+
+
+@pytest.mark.skipif(shutil.which("bash") is None, reason="no bash")
+@pytest.mark.parametrize(
+    ("line", "offered"),
+    [
+        ("symhyb di", {"diagnose", "diff"}),
+        ("symhyb data f", {"fetch"}),
+        ("symhyb diagnose --ho", {"--holdout"}),
+    ],
+)
+def test_bash_completes_verbs_and_options(tmp_path: Path, line: str, offered: set[str]) -> None:
+    """As bash does it: the script that --show-completion prints, and what it offers for a line."""
+    command = tmp_path / "symhyb"
+    command.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m symhyb "$@"\n', encoding="utf-8")
+    command.chmod(0o755)
+    script = (
+        "source <(symhyb --show-completion bash)\n"
+        f"COMP_WORDS=({line}); COMP_CWORD=$((${{#COMP_WORDS[@]}} - 1))\n"
+        '_symhyb_completion symhyb; printf "%s\\n" "${COMPREPLY[@]}"; complete -p symhyb\n'
+    )
+    path = f"{tmp_path}{os.pathsep}{os.environ['PATH']}"
+    known = {**os.environ, "PATH": path, "_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION": "1"}
+    done = subprocess.run(
+        ["bash", "--norc", "-c", script], capture_output=True, text=True, env=known, cwd=ROOT
+    )
+    *words, registered = done.stdout.splitlines()
+    assert set(words) == offered, done.stderr
+    assert "-o default" in registered  # and names of files
 
 
 def test_python_runs_the_package_as_the_command() -> None:

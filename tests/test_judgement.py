@@ -23,6 +23,7 @@ ROOMS = ("correction", "discrepancy")
 # constants of other modules in comparisons, with what they are: limits of work, tolerances of the
 # numerics, where a search begins and ends, and what is shown. None decides what is claimed.
 OTHERS = {
+    "correction/calibration.py": {"FAR": "iteration"},
     "correction/adequacy/classes/columns.py": {"FINEST": "numerics", "PUSHED": "numerics"},
     "correction/adequacy/recorded.py": {"SAMPLES_LEAST": "work"},
     "correction/advice/advice.py": {"ODDS_SHOWN": "display"},

@@ -159,7 +159,7 @@ class Recording:
             InputError: as :func:`read_recording`.
         """
         table = table_of_frame(frame, units, visible(name))
-        return _recorded(table, visible(name), model, columns, span)
+        return recorded(table, map_columns(table, model, columns), model, span, visible(name))
 
     def to_frame(self) -> "pd.DataFrame":
         """The channels in the units of the model file, as columns over the index ``t`` in s;
@@ -185,7 +185,7 @@ class Recording:
             InputError: as :func:`read_recording`; xarray is not installed.
         """
         table = table_of_dataset(dataset, units, visible(name))
-        return _recorded(table, visible(name), model, columns, span)
+        return recorded(table, map_columns(table, model, columns), model, span, visible(name))
 
     def to_xarray(self) -> "xr.Dataset":
         """The channels in the units of the model file along ``t`` in s, as a dataset of xarray.
@@ -268,15 +268,21 @@ def read_recording(
         InputError: the file or the map is wrong, a needed channel is missing, time does not
             increase, an input has a hole or stops early, or fewer than 20 samples are left.
     """
-    return _recorded(read_table(path), visible(Path(path).name), model, columns, span)
+    table = read_table(path)
+    return recorded(table, map_columns(table, model, columns), model, span)
 
 
-def _recorded(
-    table: Table, name: str, model: Model, columns: Mapping[str, str] | None, span: Span
+def recorded(
+    table: Table, channels: Channels, model: Model, span: Span = (None, None), name: str = ""
 ) -> Recording:
-    """The recording that a table holds of a model's channels, whatever it came from."""
+    """The recording that the ``channels`` of a ``table`` are, with notes on them; its ``name`` is
+    that of the table's file unless given.
+
+    Raises:
+        InputError: as :func:`read_recording`, but for the map.
+    """
     held = frozenset(item.name for item in model.inputs if item.between == "held")
-    channels = tidy(map_columns(table, model, columns), table, span, held)
+    channels = tidy(channels, table, span, held)
     units = {channel.name: channel.unit for channel in model.sensors}
     driving = {channel.name: channel.unit for channel in model.coordinates}
     driving |= {channel.name: channel.unit for channel in model.inputs}
@@ -289,7 +295,7 @@ def _recorded(
     noted = Channels(channels.t, channels.inputs, channels.sensors, notes)
     shown = {**driving, **units}
     used = {name: shown[name] for name in (*noted.inputs, *noted.sensors)}
-    return _recording(name, noted, table.sha256, used)
+    return _recording(name or visible(Path(table.file).name), noted, table.sha256, used)
 
 
 def _recording(name: str, channels: Channels, sha256: str, units: Mapping[str, Unit]) -> Recording:

@@ -70,6 +70,17 @@ def svg(figure: "Figure") -> bytes:
     return target.getvalue()
 
 
+def picture(figure: "Figure", suffix: str) -> bytes:
+    """Give a figure as the bytes of a ``.png`` or, by any other suffix, of an SVG."""
+    if suffix.lower() != ".png":
+        return svg(figure)
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    target = io.BytesIO()
+    FigureCanvasAgg(figure).print_png(target)  # type: ignore[no-untyped-call]
+    return target.getvalue()
+
+
 def legend(panel: "Axes") -> None:
     """Put the legend above the panel, on the right."""
     panel.legend(loc="lower right", bbox_to_anchor=(1.0, 0.98), ncols=3, borderaxespad=0.0)

@@ -1,0 +1,174 @@
+"""The verbs of the command line for recordings: ``symhyb look | compare | fit``.
+
+Heavy modules are imported inside, so that help answers at once.
+"""
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from symhyb.cli_options import (
+    End,
+    Force,
+    Holdout,
+    Json,
+    Map,
+    ModelFile,
+    Recordings,
+    Start,
+    listed,
+    print_json,
+)
+
+
+def look(
+    recording: Annotated[
+        Path, typer.Argument(metavar="RECORDING", help="Recording, or FILE#PART of one.")
+    ],
+    model: Annotated[
+        Path | None,
+        typer.Option(metavar="MODEL", help="Model file: look at what it takes, and check that."),
+    ] = None,
+    columns: Map = None,
+    start: Start = None,
+    end: End = None,
+    figure: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Draw all channels over time, as .svg or .png."),
+    ] = None,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Say what is in a recording: rates, gaps, ranges, noise, rest, frequencies.
+
+    Without a model every column is shown in the unit of the file; the time is the column t, or one
+    called as time usually is, or what --map says (t=index/1000). With a model its channels are
+    shown in their units, with the first checks that compare makes.
+
+    \b
+    Example:
+      symhyb look studies/oscillator/train.csv --figure train.svg
+    """
+    from symhyb.console.look import look_facts, print_look
+    from symhyb.console.terminal import progress, read_map
+    from symhyb.looking import look_into, require_picture, write_picture
+
+    if figure is not None:
+        require_picture(figure, force)
+    with progress() as say:
+        seen = look_into(recording, model, read_map(columns), (start, end), say)
+    if figure is not None:
+        write_picture(seen.look, figure)
+    if as_json:
+        print_json(look_facts(seen))
+    else:
+        print_look(seen)
+
+
+def compare(
+    model: ModelFile,
+    recordings: Recordings,
+    columns: Map = None,
+    start: Start = None,
+    end: End = None,
+    as_json: Json = False,
+) -> None:
+    """Say how large the force is that a model lacks, and what the first checks show.
+
+    That force is dF = M q'' + k_c - k_e along the recorded motion; it is given beside its noise.
+    First checks: sample rates and delays, rest position, modes, frequency responses, energy
+    balance, repeated runs. Naming a cause is what diagnose does.
+
+    \b
+    Example:
+      symhyb compare models/oscillator.toml studies/oscillator/train.csv
+    """
+    from symhyb.console.comparison import check_facts, discrepancy_facts, print_first_checks
+    from symhyb.console.terminal import progress, read_map
+    from symhyb.data.recording import read_recording
+    from symhyb.discrepancy.checks.first_checks import first_checks, repeats_of
+    from symhyb.discrepancy.recorded.residual import compare as compare_recording
+    from symhyb.model.read import read_model
+    from symhyb.numeric.lowered.machine import build
+    from symhyb.steps import Counted
+
+    declared, mapped = read_model(model), read_map(columns)
+    machine, gaps, checked = build(declared), [], []
+    read = [read_recording(one, declared, mapped, span=(start, end)) for one in recordings]
+    with progress() as say:
+        for done, recording in enumerate(read):
+            say(Counted(f"comparing {recording.name}", done, len(read)))
+            gaps.append(compare_recording(machine, recording))
+            say(Counted(f"first checks of {recording.name}", done, len(read)))
+            checked.append(first_checks(machine, recording, gaps[-1].motion))
+    repeats = repeats_of(declared, read, [gap.motion for gap in gaps])
+    pairs = list(zip(gaps, checked, strict=True))
+    if as_json:
+        facts = [{**discrepancy_facts(gap), "first_checks": check_facts(one)} for gap, one in pairs]
+        print_json({"recordings": facts, "repeats": [asdict(one) for one in repeats]})
+        return
+    for gap, one in pairs:
+        print(gap.summary())
+        print_first_checks(one)
+    print(*(one.sentence for one in repeats), sep="\n", end="\n" if repeats else "")
+
+
+def fit(
+    model: ModelFile,
+    recordings: Recordings,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", metavar="FILE", help="Model file to write."),
+    ] = None,
+    free: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAMES",
+            help="Fit these, as k,d or laser.gain, instead of all that state an sd. Repeat it.",
+        ),
+    ] = None,
+    holdout: Holdout = None,
+    columns: Map = None,
+    start: Start = None,
+    end: End = None,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Fit parameters of a model to recordings; look for no cause.
+
+    Errors of the simulation over windows are minimised. A stated sd counts as evidence; what is
+    fitted keeps its old value under 'was'. Finding what a model leaves out is what diagnose does.
+
+    Exit status: 0 fitted, 2 misuse or unreadable input, 3 the numerics failed.
+
+    \b
+    Example:
+      symhyb fit models/oscillator.toml studies/oscillator/train.csv --free c -o fitted.toml
+    """
+    from symhyb.console.fitted import fit_facts, print_fit
+    from symhyb.console.terminal import progress, read_map
+    from symhyb.fitted_run import fit_study
+    from symhyb.model.write import write_model
+    from symhyb.report.contract import scores_json
+    from symhyb.study_file import Source, Study
+    from symhyb.writing import require_new
+
+    require_new(output, force)
+    study = Study(
+        model,
+        tuple(Source(path, span=(start, end)) for path in recordings),
+        tuple(Source(path) for path in holdout or ()),
+        read_map(columns),
+    )
+    with progress() as say:
+        done = fit_study(study, listed(free), say)
+    if output is not None:
+        write_model(done.fitted.model, output)
+    if as_json:
+        print_json({**fit_facts(done.fitted), "scores": scores_json(done.verdict)})
+        return
+    print_fit(done.fitted, done.verdict, done.model)
+    if output is not None:
+        print(f"{output}: the model with these values; next: symhyb diff {model} {output}")

@@ -1,0 +1,48 @@
+"""Model and recordings -> fitted parameters, judged on recordings that they were not fitted to."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from symhyb.correction.calibration import Calibrated, calibrated, chosen
+from symhyb.data.cleaning import without_faults
+from symhyb.discrepancy.checks.suspicion import repaired
+from symhyb.discrepancy.fitting.judge import judge
+from symhyb.discrepancy.results import Verdict
+from symhyb.model.read import read_model
+from symhyb.model.types import Model
+from symhyb.numeric.kernels.memory import seldom_collected
+from symhyb.steps import Say, silent
+from symhyb.study import read_all
+from symhyb.study_file import Study
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FittedRun:
+    """The ``model`` as given, what was fitted, and the errors before and after."""
+
+    model: Model
+    fitted: Calibrated
+    verdict: Verdict
+
+
+@seldom_collected()
+def fit_study(study: Study, free: Sequence[str] = (), say: Say | None = None) -> FittedRun:
+    """Fit parameters of the model of a study to its recordings, those ``free`` by name or all that
+    state an sd, and judge them on its unseen recordings.
+
+    Raises:
+        InputError: the model, a recording or a name is wrong.
+        NumericsError: the numerics failed.
+    """
+    tell = say or silent
+    tell("reading the model and the recordings")
+    model = read_model(study.model)
+    chosen(model, free)  # a wrong name is said before recordings are read
+    train, holdout = read_all(study, model)
+    found = calibrated(model, train, free, say=tell)
+    tell("judging the fitted model")
+    seen, unseen = (
+        repaired([without_faults(one, model) for one in group], found.faults)
+        for group in (train, holdout)
+    )
+    return FittedRun(model, found, judge(model, found.model, unseen, train=seen))

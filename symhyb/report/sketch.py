@@ -1,0 +1,79 @@
+"""A drawing of a machine as plain marks: bodies, links, elements, grounds, positive directions.
+
+It is made from the model alone, at ``start`` or at any other place, by one view: the plane of the
+model, or from the side and above in space. Free bodies that lie on one place are drawn apart, for
+that is how a line of masses ``on`` coordinates is meant. Sizes: n coordinates.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from symhyb.model.space import dimension, quaternion_parts
+from symhyb.model.types import Model
+from symhyb.report.placing import placed
+from symhyb.report.series import Array
+from symhyb.report.sketch_bodies import (
+    draw_axes,
+    draw_constraints,
+    draw_coordinate,
+    draw_grounds,
+    draw_links,
+)
+from symhyb.report.sketch_draft import STEP, Draft, Mark, spread_out, symbol_size
+from symhyb.report.sketch_elements import draw_element
+
+FAR = 0.1  # of all coordinates, SI: whether distances stay
+VIEW = np.array([[0.87, -0.5, 0.0], [-0.25, -0.43, 0.87]])  # of space: x to the right, z upwards
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sketch:
+    """The ``marks`` of a machine, the ``size`` of a symbol in m, and sentences on what is declared
+    and not drawn (``left_out``)."""
+
+    marks: tuple[Mark, ...]
+    size: float
+    left_out: tuple[str, ...]
+
+
+def sketch_of(model: Model, q: Array | None = None, shown: Sequence[str] = ()) -> Sketch:
+    """Draw a machine at ``q`` (n,) in SI, by default where simulations start. Elements, bodies and
+    coordinates in ``shown`` are emphasised.
+
+    A model with constraints that was not built yet is drawn at the start that the file states.
+    """
+    place = np.array(model.start()[0]) if q is None else np.asarray(q, float)
+    view = np.eye(2) if dimension(model) == 2 else VIEW
+    here = placed(model, place)
+    moved = [placed(model, place + STEP * row) for row in np.eye(place.size)]
+    far = placed(model, place + FAR * (1 + np.arange(place.size)) / max(place.size, 1))
+    size = symbol_size(model, here, far, view)
+    draft = Draft(model, view, here, moved, far, size, frozenset(shown))
+    spread_out(draft)
+    for body in model.bodies:
+        draw_links(draft, body)
+    draw_grounds(draft)
+    for element in model.elements:
+        draw_element(draft, element)
+    draw_constraints(draft)
+    for body in model.bodies:
+        draft.add("body", [draft.centre(body.name)], "body", body.name, body.name)
+    turning = quaternion_parts(model)
+    for j, coordinate in enumerate(model.coordinates):
+        if coordinate.name not in turning:
+            draw_coordinate(draft, j, coordinate.name)
+    if view.shape[1] == 3:
+        draw_axes(draft)
+    return Sketch(tuple(draft.marks), draft.size, tuple(draft.left_out))
+
+
+def roles(sketch: Sketch) -> Mapping[str, tuple[str, ...]]:
+    """What is drawn, by role: the names of bodies, elements and coordinates, each once."""
+    found: dict[str, list[str]] = {}
+    for mark in sketch.marks:
+        names = found.setdefault(mark.role, [])
+        if mark.name not in names:
+            names.append(mark.name)
+    return {role: tuple(names) for role, names in found.items()}

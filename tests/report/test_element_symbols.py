@@ -1,0 +1,35 @@
+"""Symbols of elements: they begin and end where they should, whatever the direction."""
+
+import numpy as np
+import pytest
+
+from symhyb.report.symbols import arc, ground, symbol
+
+KINDS = ("spring", "damper", "friction", "gap", "relaxation", "law")
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_symbol_joins_its_two_places(kind: str) -> None:
+    a, b = np.array([1.0, 2.0]), np.array([-2.0, 6.0])
+    lines = np.vstack(symbol(kind, a, b, 0.5))
+    for place in (a, b):
+        assert np.min(np.linalg.norm(lines - place, axis=1)) < 1e-12
+    along = (b - a) / 5.0
+    away = (lines - a) @ np.array([-along[1], along[0]])
+    assert np.abs(away).max() <= 0.25 + 1e-12
+
+
+def test_two_places_that_are_one_give_finite_lines() -> None:
+    a = np.zeros(2)
+    assert np.isfinite(np.vstack(symbol("spring", a, a, 0.5))).all()
+
+
+def test_the_hatching_of_a_wall_is_on_its_outer_side() -> None:
+    lines = np.vstack(ground(np.zeros(2), np.array([0.0, -3.0]), 1.0))
+    assert lines[:, 1].max() <= 1e-12
+    assert lines[:, 1].min() < -0.1
+
+
+def test_an_arc_keeps_its_radius() -> None:
+    points = arc(np.array([1.0, 1.0]), 2.0, 0.0, 1.0)
+    assert np.linalg.norm(points - 1.0, axis=1) == pytest.approx(2.0)
