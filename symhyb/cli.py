@@ -124,10 +124,10 @@ def diagnose(
       symhyb diagnose models/oscillator.toml studies/oscillator/train.csv \\
           --holdout studies/oscillator/holdout.csv -o out
     """
-    from symhyb.console.results import print_result
+    from symhyb.console.results import print_result, printed_if_interrupted
     from symhyb.console.terminal import progress, read_map
     from symhyb.report.contract import to_json
-    from symhyb.study import carry_out, leave_files
+    from symhyb.study import StudyResult, carry_out, leave_files
     from symhyb.study_file import Source, Study
     from symhyb.writing import require_folder
 
@@ -142,8 +142,13 @@ def diagnose(
         network=network,
     )
     require_folder(output)
-    with progress() as say:
-        result = carry_out(study, say, lambda result: leave_files(result, output))
+    with printed_if_interrupted(output, as_json) as keep, progress() as say:
+
+        def leave(result: StudyResult) -> None:
+            leave_files(result, output)
+            keep(result)
+
+        result = carry_out(study, say, leave)
     if as_json:
         print_json(to_json(result.diagnosis, result.verdict))
     else:
@@ -172,12 +177,12 @@ def run(
     Example:
       symhyb run studies/emps/study.toml -o out
     """
-    from symhyb.console.results import print_checks, print_result
+    from symhyb.console.results import print_checks, print_result, printed_if_interrupted
     from symhyb.console.terminal import progress
     from symhyb.study import run_study
 
-    with progress() as say:
-        result = run_study(study, output, say, within or ())
+    with printed_if_interrupted(output) as keep, progress() as say:
+        result = run_study(study, output, say, within or (), keep)
     print_result(result, output)
     if result.checks:
         print_checks(result.checks)

@@ -4,7 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from symhyb.correction.calibration import Calibrated, calibrated, chosen
+from symhyb.correction.search.so_far import if_interrupted
 from symhyb.data.cleaning import without_faults
+from symhyb.data.recording import Recording
 from symhyb.discrepancy.checks.suspicion import repaired
 from symhyb.discrepancy.fitting.judge import judge
 from symhyb.discrepancy.results import Verdict
@@ -41,8 +43,16 @@ def fit_study(study: Study, free: Sequence[str] = (), say: Say | None = None) ->
     train, holdout = read_all(study, model)
     found = calibrated(model, train, free, say=tell)
     tell("judging the fitted model")
+    with if_interrupted(found.sentence):
+        return FittedRun(model, found, _judged(model, found, train, holdout))
+
+
+def _judged(
+    model: Model, found: Calibrated, train: Sequence[Recording], holdout: Sequence[Recording]
+) -> Verdict:
+    """Errors before and after, on recordings with their faults put right."""
     seen, unseen = (
         repaired([without_faults(one, model) for one in group], found.faults)
         for group in (train, holdout)
     )
-    return FittedRun(model, found, judge(model, found.model, unseen, train=seen))
+    return judge(model, found.model, unseen, train=seen)

@@ -25,6 +25,7 @@ from symhyb.correction.apply import apply
 from symhyb.correction.finish import finished
 from symhyb.correction.learning.network import NO_NETWORK, train_network
 from symhyb.correction.learning.remainder import NO_REMAINDER, remainder
+from symhyb.correction.search.so_far import if_interrupted
 from symhyb.data.cleaning import still, without_faults
 from symhyb.data.datasets import fetch
 from symhyb.data.recording import Recording, read_recording
@@ -48,6 +49,7 @@ from symhyb.steps import Say, silent
 from symhyb.study_file import Source, Study, read_study
 from symhyb.writing import require_folder, staged
 
+COMPLETE = "the diagnosis, which is written; only what to record next is not worked out"
 LIBRARIES = ("numpy", "scipy", "casadi", "sympy", "pysindy", "scikit-learn")
 
 
@@ -87,9 +89,11 @@ def run_study(
     directory: str | os.PathLike[str],
     say: Say | None = None,
     within: Sequence[str | os.PathLike[str]] = (),
+    keep: Leave | None = None,
 ) -> StudyResult:
     """Run the study that a file states, and leave its files in ``directory``. Model and recordings
-    may lie in the folder of the study, in its project, and in the folders ``within``.
+    may lie in the folder of the study, in its project, and in the folders ``within``. ``keep`` gets
+    every result whose files are left.
 
     Raises:
         InputError: the study, its model or a recording is wrong, or nothing can be written.
@@ -103,7 +107,12 @@ def run_study(
     def checked(result: StudyResult) -> StudyResult:
         return replace(result, checks=check(expected, to_json(result.diagnosis, result.verdict)))
 
-    return checked(carry_out(study, say, lambda result: leave_files(checked(result), directory)))
+    def leave(result: StudyResult) -> None:
+        leave_files(checked(result), directory)
+        if keep is not None:
+            keep(checked(result))
+
+    return checked(carry_out(study, say, leave))
 
 
 @seldom_collected()
@@ -145,7 +154,8 @@ def carry_out(study: Study, say: Say | None = None, leave: Leave | None = None) 
     )
     write = _writing(leave, say)
     write(result)
-    final = advised(replace(concluded, diagnosis=diagnosis), say)
+    with if_interrupted(lambda: COMPLETE if leave is not None else ""):
+        final = advised(replace(concluded, diagnosis=diagnosis), say)
     if final is diagnosis:
         return result
     result = replace(result, diagnosis=final, seconds=time.perf_counter() - begin)

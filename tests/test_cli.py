@@ -628,6 +628,24 @@ def test_a_diagnosis_that_fails_leaves_nothing(
     assert [one.name for one in here.iterdir()] == ["symhyb-fault.txt"] * ("fault" in said)
 
 
+@pytest.mark.parametrize("as_json", [False, True])
+def test_a_diagnosis_that_is_interrupted_after_its_files_are_left_is_printed(
+    symhyb: Call, fake: Fake, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, as_json: bool
+) -> None:
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    fake(friction())
+    monkeypatch.setattr("symhyb.study.advised", interrupted)
+    done = diagnose(symhyb, tmp_path / "out", *["--json"] * as_json)
+    assert done.status == 130
+    assert "so far: the diagnosis, which is written" in done.err
+    assert {file.name for file in (tmp_path / "out").iterdir()} == FILES
+    printed = done.out.startswith("On q the model lacks dry friction.")
+    assert printed == (not as_json)
+    assert as_json == (done.out == "")
+
+
 def test_a_report_that_fails_leaves_nothing(symhyb: Call, fake: Fake, tmp_path: Path) -> None:
     fake(friction(float("nan")))
     done = diagnose(symhyb, tmp_path / "out")

@@ -4,6 +4,7 @@ import json
 import re
 from pathlib import Path
 
+import pytest
 from command import Call
 
 from symhyb.model.read import read_model
@@ -56,3 +57,16 @@ def test_fit_says_what_cannot_be_fitted(symhyb: Call, tmp_path: Path) -> None:
     assert "did you mean 'c'" in done.err
     done = symhyb("fit", MODEL, TRAIN, "--free", "c", "-o", tmp_path)
     assert "is a folder" in done.err
+
+
+def test_a_fit_that_is_interrupted_says_its_values(
+    symhyb: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("symhyb.fitted_run.judge", interrupted)
+    target = tmp_path / "fitted.toml"
+    done = symhyb("fit", MODEL, TRAIN, "--free", "c", "--end", "6", "-o", target)
+    assert (done.status, target.exists()) == (130, False)
+    assert re.search(r"so far: c = [\d.]+ ± [\d.]+ N/m³", done.err)

@@ -1,6 +1,7 @@
 """A diagnosis, what was learned and what a study expected, printed: the answer comes first."""
 
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,13 +19,14 @@ from symhyb.discrepancy.words.wording import (
     percent_text,
 )
 from symhyb.expected import Check
+from symhyb.interruption import is_interruption
 from symhyb.model.types import place_text
 from symhyb.model.vocabulary import said_of
 from symhyb.report.sentences import alternative_sentence, remainder_sentence, score_sentences
 
 if TYPE_CHECKING:  # a verb that only reads a file need not load the numerics
     from symhyb.learned_run import Outcome
-    from symhyb.study import StudyResult
+    from symhyb.study import Leave, StudyResult
 
 
 def print_result(result: "StudyResult", directory: Path) -> None:
@@ -45,6 +47,19 @@ def print_result(result: "StudyResult", directory: Path) -> None:
     _print_list(remainder_sentence(diagnosis.remainder), diagnosis.remainder_notes)
     _print_list("Notes on the recordings:", diagnosis.notes)
     print(f"Report: {directory / 'report.html'}")
+
+
+@contextmanager
+def printed_if_interrupted(directory: Path, as_json: bool = False) -> Iterator["Leave"]:
+    """Yield what keeps a result whose files are left; an interruption then prints the last one,
+    in sentences alone, before it goes on."""
+    kept: list[StudyResult] = []
+    try:
+        yield kept.append
+    except (KeyboardInterrupt, Exception) as stop:
+        if kept and is_interruption(stop) and not as_json:
+            print_result(kept[-1], directory)
+        raise
 
 
 def print_learned(outcome: "Outcome", directory: Path) -> None:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from symhyb.correction.search.preparing import Prepared, last_windows, prepare
+from symhyb.correction.search.so_far import if_interrupted
 from symhyb.correction.search.trajectory import DELAY_REACH
 from symhyb.data.cleaning import still
 from symhyb.data.recording import Recording, several
@@ -19,6 +20,7 @@ from symhyb.discrepancy.fitting.task import Fit, Task
 from symhyb.discrepancy.places.hypotheses import with_channels
 from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.discrepancy.results import RecordingFault, Reestimated
+from symhyb.discrepancy.words.amounts import quantity_text
 from symhyb.errors import InputError, NumericsError, Problem, did_you_mean
 from symhyb.judgement import GAIN_REACH
 from symhyb.model.types import Model, Parameter
@@ -53,6 +55,13 @@ class Calibrated:
     after: float
     faults: tuple[RecordingFault, ...] = ()
 
+    def sentence(self) -> str:
+        """The values in one line: ``k = 50.0 ± 0.2 N/m, d = ...``."""
+        return ", ".join(
+            f"{item.name} = {quantity_text(item.value, item.unit, item.sd)}"
+            for item in self.parameters
+        )
+
     def together(self, least: float) -> list[tuple[str, str, float]]:
         """Pairs of parameters whose correlation is at least that in size, strongest first."""
         names = [item.name for item in self.parameters]
@@ -85,17 +94,25 @@ def calibrated(
     if still(several(recordings)):
         raise InputError(Problem("no sensor changes in any recording: nothing can be fitted"))
     with one_thread():
-        start, done = model, None
-        for attempt in range(2):
-            tell("estimating motion and noise" if not attempt else "laying windows anew")
-            prepared = prepare(start, recordings)
-            tell(f"fitting {len(items)} parameter{'s' * (len(items) > 1)}")
-            done = _calibrated(model, items, prepared)
-            if not _moved(done.parameters, start):
-                break
-            start = done.model
-    assert done is not None
-    return done
+        done = _fitted(model, model, items, recordings, tell)
+        if not _moved(done.parameters, model):
+            return done
+        with if_interrupted(done.sentence):
+            return _fitted(done.model, model, items, recordings, tell)
+
+
+def _fitted(
+    start: Model,
+    model: Model,
+    items: Sequence[Parameter],
+    recordings: Recording | Sequence[Recording],
+    tell: Say,
+) -> Calibrated:
+    """The parameters of a model, fitted on windows that are laid for the values of ``start``."""
+    tell("estimating motion and noise" if start is model else "laying windows anew")
+    prepared = prepare(start, recordings)
+    tell(f"fitting {len(items)} parameter{'s' * (len(items) > 1)}")
+    return _calibrated(model, items, prepared)
 
 
 def chosen(model: Model, free: Sequence[str] = ()) -> tuple[Parameter, ...]:
