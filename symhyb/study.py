@@ -145,6 +145,7 @@ def carry_out(study: Study, say: Say | None = None, leave: Leave | None = None) 
         train=seen,
         window_s=study.window_s,
         force_band_hz=study.force_band_hz,
+        correlations=diagnosis.correlations,
     )
     say("first checks")
     first = _first_checks(model, corrected, seen, verdict)

@@ -64,6 +64,8 @@ OTHERS = {
     },
     "discrepancy/checks/response.py": {"SEGMENTS": "how windows are laid"},
     "discrepancy/checks/suspicion.py": {"SAMPLES_MOST": "work"},
+    "discrepancy/evidence.py": {"CONFIDENCE": "display"},
+    "discrepancy/fitting/bands.py": {"SAMPLES_MOST": "work", "ELEMENTS_MOST": "work"},
     "discrepancy/fitting/initialised.py": {"LEAST": "what published scores ask for"},
     "discrepancy/fitting/matching.py": {
         "DAMPING_MOST": "iteration",

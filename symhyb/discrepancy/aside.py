@@ -83,7 +83,8 @@ class Cloud:
     """ΔF of one place over its motion: what the found laws are drawn through.
 
     ``stretch``, ``rate``, ``force`` (ΔF projected on the place, before correction) and ``band``
-    (one sd): (N,) in SI; ``law`` the force of the found elements at this place, zero if none.
+    (one sd): (N,) in SI; ``law`` the force of the found elements at this place, zero if none, and
+    ``law_sd`` (N,) one standard deviation of it, None where that is not known.
     """
 
     place: Place
@@ -94,6 +95,7 @@ class Cloud:
     force: NDArray[np.float64]
     band: NDArray[np.float64]
     law: NDArray[np.float64]
+    law_sd: NDArray[np.float64] | None = None
 
 
 @dataclass(frozen=True, slots=True)

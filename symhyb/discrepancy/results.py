@@ -24,6 +24,7 @@ from symhyb.discrepancy.aside import (
     PlaceShare,
     SignalName,
 )
+from symhyb.discrepancy.evidence import Worth
 from symhyb.discrepancy.posterior import CHAINS, DRAWS, Posterior
 from symhyb.discrepancy.scored import Comparison, Score, Trace, Verdict
 from symhyb.drawn import drawn
@@ -94,6 +95,7 @@ class Found:
     its causes stay chosen; None where there are too few windows. ``probability`` is the posterior
     one; None of what only whole recordings added. ``own`` are the values that are each recording's
     own, by the name of the recording; ``element`` and ``estimates`` hold those of the first.
+    ``worth`` is what it amounts to along the training recordings.
 
     An estimate is an attribute by its term or name: ``found.coulomb.value``.
     """
@@ -107,6 +109,7 @@ class Found:
     stability: float | None = None
     probability: float | None = None
     own: tuple[tuple[str, tuple[Estimate, ...]], ...] = ()
+    worth: Worth | None = None
 
     def __post_init__(self) -> None:
         name_items(self, "estimates")

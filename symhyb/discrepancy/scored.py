@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from symhyb.discrepancy.evidence import Whiteness, Without
 from symhyb.drawn import drawn
 from symhyb.framed import SI, Signal, frame_of
 from symhyb.shown import card, counted
@@ -52,7 +53,9 @@ class Trace:
 
     ``measured``, ``before``, ``after`` by sensor: (N,) in SI, NaN where missing; ``after`` equals
     ``before`` where nothing was corrected. ``failures`` are sentences of simulations that stopped;
-    ``units`` by sensor are those of the model file, which frames and pictures show.
+    ``units`` by sensor are those of the model file, which frames and pictures show. ``band`` by
+    sensor, where it is known: one standard deviation (N,) of ``after``, SI, from what the corrected
+    numbers are uncertain by.
     """
 
     recording: str
@@ -63,6 +66,7 @@ class Trace:
     after: Mapping[str, NDArray[np.float64]]
     failures: tuple[str, ...] = ()
     units: Mapping[str, Unit] = field(default_factory=dict, compare=False)
+    band: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         span = f"{self.t[0]:g} … {self.t[-1]:g} s" if self.t.size else "no time"
@@ -94,7 +98,8 @@ class Trace:
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Verdict:
-    """Scores before and after, how they were made, and which of them decides."""
+    """Scores before and after, how they were made, and which of them decides; whether what is left
+    is noise (``whiteness``), and what free runs err ``without`` each found element."""
 
     window_s: float
     initial_states: str
@@ -103,6 +108,8 @@ class Verdict:
     holdout: Comparison | None
     carries: str
     traces: tuple[Trace, ...] = ()
+    whiteness: tuple[Whiteness, ...] = ()
+    without: tuple[Without, ...] = ()
 
     def __str__(self) -> str:
         return self.carries

@@ -6,11 +6,11 @@ import numpy as np
 
 from symhyb.discrepancy.results import Isolability
 from symhyb.discrepancy.words.wording import number_text
-from symhyb.report.canvas import MEASURED, drawing, svg
+from symhyb.report.canvas import IN_DOUBT, MEASURED, SURE, UNSURE, drawing, svg
 
 _SURE = np.log(100.0)  # evidence; with less a cause is not certain
 # below 10 to 1 a cause is in doubt, below 100 to 1 it is not certain; by 1/odds
-_ODDS_SHADES = ((0.1, "#f3b6ae"), (0.01, "#f7e0ac"), (-1.0, "#cfe3f3"))
+_ODDS_SHADES = ((0.1, IN_DOUBT), (0.01, UNSURE), (-1.0, SURE))
 _ODDS_SHOWN = 13.8  # ln of a million
 
 

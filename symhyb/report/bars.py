@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from symhyb.discrepancy.words.wording import number_text, percent_text
-from symhyb.report.canvas import AFTER, BEFORE, drawing, svg
+from symhyb.report.canvas import AFTER, BEFORE, PAPER, QUIET, drawing, svg
 from symhyb.report.contract import finite
 from symhyb.report.series import shortened
 
@@ -36,7 +36,7 @@ def score_figure(pairs: Sequence[Pair]) -> bytes:
             panel.set_xlim(0.0, max(shown) * 1.18)
         for row, pair in enumerate(pairs):
             _above(panel, float(row), pair.label)
-            _bar(panel, row + 0.32, pair.before, BEFORE)
+            _bar(panel, row + 0.32, pair.before, BEFORE, "////")
             _bar(panel, row + 0.57, pair.after, AFTER)
         panel.set_ylim(len(pairs) - 0.2, -0.3)
         _percent_axis(panel, logarithmic)
@@ -54,7 +54,7 @@ def places_figure(places: Sequence[tuple[str, float | None, bool]]) -> bytes:
         panel.set_xlim(0.0, 118.0)
         for row, (words, explained, found) in enumerate(places):
             _above(panel, float(row), words)
-            _bar(panel, row + 0.4, explained, AFTER if found else "#aab4bd")
+            _bar(panel, row + 0.4, explained, AFTER if found else QUIET)
         panel.set_ylim(len(places), -0.4)
         _percent_axis(panel, logarithmic=False)
         panel.set_xticks(range(0, 101, 20))
@@ -62,11 +62,13 @@ def places_figure(places: Sequence[tuple[str, float | None, bool]]) -> bytes:
         return svg(figure)
 
 
-def _bar(panel: "Axes", height: float, share: float | None, color: str) -> None:
+def _bar(panel: "Axes", height: float, share: float | None, color: str, hatch: str = "") -> None:
     known = finite(share)
     left = panel.get_xlim()[0]
     if known is not None:
-        panel.barh(height, 100.0 * known - left, left=left, height=0.24, color=color)
+        wide = 100.0 * known - left
+        style: dict[str, Any] = {"hatch": hatch, "ec": PAPER, "lw": 0.0}
+        panel.barh(height, wide, left=left, height=0.24, color=color, **style)
     said = "not computable" if known is None else percent_text(known)
     end = left if known is None else max(100.0 * known, left)
     panel.annotate(

@@ -4,6 +4,7 @@ matplotlib without pyplot: nothing is shown, and nothing stays open.
 """
 
 import io
+import re
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -14,8 +15,29 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 WIDTH = 5.4  # inches; with type of 9 pt that reads at 760 px and on a phone
-MEASURED, BEFORE, AFTER, LAW = "#1f2933", "#d9812e", "#1f6fb2", "#b3261e"
-QUIET = "#8a949e"
+# of Okabe and Ito, which colour-blind readers tell apart; before is dashed too, for grey prints
+MEASURED, BEFORE, AFTER = "#1f2933", "#d55e00", "#0072b2"
+LAW = "#b0417c"
+IN_DOUBT, UNSURE, SURE = "#f3b6ae", "#f7e0ac", "#cfe3f3"
+QUIET, BAND, SHADE, PAPER = "#8a949e", "#dfe4e8", "#eef1f4", "#fffffe"
+DASHED = (0, (5.0, 1.6))
+_GRID, _TICKS = "#e6e9ec", "#4a5560"
+# what each colour is where the reader's screen is dark
+DARK = {
+    MEASURED: "#e8eaed",
+    BEFORE: "#e69f00",
+    AFTER: "#56b4e9",
+    LAW: "#e79ac2",
+    IN_DOUBT: "#7a2e26",
+    UNSURE: "#65501a",
+    SURE: "#24486a",
+    QUIET: "#8e98a2",
+    BAND: "#414a53",
+    SHADE: "#2a3037",
+    PAPER: "#1d2126",
+    _GRID: "#31383f",
+    _TICKS: "#b3bcc5",
+}
 _STYLE: dict[Any, Any] = {  # matplotlib's own type lists every key it knows
     "font.family": "DejaVu Sans",
     "font.size": 9.0,
@@ -26,14 +48,17 @@ _STYLE: dict[Any, Any] = {  # matplotlib's own type lists every key it knows
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.edgecolor": QUIET,
+    "axes.facecolor": "none",
+    "axes.labelcolor": MEASURED,
+    "text.color": MEASURED,
     "axes.grid": True,
     "axes.axisbelow": True,
     "axes.formatter.useoffset": False,
     "axes.xmargin": 0.01,
-    "grid.color": "#e6e9ec",
+    "grid.color": _GRID,
     "grid.linewidth": 0.6,
-    "xtick.color": "#4a5560",
-    "ytick.color": "#4a5560",
+    "xtick.color": _TICKS,
+    "ytick.color": _TICKS,
     "lines.linewidth": 1.1,
     "legend.frameon": False,
     "legend.fontsize": 8.5,
@@ -50,7 +75,7 @@ def drawing(height: float) -> Iterator["Figure"]:
 
     with mpl.rc_context(_STYLE), warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="Glyph .* missing", category=UserWarning)
-        yield Figure(figsize=(WIDTH, height), dpi=150, layout="constrained", facecolor="white")
+        yield Figure(figsize=(WIDTH, height), dpi=150, layout="constrained", facecolor="none")
 
 
 def svg(figure: "Figure") -> bytes:
@@ -67,7 +92,20 @@ def svg(figure: "Figure") -> bytes:
     target = io.BytesIO()
     about = {"Date": None, "Creator": "symhyb"}
     FigureCanvasSVG(figure).print_svg(target, metadata=about)  # type: ignore[no-untyped-call]
-    return target.getvalue()
+    return _for_both(target.getvalue())
+
+
+def _for_both(drawn: bytes) -> bytes:
+    """A drawing whose colours follow whether the reader's screen is light or dark, and whose paths
+    have no more digits than a screen shows."""
+    drawn = re.sub(rb' d="[^"]*"', lambda path: re.sub(rb"(\.\d\d)\d+", rb"\1", path[0]), drawn)
+    rules = []
+    for number, (light, dark) in enumerate(DARK.items()):
+        drawn = drawn.replace(f": {light}".encode(), f": var(--c{number})".encode())
+        rules.append((f"--c{number}:{light}", f"--c{number}:{dark}"))
+    light, dark = (";".join(column) for column in zip(*rules, strict=True))
+    style = f"svg{{{light}}}@media (prefers-color-scheme:dark){{svg{{{dark}}}}}"
+    return drawn.replace(b"<defs>", f"<defs><style>{style}</style>".encode(), 1)
 
 
 def picture(figure: "Figure", suffix: str) -> bytes:

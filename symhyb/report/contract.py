@@ -9,6 +9,9 @@ import sys
 from collections.abc import Iterable, Mapping
 from typing import Literal
 
+import numpy as np
+
+from symhyb.discrepancy.evidence import Correlations, Whiteness
 from symhyb.discrepancy.results import (
     Activity,
     Alternative,
@@ -36,6 +39,8 @@ from symhyb.report.document import (
     AlternativeEntry,
     ClassEntry,
     ComparisonEntry,
+    CorrelatedEntry,
+    CorrelationsEntry,
     DiagnosisDocument,
     Estimates,
     FaultEntry,
@@ -52,6 +57,7 @@ from symhyb.report.document import (
     PlaceShareEntry,
     ScoreEntry,
     Somewhere,
+    WhitenessEntry,
 )
 
 FORMAT: Literal[1] = 1
@@ -109,6 +115,12 @@ def to_json(diagnosis: Diagnosis, verdict: Verdict) -> DiagnosisDocument:
         ],
         "memory": _memory(diagnosis.memory),
         "classes": [_class(one) for one in diagnosis.classes],
+        "correlations": _correlations(diagnosis.correlations),
+        "whiteness": [_whiteness(one) for one in verdict.whiteness],
+        "without": [
+            {"element": one.element, "free_run_rmse": _channels(one.free_run_rmse)}
+            for one in verdict.without
+        ],
         "log": list(diagnosis.log),
         "notes": list(diagnosis.notes),
     }
@@ -136,6 +148,9 @@ def _found(effect: Found) -> FoundEntry:
         "sentence": effect.sentence,
         "stability": finite(effect.stability),
         "probability": finite(effect.probability),
+        "worth": None
+        if effect.worth is None
+        else {"energy": finite(effect.worth.energy), "force": finite(effect.worth.force)},
     }
     if said := said_of(element):
         entry["options"] = dict(said)
@@ -144,6 +159,24 @@ def _found(effect: Found) -> FoundEntry:
     if effect.own:
         entry["own"] = {name: _estimates(own) for name, own in effect.own}
     return entry
+
+
+def _correlations(known: Correlations | None) -> CorrelationsEntry | None:
+    if known is None or not np.isfinite(known.matrix).all():
+        return None
+    return {"names": list(known.names), "matrix": known.matrix.tolist()}
+
+
+def _whiteness(one: Whiteness) -> WhitenessEntry:
+    def told(name: str) -> CorrelatedEntry:
+        return {"largest": one.largest(name), "noise": one.noise(name)}
+
+    return {
+        "recording": one.recording,
+        "sensor": one.sensor,
+        "itself": told(""),
+        "inputs": {name: told(name) for name in one.cross},
+    }
 
 
 def _parameter(parameter: Reestimated) -> ParameterEntry:

@@ -69,6 +69,13 @@ class ActivityEntry(TypedDict, total=False):
     time: list[Pair]
 
 
+class WorthEntry(TypedDict):
+    """What an effect amounts to along the training recordings, as shares."""
+
+    energy: Share | None
+    force: Share | None
+
+
 class FoundEntry(TypedDict):
     """An element that the model lacks."""
 
@@ -82,6 +89,7 @@ class FoundEntry(TypedDict):
     active: NotRequired[ActivityEntry]
     stability: NotRequired[Share | None]
     probability: NotRequired[Share | None]
+    worth: NotRequired[WorthEntry | None]
     own: NotRequired[dict[str, Estimates]]
     options: NotRequired[dict[str, str]]
 
@@ -286,6 +294,36 @@ class MemoryEntry(TypedDict):
     sentence: str
 
 
+class CorrelationsEntry(TypedDict):
+    """How fitted numbers trade off: a row and a column for each name."""
+
+    names: list[str]
+    matrix: list[list[float]]
+
+
+class CorrelatedEntry(TypedDict):
+    """A correlation over several lags: the one that stands out most, and whether noise has such."""
+
+    largest: float
+    noise: bool
+
+
+class WhitenessEntry(TypedDict):
+    """Whether what is left of a sensor, over windows, is noise: by itself and with each input."""
+
+    recording: str
+    sensor: str
+    itself: CorrelatedEntry
+    inputs: dict[str, CorrelatedEntry]
+
+
+class WithoutEntry(TypedDict):
+    """What free runs of the corrected model err less one element, in the unit of each sensor."""
+
+    element: str
+    free_run_rmse: Numbers
+
+
 class ClassForm(Somewhere):
     """A generic class with its probability."""
 
@@ -320,5 +358,8 @@ class DiagnosisDocument(TypedDict):
     repeats: NotRequired[list[RepeatsEntry]]
     memory: NotRequired[MemoryEntry | None]
     classes: NotRequired[list[ClassEntry]]
+    correlations: NotRequired[CorrelationsEntry | None]
+    whiteness: NotRequired[list[WhitenessEntry]]
+    without: NotRequired[list[WithoutEntry]]
     log: NotRequired[list[str]]
     notes: NotRequired[list[str]]

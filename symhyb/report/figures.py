@@ -7,7 +7,7 @@ bytes of an SVG. Labels stand above what they name, so that a long name costs he
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,10 +16,14 @@ from symhyb.discrepancy.results import Cloud, Trace
 from symhyb.discrepancy.words.wording import number_text
 from symhyb.report.canvas import (
     AFTER,
+    BAND,
     BEFORE,
+    DASHED,
     LAW,
     MEASURED,
+    PAPER,
     QUIET,
+    SHADE,
     bracketed,
     drawing,
     legend,
@@ -30,8 +34,10 @@ from symhyb.report.series import (
     Array,
     binned,
     envelope,
+    extremes,
     follows,
     halves,
+    passages,
     shortened,
     shown_unit,
     spread,
@@ -45,6 +51,20 @@ if TYPE_CHECKING:
 _TAILS = 0.2  # percent of ΔF that a noisy peak may push out of the picture
 _NEAR, _FAR = 0.4, 50.0  # ranges of the measurement: that a picture shows, that are drawn at all
 _POINTS = 5000  # of a drawn cloud
+_FAR_BETTER = 5.0  # of RMS residuals: the larger would hide the smaller
+# of viridis, which also colour-blind readers and grey prints order; without the ends that vanish on
+# black and on white paper
+_SHADES = (0.25, 0.92)
+_BARS: dict[str, Any] = {
+    "fmt": "o",
+    "ms": 3.2,
+    "mfc": PAPER,
+    "mec": MEASURED,
+    "mew": 0.9,
+    "ecolor": MEASURED,
+    "elinewidth": 1.1,
+    "capsize": 2.0,
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,8 +76,12 @@ class PlaceUnits:
     force: Unit
 
 
-def trace_figure(trace: Trace, sensor: str, unit: Unit) -> bytes:
-    """Draw a free run: measured and simulated, the residual below, a zoom if the run is long."""
+def trace_figure(trace: Trace, sensor: str, unit: Unit, noise: float | None = None) -> bytes:
+    """Draw a free run: measured and simulated, the residual below, a zoom if the run is long.
+
+    ``noise`` is one standard deviation of the sensor's noise in ``unit``; the residual is drawn
+    over a band of two, widened by what the numbers of the correction are uncertain by.
+    """
     measured, before, after = (
         np.asarray(signals[sensor], dtype=float) / unit.factor
         for signals in (trace.measured, trace.before, trace.after)
@@ -65,19 +89,20 @@ def trace_figure(trace: Trace, sensor: str, unit: Unit) -> bytes:
     runs = [(before, BEFORE, "before"), (after, AFTER, "after")]
     if np.array_equal(before, after, equal_nan=True):
         runs = [(after, AFTER, "simulated")]
+    wide = np.hypot(trace.band.get(sensor, 0.0) / unit.factor, noise or 0.0)
     zoom = zoom_window(trace.t, measured)
     heights = [2.0, 1.2] + ([1.7] if zoom else [])
     with drawing(sum(heights) + 0.9) as figure:
         panels = figure.subplots(len(heights), 1, height_ratios=heights, squeeze=False)[:, 0]
         _signals(panels[0], trace.t, measured, runs, sensor, unit)
         legend(panels[0])
-        _residuals(panels[1], trace.t, measured, runs, unit)
+        _residuals(panels[1], trace.t, measured, runs, unit, 2.0 * wide)
         panels[1].sharex(panels[0])
         if zoom:
             inside = (trace.t >= zoom[0]) & (trace.t <= zoom[1])
             cut = [(run[inside], color, word) for run, color, word in runs]
             _signals(panels[2], trace.t[inside], measured[inside], cut, f"zoom: {sensor}", unit)
-            panels[0].axvspan(*zoom, color="#eef1f4", zorder=0)
+            panels[0].axvspan(*zoom, color=SHADE, zorder=0)
         panels[-1].set_xlabel("time [s]")
         return svg(figure)
 
@@ -85,8 +110,9 @@ def trace_figure(trace: Trace, sensor: str, unit: Unit) -> bytes:
 def cloud_figure(cloud: Cloud, units: PlaceUnits, remembers: bool = False) -> bytes:
     """Draw ΔF against rate, coloured by stretch, and against stretch, coloured by rate.
 
-    The found law goes through the cloud as its median over narrow bins, once for either sign of the
-    colouring quantity; the band is what the law spans in a bin, widened by one sd of ΔF. A law that
+    Bars are means over the passages of narrow bins, with two of their standard deviations. The
+    found law goes through the cloud as its median over narrow bins, once for either sign of the
+    colouring quantity, with a band of two standard deviations of its own numbers. A law that
     ``remembers`` has no such line: it is drawn as the loops of a few cycles.
     """
     cycles = zoom_window(cloud.t, cloud.stretch) if remembers else None
@@ -99,10 +125,10 @@ def cloud_figure(cloud: Cloud, units: PlaceUnits, remembers: bool = False) -> by
         for panel, across, colored in ((panels[0], rate, stretch), (panels[1], stretch, rate)):
             _cloud(panel, cloud, across, colored, units.force, looped)
         panels[0].plot([], [], "o", color=QUIET, ms=4, label="ΔF")
+        if not remembers:
+            panels[0].errorbar([], [], [], **_BARS, label="mean")
         law = "found law" + (", a few cycles" if cycles else "")
         panels[0].plot([], [], color=LAW, label=law if np.any(cloud.law) else "no law: 0")
-        if not remembers:
-            panels[0].fill_between([], [], color=LAW, alpha=0.18, label="± one sd of ΔF")
         legend(panels[0])
         return svg(figure)
 
@@ -140,10 +166,11 @@ def _signals(
     unit: Unit,
 ) -> None:
     scale, label = shown_unit(spread([measured]), unit.text)
-    panel.plot(*envelope(t, measured / scale), color=MEASURED, lw=1.6, label="measured")
+    wide: dict[str, Any] = {"color": MEASURED, "lw": 3.2, "alpha": 0.45, "solid_capstyle": "butt"}
+    panel.plot(*envelope(t, measured / scale), **wide, label="measured")
     for run, color, word in runs:
         drawn = _near(run, measured, _FAR)
-        panel.plot(*envelope(t, drawn / scale), color=color, label=word)
+        panel.plot(*envelope(t, drawn / scale), color=color, ls=_style(color), label=word)
     panel.set_title(f"{shortened(name, 28)}{bracketed(label)}")
     _limit(panel, [measured / scale, *(_near(run, measured) / scale for run, _, _ in runs)], 0.06)
 
@@ -158,27 +185,62 @@ def _near(run: Array, measured: Array, reach: float = _NEAR) -> Array:
     return np.clip(run, low - reach * (high - low), high + reach * (high - low))
 
 
+def _style(color: str) -> Any:
+    return DASHED if color == BEFORE else "-"
+
+
 def _residuals(
     panel: "Axes",
     t: Array,
     measured: Array,
     runs: Sequence[tuple[Array, str, str]],
     unit: Unit,
+    wide: Array,
 ) -> None:
+    """Residuals over the band ``wide`` (N,) in ``unit`` in which noise lies. Where the last run is
+    far better than the first, it alone sets the scale."""
     near = [_near(run, measured) - measured for run, _, _ in runs]
-    scale, label = shown_unit(spread(near), unit.text)
-    for run, color, word in runs:
-        residual = (run - measured) / scale
-        known = residual[np.isfinite(residual)]
-        with np.errstate(over="ignore"):  # a run that diverged has no RMS to speak of
-            rms = float(np.sqrt(np.mean(known**2))) if known.size else None
+    sizes = [_rms(run - measured) for run, _, _ in runs]
+    far = len(runs) > 1 and sizes[0] is not None and sizes[1] is not None
+    hidden = far and sizes[0] > _FAR_BETTER * sizes[1]  # type: ignore[operator]
+    scale, label = shown_unit(spread(near[1:] if hidden else near), unit.text)
+    if np.any(wide):
+        band = np.broadcast_to(wide, t.shape) / scale
+        panel.fill_between(*_thin(t, band), color=BAND, lw=0.0)
+    for i, (run, color, word) in enumerate(runs):
+        out = hidden and not i
         drawn = (_near(run, measured, _FAR) - measured) / scale
-        said = f"{word}: RMS {number_text(rms, digits=3)}"
-        panel.plot(*envelope(t, drawn), color=color, label=said)
+        said = f"{word}: RMS {number_text(_scaled(sizes[i], scale), digits=3)}"
+        said += " (beyond)" if out else ""
+        line: tuple[Any, Any] = ([], []) if out else envelope(t, drawn)
+        panel.plot(*line, color=color, ls=_style(color), label=said)
     panel.axhline(0.0, color=QUIET, lw=0.6)
     panel.set_title(f"residual{bracketed(label)}")
-    _limit(panel, [values / scale for values in near], 0.1)
+    shown = near[1:] if hidden else near
+    _limit(panel, [*(values / scale for values in shown), *_sides(wide / scale)], 0.1)
     legend(panel)
+
+
+def _sides(wide: Array) -> tuple[Array, Array]:
+    flat = np.atleast_1d(wide)
+    return flat, -flat
+
+
+def _thin(t: Array, band: Array) -> tuple[Array, Array, Array]:
+    """The times and both sides of a band that is symmetric about 0, thinned."""
+    kept = extremes([band])
+    return t[kept], -band[kept], band[kept]
+
+
+def _rms(residual: Array) -> float | None:
+    """The root mean square of what is known (N,); None of nothing, infinite of a run that left."""
+    known = residual[np.isfinite(residual)]
+    with np.errstate(over="ignore"):
+        return float(np.sqrt(np.mean(known**2))) if known.size else None
+
+
+def _scaled(size: float | None, scale: float) -> float | None:
+    return None if size is None else size / scale
 
 
 def _cloud(
@@ -194,9 +256,10 @@ def _cloud(
     scale_x, label_x = shown_unit(spread([across[0]]), across[2])
     scale_c, label_c = shown_unit(spread([colored[0]]), colored[2])
     scale_y, label_y = shown_unit(spread([cloud.force / unit.factor]), unit.text)
+    spreads = np.zeros(len(cloud.law)) if cloud.law_sd is None else cloud.law_sd
     x, force, law, band = (
         across[0] / scale_x,
-        *(values / unit.factor / scale_y for values in (cloud.force, cloud.law, cloud.band)),
+        *(v / unit.factor / scale_y for v in (cloud.force, cloud.law, 2.0 * spreads)),
     )
     chosen = np.flatnonzero(np.isfinite(x) & np.isfinite(force))
     if len(chosen) > _POINTS:  # at random: every k-th would beat against a periodic signal
@@ -208,7 +271,7 @@ def _cloud(
         s=5.0,
         lw=0.0,
         alpha=0.55,
-        cmap="viridis",
+        cmap=_colours(),
         rasterized=True,
     )
     opaque = ScalarMappable(points.norm, points.cmap)
@@ -217,6 +280,9 @@ def _cloud(
     bar.set_label(f"{colored[1]}{bracketed(label_c)}")
     if looped is None:
         spans = _branches(panel, x, law, band, halves(colored[0]))
+        for part in halves(colored[0]):
+            centre, mean, sd = passages(np.where(part, x, np.nan), force)
+            panel.errorbar(centre, mean, 2.0 * sd, **_BARS, zorder=3)
     else:
         spans = [law[looped]]
         panel.plot(x[looped], law[looped], color=LAW, lw=1.1)
@@ -224,6 +290,13 @@ def _cloud(
     panel.set_xlabel(f"{across[1]}{bracketed(label_x)}{strange}")
     panel.set_title(f"ΔF{bracketed(label_y)}")
     _limit(panel, [force, *spans], 0.1, _TAILS)
+
+
+def _colours() -> Any:
+    import matplotlib as mpl
+    from matplotlib.colors import ListedColormap
+
+    return ListedColormap(mpl.colormaps["viridis"](np.linspace(*_SHADES, 128)))
 
 
 def _branches(
@@ -236,8 +309,8 @@ def _branches(
         return spans
     for part in parts:
         centre, middle, lower, upper = binned(x[part], law[part], band[part])
-        panel.fill_between(centre, lower, upper, color=LAW, alpha=0.18, lw=0.0)
-        panel.plot(centre, middle, color="white", lw=3.2)
+        panel.fill_between(centre, lower, upper, color=LAW, alpha=0.35, lw=0.0)
+        panel.plot(centre, middle, color=PAPER, lw=3.4)
         panel.plot(centre, middle, color=LAW, lw=1.7)
         spans += [lower, upper]
     return spans
@@ -257,7 +330,7 @@ def _band(panel: "Axes", t: Array, lower: Array, upper: Array) -> None:
         warnings.simplefilter("ignore", RuntimeWarning)  # a bin of NaN only: a gap
         low = np.nanmin(lower[:whole].reshape(-1, size), axis=1)
         high = np.nanmax(upper[:whole].reshape(-1, size), axis=1)
-    panel.fill_between(t[:whole:size], low, high, color="#dfe4e8", lw=0.0, label="± one sd")
+    panel.fill_between(t[:whole:size], low, high, color=BAND, lw=0.0, label="± one sd")
 
 
 def _limit(panel: "Axes", series: Sequence[Array], margin: float, tails: float = 0.0) -> None:

@@ -9,10 +9,13 @@ from symhyb.discrepancy.words.wording import number_text, quantity_text
 from symhyb.learning import Learned, LearnedTerm
 from symhyb.numeric.lowered.network import stored
 from symhyb.report.contract import finite, scores_json
+from symhyb.report.embed import embedded
 from symhyb.report.learned_document import BesideEntry, LearnedDocument, TermEntry
-from symhyb.report.page import score_picture, template, trace_pictures
+from symhyb.report.page import template
+from symhyb.report.pictures import score_picture, shown_recordings
 from symhyb.report.sentences import method_sentences, score_sentences
 from symhyb.report.tables import Table, score_table
+from symhyb.report.worth import headline
 
 FORMAT: Literal[1] = 1
 _OF_A_DIAGNOSIS = ("Share of", "Stays chosen")  # scores that only it has
@@ -76,6 +79,7 @@ def render_learned(
     model, verdict = learned.model, learned.verdict
     units = {sensor.name: sensor.unit for sensor in model.sensors}
     texts = {name: unit.text for name, unit in units.items()}
+    shown = shown_recordings(verdict, units)
     other = None
     if beside is not None:
         other = {"sentence": beside[0].sentence, "scores": score_sentences(beside[1], texts)}
@@ -86,7 +90,9 @@ def render_learned(
         equations=[one.formula for one in learned.terms],
         scores=score_sentences(verdict, texts),
         methods=[one for one in method_sentences(verdict) if not one.startswith(_OF_A_DIAGNOSIS)],
-        traces=trace_pictures(verdict, units),
+        headline=headline(verdict, texts),
+        shown=shown,
+        embedded=embedded([one.live for one in shown]),
         score_picture=score_picture(verdict),
         tables=[t for t in (_term_table(learned), score_table(verdict, units)) if t.rows],
         settings={name: _shown(value) for name, value in learned.settings},

@@ -6,7 +6,17 @@ import numpy as np
 
 from symhyb.discrepancy.results import Occurrence
 from symhyb.discrepancy.words.wording import number_text
-from symhyb.report.canvas import AFTER, BEFORE, LAW, QUIET, drawing, legend, svg
+from symhyb.report.canvas import (
+    AFTER,
+    BEFORE,
+    DASHED,
+    LAW,
+    QUIET,
+    SHADE,
+    drawing,
+    legend,
+    svg,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -26,11 +36,12 @@ def occurrence_figure(occurrence: Occurrence) -> bytes:
 
 
 def _when(panel: "Axes", occurrence: Occurrence) -> None:
-    for values, color, word in (
-        (occurrence.before, BEFORE, "as it is"),
-        (occurrence.after, AFTER, "best force here"),
+    for values, color, style, word in (
+        (occurrence.before, BEFORE, DASHED, "as it is"),
+        (occurrence.after, AFTER, "-", "best force here"),
     ):
-        panel.step(occurrence.t, np.maximum(values, _LEAST), where="mid", color=color, label=word)
+        shown = np.maximum(values, _LEAST)
+        panel.step(occurrence.t, shown, where="mid", color=color, ls=style, label=word)
     panel.axhline(1.0, color=QUIET, lw=0.8, ls="--", label="noise")
     panel.set_yscale("log")
     panel.yaxis.set_major_formatter(lambda value, _: number_text(float(value)))
@@ -53,7 +64,7 @@ def _when(panel: "Axes", occurrence: Occurrence) -> None:
 def _frequencies(panel: "Axes", occurrence: Occurrence) -> None:
     panel.fill_between(occurrence.lines, 0.0, occurrence.power, color=AFTER, lw=0.0)
     if occurrence.band_hz is not None:
-        panel.axvspan(*occurrence.band_hz, color="#eef1f4", zorder=0)
+        panel.axvspan(*occurrence.band_hz, color=SHADE, zorder=0)
     panel.set_title("power of the missing force, over its largest")
     panel.set_xlabel("frequency [Hz]")
     panel.set_ylim(0.0, 1.05)

@@ -6,7 +6,7 @@ import numpy as np
 
 from symhyb.discrepancy.checks.response import Response
 from symhyb.discrepancy.words.wording import number_text
-from symhyb.report.canvas import AFTER, BEFORE, MEASURED, drawing, legend, svg
+from symhyb.report.canvas import AFTER, BEFORE, DASHED, MEASURED, SHADE, drawing, legend, svg
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -29,11 +29,12 @@ def response_figure(response: Response) -> bytes:
         panels = figure.subplots(3, 1, sharex=True, height_ratios=[2.2, 1.2, 0.8])
         for word, (gain, color) in runs.items():
             shown = gain[:, 0]
-            panels[0].plot(response.frequency, np.abs(shown), color=color, **style)
+            line = {"color": color, "ls": DASHED if color == BEFORE else "-", **style}
+            panels[0].plot(response.frequency, np.abs(shown), **line)
             angle = _unjoined(np.degrees(np.angle(shown)))
-            panels[1].plot(response.frequency, angle, color=color, label=word, **style)
+            panels[1].plot(response.frequency, angle, label=word, **line)
         panels[2].plot(response.frequency, response.coherence, color=MEASURED, **style)
-        panels[2].axhspan(0.0, _DIM, color="#eef1f4", zorder=0)
+        panels[2].axhspan(0.0, _DIM, color=SHADE, zorder=0)
         _label(panels, response)
         return svg(figure)
 

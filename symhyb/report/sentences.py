@@ -22,6 +22,7 @@ _BEFORE_UNIT = re.compile(
 )
 _AS_BEFORE = ", as before"
 _TIE = 0.05  # a difference of the criterion that is nobody's win
+_ODDS_SAID = 28.0  # difference of the criterion: beyond odds of a million to one they say no more
 _LEVEL = 1.005  # two scores within this ratio are called the same
 
 
@@ -100,7 +101,11 @@ def alternative_sentence(rival: Alternative, *others: Alternative) -> str:
             return f"{said}: a part of what fits best, and in doubt."
         return f"{said}: it explains the recordings equally well."
     worse = "worse" if rival.evidence > 0.0 else "better"
-    return f"{said}: {worse} by {number_text(abs(rival.evidence), digits=DIGITS)} in the criterion."
+    odds = ""
+    if 0.0 < rival.evidence < _ODDS_SAID:  # the criterion is -2 ln of a probability
+        odds = f", odds of {number_text(math.exp(rival.evidence / 2.0), digits=2)} to 1 against it"
+    amount = number_text(abs(rival.evidence), digits=DIGITS)
+    return f"{said}: {worse} by {amount} in the criterion{odds}."
 
 
 def remainder_sentence(share: float | None) -> str:

@@ -37,6 +37,18 @@ def envelope(t: Array, y: Array, bins: int = BINS) -> tuple[Array, Array]:
     return t[kept], y[kept]
 
 
+def extremes(columns: Sequence[Array], bins: int = BINS) -> NDArray[np.intp]:
+    """The samples (K,), in order, at which any of the ``columns`` (N,), in any unit, is smallest or
+    largest in its bin, and the first and the last: series that keep common times and no peak less.
+    """
+    length = len(columns[0]) if columns else 0
+    if length <= 2 * bins:
+        return np.arange(length)
+    where = np.arange(length, dtype=float)
+    kept = [np.array([0.0, length - 1.0]), *(envelope(where, y, bins)[0] for y in columns)]
+    return np.unique(np.concatenate(kept)).astype(np.intp)
+
+
 def zoom_window(t: Array, y: Array) -> tuple[float, float] | None:
     """Choose a few cycles where ``y`` moves most, or None if the series has few cycles anyway.
 
@@ -81,10 +93,10 @@ def shortened(name: str, length: int = 60) -> str:
 
 
 def binned(x: Array, law: Array, band: Array) -> tuple[Array, Array, Array, Array]:
-    """Sum up a law in narrow bins of x: median of x and of the law, and what law ± band spans.
+    """Sum up a law in narrow bins of x: medians of x and of the law, and of law ± band.
 
-    ``x``, ``law``, ``band``: (N,) in any unit. The span is from the 16th percentile of law - band
-    to the 84th of law + band. Returns four arrays, one entry a bin that holds samples.
+    ``x``, ``law``, ``band``: (N,) in any unit. Returns four arrays, one entry a bin that holds
+    samples.
     """
     known = np.isfinite(x) & np.isfinite(law) & np.isfinite(band)
     x, law, band = x[known], law[known], band[known]
@@ -97,13 +109,40 @@ def binned(x: Array, law: Array, band: Array) -> tuple[Array, Array, Array, Arra
         (
             np.median(x[cell]),
             np.median(law[cell]),
-            np.percentile((law - band)[cell], 16),
-            np.percentile((law + band)[cell], 84),
+            np.median(law[cell]) - np.median(band[cell]),
+            np.median(law[cell]) + np.median(band[cell]),
         )
         for cell in (cells == index for index in np.unique(cells))
     ]
     centre, middle, lower, upper = np.array(rows, dtype=float).T
     return centre, middle, lower, upper
+
+
+def passages(x: Array, y: Array, bins: int = 24) -> tuple[Array, Array, Array]:
+    """The mean of y in bins of x, and one standard deviation of that mean: (B,) each.
+
+    ``x``, ``y``: (N,) in the order of time, in any unit. Samples of one passage of a bin are alike,
+    whatever their number: passages are averaged, and their scatter tells how well. Bins of less
+    than three passages are left out.
+    """
+    known = np.isfinite(x) & np.isfinite(y)
+    x, y = x[known], y[known]
+    if not x.size:
+        return (np.empty(0),) * 3
+    edges = np.linspace(x.min(), x.max(), bins + 1)
+    cells = np.digitize(x, edges[1:-1])
+    run = np.concatenate([[0], np.cumsum(np.diff(cells) != 0)])
+    size = np.bincount(run)
+    of_run, at = np.bincount(run, y) / size, np.bincount(run, x) / size
+    of_cell = cells[np.concatenate([[True], np.diff(cells) != 0])]
+    count = np.bincount(of_cell, minlength=bins)
+    told = np.flatnonzero(count >= 3)
+    mean, centre = (
+        np.bincount(of_cell, v, minlength=bins) / np.maximum(count, 1) for v in (of_run, at)
+    )
+    square = np.bincount(of_cell, (of_run - mean[of_cell]) ** 2, minlength=bins)
+    spread = np.sqrt(square[told] / (count[told] - 1) / count[told])
+    return centre[told], mean[told], spread
 
 
 def follows(x: Array, law: Array, parts: Sequence[NDArray[np.bool_]]) -> bool:

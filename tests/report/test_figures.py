@@ -1,5 +1,6 @@
 """Pictures: valid, labelled with units, and nothing lost where long series are thinned."""
 
+import re
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Callable
 from dataclasses import replace
@@ -10,12 +11,14 @@ import pytest
 from symhyb.discrepancy.results import Diagnosis, Verdict
 from symhyb.report import figures
 from symhyb.report.bars import Pair, places_figure, score_figure
+from symhyb.report.canvas import DARK
 from symhyb.report.figures import PlaceUnits
 from symhyb.report.series import (
     binned,
     envelope,
     follows,
     halves,
+    passages,
     shortened,
     shown_unit,
     zoom_window,
@@ -58,7 +61,7 @@ def test_a_long_record_gets_a_zoom(cases: Cases) -> None:
 def test_clouds_are_labelled_with_units_and_name_the_law(cases: Cases) -> None:
     cloud = cases["missing"]()[0].clouds[0]
     shown = texts(figures.cloud_figure(cloud, UNITS))
-    for label in ("ΔF [N]", "rate [m/s]", "stretch [m]", "found law", "± one sd of ΔF"):
+    for label in ("ΔF [N]", "rate [m/s]", "stretch [m]", "found law", "mean"):
         assert label in shown
     shown = texts(figures.force_figure(cloud, UNITS.force))
     assert "ΔF [N]" in shown
@@ -153,7 +156,7 @@ def test_a_law_of_the_rate_is_drawn_exactly() -> None:
     law, band = -3.0 * rate, np.full(5000, 0.5)
     centre, middle, lower, upper = binned(rate, law, band)
     np.testing.assert_allclose(middle, -3.0 * centre, atol=1e-12)
-    assert np.all(upper - lower > 1.0)
+    np.testing.assert_allclose(upper - lower, 1.0)
     assert all(part.size == 0 for part in binned(rate[:0], law[:0], band[:0]))
 
 
@@ -215,7 +218,7 @@ def test_a_law_that_remembers_is_drawn_as_loops(cases: Cases) -> None:
     )
     loops = texts(figures.cloud_figure(cloud, UNITS, remembers=True))
     assert "found law, a few cycles" in loops
-    assert "± one sd" not in loops  # a band about a median over loops would mean nothing
+    assert "mean" not in loops  # over loops it would mean nothing
     lines = texts(figures.cloud_figure(cloud, UNITS))
     assert "a few cycles" not in lines
     empty = replace(
@@ -239,6 +242,37 @@ def test_a_law_is_drawn_only_over_what_it_is_a_function_of(cases: Cases) -> None
     assert not follows(stretch, np.sin(2 * np.pi * 3.7 * t), halves(rate))
     assert follows(stretch, np.zeros_like(t), whole)
     assert follows(t[:0], t[:0], (np.zeros(0, dtype=bool),))
+
+
+def test_means_are_of_passages_not_of_samples() -> None:
+    """Of a triangle with 20 passages, one of which stays a thousand samples at one place."""
+    once = np.concatenate([np.linspace(0.0, 1.0, 50), np.linspace(1.0, 0.0, 50)])
+    x = np.concatenate([np.tile(once, 10), np.full(1000, 0.5)])
+    y = 2.0 * x + np.random.default_rng(0).normal(0.0, 0.1, x.size)
+    y[-1000:] += 5.0
+    centre, mean, sd = passages(x, y, bins=5)
+    assert centre.size == 5
+    aside = np.arange(5) != 2
+    np.testing.assert_allclose(mean[aside], 2.0 * centre[aside], atol=0.1)
+    assert mean[2] < 2.0  # the long stay weighs as one passage of twenty-one
+    assert np.all(sd > 0.0)
+    assert passages(x[:0], y[:0])[0].size == 0
+    assert passages(x[:50], y[:50])[0].size == 0  # one passage tells nothing of the scatter
+
+
+def test_a_residual_far_larger_before_leaves_its_panel_and_that_is_said(cases: Cases) -> None:
+    trace = cases["missing"]()[1].traces[0]
+    shown = texts(figures.trace_figure(trace, "encoder", parse_unit("mm"), 0.04))
+    assert "(beyond)" in shown
+    near = replace(trace, after={"encoder": 0.9 * trace.before["encoder"]})
+    assert "(beyond)" not in texts(figures.trace_figure(near, "encoder", parse_unit("mm"), 0.04))
+
+
+def test_colours_follow_the_scheme_of_the_reader(cases: Cases) -> None:
+    svg = figures.cloud_figure(cases["missing"]()[0].clouds[0], UNITS)
+    assert b"prefers-color-scheme:dark" in svg
+    drawn = re.sub(rb"<style>.*?</style>", b"", svg, flags=re.DOTALL)
+    assert not [light for light in DARK if f": {light}".encode() in drawn]
 
 
 def test_a_ripple_keeps_its_height_where_it_is_drawn() -> None:

@@ -1,7 +1,10 @@
 """The report page: parses, needs nothing from outside, escapes names, says things in order."""
 
+import re
+from base64 import b64encode
 from collections.abc import Callable
 from dataclasses import replace
+from hashlib import sha256
 from html.parser import HTMLParser
 
 import pytest
@@ -9,10 +12,11 @@ import pytest
 from symhyb.discrepancy.results import Diagnosis, Estimate, Verdict
 from symhyb.model.types import Between, Model, On
 from symhyb.report import render_page
+from symhyb.report.embed import library
 from symhyb.report.tables import place_units
 
 Cases = dict[str, Callable[[], tuple[Diagnosis, Verdict]]]
-VOID = frozenset({"meta", "img", "br"})
+VOID = frozenset({"meta", "img", "br", "input"})
 DIFFERENCE = "--- a.toml\n+++ b.toml\n [elements.motor]\n+[elements.found_drag]\n-k = 980\n"
 
 
@@ -39,7 +43,7 @@ class Page(HTMLParser):
         assert self.open.pop() == tag
 
     def handle_data(self, data: str) -> None:
-        if "style" not in self.open:
+        if not {"style", "script"} & {*self.open}:
             self.texts.append(data)
 
     @property
@@ -60,8 +64,9 @@ def test_every_verdict_makes_a_page_that_needs_nothing_else(
     case: tuple[Diagnosis, Verdict], model: Model
 ) -> None:
     html, page = rendered(case, model)
-    assert "script" not in page.seen
     assert "link" not in page.seen
+    assert not page.values("script", "src")
+    html = html.replace(library(), "")  # which the policy keeps from all other places
     assert "http://" not in html
     assert "https://" not in html
     assert "url(" not in html
@@ -124,8 +129,35 @@ def test_lines_of_the_difference_are_marked(cases: Cases, model: Model) -> None:
 
 def test_hostile_names_stay_text(cases: Cases, model: Model) -> None:
     html, page = rendered(cases["hostile"](), model)
-    assert "<script" not in html
+    assert "<script>alert" not in html
+    assert page.seen.count("script") == 3
     assert "<script>alert('x')</script>" in page.text
+
+
+def test_nothing_runs_but_the_scripts_of_the_page(cases: Cases, model: Model) -> None:
+    html, page = rendered(cases["hostile"](), model)
+    (policy,) = [one for one in page.values("meta", "content") if one and "default-src" in one]
+    held = policy.split("script-src ")[1].split()
+    bodies = re.findall(r"<script>(.*?)</script>", html, re.DOTALL)
+    hashes = [b64encode(sha256(body.encode()).digest()).decode() for body in bodies]
+    assert held == [f"'sha256-{one}'" for one in hashes]
+    assert len(held) == 2
+    assert "default-src 'none'" in policy
+    assert not [name for _, name, _ in page.attributes if name.startswith("on")]
+
+
+def test_a_page_without_figures_over_time_has_no_script(cases: Cases, model: Model) -> None:
+    diagnosis, verdict = cases["undecided"]()
+    html, page = rendered((diagnosis, replace(verdict, traces=())), model)
+    assert "script" not in page.seen
+    assert "script-src &#39;none&#39;" in html
+
+
+def test_every_figure_over_time_is_there_without_scripts_too(cases: Cases, model: Model) -> None:
+    _, page = rendered(cases["missing"](), model)
+    kinds = page.values("figure", "class")
+    assert kinds.count("still") == 2
+    assert kinds.count("also") == 1
 
 
 def test_nothing_missing_makes_a_short_page(cases: Cases, model: Model) -> None:

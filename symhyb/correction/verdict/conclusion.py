@@ -28,6 +28,7 @@ from symhyb.correction.verdict.choice import Choice
 from symhyb.correction.verdict.estimate import Estimated
 from symhyb.correction.verdict.proof import Proof
 from symhyb.correction.verdict.whole_words import added_alternatives
+from symhyb.correction.verdict.worth import correlations_of, law_spread, worth_of
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.places.locate import activity
 from symhyb.discrepancy.recorded.course import course_of
@@ -114,6 +115,9 @@ def concluded(
         log=(*decision.log, *(known.completed.log if known.completed else ())),
         notes=(*_run_notes(prepared), *noise_notes(model, noise), *_warnings(found)),
         classes=classes,
+        correlations=correlations_of(
+            model, final, known.items, element_names(model, known.items), known.doubt
+        ),
     )
 
 
@@ -151,13 +155,15 @@ def _found(
     firm = dict(zip(causes, stabilities(decision), strict=True))
     sure = dict(zip(causes, probabilities(decision), strict=True))
     found = []
-    for item, name, share in zip(items, element_names(model, items), shown.shares, strict=True):
+    worths = worth_of(final, items, prepared.runs)
+    rows = zip(items, element_names(model, items), shown.shares, worths, strict=True)
+    for item, name, share, worth in rows:
         active = _active(prepared, final, item)
         one = found_of(model, item, name, provenance, share, active)
         mine = [final.causes[i] for i in item.causes]
         one = with_own(model, final, item, one)
         stable, chance = weakest(firm, mine), weakest(sure, mine)
-        found.append(replace(one, stability=stable, probability=chance))
+        found.append(replace(one, stability=stable, probability=chance, worth=worth))
     return tuple(sorted(found, key=lambda item: -(item.share or 0.0)))
 
 
@@ -249,7 +255,9 @@ def _clouds(prepared: Prepared, final: Refined, run: Run) -> list[Cloud]:
     force = discrepancy(machine, course, machine.values)
     band = force_band(machine, motion, course)
     forces = element_forces(final, run.recording, run.motion)[0]
-    law = forces[:, :, len(prepared.model.elements) :].sum(axis=2)
+    own = len(prepared.model.elements)
+    law = forces[:, :, own:].sum(axis=2)
+    spread = law_spread(final, run, own)
     return [
         Cloud(
             On(c.name),
@@ -260,6 +268,7 @@ def _clouds(prepared: Prepared, final: Refined, run: Run) -> list[Cloud]:
             force[:, i],
             band[:, i],
             law[:, i],
+            None if spread is None else spread[:, i],
         )
         for i, c in enumerate(prepared.model.coordinates)
     ]

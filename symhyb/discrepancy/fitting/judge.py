@@ -7,7 +7,10 @@ import numpy as np
 
 from symhyb.asked import asked
 from symhyb.data.recording import Recording, several
+from symhyb.discrepancy.evidence import Correlations, Whiteness
+from symhyb.discrepancy.fitting.bands import bands_of, without_each
 from symhyb.discrepancy.fitting.scores import Errors, errors, score, yardstick
+from symhyb.discrepancy.fitting.whiteness import whiteness
 from symhyb.discrepancy.recorded.motion import motion_of
 from symhyb.discrepancy.recorded.runs import Run, noise_sd, with_noise
 from symhyb.discrepancy.recorded.sampling import as_sampled
@@ -34,12 +37,14 @@ def judge(
     train: Recording | Sequence[Recording] = (),
     window_s: float | None = None,
     force_band_hz: float | None = None,
+    correlations: Correlations | None = None,
 ) -> Verdict:
     """Score a model and its correction on unseen recordings ``on`` and on those of the training.
 
     ``window_s`` is the length of the short windows in s (default: half the shortest period of the
     motion), ``force_band_hz`` the upper end of the band in Hz in which forces are compared
-    (default: 20 of those periods).
+    (default: 20 of those periods). With the ``correlations`` of the numbers of the correction its
+    free runs get bands.
     """
     model, corrected = model_of(model), model_of(corrected)
     unseen, seen = several(on), several(train)
@@ -53,6 +58,8 @@ def judge(
     band = force_band_hz or BAND_PERIODS / period
     comparisons: dict[str, Comparison | None] = {"train": None, "holdout": None}
     traces: list[Trace] = []
+    white: tuple[Whiteness, ...] = ()
+    proof = runs["holdout"] or runs["train"]
     same = corrected == model
     for role, group in runs.items():
         if not group:
@@ -63,7 +70,10 @@ def judge(
         comparisons[role] = Comparison(
             score(machines[0], before, group, by), score(machines[1], after, group, by)
         )
-        traces += _traces(machines[0], group, role, before, after)
+        bands = bands_of(machines[1], group, None if same else correlations)
+        traces += _traces(machines[0], group, role, before, after, bands)
+        if group is proof:
+            white = _whiteness(machines[1], group, after)
     carries = _carries(comparisons["holdout"] or comparisons["train"], window, bool(unseen), same)
     empty = Comparison(*(Score({}, {}, {}, {}, {}, {}) for _ in range(2)))
     return Verdict(
@@ -74,6 +84,18 @@ def judge(
         comparisons["holdout"],
         carries,
         tuple(traces),
+        white,
+        without_each(model, corrected, proof),
+    )
+
+
+def _whiteness(machine: Machine, runs: Sequence[Run], found: Errors) -> tuple[Whiteness, ...]:
+    names = [[item.name for item in kind] for kind in (machine.model.sensors, machine.model.inputs)]
+    return tuple(
+        one
+        for run, left in zip(runs, found.residuals, strict=True)
+        if left is not None
+        for one in whiteness(run.recording.name, left, *names)
     )
 
 
@@ -83,7 +105,12 @@ def _runs(machine: Machine, recordings: Sequence[Recording]) -> tuple[Run, ...]:
 
 
 def _traces(
-    machine: Machine, runs: Sequence[Run], role: str, before: Errors, after: Errors
+    machine: Machine,
+    runs: Sequence[Run],
+    role: str,
+    before: Errors,
+    after: Errors,
+    bands: Sequence[Array | None],
 ) -> list[Trace]:
     names = [sensor.name for sensor in machine.model.sensors]
 
@@ -91,7 +118,8 @@ def _traces(
         return {name: values[:, i] for i, name in enumerate(names) if name in present}
 
     traces = []
-    for run, first, second in zip(runs, before.trajectories, after.trajectories, strict=True):
+    pairs = zip(before.trajectories, after.trajectories, strict=True)
+    for run, (first, second), band in zip(runs, pairs, bands, strict=True):
         present = list(run.recording.sensors)
         said = (("before correction", first), ("after correction", second))
         failures = [f"{when}: {run_.reason}" for when, run_ in said if run_.reason]
@@ -106,6 +134,7 @@ def _traces(
                 table(second.y, present),
                 tuple(failures),
                 {sensor.name: sensor.unit for sensor in machine.model.sensors},
+                {} if band is None else table(band, present),
             )
         )
     return traces

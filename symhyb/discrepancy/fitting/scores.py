@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symhyb.data.thin import coarsest, thinned
+from symhyb.discrepancy.evidence import Residuals
 from symhyb.discrepancy.fitting.matching import fit
 from symhyb.discrepancy.fitting.task import starts_only
 from symhyb.discrepancy.recorded.course import course_of
@@ -34,25 +35,30 @@ RUN_SAMPLES = 6000  # of a free run, for fitting its initial state
 @dataclass(frozen=True, slots=True)
 class Errors:
     """Mean squared errors of one model on several runs, in squared SI units: by sensor (m,) over
-    windows and free runs, by coordinate (n,) of ΔF."""
+    windows and free runs, by coordinate (n,) of ΔF. For each run its free run, and what is left of
+    its windows; None where it has none."""
 
     window: Array
     free: Array
     force: Array
     trajectories: tuple[Trajectory, ...]
+    residuals: tuple[Residuals | None, ...] = ()
 
 
 def errors(machine: Machine, runs: Sequence[Run], window_s: float, band_hz: float | None) -> Errors:
     """Simulate and compare; sensors and coordinates in the order of the model."""
     model = WindowModel(machine)
-    windows, frees, forces, trajectories = [], [], [], []
+    windows, frees, forces, trajectories, residuals = [], [], [], [], []
     for run in runs:
-        windows.append(_window_errors(model, run, window_s))
+        left = _left_of_windows(model, run, window_s)
+        residuals.append(left)
+        windows.append(_squares(left, len(machine.model.sensors)))
         trajectory = free_run(model, run)
         trajectories.append(trajectory)
         frees.append((measured(run.recording, machine) - trajectory.y) ** 2)
         forces.append(forces_of(machine, run, band_hz)[0] ** 2)
-    return Errors(_mean(windows), _mean(frees), _mean(forces), tuple(trajectories))
+    means = _mean(windows), _mean(frees), _mean(forces)
+    return Errors(*means, tuple(trajectories), tuple(residuals))
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,13 +97,18 @@ def score(machine: Machine, found: Errors, runs: Sequence[Run], by: Yardstick) -
 
 def free_run(model: WindowModel, run: Run) -> Trajectory:
     """Simulate a whole recording by CVODES from its fitted initial state."""
+    return simulate(model.machine, free_scenario(model, run))
+
+
+def free_scenario(model: WindowModel, run: Run) -> Scenario:
+    """What a free run is given: the fitted initial state of a recording, and its inputs."""
     machine, recording, motion = model.machine, run.recording, run.motion
     course, form = course_of(recording, machine, motion), model.form
     scales = np.abs(course.states).max(axis=0, initial=0.0)
     start, f = _fitted_start(model, run), len(form.free)
     q, v = form.motion(start, course.drive[0])
     t_u, u = driving(recording, machine)
-    scenario = Scenario(
+    return Scenario(
         recording.t,
         q,
         v,
@@ -107,7 +118,6 @@ def free_run(model: WindowModel, run: Run) -> Trajectory:
         z=start[2 * f :],
         given=on_lines(recording.t, course.drive[:, form.inputs :], t_u) if form.given else None,
     )
-    return simulate(machine, scenario)
 
 
 def _fitted_start(model: WindowModel, run: Run) -> Array:
@@ -154,16 +164,24 @@ def _run_costs(model: WindowModel, cuts: Cut, starts: Array, sd: Array) -> Array
     return np.where(np.isfinite(costs), costs, np.inf)
 
 
-def _window_errors(model: WindowModel, run: Run, window_s: float) -> Array:
-    """Squared errors (W·L, m) over windows with fitted initial states; no rows without windows."""
+def _left_of_windows(model: WindowModel, run: Run, window_s: float) -> Residuals | None:
+    """What is left of windows with fitted initial states, SI; None without windows."""
     cuts = cut_into_windows(run, model.machine, window_s)
     if cuts is None:
-        return np.empty((0, len(model.machine.model.sensors)))
+        return None
     cuts = cuts.suited(model.machine)
     fitted = fit(model, starts_only(cuts, run.sd), model.machine.values)
     _, y = model.simulate(cuts.block, fitted.starts[0], model.machine.values)
+    step = float(np.median(np.diff(cuts.block.t, axis=1)))
+    return Residuals(cuts.block.y - y, cuts.block.d[:, :, : model.form.inputs], step)
+
+
+def _squares(left: Residuals | None, sensors: int) -> Array:
+    """Squared errors (W·L, m) over windows, SI; no rows without windows."""
+    if left is None:
+        return np.empty((0, sensors))
     with np.errstate(over="ignore", invalid="ignore"):  # a window that runs away is infinitely far
-        return np.asarray(((cuts.block.y - y) ** 2).reshape(-1, y.shape[2]))
+        return np.asarray((left.left**2).reshape(-1, sensors))
 
 
 def forces_of(machine: Machine, run: Run, band_hz: float | None) -> tuple[Array, Array]:

@@ -1,0 +1,98 @@
+"""What found effects amount to along the recordings, and how their fitted numbers trade off."""
+
+from collections.abc import Collection, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from symhyb.correction.naming.findings import Named, symbol_of
+from symhyb.correction.search.strength import element_forces
+from symhyb.correction.search.trajectory import Refined
+from symhyb.discrepancy.evidence import Correlations, Worth
+from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.discrepancy.recorded.runs import Run
+from symhyb.model.types import Model
+from symhyb.numeric.kernels.buffers import Array
+
+
+def worth_of(final: Refined, items: Sequence[Named], runs: Sequence[Run]) -> tuple[Worth, ...]:
+    """The worth of each effect along all ``runs``. An element dissipates what its forces take from
+    the motion, over whole runs; what a spring stores and gives back counts as nothing."""
+    causes = [i for i, cause in enumerate(final.causes) if cause.place is not None]
+    own = len(final.machine.model.elements) - len(causes)
+    groups = [[own + causes.index(i) for i in item.causes] for item in items]
+    columns = [[e] for e in range(own)] + groups
+    taken, peaks = np.zeros(len(columns)), np.zeros((len(columns), final.machine.n))
+    for run in runs:
+        forces, _, _ = element_forces(final, run.recording, run.motion)
+        for row, members in enumerate(columns):
+            force = forces[:, :, members].sum(axis=2)
+            power = np.sum(force * run.motion.v, axis=1)
+            taken[row] -= float(np.trapezoid(power, run.motion.t))
+            peaks[row] = np.maximum(peaks[row], np.abs(force).max(axis=0))
+    return tuple(_worth(taken, peaks, own + row, final.machine.free) for row in range(len(groups)))
+
+
+def _worth(taken: Array, peaks: Array, row: int, free: Sequence[int]) -> Worth:
+    """The worth of one row of what is ``taken`` (R,) from the motion, J, by forces with ``peaks``
+    (R, n), SI."""
+    lost = np.maximum(taken, 0.0)
+    energy = float(lost[row] / lost.sum()) if lost[row] > 0 else None
+    i = max(free, key=lambda j: float(peaks[row, j]), default=None)
+    if i is None or not np.isfinite(peaks[:, i]).all() or peaks[row, i] <= 0:
+        return Worth(energy, None)
+    return Worth(energy, float(peaks[row, i] / peaks[:, i].max()))
+
+
+def correlations_of(
+    model: Model,
+    final: Refined,
+    items: Sequence[Named],
+    names: Sequence[str],
+    doubt: Collection[Hypothesis],
+) -> Correlations | None:
+    """The correlations of all numbers that are reported, ``names`` being those of the elements of
+    ``items``; None of fewer than two."""
+    rows = {
+        f"cause{i}.{key}": f"{name}.{symbol_of(model, item.kind, key)}"
+        for item, name in zip(items, names, strict=True)
+        for i in item.causes
+        for key in final.causes[i].keys
+    }
+    rows |= {
+        cause.path: cause.path
+        for cause in final.causes
+        if cause.place is None and cause not in doubt
+    }
+    chosen = [i for i, path in enumerate(final.paths) if path in rows]
+    matrix = correlation_matrix(final)[np.ix_(chosen, chosen)]
+    if len(chosen) < 2 or not np.isfinite(matrix).all():
+        return None
+    return Correlations(tuple(rows[final.paths[i]] for i in chosen), matrix)
+
+
+def correlation_matrix(final: Refined) -> Array:
+    """The correlations (F, F) of the numbers of a fitted structure, dimensionless."""
+    size = len(final.paths)
+    covariance = final.fit.covariance[:size, :size]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        spread = np.sqrt(np.diag(covariance))
+        return np.asarray(covariance / np.outer(spread, spread))
+
+
+def law_spread(final: Refined, run: Run, first: int) -> Array | None:
+    """One standard deviation (N, n), SI, of what the elements from number ``first`` on exert along
+    a run, from that of their numbers; None where these have none."""
+    matrix = correlation_matrix(final)
+    if not final.paths or not np.isfinite(matrix).all():
+        return None
+    base = element_forces(final, run.recording, run.motion)[0][:, :, first:].sum(axis=2)
+    moves = []
+    for path in final.paths:
+        p = final.of(run.recording).copy()
+        p[final.machine.column(path)] += final.value(path)[1]
+        moved = replace(final, p=p, each=())
+        forces = element_forces(moved, run.recording, run.motion)[0]
+        moves.append(forces[:, :, first:].sum(axis=2) - base)
+    spread = Correlations(final.paths, matrix).spread(np.array(moves))
+    return spread if np.isfinite(spread).all() else None

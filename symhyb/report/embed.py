@@ -1,0 +1,60 @@
+"""What runs in the page: Bokeh, the page's own script, and a policy that allows nothing else."""
+
+import json
+from base64 import b64encode
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from hashlib import sha256
+from importlib import resources
+
+from markupsafe import Markup
+
+from symhyb.report.canvas import DARK
+from symhyb.report.live import Live
+
+# what HTML could read as the end of a script; JSON knows these letters by their numbers too
+_ESCAPED = str.maketrans({letter: f"\\u{ord(letter):04x}" for letter in "<>&\u2028\u2029"})
+
+
+@dataclass(frozen=True, slots=True)
+class Embedded:
+    """The ``data`` of the figures, the ``scripts`` that draw them, and the ``policy`` of a page
+    with these scripts: none other is run, and nothing is fetched from anywhere."""
+
+    policy: str
+    data: Markup
+    scripts: tuple[Markup, ...]
+
+
+def embedded(figures: Sequence[Live]) -> Embedded:
+    """What a page with these figures holds; of none no script at all."""
+    if not figures:
+        return Embedded(policy_of(()), Markup(""), ())
+    scripts = (library(), resources.files("symhyb.report").joinpath("page.js").read_text("utf-8"))
+    data = {"items": [one.item for one in figures], "dark": DARK}
+    text = json.dumps(data, allow_nan=False, separators=(",", ":"))
+    return Embedded(
+        policy_of(scripts), Markup(text.translate(_ESCAPED)), tuple(map(Markup, scripts))
+    )
+
+
+def policy_of(scripts: Sequence[str]) -> str:
+    """The content security policy of a page that runs these scripts alone."""
+    hashes = [f"'sha256-{_hash(script)}'" for script in scripts] or ["'none'"]
+    return (
+        "default-src 'none'; base-uri 'none'; form-action 'none'; img-src data:; "
+        f"style-src 'unsafe-inline'; script-src {' '.join(hashes)}"
+    )
+
+
+@cache
+def library() -> str:
+    """The script of Bokeh, with its licence; it has nothing that ends a script element."""
+    folder = resources.files("bokeh") / "server" / "static" / "js"
+    text = folder.joinpath("bokeh.min.js").read_text("utf-8").replace("\r", "")
+    return text.replace("</script", "<\\/script").replace("<!--", "<\\!--")
+
+
+def _hash(script: str) -> str:
+    return b64encode(sha256(script.encode()).digest()).decode("ascii")

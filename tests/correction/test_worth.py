@@ -1,0 +1,63 @@
+"""What effects are worth: a mass pushed by a constant force against a damper."""
+
+import numpy as np
+import pytest
+
+from symhyb.correction.naming.findings import element_names, named
+from symhyb.correction.search.preparing import prepare, settle
+from symhyb.correction.search.trajectory import refine
+from symhyb.correction.verdict.worth import correlations_of, law_spread, worth_of
+from symhyb.data.recording import Recording
+from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.model.read import parse_model
+from symhyb.model.types import On
+
+MODEL = """
+symhyb = 1
+[coordinates]
+x = { unit = "m", start = 0.0 }
+[parameters]
+m = { value = 2.0, unit = "kg" }
+[bodies.slide]
+mass = "m"
+at = ["x", "0"]
+[sensors]
+tape = { measures = "x", unit = "m", sd = 1e-4 }
+"""
+PUSH = Hypothesis("constant", On("x"), ("constant",), (False,))
+DAMPER = Hypothesis("damper", On("x"), ("damping",), (False,))
+M, C, F = 2.0, 1.5, 3.0
+
+
+def test_worth_correlations_and_spread_of_two_effects() -> None:
+    t = np.arange(0, 4, 0.01)
+    x = F / C * (t - M / C * (1 - np.exp(-C / M * t)))
+    noise = 1e-4 * np.random.default_rng(1).standard_normal(t.size)
+    model = parse_model(MODEL, "slide.toml")
+    prepared = prepare(model, Recording("push.csv", t, {}, {"tape": x + noise}, (), ""))
+    setting = settle(prepared)
+    causes, start = (PUSH, DAMPER), [{"constant": 2.5}, {"damping": 1.0}]
+    cuts = setting.stages[-1].cuts
+    final = refine(prepared.model, causes, start, cuts, setting.sd, everything=True, careful=True)
+    items = named(final)
+    by_kind = dict(zip([i.kind for i in items], worth_of(final, items, prepared.runs), strict=True))
+    assert by_kind["constant"].energy is None  # it drives
+    assert by_kind["constant"].force == pytest.approx(1.0)
+    assert by_kind["damper"].energy == pytest.approx(1.0)
+    fastest = F / C * (1 - np.exp(-C / M * t[-1]))
+    assert by_kind["damper"].force == pytest.approx(C * fastest / F, rel=0.02)
+
+    known = correlations_of(model, final, items, element_names(model, items), ())
+    assert known is not None
+    assert {*known.names} == {"found_constant.F_0", "found_damper.d"}
+    np.testing.assert_allclose(np.diag(known.matrix), 1.0)
+    assert 0.5 < known.matrix[0, 1] < 1.0  # a larger push against a larger damper
+    assert correlations_of(model, final, items[:1], ["found_constant"], ()) is None
+
+    spread = law_spread(final, prepared.runs[0], 0)
+    assert spread is not None
+    push, damping = (final.value(path)[1] for path in final.paths)
+    speed = np.abs(prepared.runs[0].motion.v[:, 0])
+    rho = known.matrix[0, 1]
+    wanted = np.sqrt(push**2 + (damping * speed) ** 2 - 2 * rho * push * damping * speed)
+    np.testing.assert_allclose(spread[:, 0], wanted, rtol=0.02, atol=0.02 * push)
