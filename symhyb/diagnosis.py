@@ -232,7 +232,7 @@ def _of_several(
 
 
 def _with_isolability(answer: Diagnosis, choice: Choice) -> Diagnosis:
-    """The answer with what the recordings tell apart; a note where that cannot be computed."""
+    """The answer with what the recordings distinguish; a note where that cannot be computed."""
     try:
         table = isolability(choice.setting, choice.decision)
     except Exception as error:  # no finished diagnosis is lost for it
@@ -253,7 +253,7 @@ def _with_combinations(answer: Diagnosis, choice: Choice) -> Diagnosis:
 
 
 def advised(concluded: Concluded, say: Say | None = None) -> Diagnosis:
-    """The diagnosis with the manoeuvre for what the recordings do not tell apart; a note where
+    """The diagnosis with the manoeuvre for what the recordings do not distinguish; a note where
     none can be worked out, the reason included. ``say`` gets a short line."""
     answer, prepared, choice = concluded.diagnosis, concluded.prepared, concluded.choice
     if prepared is None or choice is None or answer.record_next is not None:

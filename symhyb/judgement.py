@@ -1,4 +1,4 @@
-"""The numbers that decide: what is claimed, refused or told, and which of two answers is kept.
+"""The numbers that decide: what is claimed, refused or reported, and which of two answers is kept.
 
 Each stands here once, under the question that it answers: what it means, then its source. Whatever
 in ``correction`` and ``discrepancy`` decides compares with one of these or with what follows from
@@ -19,7 +19,7 @@ CLOSE = 2 * log(10)
 # of the score, or of χ² of independent samples: a difference that counts, and nearer is a rival
 # source: "very strong", odds of 150 to 1: Kass & Raftery, JASA 90, 1995
 SIGNIFICANT = 10.0
-# posterior probability of what is named, or claimed beside a class; a class with the rest is told
+# posterior probability of what is named, or claimed beside a class; a class with the rest is said
 # source: convention: of twenty names one is expected to be wrong
 PROBABLE = 0.95
 # posterior probability: rather so than not
@@ -28,7 +28,7 @@ LIKELY = 0.5
 # probability that any recording is named as an outlier of a fleet in which all agree
 # source: convention: one fleet of a thousand
 CHANCE = 1e-3
-# of ln evidence: a class that promises to stay so far behind what was fitted is not fitted
+# of ln evidence: a class that is predicted to stay so far behind what was fitted is not fitted
 # source: three times what SIGNIFICANT asks for, for the linear problem is rough
 HOPELESS = 30.0
 # times the median power: a line of the missing force
@@ -61,7 +61,7 @@ NOISE_FACTOR = 2.0
 # independent pieces of what a model lacks
 # source: judgement: a cause takes about half of it; 20, 25 and 30 tried on EMPS and roll decays
 PIECES = 20.0
-# samples of memory: no force of a machine forgets as fast, so it is noise of an input
+# samples of memory: no force of a machine decorrelates as fast, so it is noise of an input
 # source: judgement, seen on one seed of each kind of studies/outside
 FAST = 3.0
 # excess kurtosis: innovations of a sensor that jumps or freezes, a residual with impacts in it
@@ -130,7 +130,7 @@ SAMPLES_TELL = 100
 # of the slowest motion: how long recordings are together, to show anything
 # source: judgement: what comes back once can be compared with itself
 PERIODS_LEAST = 2.0
-# periods, and times OUTSTANDING deviations of noise: what a recording that tells nothing lacks
+# periods, and times OUTSTANDING deviations of noise: what a recording that decides nothing lacks
 # source: judgement
 AMPLE = 10.0
 # windows over all recordings, at their longest

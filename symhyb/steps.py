@@ -8,7 +8,7 @@ Item = TypeVar("Item")
 
 
 class Counted(str):
-    """A step of ``total`` equal pieces, of which ``done`` are done. Whoever is told may take it for
+    """A step of ``total`` equal pieces, of which ``done`` are done. Whoever gets it may take it for
     the line that it is, or say how much time is left."""
 
     __slots__ = ("done", "total")

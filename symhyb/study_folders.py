@@ -1,7 +1,7 @@
 """Which files a study may name: its own folder and its project, nothing else of the machine.
 
 A study comes from a stranger like any other file. What it names is read, and what is wrong with
-that is told, so a name that leads elsewhere is refused before anything is opened or listed.
+it is reported, so a name that leads elsewhere is refused before anything is opened or listed.
 """
 
 import os

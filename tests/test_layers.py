@@ -84,7 +84,7 @@ def test_every_name_that_scripts_tests_and_pages_import_is_there() -> None:
     """A script that no test runs would break unseen when something is renamed."""
     files = [*ROOT.glob("studies/**/*.py"), *ROOT.glob("tests/**/*.py")]
     trees = [(file, ast.parse(file.read_text(encoding="utf-8"))) for file in files]
-    for page in [ROOT / "README.md", *ROOT.glob("docs/*.md"), *ROOT.glob("studies/**/*.md")]:
+    for page in [ROOT / "README.md", *ROOT.glob("docs/**/*.md"), *ROOT.glob("studies/**/*.md")]:
         code = re.findall(r"^```python\n(.*?)^```", page.read_text(encoding="utf-8"), re.M | re.S)
         trees += [(page, ast.parse(text)) for text in code]
     missing = []

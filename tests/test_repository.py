@@ -142,3 +142,13 @@ def test_the_oldest_versions_that_are_allowed_are_those_that_are_tested() -> Non
     needed = {*project["dependencies"], *(one for extra in own for one in extra)}
     oldest = {pin.replace("==", ">=") for pin in pins("constraints-oldest.txt")}
     assert needed - oldest == set()
+
+
+def test_what_is_cited_is_the_version_and_the_licence_of_the_project() -> None:
+    project = tomllib.loads(text_of(ROOT / "pyproject.toml"))["project"]
+    cited = dict(
+        re.findall(r"^(version|license|title): (.+)$", text_of(ROOT / "CITATION.cff"), re.M)
+    )
+    assert cited["version"] == project["version"]
+    assert cited["license"] == project["license"]
+    assert project["name"] in cited["title"]

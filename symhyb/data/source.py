@@ -62,7 +62,7 @@ class Source:
 
     @property
     def text(self) -> str:
-        """What the source is, for sentences and to tell sources apart."""
+        """What the source is, for sentences and to distinguish sources."""
         return self.origin.header if isinstance(self.origin, Column) else self.origin.text
 
     @property

@@ -2,8 +2,8 @@
 
 In most steps of an exact run nothing switches. The explicit method in machine code
 (:mod:`symhyb.numeric.runs.explicit`) looks into its own steps, as :mod:`~.crossings` does, and
-comes back where something watched is not clearly above zero, with that step undecided. A leap is
-used as a solver of ``scipy.integrate`` is.
+comes back where something watched is not clearly above zero, with that step undecided. A watched
+step is used as a solver of ``scipy.integrate`` is.
 Sizes: N outputs, Y states of the integration, P parameters with the modes behind them, W watches.
 """
 
@@ -59,13 +59,14 @@ def _joined(function: ca.Function, forces: int) -> ca.Function:
 
 
 class Leap:
-    """Leaps under one mode, with parameters ``p`` (P,), SI. Outputs that lie in them are written.
+    """Watched steps under one mode, with parameters ``p`` (P,), SI. Outputs that lie in them are
+    written.
 
     ``outputs`` are times (N,), s, and rows (N, Y), SI; ``row`` is the next of them. ``y`` (Y,), SI,
     is the state at ``t``, where it stands; ``undecided``: whether something may have switched since
     ``t_old``, when the state was ``y_old``, and outputs from there on are still to be written.
-    ``atol`` (Y,) is the absolute tolerance, and sizes beyond ``bound`` (Y,) end a leap, SI;
-    ``taken`` steps and ``written`` rows are those of the last leap; ``step_size`` in s.
+    ``atol`` (Y,) is the absolute tolerance, and sizes beyond ``bound`` (Y,) end a step, SI;
+    ``taken`` steps and ``written`` rows are those of the last call; ``step_size`` in s.
     """
 
     t: float

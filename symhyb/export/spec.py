@@ -98,7 +98,7 @@ class Spec:
 
     @property
     def events(self) -> bool:
-        """Whether laws that jump are in modes, which indicators tell of."""
+        """Whether laws that jump are in modes, which indicators show."""
         return bool(self.exported.ways)
 
     @property

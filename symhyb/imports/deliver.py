@@ -65,7 +65,7 @@ def deliver(source: Path, order: Order, target: Path) -> Done:
 
 
 def read_robot(path: Path) -> Robot:
-    """A robot from a URDF or an MJCF, which its outermost element tells.
+    """A robot from a URDF or an MJCF, as its outermost element says.
 
     Raises:
         InputError: every problem of the file.

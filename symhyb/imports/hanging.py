@@ -1,8 +1,8 @@
 r"""Where a body hangs, and how it is turned, in the words of a model file.
 
 A body is turned by what the file of the robot says, in the same order: yaw, pitch and roll of the
-joint's frame, then the joint about its axis. An axis that is none of x, y and z is laid on one of
-them by turns before the joint, which are taken back after it:
+joint's frame, then the joint about its axis. An axis that is none of x, y and z is turned onto one
+of them before the joint, which are taken back after it:
 
     R = Rz(yaw) Ry(pitch) Rx(roll) · Rz(turn) Ry(tilt) · Rz(q) · Ry(−tilt) Rz(−turn)
 """

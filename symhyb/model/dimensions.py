@@ -30,7 +30,7 @@ def unit_of(
 ) -> Unit | None:
     """Return the unit of an expression, None for a literal 0, which fits every unit.
 
-    ``units`` tells the unit of a name, ``shown`` that of a reading, ``curves`` those of the x and
+    ``units`` gives the unit of a name, ``shown`` that of a reading, ``curves`` those of the x and
     the y of a curve.
 
     Raises:

@@ -78,7 +78,7 @@ def _hanging_faults(
 
 
 def _known_by_a_point(body: Body, model: Model) -> bool:
-    """Whether a point where the body hangs already tells that its carrier is unknown."""
+    """Whether a point where the body hangs already reports that its carrier is unknown."""
     return any(point.body == body.parent and point.at == body.joint for point in model.points)
 
 

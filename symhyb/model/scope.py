@@ -53,7 +53,7 @@ _ROUGH = ("min", "max", "sign", "abs")
 
 @dataclass(frozen=True, slots=True)
 class Scope:
-    """What the names mean: units by name (None: unreadable), and which are what; ``shown`` tells
+    """What the names mean: units by name (None: unreadable), and which are what; ``shown`` gives
     the unit of a reading (LookupError: unknown), ``curves`` are by name (None: unreadable)."""
 
     units: Mapping[str, Unit | None]

@@ -3,7 +3,7 @@
 Two rotations that turn about one axis are one rotation: with three about named axes that happens
 where the cosine of the second angle is 0 (or its sine, if first and third axis have one name).
 
-          first axis                     gimbal lock: the second angle has laid the third axis
+          first axis                     gimbal lock: the second angle has turned the third axis
              ^                           on the first; nothing turns about the third direction
              |  second angle
         third \\__o______ second axis

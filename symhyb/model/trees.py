@@ -180,7 +180,7 @@ def evaluate(
 
     Raises:
         KeyError: a name without a value, or a curve that is not there.
-        ExpressionError: a reading, which only the equations of a machine can tell.
+        ExpressionError: a reading, which only the equations of a machine can give.
     """
     tree = expression.tree if isinstance(expression, Expression) else expression
     match tree:

@@ -75,8 +75,8 @@ class Input:
     """A recorded signal that acts: acting(t) = gain·recorded(t − delay) + offset.
 
     ``between`` says how it runs between its samples: along a ``line``, ``smooth``, or ``held`` from
-    each to the next; unset, the samples of a recording decide whether it is smooth or a line, and
-    without a recording it is a line.
+    each to the next; unset, a recording shows by how its samples lie whether it is smooth or a
+    line, and without one it is a line.
     """
 
     name: str

@@ -29,7 +29,7 @@ def kept(sha256: str) -> bytes | None:
 def write_weights(model: Model, target: Path) -> None:
     """Put the weights of all networks of ``model`` where the model file ``target`` looks for them.
 
-    Weights that are nowhere to be found are left out: whoever builds the model is told.
+    Weights that are nowhere to be found are left out: whoever builds the model is informed.
 
     Raises:
         InputError: a file of that name with other content is there, or one cannot be written.

@@ -84,7 +84,7 @@ class Objective:
         return value
 
     def quiet(self, at: Array) -> float:
-        """The same without telling the watch, for any thread; ``at`` (D,) in units of ``scale``."""
+        """The same without calling the watch, for any thread; ``at`` (D,) in units of ``scale``."""
         y = self.rollout(**self.parts(at))
         return self._cost(y)[0] if np.isfinite(y).all() else np.inf
 

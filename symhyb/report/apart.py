@@ -1,4 +1,4 @@
-"""The picture of what recordings tell apart: odds of each cause against each other one."""
+"""The picture of what recordings distinguish: odds of each cause against each other one."""
 
 from typing import Any
 
@@ -15,7 +15,7 @@ _ODDS_SHOWN = 13.8  # ln of a million
 
 
 def apart_figure(matrix: Isolability) -> bytes:
-    """Draw the odds with which the recordings tell causes apart: a row for the cause that acts, a
+    """Draw the odds with which the recordings distinguish causes: a row for the cause that acts, a
     column for the one that is tried in its place."""
     size = len(matrix.causes)
     with drawing(0.52 * size + 1.0) as figure:

@@ -227,17 +227,6 @@ def test_a_step_has_second_derivatives() -> None:
     assert float(found[0, 0]) == pytest.approx(known, rel=0.02)
 
 
-@needs_compiler
-def test_the_example_of_the_page_runs(monkeypatch: pytest.MonkeyPatch) -> None:
-    root = Path(__file__).parents[2]
-    page = (root / "docs" / "optimisation.md").read_text(encoding="utf-8")
-    lines = page[page.index("    import numpy") : page.index("## What there is")].splitlines()
-    monkeypatch.chdir(root)
-    reported: dict[str, object] = {}
-    exec(compile("\n".join(line[4:] for line in lines), "optimisation.md", "exec"), reported)
-    assert reported["theta"] == pytest.approx([1.1, 90.0], rel=1e-4)
-
-
 @pytest.mark.slow
 @needs_compiler
 def test_memory_stays_flat_over_ten_thousand_calls() -> None:

@@ -1,5 +1,5 @@
-"""What noise tells of the channels: a colour that is no noise of a sensor, a force that is noise of
-an input.
+"""What noise shows about the channels: a colour that is no noise of a sensor, a force that is noise
+of an input.
 
 Coloured noise of a sensor explains what no force does, and so could hide a sensor that drifts or
 freezes. Noise is stationary, faster than the motion and, its colour taken off, about normal at

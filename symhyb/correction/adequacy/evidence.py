@@ -8,7 +8,7 @@ costs ln of the number of candidates (a priori one of the list is expected), siz
 each. Sizes: F numbers, N samples.
 
 How wide a prior is that nobody stated is a matter of opinion, and sets the odds of two causes that
-the recordings hardly tell apart. ``by_reference`` it is as wide as what one sample says.
+the recordings hardly distinguish. ``by_reference`` it is as wide as what one sample says.
 
 Sources: MacKay, Neural Computation 4, 1992 (Laplace); Kass & Raftery, JASA 90, 1995; Kass &
 Wasserman, JASA 90, 1995 (the prior of one sample); Chen & Chen, Biometrika 95, 2008 (the price of a

@@ -1,10 +1,10 @@
-"""Which of the structures that windows cannot tell apart is believed: the innovations decide.
+"""Which of the structures that windows cannot distinguish is selected: the innovations decide.
 
 Windows with free beginnings are quick and robust, and lose what acts slowly. Structures whose
 scores are too close for a decision are fitted along whole recordings by the innovations likelihood,
 in which an unknown force stands for what all of them lack. One of them rules another out only as
 far as it does with the prior of one sample too: where the odds come from how wide a prior nobody
-stated is, the recordings did not tell.
+stated is, the recordings did not decide.
 """
 
 from dataclasses import replace

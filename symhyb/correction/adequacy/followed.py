@@ -38,7 +38,7 @@ def likeliest(
     rows: Sequence[Row],
     states: Sequence[Array] | None = None,
 ) -> Fitted:
-    """Causes fitted from an unknown force that forgets at once, which finds what is steep, and from
+    """Causes fitted from an unknown force without memory, which finds what is steep, and from
     a slow one, which finds a force that is slow: the likelier of the two, with its evidence.
     ``states`` (N, X) of every stretch begin the trajectories, in SI; ``rows`` the numbers."""
     noises = ground.first_noise(), ground.first_noise(slow=True)

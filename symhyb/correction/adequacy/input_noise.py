@@ -39,7 +39,7 @@ class _Noisy:
 
 def with_input_noise(prepared: Prepared, setting: Setting, judged: Adequacy) -> Setting | None:
     """What a decision was made in (``setting``), with the noise of the input that was found to be
-    noisy beside the structure that was ``judged``; None where there is none. Repeated runs tell the
+    noisy beside the structure that was ``judged``; None where there is none. Repeated runs show the
     noise already."""
     which = _which(setting, judged)
     ground = None if which is None or prepared.repeats else recorded(prepared, setting)

@@ -1,10 +1,11 @@
 """Whether a decided structure is adequate: what acts beyond its causes, and which class it is of.
 
-The structure is fitted once more by the innovations likelihood, which tells missing forces from the
-noise of sensors, whatever its colour. Where a force acts that no cause explains, generic classes
-(:mod:`~.classes`) are fitted beside the structure, in place of the causes at their place and of
-all; where the structure has causes also around the model as it is. A class is an answer where it is
-more probable and takes at least half of what acts beyond; a cause is withdrawn beside it where a
+The structure is fitted once more by the innovations likelihood, which separates missing forces from
+the noise of sensors, whatever its colour. Where a force acts that no cause explains, generic
+classes (:mod:`~.classes`) are fitted beside the structure, in place of the causes at their place
+and of all; where the structure has causes also around the model as it is. A class is an answer
+where it is more probable and takes at least half of what acts beyond; a cause is
+withdrawn beside it where a
 class that explains that does without.
 """
 

@@ -76,7 +76,7 @@ class Recorded:
         return float(np.median(np.diff(self.items[0].block.t, axis=1)))
 
     def first_noise(self, slow: bool = False) -> NoiseModel:
-        """Where the noise model begins: the unknown force forgets at once, or is ``slow``."""
+        """Where the noise model begins: the unknown force has no memory, or is ``slow``."""
         colour_s = SLOW_FIRST * self.period_s
         return NoiseModel(
             FORCE_FIRST * self.scale,

@@ -21,7 +21,7 @@ from symhyb.numeric.kernels.buffers import Array
 
 def measured_again(prepared: Prepared, setting: Setting, decision: Decision) -> Array | None:
     """The noise (m,) of the sensors, SI, where a decided structure leaves more than noise and the
-    innovations measure another one; None where it stands. Repeated runs tell it already."""
+    innovations measure another one; None where it stands. Repeated runs show it already."""
     selected = decision.selected
     if prepared.repeats or selected.fit.scale < NEAR_NOISE:
         return None

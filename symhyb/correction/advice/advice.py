@@ -27,7 +27,7 @@ ODDS_SHOWN = 1e6
 def advise(
     prepared: Prepared, setting: Setting, decision: Decision
 ) -> tuple[str | None, Manoeuvre | None]:
-    """The manoeuvre that tells the selected structure from its rivals, as a sentence and for a
+    """The manoeuvre that separates the selected structure from its rivals, as a sentence and for a
     program; both None where there is no rival, and no manoeuvre where only another sensor would
     help."""
     pairs = _pairs(decision)
@@ -55,7 +55,7 @@ def _pairs(decision: Decision) -> list[Rivals]:
 
 
 def _said(expected: Expected, pairs: Sequence[Rivals], stated: Sequence[str]) -> Manoeuvre:
-    """The manoeuvre with what it tells apart, and its sentence; ``stated`` are the channels for
+    """The manoeuvre with what it separates, and its sentence; ``stated`` are the channels for
     which the model file states how far they may go."""
     decided = [pair for pair, ok in zip(pairs, expected.decided, strict=True) if ok]
     open_ = [pair for pair, ok in zip(pairs, expected.decided, strict=True) if not ok]
@@ -108,7 +108,7 @@ def _action(plan: Manoeuvre) -> str:
 def no_manoeuvre(
     prepared: Prepared, setting: Setting, pairs: Sequence[Rivals], found: Design
 ) -> str:
-    """What is said where no manoeuvre tells any pair apart: what hinders them, and which sensor
+    """What is said where no manoeuvre separates any pair: what hinders them, and which sensor
     would."""
     first, second = pairs[0].names
     within = "the travel, speed and acceleration that were recorded"
@@ -131,7 +131,8 @@ def no_manoeuvre(
 
 
 def better_recording(prepared: Prepared) -> str:
-    """What a recording must be to tell anything, where those at hand are too short or too noisy."""
+    """What a recording must be to decide anything, where those at hand are too short or too
+    noisy."""
     model: Model = prepared.model
     slowest = max(float(run.motion.periods().max()) for run in prepared.runs)
     lasts = sum(run.recording.duration for run in prepared.runs)

@@ -1,4 +1,4 @@
-"""Which causes the recordings at hand can tell apart, and by how much.
+"""Which causes the recordings at hand can distinguish, and by how much.
 
 Along the selected structure's own simulation the effect of every cause on the sensors is linear.
 Initial states of the windows and the selected structure's other causes are projected out of it. Of

@@ -1,4 +1,4 @@
-"""What to record next: the cheapest manoeuvre that tells rival explanations apart.
+"""What to record next: the cheapest manoeuvre that separates rival explanations.
 
 Every candidate manoeuvre is simulated with one explanation as the truth, without noise; the other
 is fitted to that with windows' initial states free, and the other way round. What cannot be fitted
@@ -44,8 +44,8 @@ class Rivals:
 
 @dataclass(frozen=True, slots=True)
 class Design:
-    """What was found to record next: the best manoeuvre, None if none tells anything; and what kept
-    most of the ``hindered`` ones from going further, empty if nothing did."""
+    """What was found to record next: the best manoeuvre, None if none decides anything; and what
+    kept most of the ``hindered`` ones from going further, empty if nothing did."""
 
     expected: "Expected | None"
     hindered: str = ""
@@ -63,13 +63,13 @@ class Expected:
 
     @property
     def decided(self) -> tuple[bool, ...]:
-        """Which pairs it tells apart."""
+        """Which pairs it separates."""
         return tuple(e >= n for e, n in zip(self.evidence, self.needed, strict=True))
 
 
 def design(prepared: Prepared, setting: Setting, pairs: Sequence[Rivals]) -> Design:
-    """The cheapest manoeuvre that tells all pairs apart, else that which tells most of them, within
-    what the machine may do."""
+    """The cheapest manoeuvre that separates all pairs, else that which separates most of them,
+    within what the machine may do."""
     best: Expected | None = None
     left = FITS_MOST
     truths = [pairs[0].first, *(pair.second for pair in pairs)]
@@ -99,7 +99,7 @@ def design(prepared: Prepared, setting: Setting, pairs: Sequence[Rivals]) -> Des
 def _expected(
     prepared: Prepared, setting: Setting, pairs: Sequence[Rivals], plan: Manoeuvre
 ) -> tuple[Expected, int]:
-    """What a manoeuvre tells of each pair, and how many fits it took."""
+    """What a manoeuvre decides of each pair, and how many fits it took."""
     samples = plan.duration / plan.sampling
     needed = tuple(needed_evidence(pair, samples) for pair in pairs)
     evidence, spent = [], 0

@@ -1,4 +1,4 @@
-"""Which sensor would tell rivals apart that no manoeuvre does."""
+"""Which sensor would separate rivals that no manoeuvre separates."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -27,7 +27,7 @@ def telling_sensor(
     prepared: Prepared, setting: Setting, pair: Rivals
 ) -> tuple[str, Manoeuvre] | None:
     """The first sensor of a coordinate, in words, with which a manoeuvre within what was recorded
-    would tell two rivals apart, and that manoeuvre; None if none does. Its noise, relative to what
+    would separate two rivals, and that manoeuvre; None if none does. Its noise, relative to what
     it sees, is taken to be that of the best sensor there is."""
     bounds, truths = bounds_of(prepared), (pair.first, pair.second)
     plans = (plan for plan in offers(prepared, pair.first.machine) if not plan.beyond)

@@ -1,4 +1,5 @@
-"""Terms that the weak form proposes, coordinate by coordinate, and those it cannot tell from them.
+"""Terms that the weak form proposes, coordinate by coordinate, and those it cannot distinguish from
+them.
 
 Sizes: T candidate terms.
 """
@@ -52,7 +53,7 @@ class Regression:
 
     def exchanged(self, chosen: Sequence[Chosen]) -> tuple[tuple[Chosen, ...], ...]:
         """The same with some terms of a coordinate exchanged for one other that the weak form
-        cannot tell from them, the fewest terms and the likeliest first."""
+        cannot distinguish from them, the fewest terms and the likeliest first."""
         others: list[tuple[Chosen, ...]] = []
         for name in self.lists:
             own = [one for one in chosen if one.on == name]

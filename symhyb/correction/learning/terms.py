@@ -2,8 +2,8 @@
 
 The optimisers of PySINDy propose sets of terms on the weak form of what is lacking, held windows
 choose among them (:mod:`symhyb.correction.learning.choosing`), and the chosen ones are written as
-elements, fitted by simulation error, exchanged one for one where the weak form cannot tell two
-apart and the simulation can, and kept only where held windows are simulated better
+elements, fitted by simulation error, exchanged one for one where the weak form cannot distinguish
+two and the simulation can, and kept only where held windows are simulated better
 (:mod:`symhyb.correction.learning.matched`). Nothing is read from PySINDy's printed equations: all
 that is reported comes from coefficients.
 """

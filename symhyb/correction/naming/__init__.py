@@ -1,1 +1,1 @@
-"""From a believed structure to elements, numbers with deviations, and words."""
+"""From a selected structure to elements, numbers with deviations, and words."""

@@ -101,7 +101,7 @@ def found_of(
     share: float | None,
     active: Activity | None,
 ) -> Found:
-    """Tell one named effect as an element of the model file, with law, values and sentence."""
+    """Write one named effect as an element of the model file, with law, values and sentence."""
     if item.kind == LAW:
         return _empirical(model, item, name, provenance, share, active)
     own, entries, estimates = [], [], []
@@ -133,7 +133,7 @@ def _empirical(
     share: float | None,
     active: Activity | None,
 ) -> Found:
-    """Tell a product as a ``law``, with the warning that it is no law known by name."""
+    """Write a product as a ``law``, with the warning that it is no law known by name."""
     assert isinstance(item.place, On)
     values = {key: value for key, (value, _) in item.values.items()}
     spreads = {key: sd for key, (_, sd) in item.values.items() if np.isfinite(sd)}

@@ -1,6 +1,6 @@
 """The posterior probability of each cause of a decision.
 
-Scores are −2 ln of posterior probabilities, so the fitted structures that can be believed share
+Scores are −2 ln of posterior probabilities, so the fitted admissible structures share
 them by exp(−score/2), and a cause has what the structures with it have together (Bayesian model
 averaging: Hoeting et al., Statistical Science 14, 1999). What was never fitted has no share: a
 search fits whatever the linear problem lets come near. Where the structures that come near were

@@ -77,7 +77,7 @@ def _margin(decision: Decision, trial: Refined, weights: Array) -> Array:
 
 def _denies(trial: Refined, selected: Refined, cause: Hypothesis) -> bool:
     """Whether a trial is an answer without this cause: the law in another shape is no denial, an
-    extension that was refused is none, and what convention tells apart no window does."""
+    extension that was refused is none, and what convention separates no window does."""
     mine = _sort(cause)
     if trial.fit.reason or any(_sort(other) == mine for other in trial.causes):
         return False

@@ -1,1 +1,1 @@
-"""Which structure the recordings choose: causes screened, tried together, refined, believed."""
+"""Which structure the recordings choose: causes screened, tried together, refined, selected."""

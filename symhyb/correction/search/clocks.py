@@ -118,7 +118,7 @@ def _staged(setting: Setting) -> tuple[Setting, Stage]:
 
 
 def _fits(setting: Setting, stage: Stage) -> list[_Fit]:
-    """The drift of every channel, fitted by itself; none where too few windows tell."""
+    """The drift of every channel, fitted by itself; none where too few windows show one."""
     delays = [i for i, cause in enumerate(setting.parametric) if cause.kind == "delay"]
     grams, held, times, count = _windows(setting, stage, delays)
     if times.size < WINDOWS_LEAST or not held.any() or not np.isfinite(grams).all():

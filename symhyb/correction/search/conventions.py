@@ -1,4 +1,4 @@
-"""Causes that no recording of a kind tells apart, and which of them convention names."""
+"""Causes that no recording of a kind distinguishes, and which of them convention names."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Which causes are believed: one list, one score, one search.
+"""Which causes are selected: one list, one score, one search.
 
 1. Linear screens at growing window lengths, and sparse regression on the weak form, name the
    structures to begin with; where these do not explain it, those of every length with all
@@ -55,11 +55,11 @@ CLOSE_MOST = 8  # structures that are decided among, with the selected one
 
 @dataclass(frozen=True, slots=True)
 class Decision:
-    """The structure that is believed (``selected``), the ``best`` by its score alone (convention
+    """The structure that is selected (``selected``), the ``best`` by its score alone (convention
     may name another one), all that were refined (``trials``), and ``equals``: causes that no
-    recording of this kind tells from another one. ``count`` causes competed. Some trials may have
-    been ``judged`` along whole recordings: by how much each is worse than the selected structure
-    there."""
+    recording of this kind distinguishes from another one. ``count`` causes competed. Some trials
+    may have been ``judged`` along whole recordings: by how much each is worse than the selected
+    structure there."""
 
     selected: Refined
     nothing: Refined
@@ -168,8 +168,8 @@ def _known(trials: Trials) -> str:
 
 
 def _decided(trials: Trials, problems: Sequence[Problem], pool: set[tuple[int, ...]]) -> Decision:
-    """The search: from the best ``pool`` of the linear problems, the first of which tells most, by
-    one cause more, less or else."""
+    """The search: from the best ``pool`` of the linear problems, the first of which explains most,
+    by one cause more, less or else."""
     setting, problem = trials.setting, problems[0]
     nothing = trials.refined(())
     best, log = _best(trials), []
@@ -207,7 +207,7 @@ def _cheaper(subset: Subset, best: Refined) -> bool:
 
 
 def _best(trials: Trials) -> Refined:
-    """The structure of the best score among those that can be believed. What is left by the one
+    """The structure of the best score among the admissible ones. What is left by the one
     that fits best, its numbers paid, is the unit in which all are compared."""
     length_s = trials.setting.stages[-1].length_s
     done = [
@@ -342,7 +342,7 @@ def _varied(
 
 
 def _conventional(trials: Trials, best: Refined, problem: Problem) -> Refined:
-    """Where convention names one of two causes that windows hardly tell apart, the one it names: a
+    """Where convention names one of two causes that windows hardly distinguish, the one it names: a
     delay moves what the windows hold."""
     unit = piece_of(best)
     for trial in trials.done.values():

@@ -1,4 +1,4 @@
-"""Exchanges of causes that the linear problem along a structure's simulation promises.
+"""Exchanges of causes that the linear problem along a structure's simulation favours.
 
 One Gram matrix along the simulation answers for every exchange: a cause that goes puts its effect
 back into the residual, those that stay may move, and any others may come.

@@ -1,9 +1,9 @@
-"""The structures that a search begins with: what linear problems promise most of.
+"""The structures that a search begins with: the subsets with the largest screening gain.
 
 Where these do not explain the recordings, laws are compared at their best, with the numbers that
 nobody knows exactly: a resistance that is off by 4 % carries long windows away from the recording
-whatever else acts, so that the right law seems to explain nothing. And what each window length
-promises is tried: a law that jumps is linear along short windows alone.
+whatever else acts, so that the right law seems to explain nothing. And the best subset of
+each window length is tried: a law that jumps is linear along short windows alone.
 """
 
 from collections.abc import Iterator, Sequence
@@ -44,8 +44,8 @@ def begun_along(
     trials: Trials, nothing: Refined, problems: Sequence[Problem]
 ) -> Iterator[tuple[tuple[int, ...], list[Row]]]:
     """Structures with all parameters that state an ``sd``, with their first guesses: no law beside
-    them, and the one and the two that each of the linear ``problems`` promises most of, if they pay
-    for themselves; the small ones first."""
+    them, and the one and the two that each of the linear ``problems`` favours most, if they pay for
+    themselves; the small ones first."""
     numbers = _stated(problems[0])
     if not numbers:
         return
@@ -65,7 +65,7 @@ def begun_along(
 
 
 def _promised(trials: Trials, nothing: Refined, problem: Problem, many: int) -> Subset | None:
-    """The subset of so many causes that leaves least, if it promises enough."""
+    """The subset of so many causes that leaves least, if its screening gain is large enough."""
     sizes = best_subsets(problem, many)
     if len(sizes) <= many:
         return None
@@ -82,7 +82,7 @@ def _unit(best: Subset, nothing: Refined) -> float:
 def _gain(
     trials: Trials, nothing: Refined, empty: Subset, subset: Subset, unit: float, paid: float
 ) -> float:
-    """By how much the score is promised to fall with a subset of which a part of the price, 0 to 1,
+    """By how much the score is expected to fall with a subset of which a part of the price, 0 to 1,
     is ``paid``."""
     choices = len(subset.causes) * choice_of(trials.count)
     price = subset.numbers * np.log(samples(nothing)) + choices

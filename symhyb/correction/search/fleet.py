@@ -80,7 +80,7 @@ class Outlier:
     """A recording (its index) that does not fit the others: the number in which it differs most
     (index of the cause, key), its own value and that of the others, each with one sd, SI;
     ``distance`` is (x − y)ᵀ(C + D)⁻¹(x − y) over the shared numbers, ``chance`` how often a
-    recording that belongs to the others would be as far. Where no number tells them apart, the
+    recording that belongs to the others would be as far. Where no number separates them, the
     cause is −1 and the values are χ² per sample."""
 
     recording: int
@@ -229,7 +229,7 @@ def _half(item: Cut, which: int) -> NDArray[np.int64]:
 def widened(final: Refined, odd: Outlier) -> Refined:
     """The structure with the deviation of the drifting number as wide as its two values lie apart,
     each weighed by its precision: half of that where both are known alike, and little where one
-    half hardly tells it."""
+    half hardly determines it."""
     numbers = [(i, key) for i, cause in enumerate(final.causes) for key in keys_of(cause)]
     n = numbers.index((odd.cause, odd.key))
     covariance = final.fit.covariance.copy()

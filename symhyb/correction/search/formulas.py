@@ -32,14 +32,16 @@ def candidates(setting: Setting) -> Library:
 
 
 def beside(setting: Setting, book: Library, selected: Refined) -> list[tuple[Hypothesis, Row]]:
-    """The products that promise most of what a fitted structure leaves, along its simulation."""
+    """The products with the largest screening gain on what a fitted structure leaves, along its
+    simulation."""
     columns = tuple(selected.machine.column(path) for path in selected.paths)
     model = WindowModel(selected.machine, columns)
     return _promised(setting, book, model, selected.p, selected, selected.fit.starts)
 
 
 def instead(setting: Setting, book: Library, nothing: Refined) -> list[tuple[Hypothesis, Row]]:
-    """The products that promise most of the whole mismatch, along the measured motion."""
+    """The products with the largest screening gain on the whole mismatch, along the measured
+    motion."""
     model = WindowModel(nothing.machine)
     return _promised(setting, book, model, nothing.p, nothing, None)
 
@@ -69,8 +71,8 @@ def _promised(
 
 
 def worth(empty: Subset, subset: Subset, base: Refined, unit: float | None = None) -> bool:
-    """Whether a linear problem promises enough for a trial: a significant part of what a structure
-    leaves; ``unit`` is χ² of one independent sample (default: that of the structure)."""
+    """Whether the gain of a linear problem is enough for a trial: a significant part of what a
+    structure leaves; ``unit`` is χ² of one independent sample (default: that of the structure)."""
     gain = empty.chi2 - subset.chi2
     more = max(empty.chi2 - float(base.fit.count[~base.fit.held].sum()), 1e-12)
     return gain / (unit_of(base) if unit is None else unit) > SIGNIFICANT and gain > LARGE * more

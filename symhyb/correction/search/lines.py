@@ -19,7 +19,7 @@ OVERTONES = (2.0, 3.0, 0.5)  # times the frequency that was found
 
 def lines_of(setting: Setting, selected: Refined) -> list[tuple[tuple[Hypothesis, ...], list[Row]]]:
     """The best line more and the best two of them, with first guesses, where the linearisation
-    along the selected structure's simulation promises a part of what is left."""
+    along the selected structure's simulation takes a part of what is left."""
     offered = _lines(setting, selected)
     if not offered:
         return []

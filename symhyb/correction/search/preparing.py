@@ -119,7 +119,7 @@ def _recorded(runs: Sequence[Run]) -> NDArray[np.bool_]:
 
 
 def settle(prepared: Prepared, own: Sequence[str] = (), more: Sequence[On] = ()) -> Setting:
-    """Lower all hypotheses, also at ``more`` places, and lay windows at growing lengths; ``own``
+    """Lower all hypotheses, also at ``more`` places, and make windows of growing lengths; ``own``
     names what each recording has its own value of.
 
     Raises:
@@ -162,8 +162,9 @@ def _relative_noise(prepared: Prepared) -> float:
 
 
 def _sag(prepared: Prepared) -> float:
-    """What first-order hold may take from an input, relative to it: the sag |Δ²u|/8 of the true
-    signal's chord between two samples; nothing where the input is known to be smooth or held."""
+    """What first-order hold may take from an input, relative to it: the hold error |Δ²u|/8 of the
+    true signal's chord between two samples; nothing where the input is known to be smooth or
+    held."""
     worst = 0.0
     lines = [item.name for item in prepared.model.inputs if item.between not in ("smooth", "held")]
     for run in prepared.runs:

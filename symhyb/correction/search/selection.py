@@ -102,7 +102,7 @@ def neighbours(problem: Problem, subset: Subset) -> list[Subset]:
 
 def solve(problem: Problem, causes: Sequence[int]) -> Subset | None:
     """Least squares for one set of causes; None if a coefficient is out of its bounds or the data
-    cannot tell it."""
+    do not determine it."""
     columns = [c for cause in causes for c in problem.columns[cause]]
     own = [c for cause in causes if _apart(problem, cause) for c in problem.columns[cause]]
     none: set[int] = set()
@@ -148,7 +148,7 @@ def _solved(problem: Problem, sets: Sequence[tuple[int, ...]]) -> list[Subset]:
 
 
 def _side_by_side(problem: Problem, sets: Sequence[tuple[int, ...]]) -> list[Subset]:
-    """The subsets (S) that the data can tell and whose coefficients are in bounds and large
+    """The subsets (S) that the data determine and whose coefficients are in bounds and large
     enough; all sets have as many columns."""
     rows = [[c for cause in causes for c in problem.columns[cause]] for causes in sets]
     chosen = np.array(rows, np.int64)
@@ -189,8 +189,8 @@ def _side_by_side(problem: Problem, sets: Sequence[tuple[int, ...]]) -> list[Sub
 
 
 def _fitted(problem: Problem, joined: Sequence[int]) -> Array | None:
-    """Least squares (C,) of some columns; None if the data cannot tell them, or one that no sign
-    forbids is out of its bounds."""
+    """Least squares (C,) of some columns; None if the data do not determine them, or one that no
+    sign forbids is out of its bounds."""
     if not joined:
         return np.zeros(0)
     block = problem.gram[np.ix_(joined, joined)] + np.diag(problem.prior[joined])

@@ -3,8 +3,8 @@
     ΔF(q, v, a; p + δ) − ΔF(q, v, a; p) = −c F(q, v, a)        at random states, for one number c
 
 An added inertia on a coordinate is the moment of inertia that turns with it. Along a motion that is
-known to its noise the two look alike, and not the same; along none can they be told apart. The file
-states the parameter with an sd, so it is known to be off, and it is the one that is named.
+known to its noise the two look alike, and not the same; along none can they be distinguished. The
+file states the parameter with an sd, so it is known to be off, and it is the one that is named.
 Sizes: S states, n coordinates, C probe columns.
 """
 

@@ -99,7 +99,7 @@ def _doubt(choice: Choice, final: Refined) -> frozenset[Hypothesis]:
 
 def _vague(held: Refined, alone: Refined) -> frozenset[Hypothesis]:
     """The causes whose strength does not stand out of its deviation with what else the model is
-    uncertain of (``held``); what bends a law tells it from that, if it stands out by itself
+    uncertain of (``held``); what bends a law separates it from that, if it stands out by itself
     (``alone``)."""
     straight = set(plain(alone))
     return frozenset(held.causes[i] for i in weak(held) if i in straight)

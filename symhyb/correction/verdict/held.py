@@ -4,7 +4,7 @@ A parameter that states an sd and was not chosen as a cause stays at its stated 
 that were fitted beside it hold for that value alone. What its sd, narrowed by the recordings,
 leaves open of them is part of their deviation (Guide to the expression of uncertainty in
 measurement, 2008, 5.2). A parameter has no part in it where a variant of its law stands beside its
-element: of a damper and of one by direction beside it the recordings tell the sum alone.
+element: of a damper and of one by direction beside it the recordings determine the sum alone.
 """
 
 from collections.abc import Sequence

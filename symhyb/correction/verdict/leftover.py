@@ -1,6 +1,6 @@
 """What else is visible in what the found causes leave: named with its share, never claimed.
 
-On real recordings every term is significant. What earns too little to be found is listed here:
+On real recordings every term is significant. What explains too little to be found is listed here:
 laws of the vocabulary, and effects that format 1 writes as a ``law`` only.
 """
 

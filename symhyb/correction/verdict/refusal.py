@@ -252,7 +252,7 @@ def runs_away(machine: Machine, run: Run) -> float | None:
 
 def if_long_enough(diagnosis: Diagnosis, runs: Sequence[Run]) -> Diagnosis:
     """The diagnosis, undecided where no recording lasts one period of any motion in it; where
-    nothing comes back there is no period, and passages at several speeds tell as well."""
+    nothing comes back there is no period, and passages at several speeds do as well."""
     claims = diagnosis.found or diagnosis.parameters or diagnosis.measurement
     if not claims or any(_whole_period(run) for run in runs):
         return diagnosis

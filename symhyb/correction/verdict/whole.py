@@ -1,10 +1,10 @@
 """What only a whole recording shows: one cause more, judged over all of it at once.
 
 Free initial states of windows take up what acts slowly. A weak damping beside a strong one changes
-a decay by little within one window, and by much over all of it. Where the machine forgets where it
-began, a simulation over the whole recording adds up forces and not errors of the beginning, and is
-the better judge; the held windows have to agree. On a free integrator it is not, because there
-every small error adds up for ever.
+a decay by little within one window, and by much over all of it. Where the effect of the initial
+state decays, a simulation over the whole recording adds up forces and not errors of the beginning,
+and is the better judge; the held windows have to agree. On a free integrator it is not, because
+there every small error adds up for ever.
 
 They are compared by the score of the search, in the unit of what the better one leaves.
 """
@@ -126,7 +126,7 @@ def forgets(trial: Refined, stage: Stage) -> bool:
 
 def _tried(choice: Choice, setting: Setting, base: Refined) -> list[Refined]:
     """The structure with each cause of one number that the linear problem over whole recordings
-    promises, refined; those that can be believed."""
+    favours, refined; the admissible ones."""
     gone = {setting.hypotheses.index(second) for _, second in choice.decision.equals}
     gone |= {i for i, cause in enumerate(setting.hypotheses) if cause.variant}
     problem = without(around(setting, base), gone)
@@ -166,7 +166,7 @@ def _stands(
     count: int,
     log: list[str],
 ) -> bool:
-    """Whether the added cause earns its place over whole recordings, and the held ones of the
+    """Whether the added cause passes the selection over whole recordings, and the held ones of the
     longest windows, at which ``selected`` was fitted, agree."""
     unit = piece_of(trial)
     gain = score(base, unit, count) - score(trial, unit, count)

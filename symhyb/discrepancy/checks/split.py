@@ -3,7 +3,7 @@
 What changes from period to period of the settled response is noise; what repeats at lines that the
 drive does not excite is nonlinearity (at even lines of even order, where the drive has odd lines
 only); what the first period has beyond the settled ones is transient. Nonlinearity at the excited
-lines themselves counts as linear: one manoeuvre cannot tell it. Source: Pintelon and Schoukens,
+lines themselves counts as linear: one manoeuvre cannot show it. Source: Pintelon and Schoukens,
 System Identification, 2nd ed., ch. 4. Sizes: N samples, k inputs, P samples a period.
 """
 

@@ -162,14 +162,15 @@ def suspect(machine: Machine, runs: Sequence[Run]) -> Repair:
 
 
 def _turned(run: Run) -> bool:
-    """Whether a recording lasts a period of some motion: less shows no shape to tell faults by."""
+    """Whether a recording lasts a period of some motion: less shows no shape to distinguish faults
+    by."""
     return bool(np.min(run.motion.periods()) < (1 - 1e-9) * run.recording.duration)
 
 
 def _judged(
     model: Model, before: Misfit, scored: Sequence[tuple[RecordingFault, Misfit]]
 ) -> Repair:
-    """Claim what clears the misfit and explains the forces, tell what helps, else nothing."""
+    """Claim what clears the misfit and explains the forces, report what helps, else nothing."""
     clear = [(fault, after) for fault, after in scored if _clears(before, after)]
     helps = [(fault, after) for fault, after in scored if _helps(before, after)]
     able = clear or helps
@@ -186,7 +187,7 @@ def _judged(
 
 def _clears(before: Misfit, after: Misfit) -> bool:
     """Whether nothing but this fault explains the misfit; sensors that contradict each other need
-    no forces to tell it."""
+    no forces to show it."""
     explains = after.plain < SMALL and after.plain < LARGE * before.plain
     contradict = before.senses > SUSPECT and after.senses < SMALL * before.senses
     return after.worst < SMALL * before.worst and (explains or contradict)

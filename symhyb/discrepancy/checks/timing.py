@@ -40,7 +40,7 @@ UNTOLD = "this motion tells no delay"
 @dataclass(frozen=True, slots=True)
 class Late:
     """By how much a ``channel`` shows or acts later than ``against`` says, s, one ``sd``; None
-    where the recording cannot tell; ``reason`` says why it is not ``claimed``."""
+    where the recording cannot show it; ``reason`` says why it is not ``claimed``."""
 
     channel: str
     against: str

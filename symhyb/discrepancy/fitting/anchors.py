@@ -30,7 +30,8 @@ class Anchor:
 
 
 def anchored(model: WindowModel, item: Cut, p: Array, slopes: bool = False) -> Anchor:
-    """The anchor of the windows under parameters ``p`` (P,), SI; ``slopes`` where asked for."""
+    """The prior of inner states of the windows under parameters ``p`` (P,), SI; ``slopes`` where
+    asked for."""
     starts, free = item.rows[:, 0], model.free
     asked = [i for i, column in enumerate(free) if slopes and column in _acting(model)]
     steps = np.array([STEP * (abs(p[free[i]]) or 1.0) for i in asked])
@@ -46,8 +47,8 @@ def anchored(model: WindowModel, item: Cut, p: Array, slopes: bool = False) -> A
 
 
 def off_anchor(model: WindowModel, item: Cut, p: Array, start: Array) -> Array:
-    """Squared deviations (W,) of initial states ``start`` (W, X) from their anchor, in its spread,
-    dimensionless."""
+    """Squared deviations (W,) of initial states ``start`` (W, X) from their prior, in its
+    deviations, dimensionless."""
     first = 2 * len(model.form.free)
     if start.shape[1] == first:
         return np.zeros(len(start))

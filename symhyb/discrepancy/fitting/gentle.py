@@ -1,9 +1,10 @@
 """Dry friction that turns over gently: where a fit begins.
 
-A place that sticks forgets how it came there, so that along a trajectory that sticks at the wrong
-time no small change of its start improves anything. Friction that is smoothed over a hundredth of
-the largest speed has none of these minima; the initial states that fit with it lie near those that
-fit with the steep law (continuation: Allgower & Georg, Numerical Continuation Methods, 1990).
+A place that sticks keeps no trace of how it came there, so that along a trajectory that sticks at
+the wrong time no small change of its start improves anything. Friction that is smoothed over a
+hundredth of the largest speed has none of these minima; the initial states that fit with it lie
+near those that fit with the steep law (continuation: Allgower & Georg, Numerical Continuation
+Methods, 1990).
 """
 
 from collections.abc import Sequence

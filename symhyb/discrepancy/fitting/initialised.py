@@ -45,7 +45,7 @@ class FreeRun:
 
 
 def initialised_run(model: Model, recording: Recording, samples: int = SAMPLES) -> FreeRun:
-    """Simulate a recording from an initial state that its first ``samples`` tell.
+    """Simulate a recording from an initial state that its first ``samples`` determine.
 
     Raises:
         InputError: fewer than 20 samples to begin with, a recording that has no more than them, or

@@ -271,7 +271,7 @@ def _spread_out(part: _Part, own: Sequence[int], size: int) -> _Part:
 
 
 def _held_back(part: _Part, model: WindowModel, item: Cut, p: Array, start: Array) -> _Part:
-    """With one row more for each inner state, which ties its start to its anchor."""
+    """With one row more for each inner state, which ties its start to its prior."""
     first = 2 * len(model.form.free)
     windows, states = start.shape
     if states == first:

@@ -12,8 +12,8 @@ from symhyb.numeric.runs.windows import WindowModel
 
 
 def squares(model: WindowModel, item: Cut, p: Array, start: Array, sd: Array) -> Array:
-    """Squared whitened residuals of each window (W,) that begins at ``start`` (W, X), off-anchor
-    inner states included; ``p`` (P,) and noise ``sd`` (m,) in SI."""
+    """Squared whitened residuals of each window (W,) that begins at ``start`` (W, X), priors
+    of inner states included; ``p`` (P,) and noise ``sd`` (m,) in SI."""
     with np.errstate(over="ignore", invalid="ignore"):
         _, y = model.simulate(item.block, start, p)
         residual = np.where(np.isfinite(item.block.y), item.block.y - y, 0.0)

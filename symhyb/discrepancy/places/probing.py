@@ -1,4 +1,4 @@
-"""How places move, at states about the start: what tells two places apart.
+"""How places move, at states about the start: what distinguishes two places.
 
 Sizes: N states, n coordinates, P places.
 """

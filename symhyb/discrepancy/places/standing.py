@@ -23,8 +23,8 @@ def uncertain_beside(
 
 def taken_over(model: Model, cause: Hypothesis) -> frozenset[str]:
     """The parameters, by path, in the keys that a variant of a law and an element of its kind at
-    its place both have: of the two together the recordings tell the sum alone. None of a plain law:
-    that is what the parameter itself may be."""
+    its place both have: of the two together the recordings determine the sum alone. None of a plain
+    law: that is what the parameter itself may be."""
     found: set[str] = set()
     if not cause.variant:
         return frozenset(found)

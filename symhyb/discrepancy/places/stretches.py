@@ -162,7 +162,7 @@ def _ratio_of_change(slopes: Array, i: int, j: int) -> float | None:
 
 def _even_ratios(entries: Array, i: int, j: int, alike: bool) -> list[float]:
     """Ratios of a coupling that is the same everywhere, the likeliest first: if nothing else acts
-    on the two, their own entries tell; else it is 1, with the sign of the coupling."""
+    on the two, their own entries decide; else it is 1, with the sign of the coupling."""
     own, cross, other = entries[0, i, i], entries[0, i, j], entries[0, j, j]
     found = [-cross / own] if own else []
     if abs(own * other - cross**2) > PARALLEL * cross**2:

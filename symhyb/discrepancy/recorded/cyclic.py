@@ -3,7 +3,7 @@
     ∂ΔF/∂q_j = 0  and  ∂y/∂q_j = 0        q_j is cyclic (Goldstein, Classical Mechanics, §2.6)
 
 Where a sensor shows the rate of one, its motion is known up to a constant that acts nowhere: no
-equation of a model that may lack something has to tell its place.
+equation of a model that may lack something has to determine its place.
 Sizes: N samples, n coordinates, m sensors.
 """
 

@@ -100,7 +100,7 @@ def _ratios(slope: Array, turn: Array, chosen: tuple[int, ...]) -> tuple[Array, 
 
 def placed_with(machine: Machine, q: Array, t: Array, shown: Array) -> Array:
     """How far sensors of slopes (N, m, n) and constraints together place each coordinate (n,), at a
-    few samples of ``q`` (N, n), SI: 1 what they tell, 0 what they leave open."""
+    few samples of ``q`` (N, n), SI: 1 what they determine, 0 what they leave open."""
     rows = np.unique(np.linspace(0, min(t.size - 1, 50), 5).astype(int))
     still = np.zeros_like(q[rows])
     slope = gaps_of(machine, q[rows], still, still, t[rows], machine.values).slope

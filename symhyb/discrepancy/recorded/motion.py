@@ -43,7 +43,7 @@ class Motion:
     """Smoothed motion of one recording, SI: ``q``, ``v``, ``a`` (N, n) and one standard deviation
     of each in ``q_sd``, ``v_sd``, ``a_sd`` (n,); ``sd`` (m,) is the measured noise of the sensors
     (NaN for a sensor without samples), ``spacing_s`` the distance of the knots in s, ``blind`` the
-    coordinates whose place no sensor shows and the model had to tell."""
+    coordinates whose place no sensor shows and the model had to determine."""
 
     t: Array
     q: Array
@@ -329,7 +329,7 @@ def _seen(
 
 
 def _weights(y: Array, sd: Array) -> Array:
-    """1/sd of every sensor (m,); a hundredth of its spread where too few samples tell the noise."""
+    """1/sd of every sensor (m,); a hundredth of its spread where too few samples show the noise."""
     spread = np.array([np.std(c[np.isfinite(c)]) if np.isfinite(c).any() else 0.0 for c in y.T])
     known = np.where(np.isfinite(sd), sd, 1e-2 * spread)
     level = np.maximum(known, 1e-9 * spread)

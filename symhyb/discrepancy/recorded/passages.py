@@ -2,7 +2,7 @@
 
 A ball that falls, a valve that closes once: nothing comes back, so there is no period, however long
 one records. On a single passage place, speed and time are functions of each other, and
-so is every force of them; what tells them apart is another passage at another speed.
+so is every force of them; what distinguishes them is another passage at another speed.
 Sizes: N samples, n coordinates.
 """
 

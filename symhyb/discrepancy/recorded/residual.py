@@ -188,7 +188,7 @@ def held_notes(machine: Machine) -> tuple[str, ...]:
 
 
 def blind_notes(motion: Motion) -> tuple[str, ...]:
-    """Say which coordinates no sensor places, so that the model had to tell their motion."""
+    """Say which coordinates no sensor places, so that the model had to determine their motion."""
     return tuple(
         f"no sensor shows the place of {name}: its motion is estimated with the model, and what it "
         "lacks shows on other coordinates too"

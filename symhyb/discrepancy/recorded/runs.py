@@ -46,7 +46,7 @@ class Run:
 
 
 def cut_into_windows(run: Run, machine: Machine, length_s: float) -> Cut | None:
-    """Windows of one run, ``length_s`` in s, to be suited to a machine."""
+    """Windows of one run, ``length_s`` in s, to be adapted to a machine."""
     parts = np.full(run.recording.t.size - 1, run.steps)
     cut = lay(run.recording, machine, run.motion, length_s, parts)
     return cut if cut is None else replace(cut, floor=run.floor, steps=run.steps, fine=run.fine)
@@ -130,7 +130,8 @@ def _steps_needed(model: WindowModel, run: Run) -> int:
 
 def _for_bends(model: WindowModel, run: Run) -> int:
     """Steps between samples that follow the bends of smooth inputs: noise does not excuse a line
-    there, which biases every sample alike. The sag of a chord, |Δ²u|/8, falls with their square."""
+    there, which biases every sample alike. The error of a chord, |Δ²u|/8, falls with their
+    square."""
     steps = 1
     for item in model.machine.model.inputs:
         values = run.recording.inputs[item.name]
@@ -192,8 +193,8 @@ def fine_for(machine: Machine, run: Run, length_s: float) -> int:
 def _enough(
     model: WindowModel, run: Run, cut_with: Callable[[int], Cut | None], first: int, most: int
 ) -> int:
-    """The smallest of ``first``, 2·``first`` … ``most`` steps that the noise does not tell from
-    twice as many."""
+    """The smallest of ``first``, 2·``first`` … ``most`` steps that the noise does not distinguish
+    from twice as many."""
     values = model.machine.values
     y = [run.recording.sensors.get(s.name) for s in model.machine.model.sensors]
     reach = np.array([0.0 if c is None else np.nanmax(c) - np.nanmin(c) for c in y])

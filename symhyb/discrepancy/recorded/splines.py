@@ -102,6 +102,6 @@ def bands(basis: Sequence[sparse.csr_array], solver: SuperLU, n: int) -> tuple[A
 
 def swings(t: Array, q: Array, v: Array) -> bool:
     """Whether a spline through few samples swings between them: its speeds (N, n) are then larger
-    than places (N, n) at the times (N,) can tell. SI."""
+    than places (N, n) at the times (N,) can show. SI."""
     seen = np.sqrt(np.mean(np.square(np.diff(q, axis=0) / np.diff(t)[:, None]), axis=0))
     return bool(np.any(np.sqrt(np.mean(v**2, axis=0)) > SWING_MOST * seen))

@@ -27,7 +27,7 @@ def watching_model(model: Model, recording: Recording) -> tuple[Model, Recording
 
 
 def length_gauges(model: Model) -> tuple[Sensor, ...]:
-    """A sensor that shows 1 for each quaternion: no other one tells its length."""
+    """A sensor that shows 1 for each quaternion: no other one shows its length."""
     found = []
     for body in model.bodies:
         if isinstance(body.turned, Quaternion):

@@ -177,11 +177,11 @@ def lay(
     length_s: float,
     substeps: NDArray[np.int64] | None = None,
 ) -> Cut | None:
-    """Lay windows of ``length_s`` seconds without overlap; every third one validates.
+    """Make windows of ``length_s`` seconds without overlap; every third one validates.
 
     Windows that straddle a gap in time or miss more samples than others are left out. ``substeps``
     (N − 1,) are the integration steps between the samples of the recording, default one, until
-    the windows are suited to a machine. Returns
+    the windows are adapted to a machine. Returns
     None if the recording holds no window.
     """
     step = float(np.median(np.diff(recording.t)))
@@ -249,8 +249,8 @@ def _record(recording: Recording, inputs: tuple[Input, ...]) -> tuple[Array, Arr
 
 
 def _settled(motion: Motion, step: float) -> int:
-    """The sample from which the smoothed motion tells a start: with few samples a period a spline
-    may swing at its end, to speeds that the motion never has again."""
+    """The sample from which the smoothed motion determines a start: with few samples a period a
+    spline may swing at its end, to speeds that the motion never has again."""
     end = int(np.ceil(END_KNOTS * motion.spacing_s / step))
     size = np.abs(motion.v)
     if size.shape[0] < 20 * end or size.shape[1] == 0:

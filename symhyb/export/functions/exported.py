@@ -6,7 +6,7 @@ of elements:     u = q, q' and the recorded inputs that matter, x = z, y = +ΔF:
 of the machine:  u = recorded inputs and imposed motion, x = (q, q', z), y = what the sensors record
 
 With ``events``, laws that jump are in modes (:mod:`symhyb.export.functions.modes`): these are the
-last of p, and what tells them is the last of y.
+last of p, and what indicates them is the last of y.
 """
 
 from collections.abc import Sequence
@@ -69,7 +69,7 @@ class Exported:
 
     @property
     def indicators(self) -> int:
-        """How many of the outputs, the last ones, tell when a mode has to change."""
+        """How many of the outputs, the last ones, indicate when a mode has to change."""
         return sum(ways - 1 for ways in self.ways)
 
     def evaluate(self, t: float, x: Array, u: Array, p: Array) -> tuple[Array, Array]:

@@ -67,7 +67,7 @@ class Parts:
 
 def parts_of(machine: Machine, modes: bool = False) -> Parts:
     """The elements of a machine; its networks as holes, and its ``modes`` if they are wanted, with
-    what tells them (:func:`symhyb.mechanics.opened.banded`)."""
+    what indicates them (:func:`symhyb.mechanics.opened.banded`)."""
     if modes or any(element.network for element in machine.model.elements):
         return _opened(machine.model, modes)
     n, k = machine.n, len(machine.model.inputs)

@@ -1,6 +1,6 @@
 """Laws that jump, made ready for solvers that know no jumps: smoothed, or in one mode at a time.
 
-A mode is a number that stays while a solver integrates; indicators tell when it has to change.
+A mode is a number that stays while a solver integrates; indicators show when it has to change.
 With the argument a that decides a mode, and a play h about its limits against chatter:
 
     3 modes   a = x/w of a jump sgn x over the half width w      sgn x -> m + (1 − m²)·a
@@ -30,7 +30,7 @@ Names = tuple[tuple[str, str], ...]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Modes:
-    """Modes m (M, 1) by ``symbols`` and the ``arguments`` (M, 1) that tell them; ``names``
+    """Modes m (M, 1) by ``symbols`` and the ``arguments`` (M, 1) that indicate them; ``names``
     for people and ``ways``, how many modes each can be in: 2 or 3."""
 
     symbols: ca.SX

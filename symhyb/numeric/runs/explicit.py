@@ -176,8 +176,8 @@ class Field:
         drive that runs straight between ``nodes``, times (K,) and values (K, drive), in steps that
         are at most ``longest`` s; SI. They are written down on the ``tape``, if there is one.
 
-        Where the equations are stiff and steps shorter than ``suspect`` s, ``weigh`` is told the
-        time, the length of a step and the state (X,), SI. The run goes on with what it returns in
+        Where the equations are stiff and steps shorter than ``suspect`` s, ``weigh`` gets the time
+        , the length of a step and the state (X,), SI. The run goes on with what it returns in
         the place of ``suspect``, and ends there if that is 0."""
         rows = np.full((t.size, start.size), np.nan)
         desk = Desk(t, start, nodes, limits, rows, tape)
@@ -198,7 +198,7 @@ class Field:
         return Steps(rows, reason, desk.reach, accepted, rejected, evaluations, at, last)
 
     def advance(self, desk: Desk, ready: Prepared) -> int:
-        """Integrate what lies on a desk; how it ended, a place in ``REASONS``."""
+        """Integrate the task of a workspace; how it ended, a place in ``REASONS``."""
         task, before = ctypes.byref(desk.task), int(desk.count[3]) if desk.task.resumed else 0
         if ready.own is None:
             status = self._library.integrate(ready.rate, ready.memory, task)
