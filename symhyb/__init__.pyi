@@ -15,6 +15,7 @@ from symhyb.errors import InputError as InputError
 from symhyb.errors import NumericsError as NumericsError
 from symhyb.errors import Problem as Problem
 from symhyb.learning import learn as learn
+from symhyb.mechanics.methods.from_sympy import from_sympy as from_sympy
 from symhyb.model.diff import diff as diff
 from symhyb.model.read import parse_model as parse_model
 from symhyb.model.read import read_model as read_model
@@ -52,6 +53,7 @@ __all__ = [
     "diagnose",
     "diff",
     "finished",
+    "from_sympy",
     "judge",
     "learn",
     "parse_model",

@@ -108,7 +108,7 @@ def _fitted(
     recordings: Recording | Sequence[Recording],
     tell: Say,
 ) -> Calibrated:
-    """The parameters of a model, fitted on windows that are laid for the values of ``start``."""
+    """The parameters of a model, fitted on windows that are made for the values of ``start``."""
     tell("estimating motion and noise" if start is model else "laying windows anew")
     prepared = prepare(start, recordings)
     tell(f"fitting {len(items)} parameter{'s' * (len(items) > 1)}")
@@ -229,6 +229,6 @@ def _bounds(model: Model, item: Parameter, step: float) -> tuple[float, float]:
 
 
 def _moved(numbers: Sequence[Reestimated], start: Model) -> bool:
-    """Whether a number lies far from where it stood when the windows were laid."""
+    """Whether a number lies far from where it stood when the windows were made."""
     stood = {item.path: item.value for item in with_channels(start).all_parameters()}
     return any(abs(one.value - stood[one.name]) > FAR * abs(stood[one.name]) for one in numbers)

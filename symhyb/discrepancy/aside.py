@@ -1,5 +1,5 @@
 """What a diagnosis says beside its causes: where and when something is missing, how large it is
-over the motion, which causes recordings tell apart, and what to record next.
+over the motion, which causes recordings distinguish, and what to record next.
 
 Values are in the unit that each carries beside it; arrays are in coherent SI with time on axis 0.
 Sizes: N samples, C causes, W windows, K lines of a spectrum.
@@ -100,7 +100,7 @@ class Cloud:
 
 @dataclass(frozen=True, slots=True)
 class Isolability:
-    """How well the recordings at hand tell causes apart.
+    """How well the recordings at hand distinguish causes.
 
     ``evidence`` (C, C + 1), dimensionless: ln of the odds that are expected against the cause of
     the column where the cause of the row acts, at the size found; the last column is "nothing
@@ -120,7 +120,7 @@ class Manoeuvre:
     ``channel`` is the input to drive, or the coordinate to release from ``amplitude``.
     ``amplitude`` (the peak) and ``offset`` are in ``unit``, ``frequency`` (lo, hi) in Hz, None for
     a release; ``duration`` and ``sampling`` (the time between two samples) in s. ``between`` are
-    the causes that it tells apart, with an ``evidence`` (ln of the odds) of at least so much;
+    the causes that it distinguishes, with an ``evidence`` (ln of the odds) of at least so much;
     ``beyond`` is True where it goes beyond what was recorded. docs/output.md states the signals.
     """
 

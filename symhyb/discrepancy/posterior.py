@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from symhyb.discrepancy.evidence import Correlations
 from symhyb.errors import InputError, Problem
 
 CHAINS, DRAWS = 4, 1000
@@ -18,13 +19,15 @@ CHAINS, DRAWS = 4, 1000
 class Posterior:
     """Numbers that were fitted together: ``names`` (``found_friction.coulomb``, ``k``,
     ``laser.gain``), their ``mean`` (K,), ``covariance`` (K, K) and ``units``, those of the model
-    file. The deviations are those that the diagnosis states, the correlations those of its last
-    fit: Laplace's approximation, which knows no bounds."""
+    file, in which their ``paths`` are the names (``found_friction.F_c``). The deviations are those
+    that the diagnosis states, the correlations those of its last fit: Laplace's approximation,
+    which knows no bounds."""
 
     names: tuple[str, ...]
     mean: NDArray[np.float64]
     covariance: NDArray[np.float64]
     units: tuple[str, ...]
+    paths: tuple[str, ...]
 
     @property
     def sd(self) -> NDArray[np.float64]:
@@ -35,6 +38,11 @@ class Posterior:
     def correlation(self) -> NDArray[np.float64]:
         """How the errors of two numbers go together (K, K), dimensionless, −1 to 1."""
         return self.covariance / np.outer(self.sd, self.sd)
+
+    @property
+    def correlations(self) -> Correlations:
+        """The same by the names of the corrected model file."""
+        return Correlations(self.paths, self.correlation)
 
     def __repr__(self) -> str:
         return f"<Posterior of {', '.join(self.names)}>"

@@ -24,7 +24,7 @@ from symhyb.discrepancy.aside import (
     PlaceShare,
     SignalName,
 )
-from symhyb.discrepancy.evidence import Worth
+from symhyb.discrepancy.evidence import Correlations, Worth
 from symhyb.discrepancy.posterior import CHAINS, DRAWS, Posterior
 from symhyb.discrepancy.scored import Comparison, Score, Trace, Verdict
 from symhyb.drawn import drawn
@@ -304,6 +304,12 @@ class Diagnosis:
         ``causes`` (elements or kinds), by default of all: returns the axes of matplotlib, two a
         place; what is given as ``ax`` is drawn on (:mod:`symhyb.report.axes`)."""
         return drawn("diagnosis", self, ax, causes=causes)
+
+    @property
+    def correlations(self) -> Correlations | None:
+        """How the claimed numbers trade off; None of fewer than two."""
+        known = self.posterior
+        return known.correlations if known is not None and known.mean.size > 1 else None
 
     def to_arviz(self, draws: int = DRAWS, chains: int = CHAINS, seed: int = 0) -> Any:
         """The joint posterior as ArviZ takes it (:meth:`Posterior.to_arviz`).

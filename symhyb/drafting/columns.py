@@ -128,7 +128,7 @@ def _measures(column: Column) -> bool:
 def _reading(
     column: Column, unit: Unit | None, model: Model, taken: Sequence[Role]
 ) -> tuple[str, str, str] | None:
-    """What a column measures, in which unit, and what of it is guessed; None if nobody can tell."""
+    """What a column measures, in which unit, and what of it is guessed; None if neither says it."""
     second, done = parse_unit("s"), {role.measures for role in taken}
     fitting: list[tuple[int, str, str]] = []
     for order in _orders(column, unit):
@@ -153,7 +153,7 @@ def _reading(
 
 def _orders(column: Column, unit: Unit | None) -> Iterator[int]:
     """How often a coordinate may be differentiated to give the column: as its name says, else, if
-    its unit can tell, in any order."""
+    its unit says so, in any order."""
     named = next((order for order, pattern in _ORDERS if pattern.search(column.name)), None)
     if named is not None:
         yield named

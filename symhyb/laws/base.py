@@ -42,7 +42,7 @@ class Key:
     feign it (a time or a place), ``either_sign`` that a variant may take the other sign too,
     ``inertia`` that it is a mass, which is in kg. ``listed`` are values at which another law of
     the list says the same: a value that does not stand out of them is not named. A ``quoted`` one
-    is told in words though it was set and not fitted.
+    is said in words though it was set and not fitted.
 
     In words: ``symbol`` is its usual letter, ``noun`` what it is as the subject of a sentence,
     ``label`` the same in a list behind a law, ``spoken`` its unit in SI and as it is read out.

@@ -1,6 +1,6 @@
 """What presses at a coordinate, as expressions of a model file: weight, springs, what is applied.
 
-Losses do not press. Of several forces their sum is told too, and first: a gear carries all of them.
+Losses do not press. Of several forces their sum is tried, too, and first: a gear carries them all.
 """
 
 from collections.abc import Iterator

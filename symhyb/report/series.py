@@ -122,7 +122,7 @@ def passages(x: Array, y: Array, bins: int = 24) -> tuple[Array, Array, Array]:
     """The mean of y in bins of x, and one standard deviation of that mean: (B,) each.
 
     ``x``, ``y``: (N,) in the order of time, in any unit. Samples of one passage of a bin are alike,
-    whatever their number: passages are averaged, and their scatter tells how well. Bins of less
+    whatever their number: passages are averaged, and their scatter says how well. Bins of less
     than three passages are left out.
     """
     known = np.isfinite(x) & np.isfinite(y)

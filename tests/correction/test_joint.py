@@ -51,6 +51,8 @@ def test_deviations_are_stated_and_correlations_fitted() -> None:
     found = joint()
     assert found.names == ("found_friction.coulomb", "k", "laser.gain")
     assert found.units == ("N", "N/m", "1")
+    assert found.correlations.names == ("found_friction.F_c", "k", "laser.gain")
+    np.testing.assert_array_equal(found.correlations.matrix, found.correlation)
     np.testing.assert_array_equal(found.mean, [0.5, 27.0, 1.02])
     np.testing.assert_allclose(found.sd, [0.006, 0.2, 0.001])
     np.testing.assert_allclose(

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from symhyb.discrepancy.evidence import Correlations, Whiteness, Without, Worth
+from symhyb.discrepancy.posterior import Posterior
 from symhyb.discrepancy.results import Comparison, Diagnosis, Score, Verdict
 from symhyb.report import render_page, to_json
 from symhyb.report.doubts import correlations_sentence, whiteness_sentences
@@ -99,7 +100,8 @@ def test_numbers_that_trade_off_are_told_drawn_and_kept(cases: Cases) -> None:
         "apart."
     )
     diagnosis, verdict = cases["missing"]()
-    diagnosis = replace(diagnosis, correlations=known)
+    joint = Posterior(known.names, np.ones(3), known.matrix, ("1",) * 3, known.names)
+    diagnosis = replace(diagnosis, posterior=joint)
     verdict = replace(verdict, whiteness=(white(0.4, 0.0),))
     page = render_page("t", diagnosis, verdict)
     assert "How the fitted numbers trade off" in page

@@ -4,12 +4,12 @@ Columns of parameters that are not independent along a motion have no values of 
 values of combinations: the base parameters of robotics. They come from QR with column pivoting,
 here of the information G (χ² by the parameters, everything else projected out), scaled by what was
 known before, so that a column counts by how much it narrows its parameter. A parameter whose
-column, given those of the pivots before it, tells less than its prior is determined together with
+column, given those of the pivots before it, says less than its prior is determined together with
 these alone:
 
     θ_i + Σ_j β_ij (sd_i / sd_j) θ_j          i determined, j not
 
-Sizes: P parameters.
+Sizes: P parameters, D determined, T determined together.
 
 Source: Gautier, Numerical calculation of the base inertial parameters of robots, Journal of Robotic
 Systems 8, 1991.
@@ -35,8 +35,8 @@ DIGITS = 3  # of a factor in a combination
 @dataclass(frozen=True, slots=True)
 class Base:
     """The parameters (numbers in the order given) that are ``determined``, those that ``nothing``
-    shows, and of all others by how much of each determined one they change (``factors``, one row a
-    determined one), in the units of the priors."""
+    shows, and of all others, which are known ``together``, by how much they change each determined
+    one: ``factors`` (D, T), dimensionless."""
 
     determined: tuple[int, ...]
     nothing: tuple[int, ...]

@@ -10,7 +10,8 @@ from symhyb.discrepancy.posterior import Posterior
 from symhyb.discrepancy.results import Diagnosis
 from symhyb.model.types import Model
 
-Row = tuple[str, str, float, float, str]  # name, path in the fit, value, sd and unit
+Row = tuple[str, str, float, float, str, str]
+"""Name, path in the fit, value, sd, unit, and name in the corrected model file."""
 
 
 def posterior_of(
@@ -38,6 +39,7 @@ def posterior_of(
         np.array([row[2] for row in rows]),
         covariance * np.outer(wider, wider),
         tuple(row[4] for row in rows),
+        tuple(row[5] for row in rows),
     )
 
 
@@ -50,12 +52,13 @@ def _claimed(
         item = known.get(found.element.name)
         for one in found.estimates:
             path = "" if item is None else _path(final, item, one.term)
-            yield f"{found.element.name}.{one.term}", path, one.value, one.sd, one.unit
+            own = found.element.name
+            yield f"{own}.{one.term}", path, one.value, one.sd, one.unit, f"{own}.{one.name}"
     for p in answer.parameters:
-        yield p.name, p.name, p.value, p.sd, p.unit
+        yield p.name, p.name, p.value, p.sd, p.unit, p.name
     for m in answer.measurement:
         name = f"{m.channel}.{m.kind}"
-        yield name, name, m.value, m.sd, m.unit
+        yield name, name, m.value, m.sd, m.unit, name
 
 
 def _path(final: Refined, item: Named, term: str) -> str:

@@ -28,7 +28,7 @@ from symhyb.correction.verdict.choice import Choice
 from symhyb.correction.verdict.estimate import Estimated
 from symhyb.correction.verdict.proof import Proof
 from symhyb.correction.verdict.whole_words import added_alternatives
-from symhyb.correction.verdict.worth import correlations_of, law_spread, worth_of
+from symhyb.correction.verdict.worth import law_spread, worth_of
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.places.locate import activity
 from symhyb.discrepancy.recorded.course import course_of
@@ -115,9 +115,6 @@ def concluded(
         log=(*decision.log, *(known.completed.log if known.completed else ())),
         notes=(*_run_notes(prepared), *noise_notes(model, noise), *_warnings(found)),
         classes=classes,
-        correlations=correlations_of(
-            model, final, known.items, element_names(model, known.items), known.doubt
-        ),
     )
 
 

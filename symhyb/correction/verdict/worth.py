@@ -1,17 +1,15 @@
 """What found effects amount to along the recordings, and how their fitted numbers trade off."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from symhyb.correction.naming.findings import Named, symbol_of
+from symhyb.correction.naming.findings import Named
 from symhyb.correction.search.strength import element_forces
 from symhyb.correction.search.trajectory import Refined
 from symhyb.discrepancy.evidence import Correlations, Worth
-from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.recorded.runs import Run
-from symhyb.model.types import Model
 from symhyb.numeric.kernels.buffers import Array
 
 
@@ -42,33 +40,6 @@ def _worth(taken: Array, peaks: Array, row: int, free: Sequence[int]) -> Worth:
     if i is None or not np.isfinite(peaks[:, i]).all() or peaks[row, i] <= 0:
         return Worth(energy, None)
     return Worth(energy, float(peaks[row, i] / peaks[:, i].max()))
-
-
-def correlations_of(
-    model: Model,
-    final: Refined,
-    items: Sequence[Named],
-    names: Sequence[str],
-    doubt: Collection[Hypothesis],
-) -> Correlations | None:
-    """The correlations of all numbers that are reported, ``names`` being those of the elements of
-    ``items``; None of fewer than two."""
-    rows = {
-        f"cause{i}.{key}": f"{name}.{symbol_of(model, item.kind, key)}"
-        for item, name in zip(items, names, strict=True)
-        for i in item.causes
-        for key in final.causes[i].keys
-    }
-    rows |= {
-        cause.path: cause.path
-        for cause in final.causes
-        if cause.place is None and cause not in doubt
-    }
-    chosen = [i for i, path in enumerate(final.paths) if path in rows]
-    matrix = correlation_matrix(final)[np.ix_(chosen, chosen)]
-    if len(chosen) < 2 or not np.isfinite(matrix).all():
-        return None
-    return Correlations(tuple(rows[final.paths[i]] for i in chosen), matrix)
 
 
 def correlation_matrix(final: Refined) -> Array:

@@ -82,7 +82,7 @@ class _Estimates:
 
 
 def words_of(element: Element) -> Options:
-    """What is told of an element beside its fitted numbers: words, expressions, and set values
+    """What is said of an element beside its fitted numbers: words, expressions, and set values
     without which its numbers say nothing."""
     law, own = KINDS[element.kind], {one.name: one for one in element.parameters}
     told = []

@@ -43,7 +43,7 @@ def spans_of(text: str) -> Span:
 
 
 class _Places(ContentHandler):
-    """Collects elements with their places. Expat tells a line, and a column in characters."""
+    """Collects elements with their places. Expat gives a line, and a column in characters."""
 
     def __init__(self, text: str):
         super().__init__()
