@@ -54,10 +54,10 @@ def model_schema() -> Schema:
             ),
             "point": _point(),
             "body": _body(),
-            "constraint": constraints(),
             "curve": curve(),
-            "element": elements(),
             "limit": _limit(),
+            **constraints(),
+            **elements(),
         },
     }
 

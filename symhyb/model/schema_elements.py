@@ -1,4 +1,4 @@
-"""The schema of elements and constraints, from the vocabulary: one alternative for each kind."""
+"""The schema of elements and constraints, from the vocabulary: a definition for each kind."""
 
 from collections.abc import Iterator, Sequence
 
@@ -11,6 +11,7 @@ from symhyb.model.read_space import AXES, kind_in
 from symhyb.model.schema_parts import (
     NAME,
     Schema,
+    by_kind,
     expression,
     listed,
     named,
@@ -67,9 +68,10 @@ NETWORK: dict[str, Schema] = {
 }
 
 
-def elements() -> Schema:
-    """An element: one of the kinds."""
-    return {"oneOf": [_element(kind_in(law, SPACE)) for law in KINDS.values()]}
+def elements() -> dict[str, Schema]:
+    """The definitions of an element and of each of its kinds."""
+    kinds = {f"element_{law.name}": _element(kind_in(law, SPACE)) for law in KINDS.values()}
+    return {"element": by_kind("element", tuple(KINDS)), **kinds}
 
 
 def _element(law: Law) -> Schema:
@@ -114,7 +116,8 @@ def _placed(law: Law, place: str) -> Schema:
         for key in law.keys
         if key.vector
     }
-    return {"required": [place], **({"properties": vectors} if vectors else {})}
+    beside = {"properties": vectors, "additionalProperties": True} if vectors else {}
+    return {"required": [place], **beside}
 
 
 def _key(law: Law, key: Key) -> Schema:
@@ -143,9 +146,11 @@ def _said(law: Law, key: Key) -> Iterator[str]:
         yield f"unset: {key.default}"
 
 
-def constraints() -> Schema:
-    """A constraint: one of the kinds."""
-    return {"oneOf": [_constraint(name, kind) for name, kind in CONSTRAINTS.items()]}
+def constraints() -> dict[str, Schema]:
+    """The definitions of a constraint and of each of its kinds."""
+    kinds = {f"constraint_{name}": _constraint(name, kind) for name, kind in CONSTRAINTS.items()}
+    whole = by_kind("constraint", tuple(CONSTRAINTS), tuple(PLAIN.values()))
+    return {"constraint": whole, **kinds}
 
 
 def _constraint(name: str, kind: ConstraintKind) -> Schema:

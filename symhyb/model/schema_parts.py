@@ -89,6 +89,34 @@ def one_given(keys: Sequence[str]) -> list[Schema]:
     return [{"required": [key]} for key in keys]
 
 
+def by_kind(prefix: str, kinds: Sequence[str], plain: Sequence[str] = ()) -> Schema:
+    """An entry that its ``kind`` decides: each is defined as ``<prefix>_<kind>``. An entry of one
+    of the ``plain`` kinds may leave the word out.
+
+    The conditions give sentences on the keys of the kind that was meant. Editors do not follow
+    conditions when they complete, so the kinds stand as alternatives too, the last of which is
+    free. Each piece says that it allows further keys, without which Tombi warns of every key.
+    """
+    free: Schema = {"type": "object", "additionalProperties": True}
+    refs = {kind: refer(f"{prefix}_{kind}") for kind in kinds}
+    said: Schema = {"required": ["kind"]}
+    rules = [
+        {**free, "if": {**free, **said, "properties": {"kind": {"const": kind}}}, "then": ref}
+        for kind, ref in refs.items()
+    ]
+    if plain:
+        either = {"oneOf": [refs[kind] for kind in plain]}
+        rules.append({**free, "if": {**free, "not": said}, "then": either})
+    return {
+        **free,
+        "properties": {"kind": word("what it is", kinds)},
+        **({} if plain else said),
+        "anyOf": [*refs.values(), free],
+        "if": free,
+        "then": {**free, "allOf": rules},
+    }
+
+
 def written(schema: Schema) -> str:
     """A schema as the text of its file."""
     return json.dumps(schema, indent=1, ensure_ascii=False) + "\n"

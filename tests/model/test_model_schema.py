@@ -147,6 +147,21 @@ def test_a_good_file_is_valid_and_read() -> None:
     assert parse_model(GOOD).elements
 
 
+@pytest.mark.parametrize(
+    ("right", "wrong", "said"),
+    [
+        ('stiffness = "k"', 'stifness = "k"', "'stifness' was unexpected"),
+        ('over = "rate"', "", "'over' is a required property"),
+        ('kind = "spring"', 'kind = "sprong"', "'sprong' is not one of"),
+        ("speed = 2", "speed = -2", "-2 is less than or equal"),
+    ],
+)
+def test_the_sentence_is_on_the_key_that_is_wrong(right: str, wrong: str, said: str) -> None:
+    faults = VALID.iter_errors(tomllib.loads(GOOD.replace(right, wrong, 1)))
+    told = [inner.message for fault in faults for inner in (fault, *(fault.context or ()))]
+    assert any(said in one for one in told)
+
+
 @pytest.mark.parametrize(("right", "wrong"), MISTAKES)
 def test_a_mistake_is_refused_by_the_schema_as_by_the_reader(right: str, wrong: str) -> None:
     assert GOOD.count(right) >= 1
