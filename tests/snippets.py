@@ -113,6 +113,7 @@ def run_page(page: Path, folder: Path) -> list[Ran]:
     if "begins" not in whole:
         for name in ("models", "studies"):
             shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("results"))
+        shutil.copy(ROOT / "pyproject.toml", folder)  # by which a study knows its project
     own = {"MPLBACKEND": "Agg", "COLUMNS": str(WIDTH), "NO_COLOR": "1"}
     own["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
     ran: list[Ran] = []
