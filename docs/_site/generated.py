@@ -39,6 +39,7 @@ class Generated(SphinxDirective):
     }
 
     def run(self) -> list[nodes.Node]:
+        self.env.note_reread()  # the page changes with the program, not with its own text
         return self.parse_text_to_nodes(self.made(), allow_section_headings=True)
 
     def made(self) -> str:

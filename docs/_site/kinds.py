@@ -125,6 +125,8 @@ def bounds(key: Key) -> str:
     parts = []
     if key.choices:
         return " · ".join(f'`"{word}"`' for word in key.choices)
+    if low == 0 and key.divides:
+        return "> 0"
     if low > -inf and high < inf:
         parts.append(f"{low:g} … {high:g}")
     elif low > -inf:
@@ -150,7 +152,7 @@ def notes(law: Law) -> Iterator[str]:
     """How the kind is searched, and how it is simulated."""
     found = law.candidates is not nothing_tried
     parts = ["A diagnosis looks for it." if found else "A diagnosis does not look for it."]
-    if len(law.strengths) > 1:
+    if len(law.strengths) > 1 and not set(law.strengths) & set(law.needs):
         needed = ", ".join(f"`{name}`" for name in law.strengths)
         one = law.key(law.strengths[0])
         count = "Exactly" if one and one.signal else "At least"
