@@ -44,11 +44,15 @@ def test_a_notebook_is_stored_without_outputs(notebook: Path) -> None:
             assert not code(cell).lstrip().startswith(("%", "!"))
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda file: file.stem)
-def test_a_notebook_runs(
-    notebook: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: object
-) -> None:
+def paced(notebook: Path) -> object:
+    """A notebook as a parameter: the first makes the diagnosis that docs/tutorials/start.md makes
+    among the slow tests, too, so that it is tried with the thorough ones."""
+    pace = pytest.mark.thorough if notebook.stem == "first_diagnosis" else pytest.mark.slow
+    return pytest.param(notebook, marks=pace, id=notebook.stem)
+
+
+@pytest.mark.parametrize("notebook", [paced(notebook) for notebook in NOTEBOOKS])
+def test_a_notebook_runs(notebook: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for name in ("models", "studies/oscillator"):
         shutil.copytree(ROOT / name, tmp_path / name)
     folder = tmp_path / "docs" / "notebooks"
