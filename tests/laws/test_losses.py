@@ -86,7 +86,7 @@ def test_friction_is_tried_with_each_load_that_is_known_and_begins_at_half() -> 
 
 def test_every_value_at_which_a_law_is_another_one_lies_within_what_is_tried() -> None:
     listed = [(law.name, key.listed) for law in LAWS for key in law.keys if key.listed]
-    assert listed == [("power", (0.0, 1.0, 2.0))]
+    assert listed == [("power", (0.0, 0.2, 1.0, 2.0))]
 
 
 def found_on_rig(law: Law, text: str = RIG) -> tuple[sh.Diagnosis, dict[str, tuple[float, float]]]:
