@@ -10,8 +10,8 @@ from statistics import NormalDist
 import numpy as np
 from numpy.typing import NDArray
 
-LEVEL = 0.99
-CONFIDENCE = NormalDist().inv_cdf((1.0 + LEVEL) / 2.0)  # standard deviations that hold 99 %
+WITHIN = 0.99
+CONFIDENCE = NormalDist().inv_cdf((1.0 + WITHIN) / 2.0)  # standard deviations that hold 99 %
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -82,7 +82,7 @@ class Whiteness:
         """Whether all lags together are what noise alone shows in 99 of 100 cases (Bonferroni)."""
         kept = self.chosen(name)
         ratio = float(np.max(np.abs(self.of(name)[kept]) / self.bounds[name][kept]))
-        chance = (1.0 - LEVEL) / 2.0 / np.count_nonzero(kept)
+        chance = (1.0 - WITHIN) / 2.0 / np.count_nonzero(kept)
         return ratio * CONFIDENCE <= NormalDist().inv_cdf(1.0 - chance)
 
 
