@@ -31,6 +31,7 @@ from symhyb.correction.verdict.conclusion import concluded
 from symhyb.correction.verdict.constants import with_constant
 from symhyb.correction.verdict.estimate import Estimated, estimate
 from symhyb.correction.verdict.leftover import leftover
+from symhyb.correction.verdict.own_curve import holds, with_curve
 from symhyb.correction.verdict.proof import prove
 from symhyb.correction.verdict.refusal import (
     if_apart,
@@ -135,6 +136,11 @@ def _concluded(
             values, other = _judged(prepared, again, tell)
             if stands(other, judged):
                 choice, known, judged = again, values, other
+        curved = with_curve(prepared, choice, judged, tell)
+        if curved is not None:
+            values, other = _judged(prepared, curved, tell)
+            if holds(curved, other, judged):
+                choice, known, judged = curved, values, other
         return Concluded(_told(model, prepared, choice, known, judged, tell), prepared, choice)
 
 

@@ -26,6 +26,8 @@ OTHERS = {
     "correction/calibration.py": {"FAR": "iteration"},
     "correction/adequacy/classes/columns.py": {"FINEST": "numerics", "PUSHED": "numerics"},
     "correction/adequacy/recorded.py": {"SAMPLES_LEAST": "work"},
+    "correction/adequacy/curves/fitted_curve.py": {"STANDS": "iteration"},
+    "correction/adequacy/curves/points.py": {"POINTS_MOST": "work", "PATIENCE": "work"},
     "correction/advice/advice.py": {"ODDS_SHOWN": "display"},
     "correction/learning/factor.py": {
         "CONDITION_MOST": "numerics",

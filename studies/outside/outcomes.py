@@ -11,7 +11,7 @@ from shared import Claim, claimed
 OUTCOMES = ("wrong", "refused", "class right", "false nothing", "failed")
 SPAN = 3.0  # sd; a value within it claims nothing false
 LIKELY = 0.5  # probability from which a class counts as stated
-EMPIRICAL = ("law", "network")  # a fit without a name: it states the class "law"
+EMPIRICAL = ("law", "network", "curve")  # a fit without a name: it states the class "law"
 SOON = 0.5  # s; so near is the instant of a change right
 SHAPES = ("exponent", "critical")  # numbers of a listed law that the seal of an old kind holds
 NEUTRAL = {"gain": 1.0, "offset": 0.0, "delay": 0.0}  # what a channel without a fault has

@@ -71,13 +71,16 @@ VerdictName = Literal[
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """One fitted number: ``term`` is the vocabulary's key (``coulomb``), ``sd`` one deviation."""
+    """One fitted number: ``term`` is the vocabulary's key (``coulomb``), ``sd`` one deviation; of a
+    value of a curve ``at`` says where it holds, in ``at_unit``."""
 
     name: str
     value: float
     sd: float
     unit: str
     term: str
+    at: float | None = None
+    at_unit: str = ""
 
     @property
     def called(self) -> tuple[str, ...]:

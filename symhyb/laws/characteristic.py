@@ -90,7 +90,7 @@ def through(
             first, last, zero = secants[0], secants[-1], np.zeros_like(h)
             inner = np.stack([places[:-1], values[:-1], secants, zero, zero], axis=1)
         else:
-            slopes = _monotone_slopes(h, secants)
+            slopes = monotone_slopes(h, secants)
             first, last = slopes[0], slopes[-1]
             second = (3 * secants - 2 * slopes[:-1] - slopes[1:]) / h
             third = (slopes[:-1] + slopes[1:] - 2 * secants) / h**2
@@ -108,9 +108,10 @@ def through(
     )
 
 
-def _monotone_slopes(h: Array, secants: Array) -> Array:
-    """The slopes at the points: inside the weighted harmonic mean of both secants, 0 at an extreme
-    point; at the ends by three points, held so that the curve stays monotone."""
+def monotone_slopes(h: Array, secants: Array) -> Array:
+    """The slopes (P,) at points that lie ``h`` (P − 1,) apart, in the unit of the ``secants``
+    (P − 1,) between them: inside the weighted harmonic mean of both secants, 0 at an extreme point;
+    at the ends by three points, held so that the curve stays monotone."""
     if h.size == 1:
         return np.array([secants[0], secants[0]])
     left, right = secants[:-1], secants[1:]

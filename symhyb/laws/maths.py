@@ -15,7 +15,8 @@ from symhyb.laws.characteristic import Characteristic
 Value = Any
 """A SymPy expression, a NumPy array or a number, always in SI."""
 Values = Mapping[str, Value]
-"""The keys that are set, by name; of a ``curve`` its :class:`Characteristic` too."""
+"""The keys that are set, by name; of a ``curve`` its :class:`Characteristic` too, or the
+``parts`` of one whose values are unknown."""
 Options = Mapping[str, str]
 """The words of an element, by key: the ``side`` of a gap."""
 

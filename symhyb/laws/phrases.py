@@ -64,5 +64,8 @@ class Numbers(Protocol):
     def degrees(self, term: str) -> str:
         """An angle in degrees with its deviation."""
 
+    def place(self, term: str) -> tuple[float, str]:
+        """Where the value of a curve under a key holds, and the unit of that."""
+
     def listed(self, parts: Sequence[str]) -> str:
         """Parts as a sentence joins them: ``A, B and C``."""

@@ -39,7 +39,9 @@ def action_of(element: Element, at: Motion, values: Values) -> Action:
     law = KINDS.get(element.kind)
     if law is None or law.action is None:
         raise TypeError(f"no law for kind {element.kind!r}")
-    given = {"curve": element.curve.characteristic} if element.curve else {}
+    given: dict[str, object] = {"curve": element.curve.characteristic} if element.curve else {}
+    if element.parts:
+        given["parts"] = element.parts
     does = law.action(SYMPY, at, {**values, **given}, dict(element.options))
     inner = None if does.inner is None else ZERO + does.inner
     return Action(ZERO + does.force, ZERO + does.stored, inner, ZERO + does.rest, ZERO + does.mass)

@@ -230,7 +230,8 @@ class Element:
 
     ``parameters`` are the element's own; its expressions see them before the model's.
     ``found`` is the provenance of a discovered element (a plain mapping as pairs), else empty.
-    ``curve`` is the characteristic of a curve, its own or one of the model.
+    ``curve`` is the characteristic of a curve, its own or one of the model; of a curve whose values
+    are unknown there are ``parts`` instead: the function that each of its parameters multiplies.
     """
 
     name: str
@@ -243,6 +244,7 @@ class Element:
     options: tuple[tuple[str, str], ...] = ()
     network: Network | None = None
     curve: Curve | None = None
+    parts: tuple[Characteristic, ...] = ()
 
     def __post_init__(self) -> None:
         name_items(self, "parameters")

@@ -42,6 +42,7 @@ from symhyb.report.document import (
     CorrelatedEntry,
     CorrelationsEntry,
     DiagnosisDocument,
+    EstimateEntry,
     Estimates,
     FaultEntry,
     FoundEntry,
@@ -356,15 +357,19 @@ def _channels(values: Mapping[str, float | None]) -> Numbers:
 
 
 def _estimates(estimates: Iterable[Estimate]) -> Estimates:
-    return {
-        estimate.name: {
-            "value": _fitted(estimate.value, estimate.name),
-            "sd": _bounded(estimate.sd),
-            "unit": estimate.unit,
-            "term": estimate.term,
-        }
-        for estimate in estimates
+    return {estimate.name: _estimate(estimate) for estimate in estimates}
+
+
+def _estimate(estimate: Estimate) -> EstimateEntry:
+    entry: EstimateEntry = {
+        "value": _fitted(estimate.value, estimate.name),
+        "sd": _bounded(estimate.sd),
+        "unit": estimate.unit,
+        "term": estimate.term,
     }
+    if estimate.at is not None:
+        entry |= {"at": _fitted(estimate.at, estimate.name), "at_unit": estimate.at_unit}
+    return entry
 
 
 def _place(place: Place) -> PlaceEntry:

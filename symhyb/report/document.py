@@ -49,12 +49,15 @@ _SOMEWHERE = Says((("oneOf", [{"required": [key]} for key in ("place", "channel"
 
 
 class EstimateEntry(TypedDict):
-    """A fitted number with one standard deviation in ``unit``; ``term`` is the key of its kind."""
+    """A fitted number with one standard deviation in ``unit``; ``term`` is the key of its kind. A
+    value of a curve is that ``at`` a stretch or rate, in ``at_unit``."""
 
     value: float
     sd: float
     unit: str
     term: str
+    at: NotRequired[float]
+    at_unit: NotRequired[str]
 
 
 Estimates = dict[str, EstimateEntry]

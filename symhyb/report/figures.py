@@ -6,7 +6,7 @@ bytes of an SVG. Labels stand above what they name, so that a long name costs he
 
 import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -76,6 +76,17 @@ class PlaceUnits:
     force: Unit
 
 
+@dataclass(frozen=True, slots=True)
+class Marks:
+    """The points of a found curve over stretch or rate (``over``): where they are ``x`` (P,), and
+    what acts there, ``force`` (P,) with one standard deviation ``sd`` (P,), SI."""
+
+    over: str
+    x: Array
+    force: Array
+    sd: Array
+
+
 def trace_figure(trace: Trace, sensor: str, unit: Unit, noise: float | None = None) -> bytes:
     """Draw a free run: measured and simulated, the residual below, a zoom if the run is long.
 
@@ -107,13 +118,16 @@ def trace_figure(trace: Trace, sensor: str, unit: Unit, noise: float | None = No
         return svg(figure)
 
 
-def cloud_figure(cloud: Cloud, units: PlaceUnits, remembers: bool = False) -> bytes:
+def cloud_figure(
+    cloud: Cloud, units: PlaceUnits, remembers: bool = False, marks: Sequence[Marks] = ()
+) -> bytes:
     """Draw ΔF against rate, coloured by stretch, and against stretch, coloured by rate.
 
     Bars are means over the passages of narrow bins, with two of their standard deviations. The
     found law goes through the cloud as its median over narrow bins, once for either sign of the
     colouring quantity, with a band of two standard deviations of its own numbers. A law that
-    ``remembers`` has no such line: it is drawn as the loops of a few cycles.
+    ``remembers`` has no such line: it is drawn as the loops of a few cycles. The points of
+    curves are ``marks``, each with its band.
     """
     cycles = zoom_window(cloud.t, cloud.stretch) if remembers else None
     low, high = cycles or (-np.inf, np.inf)
@@ -123,7 +137,11 @@ def cloud_figure(cloud: Cloud, units: PlaceUnits, remembers: bool = False) -> by
     with drawing(5.6) as figure:
         panels = figure.subplots(2, 1)
         for panel, across, colored in ((panels[0], rate, stretch), (panels[1], stretch, rate)):
-            _cloud(panel, cloud, across, colored, units.force, looped)
+            along = units.rate if across is rate else units.stretch
+            mine = [replace(one, x=one.x / along.factor) for one in marks if one.over == across[1]]
+            _cloud(panel, cloud, across, colored, units.force, looped, mine)
+        if marks:
+            panels[0].errorbar([], [], [], fmt="s", color=LAW, ms=4, label="points, ± one sd")
         panels[0].plot([], [], "o", color=QUIET, ms=4, label="ΔF")
         if not remembers:
             panels[0].errorbar([], [], [], **_BARS, label="mean")
@@ -250,6 +268,7 @@ def _cloud(
     colored: tuple[Array, str, str],
     unit: Unit,
     looped: NDArray[np.bool_] | None,
+    marks: Sequence[Marks] = (),
 ) -> None:
     from matplotlib.cm import ScalarMappable
 
@@ -286,6 +305,10 @@ def _cloud(
     else:
         spans = [law[looped]]
         panel.plot(x[looped], law[looped], color=LAW, lw=1.1)
+    for one in marks:
+        force, sd = one.force / unit.factor / scale_y, one.sd / unit.factor / scale_y
+        panel.errorbar(one.x / scale_x, force, sd, fmt="s", color=LAW, ms=4, mec="white", capsize=2)
+        spans += [force - sd, force + sd]
     strange = "" if spans else " (of which the found law is no function)"
     panel.set_xlabel(f"{across[1]}{bracketed(label_x)}{strange}")
     panel.set_title(f"ΔF{bracketed(label_y)}")

@@ -121,6 +121,7 @@ def cloud_pictures(diagnosis: Diagnosis, verdict: Verdict, model: Model | None) 
             cloud,
             place_units(model, cloud.place),
             _kinds_at(cloud, diagnosis),
+            _marks_at(cloud, diagnosis),
             any(_beside(trace, cloud) for trace, _ in drawn_traces(verdict)),
         )
     ]
@@ -144,14 +145,32 @@ def _kinds_at(cloud: Cloud, diagnosis: Diagnosis) -> frozenset[str]:
     )
 
 
+def _marks_at(cloud: Cloud, diagnosis: Diagnosis) -> list[figures.Marks]:
+    """The points of the found curves on the coordinate of a cloud, where they resist."""
+    found = []
+    for effect in diagnosis.found:
+        element = effect.element
+        if element.curve is not None and element.place == cloud.place:
+            along, up = (unit.factor for unit in element.curve.units)
+            x, force = np.array(element.curve.points).T
+            sd = np.array([one.sd for one in effect.estimates])
+            over = element.option("over", "stretch")
+            found.append(figures.Marks(over, along * x, -up * force, up * sd))
+    return found
+
+
 def _cloud_pictures(
-    cloud: Cloud, units: figures.PlaceUnits, kinds: frozenset[str], also: bool
+    cloud: Cloud,
+    units: figures.PlaceUnits,
+    kinds: frozenset[str],
+    marks: Sequence[figures.Marks],
+    also: bool,
 ) -> Iterable[Picture]:
     where = place_text(cloud.place)
     timed = bool(kinds) and kinds <= _OF_TIME
     if not timed:
         yield Picture(
-            _image(figures.cloud_figure(cloud, units, bool(kinds & _REMEMBERING))),
+            _image(figures.cloud_figure(cloud, units, bool(kinds & _REMEMBERING), marks)),
             f"The force that the model leaves over {where}, against rate and against stretch, "
             "with the found law drawn through the points.",
             f"ΔF {where}, over rate and stretch ({cloud.recording}). Dots: samples; bars: their "

@@ -65,8 +65,17 @@ def _usual(final: Refined, cause: Hypothesis) -> float:
 
 
 def _strengths(trial: Refined | Fitted) -> Iterator[tuple[Hypothesis, tuple[float, float]]]:
-    """Each cause whose strength all recordings share, with its first number and one deviation."""
+    """Each cause whose strength all recordings share, with its first number and one deviation; of a
+    curve the RMS of its values."""
     spread = np.sqrt(np.abs(np.diag(trial.fit.covariance)))
     for cause, first in zip(trial.causes, firsts_of(trial.causes), strict=True):
-        if keys_of(cause)[0] not in cause.own:
+        if cause.points:
+            own = slice(first, first + cause.numbers)
+            values = np.asarray(trial.fit.values[own])
+            covariance = trial.fit.covariance[own, own]
+            size = float(np.sqrt(np.mean(values**2))) or 1e-300
+            along = values / (size * cause.numbers)
+            variance = float(along @ covariance @ along)
+            yield cause, (size, float(np.sqrt(max(variance, 0.0))))
+        elif keys_of(cause)[0] not in cause.own:
             yield cause, (float(trial.fit.values[first]), float(spread[first]))

@@ -20,6 +20,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from symhyb.correction.adequacy.classes.catalogue import classes_of
+from symhyb.correction.adequacy.curves.courses import force_at
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Fitted
 from symhyb.correction.search.trajectory import gathered, keys_of
@@ -84,6 +85,7 @@ def priors(recorded: Recorded, trial: Fitted) -> tuple[Array, Array]:
     """Mean and standard deviation (F,) of every number before these recordings, SI."""
     declared = {item.path: item for item in trial.machine.model.all_parameters()}
     strengths = strength_scales(recorded)
+    places = recorded.library.places
     means, spreads = [], []
     i = 0
     for cause in trial.all_causes:
@@ -93,6 +95,9 @@ def priors(recorded: Recorded, trial: Fitted) -> tuple[Array, Array]:
                 item = declared[cause.path]
                 means.append(item.si)
                 spreads.append(_channel_sd(recorded, cause, item.si, item.si_sd))
+            elif cause.points and cause.place is not None:  # a value of a curve
+                means.append(0.0)
+                spreads.append(force_at(recorded, places.index(cause.place)))
             else:
                 middle, width = _law_prior(recorded, cause, key, value, strengths)
                 means.append(middle)

@@ -11,7 +11,6 @@ class that explains that does without.
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -22,6 +21,7 @@ from symhyb.correction.adequacy.classes.catalogue import classes_of
 from symhyb.correction.adequacy.classes.held_input import LONGEST, held_input
 from symhyb.correction.adequacy.classes.worth import around, worth_of
 from symhyb.correction.adequacy.clock_jitter import Jitter, jittering
+from symhyb.correction.adequacy.explained import Decided, remainder
 from symhyb.correction.adequacy.followed import Along, followed, likeliest, scored
 from symhyb.correction.adequacy.recorded import Recorded, recorded
 from symhyb.correction.adequacy.structure import Fitted, Generic, Likely, Row, fitted
@@ -42,7 +42,8 @@ class Adequacy:
     """What acts ``beyond`` a structure, the generic ``classes`` that it may be with their posterior
     probabilities, the causes that are in ``doubt`` beside them, and those of them that are
     ``disputed``; the ``jitter`` of clocks; ``unjudged`` is empty, or why nothing of this is
-    known; the ``structure`` as the innovations fitted it."""
+    known; the ``structure`` as the innovations fitted it, and as it is ``by_class``: with the
+    likeliest class, and the causes that are kept beside that."""
 
     beyond: Beyond
     classes: tuple[Likely, ...] = ()
@@ -51,6 +52,7 @@ class Adequacy:
     unjudged: str = ""
     jitter: tuple[Jitter, ...] = ()
     structure: Fitted | None = None
+    by_class: Fitted | None = None
 
     @property
     def adequate(self) -> bool:
@@ -81,7 +83,7 @@ def adequacy(
     left = beyond(ground, base)
     if left.alone is not None and left.evidence < 0:
         base = scored(ground, fitted(ground, final.causes, rows, left.alone, base.fit.states))
-    decided = Decided(base, _remainder(ground, base), left.acts)
+    decided = Decided(base, remainder(ground, base), left.acts)
     trials = [base, *_answers(ground, _staircases(ground, base, rows), decided)]
     raced: list[Fitted] = []
     if left.acts or base.fit.noise.coloured:
@@ -105,23 +107,9 @@ def adequacy(
         faults = (*faulty_sensors(ground, base), *noisy_input(ground, base, left))
         jitter = () if left.acts or faults else jittering(ground, base)
         return Adequacy(left, faults, doubt, disputes, jitter=jitter, structure=base)
-    return Adequacy(left, classes, doubt, disputes, structure=base)
-
-
-class Decided(NamedTuple):
-    """The decided structure, its ``remainder``, and whether a force ``acts`` beyond it."""
-
-    structure: Fitted
-    remainder: float
-    acts: bool
-
-    def may_leave(self, trial: Fitted, share: float) -> float:
-        """The remainder that a structure with a class may leave to explain all but a ``share`` of
-        what acts beyond; where nothing does, one that needs fewer causes as much as the decided
-        one."""
-        fewer = not {*self.structure.causes} <= {*trial.causes}
-        part = 1.0 if fewer and not self.acts else share
-        return max(part * self.remainder, NEGLIGIBLE**2)
+    first = [t for t in trials if t.extra and t.extra.key == classes[0].generic.key]
+    likeliest_one = max(first, key=lambda trial: trial.evidence)
+    return Adequacy(left, classes, doubt, disputes, structure=base, by_class=likeliest_one)
 
 
 def _small(final: Refined, ground: Recorded, left: Beyond) -> frozenset[Hypothesis]:
@@ -174,6 +162,8 @@ def _raced(ground: Recorded, start: Fitted, rows: Sequence[Row], decided: Decide
         if not _may_take(ground, start, one.pushes):
             continue
         generic = one.make(here)
+        if _is_curve(generic, start.causes):
+            continue
         gain = worth_of(here, generic) - np.log(len(classes) * generic.tried)
         if start.evidence + gain > decided.structure.evidence - CERTAIN:
             offered.append((gain, generic))
@@ -207,6 +197,11 @@ def _may_take(ground: Recorded, start: Fitted, pushes: frozenset[int] | None) ->
     return bool(power[list(pushes)].sum() >= MOST * power.sum())
 
 
+def _is_curve(generic: Generic, causes: Sequence[Hypothesis]) -> bool:
+    """Whether a class is a force that a curve among the causes is: no rival of that."""
+    return generic.kind == "law" and any(c.points and c.place == generic.where for c in causes)
+
+
 def _beside(
     ground: Recorded, start: Fitted, rows: Sequence[Row], generic: Generic, kept: Sequence[int]
 ) -> Fitted:
@@ -218,7 +213,7 @@ def _beside(
 
 def _answers(ground: Recorded, trials: Sequence[Fitted], decided: Decided) -> list[Fitted]:
     """The structures that take half of what acts beyond the decided one."""
-    return [one for one in trials if _remainder(ground, one) <= decided.may_leave(one, MOST)]
+    return [one for one in trials if remainder(ground, one) <= decided.may_leave(one, MOST)]
 
 
 def _kept(causes: Sequence[Hypothesis], generic: Generic) -> list[tuple[int, ...]]:
@@ -233,16 +228,6 @@ def _by_recording(cause: Hypothesis) -> bool:
     """Whether each recording has its own strength of a cause. A class, whose columns are of one
     size in all recordings, does not take the place of it."""
     return cause.place is not None and cause.keys[0] in cause.own
-
-
-def _remainder(ground: Recorded, trial: Fitted) -> float:
-    """The power of the unknown force over that of what moves the coordinates, and of the colour of
-    the sensors over that of what they show."""
-    noise = trial.fit.noise
-    if trial.fit.reason:
-        return np.inf
-    force = np.sum((noise.force / ground.scale_or_inf[:, 0]) ** 2)
-    return float(force + np.sum((noise.colour / ground.shown) ** 2))
 
 
 def _weights(trials: Sequence[Fitted]) -> Array:
@@ -324,4 +309,4 @@ def _explained_alone(ground: Recorded, trials: Sequence[Fitted], decided: Decide
 
 def _suffices(ground: Recorded, trial: Fitted, decided: Decided) -> bool:
     """Whether a structure explains what acts beyond the decided one."""
-    return _remainder(ground, trial) <= decided.may_leave(trial, SMALL)
+    return remainder(ground, trial) <= decided.may_leave(trial, SMALL)

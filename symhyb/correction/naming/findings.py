@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symhyb.by_name import ByName
+from symhyb.correction.naming.curve_points import BEYOND, curve_element, value_estimates
 from symhyb.correction.naming.probability import probabilities
 from symhyb.correction.naming.textbook import critical_share
 from symhyb.correction.search.conventions import Exchange, exchange
@@ -42,7 +43,8 @@ _CHANNEL_KINDS: Mapping[str, ChannelKind] = {
 @dataclass(frozen=True, slots=True)
 class Named:
     """Force causes of one kind at one place, one element to the reader: indices in the structure,
-    SI values with sd by key (sd NaN for a key that was not fitted), and the words of its options.
+    SI values with sd by key (sd NaN for a key that was not fitted), and the words of its options;
+    of a curve the ``points`` of its values, SI.
     """
 
     kind: str
@@ -51,6 +53,7 @@ class Named:
     values: Mapping[str, tuple[float, float]]
     options: tuple[tuple[str, str], ...] = ()
     formula: str = ""
+    points: tuple[float, ...] = ()
 
     @property
     def exponent(self) -> float:
@@ -74,6 +77,7 @@ def named(final: Refined) -> tuple[Named, ...]:
             _values(final, rows),
             final.causes[rows[0]].options,
             final.causes[rows[0]].path,
+            tuple(x for x, _, _ in final.causes[rows[0]].points),
         )
         for (kind, place, _), rows in groups.items()
     )
@@ -87,9 +91,17 @@ def _values(final: Refined, rows: Sequence[int]) -> dict[str, tuple[float, float
             values.setdefault(key, (shape, float("nan")))
         for key in cause.keys:
             values[key] = final.value(f"cause{i}.{key}")
-    if final.causes[rows[0]].kind == LAW:
+    first = final.causes[rows[0]]
+    if first.points:  # what its points cannot follow bends their values
+        each = zip(first.terms, first.points, strict=True)
+        more = {key: shift for key, (_, _, shift) in each}
+        return {
+            key: (value, max(sd, more[key]) if key in more else sd)
+            for key, (value, sd) in values.items()
+        }
+    if first.kind == LAW:
         return values
-    law = KINDS[final.causes[rows[0]].kind]
+    law = KINDS[first.kind]
     return law.widened({key.name: values[key.name] for key in law.keys if key.name in values})
 
 
@@ -104,6 +116,8 @@ def found_of(
     """Write one named effect as an element of the model file, with law, values and sentence."""
     if item.kind == LAW:
         return _empirical(model, item, name, provenance, share, active)
+    if item.points:
+        return _curve(model, item, name, provenance, share, active)
     own, entries, estimates = [], [], []
     for key, (value, sd) in item.values.items():
         unit = key_unit(model, item.kind, key, item.place, item.exponent)
@@ -150,6 +164,29 @@ def _empirical(
     words = (("formula", item.formula),)
     sentence = effect_sentence(LAW, item.place, [own], share, words, WARNING)
     return Found(element, law_text_of(item.formula), ByName((own,)), share, sentence, active)
+
+
+def _curve(
+    model: Model,
+    item: Named,
+    name: str,
+    provenance: tuple[tuple[str, object], ...],
+    share: float | None,
+    active: Activity | None,
+) -> Found:
+    """Write a curve with its values at its points."""
+    over = dict(item.options)["over"]
+    fitted = [pair for pair in item.values.values() if np.isfinite(pair[1])]
+    values = value_estimates(model, item.place, over, item.points, fitted)
+    length = None
+    if "length" in item.values:
+        unit = key_unit(model, item.kind, "length", item.place)
+        symbol = symbol_of(model, item.kind, "length")
+        length = Parameter(symbol, item.values["length"][0] / unit.factor, unit, owner=name)
+    element = curve_element(model, name, item.place, over, values, length, provenance)
+    sentence = effect_sentence(item.kind, item.place, values, share, item.options, BEYOND)
+    law = KINDS[item.kind].text(() if length is None else ("length",), dict(item.options))
+    return Found(element, law, values, share, sentence, active)
 
 
 def _meaning(model: Model, item: Named) -> str:
@@ -327,9 +364,14 @@ def _alternative(
     instead_of: str | None,
     evidence: float,
 ) -> Alternative:
-    estimates = []
+    estimates: list[Estimate] = []
     exponent = values.get("exponent", (1.0, 0.0))[0]
-    if cause.place is not None:
+    if cause.place is not None and cause.points and values:
+        fitted = [values[key] for key in cause.terms]
+        over = dict(cause.options)["over"]
+        x = [x for x, _, _ in cause.points]
+        estimates += value_estimates(model, cause.place, over, x, fitted)
+    elif cause.place is not None:
         for key, (value, sd) in values.items():
             unit = cause.unit(model, key, exponent)
             if np.isfinite(sd):

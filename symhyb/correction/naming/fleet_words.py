@@ -80,6 +80,10 @@ def subject_of(cause: Hypothesis, key: str) -> str:
     if cause.place is None:
         channel = cause.path.rpartition(".")[0]
         return cause.path if cause.kind == "parameter" else f"{cause.kind} of {channel}"
+    if cause.points and key in cause.terms:
+        at = number_text(cause.points[cause.terms.index(key)][0], digits=3)
+        over = dict(cause.options)["over"]
+        return f"the value of the curve at a {over} of {at} in SI units {place_text(cause.place)}"
     return f"{noun_of(cause.kind, key)} {place_text(cause.place)}"
 
 

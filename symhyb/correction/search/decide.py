@@ -139,12 +139,36 @@ def decide_among(setting: Setting, decision: Decision, say: Say) -> Decision:
     and these without causes. Nothing else is tried."""
     order = setting.hypotheses.index
     equals = [(order(first), order(second)) for first, second in decision.equals]
-    trials, log = Trials(setting, say, equals), []
+    trials = Trials(setting, say, equals)
     nothing = trials.refined(())
     near = [trial for trial in decision.near(SIGNIFICANT) if trial.causes]
     for trial in (decision.selected, *near[: CLOSE_MOST - 1]):
         _tried(trials, trials.causes(trial), grouped(trial), trial.fit.starts)
-    best = _best(trials)
+    return _parted(trials, nothing, decision)
+
+
+def decide_with(
+    setting: Setting,
+    decision: Decision,
+    causes: Sequence[Hypothesis],
+    rows: Sequence[Row],
+    say: Say,
+) -> Decision:
+    """A decision among what was close and one structure more, of these ``causes`` from values
+    ``rows``, SI, and its parts."""
+    order = setting.hypotheses.index
+    equals = [(order(first), order(second)) for first, second in decision.equals]
+    trials = Trials(setting, say, equals)
+    nothing = trials.refined(())
+    for trial in (decision.selected, *decision.near(SIGNIFICANT)[: CLOSE_MOST - 1]):
+        trials.done[tuple(sorted(trials.causes(trial)))] = trial
+    _tried(trials, [trials.index(cause) for cause in causes], rows)
+    return _parted(trials, nothing, decision)
+
+
+def _parted(trials: Trials, nothing: Refined, decision: Decision) -> Decision:
+    """The decision that a search among parts of what was tried ends with."""
+    best, log = _best(trials), []
     for _ in range(ROUNDS):
         _each_left_out(trials, best)
         better = _best(trials)

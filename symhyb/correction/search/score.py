@@ -16,7 +16,7 @@ from dataclasses import replace
 from math import inf
 
 import numpy as np
-from scipy.special import ndtr, ndtri
+from scipy.special import chdtri, ndtr, ndtri
 
 from symhyb.correction.search.trajectory import (
     Refined,
@@ -171,7 +171,9 @@ def weak_together(trial: Refined) -> tuple[int, ...]:
     while rest:
         out = min(rest, key=lambda i: standing(now, i))
         gone.append(out)
-        now = _conditioned(now, firsts[out])
+        curve = trial.causes[out].numbers if trial.causes[out].points else 1
+        for number in range(firsts[out], firsts[out] + curve):
+            now = _conditioned(now, number)
         rest = tuple(i for i in weak(now) if i not in gone)
     return tuple(sorted(gone))
 
@@ -202,10 +204,24 @@ def plain(trial: Refined) -> tuple[int, ...]:
 
 def standing(trial: Refined, which: int) -> float:
     """By how many units χ² grows without a cause, as its own deviation says: its strength over its
-    deviation, squared (Wald's statistic), summed over the recordings that have one of their own."""
+    deviation, squared (Wald's statistic), summed over the recordings that have one of their own; of
+    a curve by all its values together."""
     first, spread = firsts_of(trial.causes)[which], np.sqrt(np.diag(trial.fit.covariance))
+    if trial.causes[which].points:
+        return _wald(trial, which, first)
     strengths = _strengths(trial, which, first, spread)
     return float(sum((value / sd) ** 2 if sd > 0 else inf for value, sd in strengths))
+
+
+def _wald(trial: Refined, which: int, first: int) -> float:
+    """Wald's statistic of all values of a curve, whose numbers begin at ``first``; the accuracy of
+    the numerics is a part of their deviations."""
+    own = slice(first, first + trial.causes[which].numbers)
+    values = trial.fit.values[own]
+    spread = trial.fit.covariance[own, own] + np.diag((trial.accuracy * values) ** 2)
+    if not np.isfinite(spread).all():
+        return 0.0
+    return float(values @ np.linalg.pinv(spread, hermitian=True) @ values)
 
 
 def _strengths(trial: Refined, which: int, first: int, spread: Array) -> list[tuple[float, float]]:
@@ -232,6 +248,9 @@ def _strong(trial: Refined, which: int, first: int, spread: Array) -> bool:
     recording has its own (``spread`` of all numbers, SI), that of any one, as far out as the
     largest of so many may be by chance: not every machine need show the cause."""
     cause, values = trial.causes[which], grouped(trial)[which]
+    if cause.points:  # as far out by all its values as one number is by itself
+        least = chdtri(cause.numbers, 2 * ndtr(-OUTSTANDING))
+        return bool(_wald(trial, which, first) > least)
     strengths = _strengths(trial, which, first, spread)
     if _by_recording(trial, which):
         least = -ndtri(ndtr(-OUTSTANDING) / len(strengths))

@@ -7,6 +7,7 @@ number and the parametric causes are fitted by :mod:`symhyb.discrepancy.fitting.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate
+from typing import Protocol
 
 import numpy as np
 
@@ -245,7 +246,29 @@ def own_values(trial: Refined, item: Cut, sd: Array) -> Array:
     return best[1]
 
 
-def grouped(trial: Refined) -> list[dict[str, float]]:
+class _Values(Protocol):
+    """The numbers of a fit (F,), SI."""
+
+    @property
+    def values(self) -> Array: ...
+
+
+class _Numbered(Protocol):
+    """A fitted structure, along windows or along whole recordings, whose causes come first."""
+
+    @property
+    def causes(self) -> tuple[Hypothesis, ...]: ...
+    @property
+    def machine(self) -> Machine: ...
+    @property
+    def fit(self) -> _Values: ...
+    @property
+    def each(self) -> tuple[tuple[Recording, Array], ...]: ...
+    @property
+    def owned(self) -> tuple[tuple[int, ...], ...]: ...
+
+
+def grouped(trial: _Numbered) -> list[dict[str, float]]:
     """Fitted values by key, SI, cause by cause; of a parameter its change. A recording's own value
     of a key follows under :func:`own_key`."""
     rows, i = [], 0

@@ -21,6 +21,7 @@ from symhyb.discrepancy.places.placements import places_of as places_of
 from symhyb.discrepancy.recorded.course import Course
 from symhyb.discrepancy.words.formula import LAW, law_element, law_unit
 from symhyb.laws.base import Key, Terms
+from symhyb.laws.cardinal import cardinals
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import (
     Between,
@@ -33,7 +34,7 @@ from symhyb.model.types import (
     Sensor,
     place_text,
 )
-from symhyb.model.vocabulary import KINDS, expressed, key_of, key_unit, worded
+from symhyb.model.vocabulary import KINDS, expressed, force_unit, key_of, key_unit, worded
 from symhyb.numeric.kernels.buffers import Array, call
 from symhyb.numeric.kernels.vector import along
 from symhyb.numeric.lowered.machine import Machine, build
@@ -57,7 +58,9 @@ class Hypothesis:
     time). ``positive`` says which terms physics forbids to be negative; ``options`` are words, or
     expressions (a ``load``); ``own`` are fitted keys that every recording has its own value of;
     ``added`` are the refined keys that make a variant of a plain law (the play of a hysteresis).
-    ``bounds`` (key, lower, upper), SI, hold at this place where those of the law are too wide.
+    ``bounds`` (key, lower, upper), SI, hold at this place where those of the law are too wide. A
+    curve's terms are its values at ``points``: place, value about which it is linear, and what a
+    smooth line without points says otherwise there, SI.
     """
 
     kind: str
@@ -72,6 +75,7 @@ class Hypothesis:
     own: tuple[str, ...] = ()
     added: tuple[str, ...] = ()
     bounds: tuple[tuple[str, float, float], ...] = ()
+    points: tuple[tuple[float, float, float], ...] = ()
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -117,7 +121,8 @@ class Hypothesis:
             return self.path if self.kind == "law" else f"{self.kind} {self.path}"
         if self.kind == LAW:
             return f"law ({self.path}) {place_text(self.place)}"
-        said = ", ".join((*(f"{key} {word}" for key, word in self.options), *self.keys))
+        keys = (f"{len(self.points)} points",) if self.points else self.keys
+        said = ", ".join((*(f"{key} {word}" for key, word in self.options), *keys))
         return f"{self.kind} ({said}) {place_text(self.place)}"
 
     def values(self, coefficients: Sequence[float]) -> dict[str, float]:
@@ -168,6 +173,8 @@ class Hypothesis:
             exponent = dict(self.shape).get("exponent", 1.0)
         if self.kind == LAW and isinstance(self.place, On):
             return law_unit(model, self.place, self.path, key)
+        if key in self.terms and self.points:
+            return force_unit(model, self.place)
         return key_unit(model, self.kind, key, self.place, exponent)
 
     def element(self, model: Model, name: str, values: Mapping[str, float]) -> Element:
@@ -182,18 +189,26 @@ class Hypothesis:
         entries = tuple((item.name, parse_expression(item.name)) for item in own)
         entries += expressed(self.kind, self.options)
         words = worded(self.kind, self.options)
-        return Element(name, self.kind, self.place, entries, tuple(own), options=words)
+        element = Element(name, self.kind, self.place, entries, tuple(own), options=words)
+        if not self.points:
+            return element
+        x, y, _ = zip(*self.points, strict=True)
+        return replace(element, parts=cardinals(name, x, y))
 
     def probes(self, model: Model, name: str) -> tuple[Element, ...]:
         """One element a term: this term 1, the others 0, the shape as set."""
-        result = []
+        return tuple(
+            self.element(model, f"{name}_{term}", values)
+            for term, values in zip(self.terms, self.units(), strict=True)
+        )
+
+    def units(self) -> tuple[Mapping[str, float], ...]:
+        """The fitted keys, SI, that make each term 1 and the others 0, shapes as tried."""
         apart = self._read.probes if self.variant else {}
-        for i, term in enumerate(self.terms):
-            called = f"{name}_{term}"
-            unit = [float(i == j) for j in range(len(self.terms))]
-            values = apart.get(term) or self.values(unit)
-            result.append(self.element(model, called, values))
-        return tuple(result)
+        return tuple(
+            apart.get(term) or self.values([float(i == j) for j in range(len(self.terms))])
+            for i, term in enumerate(self.terms)
+        )
 
 
 def parametric_hypotheses(model: Model) -> tuple[Hypothesis, ...]:

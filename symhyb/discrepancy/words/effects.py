@@ -77,6 +77,10 @@ class _Estimates:
     def degrees(self, term: str) -> str:
         return degrees_text(self.value(term), self.sd(term))
 
+    def place(self, term: str) -> tuple[float, str]:
+        one = self.by_term[term]
+        return (float("nan") if one.at is None else one.at), one.at_unit
+
     def listed(self, parts: Sequence[str]) -> str:
         return joined(parts)
 

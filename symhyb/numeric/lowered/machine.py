@@ -328,6 +328,7 @@ def structure_of(model: Model) -> str:
         ],
         model.characteristics(),
         [e.curve.characteristic for e in model.elements if e.curve is not None],
+        [e.parts for e in model.elements],
         model.energy,
         model.gravity,
         constraints_key(model),

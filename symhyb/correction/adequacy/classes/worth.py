@@ -46,12 +46,14 @@ class Around:
 def around(recorded: Recorded, trial: Fitted) -> Around:
     """Linearise a fitted structure."""
     tracks, full = tuple(tracks_of(recorded, trial)), trial.fit.noise
-    shares = SHARES if full.coloured or np.any(full.force > 0) else SHARES[:1]
-    levels = [
-        _level(tracks, replace(full, force=share * full.force, colour=share * full.colour))
-        for share in shares
-    ]
+    levels = [_level(tracks, noise) for noise in less_of(full)]
     return Around(recorded, tracks, tuple(levels))
+
+
+def less_of(full: NoiseModel) -> list[NoiseModel]:
+    """A noise model, and the same with less of the unknown force and of the colour, if any."""
+    shares = SHARES if full.coloured or np.any(full.force > 0) else SHARES[:1]
+    return [replace(full, force=share * full.force, colour=share * full.colour) for share in shares]
 
 
 def _level(tracks: Sequence[Track], noise: NoiseModel) -> Level:

@@ -1,0 +1,107 @@
+"""What a place moves through, and a fine broken line over it in the linear problem.
+
+Sizes: N samples, n coordinates, G points of the fine line.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from symhyb.correction.adequacy.classes.columns import motions
+from symhyb.correction.adequacy.curves.products import Products, products_of
+from symhyb.correction.adequacy.recorded import Recorded
+from symhyb.correction.adequacy.structure import Fitted
+from symhyb.discrepancy.places.hypotheses import natural_length
+from symhyb.judgement import HANDFUL
+from symhyb.model.types import Between, On
+from symhyb.numeric.kernels.buffers import Array
+
+FINE = 64  # points of the fine line, half of them evenly spread, half at quantiles
+DIGITS = 3  # of the range: as exactly points are stated
+APART = 0.25  # of an even distance: nearer points are one
+
+Over = Literal["stretch", "rate"]
+OVERS: tuple[Over, ...] = ("stretch", "rate")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Line:
+    """A force of stretch or rate (``over``) at the place of this number (``which``), as a broken
+    line through values at ``x`` (G,), SI: the ``products`` of these values for every size of the
+    unknown force; ``size`` is the force, SI, that moves the place, ``length`` what a stretch
+    between two points is counted from."""
+
+    which: int
+    over: Over
+    x: Array
+    products: tuple[Products, ...]
+    size: float
+    length: float | None = None
+
+
+def line_of(recorded: Recorded, trial: Fitted, which: int, over: Over) -> Line | None:
+    """The fine line at a place around a fitted structure; None where nothing moves there, or moves
+    it."""
+    place = recorded.library.places[which]
+    size = force_at(recorded, which)
+    length = None
+    if isinstance(place, Between):
+        length = natural_length(recorded.windows.machine.model, place)
+    moved = _moved(recorded, which, over, length or 0.0)
+    x = fine_points(np.concatenate(moved))
+    if x is None or not size > 0:
+        return None
+    resists = -1.0 if isinstance(place, On) else 1.0  # a tension pulls, whoever states it
+    columns = [resists * hats(values, x) for values in moved]
+    forces = [
+        toward[:, :, which, None] * each[:, None]
+        for (_, _, toward), each in zip(motions(recorded), columns, strict=True)
+    ]
+    return Line(which, over, x, products_of(recorded, trial, forces), size, length)
+
+
+def force_at(recorded: Recorded, which: int) -> float:
+    """The force at a place, SI, that moves what it pushes; 0 where it pushes nothing."""
+    power = np.mean([np.mean(d[:, :, which] ** 2, axis=0) for _, _, d in motions(recorded)], axis=0)
+    share = float(np.max(np.sqrt(power) / recorded.scale_or_inf[:, 0]))
+    return 1 / share if share > 0 else 0.0
+
+
+def fine_points(values: Array) -> Array | None:
+    """Where the fine line has its points (G,), SI, among ``values`` (N,), a handful of which lie
+    beyond either end; None where there are too few, or all are the same."""
+    if values.size <= 2 * HANDFUL:
+        return None
+    ordered = np.sort(values)
+    low, high = float(ordered[HANDFUL]), float(ordered[-HANDFUL - 1])
+    if not high > low:
+        return None
+    shares = np.linspace(0.0, 1.0, FINE // 2)
+    inside = ordered[HANDFUL : -HANDFUL or None]
+    both = np.sort(np.concatenate([low + shares * (high - low), np.quantile(inside, shares)]))
+    least = APART * (high - low) / (FINE // 2 - 1)
+    digits = DIGITS - int(np.floor(np.log10(high - low)))
+    low, high = round(low, digits), round(high, digits)
+    kept = [low]
+    for x in both[1:]:
+        if x - kept[-1] > least and high - x > least:
+            kept.append(round(float(x), digits))
+    return np.array([*kept, high])
+
+
+def _moved(recorded: Recorded, which: int, over: Over, length: float) -> list[Array]:
+    """Stretch or rate of a place (N,) along every part of the recordings, SI."""
+    if over == "rate":
+        return [rate[:, which] for _, rate, _ in motions(recorded)]
+    return [stretch[:, which] - length for stretch, _, _ in motions(recorded)]
+
+
+def hats(values: Array, x: Array) -> Array:
+    """Piecewise linear functions (N, G), without a unit, of values (N,): 1 at one of the points x
+    (G,) each; beyond the ends they run on along lines."""
+    before = np.clip(np.searchsorted(x, values, side="right") - 1, 0, x.size - 2)
+    share = (values - x[before]) / (x[before + 1] - x[before])
+    found, rows = np.zeros((values.size, x.size)), np.arange(values.size)
+    found[rows, before], found[rows, before + 1] = 1 - share, share
+    return found

@@ -1,0 +1,58 @@
+"""What forces do, and what is to be explained, beside the numbers of a structure: their products.
+
+The numbers of the structure are eliminated, each as well known as the model file states it: a
+spring that is uncertain by 2 % is none of any size.
+Sizes: N samples, n coordinates, F numbers of the structure, G forces.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from symhyb.correction.adequacy.classes.worth import less_of
+from symhyb.correction.adequacy.recorded import Recorded
+from symhyb.correction.adequacy.structure import Fitted, tracks_of
+from symhyb.correction.search.trajectory import limits_of
+from symhyb.discrepancy.likelihood.noise import NoiseModel
+from symhyb.discrepancy.likelihood.track import Track, white_forces, white_problem
+from symhyb.numeric.kernels.buffers import Array
+
+Products = tuple[Array, float]
+"""Products (G + 1, G + 1) of what 1 SI unit of each force does, and, last, of what is left without
+them, all in units of the noise; ln L without them, less that with all of the unknown force."""
+
+
+def products_of(recorded: Recorded, trial: Fitted, forces: Sequence[Array]) -> tuple[Products, ...]:
+    """The products of forces (N, n, G), SI, of every stretch around a fitted structure, for every
+    size of the unknown force that may be left beside them."""
+    tracks = tracks_of(recorded, trial)
+    mean, spread = limits_of(trial.machine, trial.all_causes, recorded.step_s)[2:]
+    numbers = trial.fit.values[: mean.size]
+    known = 1 / spread**2, (numbers - mean) / spread**2
+    found = [_products(tracks, noise, forces, *known) for noise in less_of(trial.fit.noise)]
+    return tuple((gram, likely - found[0][1]) for gram, likely in found)
+
+
+def _products(
+    tracks: Sequence[Track],
+    noise: NoiseModel,
+    forces: Sequence[Array],
+    precision: Array,
+    offset: Array,
+) -> Products:
+    """The products with one noise model, and ln L; ``precision`` (F,) of the numbers, and their
+    ``offset`` (F,) from what is stated times it."""
+    count = precision.size
+    size = count + forces[0].shape[2] + 1
+    whole, logs = np.zeros((size, size)), 0.0
+    for one, force in zip(tracks, forces, strict=True):
+        residual, own, log = white_problem(one, noise)
+        joined = np.column_stack([own, white_forces(one, noise, force), residual])
+        whole += joined.T @ joined
+        logs += log
+    block, across = whole[:count, :count] + np.diag(precision), whole[:count, count:].copy()
+    across[:, -1] += offset
+    unit = np.sqrt(np.diag(block).clip(1e-300))
+    taken = np.linalg.pinv(block / np.outer(unit, unit), hermitian=True) / np.outer(unit, unit)
+    gram = whole[count:, count:] - across.T @ taken @ across
+    return gram, -0.5 * float(logs + gram[-1, -1])

@@ -1,0 +1,96 @@
+"""A force of stretch or of rate that no listed law is becomes a curve; others do not."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+from scipy.interpolate import CubicSpline
+
+from symhyb.correction.adequacy.curves.answer import instead_of_class, is_law
+from symhyb.correction.adequacy.judge import Adequacy, adequacy
+from symhyb.correction.adequacy.recorded import Recorded, recorded
+from symhyb.correction.search.preparing import prepare, settle
+from symhyb.correction.search.trajectory import refine
+from symhyb.data.recording import Recording
+from symhyb.laws.characteristic import through
+from symhyb.model.types import On
+from tests.pushed import DAMPING, NOISE, STEP, STIFFNESS, pushed_model, pushing
+
+Array = NDArray[np.float64]
+Force = Callable[[float, float], float]
+SAMPLES = 1000
+
+
+def moved(seed: int, force: Force) -> Recording:
+    """The pushed mass with a force that resists, of (x, v)."""
+    t = STEP * np.arange(SAMPLES)
+    push = pushing(np.random.default_rng(seed), t)
+    acting = CubicSpline(t, push)
+
+    def rates(time: float, state: Array) -> list[float]:
+        x, v = state
+        return [v, float(acting(time)) - STIFFNESS * x - DAMPING * v - force(x, v)]
+
+    run = solve_ivp(rates, (0, t[-1]), [0.0, 0.0], t_eval=t, rtol=1e-8, atol=1e-10, max_step=STEP)
+    noise = NOISE * np.random.default_rng(900 + seed).standard_normal(t.size)
+    return Recording("made.csv", t, {"f": push}, {"laser": run.y[0] + noise}, (), "")
+
+
+def judged(recording: Recording) -> tuple[Recorded, Adequacy]:
+    """The judgement of the model as it is."""
+    prepared = prepare(pushed_model(), recording)
+    setting = settle(prepared)
+    cuts = setting.stages[-1].cuts
+    final = refine(prepared.model, (), (), cuts, setting.sd)
+    ground = recorded(prepared, setting)
+    assert ground is not None
+    return ground, adequacy(prepared, setting, final, (final, cuts))
+
+
+def digressive(x: float, v: float) -> float:
+    return float(np.sign(v) * ((1 + abs(v) / 0.1) ** 0.35 - 1))
+
+
+def rubber(x: float, v: float) -> float:
+    return float(0.5 * (np.exp(x / 0.35) - 1))
+
+
+@pytest.mark.parametrize(
+    ("force", "over", "seed"),
+    [pytest.param(digressive, "rate", 1, marks=pytest.mark.slow), (rubber, "stretch", 2)],
+)
+def test_a_force_without_a_name_becomes_a_curve(force: Force, over: str, seed: int) -> None:
+    ground, found = judged(moved(seed, force))
+    assert is_law(found) == On("x")
+    answer = instead_of_class(ground, found)
+    assert answer is not None
+    (curve,) = answer.causes
+    assert curve.options == (("over", over),)
+    assert answer.evidence > found.structure.evidence  # type: ignore[union-attr]
+    x = np.array([x for x, _, _ in curve.points])
+    grid = np.linspace(x[0], x[-1], 50)
+    made = through("c", x.tolist(), answer.fit.values[: x.size].tolist())(grid)
+    true = np.array([force(g, g) for g in grid])
+    assert np.sqrt(np.mean((made - true) ** 2)) < 0.15 * np.std(true)
+
+
+@pytest.mark.slow
+def test_a_force_of_both_is_no_curve() -> None:
+    ground, found = judged(moved(3, lambda x, v: 1.5 * x**2 * v))
+    assert is_law(found) == On("x")
+    assert instead_of_class(ground, found) is None
+
+
+@pytest.mark.slow
+def test_a_listed_law_is_told_by_name() -> None:
+    ground, found = judged(moved(4, lambda x, v: 0.3 * abs(v) * v))
+    answer = instead_of_class(ground, found) if is_law(found) else None
+    assert answer is None or [cause.kind for cause in answer.causes] == ["drag"]
+
+
+def test_where_nothing_acts_there_is_no_curve() -> None:
+    ground, found = judged(moved(5, lambda x, v: 0.0))
+    assert is_law(found) is None
+    assert instead_of_class(ground, found) is None
