@@ -1,8 +1,12 @@
 """A pushed mass on a spring whose recordings are exact: SciPy's linear simulation, first-order hold
 between samples, so that nothing but what a test plants stands between machine and model."""
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+from scipy.interpolate import CubicSpline
 from scipy.signal import lfilter, lsim
 
 from symhyb.correction.adequacy.recorded import Recorded, recorded
@@ -64,6 +68,21 @@ def pushed(
     if colour[0] > 0:
         seen = seen + markov(random, samples, *colour)
     return Recording(name, t, {"f": force}, {"laser": seen}, (), "")
+
+
+def resisted(seed: int, force: Callable[[float, float], float], samples: int = 1000) -> Recording:
+    """The pushed mass with a force that resists, of (x, v)."""
+    t = STEP * np.arange(samples)
+    push = pushing(np.random.default_rng(seed), t)
+    acting = CubicSpline(t, push)
+
+    def rates(time: float, state: Array) -> list[float]:
+        x, v = state
+        return [v, float(acting(time)) - STIFFNESS * x - DAMPING * v - force(x, v)]
+
+    run = solve_ivp(rates, (0, t[-1]), [0.0, 0.0], t_eval=t, rtol=1e-8, atol=1e-10, max_step=STEP)
+    noise = NOISE * np.random.default_rng(900 + seed).standard_normal(t.size)
+    return Recording("made.csv", t, {"f": push}, {"laser": run.y[0] + noise}, (), "")
 
 
 def lowered(model: Model | None = None) -> Machine:

@@ -81,9 +81,9 @@ def _bent(x: Sequence[float], y: Sequence[float], over: str) -> str:
     near, beyond = (abs(sum(r for _, r in p)) / sum(w for w, _ in p) for p in (inner, outer))
     small, large = ("speeds", "ones") if over == "rate" else ("stretches", "ones")
     if near > _BENT * beyond:
-        return f", steep at small {small} and flatter at large {large}"
+        return f", steep at small {small} and flatter at large {large},"
     if beyond > _BENT * near:
-        return f", soft at small {small} and steeper at large {large}"
+        return f", soft at small {small} and steeper at large {large},"
     return ""
 
 

@@ -4,9 +4,6 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
-from scipy.integrate import solve_ivp
-from scipy.interpolate import CubicSpline
 
 from symhyb.correction.adequacy.curves.answer import instead_of_class, is_law
 from symhyb.correction.adequacy.judge import Adequacy, adequacy
@@ -16,26 +13,9 @@ from symhyb.correction.search.trajectory import refine
 from symhyb.data.recording import Recording
 from symhyb.laws.characteristic import through
 from symhyb.model.types import On
-from tests.pushed import DAMPING, NOISE, STEP, STIFFNESS, pushed_model, pushing
+from tests.pushed import pushed_model, resisted
 
-Array = NDArray[np.float64]
 Force = Callable[[float, float], float]
-SAMPLES = 1000
-
-
-def moved(seed: int, force: Force) -> Recording:
-    """The pushed mass with a force that resists, of (x, v)."""
-    t = STEP * np.arange(SAMPLES)
-    push = pushing(np.random.default_rng(seed), t)
-    acting = CubicSpline(t, push)
-
-    def rates(time: float, state: Array) -> list[float]:
-        x, v = state
-        return [v, float(acting(time)) - STIFFNESS * x - DAMPING * v - force(x, v)]
-
-    run = solve_ivp(rates, (0, t[-1]), [0.0, 0.0], t_eval=t, rtol=1e-8, atol=1e-10, max_step=STEP)
-    noise = NOISE * np.random.default_rng(900 + seed).standard_normal(t.size)
-    return Recording("made.csv", t, {"f": push}, {"laser": run.y[0] + noise}, (), "")
 
 
 def judged(recording: Recording) -> tuple[Recorded, Adequacy]:
@@ -62,7 +42,7 @@ def rubber(x: float, v: float) -> float:
     [pytest.param(digressive, "rate", 1, marks=pytest.mark.slow), (rubber, "stretch", 2)],
 )
 def test_a_force_without_a_name_becomes_a_curve(force: Force, over: str, seed: int) -> None:
-    ground, found = judged(moved(seed, force))
+    ground, found = judged(resisted(seed, force))
     assert is_law(found) == On("x")
     answer = instead_of_class(ground, found)
     assert answer is not None
@@ -78,19 +58,19 @@ def test_a_force_without_a_name_becomes_a_curve(force: Force, over: str, seed: i
 
 @pytest.mark.slow
 def test_a_force_of_both_is_no_curve() -> None:
-    ground, found = judged(moved(3, lambda x, v: 1.5 * x**2 * v))
+    ground, found = judged(resisted(3, lambda x, v: 1.5 * x**2 * v))
     assert is_law(found) == On("x")
     assert instead_of_class(ground, found) is None
 
 
 @pytest.mark.slow
 def test_a_listed_law_is_told_by_name() -> None:
-    ground, found = judged(moved(4, lambda x, v: 0.3 * abs(v) * v))
+    ground, found = judged(resisted(4, lambda x, v: 0.3 * abs(v) * v))
     answer = instead_of_class(ground, found) if is_law(found) else None
     assert answer is None or [cause.kind for cause in answer.causes] == ["drag"]
 
 
 def test_where_nothing_acts_there_is_no_curve() -> None:
-    ground, found = judged(moved(5, lambda x, v: 0.0))
+    ground, found = judged(resisted(5, lambda x, v: 0.0))
     assert is_law(found) is None
     assert instead_of_class(ground, found) is None
