@@ -186,7 +186,7 @@ def _curve(
     element = curve_element(model, name, item.place, over, values, length, provenance)
     sentence = effect_sentence(item.kind, item.place, values, share, item.options, BEYOND)
     law = KINDS[item.kind].text(() if length is None else ("length",), dict(item.options))
-    return Found(element, law, values, share, sentence, active)
+    return Found(element, law, ByName(values), share, sentence, active)
 
 
 def _meaning(model: Model, item: Named) -> str:
