@@ -57,6 +57,8 @@ def test_values_are_one_line_at_a_prompt() -> None:
         "<Model 'Driven mass': 1 coordinate (x), 1 input (f), 3 parameters (m, k, d), "
         "3 elements (spring, damper, push), 1 sensor (laser)>"
     )
+    damper = "<Element damper: damper on x, damping = d>"
+    assert repr(MODEL.elements["damper"]) == damper
     assert repr(MACHINE) == "<Machine 'Driven mass': 1 coordinate, 3 parameters>"
     assert repr(RUN) == "<Recording 'run': 50 samples, 0 … 1 s, 1 input (f), 1 sensor (laser)>"
     assert repr(MODEL.parameters["k"].unit) == "<Unit N/m>"

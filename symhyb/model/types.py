@@ -223,7 +223,7 @@ class Network:
     trust: tuple[tuple[float, float], ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Element:
     """A force law at a place. ``values`` maps the keys of its kind to expressions, ``options``
     those that are words.
@@ -248,6 +248,10 @@ class Element:
 
     def __post_init__(self) -> None:
         name_items(self, "parameters")
+
+    def __repr__(self) -> str:
+        keys = "".join(f", {key} = {value.text}" for key, value in self.values)
+        return f"<Element {self.name}: {self.kind} {place_text(self.place)}{keys}>"
 
     def option(self, key: str, default: str) -> str:
         """The word under ``key`` (the ``side`` of a gap), or ``default`` where it is unset."""
