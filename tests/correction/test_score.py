@@ -30,6 +30,7 @@ X = On("x")
 DAMPER = Hypothesis("damper", X, ("damping",), (True,))
 SKEWED = Hypothesis("damper", X, ("damping", "skew"), (True, False))
 SAME_COLUMN = (("spring", "stiffness"), ("added_mass", "mass"))
+POWER = Hypothesis("power", X, ("coefficient",), (True,), (("exponent", 1.5),), ("exponent",))
 FRICTION = Hypothesis("friction", X, ("coulomb", "static"), (True, True))
 UNSURE = model_of(
     coordinates={"x": {"unit": "m"}},
@@ -78,6 +79,22 @@ def test_a_number_costs_the_logarithm_of_the_samples_and_a_cause_its_choice() ->
     one = trial(DAMPER)
     assert cost(one) == pytest.approx(np.log(W * EACH))
     assert price(one, 30) == pytest.approx(np.log(W * EACH) + 2 * np.log(30))
+
+
+def test_a_law_that_bends_between_two_costs_the_choice_of_both() -> None:
+    """Else a power of 0.5 would be cheaper than the friction and the damping it stands for."""
+    both = trial(DAMPER, Hypothesis("friction", X, ("coulomb",), (True,)))
+    assert price(trial(POWER), 30) == pytest.approx(price(both, 30))
+
+
+@pytest.mark.parametrize(
+    ("exponent", "said"),
+    [(1.02, False), (0.98, False), (2.029, False), (0.21, False), (1.5, True), (0.9, True)],
+)
+def test_a_power_that_another_law_says_too_is_not_believed(exponent: float, said: bool) -> None:
+    one = trial(POWER, values=(1.0, exponent), sd=1e-2)
+    assert weak(one) == (() if said else (0,))
+    assert believable(one) == said
     assert price(trial(), 30) == 0
 
 

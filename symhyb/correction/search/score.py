@@ -29,7 +29,7 @@ from symhyb.correction.search.trajectory import (
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.words.formula import LAW
 from symhyb.judgement import ACCURACY, NEAR_NOISE, OUTSTANDING, PIECES
-from symhyb.model.vocabulary import key_of
+from symhyb.model.vocabulary import KINDS, key_of
 from symhyb.numeric.kernels.buffers import Array
 
 
@@ -42,11 +42,13 @@ def price(trial: Refined, candidates: int) -> float:
     """What a structure costs: its numbers, and having chosen its causes among ``candidates``.
 
     A parameter that states an sd was not chosen: its χ² against what was known of it counts
-    instead, but no more than the law costs that does the same.
+    instead, but no more than the law costs that does the same. A law that bends between two
+    simpler ones may stand for both (a power of 0.5 for friction and damping), and costs as much.
     """
     choice = choice_of(candidates)
     prior = min(trial.fit.prior, len(trial.causes) * (np.log(samples(trial)) + choice))
-    return float(cost(trial) + prior + (len(trial.causes) - uncertain(trial)) * choice)
+    chosen = len(trial.causes) - uncertain(trial) + bent(trial)
+    return float(cost(trial) + prior + chosen * choice)
 
 
 def choice_of(candidates: int) -> float:
@@ -57,6 +59,11 @@ def choice_of(candidates: int) -> float:
 def uncertain(trial: Refined) -> int:
     """How many of the causes are parameters that state an sd."""
     return sum(prior_sd(trial, cause) < inf for cause in trial.causes)
+
+
+def bent(trial: Refined) -> int:
+    """How many of the causes are laws that bend between simpler ones."""
+    return sum(cause.kind in KINDS and KINDS[cause.kind].bent for cause in trial.causes)
 
 
 def left(trial: Refined) -> float:
