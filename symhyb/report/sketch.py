@@ -10,9 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from symhyb.errors import InputError, Problem
 from symhyb.model.space import dimension, quaternion_parts
 from symhyb.model.types import Model
-from symhyb.report.placing import placed
+from symhyb.report.placing import Placed, placed
 from symhyb.report.series import Array
 from symhyb.report.sketch_bodies import (
     draw_axes,
@@ -25,6 +26,7 @@ from symhyb.report.sketch_draft import STEP, Draft, Mark, spread_out, symbol_siz
 from symhyb.report.sketch_elements import draw_element
 
 FAR = 0.1  # of all coordinates, SI: whether distances stay
+LARGEST = 1e9  # m
 VIEW = np.array([[0.87, -0.5, 0.0], [-0.25, -0.43, 0.87]])  # of space: x to the right, z upwards
 
 
@@ -43,12 +45,17 @@ def sketch_of(model: Model, q: Array | None = None, shown: Sequence[str] = ()) -
     coordinates in ``shown`` are emphasised.
 
     A model with constraints that was not built yet is drawn at the start that the file states.
+
+    Raises:
+        InputError: a part has no place there, or one beyond any machine.
     """
     place = np.array(model.start()[0]) if q is None else np.asarray(q, float)
     view = np.eye(2) if dimension(model) == 2 else VIEW
     here = placed(model, place)
     moved = [placed(model, place + STEP * row) for row in np.eye(place.size)]
     far = placed(model, place + FAR * (1 + np.arange(place.size)) / max(place.size, 1))
+    for one in (here, *moved, far):
+        _require_places(one, model)
     size = symbol_size(model, here, far, view)
     draft = Draft(model, view, here, moved, far, size, frozenset(shown))
     spread_out(draft)
@@ -67,6 +74,20 @@ def sketch_of(model: Model, q: Array | None = None, shown: Sequence[str] = ()) -
     if view.shape[1] == 3:
         draw_axes(draft)
     return Sketch(tuple(draft.marks), draft.size, tuple(draft.left_out))
+
+
+def _require_places(parts: Placed, model: Model) -> None:
+    """Refuse parts whose place is no number or lies beyond ``LARGEST``.
+
+    Raises:
+        InputError: every such part.
+    """
+    named = [(f"bodies.{name}", place) for name, place in parts.centres.items()]
+    named += [(f"points.{name}", place) for name, place in parts.points.items()]
+    lost = [name for name, place in named if not np.all(np.abs(place) < LARGEST)]
+    if lost:
+        text = "has no place that can be drawn at the start or close to it; check its expressions"
+        raise InputError(Problem(text, name, model.file) for name in lost)
 
 
 def roles(sketch: Sketch) -> Mapping[str, tuple[str, ...]]:
