@@ -64,7 +64,7 @@ def opened(browser: Any, pages: dict[str, Path]) -> Iterator[Open]:
         context = browser.new_context(**{"viewport": DESK, **options})
         contexts.append(context)
         page, wrong = context.new_page(), []
-        page.set_default_timeout(120_000)
+        page.set_default_timeout(300_000)
         page.on("console", lambda said: wrong.append(said.text) if said.type != "info" else None)
         page.on("pageerror", lambda error: wrong.append(str(error)))
         page.on("dialog", lambda dialog: (wrong.append(dialog.message), dialog.dismiss()))
@@ -74,7 +74,7 @@ def opened(browser: Any, pages: dict[str, Path]) -> Iterator[Open]:
                 None if asked.url.startswith(("file:", "data:")) else wrong.append(asked.url)
             ),
         )
-        page.goto(pages[name].as_uri(), timeout=120_000)
+        page.goto(pages[name].as_uri(), timeout=300_000)
         return page, wrong
 
     yield begin
@@ -101,7 +101,7 @@ def ends(page: Any) -> set[tuple[float, float]]:
 
 def until(page: Any, holds: Callable[[], bool]) -> None:
     """Wait until something holds. (Playwright's own waiting evaluates text, which pages forbid.)"""
-    for _ in range(200):
+    for _ in range(2400):
         if holds():
             return
         page.wait_for_timeout(50)
