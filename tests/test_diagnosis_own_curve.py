@@ -1,4 +1,4 @@
-"""A force of the rate that no listed law is becomes a curve: in the file, output and report."""
+"""A force of the stretch that no listed law is becomes a curve: in the file, output and report."""
 
 import json
 from pathlib import Path
@@ -10,23 +10,23 @@ import symhyb as sh
 from tests.pushed import pushed_model, resisted
 
 
-def loss(v: float) -> float:
-    """Grows with the speed to the power of 1.5."""
-    return 0.8 * float(np.sqrt(abs(v))) * v
+def held(x: float) -> float:
+    """A spring that saturates at 3 N."""
+    return 3.0 * float(np.tanh(x / 0.2))
 
 
 @pytest.mark.slow
-def test_a_loss_of_another_power_is_found_as_a_curve(tmp_path: Path) -> None:
-    model, run = pushed_model(), resisted(2, lambda x, v: loss(v))
+def test_a_spring_that_saturates_is_found_as_a_curve(tmp_path: Path) -> None:
+    model, run = pushed_model(), resisted(2, lambda x, v: held(x))
     diagnosis = sh.diagnose(model, run)
     assert diagnosis.verdict == "missing physics"
     (found,) = diagnosis.found
-    assert (found.element.kind, found.element.options) == ("curve", (("over", "rate"),))
+    assert (found.element.kind, found.element.options) == ("curve", (("over", "stretch"),))
     assert not diagnosis.classes
     assert "none of the listed laws being as good" in diagnosis.sentence
     for one in found.estimates:
         assert one.at is not None
-        assert abs(one.value - loss(one.at)) < 4 * one.sd
+        assert abs(one.value - held(one.at)) < 4 * one.sd
     corrected = sh.apply(model, diagnosis.found)
     verdict = sh.judge(model, corrected, on=run)
     before, after = (
@@ -39,7 +39,7 @@ def test_a_loss_of_another_power_is_found_as_a_curve(tmp_path: Path) -> None:
     sh.write_report(tmp_path / "report.html", diagnosis, verdict)
     sh.write_diagnosis(tmp_path / "diagnosis.json", diagnosis, verdict)
     (told,) = json.loads((tmp_path / "diagnosis.json").read_text(encoding="utf-8"))["found"]
-    assert told["options"] == {"over": "rate"}
+    assert told["options"] == {"over": "stretch"}
     numbers = told["parameters"].values()
     assert [one["at"] for one in numbers] == [one.at for one in found.estimates]
-    assert {one["at_unit"] for one in numbers} == {"m/s"}
+    assert {one["at_unit"] for one in numbers} == {"m"}
