@@ -91,7 +91,10 @@ def fits(value: object, expected: Any) -> bool:
     if origin in (Sequence, tuple, list):
         return _is_row(value) and all(fits(one, inside[0]) for one in value)  # type: ignore[attr-defined]
     if origin is Mapping:
-        return isinstance(value, Mapping) and all(isinstance(key, str) for key in value)
+        by_name = get_args(expected)[0] is str
+        return isinstance(value, Mapping) and (
+            not by_name or all(isinstance(key, str) for key in value)
+        )
     if expected is None or expected is type(None):
         return value is None
     if origin is Callable or expected is Callable:
@@ -161,7 +164,7 @@ def _said(expected: Any) -> str:
     if _is_many(expected):
         return f"a list of {_plural(get_args(expected)[0])}"
     if get_origin(expected) is Mapping:
-        return "a mapping by name"
+        return "a mapping by name" if get_args(expected)[0] is str else "a mapping"
     if get_origin(expected) is Literal:
         return f"one of {', '.join(map(repr, get_args(expected)))}"
     kind = get_origin(expected) or expected

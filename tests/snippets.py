@@ -35,7 +35,7 @@ from unittest import mock
 
 ROOT = Path(__file__).resolve().parents[1]
 BLOCK = re.compile(
-    r"(?P<marks>(?:^[ ]*<!-- [^\n]* -->\n)*)^(?P<fence>`{3,})(?P<language>[\w-]*)[^\n]*\n"
+    r"(?P<marks>(?:^[ ]*<!-- [^\n]* -->\n)*)^(?P<fence>`{3,})(?P<language>\{?[\w-]*\}?)[^\n]*\n"
     r"(?P<text>.*?)^(?P=fence)[ ]*$",
     re.M | re.S,
 )

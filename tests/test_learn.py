@@ -420,7 +420,7 @@ def test_the_verb_leaves_valid_files(call: Call, files: Path, tmp_path: Path) ->
     }
     page = (out / "report.html").read_text("utf-8")
     assert "learned_drag" in page
-    assert "http" not in page.replace("http://www.w3.org", "")
+    assert "default-src &#39;none&#39;" in page  # nothing is fetched
     header = (out / "simulation.csv").read_text("utf-8").splitlines()[0]
     assert "laser_after [m]" in header
 

@@ -28,6 +28,9 @@ EXTRAS: dict[str, tuple[str, tuple[str, ...]]] = {
     "fmi": ("FMUs of corrections and models", ("fmpy",)),
     "urdf": ("models from URDF files", ("defusedxml",)),
     "mjcf": ("models from MJCF files", ("defusedxml", "mujoco")),
+    "xarray": ("recordings from and to xarray", ("xarray",)),
+    "arviz": ("the posterior for ArviZ", ("arviz_base",)),
+    "docs": ("this documentation as a site", ("sphinx", "myst_parser", "furo")),
     "zig": ("FMUs for other systems than this one", ("ziglang",)),
 }
 """What an extra is for, and the modules that it brings."""

@@ -9,9 +9,6 @@ import sys
 from collections.abc import Iterable, Mapping
 from typing import Literal
 
-import numpy as np
-
-from symhyb.discrepancy.evidence import Correlations, Whiteness
 from symhyb.discrepancy.results import (
     Activity,
     Alternative,
@@ -39,8 +36,6 @@ from symhyb.report.document import (
     AlternativeEntry,
     ClassEntry,
     ComparisonEntry,
-    CorrelatedEntry,
-    CorrelationsEntry,
     DiagnosisDocument,
     EstimateEntry,
     Estimates,
@@ -58,8 +53,8 @@ from symhyb.report.document import (
     PlaceShareEntry,
     ScoreEntry,
     Somewhere,
-    WhitenessEntry,
 )
+from symhyb.report.doubt_entries import correlations_entry, whiteness_entry
 
 FORMAT: Literal[1] = 1
 UNBOUNDED = sys.float_info.max
@@ -116,8 +111,8 @@ def to_json(diagnosis: Diagnosis, verdict: Verdict) -> DiagnosisDocument:
         ],
         "memory": _memory(diagnosis.memory),
         "classes": [_class(one) for one in diagnosis.classes],
-        "correlations": _correlations(diagnosis.correlations),
-        "whiteness": [_whiteness(one) for one in verdict.whiteness],
+        "correlations": correlations_entry(diagnosis.correlations),
+        "whiteness": [whiteness_entry(one) for one in verdict.whiteness],
         "without": [
             {"element": one.element, "free_run_rmse": _channels(one.free_run_rmse)}
             for one in verdict.without
@@ -160,24 +155,6 @@ def _found(effect: Found) -> FoundEntry:
     if effect.own:
         entry["own"] = {name: _estimates(own) for name, own in effect.own}
     return entry
-
-
-def _correlations(known: Correlations | None) -> CorrelationsEntry | None:
-    if known is None or not np.isfinite(known.matrix).all():
-        return None
-    return {"names": list(known.names), "matrix": known.matrix.tolist()}
-
-
-def _whiteness(one: Whiteness) -> WhitenessEntry:
-    def told(name: str) -> CorrelatedEntry:
-        return {"largest": one.largest(name), "noise": one.noise(name)}
-
-    return {
-        "recording": one.recording,
-        "sensor": one.sensor,
-        "itself": told(""),
-        "inputs": {name: told(name) for name in one.cross},
-    }
 
 
 def _parameter(parameter: Reestimated) -> ParameterEntry:

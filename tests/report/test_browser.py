@@ -1,6 +1,7 @@
 """The page in a browser: it draws, zooms, switches, follows the scheme, prints, runs nothing else.
 
-Needs Playwright and a Chromium; without either of them these tests are skipped.
+Needs Playwright and a Chromium; without either of them these tests are skipped. They are thorough
+ones: a browser beside other tests keeps no time.
 """
 
 import re
@@ -16,6 +17,8 @@ from conftest import hostile, missing
 
 from symhyb.discrepancy.results import Diagnosis, Verdict
 from symhyb.report import render_page
+
+pytestmark = pytest.mark.thorough
 
 SIZE_MOST = 6_000_000  # bytes of a page
 PHONE, DESK = {"width": 390, "height": 844}, {"width": 1000, "height": 900}

@@ -89,7 +89,10 @@ def test_rivals_say_what_they_replace_and_how_much_worse_they_are() -> None:
     doubted = alternative_sentence(replace(rival, instead_of=None))
     assert doubted == f"{opening}: a part of what fits best, and in doubt."
     alone = replace(rival, instead_of=None, evidence=12.34)
-    assert alternative_sentence(alone) == f"{opening}: worse by 12.3 in the criterion."
+    assert (
+        alternative_sentence(alone)
+        == f"{opening}: worse by 12.3 in the criterion, odds of 480 to 1 against it."
+    )
     assert alternative_sentence(replace(alone, evidence=math.inf)) == f"{opening}."
     on_place = replace(alone, channel=None, place=On("x"), kind="damper", estimates=())
     assert alternative_sentence(on_place).startswith("Viscous damping on x: worse")

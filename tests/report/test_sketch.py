@@ -107,11 +107,10 @@ def test_masses_on_one_place_are_drawn_apart() -> None:
     assert second[0, 0] - first[0, 0] > 3 * sketch.size
 
 
-def test_what_is_emphasised_is_marked_and_red() -> None:
+def test_what_is_emphasised_is_marked_in_colour() -> None:
     sketch = sketch_of(oscillator(), shown=["damper"])
     assert {mark.name for mark in sketch.marks if mark.shown} == {"damper"}
-    assert b"#b3261e" in machine_figure(sketch)
-    assert b"#b3261e" not in machine_figure(sketch_of(oscillator()))
+    assert machine_figure(sketch) != machine_figure(sketch_of(oscillator()))
 
 
 def test_a_machine_at_another_place() -> None:
@@ -120,7 +119,7 @@ def test_a_machine_at_another_place() -> None:
     assert body[0] == pytest.approx([0.7, 0.0])
 
 
-@pytest.mark.parametrize("at", ['["sqrt(-x*x)", "0"]', '["1e300*x", "1e200"]'])
+@pytest.mark.parametrize("at", ['["sqrt(-x*x)", "0"]', '["exp(1e4*x/x)*x", "0"]'])
 def test_a_body_without_a_place_is_refused(at: str) -> None:
     with pytest.raises(InputError, match=r"bodies\.mass: has no place that can be drawn"):
         sketch_of(oscillator(at), np.array([0.5]))

@@ -8,6 +8,7 @@ from typing import Any
 import sympy as sp
 from sympy.physics.mechanics import dynamicsymbols
 
+from symhyb.asked import asked
 from symhyb.errors import InputError, Problem
 from symhyb.mechanics.methods.derived import Derived, derived
 from symhyb.mechanics.methods.text import Naming, UnwritableError, written
@@ -21,6 +22,7 @@ Value = tuple[float, str] | tuple[float, str, float]
 """A number, its unit, and one standard deviation where it is uncertain."""
 
 
+@asked
 def from_sympy(
     method: object,
     values: Mapping[Any, Value],

@@ -71,7 +71,7 @@ def test_what_physics_forbids_is_not_offered() -> None:
     assert all(row.get("damping", 1.0) >= 0 for one in listed(recorded, line) for row in one.rows)
 
 
-def test_a_digressive_force_is_worth_more_as_a_curve() -> None:
-    force = np.asarray(np.sign(SEEN) * ((1 + np.abs(SEEN) / 0.1) ** 0.35 - 1))
+def test_a_force_of_the_rate_that_comes_and_goes_is_worth_more_as_a_curve() -> None:
+    force = np.sin(1.5 * SEEN)
     recorded, line = offered("rate", force, noise=0.03)
     assert placed(line).worth > listed(recorded, line)[0].worth + 50
