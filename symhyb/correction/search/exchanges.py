@@ -25,7 +25,6 @@ from symhyb.correction.search.trials import Row, Trials, first_guess
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.judgement import CLOSE, MOST, NEAR_NOISE
 from symhyb.laws.friction_dynamic import STATIC_FIRST
-from symhyb.model.vocabulary import KINDS
 
 OUT, IN = 2, 2  # causes that go, and that come, at once; not two for two
 TRIED = 8  # exchanges of one structure that are refined, the most promising
@@ -109,8 +108,7 @@ def _open(
 def _bent(problem: Problem, causes: Iterable[int]) -> set[int]:
     """Those of some causes whose laws bend as they like: beside others that explain a recording to
     its noise they would mend the shapes of these, so that there they come in place of laws only."""
-    kinds = ((c, KINDS.get(problem.hypotheses[c].kind)) for c in causes)
-    return {c for c, law in kinds if law is not None and law.bent}
+    return {c for c in causes if problem.hypotheses[c].bent}
 
 
 def _terms(cause: Hypothesis) -> set[tuple[object, str]]:

@@ -105,6 +105,12 @@ class Hypothesis:
         return self.kind, self.place, self.terms, self.refined, self.path, self.options
 
     @property
+    def bent(self) -> bool:
+        """Whether its law takes on shapes between those of simpler ones."""
+        law = KINDS.get(self.kind)
+        return law is not None and law.bent
+
+    @property
     def subject(self) -> tuple[object, ...]:
         """What it is a law of: dry friction with and without memory is one contact."""
         law = KINDS.get(self.kind)
