@@ -75,7 +75,7 @@ def drawing(height: float) -> Iterator["Figure"]:
 
     with mpl.rc_context(_STYLE), warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="Glyph .* missing", category=UserWarning)
-        yield Figure(figsize=(WIDTH, height), dpi=150, layout="constrained", facecolor="none")
+        yield Figure(figsize=(WIDTH, height), dpi=100, layout="constrained", facecolor="none")
 
 
 def svg(figure: "Figure") -> bytes:

@@ -14,7 +14,7 @@ from symhyb.report.canvas import AFTER, BAND, BEFORE, LAW, MEASURED, QUIET, SHAD
 from symhyb.report.series import Array, extremes, shortened, shown_unit, spread
 from symhyb.units import Unit
 
-POINTS = 300_000  # numbers that all figures of a page may hold: some 1.6 MB of text
+POINTS = 150_000  # numbers that all figures of a page may hold: some 0.8 MB of text
 _BINS_LEAST, _BINS_MOST = 150, 3000
 _FAR = 1.0  # ranges of the measurement: a run farther away has left the figure
 SIGMAS = 2.0  # of the bands of residuals

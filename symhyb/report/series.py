@@ -9,7 +9,7 @@ from symhyb.discrepancy.words.wording import power_text, unit_text
 
 Array = NDArray[np.float64]
 
-BINS = 600  # of a drawn line: about one a pixel
+BINS = 300  # of a drawn line: two points each, about one a pixel
 _CELLS = 160  # of a law drawn through a cloud
 _SHARP = 0.02  # of its variance, that a law which is a function of x has within a cell
 _SCATTER = 0.5  # of its variance, that a law may have within a cell and still be drawn
