@@ -42,7 +42,8 @@ class SparseForce(RegressorMixin, BaseEstimator):  # type: ignore[misc]
     Attributes:
         coef_: (T,) in the unit of the target over that of the term, 0 where the term went.
         terms_: the T terms as texts; those that depend on others in the given rows are not there.
-        n_features_in_, feature_names_in_: as everywhere in scikit-learn.
+
+    ``n_features_in_`` and ``feature_names_in_`` are as everywhere in scikit-learn.
     """
 
     def __init__(self, degree: int = 2, threshold: float = 0.05) -> None:
@@ -115,7 +116,8 @@ class NetworkForce(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         weights_: the network (:class:`symhyb.numeric.lowered.network.Weights`), which
             ``symhyb.learning`` simulates.
         trust_: (I, 2) smallest and largest of every feature, in its unit.
-        n_features_in_, feature_names_in_: as everywhere in scikit-learn.
+
+    ``n_features_in_`` and ``feature_names_in_`` are as everywhere in scikit-learn.
     """
 
     def __init__(

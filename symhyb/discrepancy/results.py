@@ -84,7 +84,7 @@ class Estimate:
 
     @property
     def called(self) -> tuple[str, ...]:
-        """By which names it is found among others: its term, then its name in the model file."""
+        """The names by which it is found among others (its term, its name in the model file)."""
         return (self.term, self.name)
 
 
@@ -119,7 +119,7 @@ class Found:
 
     @property
     def called(self) -> tuple[str, ...]:
-        """By which names it is found among others: its element, then its kind."""
+        """The names by which it is found among others (its element, its kind)."""
         return (self.element.name, self.element.kind)
 
     def __getattr__(self, name: str) -> Estimate:
@@ -192,7 +192,7 @@ class Measurement:
 
     @property
     def called(self) -> tuple[str, ...]:
-        """By which names it is found among others: ``laser.gain``, then its channel."""
+        """The names by which it is found among others (``laser.gain``, its channel)."""
         return (f"{self.channel}.{self.kind}", self.channel)
 
 
