@@ -50,7 +50,7 @@ if TYPE_CHECKING:
 
 _TAILS = 0.2  # percent of ΔF that a noisy peak may push out of the picture
 _NEAR, _FAR = 0.4, 50.0  # ranges of the measurement: that a picture shows, that are drawn at all
-_POINTS = 5000  # of a drawn cloud
+_POINTS = 3000  # of a drawn cloud
 _FAR_BETTER = 5.0  # of RMS residuals: the larger would hide the smaller
 # of viridis, which also colour-blind readers and grey prints order; without the ends that vanish on
 # black and on white paper

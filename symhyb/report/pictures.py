@@ -24,7 +24,7 @@ from symhyb.report.tables import SCORES, place_units
 from symhyb.units import Unit
 
 # each picture costs a second and a hundred kilobytes
-_TRACES_SHOWN, _CLOUDS_SHOWN, _BARS_SHOWN, _PLACES_SHOWN = 12, 6, 24, 3
+_TRACES_SHOWN, _CLOUDS_SHOWN, _BARS_SHOWN, _PLACES_SHOWN = 12, 5, 24, 3
 
 _REMEMBERING = frozenset(kind.name for kind in KINDS.values() if kind.state)
 _OF_TIME = frozenset(kind.name for kind in KINDS.values() if not kind.of_state)
