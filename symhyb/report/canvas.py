@@ -20,6 +20,7 @@ MEASURED, BEFORE, AFTER = "#1f2933", "#d55e00", "#0072b2"
 LAW = "#b0417c"
 IN_DOUBT, UNSURE, SURE = "#f3b6ae", "#f7e0ac", "#cfe3f3"
 QUIET, BAND, SHADE, PAPER = "#8a949e", "#dfe4e8", "#eef1f4", "#fffffe"
+LINK, DRIVEN, FILLED = "#56616c", "#a8571a", "#cfd6dd"  # of a drawn machine
 DASHED = (0, (5.0, 1.6))
 _GRID, _TICKS = "#e6e9ec", "#4a5560"
 # what each colour is where the reader's screen is dark
@@ -35,6 +36,9 @@ DARK = {
     BAND: "#414a53",
     SHADE: "#2a3037",
     PAPER: "#1d2126",
+    LINK: "#9aa5b0",
+    DRIVEN: "#e0a26a",
+    FILLED: "#4a545e",
     _GRID: "#31383f",
     _TICKS: "#b3bcc5",
 }

@@ -4,7 +4,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from symhyb.report.canvas import AFTER, LAW, MEASURED, QUIET, WIDTH, drawing, picture
+from symhyb.report.canvas import (
+    AFTER,
+    DRIVEN,
+    FILLED,
+    LAW,
+    LINK,
+    MEASURED,
+    PAPER,
+    QUIET,
+    WIDTH,
+    drawing,
+    picture,
+)
 from symhyb.report.series import Array, shortened
 from symhyb.report.sketch import Sketch
 from symhyb.report.sketch_draft import BOX, Mark
@@ -14,11 +26,11 @@ if TYPE_CHECKING:
 
 _COLORS = {
     "body": MEASURED,
-    "link": "#56616c",
+    "link": LINK,
     "element": MEASURED,
     "ground": QUIET,
     "coordinate": AFTER,
-    "input": "#a8571a",
+    "input": DRIVEN,
     "axis": QUIET,
 }
 _HEIGHTS = (1.6, 6.5)  # inches
@@ -58,10 +70,10 @@ def _draw(panel: "Axes", mark: Mark, size: float) -> None:
         case "body":
             side = BOX * size
             corners = mark.at[0] + side * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
-            panel.fill(*corners.T, facecolor="#cfd6dd", edgecolor=color, lw=1.2, zorder=4)
+            panel.fill(*corners.T, facecolor=FILLED, edgecolor=color, lw=1.2, zorder=4)
             _write(panel, mark, mark.at[0] - [0, 1.15 * side], color, "center", "top")
         case "pivot":
-            panel.plot(x, y, "o", color="white", mec=color, mew=1.3, ms=5, zorder=5)
+            panel.plot(x, y, "o", color=PAPER, mec=color, mew=1.3, ms=5, zorder=5)
         case "text":
             across, up = mark.away
             ha = "center" if abs(across) < _ASIDE else ("left" if across > 0 else "right")

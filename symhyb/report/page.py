@@ -58,6 +58,7 @@ def render_page(
         certainty=certainty(diagnosis),
         worths=[worth_sentence(effect, verdict, texts) for effect in diagnosis.found],
         besides=[f"{phrase}." for phrase in _besides(diagnosis)],
+        machine_picture=pictures.machine_picture(diagnosis, model),
         alternatives=[
             alternative_sentence(*group) for group in grouped_alternatives(diagnosis.alternatives)
         ],

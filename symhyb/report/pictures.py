@@ -2,7 +2,7 @@
 
 from base64 import b64encode
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from symhyb.discrepancy.checks.first_checks import FirstChecks
 from symhyb.discrepancy.evidence import Whiteness
 from symhyb.discrepancy.results import Cloud, Diagnosis, Trace, Verdict
 from symhyb.discrepancy.words.occurrence_words import place_words
+from symhyb.errors import InputError
 from symhyb.model.types import Model, On, place_text
 from symhyb.model.vocabulary import KINDS
 from symhyb.report import figures
@@ -18,8 +19,10 @@ from symhyb.report.bars import Pair, places_figure, score_figure
 from symhyb.report.contract import finite
 from symhyb.report.doubts import correlations_figure, whiteness_figure
 from symhyb.report.live import Live, Signal, live_figures
+from symhyb.report.machine_figure import machine_figure
 from symhyb.report.occurring import occurrence_figure
 from symhyb.report.responding import LINES_LEAST, response_figure
+from symhyb.report.sketch import sketch_of
 from symhyb.report.tables import SCORES, place_units
 from symhyb.units import Unit
 
@@ -218,6 +221,27 @@ def first_picture(first: FirstChecks) -> Picture | None:
         "simulated.",
         f"Frequency response of {worst.sensor} to {worst.drives[0]} ({first.recording}), measured "
         "and in free runs by the same estimator; in the grey the coherence is too low to trust it.",
+    )
+
+
+def machine_picture(diagnosis: Diagnosis, model: Model | None) -> Picture | None:
+    """Draw the machine with what was found in it; None of one that cannot be drawn."""
+    found = [effect.element for effect in diagnosis.found]
+    if model is None or not found:
+        return None
+    names = [element.name for element in found]
+    extended = replace(model, elements=(*model.elements, *found))
+    try:
+        sketch = sketch_of(extended, shown=names)
+    except InputError:  # a part has no place: a charge, a gear
+        return None
+    if not {*names} & {mark.name for mark in sketch.marks}:
+        return None
+    return Picture(
+        _image(machine_figure(sketch)),
+        f"Drawing of the machine with {', '.join(names)}.",
+        "The machine where simulations start. Magenta: where the found elements act; blue: where "
+        "each coordinate is positive.",
     )
 
 
