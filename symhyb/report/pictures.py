@@ -233,7 +233,7 @@ def machine_picture(diagnosis: Diagnosis, model: Model | None) -> Picture | None
     extended = replace(model, elements=(*model.elements, *found))
     try:
         sketch = sketch_of(extended, shown=names)
-    except InputError:  # a part has no place: a charge, a gear
+    except (InputError, KeyError):  # a part has no place (a charge), or is not of this model
         return None
     if not {*names} & {mark.name for mark in sketch.marks}:
         return None

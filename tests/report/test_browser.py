@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from conftest import hostile, missing
+from made_results import hostile, missing
 
 from symhyb.discrepancy.results import Diagnosis, Verdict
 from symhyb.report import render_page

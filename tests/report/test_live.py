@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import HOSTILE
+from made_results import HOSTILE
 
 from symhyb.discrepancy.results import Diagnosis, Trace, Verdict
 from symhyb.report.embed import embedded, library, policy_of
