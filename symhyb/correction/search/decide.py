@@ -102,14 +102,14 @@ def decide(setting: Setting, forces: ForceScreen | None, say: Say) -> Decision:
     """Choose a structure; ``forces`` is the screen of the same force hypotheses at their level."""
     pool: set[tuple[int, ...]] = set()
     if forces is not None:
-        problem = forces.problem(forces.begin())
+        problem = without(forces.problem(forces.begin()), set(setting.bent))
         pool |= _first_of(problem, best_subsets(problem, LARGEST))
     problems, twins = [], exact_twins(setting)
     for stage in setting.stages:
         say(f"screening {len(setting.hypotheses)} causes on windows of {stage.length_s:.3g} s")
         problem = along_motion(setting, stage)
         equals = with_twins(indistinguishable(problem), twins)
-        problem = without(problem, {second for _, second in equals})
+        problem = without(problem, {second for _, second in equals} | setting.bent)
         sizes = best_subsets(problem, LARGEST)
         pool |= _first_of(problem, sizes)
         problems.append((sizes[-1][0].chi2 / max(sizes[0][0].chi2, 1e-300), problem))

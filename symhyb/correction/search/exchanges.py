@@ -4,7 +4,7 @@ One Gram matrix along the simulation answers for every exchange: a cause that go
 back into the residual, those that stay may move, and any others may come.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -23,7 +23,7 @@ from symhyb.correction.search.setting import effects, exchanged
 from symhyb.correction.search.trajectory import Refined, grouped
 from symhyb.correction.search.trials import Row, Trials, first_guess
 from symhyb.discrepancy.places.hypotheses import Hypothesis
-from symhyb.judgement import CLOSE, MOST, NEAR_NOISE
+from symhyb.judgement import CLOSE, MOST
 from symhyb.laws.friction_dynamic import STATIC_FIRST
 
 OUT, IN = 2, 2  # causes that go, and that come, at once; not two for two
@@ -62,7 +62,7 @@ def _all(trials: Trials, base: Refined) -> Iterator[Offer]:
         return
     own, rows, unit = trials.causes(base), grouped(base), piece_of(base)
     number, choice = np.log(samples(base)), choice_of(trials.count)
-    few, explained = not many(own), base.fit.scale < NEAR_NOISE
+    few = not many(own)
     for leaving in range(min(OUT if few else 1, len(own)) + 1):
         for out in combinations(range(len(own)), leaving):
             gone = [base.causes[i] for i in out]
@@ -70,12 +70,8 @@ def _all(trials: Trials, base: Refined) -> Iterator[Offer]:
             problem = _open(
                 trials, exchanged(along, parts, out), [base.causes[i] for i in stay], gone
             )
-            if explained and not gone:
-                problem = without(problem, _bent(problem, range(len(problem.hypotheses))))
             for sized in best_subsets(problem, IN if leaving < OUT else 1)[1:]:
                 for subset in distinct(problem, sized)[:TRIED]:
-                    if explained and len(subset.causes) > leaving and _bent(problem, subset.causes):
-                        continue
                     more = subset.numbers - sum(cause.numbers for cause in gone)
                     price = more * number + (len(subset.causes) - leaving) * choice
                     taken = still.chi2 + still.held - subset.chi2 - subset.held
@@ -103,12 +99,6 @@ def _open(
         or ((cause.place is not None or cause not in kept) and held.intersection(_terms(cause)))
     }
     return without(problem, barred | trials.dropped)
-
-
-def _bent(problem: Problem, causes: Iterable[int]) -> set[int]:
-    """Those of some causes whose laws bend as they like: beside others that explain a recording to
-    its noise they would mend the shapes of these, so that there they come in place of laws only."""
-    return {c for c in causes if problem.hypotheses[c].bent}
 
 
 def _terms(cause: Hypothesis) -> set[tuple[object, str]]:

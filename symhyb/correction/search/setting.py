@@ -50,6 +50,13 @@ class Setting:
         """All causes, in the order of the reduced problems."""
         return (*self.library.hypotheses, *self.parametric)
 
+    @property
+    def bent(self) -> frozenset[int]:
+        """The causes whose laws take on shapes between those of simpler ones. Beside anything that
+        is missing a power of the speed stands for friction and damping, so that they are not
+        searched for."""
+        return frozenset(i for i, cause in enumerate(self.hypotheses) if cause.bent)
+
 
 def along_motion(setting: Setting, stage: Stage) -> Problem:
     """The reduced problem of one stage along the measured motion."""

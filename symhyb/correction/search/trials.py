@@ -18,7 +18,8 @@ Row = dict[str, float]
 
 class Trials:
     """Structures refined at the longest windows, each once; the second of ``equals`` is not
-    tried."""
+    tried, nor are bent laws, which compete where simpler ones are known not to be enough
+    (:mod:`symhyb.correction.adequacy.curves.listed`)."""
 
     def __init__(
         self,
@@ -28,7 +29,7 @@ class Trials:
     ):
         self.setting, self.say = setting, say
         self.equals = tuple(equals)
-        self.dropped = {second for _, second in equals}
+        self.dropped = {second for _, second in equals} | setting.bent
         self.done: dict[tuple[int, ...], Refined] = {}
         self.known = list(setting.hypotheses)
         self._along: dict[tuple[int, ...], Problem] = {}
@@ -110,7 +111,8 @@ class Trials:
     @property
     def count(self) -> int:
         """How many causes compete."""
-        return len({cause.family for cause in self.setting.hypotheses}) - len(self.dropped)
+        families = {cause.family for cause in self.setting.hypotheses if not cause.bent}
+        return len(families) - len({second for _, second in self.equals})
 
     def causes(self, trial: Refined) -> tuple[int, ...]:
         """The numbers of a structure's causes."""
