@@ -7,13 +7,14 @@ recordings prove; they never choose. docs/method.md has the statistics and what 
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 
 from symhyb.asked import asked
 from symhyb.correction.adequacy.input_noise import stands, with_input_noise
 from symhyb.correction.adequacy.judge import Adequacy, adequacy
 from symhyb.correction.advice.advice import advise
 from symhyb.correction.advice.combinations import combined
-from symhyb.correction.advice.isolability import isolability
+from symhyb.correction.advice.isolability import Along, isolability
 from symhyb.correction.naming.beside_words import together
 from symhyb.correction.naming.dispute_words import dispute_sentence
 from symhyb.correction.naming.fleet_words import parameters_with_own, repeats_said
@@ -22,7 +23,7 @@ from symhyb.correction.naming.joint import posterior_of
 from symhyb.correction.search.beginnings import in_part
 from symhyb.correction.search.clocks import drifting
 from symhyb.correction.search.preparing import Prepared, prepare, settle
-from symhyb.correction.search.setting import Setting
+from symhyb.correction.search.setting import Setting, around
 from symhyb.correction.search.so_far import fits_best, if_interrupted
 from symhyb.correction.search.trajectory import Refined
 from symhyb.correction.search.wholes import at_level_of_forces
@@ -181,8 +182,9 @@ def _told(
     answer = with_constant(answer, choice)
     answer = with_faults(answer, model, prepared.faults, final.fit.scale)
     answer = replace(answer, posterior=posterior_of(model, final, known.items, answer))
-    answer = _with_isolability(_remembered(answer, prepared, setting), choice)
-    return _with_combinations(answer, choice)
+    along = cache(lambda: around(setting, selected))  # both need it, neither always
+    answer = _with_isolability(_remembered(answer, prepared, setting), choice, along)
+    return _with_combinations(answer, choice, along)
 
 
 def _prepared(
@@ -237,10 +239,10 @@ def _of_several(
     )
 
 
-def _with_isolability(answer: Diagnosis, choice: Choice) -> Diagnosis:
+def _with_isolability(answer: Diagnosis, choice: Choice, along: Along) -> Diagnosis:
     """The answer with what the recordings distinguish; a note where that cannot be computed."""
     try:
-        table = isolability(choice.setting, choice.decision)
+        table = isolability(choice.setting, choice.decision, along)
     except Exception as error:  # no finished diagnosis is lost for it
         return _with_note(answer, "No table of which causes these recordings tell apart", error)
     if table is not None and not (answer.found or answer.parameters or answer.measurement):
@@ -248,11 +250,11 @@ def _with_isolability(answer: Diagnosis, choice: Choice) -> Diagnosis:
     return replace(answer, isolability=table)
 
 
-def _with_combinations(answer: Diagnosis, choice: Choice) -> Diagnosis:
+def _with_combinations(answer: Diagnosis, choice: Choice, along: Along) -> Diagnosis:
     """The answer with notes on parameters that the recordings do not determine, or determine only
     together."""
     try:
-        said = combined(choice.setting, choice.decision)
+        said = combined(choice.setting, choice.decision.selected, along)
     except Exception as error:  # no finished diagnosis is lost for it
         return _with_note(answer, "Which parameters are determined is not known", error)
     return replace(answer, notes=(*answer.notes, *said))

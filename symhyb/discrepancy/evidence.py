@@ -14,6 +14,14 @@ WITHIN = 0.99
 CONFIDENCE = NormalDist().inv_cdf((1.0 + WITHIN) / 2.0)  # standard deviations that hold 99 %
 
 
+def correlation_of(covariance: NDArray[np.float64]) -> NDArray[np.float64]:
+    """How the errors of numbers with a covariance (K, K), in any units, go together (K, K),
+    dimensionless, −1 to 1; NaN of a number without an error."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        spread = np.sqrt(np.diag(covariance))
+        return np.asarray(covariance / np.outer(spread, spread))
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Correlations:
     """How fitted numbers trade off: their ``names`` (F) as the corrected model file has them

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from symhyb.discrepancy.evidence import Correlations
+from symhyb.discrepancy.evidence import Correlations, correlation_of
 from symhyb.errors import InputError, Problem
 
 CHAINS, DRAWS = 4, 1000
@@ -37,7 +37,7 @@ class Posterior:
     @property
     def correlation(self) -> NDArray[np.float64]:
         """How the errors of two numbers go together (K, K), dimensionless, −1 to 1."""
-        return self.covariance / np.outer(self.sd, self.sd)
+        return correlation_of(self.covariance)
 
     @property
     def correlations(self) -> Correlations:

@@ -79,12 +79,14 @@ def test_what_was_recorded_bounds_what_is_asked_for() -> None:
 @pytest.mark.slow
 def test_the_matrix_knows_twins_and_what_stands_out() -> None:
     from symhyb.correction.search.decide import decide
+    from symhyb.correction.search.setting import around
 
     prepared = prepare(spring_model(), spring_recording(5, {"drag": 2.0}, duration=8.0))
     setting = settle(prepared)
     middle = setting.stages[min(1, len(setting.stages) - 1)]
     found = force_screen(prepared.machine, setting.library, middle.cuts, 5 / prepared.shortest)
-    matrix = isolability(setting, decide(setting, found, lambda line: None))
+    decision = decide(setting, found, lambda line: None)
+    matrix = isolability(setting, decision, lambda: around(setting, decision.selected))
     assert matrix is not None
     assert matrix.causes[0] == "drag quadratic in speed on x"
     assert matrix.found[0]

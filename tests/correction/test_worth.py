@@ -5,6 +5,7 @@ import pytest
 
 from symhyb.correction.naming.findings import named
 from symhyb.correction.search.preparing import prepare, settle
+from symhyb.correction.search.strength import element_forces
 from symhyb.correction.search.trajectory import refine
 from symhyb.correction.verdict.worth import correlation_matrix, law_spread, worth_of
 from symhyb.data.recording import Recording
@@ -51,7 +52,9 @@ def test_worth_correlation_and_spread_of_two_effects() -> None:
     np.testing.assert_allclose(np.diag(matrix), 1.0)
     assert 0.5 < matrix[0, 1] < 1.0  # a larger push against a larger damper
 
-    spread = law_spread(final, prepared.runs[0], 0)
+    run = prepared.runs[0]
+    law = element_forces(final, run.recording, run.motion)[0].sum(axis=2)
+    spread = law_spread(final, run, 0, law)
     assert spread is not None
     push, damping = (final.value(path)[1] for path in final.paths)
     speed = np.abs(prepared.runs[0].motion.v[:, 0])

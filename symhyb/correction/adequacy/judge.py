@@ -4,9 +4,8 @@ The structure is fitted once more by the innovations likelihood, which separates
 the noise of sensors, whatever its colour. Where a force acts that no cause explains, generic
 classes (:mod:`~.classes`) are fitted beside the structure, in place of the causes at their place
 and of all; where the structure has causes also around the model as it is. A class is an answer
-where it is more probable and takes at least half of what acts beyond; a cause is
-withdrawn beside it where a
-class that explains that does without.
+where it is more probable and takes at least half of what acts beyond; a cause is withdrawn beside
+it where a class that explains that does without.
 """
 
 from collections.abc import Collection, Sequence

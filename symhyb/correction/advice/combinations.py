@@ -20,10 +20,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symhyb.correction.advice.isolability import computable
-from symhyb.correction.search.decide import Decision
+from symhyb.correction.advice.isolability import Along, computable
 from symhyb.correction.search.score import unit_of
-from symhyb.correction.search.setting import Setting, around
+from symhyb.correction.search.setting import Setting
+from symhyb.correction.search.trajectory import Refined
 from symhyb.discrepancy.fitting.normal import shortest_solution
 from symhyb.discrepancy.words.amounts import joined, number_text
 from symhyb.judgement import SMALL
@@ -67,10 +67,9 @@ def base_of(information: Array) -> Base:
     return Base(pivots, nothing, others, factors)
 
 
-def combined(setting: Setting, decision: Decision) -> tuple[str, ...]:
+def combined(setting: Setting, selected: Refined, along: Along) -> tuple[str, ...]:
     """What the recordings do not determine of the parameters that state an sd, as sentences; none
     where each is determined, or where fewer than two are uncertain."""
-    selected = decision.selected
     declared = {item.path: item for item in setting.windows.machine.model.all_parameters()}
     paths = [
         cause.path
@@ -79,7 +78,7 @@ def combined(setting: Setting, decision: Decision) -> tuple[str, ...]:
     ]
     if len(paths) < 2:
         return ()
-    problem = around(setting, selected)
+    problem = along()
     where = {cause.path: i for i, cause in enumerate(problem.hypotheses) if cause.place is None}
     columns = [problem.columns[where[path]] for path in paths]
     if any(len(own) != 1 for own in columns):  # each recording has its own

@@ -10,7 +10,7 @@ b; where a is the truth, the recordings speak against B with
 (c: χ² of one independent sample). Sizes: F columns of the reduced problem, C causes listed.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,12 +19,15 @@ from symhyb.correction.naming.findings import cause_phrase, doubtful
 from symhyb.correction.search.decide import Decision
 from symhyb.correction.search.score import unit_of
 from symhyb.correction.search.selection import Problem
-from symhyb.correction.search.setting import Setting, around, effects
+from symhyb.correction.search.setting import Setting, effects
 from symhyb.discrepancy.fitting.normal import shortest_solution
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.results import Isolability
 from symhyb.judgement import SIGNIFICANT
 from symhyb.numeric.kernels.buffers import Array
+
+Along = Callable[[], Problem]
+"""Gives the linear problem along the selected structure's simulation; made when it is asked for."""
 
 NEAREST = 3  # causes listed beside each found one
 LISTED_MOST = 8  # rows of the matrix
@@ -42,12 +45,12 @@ class _Cause:
     effect: Array
 
 
-def isolability(setting: Setting, decision: Decision) -> Isolability | None:
+def isolability(setting: Setting, decision: Decision, along: Along) -> Isolability | None:
     """The matrix of the selected structure's causes, their rivals and the causes that come nearest
-    to them; None if nothing was found."""
+    to them; None if nothing was found. ``along`` as in :data:`.Along`."""
     if not decision.selected.causes:
         return None
-    space, doubt = _Space(setting, decision), doubtful(decision)
+    space, doubt = _Space(setting, decision, along()), doubtful(decision)
     chosen = list(space.own)
     rivals = {
         cause.family
@@ -74,9 +77,9 @@ class _Space:
     """The effects of all causes along the selected structure's simulation, as Gram matrix of all
     windows."""
 
-    def __init__(self, setting: Setting, decision: Decision):
+    def __init__(self, setting: Setting, decision: Decision, problem: Problem):
         self.selected = decision.selected
-        self.problem = around(setting, self.selected)
+        self.problem = problem
         self.gram = self.problem.gram + self.problem.held
         self.gram = computable(self.gram[:-1, :-1]) + np.diag(self.problem.prior)
         self.unit = unit_of(self.selected)

@@ -129,7 +129,7 @@ def _first_of(problem: Problem, sizes: Sequence[Sequence[Subset]]) -> set[tuple[
 def _begun_whole(trials: Trials, forces: ForceScreen | None) -> None:
     """Fit all that forces show at once, where a machine has more coordinates than a few causes
     explain: an arm whose every joint lacks friction does not follow with one of them."""
-    whole = whole_of(trials.setting, forces, trials.dropped)
+    whole = whole_of(trials.setting, forces, trials.doubles)
     if whole is not None:
         _tried(trials, whole.subset.causes, whole.rows)
 

@@ -29,7 +29,7 @@ from symhyb.correction.search.trajectory import (
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.words.formula import LAW
 from symhyb.judgement import ACCURACY, NEAR_NOISE, OUTSTANDING, PIECES
-from symhyb.model.vocabulary import KINDS, key_of
+from symhyb.model.vocabulary import key_of
 from symhyb.numeric.kernels.buffers import Array
 
 
@@ -47,7 +47,7 @@ def price(trial: Refined, candidates: int) -> float:
     """
     choice = choice_of(candidates)
     prior = min(trial.fit.prior, len(trial.causes) * (np.log(samples(trial)) + choice))
-    chosen = len(trial.causes) - uncertain(trial) + bent(trial)
+    chosen = len(trial.causes) - uncertain(trial) + sum(cause.bent for cause in trial.causes)
     return float(cost(trial) + prior + chosen * choice)
 
 
@@ -59,11 +59,6 @@ def choice_of(candidates: int) -> float:
 def uncertain(trial: Refined) -> int:
     """How many of the causes are parameters that state an sd."""
     return sum(prior_sd(trial, cause) < inf for cause in trial.causes)
-
-
-def bent(trial: Refined) -> int:
-    """How many of the causes are laws that bend between simpler ones."""
-    return sum(cause.kind in KINDS and KINDS[cause.kind].bent for cause in trial.causes)
 
 
 def left(trial: Refined) -> float:

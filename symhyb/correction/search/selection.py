@@ -16,9 +16,7 @@ from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.numeric.kernels.buffers import Array
 
 BEAM = 24
-TOGETHER = (
-    5  # causes: more are neither chosen at once nor exchanged in pairs, and not fitted to try
-)
+TOGETHER = 5  # causes: more are weighed on Gram matrices alone, not fitted to try
 AT_ONCE = 2000  # sets that are solved side by side
 UNSEEN = 1e-100  # of the noise for one SI unit: a column that is rounding alone
 CONDITION = 1e10  # of scaled columns: beyond, a subset cannot be distinguished

@@ -29,7 +29,8 @@ class Trials:
     ):
         self.setting, self.say = setting, say
         self.equals = tuple(equals)
-        self.dropped = {second for _, second in equals} | setting.bent
+        self.doubles = frozenset(second for _, second in equals)
+        self.dropped = self.doubles | setting.bent
         self.done: dict[tuple[int, ...], Refined] = {}
         self.known = list(setting.hypotheses)
         self._along: dict[tuple[int, ...], Problem] = {}
@@ -112,7 +113,7 @@ class Trials:
     def count(self) -> int:
         """How many causes compete."""
         families = {cause.family for cause in self.setting.hypotheses if not cause.bent}
-        return len(families) - len({second for _, second in self.equals})
+        return len(families) - len(self.doubles)
 
     def causes(self, trial: Refined) -> tuple[int, ...]:
         """The numbers of a structure's causes."""

@@ -56,16 +56,14 @@ def _windows(prepared: Prepared, setting: Setting) -> list[Cut]:
 
 
 def whole_of(
-    setting: Setting, forces: ForceScreen | None, dropped: frozenset[int] | set[int] = frozenset()
+    setting: Setting, forces: ForceScreen | None, doubles: frozenset[int] = frozenset()
 ) -> Whole | None:
-    """All causes that pay at the level of forces, but the ``dropped`` ones and bent laws; None if a
-    machine has no more free coordinates than a few causes explain, or no more causes pay."""
+    """All causes that pay at the level of forces, but the ``doubles`` of others and bent laws; None
+    if a machine has no more free coordinates than a few causes explain, or no more causes pay."""
     if forces is None or not has_many(setting.windows.machine):
         return None
     families = {cause.family for cause in setting.hypotheses if not cause.bent}
-    found = forces.whole(
-        choice_of(len(families) - len(dropped - setting.bent)), dropped | setting.bent
-    )
+    found = forces.whole(choice_of(len(families) - len(doubles)), doubles | setting.bent)
     if found is None or len(found.causes) <= LARGEST:
         return None
     return Whole(found, tuple(first_guess(forces.problem(forces.begin()), found)))

@@ -254,7 +254,7 @@ def _clouds(prepared: Prepared, final: Refined, run: Run) -> list[Cloud]:
     forces = element_forces(final, run.recording, run.motion)[0]
     own = len(prepared.model.elements)
     law = forces[:, :, own:].sum(axis=2)
-    spread = law_spread(final, run, own)
+    spread = law_spread(final, run, own, law)
     return [
         Cloud(
             On(c.name),

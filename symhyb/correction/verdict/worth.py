@@ -8,7 +8,7 @@ import numpy as np
 from symhyb.correction.naming.findings import Named
 from symhyb.correction.search.strength import element_forces
 from symhyb.correction.search.trajectory import Refined
-from symhyb.discrepancy.evidence import Correlations, Worth
+from symhyb.discrepancy.evidence import Correlations, Worth, correlation_of
 from symhyb.discrepancy.recorded.runs import Run
 from symhyb.numeric.kernels.buffers import Array
 
@@ -45,25 +45,21 @@ def _worth(taken: Array, peaks: Array, row: int, free: Sequence[int]) -> Worth:
 def correlation_matrix(final: Refined) -> Array:
     """The correlations (F, F) of the numbers of a fitted structure, dimensionless."""
     size = len(final.paths)
-    covariance = final.fit.covariance[:size, :size]
-    with np.errstate(invalid="ignore", divide="ignore"):
-        spread = np.sqrt(np.diag(covariance))
-        return np.asarray(covariance / np.outer(spread, spread))
+    return correlation_of(final.fit.covariance[:size, :size])
 
 
-def law_spread(final: Refined, run: Run, first: int) -> Array | None:
+def law_spread(final: Refined, run: Run, first: int, law: Array) -> Array | None:
     """One standard deviation (N, n), SI, of what the elements from number ``first`` on exert along
-    a run, from that of their numbers; None where these have none."""
+    a run (``law``, (N, n)), from that of their numbers; None where these have none."""
     matrix = correlation_matrix(final)
     if not final.paths or not np.isfinite(matrix).all():
         return None
-    base = element_forces(final, run.recording, run.motion)[0][:, :, first:].sum(axis=2)
     moves = []
     for path in final.paths:
         p = final.of(run.recording).copy()
         p[final.machine.column(path)] += final.value(path)[1]
         moved = replace(final, p=p, each=())
         forces = element_forces(moved, run.recording, run.motion)[0]
-        moves.append(forces[:, :, first:].sum(axis=2) - base)
+        moves.append(forces[:, :, first:].sum(axis=2) - law)
     spread = Correlations(final.paths, matrix).spread(np.array(moves))
     return spread if np.isfinite(spread).all() else None

@@ -80,9 +80,14 @@ def _explained(
     model: WindowModel, task: Task, p: Array, values: Array, starts: Sequence[Array]
 ) -> bool:
     """Whether all windows, held ones too, are met down to a few times their noise as they begin."""
-    count = sum(int(np.isfinite(item.block.y).sum()) for item in task.cuts)
+    count = _samples(task)
     cost = _cost(model, replace(task, everything=True), p, values, starts)
     return bool(cost < UNEXPLAINED * count)
+
+
+def _samples(task: Task) -> int:
+    """How many measurements all windows hold."""
+    return sum(int(np.isfinite(item.block.y).sum()) for item in task.cuts)
 
 
 def _fitted(
@@ -135,7 +140,7 @@ def _descended(
     """Parameters, initial states and squares (W,) of the windows of each recording after damped
     Gauss–Newton steps, while they pay."""
     damping, gained, cost = 0.0, 0.0, _total(task, values, shown)
-    count = sum(int(np.isfinite(item.block.y).sum()) for item in task.cuts)
+    count = _samples(task)
     for _ in range(task.iterations):
         rough = task.rough and cost > UNEXPLAINED * count
         least = cost * (ROUGHLY if rough else task.decrease)
