@@ -3,7 +3,8 @@
 A spline follows noise that is correlated in time, so that smoothing measures too little of it, and
 the rest looks like a mismatch that no cause explains. The innovations know the colour of noise, but
 only beside a structure that explains the motion. So where a decided structure leaves more than the
-noise of smoothing they are asked how much of that is noise.
+noise of smoothing they are asked how much of that is noise. Noise that is a small part of what is
+left decides nothing.
 """
 
 import numpy as np
@@ -15,13 +16,14 @@ from symhyb.correction.adequacy.recorded import recorded
 from symhyb.correction.search.decide import Decision
 from symhyb.correction.search.preparing import Prepared
 from symhyb.correction.search.setting import Setting
-from symhyb.judgement import NEAR_NOISE
+from symhyb.judgement import NEAR_NOISE, UNEXPLAINED
 from symhyb.numeric.kernels.buffers import Array
 
 
 def measured_again(prepared: Prepared, setting: Setting, decision: Decision) -> Array | None:
     """The noise (m,) of the sensors, SI, where a decided structure leaves more than noise and the
-    innovations measure another one; None where it stands. Repeated runs show it already."""
+    innovations measure another one that explains it; None where it stands. Repeated runs show it
+    already."""
     selected = decision.selected
     if prepared.repeats or selected.fit.scale < NEAR_NOISE:
         return None
@@ -32,4 +34,5 @@ def measured_again(prepared: Prepared, setting: Setting, decision: Decision) -> 
     if along.fit.reason:
         return None
     sd = sensor_sd(ground, along, beyond(ground, along))
-    return sd if np.any(sd**2 > NEAR_NOISE * setting.sd**2) else None
+    louder = float(np.max((sd / setting.sd) ** 2))
+    return sd if louder > max(NEAR_NOISE, selected.fit.scale / UNEXPLAINED) else None

@@ -13,7 +13,8 @@ Sizes: N samples, X states, n forces, m sensors, K columns, d = X + n + m or, wi
 
 Sources: Anderson & Moore, Optimal Filtering, 1979 (sequential updates); Durbin & Koopman, Time
 Series Analysis by State Space Methods, 2012, §4.4 (smoother) and §7.3 (score: Koopman & Shephard,
-Biometrika 79, 1992).
+Biometrika 79, 1992; by a transition A it is Σ r x̂ᵀ − N A P, with the smoothed state x̂ and the
+filtered covariance P).
 """
 
 import numpy as np
@@ -225,10 +226,11 @@ def smooth(
     white: Array,
     colour: Array,
     wanted: bool,
-) -> tuple[Array, Array, float, float, Array, Array, Array]:  # pragma: no cover - compiled
+) -> tuple[Array, Array, float, float, Array, Array, Array, Array]:  # pragma: no cover - compiled
     """Smoothed state (N, d) with its variance (N, d), SI, Σ ln S, χ², and the score: ∂ ln L by the
-    variances ``force`` (n,), ``white`` (m,) and ``colour`` (m,). Where the state is not ``wanted``
-    it is left at zero, which halves the work.
+    variances ``force`` (n,), ``white`` (m,) and ``colour`` (m,), and by the logarithms of the
+    correlation times (2,) of force and colour. Where the state is not ``wanted`` it is left at
+    zero, which halves the work.
 
     Arguments as of :func:`whiten`, with ``b`` (N−1, X) and ``e`` (N, m) of one column.
     """
@@ -241,6 +243,9 @@ def smooth(
     means, covs = np.zeros((kept, d)), np.zeros((kept, d, d))
     gains, sizes = np.zeros((samples, sensors, d)), np.ones((samples, sensors))
     news = np.zeros((samples, sensors))
+    # of force and colour at each sample, once it is measured: what is known of them, and how the
+    # next state varies with them
+    known, leads = np.zeros((samples, d - states)), np.zeros((samples, d - states, d))
     A, g, T = np.zeros((d, d)), np.zeros((d, forces)), np.zeros((d, d))
     h, k = np.zeros(d), np.zeros(d)
     logs, chi2 = 0.0, 0.0
@@ -274,11 +279,15 @@ def smooth(
             M2[s] = b[i, s] if s < states else 0.0
             for t in range(d):
                 M2[s] += A[s, t] * M[t]
-        M, M2 = M2, M
         predict(P, T, A, g, force, colour, keep, hold, i)
+        for q in range(d - states):
+            known[i, q] = M[states + q]
+            for s in range(d):
+                leads[i, q, s] = T[s, states + q]
+        M, M2 = M2, M
     mean, variance = np.zeros((samples, d)), np.zeros((samples, d))
     by_force, by_white = np.zeros(forces), np.zeros(sensors)
-    by_colour = np.zeros(sensors)
+    by_colour, by_times = np.zeros(sensors), np.zeros(2)
     r, r2 = np.zeros(d), np.zeros(d)
     Nn = np.zeros((d, d))
     for i in range(samples - 1, -1, -1):
@@ -315,21 +324,32 @@ def smooth(
         if i == 0:
             break
         transition(A, g, phi, left, right, keep, hold, i - 1)
-        for q in range(forces):
-            along, across = 0.0, 0.0
+        for q in range(d - states):
+            own, drawn = states + q, known[i - 1, q]
+            along, across, held = 0.0, 0.0, 0.0
             for s in range(d):
-                k[s] = g[s, q]
-                along += k[s] * r[s]
+                h[s], k[s] = g[s, q] if q < forces else 0.0, 0.0
+            if q >= forces:
+                h[own] = 1.0
+            for t in range(d):
+                if h[t] != 0.0:
+                    along += h[t] * r[t]
+                    for s in range(d):
+                        k[s] += Nn[s, t] * h[t]
             for s in range(d):
-                if k[s] != 0.0:
-                    total = 0.0
-                    for t in range(d):
-                        total += Nn[s, t] * k[t]
-                    across += k[s] * total
-            by_force[q] += 0.5 * (along * along - across) * (1 - keep[i - 1, q] ** 2)
-        for q in range(sensed):
-            s = states + forces + q
-            by_colour[q] += 0.5 * (r[s] * r[s] - Nn[s, s]) * (1 - hold[i - 1, q] ** 2)
+                across += h[s] * k[s]
+                held += k[s] * leads[i - 1, q, s]
+                drawn += r[s] * leads[i - 1, q, s]
+            left_over = along * along - across
+            if q < forces:
+                alpha, size = keep[i - 1, q], force[q]
+                by_force[q] += 0.5 * left_over * (1 - alpha * alpha)
+            else:
+                alpha, size = hold[i - 1, q - forces], colour[q - forces]
+                by_colour[q - forces] += 0.5 * left_over * (1 - alpha * alpha)
+            if alpha > 0.0:  # ∂α/∂ ln τ = −α ln α
+                slope = along * drawn - held - alpha * size * left_over
+                by_times[0 if q < forces else 1] -= slope * alpha * np.log(alpha)
         for s in range(d):
             r2[s] = 0.0
             for t in range(d):
@@ -353,4 +373,4 @@ def smooth(
     for q in range(sensed):
         s = states + forces + q
         by_colour[q] += 0.5 * (r[s] * r[s] - Nn[s, s])
-    return mean, variance, logs, chi2, by_force, by_white, by_colour
+    return mean, variance, logs, chi2, by_force, by_white, by_colour, by_times

@@ -24,6 +24,7 @@ HALVINGS = 4
 LEAPS = 1  # whole steps that are taken though ln L falls
 FAR = 2.0  # of ln L: steps that gain more are on the way
 SETTLED = 0.05  # of ln L: steps that gain less end the fit
+SHARE = 0.01  # of what a step of the parameters gained: so exactly the noise follows
 FAILED = "the likelihood is not finite along any trajectory"
 
 
@@ -124,19 +125,21 @@ def fit(
     if not np.isfinite(now.score):
         return _failed(task, values, noise, begun)
     rough = not known_noise  # while parameters move far, the sizes of noise need only follow
-    best, leaps = now, LEAPS
+    best, leaps, ahead = now, LEAPS, _step(model, task, p, now) or now
     for _ in range(ITERATIONS):
-        before = now.worth
-        ahead = _step(model, task, p, now) or now
+        before, here = now.worth, now
         leapt = ahead is not now and ahead.score <= now.score and leaps > 0 and not rough
         now = ahead if leapt or ahead.score > now.score else now
         leaps -= leapt
-        now = now if known_noise else _with_noise(task, now, rough)
+        within = SHARE * max(now.score - here.score, 0.0)
+        now = now if known_noise else _with_noise(task, now, rough, within)
         gained = now.worth - before
         best = max(best, now, key=lambda one: one.worth)
         if gained < SETTLED and not (rough or leapt):
             break
         rough = rough and gained > FAR
+        if now is not here:
+            ahead = _step(model, task, p, now) or now
     return _finished(task, best)
 
 
@@ -198,9 +201,9 @@ def _step(model: WindowModel, task: Task, p: Array, now: _Now) -> _Now | None:
     return whole
 
 
-def _with_noise(task: Task, now: _Now, roughly: bool) -> _Now:
-    """The same with the most likely noise."""
-    noise, logl = maximised(now.tracks, now.noise, task.floor, roughly=roughly)
+def _with_noise(task: Task, now: _Now, roughly: bool, within: float) -> _Now:
+    """The same with the most likely noise, ``within`` some ln L."""
+    noise, logl = maximised(now.tracks, now.noise, task.floor, roughly=roughly, within=within)
     fresh = replace(now, noise=noise, score=logl - 0.5 * _prior(task, now.values))
     return fresh if fresh.worth > now.worth else now
 

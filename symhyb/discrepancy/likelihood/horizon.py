@@ -27,7 +27,6 @@ MEMORY = (0.5, 2e3)  # bounds of a correlation time, in samples
 ITERATIONS, ITERATIONS_ROUGH = 40, 6
 FORGOTTEN = 1e-3  # of a sample: the memory of a force that has none
 ROUNDS = 4  # of a few steps each, for the sizes of a force without a memory
-STEP = 0.02  # of the logarithm of a correlation time, for its slope
 GAIN_LEAST, GAIN_ROUGH = 0.01, 1.0  # of ln L: a step that gains less is the last
 
 
@@ -80,10 +79,12 @@ def maximised(
     force: bool = True,
     colour: bool = True,
     roughly: bool = False,
+    within: float = 0.0,
 ) -> tuple[NoiseModel, float]:
     """The most likely noise model from ``begin`` on, and its ln L; sizes of ``begin`` that are 0
     stay 0, as do all of the unknown ``force`` or of the ``colour`` where these are not asked for.
-    ``floor`` (m,) is the least white noise, SI. ``roughly``: a few steps of the sizes alone."""
+    ``floor`` (m,) is the least white noise, SI. ``roughly``: a few steps of the sizes alone. A step
+    that gains less than ``within``, in ln L, is the last."""
     acting = effective(tracks) & (begin.force > 0) & force
     tinted = (begin.colour > 0) & colour
     base = NoiseModel(
@@ -108,7 +109,7 @@ def maximised(
         bounds=bounds,
         options={
             "maxiter": ITERATIONS_ROUGH if roughly else ITERATIONS,
-            "ftol": (GAIN_ROUGH if roughly else GAIN_LEAST) / max(abs(here), 1.0),
+            "ftol": max(within, GAIN_ROUGH if roughly else GAIN_LEAST) / max(abs(here), 1.0),
         },
     )
     best = coding.model(found.x)
@@ -139,22 +140,16 @@ def _cost(coding: _Coding, tracks: Sequence[Track], z: Array) -> tuple[float, Ar
     here = sum(part.logl for part in parts)
     if not np.isfinite(here):
         return 1e300, np.zeros_like(z)
-    slopes = _slopes(coding, noise, parts)
-    for which, active in enumerate(coding.times):
-        if active:
-            moved = z.copy()
-            at = z.size - sum(coding.times[which:])
-            moved[at] += STEP
-            slopes.append((total(tracks, coding.model(moved)) - here) / STEP)
-    return -here, -np.array(slopes)
+    return -here, -_slopes(coding, noise, parts)
 
 
-def _slopes(coding: _Coding, noise: NoiseModel, parts: Sequence[Smoothed]) -> list[float]:
-    """∂ ln L by the logarithms of the sizes."""
+def _slopes(coding: _Coding, noise: NoiseModel, parts: Sequence[Smoothed]) -> Array:
+    """∂ ln L by the logarithms of the free sizes and times."""
     white = sum(part.by_white for part in parts) * 2 * noise.white**2
     force = sum(part.by_force for part in parts) * 2 * noise.force**2
     colour = sum(part.by_colour for part in parts) * 2 * noise.colour**2
-    return [*white, *force[coding.forces], *colour[coding.colours]]
+    times = np.sum([part.by_times for part in parts], axis=0)[list(coding.times)]
+    return np.concatenate([white, force[coding.forces], colour[coding.colours], times])
 
 
 def _bounds(coding: _Coding, tracks: Sequence[Track], floor: Array) -> list[tuple[float, float]]:

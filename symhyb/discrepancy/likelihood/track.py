@@ -77,7 +77,8 @@ class Extra:
 class Smoothed:
     """Deviation of the state (N, X), unknown force (N, n) and its deviation (N, n), and the
     coloured noise (N, m or 0), given all measurements; ln L with its derivatives by the variances
-    of force (n,), white (m,) and colour (m,). SI."""
+    of force (n,), white (m,) and colour (m,), and by the logarithms of the correlation times (2,)
+    of force and colour. SI."""
 
     state: Array
     force: Array
@@ -87,6 +88,7 @@ class Smoothed:
     by_force: Array
     by_white: Array
     by_colour: Array
+    by_times: Array
 
 
 def track(
@@ -259,7 +261,7 @@ def smoothed(one: Track, noise: NoiseModel, change: Array, wanted: bool = True) 
     e[0] -= linear.by_state[0, 0] @ offset
     if len(b):
         b[0] += linear.transition[0, 0] @ offset
-    mean, variance, logs, chi2, by_force, by_white, by_colour = smooth(
+    mean, variance, logs, chi2, *slopes = smooth(
         *_system(linear),
         one.seen,
         np.ascontiguousarray(b),
@@ -281,7 +283,5 @@ def smoothed(one: Track, noise: NoiseModel, change: Array, wanted: bool = True) 
         np.sqrt(np.maximum(variance[:, states : states + n], 0.0)),
         mean[:, states + n :],
         -0.5 * (logs + chi2 + one.count * np.log(2 * np.pi)),
-        by_force,
-        by_white,
-        by_colour,
+        *slopes,
     )

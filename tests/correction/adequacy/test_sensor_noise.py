@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import symhyb as sh
+from symhyb.correction.adequacy import sensor_noise
 from symhyb.correction.adequacy.beyond import beyond
 from symhyb.correction.adequacy.channel_noise import _showing_forces, sensor_sd
 from symhyb.correction.adequacy.recorded import Recorded
@@ -52,6 +53,22 @@ def test_where_the_force_that_is_looked_for_does_not_act_the_sensors_alone_tell(
     left = beyond(ground, replace(trial, fit=replace(trial.fit, noise=ground.first_noise())))
     quiet = replace(left, evidence=0.0)
     assert sensor_sd(ground, trial, quiet)[0] == pytest.approx(TOTAL, rel=0.15)
+
+
+@pytest.mark.parametrize(("scale", "taken"), [(15.0, True), (30.0, False), (1.0, False)])
+def test_noise_that_is_a_small_part_of_what_is_left_decides_nothing(
+    monkeypatch: pytest.MonkeyPatch, scale: float, taken: bool
+) -> None:
+    """Three times the noise explains 9 of what is left, or with a factor of two 18."""
+    for name in ("recorded", "followed", "beyond"):
+        along = SimpleNamespace(fit=SimpleNamespace(reason=""))
+        monkeypatch.setattr(sensor_noise, name, lambda *_, along=along: along)
+    monkeypatch.setattr(sensor_noise, "sensor_sd", lambda *_: np.array([3.0, 1.0]))
+    fit = SimpleNamespace(scale=scale)
+    decision = SimpleNamespace(selected=SimpleNamespace(fit=fit))
+    setting = SimpleNamespace(sd=np.ones(2), stages=[SimpleNamespace(cuts=())])
+    found = sensor_noise.measured_again(SimpleNamespace(repeats=()), setting, decision)  # type: ignore[arg-type]
+    assert (found is not None) == taken
 
 
 @pytest.mark.slow

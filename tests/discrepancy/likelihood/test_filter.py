@@ -169,7 +169,7 @@ def test_the_score_is_the_slope_of_the_likelihood(
     seed: int, coloured: bool, missing: float
 ) -> None:
     one = system(seed, coloured, missing)
-    *_, by_force, by_white, by_colour = smooth(*arguments(one, 0), True)
+    *_, by_force, by_white, by_colour, by_times = smooth(*arguments(one, 0), True)
 
     def likelihood(name: str, row: int, change: float) -> float:
         moved = getattr(one, name).copy()
@@ -184,6 +184,24 @@ def test_the_score_is_the_slope_of_the_likelihood(
             slope = likelihood(name, row, step) - likelihood(name, row, -step)
             assert score[row] == pytest.approx(slope / (2 * step), rel=1e-5, abs=1e-6)
     assert np.any(by_colour != 0) == coloured
+
+    def remembered(name: str, change: float) -> float:
+        longer = np.power(getattr(one, name), np.exp(-change))
+        _, _, logs, chi2, *_ = smooth(*arguments(replace(one, **{name: longer}), 0), False)
+        return -0.5 * (logs + chi2)
+
+    for name, score in zip(("keep", "hold"), by_times, strict=True):
+        slope = remembered(name, 1e-5) - remembered(name, -1e-5)
+        assert score == pytest.approx(slope / 2e-5, rel=1e-5, abs=1e-6)
+    assert by_times[0] != 0
+    assert (by_times[1] != 0) == coloured
+
+
+def test_a_force_that_forgets_at_once_has_no_slope_by_its_memory() -> None:
+    one = system(6, coloured=True)
+    *_, by_times = smooth(*arguments(replace(one, keep=np.zeros_like(one.keep)), 0), False)
+    assert by_times[0] == 0
+    assert np.isfinite(by_times[1])
 
 
 def test_what_is_not_wanted_changes_no_score() -> None:
