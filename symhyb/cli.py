@@ -31,6 +31,7 @@ from symhyb.cli_options import (
     print_json,
 )
 from symhyb.cli_recording import compare, fit, look
+from symhyb.cli_watch import watch
 from symhyb.errors import InputError, NumericsError, visible
 from symhyb.export.verb import export
 from symhyb.imports.verb import import_
@@ -195,6 +196,7 @@ def run(
 app.command()(learn)
 app.command()(export)
 app.command("import")(import_)
+app.command()(watch)
 app.command()(doctor)
 
 

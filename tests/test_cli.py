@@ -37,6 +37,7 @@ VERBS = (
     "learn",
     "diff",
     "run",
+    "watch",
     "import",
     "data list",
     "data show",

@@ -12,6 +12,7 @@ from symhyb.correction.advice.newsensor import telling_sensor
 from symhyb.correction.naming.findings import cause_phrase, rivals_of
 from symhyb.correction.search.decide import Decision
 from symhyb.correction.search.preparing import Prepared
+from symhyb.correction.search.selection import many
 from symhyb.correction.search.setting import Setting
 from symhyb.discrepancy.recorded.passages import one_way
 from symhyb.discrepancy.recorded.runs import Run
@@ -28,10 +29,10 @@ def advise(
     prepared: Prepared, setting: Setting, decision: Decision
 ) -> tuple[str | None, Manoeuvre | None]:
     """The manoeuvre that separates the selected structure from its rivals, as a sentence and for a
-    program; both None where there is no rival, and no manoeuvre where only another sensor would
-    help."""
+    program; both None where there is no rival or a structure has many causes, of which each trial
+    of a manoeuvre would cost a fit, and no manoeuvre where only another sensor would help."""
     pairs = _pairs(decision)
-    if not pairs:
+    if not pairs or any(many(one.causes) for pair in pairs for one in (pair.first, pair.second)):
         return None, None
     found = design(prepared, setting, pairs)
     if found.expected is None:

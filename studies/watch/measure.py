@@ -1,0 +1,131 @@
+"""How soon a watch tells changes, how it names them, and how often it tells what is none.
+
+    python studies/watch/measure.py [--changes 40] [--nulls 10] [--null-s 600]
+
+A slide with dry friction is simulated here, by equations of its own: under a multisine whose lines
+and phases a seed draws. After 90 s one thing changes. Every change is drawn: which, and how large.
+Prints a table; nothing here is a test.
+"""
+
+import argparse
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from symhyb.model.read import read_model
+from symhyb.monitoring.events import Event
+from symhyb.monitoring.watching import Watch, watch
+
+MODEL = Path(__file__).parent / "model.toml"
+RATE, REFERENCE_S, AT_S, AFTER_S = 200, 60.0, 90.0, 20.0
+GOOD = {"k": 200.0, "c": 1.0, "mu": 0.6, "gain": 1.0, "play": 0.0}
+CHANGES = {
+    "friction": ("mu", 0.3, 0.5),  # of what it was
+    "stiffness": ("k", 0.03, 0.10),
+    "damping": ("c", 0.3, 1.0),
+    "gain": ("gain", 0.02, 0.05),
+}
+NAMES = {
+    "friction": ("mu", "friction"),
+    "stiffness": ("parameter k", "spring on x"),
+    "damping": ("parameter c", "damping on x"),
+    "gain": ("gain in channel f",),
+}
+"""The names that are right; of a gain of the input and of the sensor a linear machine shows the
+ratio, dry friction tells them apart."""
+
+
+@dataclass(frozen=True, slots=True)
+class Drawn:
+    """What a seed draws: the change, by which share of what it was."""
+
+    kind: str
+    share: float
+
+
+def drawn(seed: int) -> Drawn:
+    """The change of a seed."""
+    rng = np.random.default_rng(seed)
+    kind = list(CHANGES)[seed % len(CHANGES)]
+    _, low, high = CHANGES[kind]
+    return Drawn(kind, float(rng.uniform(low, high)))
+
+
+def lines(seed: int, seconds: float, change: Drawn | None) -> Iterator[str]:
+    """The rows of a logger."""
+    rng = np.random.default_rng(10_000 + seed)
+    t = np.arange(0, seconds, 1 / RATE)
+    waves, phases = rng.uniform(0.3, 3.0, 8), rng.uniform(0, 2 * np.pi, 8)
+
+    def force(now: float) -> float:
+        return float(4 * np.sin(2 * np.pi * waves * now + phases).sum())
+
+    later = dict(GOOD)
+    if change is not None:
+        later[CHANGES[change.kind][0]] *= 1 + change.share
+
+    def rates(now: float, state: np.ndarray) -> list[float]:
+        on = later if now > AT_S else GOOD
+        x, v = state
+        held = on["k"] * x + on["c"] * v + on["mu"] * np.tanh(v / 1e-3)
+        return [v, (on["gain"] * force(now) - held) / 2.0]
+
+    run = solve_ivp(rates, (0, t[-1]), [0, 0], "LSODA", t, rtol=1e-8, atol=1e-10, max_step=0.01)
+    shown = run.y[0] + 1e-4 * rng.standard_normal(t.size)
+    yield "t,f,pos"
+    yield from (f"{a:.4f},{force(a):.6f},{b:.7f}" for a, b in zip(t, shown, strict=True))
+
+
+def told(seed: int, change: Drawn | None, seconds: float) -> tuple[list[Event], float]:
+    """The events of a run, and the seconds of processor for each second of the source."""
+    rows = list(lines(seed, seconds, change))
+    begun = time.process_time()
+    events = list(watch(Watch(read_model(MODEL), REFERENCE_S), rows))
+    return events, (time.process_time() - begun) / seconds
+
+
+def main() -> None:
+    """Draw, watch and print."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
+    parser.add_argument("--changes", type=int, default=40)
+    parser.add_argument("--nulls", type=int, default=10)
+    parser.add_argument("--null-s", type=float, default=600.0)
+    options = parser.parse_args()
+    soon, right, false, delays, cost = 0, 0, 0, [], []
+    for seed in range(options.changes):
+        change = drawn(seed)
+        events, spent = told(seed, change, AT_S + AFTER_S)
+        cost.append(spent)
+        false += sum(e.kind == "changed" and e.at_s < AT_S for e in events)
+        first = next((e for e in events if e.kind == "changed" and e.at_s > AT_S), None)
+        name = next((e.cause for e in events if e.kind == "named" and e.at_s > AT_S), "")
+        delays.append(np.inf if first is None else first.at_s - AT_S)
+        soon += delays[-1] <= 5
+        hit = any(word in name for word in NAMES[change.kind])
+        right += hit
+        print(
+            f"{seed}: {change.kind} + {change.share:.1%}: told after {delays[-1]:.1f} s, named "
+            f"{name or 'not'}{'' if hit else ' (wrong)'}",
+            flush=True,
+        )
+    for seed in range(1000, 1000 + options.nulls):
+        events, spent = told(seed, None, options.null_s)
+        cost.append(spent)
+        false += (alarms := sum(e.kind == "changed" for e in events))
+        print(f"{seed}: nothing changes: {alarms} alarms", flush=True)
+    hours = (options.nulls * (options.null_s - REFERENCE_S)) / 3600
+    hours += options.changes * (AT_S - REFERENCE_S) / 3600
+    print(
+        f"\ntold within 5 s: {soon} of {options.changes} (median "
+        f"{np.median(delays):.1f} s); named: "
+        f"{right} of {options.changes}; false alarms: {false} in {hours:.1f} h; "
+        f"{np.median(cost):.3f} s of processor for a second of the source"
+    )
+
+
+if __name__ == "__main__":
+    main()

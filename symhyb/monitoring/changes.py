@@ -1,0 +1,232 @@
+"""Whether blocks of a recording differ from a reference, since when, and by which cause.
+
+Every block b has the information matrix S_b of all columns of all causes and their score g_b (the
+Gram matrix of the whitened columns, and its product with what the model leaves). In the reference a
+column explains θ = Σ g / Σ S of that: what the model lacks already. What a block says otherwise is
+
+    z_b = (g_b − S_b θ) / √(S_b φ)        φ: what the reference scatters by, in units of the noise
+
+A model that is not perfect, along motion that is not always the same, leaves blocks that stand far
+out, and blocks that resemble their neighbours. So no block counts more than the largest one of the
+reference, or than those that one of ten exceeds: w_b = z_b over that size, within ±1. A change
+lasts; of L blocks it is as improbable as (Chernoff's bound)
+
+    P(|Σ w| ≥ s) ≤ 2 min_t exp((L ln M(t) − t s) / κ)      M: mean of cosh t w in the reference,
+                                                           one more of the largest size added
+
+where κ = c + L/B₀ is by how much more such a sum varies than if neighbours did not resemble each
+other (c) and θ were known. All columns, lengths and both sizes are tried at every block, so that
+each test has its share of the false alarms that are allowed (Bonferroni).
+
+What has changed is the cause that explains most of the blocks since the likeliest beginning.
+
+Sources: Basseville & Nikiforov, Detection of Abrupt Changes, 1993, §2.4 (time and size of a change
+by generalised likelihood ratio; Lorden, Annals of Mathematical Statistics 42, 1971); Huber, Robust
+Statistics, 1981, §1.7 (bounded scores); Chernoff, Annals of Mathematical Statistics 23, 1952.
+Sizes: B blocks, F columns, C causes, T values of t.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symhyb.judgement import SIGNIFICANT
+from symhyb.numeric.kernels.buffers import Array
+
+SHOWN_LEAST = 5.0  # blocks' worth of a reference in which a column shows
+LENGTHS = (1, 2, 3, 4, 5, 6, 8, 12, 16, 24, 32, 48, 64)  # of a change, in blocks
+EXCEEDED = (0.0, 0.1)  # shares of the reference that are beyond the most that a block counts
+TILTS = np.geomspace(0.05, 40, 60)  # t
+SUMS_LEAST = 4  # apart from each other, by which their variance is known
+DAY_S = 86_400.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Block:
+    """A stretch of the source from ``start_s`` to ``end_s``, reduced: ``information`` (F, F) and
+    ``score`` (F,) of all columns, for one SI unit of each and in units of the noise."""
+
+    start_s: float
+    end_s: float
+    information: Array
+    score: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Bounded:
+    """The blocks of a reference, none of which counts more than ``most`` (F,): their w (B, F)."""
+
+    most: Array
+    w: Array
+
+    @property
+    def cumulants(self) -> Array:
+        """ln M (T, F)."""
+        largest = np.cosh(TILTS)[:, None]
+        total = np.cosh(TILTS[:, None, None] * self.w).sum(axis=1) + largest
+        return np.asarray(np.log(total / (len(self.w) + 1)))
+
+    def clustered(self, length: int) -> Array:
+        """By how much more sums of so many neighbours vary (F,) than if they did not resemble each
+        other; at least 1. Of sums of which the reference holds few it is that of as long ones as it
+        holds enough of."""
+        length = max(min(length, len(self.w) // SUMS_LEAST), 1)
+        running = np.cumsum(np.insert(self.w, 0, 0.0, axis=0), axis=0)
+        sums = np.mean((running[length:] - running[:-length]) ** 2, axis=0)
+        alone = length * np.mean(self.w**2, axis=0)
+        return np.asarray(np.maximum(sums / np.where(alone > 0, alone, 1.0), 1.0))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Reference:
+    """The machine as it was, by ``count`` blocks: sums of ``information`` (F, F) and ``score``
+    (F,), of every column its ``scatter`` (F,) φ, whether it shows in enough of them (``known``
+    (F,)), and the blocks ``bounded`` in both ways."""
+
+    count: int
+    information: Array
+    score: Array
+    scatter: Array
+    known: NDArray[np.bool_]
+    bounded: tuple[Bounded, ...]
+
+    def otherwise(self, block: Block) -> Array:
+        """z (F,) of a block; 0 of columns that it does not show."""
+        return _scores(self.information, self.score, self.scatter, block)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Change:
+    """What acts otherwise ``since`` a block (an index): the ``cause`` that explains it best with
+    its ``size`` (k,) and ``sd`` (k,), SI, its ``probability`` among the causes that compete, those
+    of them that are not ruled out (``rivals``, the likeliest first), and how improbable as much is
+    by chance (``chance``)."""
+
+    since: int
+    cause: int
+    size: Array
+    sd: Array
+    probability: float
+    rivals: tuple[int, ...]
+    chance: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Causes:
+    """What may change: the ``columns`` of each cause (C,), and what naming it costs (``price``
+    (C,), in the unit of a score) for numbers that it has beside its strengths."""
+
+    columns: tuple[tuple[int, ...], ...]
+    price: Array
+
+
+def reference_of(blocks: Sequence[Block]) -> Reference:
+    """The reference that some blocks are."""
+    information = np.sum([one.information for one in blocks], axis=0)
+    score = np.sum([one.score for one in blocks], axis=0)
+    size = len(score)
+    shown = np.array([np.diag(one.information) for one in blocks])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        spread = shown.sum(axis=0) ** 2 / np.sum(shown**2, axis=0)
+    plain = np.array([_scores(information, score, np.ones(size), one) for one in blocks])
+    scatter = np.maximum(np.sum(plain**2, axis=0) / max(len(blocks) - 1, 1), 1.0)
+    z = plain / np.sqrt(scatter)
+    known = (np.nan_to_num(spread) >= SHOWN_LEAST) & np.any(z != 0, axis=0)
+    bounded = []
+    for share in EXCEEDED:
+        most = np.quantile(np.abs(z), 1 - share, axis=0)
+        most = np.where(most > 0, most, 1.0)
+        bounded.append(Bounded(most, np.clip(z / most, -1, 1)))
+    return Reference(len(blocks), information, score, scatter, known, tuple(bounded))
+
+
+def level(per_day: float, block_s: float, reference: Reference) -> float:
+    """The probability at which one test of one block is an alarm, so that there are ``per_day``
+    false ones if blocks last ``block_s``."""
+    tests = int(np.count_nonzero(reference.known)) * len(LENGTHS) * len(EXCEEDED)
+    return min(per_day * block_s / DAY_S / max(tests, 1), 0.5)
+
+
+def changed(
+    reference: Reference, recent: Sequence[Block], least: float, causes: Causes
+) -> Change | None:
+    """The change that the ``recent`` blocks (B) show, the last of them included, at a probability
+    of ``least`` in each test; None if they show none."""
+    chance = _chance(reference, recent)
+    if chance >= least:
+        return None
+    first = max(len(recent) - LENGTHS[-1], 0)
+    worth = [_worth(reference, recent[i:], causes).max() for i in range(first, len(recent))]
+    return named(reference, recent, first + int(np.argmax(worth)), chance, causes)
+
+
+def named(
+    reference: Reference, blocks: Sequence[Block], since: int, chance: float, causes: Causes
+) -> Change:
+    """What has changed since the block of index ``since``, known to differ by a ``chance``."""
+    worth = _worth(reference, blocks[since:], causes)
+    best = int(np.argmax(worth))
+    odds = np.exp(0.5 * (worth - worth[best]))
+    near = [int(i) for i in np.argsort(-worth) if worth[best] - worth[i] < SIGNIFICANT]
+    columns = list(causes.columns[best])
+    after, before = (
+        np.linalg.pinv(one[np.ix_(columns, columns)], hermitian=True)
+        for one in (_summed(blocks[since:])[0], reference.information)
+    )
+    size = after @ _summed(blocks[since:])[1][columns] - before @ reference.score[columns]
+    variance = np.diag(after + before) * reference.scatter[columns]
+    return Change(
+        since, best, size, np.sqrt(variance), float(1 / odds.sum()), tuple(near[1:]), chance
+    )
+
+
+def _scores(information: Array, score: Array, scatter: Array, block: Block) -> Array:
+    """z (F,) of a block against sums of a reference."""
+    whole, shown = np.diag(information), np.diag(block.information)
+    theta = score / np.where(whole > 0, whole, 1.0)
+    left = block.score - shown * theta
+    return np.where(shown > 0, left / np.sqrt(np.where(shown > 0, shown, 1.0) * scatter), 0.0)
+
+
+def _chance(reference: Reference, recent: Sequence[Block]) -> float:
+    """How improbable what the last blocks say is, by the most improbable column and length."""
+    z = np.array([reference.otherwise(one) for one in recent[-LENGTHS[-1] :]])
+    found = 0.0
+    for one in reference.bounded:
+        w, cumulants = np.clip(z / one.most, -1, 1), one.cumulants
+        for length in LENGTHS:
+            if length > len(w):
+                break
+            sums = np.abs(w[-length:].sum(axis=0))
+            more = one.clustered(length) + length / reference.count
+            bound = np.min(length * cumulants - TILTS[:, None] * sums, axis=0) / more
+            found = min(found, float(bound[reference.known].min(initial=0.0)))
+    return float(min(2 * np.exp(found), 1.0))
+
+
+def _worth(reference: Reference, blocks: Sequence[Block], causes: Causes) -> Array:
+    """By how much each cause (C,) explains what is otherwise in these blocks: the fall of χ² in
+    units of what the reference scatters by, less its price; −inf of one that it does not show."""
+    information, score = _summed(blocks)
+    unit = float(np.median(reference.scatter[reference.known])) if reference.known.any() else 1.0
+    worth = np.full(len(causes.columns), -np.inf)
+    for cause, own in enumerate(causes.columns):
+        c = list(own)
+        if not reference.known[c].all():
+            continue
+        at = np.ix_(c, c)
+        before = np.linalg.pinv(reference.information[at], hermitian=True) @ reference.score[c]
+        left = score[c] - information[at] @ before
+        inverse = np.linalg.pinv(information[at], hermitian=True)
+        worth[cause] = float(left @ inverse @ left) / unit - causes.price[cause]
+    return worth
+
+
+def _summed(blocks: Sequence[Block]) -> tuple[Array, Array]:
+    """Information (F, F) and score (F,) of some blocks."""
+    return (
+        np.sum([one.information for one in blocks], axis=0),
+        np.sum([one.score for one in blocks], axis=0),
+    )
