@@ -24,6 +24,7 @@ from symhyb.cli_options import (
     Folder,
     Holdout,
     Json,
+    Known,
     Map,
     ModelFile,
     Recordings,
@@ -81,6 +82,7 @@ def diagnose(
     columns: Map = None,
     start: Start = None,
     end: End = None,
+    known: Known = None,
     own: Annotated[
         list[str] | None,
         typer.Option(
@@ -141,6 +143,7 @@ def diagnose(
         last_values=finish,
         remainder=remainder,
         network=network,
+        known=known,
     )
     require_folder(output)
     with printed_if_interrupted(output, as_json) as keep, progress() as say:

@@ -13,6 +13,7 @@ from symhyb.cli_options import (
     Folder,
     Holdout,
     Json,
+    Known,
     Map,
     ModelFile,
     Recordings,
@@ -71,6 +72,7 @@ def learn(
     columns: Map = None,
     start: Start = None,
     end: End = None,
+    known: Known = None,
     on: Annotated[
         list[str] | None,
         typer.Option(metavar="COORDINATE", help="Where to learn; default: everywhere. Repeat it."),
@@ -131,6 +133,7 @@ def learn(
         tuple(Source(path, span=(start, end)) for path in recordings),
         tuple(Source(path) for path in holdout or ()),
         read_map(columns),
+        known=known,
     )
     options = {
         "by": by.value,

@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from symhyb.cli_options import Json, Map, ModelFile, print_json
+from symhyb.cli_options import Json, Known, Map, ModelFile, print_json
 from symhyb.errors import InputError
 
 
@@ -90,6 +90,7 @@ def simulate(
         typer.Option("--input", metavar="RECORDING", help="Recording that holds the inputs."),
     ] = None,
     columns: Map = None,
+    known: Known = None,
     end: Annotated[float | None, typer.Option(metavar="S", help="Time to stop at, in s.")] = None,
     step: Annotated[float | None, typer.Option(metavar="S", help="Between two rows, in s.")] = None,
     exact: Annotated[
@@ -119,7 +120,7 @@ def simulate(
     exact = exact or events is not None
     declared, mapped = read_model(model), read_map(columns)
     require_files(output, events)
-    driven = read_inputs(inputs, declared, mapped) if inputs else None
+    driven = read_inputs(inputs, declared, mapped, known) if inputs else None
     warn(driven.notes if driven else ())
     warn(left_smooth(declared) if exact else ())
     with progress() as say:

@@ -20,6 +20,14 @@ Map = Annotated[
         " need be ('laser=qm [mm]'), or an expression in columns ('f=gtau*vir'). Repeat it.",
     ),
 ]
+Known = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="TABLE",
+        help="Known values of parameters in each recording: CSV with a column 'recording' and one"
+        " for each parameter ('m [kg]').",
+    ),
+]
 Start = Annotated[
     float | None, typer.Option(metavar="S", help="Drop what the recordings hold before, in s.")
 ]

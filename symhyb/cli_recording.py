@@ -14,6 +14,7 @@ from symhyb.cli_options import (
     Force,
     Holdout,
     Json,
+    Known,
     Map,
     ModelFile,
     Recordings,
@@ -34,6 +35,7 @@ def look(
     columns: Map = None,
     start: Start = None,
     end: End = None,
+    known: Known = None,
     figure: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="Draw all channels over time, as .svg or .png."),
@@ -58,7 +60,7 @@ def look(
     if figure is not None:
         require_picture(figure, force)
     with progress() as say:
-        seen = look_into(recording, model, read_map(columns), (start, end), say)
+        seen = look_into(recording, model, read_map(columns), (start, end), say, known)
     if figure is not None:
         write_picture(seen.look, figure)
     if as_json:
@@ -73,6 +75,7 @@ def compare(
     columns: Map = None,
     start: Start = None,
     end: End = None,
+    known: Known = None,
     as_json: Json = False,
 ) -> None:
     """Say how large the force is that a model lacks, and what the first checks show.
@@ -87,6 +90,7 @@ def compare(
     """
     from symhyb.console.comparison import check_facts, discrepancy_facts, print_first_checks
     from symhyb.console.terminal import progress, read_map
+    from symhyb.data.known_table import table_of_known
     from symhyb.data.recording import read_recording
     from symhyb.discrepancy.checks.first_checks import first_checks, repeats_of
     from symhyb.discrepancy.recorded.residual import compare as compare_recording
@@ -96,7 +100,13 @@ def compare(
 
     declared, mapped = read_model(model), read_map(columns)
     machine, gaps, checked = build(declared), [], []
-    read = [read_recording(one, declared, mapped, span=(start, end)) for one in recordings]
+    table, span = table_of_known(known, declared), (start, end)
+    read = [
+        read_recording(
+            one, declared, mapped, span=span, parameters=None if table is None else table.of(one)
+        )
+        for one in recordings
+    ]
     with progress() as say:
         for done, recording in enumerate(read):
             say(Counted(f"comparing {recording.name}", done, len(read)))
@@ -133,6 +143,7 @@ def fit(
     columns: Map = None,
     start: Start = None,
     end: End = None,
+    known: Known = None,
     force: Force = False,
     as_json: Json = False,
 ) -> None:
@@ -161,6 +172,7 @@ def fit(
         tuple(Source(path, span=(start, end)) for path in recordings),
         tuple(Source(path) for path in holdout or ()),
         read_map(columns),
+        known=known,
     )
     with progress() as say:
         done = fit_study(study, listed(free), say)

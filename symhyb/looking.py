@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from symhyb.data.formats import read_table
+from symhyb.data.known_table import table_of_known
 from symhyb.data.look import Look, look_at
 from symhyb.data.recording import Recording, read_recording
 from symhyb.data.rows import Span
@@ -33,19 +34,30 @@ class Seen:
 
 
 def look_into(
-    path: Path, model: Path | None, columns: Mapping[str, str], span: Span, say: Say
+    path: Path,
+    model: Path | None,
+    columns: Mapping[str, str],
+    span: Span,
+    say: Say,
+    known: Path | None = None,
 ) -> Seen:
-    """Look at a recording, with the model file that it belongs to if one is given.
+    """Look at a recording, with the model file that it belongs to if one is given, and the table of
+    what is ``known`` of its parameters.
 
     Raises:
         InputError: the recording, the map or the model is wrong.
     """
     say("reading the recording")
     if model is None:
+        if known is not None:
+            text = "known values are of parameters of a model; give the model, too"
+            raise InputError(Problem(text, file=str(known)))
         whole = whole_file(read_table(path), columns, span)
         return Seen(look_at(whole.recording, whole.units), whole.left)
     declared = read_model(model)
-    recording = read_recording(path, declared, columns, span=span)
+    table = table_of_known(known, declared)
+    values = None if table is None else table.of(path)
+    recording = read_recording(path, declared, columns, span=span, parameters=values)
     return Seen(_in_units(recording, declared), (), _checks(recording, declared, say))
 
 

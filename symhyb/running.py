@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from symhyb.asked import asked
+from symhyb.data.known import require_known
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.motion import given_motion
 from symhyb.discrepancy.recorded.sampling import as_sampled
@@ -18,6 +19,7 @@ from symhyb.exact import simulation as exactly
 from symhyb.model.types import Model
 from symhyb.numeric.kernels.buffers import Array, on_lines
 from symhyb.numeric.lowered.either import machine_of, model_of
+from symhyb.numeric.lowered.known import machine_with
 from symhyb.numeric.lowered.machine import Machine, build
 from symhyb.numeric.runs.integrate import Trajectory
 from symhyb.numeric.runs.scenario import Scenario
@@ -41,10 +43,11 @@ def simulate(
 
     Without a ``scenario`` the run goes from 0 to ``end`` with a row every ``step``, both in s
     (default: 1000 steps); with a recording it is driven by the recorded inputs, over its times
-    unless ``end`` or ``step`` say otherwise. ``inputs`` by name are numbers, functions of the time
-    in s, or values (N,) at the output times, 0 where unset; ``start`` gives places and rates
-    (``x``, ``x'``) instead of the declared ones, ``parameters`` values instead of those of the
-    model: all in the units of the model file. A :class:`Scenario` says everything itself, in SI.
+    unless ``end`` or ``step`` say otherwise, with the values of parameters that it knows.
+    ``inputs`` by name are numbers, functions of the time in s, or values (N,) at the output times,
+    0 where unset; ``start`` gives places and rates (``x``, ``x'``) instead of the declared ones,
+    ``parameters`` values instead of those of the model: all in the units of the model file. A
+    :class:`Scenario` says everything itself, in SI.
     ``p`` (P,), in SI, are all parameters of the machine at once. ``exact``: dry friction holds and
     stops touch, with located events.
 
@@ -66,7 +69,9 @@ def simulate(
         t_u = t
     else:
         _require_alone(inputs=inputs)
+        require_known(model_of(model), [driven])
         machine = build(as_sampled(model_of(model), [driven]))
+        machine = machine_with(machine, driven.parameters)
         t_u, u = driving(driven, machine)
         given = given_motion(driven, machine) if machine.imposed else None
         given = None if given is None else on_lines(driven.t, given, t_u)

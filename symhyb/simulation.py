@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from symhyb.data.known_table import table_of_known
 from symhyb.data.recording import Recording, read_recording
 from symhyb.discrepancy.recorded.motion import given_motion
 from symhyb.discrepancy.recorded.sampling import as_sampled
@@ -16,6 +17,7 @@ from symhyb.limits import RUN_ROWS
 from symhyb.model.expression import Name, parse_expression
 from symhyb.model.types import Model, Sensor
 from symhyb.numeric.kernels.buffers import Array, held_at, on_line, on_lines
+from symhyb.numeric.lowered.known import machine_with
 from symhyb.numeric.lowered.machine import Machine, build
 from symhyb.numeric.runs.integrate import Trajectory
 from symhyb.numeric.runs.scenario import Scenario
@@ -25,9 +27,13 @@ _CLOCK = Sensor("t", parse_expression("t"), parse_unit("s"))
 
 
 def read_inputs(
-    path: str | Path, model: Model, columns: Mapping[str, str] | None = None
+    path: str | Path,
+    model: Model,
+    columns: Mapping[str, str] | None = None,
+    known: Path | None = None,
 ) -> Recording:
     """Read the inputs of a model from a recording; it need not have a column for any sensor.
+    ``known`` is a table of what is known of parameters in recordings.
 
     Raises:
         InputError: as :func:`symhyb.data.read_recording`.
@@ -36,7 +42,10 @@ def read_inputs(
     kept = tuple(s for s in model.sensors if s.measures.tree in imposed)
     sensors = {sensor.name for sensor in model.sensors if sensor not in kept}
     asked = {key: text for key, text in (columns or {}).items() if key not in sensors}
-    recording = read_recording(path, replace(model, sensors=(_CLOCK, *kept)), asked)
+    table = table_of_known(known, model)
+    values = None if table is None else table.of(path)
+    seeing = replace(model, sensors=(_CLOCK, *kept))
+    recording = read_recording(path, seeing, asked, parameters=values)
     notes = (note for note in recording.notes if not note.startswith(("sensor ", "column")))
     return replace(recording, sensors={}, notes=tuple(notes))
 
@@ -59,6 +68,7 @@ def run_model(
         NumericsError: the integration failed; the message says why.
     """
     machine = build(model if driven is None else as_sampled(model, [driven]))
+    machine = machine if driven is None else machine_with(machine, driven.parameters)
     t = output_times(model, driven, end, step)
     if driven is None:
         t_u, u, given = t[[0, -1]], np.zeros((2, len(model.inputs))), None

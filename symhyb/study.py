@@ -28,6 +28,8 @@ from symhyb.correction.learning.remainder import NO_REMAINDER, remainder
 from symhyb.correction.search.so_far import if_interrupted
 from symhyb.data.cleaning import still, without_faults
 from symhyb.data.datasets import fetch
+from symhyb.data.known import require_known
+from symhyb.data.known_table import table_of_known
 from symhyb.data.recording import Recording, read_recording
 from symhyb.diagnosis import advised, conclude
 from symhyb.discrepancy.checks.first_checks import FirstChecks, first_checks
@@ -270,6 +272,7 @@ def manifest(result: StudyResult) -> dict[str, Any]:
                 "sha256": recording.sha256,
                 "span": list(source.span),
                 **({"map": dict(source.columns)} if source.columns else {}),
+                **({"parameters": dict(recording.parameters)} if recording.parameters else {}),
             }
             for role, recording, source in _runs(result)
         ],
@@ -299,16 +302,21 @@ def read_all(study: Study, model: Model) -> tuple[tuple[Recording, ...], tuple[R
     """
     problems: list[Problem] = []
     read: dict[Source, Recording] = {}
+    table = table_of_known(study.known, model)
     for source in (*study.train, *study.holdout):
         try:
             path = source.file or fetch(*source.data.split("/", 1))
-            read[source] = read_recording(path, model, study.columns_of(source), span=source.span)
+            known = dict(source.parameters) if table is None else table.of(path)
+            read[source] = read_recording(
+                path, model, study.columns_of(source), span=source.span, parameters=known
+            )
         except InputError as error:
             problems.extend(error.problems)
     if problems:
         raise InputError(dict.fromkeys(problems))
     train = tuple(read[source] for source in study.train)
     holdout = tuple(read[source] for source in study.holdout)
+    require_known(model, (*train, *holdout), study.own)
     for seen, unseen in product(train, holdout):
         common = seen.common(unseen)
         if common.size:

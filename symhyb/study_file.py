@@ -13,6 +13,7 @@ force = "gtau*vir"                       # for all recordings; each may have its
 [[train]]                                # once or more: recordings to learn from
 data = "emps/DATA_EMPS.mat"              # a file of a known public recording
 span = [0.0, 20.0]                       # s; the rest is dropped
+parameters = { m = 0.535 }               # known values in this recording, in the model's units
 
 [[holdout]]                              # unseen recordings, for the proof alone
 file = "pulses.csv"                      # a file beside the study
@@ -61,12 +62,14 @@ SECTIONS = (
 class Source:
     """Where a recording comes from: the path ``file``, or ``data`` = ``"emps/DATA_EMPS.mat"``, a
     file of a known public recording. ``span`` (start, end) in s drops the rest. ``columns`` are the
-    entries of the map that this recording has for itself."""
+    entries of the map that this recording has for itself, ``parameters`` the known values of
+    parameters in it, in the units of the model."""
 
     file: Path | None = None
     data: str = ""
     span: Span = (None, None)
     columns: tuple[tuple[str, str], ...] = ()
+    parameters: tuple[tuple[str, float], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +78,8 @@ class Study:
     :func:`symhyb.read_recording`, for all recordings; ``file`` is None for a study that no
     file states. ``last_values``: whether every uncertain number of the corrected model is fitted
     once more to all training recordings; ``remainder`` the coordinate that then gets a smooth
-    remainder, ``network`` the one that gets a trained network, None for none."""
+    remainder, ``network`` the one that gets a trained network, None for none. ``known`` is a table
+    of known values of parameters in each recording."""
 
     model: Path
     train: tuple[Source, ...]
@@ -90,6 +94,7 @@ class Study:
     last_values: bool = False
     remainder: str | None = None
     network: str | None = None
+    known: Path | None = None
 
     def columns_of(self, source: Source) -> Mapping[str, str]:
         """The map of one recording: its own entries before those of all recordings."""
@@ -186,14 +191,23 @@ def _sources(root: Table, key: str, folders: Folders) -> Iterator[Source]:
         root.fault("name at least one recording to learn from", key)
     for number, entries in enumerate(listed, 1):
         table = Table((f"{key}[{number}]",), entries, root.faults)
-        table = table.checked(("file", "data", "span", "map"))
+        table = table.checked(("file", "data", "span", "map", "parameters"))
         if sum(not table.lacks(name) for name in ("file", "data")) != 1:
             table.fault("state exactly one of file and data")
         file, data = table.text("file"), table.text("data") or ""
         if data:
             _check_data(table, data)
         own = tuple((_map(table) or {}).items())
-        yield Source(_file(table, "file", file, folders), data, _span(table), own)
+        yield Source(_file(table, "file", file, folders), data, _span(table), own, _known(table))
+
+
+def _known(table: Table) -> tuple[tuple[str, float], ...]:
+    """The known values of parameters in one recording: path and number."""
+    values = table.table("parameters")
+    if values is None:
+        return ()
+    found = ((path, values.number(path)) for path in values.entries)
+    return tuple((path, value) for path, value in found if value is not None)
 
 
 def _file(table: Table, key: str, name: str | None, folders: Folders) -> Path | None:

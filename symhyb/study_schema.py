@@ -8,6 +8,7 @@ from symhyb.model.schema_parts import (
     Schema,
     listed,
     named,
+    number,
     one_given,
     pair,
     positive,
@@ -57,6 +58,10 @@ def _recording() -> Schema:
         "data": text("a public recording, as name/file"),
         "span": pair("[start, end] in s; what lies outside is dropped"),
         "map": _map("entries of the map for this recording alone"),
+        "parameters": named(
+            "known values in this recording, in the units of the model",
+            number("of a parameter of the model"),
+        ),
     }
     return table(keys, oneOf=one_given(("file", "data")))
 

@@ -14,6 +14,7 @@ from symhyb.correction.search.preparing import Prepared, last_windows, prepare
 from symhyb.correction.search.so_far import if_interrupted
 from symhyb.correction.search.trajectory import DELAY_REACH
 from symhyb.data.cleaning import still
+from symhyb.data.known import require_known
 from symhyb.data.recording import Recording, several
 from symhyb.discrepancy.fitting.matching import fit
 from symhyb.discrepancy.fitting.task import Fit, Task
@@ -86,11 +87,13 @@ def calibrated(
     Names are those of parameters (``k``, ``spring.k``) and of channels (``laser.gain``).
 
     Raises:
-        InputError: an unknown name, nothing to fit, or recordings in which no sensor changes.
+        InputError: an unknown name, nothing to fit, one whose value recordings state as known, or
+            recordings in which no sensor changes.
         NumericsError: the model cannot be simulated along them.
     """
     tell = say or silent
     items = chosen(model, free)
+    require_known(model, several(recordings), [item.path for item in items])
     if still(several(recordings)):
         raise InputError(Problem("no sensor changes in any recording: nothing can be fitted"))
     with one_thread():

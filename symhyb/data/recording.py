@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +15,7 @@ from symhyb.data.columns import map_columns
 from symhyb.data.formats import read_table
 from symhyb.data.frames import table_of_dataset, table_of_frame
 from symhyb.data.inspection import input_notes, sampling_notes, sensor_notes
+from symhyb.data.known import known_in, known_note
 from symhyb.data.rows import SHORTEST, Span, tidy, without_silent_sensors
 from symhyb.data.samples import digest, require_samples
 from symhyb.data.table import Table
@@ -46,6 +47,8 @@ class Recording:
         notes: sentences on everything that was noticed, left out or filled in.
         sha256: of the bytes of the file; of the samples, where there is no file.
         units: by channel the unit of the model file, in which frames and pictures show it.
+        parameters: by path what is known of parameters in this recording, in place of the values
+            of the model.
     """
 
     name: str
@@ -55,6 +58,7 @@ class Recording:
     notes: tuple[str, ...] = ()
     sha256: str = ""
     units: Mapping[str, Unit] = field(default_factory=dict)
+    parameters: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         require_samples(self)
@@ -146,6 +150,7 @@ class Recording:
         units: Mapping[str, str] | None = None,
         name: str = "frame",
         span: Span = (None, None),
+        parameters: Mapping[str, float] | None = None,
     ) -> "Recording":
         """A recording from a frame of pandas, or from a mapping of names to columns.
 
@@ -153,13 +158,15 @@ class Recording:
         rest is as for files (:func:`read_recording`): channels are found by name or through the map
         ``columns``, and cleaned with notes. The unit of a column is that in ``units`` = {"laser":
         "mm"}, else that behind its name (``laser [mm]``), else that in ``frame.attrs["units"]``,
-        else that of the model. ``span`` = (start, end) in s.
+        else that of the model. ``span`` = (start, end) in s; ``parameters`` as for files.
 
         Raises:
             InputError: as :func:`read_recording`.
         """
         table = table_of_frame(frame, units, visible(name))
-        return recorded(table, map_columns(table, model, columns), model, span, visible(name))
+        known = known_in(model, parameters, visible(name))
+        channels = map_columns(table, model, columns)
+        return recorded(table, channels, model, span, visible(name), known)
 
     def to_frame(self) -> "pd.DataFrame":
         """The channels in the units of the model file, as columns over the index ``t`` in s;
@@ -177,6 +184,7 @@ class Recording:
         units: Mapping[str, str] | None = None,
         name: str = "dataset",
         span: Span = (None, None),
+        parameters: Mapping[str, float] | None = None,
     ) -> "Recording":
         """A recording from a dataset of xarray along one dimension, the time (in s, dates or
         durations); as :meth:`from_frame`, with the units in ``attrs["units"]`` of each variable.
@@ -185,7 +193,9 @@ class Recording:
             InputError: as :func:`read_recording`; xarray is not installed.
         """
         table = table_of_dataset(dataset, units, visible(name))
-        return recorded(table, map_columns(table, model, columns), model, span, visible(name))
+        known = known_in(model, parameters, visible(name))
+        channels = map_columns(table, model, columns)
+        return recorded(table, channels, model, span, visible(name), known)
 
     def to_xarray(self) -> "xr.Dataset":
         """The channels in the units of the model file along ``t`` in s, as a dataset of xarray.
@@ -239,7 +249,7 @@ class Recording:
             raise InputError(Problem(text, file=self.name))
         whole = Channels(self.t, self.inputs, self.sensors, self.notes)
         part = without_silent_sensors(take(whole, keep, note))
-        return _recording(self.name, part, self.sha256, self.units)
+        return _recording(self.name, part, self.sha256, self.units, self.parameters)
 
     def _outside(self, verb: str, limit: float) -> InputError:
         text = f"cannot {verb} at {limit:g} s: the recording is {self.t[0]:g} … {self.t[-1]:g} s"
@@ -253,6 +263,7 @@ def read_recording(
     columns: Mapping[str, str] | None = None,
     *,
     span: Span = (None, None),
+    parameters: Mapping[str, float] | None = None,
 ) -> Recording:
     """Read a recording of the machine that ``model`` describes: CSV, MAT, JSON, Parquet,
     Excel or MDF, by its suffix; ``FILE#PART`` is one sheet, structure, cell, group or run of it.
@@ -262,21 +273,30 @@ def read_recording(
     is the row number from 0. Values are in the unit in brackets, else that of the header, else
     that of the model. Channels sampled at different times are put on the union of their times,
     which ``"accel": "acc @ t_acc"`` names where they do not stand beside the channel. ``span`` =
-    (start, end) in s drops the rest of the file before it is judged.
+    (start, end) in s drops the rest of the file before it is judged. ``parameters`` = {"m": 0.5}
+    are those of which this recording has a known value of its own, in the units of the model.
 
     Raises:
-        InputError: the file or the map is wrong, a needed channel is missing, time does not
-            increase, an input has a hole or stops early, or fewer than 20 samples are left.
+        InputError: the file, the map or a known value is wrong, a needed channel is missing, time
+            does not increase, an input has a hole or stops early, or fewer than 20 samples are
+            left.
     """
+    known = known_in(model, parameters, visible(os.fspath(path)))
     table = read_table(path)
-    return recorded(table, map_columns(table, model, columns), model, span)
+    channels = map_columns(table, model, columns)
+    return recorded(table, channels, model, span, known=known)
 
 
 def recorded(
-    table: Table, channels: Channels, model: Model, span: Span = (None, None), name: str = ""
+    table: Table,
+    channels: Channels,
+    model: Model,
+    span: Span = (None, None),
+    name: str = "",
+    known: Mapping[str, float] | None = None,
 ) -> Recording:
     """The recording that the ``channels`` of a ``table`` are, with notes on them; its ``name`` is
-    that of the table's file unless given.
+    that of the table's file unless given; ``known`` are values of parameters, SI.
 
     Raises:
         InputError: as :func:`read_recording`, but for the map.
@@ -295,10 +315,19 @@ def recorded(
     noted = Channels(channels.t, channels.inputs, channels.sensors, notes)
     shown = {**driving, **units}
     used = {name: shown[name] for name in (*noted.inputs, *noted.sensors)}
-    return _recording(name or visible(Path(table.file).name), noted, table.sha256, used)
+    called = name or visible(Path(table.file).name)
+    if known:
+        noted = replace(noted, notes=(*noted.notes, known_note(model, known)))
+    return _recording(called, noted, table.sha256, used, known or {})
 
 
-def _recording(name: str, channels: Channels, sha256: str, units: Mapping[str, Unit]) -> Recording:
+def _recording(
+    name: str,
+    channels: Channels,
+    sha256: str,
+    units: Mapping[str, Unit],
+    parameters: Mapping[str, float],
+) -> Recording:
     """Freeze what was read: the arrays of a value must not change under its feet."""
     recording = Recording(
         name,
@@ -308,6 +337,7 @@ def _recording(name: str, channels: Channels, sha256: str, units: Mapping[str, U
         channels.notes,
         sha256,
         units,
+        parameters,
     )
     for array in (recording.t, *recording.inputs.values(), *recording.sensors.values()):
         array.setflags(write=False)

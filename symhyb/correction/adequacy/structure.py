@@ -30,6 +30,7 @@ from symhyb.discrepancy.places.standing import uncertain_beside
 from symhyb.discrepancy.results import ClassName
 from symhyb.model.types import Element, Place
 from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.lowered.known import with_known
 from symhyb.numeric.lowered.machine import Machine, build
 from symhyb.numeric.runs.windows import WindowModel
 
@@ -107,8 +108,10 @@ class Fitted:
         return int(self.fit.values.size)
 
     def of(self, recording: Recording) -> Array:
-        """The parameter vector (P,) of a recording, SI; of one that was not fitted ``p``."""
-        return next((p for known, p in self.each if known is recording), self.p)
+        """The parameter vector (P,) of a recording, SI, with what it knows; of one that was not
+        fitted ``p``."""
+        p = next((p for known, p in self.each if known is recording), self.p)
+        return with_known(self.machine, p, recording.parameters)
 
 
 def fitted(

@@ -60,7 +60,7 @@ def lacking(
     if formulation == "force":
         return discrepancy(machine, course, machine.values)[:, free]
     form, still = state_form(machine), np.zeros(machine.n)
-    given = course.states, course.drive, course.t, machine.values, still
+    given = course.states, course.drive, course.t, course.values(machine), still
     (rates,) = along(form.rates(), given, (3, 4), course.t.size)
     slip = (course.v if rate is None else rate)[:, free] - course.v[:, free]
     return np.concatenate([slip, course.a[:, free] - rates[:, : len(free)]], axis=1)
@@ -68,7 +68,7 @@ def lacking(
 
 def values_along(machine: Machine, course: Course, law: Law) -> Array:
     """A law along a course (N, R), SI."""
-    given = course.q, course.v, course.u, course.t, machine.values
+    given = course.q, course.v, course.u, course.t, course.values(machine)
     (values,) = along(value_of(machine, law), given, (4,), course.t.size)
     return values
 
@@ -82,7 +82,7 @@ def sparse_law(
     Raises:
         InputError: an expression with names the model has not, terms that depend on each other.
     """
-    given = course.q, course.v, course.u, course.t, machine.values
+    given = course.q, course.v, course.u, course.t, course.values(machine)
     (columns,) = along(features(machine, texts), given, (4,), course.t.size)
     length, size = np.linalg.norm(columns, axis=0), np.linalg.norm(wanted, axis=0)
     seen = np.flatnonzero(length > UNSEEN * length.max(initial=0.0)).tolist()
@@ -116,7 +116,7 @@ def network_law(
     Raises:
         InputError: an expression with names the model has not, or one that never changes.
     """
-    given = course.q, course.v, course.u, course.t, machine.values
+    given = course.q, course.v, course.u, course.t, course.values(machine)
     (seen,) = along(features(machine, inputs), given, (4,), course.t.size)
     low, high = seen.min(axis=0), seen.max(axis=0)
     if not (low < high).all():

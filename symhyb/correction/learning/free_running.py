@@ -25,6 +25,7 @@ from symhyb.judgement import MARGIN
 from symhyb.model.types import Model
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.lowered.dynamics import state_form
+from symhyb.numeric.lowered.known import machine_with
 from symhyb.numeric.lowered.machine import Machine, build
 from symhyb.numeric.runs.scenario import Scenario
 
@@ -86,6 +87,7 @@ def _known(values: Mapping[str, float | None]) -> list[float]:
 
 def _trace(machine: Machine, correction: Correction, recording: Recording, role: Role) -> Trace:
     """Both free runs of a recording."""
+    machine = machine_with(machine, recording.parameters)
     course, form = course_of(recording, machine, motion_of(recording, machine)), state_form(machine)
     scales = np.abs(course.states).max(axis=0, initial=0.0)
     scenario = Scenario(

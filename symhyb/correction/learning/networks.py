@@ -6,7 +6,7 @@ forces where M is constant and couples nothing, F = m Δv', and else stays a cor
 Sizes: N samples, I inputs.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
@@ -26,6 +26,7 @@ from symhyb.mechanics.mass_text import mass_texts
 from symhyb.model.expression import evaluate, names, parse_expression
 from symhyb.model.types import Element, Model, Network, On
 from symhyb.model.weights import keep
+from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.lowered.network import Weights, stored
 from symhyb.steps import Counted, Say
 
@@ -147,8 +148,8 @@ def _of_rates(model: Model, prepared: Prepared, asked: Asked) -> Learnt:
     machine = prepared.machine
     free = [machine.model.coordinates[i].name for i in machine.free]
     cuts = last_windows(prepared, spread=True)
-    course = _joined([_rows(item, item.course(machine), ~item.held) for item in cuts])
-    wanted = lacking(machine, course, "rates")
+    parts = [_rows(item, item.course(machine), ~item.held) for item in cuts]
+    course, wanted = _joined(parts, [lacking(machine, part, "rates") for part in parts])
     first = len(free)
     for row, name in enumerate(free):
         wanted[:, row] = 0.0  # q' is v: position and speed are estimated together
@@ -158,7 +159,7 @@ def _of_rates(model: Model, prepared: Prepared, asked: Asked) -> Learnt:
         machine, course, wanted, seen, width=asked.width, members=asked.members, seed=asked.seed
     )
     rows = [(n, w) for n, w in zip(free, law.rows[first:], strict=True) if w is not None]
-    masses = _constant_masses(model)
+    masses = _constant_masses(model, {path for part in parts for path in part.known})
     if masses is None:
         better = closer(prepared, cuts, law)
         correction = Correction("rates", (law,)) if better else None
@@ -212,10 +213,11 @@ def _worth(prepared: Prepared, elements: Sequence[Element]) -> Worth:
     return worth(prepared, nothing, matched(prepared, elements, none))
 
 
-def _constant_masses(model: Model) -> dict[str, float] | None:
-    """The mass of every coordinate, SI; None where M changes or couples coordinates."""
+def _constant_masses(model: Model, known: Collection[str]) -> dict[str, float] | None:
+    """The mass of every coordinate, SI; None where M changes, couples coordinates, or is another in
+    every recording, by a parameter that it knows."""
     texts = mass_texts(model)
-    moving = {c.name for c in model.coordinates}
+    moving = {*(c.name for c in model.coordinates), *known}
     if texts is None or any(first != second for first, second in texts):
         return None
     values: dict[tuple[str, int] | str, NDArray[np.float64] | float] = {}
@@ -235,11 +237,14 @@ def _rows(item: Cut, course: Course, windows: NDArray[np.bool_]) -> Course:
     margin = END_KNOTS * item.source[1].spacing_s
     t = course.t[rows]
     rows = rows[(t >= course.t[0] + margin) & (t <= course.t[-1] - margin)]
-    return Course(*(getattr(course, field.name)[rows] for field in fields(Course)))
+    return course.at(rows)
 
 
-def _joined(parts: Sequence[Course]) -> Course:
-    """One course after the other, thinned to what a network is trained on."""
-    columns = [np.concatenate([getattr(p, f.name) for p in parts]) for f in fields(Course)]
-    step = -(-len(columns[0]) // ROWS_MOST)
-    return Course(*(column[::step] for column in columns))
+def _joined(parts: Sequence[Course], wanted: Sequence[Array]) -> tuple[Course, Array]:
+    """One course after the other with what is ``wanted`` along each (N, R), thinned to what a
+    network is trained on."""
+    names = [item.name for item in fields(Course) if item.name != "known"]
+    joined = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
+    whole = replace(parts[0], **joined, known={})
+    thinly = slice(None, None, -(-whole.t.size // ROWS_MOST))
+    return whole.at(thinly), np.concatenate(list(wanted))[thinly]

@@ -54,7 +54,7 @@ def weak_form(prepared: Prepared, texts: Sequence[str], formulation: Formulation
     count, windows = 0, []
     for item in _cut_into(prepared):
         c = item.course(machine)
-        (values,) = along(seen, (c.q, c.v, c.u, c.t, machine.values), (4,), c.t.size)
+        (values,) = along(seen, (c.q, c.v, c.u, c.t, c.values(machine)), (4,), c.t.size)
         carried, rest = _sides(machine, c, formulation)
         test, slope = modulated(item.block.t, BAND / prepared.shortest)
         right = -(slope @ carried[item.rows] + test @ rest[item.rows])
@@ -83,10 +83,10 @@ def _sides(machine: Machine, c: Course, formulation: Formulation) -> tuple[Array
     """What is differentiated, p or v, and what the model says of its slope, (N, f) each, SI."""
     free = list(machine.free)
     if formulation == "force":
-        given = c.q, c.v, c.z, c.u, c.t, machine.values
+        given = c.q, c.v, c.z, c.u, c.t, c.values(machine)
         momentum, rest = along(machine.weak, given, (5,), c.t.size)
         return momentum[:, free], rest[:, free]
     form = state_form(machine)
-    moving = c.states, c.drive, c.t, machine.values, np.zeros(machine.n)
+    moving = c.states, c.drive, c.t, c.values(machine), np.zeros(machine.n)
     (rates,) = along(form.rates(), moving, (3, 4), c.t.size)
     return c.v[:, free], rates[:, : len(free)]

@@ -163,7 +163,7 @@ def weak_rows(
     """The weak form over windows, some at a time: which are held (W,), and rows (W, R, f, C + 1),
     the columns per SI unit of each coefficient and, last, what is lacking, in N·s or N·m·s."""
     c, where, free = item.course(machine), item.rows, list(machine.free)
-    given = c.q, c.v, c.z, c.u, c.t, machine.values
+    given = c.q, c.v, c.z, c.u, c.t, c.values(machine)
     momentum, rest = along(machine.weak, given, (5,), c.t.size)
     forces = library.forces(item.course(library.machine))
     test, slope = modulated(item.block.t, band_hz)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from symhyb.correction.search.fleet import check_own, owning
 from symhyb.correction.search.setting import Setting, Stage
 from symhyb.data.cleaning import without_faults
+from symhyb.data.known import require_known
 from symhyb.data.recording import Recording, several
 from symhyb.data.thin import thinned
 from symhyb.discrepancy.checks.repeats import Repeated, floor_of, repeated
@@ -80,11 +81,13 @@ def prepare(
     Recording faults are put right first, those whose ``clocks`` are known to drift among them.
 
     Raises:
-        InputError: no recording, or a coordinate that no sensor sees.
+        InputError: no recording, a coordinate that no sensor sees, or known values of parameters
+            that not all recordings state or that are to be fitted.
     """
     recordings, holdout = several(recordings), several(holdout)
     if not recordings:
         raise InputError(Problem("no recording was given; a diagnosis needs at least one"))
+    require_known(model, (*recordings, *holdout), own)
     recordings = tuple(without_faults(r, model) for r in recordings)
     holdout = tuple(without_faults(r, model) for r in holdout)
     extended = with_channels(as_sampled(model, recordings))

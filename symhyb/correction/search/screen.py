@@ -146,7 +146,10 @@ def _probe_forces(library: Library, item: Cut, simulated: Array | None) -> Array
         course.a[rows].reshape(rows.size, -1),
         course.z[rows].reshape(rows.size, -1),
         course.u[rows].reshape(rows.size, -1),
-        *(np.empty((0, 0)) for _ in range(3)),
+        states=np.empty((0, 0)),
+        drive=np.empty((0, 0)),
+        reaction=np.empty((0, 0)),
+        known=course.known,
     )
     return library.forces(flat).reshape(*rows.shape, machine.n, -1)
 

@@ -20,6 +20,7 @@ from symhyb.judgement import GAIN_REACH
 from symhyb.laws import LAWS
 from symhyb.model.types import Element, Model
 from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.lowered.known import with_known
 from symhyb.numeric.lowered.machine import Machine, build
 from symhyb.numeric.runs.windows import WindowModel
 
@@ -60,8 +61,10 @@ class Refined:
         return tuple(self.machine.column(path) for path in paths)
 
     def of(self, recording: Recording) -> Array:
-        """The parameter vector (P,) of a recording, SI; of one that was not fitted ``p``."""
-        return next((p for known, p in self.each if known is recording), self.p)
+        """The parameter vector (P,) of a recording, SI, with what it knows; of one that was not
+        fitted ``p``."""
+        p = next((p for known, p in self.each if known is recording), self.p)
+        return with_known(self.machine, p, recording.parameters)
 
     def value_of(self, path: str, which: int) -> tuple[float, float]:
         """Fitted value and one standard deviation of a parameter in one recording, SI."""
@@ -219,9 +222,9 @@ def _begun(item: Cut, start: Array) -> Array:
 def own_values(trial: Refined, item: Cut, sd: Array) -> Array:
     """The parameters (P,), SI, of a recording that was not fitted: its own numbers are fitted to
     its windows as initial states are, all others stay. A phase is tried all around."""
-    own = trial.own_columns
+    own, given = trial.own_columns, with_known(trial.machine, trial.p, item.block.known)
     if not own:
-        return trial.p
+        return given
     step = float(np.median(np.diff(item.block.t, axis=1)))
     limits = dict(
         zip(
@@ -236,7 +239,7 @@ def own_values(trial: Refined, item: Cut, sd: Array) -> Array:
     turns = np.array([path.endswith(".phase") for path in chosen])
     best: tuple[float, Array] | None = None
     for turn in np.arange(0, 2 * np.pi, np.pi / 3) if turns.any() else [0.0]:
-        p = trial.p.copy()
+        p = given.copy()
         p[list(own)] += np.where(turns, turn, 0.0)
         found = fit(WindowModel(trial.machine, own), task, p)
         p[list(own)] = found.values

@@ -96,7 +96,7 @@ def _along(setting: Setting, item: Cut, text: str) -> Array:
     machine = setting.library.machine
     model, course = setting.windows.machine.model, item.course(machine)
     values: dict[tuple[str, int] | str, Array | float] = {"t": course.t}
-    values |= {one.name: one.si for one in model.parameters}
+    values |= {one.name: course.known.get(one.path, one.si) for one in model.parameters}
     for i, one in enumerate(machine.model.coordinates):
         values |= {one.name: course.q[:, i], (one.name, 1): course.v[:, i]}
     values |= {one.name: course.u[:, i] for i, one in enumerate(machine.model.inputs)}

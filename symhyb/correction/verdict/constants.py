@@ -93,10 +93,11 @@ def _near(trial: Refined, cause: Hypothesis) -> bool:
 def _promising(setting: Setting, nothing: Refined) -> Sequence[tuple[Hypothesis, float]]:
     """The held parameters that could take most of the mismatch, with their changes, SI."""
     machine, cuts = setting.windows.machine, setting.stages[-1].cuts
+    known = {path for item in cuts for path in item.block.known}
     held = [
         wrong_parameter(item)
         for item in machine.model.parameters
-        if item.sd is None and item.value != 0
+        if item.sd is None and item.value != 0 and item.path not in known
     ]
     if not held:
         return []

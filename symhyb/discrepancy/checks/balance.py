@@ -9,7 +9,7 @@ more than the model says. Sizes: N samples, n coordinates, E elements.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -129,22 +129,19 @@ def _inside(course: Course, motion: Motion) -> Course:
     cut = int(np.ceil(ENDS * motion.spacing_s / step))
     if course.t.size < 10 * cut:
         return course
-    parts = {
-        item.name: getattr(course, item.name)[cut : course.t.size - cut] for item in fields(course)
-    }
-    return Course(**parts)
+    return course.at(slice(cut, course.t.size - cut))
 
 
 def _forces(machine: Machine, c: Course) -> Array:
     """The generalized force of every element (N, E, n), SI."""
-    given = c.q, c.v, c.z, c.u, c.t, machine.values
+    given = c.q, c.v, c.z, c.u, c.t, c.values(machine)
     (parts,) = along(machine.elements, given, (5,), c.t.size)
     return parts.reshape(c.t.size, len(machine.model.elements), machine.n)
 
 
 def _energies(machine: Machine, c: Course) -> tuple[Array, Array, Array]:
     """Kinetic and potential energy (N, 1) and what the elements store (N, E), SI."""
-    given = c.q, c.v, c.z, c.t, machine.values
+    given = c.q, c.v, c.z, c.t, c.values(machine)
     kinetic, potential, kept = along(machine.energy, given, (4,), c.t.size)
     return kinetic, potential, kept.reshape(c.t.size, len(machine.model.elements))
 
@@ -155,7 +152,7 @@ def _sd(machine: Machine, c: Course, motion: Motion, pulls: Array) -> float:
     step = float(np.median(np.diff(c.t)))
     together = max(motion.spacing_s / step, 1.0)
     variance = together * float(np.sum((pulls * motion.v_sd * step) ** 2))
-    ends = Course(**{item.name: getattr(c, item.name)[[0, -1]] for item in fields(c)})
+    ends = c.at([0, -1])
     base = sum(part.sum(axis=1) for part in _energies(machine, ends))
     for name, spread in (("q", motion.q_sd), ("v", motion.v_sd)):
         for j in range(machine.n):
@@ -173,7 +170,7 @@ def _rig(machine: Machine, c: Course) -> tuple[dict[str, float], bool]:
         reaction = c.reaction[:, i]
         if not np.isfinite(reaction).all():  # where it was not measured, the model must say it
             known = False
-            given = c.q, c.v, c.a, c.z, c.u, c.t, machine.values
+            given = c.q, c.v, c.a, c.z, c.u, c.t, c.values(machine)
             (said,) = along(machine.discrepancy, given, (6,), c.t.size)
             measured = np.isfinite(reaction)
             reaction = np.where(measured, reaction, said[:, i])

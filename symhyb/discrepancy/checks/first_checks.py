@@ -36,6 +36,7 @@ from symhyb.judgement import RUNAWAY
 from symhyb.model.types import Model
 from symhyb.numeric.kernels.buffers import Array, on_lines
 from symhyb.numeric.lowered.dynamics import state_form
+from symhyb.numeric.lowered.known import machine_with
 from symhyb.numeric.lowered.linear import depends_on_time
 from symhyb.numeric.lowered.machine import Machine
 from symhyb.numeric.runs.between import held_columns
@@ -120,6 +121,9 @@ def first_checks(
     Raises:
         InputError: the recording does not show any motion.
     """
+    machine = machine_with(machine, recording.parameters)
+    if corrected is not None:
+        corrected = machine_with(corrected, recording.parameters)
     thin = _shortened(recording, machine)
     if motion is None or thin is not recording:
         motion = motion_of(thin, machine)

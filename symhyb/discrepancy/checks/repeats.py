@@ -96,6 +96,8 @@ def reported_repeats(
 
 def _same(first: Run, second: Run) -> bool:
     a, b = first.recording, second.recording
+    if dict(a.parameters) != dict(b.parameters):
+        return False  # of two machines
     if a.t.size != b.t.size or set(a.inputs) != set(b.inputs) or set(a.sensors) != set(b.sensors):
         return False
     step = float(np.median(np.diff(a.t)))

@@ -86,7 +86,7 @@ def _names(model: Model) -> set[str]:
 def _level(machine: Machine, course: Course, dry: list[int]) -> Array:
     """The largest force (n,) of dry elements along a course, SI: what they can hold."""
     c = course
-    (parts,) = along(machine.elements, (c.q, c.v, c.z, c.u, c.t, machine.values), (5,), c.t.size)
+    (parts,) = along(machine.elements, (c.q, c.v, c.z, c.u, c.t, c.values(machine)), (5,), c.t.size)
     forces = parts.reshape(c.t.size, -1, machine.n)[:, dry]
     return np.asarray(np.abs(forces).sum(axis=1).max(axis=0))
 

@@ -126,7 +126,7 @@ def _inputs(machine: Machine, motion: Motion, course: Course) -> Iterator[Late]:
     if machine.input_matrix is None or motion.blind or not free:
         return
     c, against = course, "the recorded motion"
-    (slopes,) = along(machine.input_matrix, (c.q, c.v, c.t, machine.values), (3,), c.t.size)
+    (slopes,) = along(machine.input_matrix, (c.q, c.v, c.t, c.values(machine)), (3,), c.t.size)
     by = slopes.reshape(c.t.size, len(model.inputs), machine.n)[:, :, free]  # (N, k, free)
     inside = _inside(c.t, motion)
     ordinary = [_orthonormal(_ordinary(c, free, i)[inside]) for i in free]

@@ -13,6 +13,7 @@ import numpy as np
 from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.lowered.inner import inner_along
+from symhyb.numeric.lowered.known import with_known
 from symhyb.numeric.runs.windows import WindowModel
 
 SPREAD = 0.05  # of the RMS of an inner state along the recording
@@ -65,4 +66,5 @@ def _acting(model: WindowModel) -> set[int]:
 def _along(model: WindowModel, item: Cut, p: Array) -> Array:
     course = item.course(model.machine)
     motion = course.q, course.v, course.a
+    p = with_known(model.machine, p, course.known)
     return inner_along(model.machine, course.t, motion, course.u, p)

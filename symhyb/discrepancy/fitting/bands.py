@@ -13,6 +13,7 @@ from symhyb.discrepancy.recorded.signals import measured
 from symhyb.model.types import Element, Model
 from symhyb.model.vocabulary import KINDS
 from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.lowered.known import machine_with
 from symhyb.numeric.lowered.machine import Machine, build
 from symhyb.numeric.runs.integrate import simulate
 from symhyb.numeric.runs.windows import WindowModel
@@ -51,6 +52,7 @@ def bands_of(
 def _band(
     machine: Machine, run: Run, moved: Sequence[tuple[int, int, float]], known: Correlations
 ) -> Array | None:
+    machine = machine_with(machine, run.recording.parameters)
     scenario = free_scenario(WindowModel(machine), run)
     first = simulate(machine, scenario)
     if first.reason:

@@ -87,4 +87,5 @@ def _whole(recording: Recording, machine: Machine, steps: int) -> Block:
         measured(recording, machine)[None],
         np.full((1, recording.t.size - 1), steps),
         finer(*record, *bent_columns(inputs)),
+        known=recording.parameters,
     )

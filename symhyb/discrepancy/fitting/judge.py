@@ -6,6 +6,7 @@ from typing import Literal
 import numpy as np
 
 from symhyb.asked import asked
+from symhyb.data.known import require_known
 from symhyb.data.recording import Recording, several
 from symhyb.discrepancy.evidence import Correlations, Whiteness
 from symhyb.discrepancy.fitting.bands import bands_of, without_each
@@ -45,9 +46,13 @@ def judge(
     motion), ``force_band_hz`` the upper end of the band in Hz in which forces are compared
     (default: 20 of those periods). With the ``correlations`` of the numbers of the correction its
     free runs get bands.
+
+    Raises:
+        InputError: known values of parameters that not all recordings state.
     """
     model, corrected = model_of(model), model_of(corrected)
     unseen, seen = several(on), several(train)
+    require_known(model, (*seen, *unseen))
     used = seen or unseen
     machines = build(as_sampled(model, used)), build(as_sampled(corrected, used))
     runs = {"train": _runs(machines[0], seen), "holdout": _runs(machines[0], unseen)}

@@ -93,11 +93,12 @@ def _forces(machine: Machine, run: Run) -> _Forces:
     c, free = course_of(run.recording, machine, run.motion), list(machine.free)
     count = c.t.size
     rows = slice(int(TRIMMED * count), count - int(TRIMMED * count), max(count // ROWS_MOST, 1))
-    given = c.q, c.v, c.z, c.u, c.t, machine.values
+    p = c.values(machine)
+    given = c.q, c.v, c.z, c.u, c.t, p
     (k_e,) = along(machine.k_e, given, (5,), count)
     (flat,) = along(machine.elements, given, (5,), count)
     elements = flat.reshape(count, -1, machine.n).swapaxes(1, 2)
-    k_e, elements = (free_part(machine, c.q, c.t, machine.values, f) for f in (k_e, elements))
+    k_e, elements = (free_part(machine, c.q, c.t, p, f) for f in (k_e, elements))
     lacking = discrepancy(machine, c, machine.values)
     rest, inertia = k_e - elements.sum(axis=2), lacking + k_e
     acting = np.concatenate([elements, inertia[..., None], rest[..., None]], axis=2)[rows][:, free]
@@ -121,7 +122,7 @@ def _held(machine: Machine, c: Course, rows: slice, force: Array) -> Array:
     free = list(machine.free)
     whole = np.zeros((force.shape[0], machine.n))
     whole[:, free] = force
-    return free_part(machine, c.q[rows], c.t[rows], machine.values, whole)[:, free]
+    return free_part(machine, c.q[rows], c.t[rows], c.values(machine), whole)[:, free]
 
 
 def _laws(c: Course, free: Sequence[int], rows: slice, inertia: Array) -> Iterator[Limited]:

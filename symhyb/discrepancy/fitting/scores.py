@@ -21,6 +21,7 @@ from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.discrepancy.results import Score
 from symhyb.numeric.kernels.buffers import Array, on_lines
 from symhyb.numeric.lowered.dynamics import StateForm
+from symhyb.numeric.lowered.known import machine_with
 from symhyb.numeric.lowered.machine import Machine
 from symhyb.numeric.runs.between import held_columns
 from symhyb.numeric.runs.integrate import Trajectory, simulate
@@ -97,7 +98,8 @@ def score(machine: Machine, found: Errors, runs: Sequence[Run], by: Yardstick) -
 
 def free_run(model: WindowModel, run: Run) -> Trajectory:
     """Simulate a whole recording by CVODES from its fitted initial state."""
-    return simulate(model.machine, free_scenario(model, run))
+    known = run.recording.parameters
+    return simulate(machine_with(model.machine, known), free_scenario(model, run))
 
 
 def free_scenario(model: WindowModel, run: Run) -> Scenario:

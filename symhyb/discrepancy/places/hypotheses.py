@@ -291,7 +291,7 @@ class Library:
         found = np.empty((2, every.size, len(self.places)))
         for begin in range(0, every.size, CHUNK):
             some = every[begin : begin + CHUNK]
-            given = course.q[some], course.v[some], course.t[some], self.machine.values
+            given = course.q[some], course.v[some], course.t[some], course.values(self.machine)
             stretch, rate, _ = along(self.machine.pathways, given, (3,), some.size)
             found[:, begin : begin + CHUNK] = stretch[:, places], rate[:, places]
         return found[0].reshape(*shape, -1), found[1].reshape(*shape, -1)
@@ -309,7 +309,7 @@ def _forces_along(library: Library, course: Course) -> Array:
     for begin in range(0, course.t.size, CHUNK):
         rows = slice(begin, begin + CHUNK)
         q, v, a, z, u = (x[rows] for x in (course.q, course.v, course.a, course.z, course.u))
-        t, p = course.t[rows], machine.values
+        t, p = course.t[rows], course.values(machine)
         (flat,) = along(machine.elements, (q, v, z, u, t, p), (5,), t.size)
         (carried,) = along(machine.carried, (q, v, a, t, p), (4,), t.size)
         each = (flat + carried).reshape(t.size, -1, machine.n).swapaxes(1, 2)

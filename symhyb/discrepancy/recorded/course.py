@@ -1,9 +1,11 @@
 """The course of a recording: its smoothed motion with all that acts and remembers along it."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field, fields, replace
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.motion import Motion
@@ -12,6 +14,7 @@ from symhyb.model.expression import Reading
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.lowered.dynamics import state_form
 from symhyb.numeric.lowered.inner import inner_along
+from symhyb.numeric.lowered.known import Known, machine_with, with_known
 from symhyb.numeric.lowered.machine import Machine
 
 
@@ -22,7 +25,7 @@ class Course:
     first-order system. Where a held input jumps, ``u`` is the mean of both sides, as the smoothed
     motion has it, and ``drive`` what acts from then on. ``reaction`` (N, n) is the measured force
     that drives a coordinate: 0 if it is free, NaN if it is imposed and its force is not measured.
-    All SI."""
+    ``known`` are parameters that the recording knows, in place of those of a model. All SI."""
 
     t: Array
     q: Array
@@ -33,11 +36,22 @@ class Course:
     states: Array
     drive: Array
     reaction: Array
+    known: Known = field(default_factory=dict)
+
+    def values(self, machine: Machine) -> Array:
+        """The parameters (P,) of a machine in this recording, SI."""
+        return with_known(machine, machine.values, self.known)
+
+    def at(self, rows: slice | Sequence[int] | NDArray[np.int64]) -> "Course":
+        """The course at some of its samples."""
+        parts = {f.name: getattr(self, f.name)[rows] for f in fields(self) if f.name != "known"}
+        return replace(self, **parts)
 
 
 @lru_cache(maxsize=32)
 def course_of(recording: Recording, machine: Machine, motion: Motion) -> Course:
     """The course of a recording for one machine, whose inner states begin at rest."""
+    machine = machine_with(machine, recording.parameters)
     u, form = centred(recording, machine), state_form(machine)
     z = inner_along(machine, motion.t, (motion.q, motion.v, motion.a), u, machine.values)
     return Course(
@@ -50,6 +64,7 @@ def course_of(recording: Recording, machine: Machine, motion: Motion) -> Course:
         states=form.state(motion.q, motion.v, z),
         drive=form.driven(acting(recording, machine), motion.q, motion.v, motion.a),
         reaction=_reaction(recording, machine),
+        known=recording.parameters,
     )
 
 

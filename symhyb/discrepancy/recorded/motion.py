@@ -10,7 +10,7 @@ Sizes: N samples, n coordinates, m sensors, B coefficients a coordinate.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy import sparse
@@ -29,6 +29,7 @@ from symhyb.errors import InputError, Problem
 from symhyb.model.types import Energy
 from symhyb.numeric.kernels.buffers import Array, call
 from symhyb.numeric.kernels.vector import along
+from symhyb.numeric.lowered.known import Known, machine_with
 from symhyb.numeric.lowered.machine import Machine, build
 from symhyb.numeric.lowered.manifold import closed, gaps_of, placing
 
@@ -43,7 +44,8 @@ class Motion:
     """Smoothed motion of one recording, SI: ``q``, ``v``, ``a`` (N, n) and one standard deviation
     of each in ``q_sd``, ``v_sd``, ``a_sd`` (n,); ``sd`` (m,) is the measured noise of the sensors
     (NaN for a sensor without samples), ``spacing_s`` the distance of the knots in s, ``blind`` the
-    coordinates whose place no sensor shows and the model had to determine."""
+    coordinates whose place no sensor shows and the model had to determine, ``known`` the parameters
+    that the recording knows."""
 
     t: Array
     q: Array
@@ -55,6 +57,7 @@ class Motion:
     sd: Array
     spacing_s: float
     blind: tuple[str, ...] = ()
+    known: Known = field(default_factory=dict)
 
     def periods(self) -> Array:
         """Typical period 2π·RMS(q')/RMS(q'') of each coordinate that moves, s; at most the length
@@ -83,8 +86,9 @@ def motion_of(
     Raises:
         InputError: too few samples, or none of any sensor of motion.
     """
+    machine = machine_with(machine, recording.parameters)
     shown, watching = _watched(recording, machine)
-    motion = _smoothed(shown, watching, spacings_s)
+    motion = replace(_smoothed(shown, watching, spacings_s), known=recording.parameters)
     if watching is machine:
         return motion
     spreads = dict(zip((sensor.name for sensor in watching.model.sensors), motion.sd, strict=True))

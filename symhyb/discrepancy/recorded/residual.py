@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from symhyb.asked import asked
+from symhyb.data.known import require_known
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.course import Course, course_of
 from symhyb.discrepancy.recorded.motion import Motion, motion_of
@@ -23,6 +24,7 @@ from symhyb.model.vocabulary import force_unit
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.kernels.vector import along
 from symhyb.numeric.lowered.either import machine_of
+from symhyb.numeric.lowered.known import machine_with, with_known
 from symhyb.numeric.lowered.machine import Machine
 from symhyb.numeric.lowered.manifold import free_part
 from symhyb.shown import card
@@ -122,8 +124,15 @@ class Discrepancy:
 
 @asked
 def compare(machine: Machine | Model, recording: Recording) -> Discrepancy:
-    """ΔF of a recording with its band, from motion that all sensors determine together."""
+    """ΔF of a recording with its band, from motion that all sensors determine together.
+
+    Raises:
+        InputError: too few samples, none of any sensor of motion, or a known value of a parameter
+            that the model has not.
+    """
     machine = machine_of(machine)
+    require_known(machine.model, [recording])
+    machine = machine_with(machine, recording.parameters)
     motion = motion_of(recording, machine)
     course = course_of(recording, machine, motion)
     force, applied = discrepancy(machine, course, machine.values), applied_force(machine, course)
@@ -152,10 +161,11 @@ def compare(machine: Machine | Model, recording: Recording) -> Discrepancy:
 
 
 def discrepancy(machine: Machine, course: Course, p: Array) -> Array:
-    """ΔF (N, n) along a course with parameters p (P,), SI. Of an imposed coordinate it is what the
-    measured reaction has less than the model says; zero where the reaction was not measured."""
+    """ΔF (N, n) along a course with parameters p (P,), SI, but for those that its recording knows.
+    Of an imposed coordinate it is what the measured reaction has less than the model says; zero
+    where the reaction was not measured."""
     c = course
-    given = c.q, c.v, c.a, c.z, c.u, c.t, p
+    given = c.q, c.v, c.a, c.z, c.u, c.t, with_known(machine, p, c.known)
     (force,) = along(machine.discrepancy, given, (6,), c.t.size)
     lacking = force - c.reaction
     return np.where(np.isfinite(c.reaction), lacking, 0.0)
@@ -164,14 +174,15 @@ def discrepancy(machine: Machine, course: Course, p: Array) -> Array:
 def applied_force(machine: Machine, course: Course) -> Array:
     """k_e (N, n) along a course, SI; with constraints without the reactions that it calls up."""
     c = course
-    (force,) = along(machine.k_e, (c.q, c.v, c.z, c.u, c.t, machine.values), (5,), c.t.size)
-    return free_part(machine, c.q, c.t, machine.values, force)
+    p = c.values(machine)
+    (force,) = along(machine.k_e, (c.q, c.v, c.z, c.u, c.t, p), (5,), c.t.size)
+    return free_part(machine, c.q, c.t, p, force)
 
 
 def force_band(machine: Machine, motion: Motion, course: Course) -> Array:
     """One standard deviation of ΔF (N, n) from the bands of q, v and a, to first order, SI."""
     c = course
-    given = c.q, c.v, c.a, c.z, c.u, c.t, machine.values
+    given = c.q, c.v, c.a, c.z, c.u, c.t, c.values(machine)
     slopes = along(machine.discrepancy_slopes, given, (6,), c.t.size)
     bands = (motion.q_sd, motion.v_sd, motion.a_sd)
     total = np.zeros((c.t.size, machine.n))

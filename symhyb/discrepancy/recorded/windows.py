@@ -24,6 +24,7 @@ from symhyb.model.vocabulary import KINDS
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.kernels.vector import along
 from symhyb.numeric.lowered.dynamics import state_form
+from symhyb.numeric.lowered.known import with_known
 from symhyb.numeric.lowered.machine import Machine
 from symhyb.numeric.runs.between import bent_columns, finer
 from symhyb.numeric.runs.windows import Block, WindowModel
@@ -237,6 +238,7 @@ def _cut(
     held = np.arange(len(rows)) % 3 == 2
     record = _record(recording, machine.model.inputs)
     block = Block(recording.t[rows], course.drive[rows], y[rows], parts[rows[:, :-1]], record)
+    block = replace(block, known=recording.parameters)
     return Cut(block, states[:, 0], states, held, rows, (recording, motion), steps=steps)
 
 
@@ -262,7 +264,7 @@ def _settled(motion: Motion, step: float) -> int:
 def rates_of(machine: Machine, motion: Motion) -> tuple[Array, Array]:
     """The rate at the place of every element (N, E) along a motion, NaN at points, and one standard
     deviation of it (E,), SI."""
-    given = motion.q, motion.v, motion.t, machine.values
+    given = motion.q, motion.v, motion.t, with_known(machine, machine.values, motion.known)
     _, rates, directions = along(machine.pathways, given, (3,), motion.t.size)
     ways = directions.reshape(motion.t.size, -1, machine.n)
     return rates, np.sqrt(np.mean((ways * motion.v_sd) ** 2, axis=0).sum(axis=1))

@@ -7,7 +7,7 @@ parameters, C test forces, X states (of a machine without inner states 2n).
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from symhyb.numeric.kernels.memory import kept
 from symhyb.numeric.kernels.sweeps import joined, responses
 from symhyb.numeric.kernels.vector import along
 from symhyb.numeric.lowered.dynamics import state_form
+from symhyb.numeric.lowered.known import Known, with_known
 from symhyb.numeric.lowered.machine import Machine
 from symhyb.numeric.lowered.manifold import closed, tangent
 from symhyb.numeric.runs.between import bent_columns
@@ -33,7 +34,8 @@ class Block:
     ``substeps`` (W, L − 1) integration steps between two samples; ``record`` times (K,) and inputs
     (K, k) of the whole recording, from which inputs under another delay are taken, and those that
     are smooth between samples (then on a finer grid). ``late`` (m,), if not empty: by how many
-    seconds each column of ``y`` was taken later, beyond the delay that the model states.
+    seconds each column of ``y`` was taken later, beyond the delay that the model
+    states. ``known`` parameters take the place of those that a machine is simulated with.
     """
 
     t: Array
@@ -42,6 +44,7 @@ class Block:
     substeps: NDArray[np.int64]
     record: tuple[Array, Array] = (np.empty(0), np.empty((0, 0)))
     late: tuple[float, ...] = ()
+    known: Known = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,6 +146,7 @@ class WindowModel:
         Returns states (W, L, X) and outputs (W, L, m); a window whose integration diverges is not
         finite from there on.
         """
+        p = with_known(self.machine, p, block.known)
         (ends,) = self._run(block, start[:, None], p, "plain")
         x = np.concatenate([start[:, None], ends], axis=1)
         return x, self._outputs(block, x, p)[0]
@@ -150,7 +154,7 @@ class WindowModel:
     def differentiate(self, block: Block, start: Array, p: Array, forces: bool = False) -> Linear:
         """Linearise along the windows simulated from ``start`` (W, X) with ``p`` (P,), SI; without
         ``forces`` the response to test forces is left out (zero), which costs less."""
-        what = "screen" if forces else "fit"
+        p, what = with_known(self.machine, p, block.known), "screen" if forces else "fit"
         ends, *slopes = self._run(block, start[:, None], p, what)
         x = np.concatenate([start[:, None], ends], axis=1)
         return self._linear(block, x, np.zeros_like(ends), slopes, p)
@@ -158,6 +162,7 @@ class WindowModel:
     def along(self, block: Block, states: Array, p: Array) -> Linear:
         """Linearise along a measured motion ``states`` (W, L, X) with ``p`` (P,), SI: every sample
         starts anew."""
+        p = with_known(self.machine, p, block.known)
         ends, *slopes = self._run(block, states[:, :-1], p, "screen")
         return self._linear(block, states, states[:, 1:] - ends, slopes, p)
 
@@ -184,7 +189,7 @@ class WindowModel:
         """Initial states (W, X) moved onto the constraints under ``p`` (P,), SI."""
         if not self.machine.constraints:
             return start
-        form, drive = self.form, block.d[:, 0]
+        form, drive, p = self.form, block.d[:, 0], with_known(self.machine, p, block.known)
         q, v = form.motion(start, drive)
         still, t = np.zeros_like(q), block.t[:, 0]
         on = closed(self.machine, (q, v, still), t, p, form.given)

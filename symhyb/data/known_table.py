@@ -1,0 +1,169 @@
+"""A table of what is known of parameters in each recording.
+
+recording,   m [kg], l [m]
+fall-1.csv,  0.535,  0.1
+fall-2.csv,  1.168,  0.15
+
+A column a parameter, in the unit of its header, else in that of the model; a row belongs to the
+recording whose path ends with its name.
+"""
+
+import csv
+import math
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from io import StringIO
+from pathlib import Path, PurePath
+
+from symhyb.data.known import unit_text, unusable
+from symhyb.data.table import split_unit
+from symhyb.errors import InputError, Problem
+from symhyb.limits import text_of
+from symhyb.model.types import Model, Parameter
+from symhyb.units import UnitError, parse_unit
+
+NAMES = "recording"
+"""The column that names the recordings."""
+
+
+@dataclass(frozen=True, slots=True)
+class KnownTable:
+    """The ``rows`` of a table: the name of a recording with the values of parameters by path, in
+    the units of the model."""
+
+    file: str
+    rows: tuple[tuple[str, Mapping[str, float]], ...]
+
+    def of(self, recording: str | os.PathLike[str]) -> Mapping[str, float]:
+        """The values of the recording at a path, which ends with the name in the table; where two
+        names fit, those of the longer one.
+
+        Raises:
+            InputError: no row for it.
+        """
+        path = PurePath(recording).parts
+        fitting = [
+            (len(parts), values)
+            for name, values in self.rows
+            if path[-len(parts := PurePath(name).parts) :] == parts
+        ]
+        if not fitting:
+            text = f"has no row for the recording '{recording}'"
+            raise InputError(Problem(text, NAMES, self.file))
+        return max(fitting, key=lambda row: row[0])[1]
+
+
+def read_known(path: str | os.PathLike[str], model: Model) -> KnownTable:
+    """Read a table of known values: CSV with a column ``recording`` and one a parameter.
+
+    Raises:
+        InputError: no table, columns that are no parameters, units of another dimension, cells that
+            hold no finite number, or recordings that are named twice: all problems at once.
+    """
+    file = Path(path)
+    rows = _cells(file)
+    if not rows:
+        raise InputError(Problem("the file is empty", file=str(file)))
+    (line, head), *body = rows
+    problems: list[Problem] = []
+    columns = _columns(head, model, file, line, problems)
+    found: list[tuple[str, dict[str, float]]] = []
+    lines: dict[str, int] = {}
+    for number, cells in body:
+        if len(cells) != len(head):
+            text = f"has {len(cells)} cells below a header of {len(head)}"
+            problems.append(Problem(text, file=str(file), line=number))
+            continue
+        name = cells[head.index(NAMES)] if NAMES in head else ""
+        if NAMES in head and not name:
+            problems.append(Problem("names no recording", NAMES, str(file), number))
+        if name and lines.setdefault(name, number) != number:
+            text = f"'{name}' stands in line {lines[name]} already"
+            problems.append(Problem(text, NAMES, str(file), number))
+        values = {}
+        for i, (known, factor) in columns.items():
+            value = _number(cells[i])
+            if value is None:
+                text = f"must be a finite number, not '{cells[i]}'"
+                problems.append(Problem(text, known, str(file), number))
+            else:
+                values[known] = value * factor
+        found.append((name, values))
+    if not body:
+        problems.append(Problem("there is a header but no row below it", file=str(file)))
+    if problems:
+        raise InputError(problems)
+    return KnownTable(str(file), tuple(found))
+
+
+def table_of_known(path: Path | None, model: Model) -> KnownTable | None:
+    """The table at a path, None without one.
+
+    Raises:
+        InputError: as :func:`read_known`.
+    """
+    return None if path is None else read_known(path, model)
+
+
+def _cells(file: Path) -> list[tuple[int, list[str]]]:
+    """The rows of a table with the numbers of their lines, without those that are empty."""
+    text = text_of(file)
+    lines = [line for line in text.splitlines() if line.strip()]
+    delimiter = max(",;\t", key=lines[0].count) if lines else ","
+    reader = csv.reader(StringIO(text), delimiter=delimiter, skipinitialspace=True)
+    try:
+        rows = [(reader.line_num, [cell.strip() for cell in row]) for row in reader]
+    except csv.Error as error:
+        raise InputError(Problem(f"is no table: {error}", file=str(file))) from None
+    return [(number, row) for number, row in rows if any(row)]
+
+
+def _columns(
+    head: Sequence[str], model: Model, file: Path, line: int, problems: list[Problem]
+) -> dict[int, tuple[str, float]]:
+    """Which columns are which parameters, with what makes the unit of the model of their values;
+    what is wrong with them becomes a problem."""
+    declared = {item.path: item for item in model.all_parameters()}
+    found: dict[int, tuple[str, float]] = {}
+    if NAMES not in head:
+        text = f"a column '{NAMES}' with the names of the recordings is missing"
+        problems.append(Problem(text, file=str(file), line=line))
+    for i, cell in enumerate(head):
+        if cell == NAMES and head.index(NAMES) == i:
+            continue
+        name, unit = split_unit(cell)
+        wrong = unusable(name, declared)
+        if not wrong and name in {known for known, _ in found.values()}:
+            wrong = "has two columns"
+        if wrong:
+            problems.append(Problem(wrong, name or f"column {i + 1}", str(file), line))
+            continue
+        factor, wrong = _factor(unit, declared[name])
+        if wrong:
+            problems.append(Problem(wrong, name, str(file), line))
+        found[i] = (name, factor)
+    if not found and not problems:
+        problems.append(Problem("has no column of a parameter", file=str(file), line=line))
+    return found
+
+
+def _factor(unit: str | None, item: Parameter) -> tuple[float, str]:
+    """What turns values of a column into the unit of the model, and what is wrong with its unit."""
+    if unit is None:
+        return 1.0, ""
+    try:
+        stated = parse_unit(unit)
+    except UnitError as error:
+        return 1.0, str(error)
+    if not stated.same_dimension(item.unit):
+        return 1.0, f"is given in {unit}, but the model has it in {unit_text(item)}"
+    return stated.factor / item.unit.factor, ""
+
+
+def _number(cell: str) -> float | None:
+    try:
+        value = float(cell)
+    except ValueError:
+        return None
+    return value if math.isfinite(value) else None
