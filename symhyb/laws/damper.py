@@ -3,10 +3,12 @@
 from collections.abc import Collection, Iterator, Mapping
 
 from symhyb.laws.base import ANYWHERE, LENGTH, Key, Law, Terms
+from symhyb.laws.friction import imitating
 from symhyb.laws.maths import Action, Maths, Motion, Options, Values
 from symhyb.laws.phrases import Numbers, Phrase
 from symhyb.laws.reach import LOPSIDED, LOSS, Candidate, Reach
 from symhyb.laws.sided import ASYMMETRY, FACTOR, directions, sided
+from symhyb.laws.variants import Pace, Row, Variant
 
 WORDS = "viscous damping"
 
@@ -18,6 +20,12 @@ def _action(m: Maths, at: Motion, values: Values, _: Options) -> Action:
 def _candidates(_: Reach) -> Iterator[Candidate]:
     yield Candidate(("damping",), (True,), order=LOSS)
     yield Candidate(("damping", "skew"), (True, False), order=LOPSIDED)
+
+
+def _variants(row: Row, pace: Pace, _: Collection[str]) -> Iterator[Variant]:
+    """The friction by a load that it may stand for."""
+    if "asymmetry" not in row:
+        yield from imitating(row["damping"], pace)
 
 
 def _read(terms: Mapping[str, float]) -> dict[str, float]:
@@ -63,6 +71,7 @@ LAW = Law(
     placements=ANYWHERE,
     action=_action,
     candidates=_candidates,
+    variants=_variants,
     terms=TERMS,
     phrase=_phrase,
     resists="damping",

@@ -62,16 +62,31 @@ def _candidates(reach: Reach) -> Iterator[Candidate]:
 def _variants(row: Row, pace: Pace, added: Collection[str]) -> Iterator[Variant]:
     """Friction a part of which grows with what presses at the place: with each load that the
     machine knows there."""
-    if "load_coefficient" in added:
-        return
+    if "load_coefficient" not in added:
+        yield from _loaded(row, row["coulomb"], pace)
+
+
+def _loaded(row: Row, level: float, pace: Pace) -> Iterator[Variant]:
+    """Friction of a typical ``level``, N, that each load shares with what does not change."""
     for load in pace.loads:
-        level = row["coulomb"]
         first = {
             **row,
             "coulomb": (1 - LOADED) * level,
             "load_coefficient": LOADED * level / load.size,
         }
         yield Variant(first, ("load_coefficient",), options=(("load", load.text),))
+
+
+def imitating(damping: float, pace: Pace) -> Iterator[Variant]:
+    """Friction by a load that grows with the stretch, as a weight or a spring is: every swing loses
+    the same share of its energy to it, which is what viscous ``damping`` (N·s/m) takes, and dry
+    friction of one level does not."""
+    if min(damping, pace.rate, pace.turning) <= 0:
+        return
+    shape = (("transition", pace.turning),)
+    candidate = Candidate(("coulomb",), (True,), shape)
+    for variant in _loaded(dict(shape), damping * pace.rate, pace):
+        yield replace(variant, law="friction", candidate=candidate)
 
 
 def _phrase(n: Numbers, options: Options) -> Phrase | None:

@@ -17,12 +17,14 @@ Row = Mapping[str, float]
 @dataclass(frozen=True, slots=True)
 class Pace:
     """How a place moves, SI: RMS and largest rate, and the time that the stretch (RMS about its
-    mean) takes at the RMS rate, s; and what presses there (see :class:`Load`)."""
+    mean) takes at the RMS rate, s; what presses there (see :class:`Load`), and the speed within
+    which dry friction turns over there, 0 where none is tried."""
 
     rate: float
     fastest: float
     time: float
     loads: tuple["Load", ...] = ()
+    turning: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

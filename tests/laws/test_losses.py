@@ -7,7 +7,7 @@ from law_rigs import RIG, Law, numbers, on_rig
 from pushed import pushed_model, resisted
 
 import symhyb as sh
-from symhyb.laws import LAWS, damper_kinked, eddy_brake, friction, power
+from symhyb.laws import LAWS, damper, damper_kinked, eddy_brake, friction, power
 from symhyb.laws.base import Law as Kind
 from symhyb.laws.maths import NUMPY, Motion
 from symhyb.laws.variants import Load, Pace
@@ -83,6 +83,43 @@ def test_friction_is_tried_with_each_load_that_is_known_and_begins_at_half() -> 
     assert [one.options for one in found] == [(("load", "-k*x"),), (("load", "f"),)]
     assert [one.first["load_coefficient"] for one in found] == [0.375, 0.75]
     assert not list(friction.LAW.variants({"coulomb": 3.0}, pace, ("load_coefficient",)))
+
+
+def test_a_damper_may_stand_for_friction_by_each_load() -> None:
+    pace = Pace(2.0, 3.0, 0.2, (Load("-m*g*sin(q)", 4.0), Load("f", 2.0)), turning=0.01)
+    found = list(damper.LAW.variants({"damping": 3.0}, pace, ()))
+    assert [one.options for one in found] == [(("load", "-m*g*sin(q)"),), (("load", "f"),)]
+    assert {one.law for one in found} == {"friction"}
+    assert [one.first["coulomb"] for one in found] == [3.0, 3.0]  # half of 6 N at 2 m/s
+    assert [one.first["load_coefficient"] for one in found] == [0.75, 1.5]
+    assert found[0].candidate is not None
+    assert dict(found[0].candidate.shape) == {"transition": 0.01}
+    by_side = {"damping": 3.0, "asymmetry": 0.2}
+    assert not list(damper.LAW.variants(by_side, pace, ()))
+    assert not list(damper.LAW.variants({"damping": 0.0}, pace, ()))
+    nowhere = Pace(2.0, 3.0, 0.2, (Load("f", 2.0),))  # no friction is tried there
+    assert not list(damper.LAW.variants({"damping": 3.0}, nowhere, ()))
+
+
+def test_friction_by_a_weight_takes_the_same_share_of_every_swing() -> None:
+    """As viscous damping does, so that one stands for the other; friction of one level takes a
+    larger share the smaller the swing is."""
+    turn = np.linspace(0, 2 * np.pi, 4001)
+
+    def share(law: Kind, amplitude: float, **values: float) -> float:
+        q, v = amplitude * np.cos(turn), -amplitude * np.sin(turn)
+        assert law.action is not None
+        load = {"load": 9.81 * np.sin(q)} if "load_coefficient" in values else {}
+        does = law.action(NUMPY, Motion(q, v, q, turn), {**values, **load}, {})
+        return float(np.trapezoid(does.force * v, turn)) / amplitude**2
+
+    loaded = {"load_coefficient": 0.1, "transition": 1e-4}
+    of_loaded = [share(friction.LAW, a, **loaded) for a in (0.05, 0.2)]
+    of_damped = [share(damper.LAW, a, damping=0.3) for a in (0.05, 0.2)]
+    of_dry = [share(friction.LAW, a, coulomb=0.1, transition=1e-4) for a in (0.05, 0.2)]
+    assert of_loaded[1] == pytest.approx(of_loaded[0], rel=0.01)
+    assert of_damped[1] == pytest.approx(of_damped[0], rel=1e-6)
+    assert of_dry[1] == pytest.approx(of_dry[0] / 4, rel=0.02)
 
 
 def test_every_value_at_which_a_law_is_another_one_lies_within_what_is_tried() -> None:

@@ -72,7 +72,18 @@ def pace_of(setting: Setting, place: Place) -> Pace:
         float(np.quantile(np.abs(rate), 0.99)),
         float(np.std(stretch)) / typical if typical > 0 else 0.0,
         _loads(setting, place),
+        _turning(setting, place),
     )
+
+
+def _turning(setting: Setting, place: Place) -> float:
+    """The speed within which the dry friction turns over that is tried at a place, SI; 0 if none
+    is."""
+    for cause in setting.library.hypotheses:
+        name = KINDS[cause.kind].smoothed_over if cause.kind in KINDS else None
+        if cause.place == place and name:
+            return dict(cause.shape)[name]
+    return 0.0
 
 
 def _loads(setting: Setting, place: Place) -> tuple[Load, ...]:

@@ -1,0 +1,102 @@
+"""Falls fitted by hand: the losses that anybody would try, with NumPy and SciPy alone.
+
+    (m l² + J) q'' = −m g l sin q − c q' − (F + mu |m g l sin q|) tanh(q'/w)
+
+python studies/servo_pendulums/by_hand.py    # prints the errors on falls that were not fitted
+
+Every fall starts at rest from its first angle; errors of all angles count alike.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from falls import LASTS, Fall, folder_of_runs, read_falls, split
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+GRAVITY = 9.81  # m/s²
+STEP = 1e-3  # s, of the midpoint rule
+EVERY = 10  # steps between two angles that are compared
+WIDTH = 0.02  # rad/s: within it friction turns over
+SIZES = np.array([0.01, 0.02, 0.02, 0.1])  # of the numbers: kg·m², N·m·s/rad, N·m, 1
+NAMES = ("J", "c", "F", "mu")
+STRUCTURES: dict[str, tuple[int, ...]] = {
+    "nothing": (),
+    "viscous": (0, 1),
+    "dry": (0, 2),
+    "both": (0, 1, 2),
+    "both, with load": (0, 1, 2, 3),
+}
+
+Array = NDArray[np.float64]
+
+
+def _measured(falls: Sequence[Fall]) -> tuple[Array, Array, Array, Array]:
+    """Weights, lengths and first angles (S,), and the angles (S, N) every ``EVERY`` steps."""
+    times = np.arange(0, LASTS, EVERY * STEP)
+    seen = [np.isfinite(fall.q) for fall in falls]
+    angles = [np.interp(times, f.t[s], f.q[s]) for f, s in zip(falls, seen, strict=True)]
+    mass, length = (
+        np.array([getattr(fall, name) for fall in falls]) for name in ("mass", "length")
+    )
+    return mass, length, np.array([fall.q[0] for fall in falls]), np.array(angles)
+
+
+def simulated(numbers: Array, mass: Array, length: Array, start: Array, count: int) -> Array:
+    """Angles (S, ``count``) of falls side by side, for (J, c, F, mu), SI."""
+    inertia, damping, dry, loaded = numbers
+    whole = mass * length**2 + inertia
+
+    def acceleration(q: Array, v: Array) -> Array:
+        pull = mass * length * GRAVITY * np.sin(q)
+        return (-pull - damping * v - (dry + loaded * np.abs(pull)) * np.tanh(v / WIDTH)) / whole
+
+    q, v, rows = start.copy(), np.zeros_like(start), [start]
+    for step in range(1, EVERY * (count - 1) + 1):
+        half = v + STEP / 2 * acceleration(q, v)
+        q, v = q + STEP * half, v + STEP * acceleration(q + STEP / 2 * v, half)
+        if step % EVERY == 0:
+            rows.append(q)
+    return np.array(rows).T
+
+
+def fitted(falls: Sequence[Fall], free: Sequence[int]) -> Array:
+    """The numbers (J, c, F, mu), SI, of which those ``free`` are fitted and the others are 0."""
+    mass, length, start, angles = _measured(falls)
+
+    def full(shares: Array) -> Array:
+        numbers = np.zeros(SIZES.size)
+        numbers[list(free)] = shares * SIZES[list(free)]
+        return numbers
+
+    def left(shares: Array) -> Array:
+        return (simulated(full(shares), mass, length, start, angles.shape[1]) - angles).ravel()
+
+    if not free:
+        return full(np.zeros(0))
+    begin = np.full(len(free), 0.5)
+    return full(least_squares(left, begin, bounds=(0, np.inf), diff_step=1e-4).x)
+
+
+def error(numbers: Array, falls: Sequence[Fall]) -> float:
+    """RMS of the angles, in rad."""
+    mass, length, start, angles = _measured(falls)
+    left = simulated(numbers, mass, length, start, angles.shape[1]) - angles
+    return float(np.sqrt(np.mean(left**2)))
+
+
+def main() -> None:
+    """Fit every structure to half of the falls, and print its errors on the other half."""
+    folder = folder_of_runs()
+    if folder is None:
+        raise SystemExit("the recordings are not on this machine")
+    learned, unseen = split(read_falls(folder))
+    for name, free in STRUCTURES.items():
+        numbers = fitted(learned, free)
+        values = ", ".join(f"{NAMES[i]} {numbers[i]:.4g}" for i in free)
+        mrad = [1e3 * error(numbers, falls) for falls in (learned, unseen)]
+        print(f"{name}: {mrad[0]:.1f} mrad, unseen {mrad[1]:.1f} mrad ({values})", flush=True)
+
+
+if __name__ == "__main__":
+    main()

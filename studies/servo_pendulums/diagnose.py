@@ -1,0 +1,61 @@
+"""What the model of a falling arm lacks, beside fits by hand, on falls that neither has seen.
+
+python studies/servo_pendulums/diagnose.py EACH [OUT]
+
+The first EACH falls of every weight and length are learned from, in the order of their runs (at
+most 12); the model with what was found is written to OUT, as corrected.toml.
+"""
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from by_hand import STRUCTURES, error, fitted
+from falls import MODEL, Fall, folder_of_runs, read_falls, split
+
+import symhyb as sh
+
+
+def chosen(learned: Sequence[Fall], each: int) -> list[Fall]:
+    """Of every weight and length the first ``each`` falls in the order of their runs."""
+    groups: dict[tuple[float, float], list[Fall]] = {}
+    for fall in sorted(learned, key=lambda one: one.run):
+        groups.setdefault((fall.mass, fall.length), []).append(fall)
+    return [fall for group in groups.values() for fall in group[:each]]
+
+
+def diagnosed(falls: Sequence[Fall]) -> tuple[sh.Diagnosis, sh.Model]:
+    """What the model lacks in some falls, and the model with it."""
+    model = sh.read_model(MODEL)
+    diagnosis = sh.diagnose(model, [fall.recording(model) for fall in falls])
+    return diagnosis, sh.apply(model, diagnosis.found)
+
+
+def open_loop(model: sh.Model, falls: Sequence[Fall]) -> float:
+    """RMS of the angles of falls, in rad, where each is simulated from rest at its first angle."""
+    squares = []
+    for fall in falls:
+        run = sh.simulate(model, fall.recording(model), start={"q": float(fall.q[0])})
+        squares.append((run.y[:, 0] - fall.q) ** 2)
+    return float(np.sqrt(np.nanmean(np.concatenate(squares))))
+
+
+def main() -> None:
+    """Diagnose, and print both kinds of errors."""
+    folder = folder_of_runs()
+    if folder is None:
+        raise SystemExit("the recordings are not on this machine")
+    learned, unseen = split(read_falls(folder))
+    diagnosis, corrected = diagnosed(chosen(learned, int(sys.argv[1])))
+    print(diagnosis.sentence)
+    print(f"unseen falls: {1e3 * open_loop(corrected, unseen):.1f} mrad", flush=True)
+    if len(sys.argv) > 2:
+        sh.write_model(corrected, Path(sys.argv[2]) / "corrected.toml")
+    for name, free in STRUCTURES.items():
+        by_hand = 1e3 * error(fitted(learned, free), unseen)
+        print(f"by hand, {name}: {by_hand:.1f} mrad", flush=True)
+
+
+if __name__ == "__main__":
+    main()

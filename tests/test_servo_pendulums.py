@@ -1,0 +1,96 @@
+"""The free falls of a hobby servo: what is read of them, the fits by hand, and that a model whose
+weight and length each recording knows falls as these fits do."""
+
+from collections.abc import Iterator
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+import symhyb as sh
+from tests.scripts import scripts
+
+NAMES = ("falls", "by_hand", "diagnose")
+BY_HAND = np.array([0.00677, 0.00827, 0.01721, 0.4389])  # J, c, F, mu of both losses with load
+LOAD = "m*g*l*sin(q)"
+
+
+@pytest.fixture(scope="module")
+def study() -> Iterator[ModuleType]:
+    """The study, scripts beside each other."""
+    with scripts("servo_pendulums", NAMES) as found:
+        yield found["diagnose"]
+
+
+@pytest.fixture(scope="module")
+def falls(study):
+    folder = study.folder_of_runs()
+    if folder is None:
+        pytest.skip("the recordings of the servo are not on this machine")
+    return study.read_falls(folder)
+
+
+@pytest.fixture(scope="module")
+def with_losses(study) -> sh.Model:
+    """The model with the losses that were fitted by hand."""
+    inertia, damping, dry, share = (f"{value:.6g}" for value in BY_HAND)
+    text = study.MODEL.read_text(encoding="utf-8")
+    text += f"""
+[elements.rotor]
+kind = "added_mass"
+on = "q"
+mass = "J"
+
+[elements.loss]
+kind = "damper"
+on = "q"
+damping = "c"
+
+[elements.gear]
+kind = "friction"
+on = "q"
+coulomb = "F"
+transition = "w"
+load_coefficient = "mu"
+load = "{LOAD}"
+"""
+    numbers = f"""[parameters]
+J = {{ value = {inertia}, unit = "kg*m^2" }}
+c = {{ value = {damping}, unit = "N*m*s/rad" }}
+F = {{ value = {dry}, unit = "N*m" }}
+w = {{ value = 0.02, unit = "rad/s" }}
+mu = {{ value = {share}, unit = "1" }}
+"""
+    return sh.parse_model(text.replace("[parameters]\n", numbers, 1))
+
+
+def test_falls_are_split_before_anything_is_learned(study, falls):
+    learned, unseen = study.split(falls)
+    assert (len(falls), len(learned), len(unseen)) == (192, 96, 96)
+    assert not {fall.run for fall in learned} & {fall.run for fall in unseen}
+    for part in (learned, unseen):
+        assert len({(fall.mass, fall.length) for fall in part}) == 8
+    chosen = study.chosen(learned, 2)
+    assert len(chosen) == 16
+    assert len({(fall.mass, fall.length) for fall in chosen}) == 8
+
+
+def test_read_errors_of_the_encoder_are_left_missing(falls):
+    misread = {fall.run: int(np.isnan(fall.q).sum()) for fall in falls if np.isnan(fall.q).any()}
+    assert misread == {146: 1, 769: 1}  # those of 322 and 1029 come after three seconds
+    for fall in falls:
+        assert np.nanmax(np.abs(fall.q)) < 1.7
+        assert (np.diff(fall.t) > 0).all()
+
+
+def test_the_errors_by_hand_are_those_that_the_page_says(study, falls):
+    _, unseen = study.split(falls)
+    assert 1e3 * study.error(np.zeros(4), unseen) == pytest.approx(1081, abs=1)
+    assert 1e3 * study.error(BY_HAND, unseen) == pytest.approx(59.7, abs=0.2)
+
+
+def test_the_model_falls_with_the_weight_that_each_recording_knows(study, falls, with_losses):
+    _, unseen = study.split(falls)
+    some = study.chosen(unseen, 1)
+    wanted = study.error(BY_HAND, some)
+    assert study.open_loop(with_losses, some) == pytest.approx(wanted, rel=0.02)
