@@ -94,3 +94,28 @@ def test_the_model_falls_with_the_weight_that_each_recording_knows(study, falls,
     some = study.chosen(unseen, 1)
     wanted = study.error(BY_HAND, some)
     assert study.open_loop(with_losses, some) == pytest.approx(wanted, rel=0.02)
+
+
+@pytest.mark.slow
+def test_inertia_and_friction_by_load_are_named_on_simulated_falls(study, with_losses):
+    """Four falls of such a machine, each with its known weight, and nothing that no law states."""
+    bare = sh.read_model(study.MODEL)
+    acting = {"J": 0.007, "c": 0.0, "F": 0.01, "w": 0.002, "mu": 0.2}
+    falls = []
+    for i, (mass, length) in enumerate(((0.535, 0.1), (0.741, 0.15), (1.168, 0.1), (0.969, 0.15))):
+        known = {"m": mass, "l": length}
+        run = sh.simulate(with_losses, end=3.0, step=0.01, parameters={**known, **acting})
+        noise = 2e-3 * np.random.default_rng(i).standard_normal(run.t.size)
+        frame = {"t": run.t, "encoder": run.y[:, 0] + noise}
+        falls.append(sh.Recording.from_frame(frame, bare, name=f"fall {i}", parameters=known))
+    diagnosis = sh.diagnose(bare, falls)
+    assert diagnosis.verdict == "missing physics"
+    found = {one.element.kind: one for one in diagnosis.found}
+    assert set(found) == {"added_mass", "friction"}
+    truth = {"mass": 0.007, "coulomb": 0.01, "load_coefficient": 0.2}
+    for one in found.values():
+        for estimate in one.estimates:
+            wanted = truth.pop(estimate.term)
+            assert estimate.value == pytest.approx(wanted, rel=0.05)
+            assert abs(estimate.value - wanted) < 4 * estimate.sd
+    assert not truth
