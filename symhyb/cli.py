@@ -32,8 +32,8 @@ from symhyb.cli_options import (
     print_json,
 )
 from symhyb.cli_recording import compare, fit, look
+from symhyb.cli_view import view
 from symhyb.cli_watch import watch
-from symhyb.errors import InputError, NumericsError, visible
 from symhyb.export.verb import export
 from symhyb.imports.verb import import_
 from symhyb.interruption import is_interruption, listen
@@ -199,6 +199,7 @@ def run(
 app.command()(learn)
 app.command()(export)
 app.command("import")(import_)
+app.command()(view)
 app.command()(watch)
 app.command()(doctor)
 
@@ -225,24 +226,11 @@ def main() -> NoReturn:
 
 def _failed(error: Exception) -> int:
     """Say what an error is about, and return the exit status."""
-    match error:
-        case InputError():
-            _complain(*(str(problem) for problem in error.problems))
-            return 2
-        case NumericsError():
-            _complain(f"the numerics failed: {error}")
-        case _:
-            said = f"{type(error).__name__}: {visible(str(error))[:300]}"
-            _complain(said, _fault_sentence(error))
-    return 3
+    from symhyb.fault import error_sentences
 
-
-def _fault_sentence(error: Exception) -> str:
-    from symhyb.fault import leave_fault
-
-    place = leave_fault(error)
-    where = f"; what happened, without any of your data, is in {place}" if place else ""
-    return f"this is a fault of symhyb itself{where}; please send it to its authors"
+    status, sentences = error_sentences(error)
+    _complain(*sentences)
+    return status
 
 
 def _complain(*sentences: str) -> None:

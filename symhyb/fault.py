@@ -11,7 +11,7 @@ import traceback
 from importlib import metadata
 from pathlib import Path
 
-from symhyb.errors import visible
+from symhyb.errors import InputError, NumericsError, visible
 
 NAME = "symhyb-fault.txt"
 LIBRARIES = ("symhyb", "casadi", "numpy", "scipy", "sympy", "pysindy", "scikit-learn", "numba")
@@ -19,6 +19,20 @@ STAGE = "while "
 """How the note of an error begins that says what was being done."""
 SO_FAR = "so far: "
 """How the note of an interruption begins that says what was known by then."""
+
+
+def error_sentences(error: BaseException) -> tuple[int, list[str]]:
+    """What an error is about, a sentence each, and the exit status that it has. A fault of symhyb
+    itself is left as a text that can be sent."""
+    match error:
+        case InputError():
+            return 2, [str(problem) for problem in error.problems]
+        case NumericsError():
+            return 3, [f"the numerics failed: {error}"]
+    place = leave_fault(error)
+    where = f"; what happened, without any of your data, is in {place}" if place else ""
+    said = f"{type(error).__name__}: {visible(str(error))[:300]}"
+    return 3, [said, f"this is a fault of symhyb itself{where}; please send it to its authors"]
 
 
 def fault_text(error: BaseException) -> str:

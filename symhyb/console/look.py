@@ -19,8 +19,8 @@ def print_look(seen: Seen) -> None:
     """Print what is in a recording: time first, then each channel with a small picture, then what
     was noticed, and the first checks against a model if there is one."""
     look = seen.look
-    print(f"{look.name}: {_time_sentence(look)}")
-    for sentence in _gap_sentences(look):
+    print(f"{look.name}: {time_sentence(look)}")
+    for sentence in gap_sentences(look):
         print(f"  {sentence}")
     width = min(max(table_console().width - 2 * MARGIN, NARROW), WIDEST)
     for one in look.signals:
@@ -113,7 +113,8 @@ def _rounded(value: float, one: Signal) -> float:
     return 0.0 if abs(value) < 1e-9 * max(abs(one.low), abs(one.high)) else value
 
 
-def _time_sentence(look: Look) -> str:
+def time_sentence(look: Look) -> str:
+    """Say how many samples there are, when, and at what rate."""
     span = f"{look.t.size} samples from {look.t[0]:.6g} to {look.t[-1]:.6g} s"
     rate = f"{number_text(1 / look.step)} Hz"
     if look.even:
@@ -121,7 +122,8 @@ def _time_sentence(look: Look) -> str:
     return f"{span}, about {rate}; steps differ by {percent_text(look.jitter)}"
 
 
-def _gap_sentences(look: Look) -> Iterator[str]:
+def gap_sentences(look: Look) -> Iterator[str]:
+    """Say where gaps in time are, if there are any."""
     if look.gaps:
         first = ", ".join(f"{a:.6g} … {b:.6g} s" for a, b in look.gaps[:NAMED])
         more = f" and {len(look.gaps) - NAMED} more" if len(look.gaps) > NAMED else ""

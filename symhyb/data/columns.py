@@ -75,6 +75,12 @@ def map_columns(table: Table, model: Model, columns: Mapping[str, str] | None = 
     return _channels(found, tuple(notes), table)
 
 
+def channels_of(table: Table, model: Model) -> tuple[tuple[Wanted, str | None], ...]:
+    """Every channel of a model, time first, with the column that is found by its name, None where
+    none is."""
+    return tuple((channel, _equal(channel, table)) for channel in _wanted(model))
+
+
 def _clocked(text: str, channel: Wanted, time: str | None, table: Table) -> _Clocked:
     """Find the source of a channel and that of its times: behind ``@``, else ``time``, which is
     looked up beside the channel first. A single number has no times."""

@@ -31,7 +31,7 @@ def embedded(figures: Sequence[Live]) -> Embedded:
     """What a page with these figures holds; of none no script at all."""
     if not figures:
         return Embedded(policy_of(()), Markup(""), ())
-    scripts = (library(), resources.files("symhyb.report").joinpath("page.js").read_text("utf-8"))
+    scripts = (library(), painting() + script_of("page.js"))
     data = {"items": [one.item for one in figures], "dark": DARK}
     text = json.dumps(data, allow_nan=False, separators=(",", ":"))
     return Embedded(
@@ -54,6 +54,16 @@ def library() -> str:
     folder = resources.files("bokeh") / "server" / "static" / "js"
     text = folder.joinpath("bokeh.min.js").read_text("utf-8").replace("\r", "")
     return text.replace("</script", "<\\/script").replace("<!--", "<\\!--")
+
+
+def script_of(name: str) -> str:
+    """A script of this package."""
+    return resources.files("symhyb.report").joinpath(name).read_text("utf-8")
+
+
+def painting() -> str:
+    """The script that gives figures the colours of a light or a dark screen."""
+    return script_of("paint.js")
 
 
 def _hash(script: str) -> str:

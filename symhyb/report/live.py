@@ -109,23 +109,23 @@ def _of_signal(trace: Trace, signal: Signal, bins: int, across: Any) -> list[Any
     name, factor = signal.sensor, signal.unit.factor
     measured = np.asarray(trace.measured[name], dtype=float) / factor
     scale, label = shown_unit(spread([measured]), signal.unit.text)
-    runs = {"after": _within(trace.after[name] / factor, measured)}
+    runs = {"after": within_reach(trace.after[name] / factor, measured)}
     if not _same(trace, name):
-        runs = {"before": _within(trace.before[name] / factor, measured), **runs}
+        runs = {"before": within_reach(trace.before[name] / factor, measured), **runs}
     left = {word: run - measured for word, run in runs.items()}
     size, small = shown_unit(spread([*left.values()]), signal.unit.text)
     kept = extremes([measured, *runs.values(), *left.values()], bins)
-    data = {"t": trace.t[kept], "measured": _packed(measured, kept, scale)}
-    data |= {word: _packed(run, kept, scale) for word, run in runs.items()}
-    data |= {f"{word} less": _packed(rest, kept, size) for word, rest in left.items()}
+    data = {"t": trace.t[kept], "measured": packed(measured, kept, scale)}
+    data |= {word: packed(run, kept, scale) for word, run in runs.items()}
+    data |= {f"{word} less": packed(rest, kept, size) for word, rest in left.items()}
     band = trace.band.get(name)
     if signal.noise is not None or band is not None:
         known = np.zeros(len(trace.t)) if band is None else band / factor
         wide = SIGMAS * np.hypot(known, signal.noise or 0.0)
-        data["high"], data["low"] = _packed(wide, kept, size), _packed(-wide, kept, size)
+        data["high"], data["low"] = packed(wide, kept, size), packed(-wide, kept, size)
     source = ColumnDataSource(data)
-    upper = _figure(f"{shortened(name, 40)}{bracketed(label)}", 210, across)
-    lower = _figure(f"residual{bracketed(small)}", 140, across)
+    upper = panel_of(f"{shortened(name, 40)}{bracketed(label)}", 210, across)
+    lower = panel_of(f"residual{bracketed(small)}", 140, across)
     if "high" in data:
         lower.varea("t", "low", "high", source=source, fill_color=BAND, level="underlay")
     if signal.noise is not None:
@@ -137,7 +137,7 @@ def _of_signal(trace: Trace, signal: Signal, bins: int, across: Any) -> list[Any
         _line(upper, source, word, word, color, 1.5)
         name = "left" if word == "before" else word
         _line(lower, source, f"{word} less", name, color, 1.2)
-    _zero(lower)
+    zero_line(lower)
     return [upper, lower]
 
 
@@ -147,14 +147,14 @@ def _of_cloud(cloud: Cloud, unit: Unit, words: str, bins: int, across: Any) -> A
     force, law, band = (v / unit.factor for v in (cloud.force, cloud.law, cloud.band))
     scale, label = shown_unit(spread([force, law]), unit.text)
     kept = extremes([force, law], bins)
-    data = {"t": cloud.t[kept], "force": _packed(force, kept, scale)}
+    data = {"t": cloud.t[kept], "force": packed(force, kept, scale)}
     acts = bool(np.any(law))
     if acts:
-        data["law"] = _packed(law, kept, scale)
+        data["law"] = packed(law, kept, scale)
     wide = SIGMAS * band
-    data |= {"high": _packed(force + wide, kept, scale), "low": _packed(force - wide, kept, scale)}
+    data |= {"high": packed(force + wide, kept, scale), "low": packed(force - wide, kept, scale)}
     source = ColumnDataSource(data)
-    panel = _figure(f"ΔF {shortened(words, 40)}{bracketed(label)}", 190, across)
+    panel = panel_of(f"ΔF {shortened(words, 40)}{bracketed(label)}", 190, across)
     known = force[np.isfinite(force)]
     low, high = np.percentile(known, (0.2, 99.8)) if known.size else (-1.0, 1.0)
     room = 0.1 * (high - low) or 1.0
@@ -166,7 +166,7 @@ def _of_cloud(cloud: Cloud, unit: Unit, words: str, bins: int, across: Any) -> A
     return panel
 
 
-def _within(run: Array, measured: Array) -> Array:
+def within_reach(run: Array, measured: Array) -> Array:
     """A run, in any unit, NaN from where it leaves the measurement by more than its range."""
     known = measured[np.isfinite(measured)]
     if not known.size:
@@ -176,14 +176,16 @@ def _within(run: Array, measured: Array) -> Array:
     return np.where(inside, run, np.nan)
 
 
-def _packed(values: Array, kept: Any, scale: float) -> Any:
+def packed(values: Array, kept: Any, scale: float) -> Any:
     """The kept samples in the unit that is shown, in four bytes each."""
     with np.errstate(over="ignore", invalid="ignore"):
         shown = (np.asarray(values, dtype=float)[kept] / scale).astype(np.float32)
     return np.where(np.isfinite(shown), shown, np.float32(np.nan))
 
 
-def _figure(title: str, height: int, across: Any) -> Any:
+def panel_of(title: str, height: int, across: Any, **more: Any) -> Any:
+    """An empty figure in the style of the page, ``height`` in pixels, over a range ``across``;
+    ``more`` is what else Bokeh is told of it."""
     from bokeh.models import BoxZoomTool, DataRange1d, PlainText, WheelZoomTool
     from bokeh.models.annotations import Title
     from bokeh.plotting import figure
@@ -208,6 +210,7 @@ def _figure(title: str, height: int, across: Any) -> Any:
         background_fill_color=None,
         border_fill_color=None,
         lod_threshold=None,
+        **more,
     )
     drag = BoxZoomTool(dimensions="width")
     panel.add_tools(drag, WheelZoomTool(dimensions="width", modifiers={"ctrl": True}))
@@ -235,7 +238,8 @@ def _band(panel: Any, wide: float) -> None:
     )
 
 
-def _zero(panel: Any) -> None:
+def zero_line(panel: Any) -> None:
+    """A line at zero."""
     from bokeh.models.annotations import Span
 
     panel.add_layout(Span(location=0.0, dimension="width", line_color=QUIET, line_width=1))

@@ -1,34 +1,6 @@
-"use strict";
 (function () {
   const { items, dark } = JSON.parse(document.getElementById("figures").textContent);
-  const light = Object.fromEntries(Object.entries(dark).map(([day, night]) => [night, day]));
-  const scheme = matchMedia("(prefers-color-scheme: dark)");
-  const ink = "#1f2933", quiet = "#8a949e", grid = "#e6e9ec", ticks = "#4a5560";
-  const drawn = { Title: { text_color: ink }, Figure: { border_fill_color: "#fffffe" }, Grid: { grid_line_color: grid } };
-  drawn.LinearAxis = {
-    axis_line_color: quiet, major_tick_line_color: quiet, minor_tick_line_color: null,
-    major_label_text_color: ticks, axis_label_text_color: ink,
-  };
-
-  function inScheme(color) {
-    return (scheme.matches ? dark[color] : light[color]) ?? color;
-  }
-
-  function paint(models) {
-    for (const model of models) {
-      const wanted = { ...drawn[model.type] };
-      if (["Line", "VArea", "BoxAnnotation", "Span"].includes(model.type)) {
-        for (const name of ["line_color", "fill_color"]) {
-          const held = model[name];
-          if (held !== undefined && held !== null) wanted[name] = held.value ?? held;
-        }
-      }
-      for (const [name, color] of Object.entries(wanted)) {
-        if (color !== null) wanted[name] = inScheme(color);
-      }
-      if (Object.keys(wanted).length) model.setv(wanted);
-    }
-  }
+  const { scheme, paint } = painter(dark);
 
   function steer(box, models) {
     const range = models.find((model) => model.name === "time");

@@ -102,12 +102,13 @@ def free_run(model: WindowModel, run: Run) -> Trajectory:
     return simulate(machine_with(model.machine, known), free_scenario(model, run))
 
 
-def free_scenario(model: WindowModel, run: Run) -> Scenario:
-    """What a free run is given: the fitted initial state of a recording, and its inputs."""
+def free_scenario(model: WindowModel, run: Run, fitted: bool = True) -> Scenario:
+    """What a free run is given: the fitted initial state of a recording, or the first of its
+    smoothed motion, and its inputs."""
     machine, recording, motion = model.machine, run.recording, run.motion
     course, form = course_of(recording, machine, motion), model.form
     scales = np.abs(course.states).max(axis=0, initial=0.0)
-    start, f = _fitted_start(model, run), len(form.free)
+    start, f = _fitted_start(model, run) if fitted else course.states[0], len(form.free)
     q, v = form.motion(start, course.drive[0])
     t_u, u = driving(recording, machine)
     return Scenario(

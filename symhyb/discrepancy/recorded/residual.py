@@ -132,8 +132,12 @@ def compare(machine: Machine | Model, recording: Recording) -> Discrepancy:
     """
     machine = machine_of(machine)
     require_known(machine.model, [recording])
+    return compared_along(machine, recording, motion_of(recording, machine))
+
+
+def compared_along(machine: Machine, recording: Recording, motion: Motion) -> Discrepancy:
+    """ΔF of a recording with its band, along its ``motion``."""
     machine = machine_with(machine, recording.parameters)
-    motion = motion_of(recording, machine)
     course = course_of(recording, machine, motion)
     force, applied = discrepancy(machine, course, machine.values), applied_force(machine, course)
     sensors = machine.model.sensors

@@ -1,0 +1,96 @@
+"""The tab of results: one as it is, or two side by side."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from markupsafe import Markup
+
+from symhyb.workbench.beside import compared_tables, result_tables
+from symhyb.workbench.results import Result
+from symhyb.workbench.widgets import link, listed, paragraph, put, styled, tables_of, text
+
+NOTHING = "No result yet: a diagnosis leaves one."
+ALONE = ""
+"""The choice of no second result."""
+
+Link = Callable[[Path], str]
+"""The address at which a report is served."""
+
+
+def result_html(result: Result, address: Link) -> Markup:
+    """A result: what it says, what was found, and where its report is."""
+    verdict = result.verdict[:1].upper() + result.verdict[1:]
+    parts = [
+        Markup('<p class="soft">{}</p><h3>{}</h3>').format(result.name, verdict),
+        paragraph(result.sentence),
+        listed(f"{law.sentence} {law.name}: F = {law.law}" for law in result.laws),
+    ]
+    if result.record_next:
+        parts.append(
+            Markup('<div class="call"><p><strong>Record next:</strong> {}</p></div>').format(
+                result.record_next
+            )
+        )
+    if result.report is not None:
+        parts.append(link(address(result.folder), "Open the report"))
+    return Markup("").join(parts)
+
+
+class ResultsTab:
+    """Results to select from; ``address`` gives where a report is served."""
+
+    title = "Results"
+
+    def __init__(self, address: Link) -> None:
+        from bokeh.layouts import column, row
+        from bokeh.models.widgets import Select
+
+        self._address = address
+        self._results: tuple[Result, ...] = ()
+        self._first = styled(Select(title="Result", sizing_mode="stretch_width"))
+        self._second = styled(Select(title="beside", sizing_mode="stretch_width"))
+        self._said, self._left, self._right = text(), text(), text()
+        for select in (self._first, self._second):
+            select.on_change("value", lambda attribute, old, new: self._fill())
+        chosen = row(self._first, self._second, sizing_mode="stretch_width", spacing=16)
+        sides = row(self._left, self._right, sizing_mode="stretch_width", spacing=24)
+        self._tables = text()
+        self.layout = column(
+            chosen, self._said, sides, self._tables, sizing_mode="stretch_width", spacing=6
+        )
+        self._fill()
+
+    def show(self, results: Sequence[Result], first: str = "") -> None:
+        """Offer these results, and show the one that is named ``first``."""
+        self._results = tuple(results)
+        names = [one.name for one in results]
+        self._first.options = names
+        self._second.options = [(ALONE, "nothing"), *((name, name) for name in names)]
+        self._first.value = first or next(iter(names), "")
+        if self._second.value not in names:
+            other = names[1] if len(names) == 2 and not first else ALONE
+            self._second.value = other
+        self._fill()
+
+    def _fill(self) -> None:
+        named = {one.name: one for one in self._results}
+        first, second = named.get(self._first.value), named.get(self._second.value)
+        self._second.visible = len(named) > 1
+        self._first.visible = bool(named)
+        self._right.visible = second is not None
+        if first is None:
+            put(self._said, paragraph(NOTHING, "soft"))
+            return
+        put(self._said, Markup(""))
+        put(self._left, result_html(first, self._address))
+        if second is None:
+            put(self._right, Markup(""))
+            put(self._tables, tables_of(result_tables(first)))
+            return
+        put(self._right, result_html(second, self._address))
+        put(self._tables, tables_of(compared_tables(first, second)))
+
+    def root(self) -> Any:
+        """The part of the page."""
+        return self.layout
