@@ -44,6 +44,8 @@ def view(
     Example:
       symhyb view models/oscillator.toml studies/oscillator/train.csv
     """
+    import webbrowser
+
     from symhyb.console.terminal import read_map
     from symhyb.workbench.bench import open_bench
     from symhyb.workbench.results import result_folders
@@ -56,9 +58,10 @@ def view(
     else:
         shared = Shared(open_bench(given[0], given[1:], mapped), (), output)
     workbench = Workbench(shared, port)
-    print(f"{workbench.address}\nCtrl-C ends it", flush=True)
-    if show:
-        import webbrowser
 
-        webbrowser.open(workbench.address)
-    workbench.serve()
+    def begun() -> None:
+        print(f"{workbench.address}\nCtrl-C ends it", flush=True)
+        if show:
+            webbrowser.open(workbench.address)
+
+    workbench.serve(begun)

@@ -16,7 +16,7 @@ def result_tables(result: Result) -> tuple[Table, ...]:
     """The numbers and the errors of one result; tables without rows are left out."""
     numbers = Table(
         "What was found",
-        ("of", "term", "before", "value", "share of the error"),
+        ("of", "term", "value", "before", "share of the error"),
         tuple(_number_rows(result)),
         (2, 3, 4),
     )
@@ -70,10 +70,10 @@ def _number_rows(result: Result) -> Iterator[tuple[str, ...]]:
     for law in result.laws:
         for i, one in enumerate(law.numbers):
             share = percent_text(law.share) if i == 0 and law.share is not None else ""
-            yield one.of, one.term, "", _value(one), share
+            yield one.of, one.term, _value(one), "", share
     for one in result.numbers:
         was = "" if one.was is None else quantity_text(one.was, one.unit)
-        yield one.of, one.term, was, _value(one), ""
+        yield one.of, one.term, _value(one), was, ""
 
 
 def _keyed(items: tuple[Item, ...]) -> Mapping[tuple[str, ...], Item]:

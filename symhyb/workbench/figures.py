@@ -16,7 +16,7 @@ from symhyb.report.series import Array, extremes, shortened, shown_unit, spread
 from symhyb.workbench.lacking import Lacking, Span, rows_within
 from symhyb.workbench.simulated import Compared, Shown
 
-BINS = 1200  # of a line over time: eight points each at most
+BINS = 450  # of a line over time: six points each at most, about one a pixel
 CLOUD = 3000  # samples of a cloud
 SPECTRUM_LEAST = 1e-14  # of the largest line of a spectrum: what is drawn
 CHANNELS = 24  # of a recording that are drawn
@@ -143,7 +143,7 @@ def force_figures(found: Sequence[Lacking], t: Array) -> Drawn:
         over.line("t", "force", source=source, color=QUIET, line_width=1.0)
         _cloud(over, source, "t", 2.0)
         zero_line(over)
-        brush = BoxSelectTool(dimensions="width", persistent=True)
+        brush = BoxSelectTool(dimensions="width")
         zoomed(over)
         over.add_tools(brush)
         over.toolbar.active_drag = brush

@@ -10,6 +10,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -84,7 +85,8 @@ class Job:
             text=True,
             encoding="utf-8",
         )
-        threading.Thread(target=self._listen, daemon=True, name="diagnosis").start()
+        self._listener = threading.Thread(target=self._listen, daemon=True, name="diagnosis")
+        self._listener.start()
 
     def progress(self) -> Progress:
         """How far it is now."""
@@ -104,18 +106,17 @@ class Job:
             self._process.wait(PATIENCE)
         except subprocess.TimeoutExpired:
             self._process.kill()
-            self._process.wait()
+        self._listener.join(PATIENCE)
 
     def _listen(self) -> None:
-        assert self._process.stdin is not None
-        assert self._process.stdout is not None
-        try:
-            self._process.stdin.write(self.request.text())
-            self._process.stdin.close()
-            for line in self._process.stdout:
+        asked, said = self._process.stdin, self._process.stdout
+        assert asked is not None
+        assert said is not None
+        with suppress(OSError, ValueError), said:  # the process may end in the middle of a line
+            with asked:
+                asked.write(self.request.text())
+            for line in said:
                 self._hear(json.loads(line))
-        except (OSError, ValueError):
-            pass  # the process has ended, or was ended in the middle of a line
         self._process.wait()
         with self._lock:
             if self._progress.state == "running":

@@ -7,6 +7,7 @@ that was closed gets nothing more.
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from importlib import import_module
 from typing import Any, TypeVar
 
 from markupsafe import Markup
@@ -169,6 +170,7 @@ class Page:
     def _have(self, prepared: Prepared) -> None:
         self._prepared = prepared
         self._run()
+        self._shared.numerics.ask("ready", ready_to_lower)
 
     def _run(self) -> None:
         """Simulate the model that is set."""
@@ -273,6 +275,11 @@ class Page:
         if result is not None:
             self._results.show(self._shared.results, result.name)
             self._diagnosis.answer(Markup("<hr>") + result_html(result, self._shared.address))
+
+
+def ready_to_lower() -> None:
+    """Load what derives equations, before an element is switched: that takes a second."""
+    import_module("symhyb.mechanics.equations")
 
 
 def run_of(prepared: Prepared, bench: Bench, before: Begun | None, filed: Shown | None) -> Ran:

@@ -8,6 +8,7 @@ refused. What is served asks nothing of any network, which the policy of each pa
 import asyncio
 import secrets
 import socket
+from collections.abc import Callable
 from hmac import compare_digest
 from importlib import resources
 from typing import Any
@@ -59,11 +60,10 @@ class Workbench:
         from tornado.ioloop import IOLoop
 
         silence(EMPTY_LAYOUT)  # tabs are filled when there is something to show
+        listening = _listening(port)
         self._shared = shared
-        self._loop = asyncio.new_event_loop()
-        asyncio.set_event_loop(self._loop)
+        asyncio.set_event_loop(asyncio.new_event_loop())
         self._turns = IOLoop.current()
-        (listening,) = _listening(port)
         self.port: int = listening.getsockname()[1]
         self.key = secrets.token_urlsafe(24)
         self._pages = BokehTornado(
@@ -84,9 +84,11 @@ class Workbench:
         """Where the page is, with the secret."""
         return f"http://{LOOPBACK}:{self.port}/{self.key}/"
 
-    def serve(self) -> None:
-        """Answer until an interruption, then end the diagnosis that may run."""
+    def serve(self, begun: Callable[[], None] = lambda: None) -> None:
+        """Answer until an interruption, then end the diagnosis that may run; ``begun`` is called
+        when an interruption ends it cleanly."""
         try:
+            begun()
             self._turns.start()
         except KeyboardInterrupt:
             pass
@@ -167,15 +169,20 @@ def _unlogged(handler: Any) -> None:
     """Keep addresses, which hold the secret, out of the terminal."""
 
 
-def _listening(port: int) -> list[socket.socket]:
-    from tornado.netutil import bind_sockets
+def _listening(port: int) -> socket.socket:
+    """What listens on the loopback address.
 
+    Raises:
+        InputError: the port cannot be had.
+    """
     try:
-        return bind_sockets(port, LOOPBACK, family=socket.AF_INET)
+        listening = socket.create_server((LOOPBACK, port))
     except (OSError, OverflowError) as error:
         reason = getattr(error, "strerror", None) or error
         text = f"port {port} cannot be used: {reason}; leave --port out for a free one"
         raise InputError(Problem(text)) from error
+    listening.setblocking(False)
+    return listening
 
 
 def page_template() -> Any:

@@ -34,10 +34,12 @@ class Prepared:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Begun:
-    """What a free run is given. ``key`` is what it depends on beside the recording: the elements,
-    and the delays of channels; ``fitted`` says where its start is from."""
+    """The lowered ``machine`` of a free run and what it is given. ``key`` is what both depend on
+    beside the recording: the elements, and the delays of channels; ``fitted`` says where the start
+    is from."""
 
     key: tuple[object, ...]
+    machine: Machine
     scenario: Scenario
     fitted: bool = False
 
@@ -76,7 +78,7 @@ def prepare(model: Model, recording: Recording) -> Prepared:
 
 
 def key_of(model: Model) -> tuple[object, ...]:
-    """What a scenario depends on in a model."""
+    """What a free run depends on in a model beside the values of parameters."""
     channels: tuple[Input | Sensor, ...] = (*model.inputs, *model.sensors)
     delays = tuple(one.delay and one.delay.si for one in channels)
     return tuple(model.elements.names()), delays
@@ -90,9 +92,9 @@ def begin(prepared: Prepared, model: Model, before: Begun | None = None) -> Begu
     run = Run(prepared.recording, prepared.motion, np.empty(0))
     scenario = free_scenario(WindowModel(machine), run, fitted=False)
     if before is None or not before.fitted:
-        return Begun(key_of(model), scenario)
+        return Begun(key_of(model), machine, scenario)
     place = replace(scenario, q=before.scenario.q, v=before.scenario.v)
-    return Begun(key_of(model), place, fitted=True)
+    return Begun(key_of(model), machine, place, fitted=True)
 
 
 def fit_start(prepared: Prepared, model: Model) -> Begun:
@@ -101,15 +103,15 @@ def fit_start(prepared: Prepared, model: Model) -> Begun:
     window = WindowModel(machine)
     runs = [Run(prepared.recording, prepared.motion, np.empty(0))]
     (run,) = with_noise(runs, noise_sd(runs, machine), window)
-    return Begun(key_of(model), free_scenario(window, run), fitted=True)
+    return Begun(key_of(model), machine, free_scenario(window, run), fitted=True)
 
 
 def shown_run(prepared: Prepared, model: Model, begun: Begun) -> Shown:
     """Simulate a model beside a recording; a run that stops early says why."""
-    machine = _machine(model, prepared.recording)
-    run = simulate(machine, begun.scenario)
-    y = measured(prepared.recording, machine)
-    pairs = zip(machine.model.sensors, y.T, run.y.T, strict=True)
+    values = np.array([item.si for item in model.all_parameters()])
+    run = simulate(begun.machine, begun.scenario, values)
+    y = measured(prepared.recording, begun.machine)
+    pairs = zip(begun.machine.model.sensors, y.T, run.y.T, strict=True)
     return Shown(
         prepared.recording.t,
         tuple(_compared(*pair) for pair in pairs if np.isfinite(pair[1]).any()),

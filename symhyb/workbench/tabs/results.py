@@ -8,7 +8,7 @@ from markupsafe import Markup
 
 from symhyb.workbench.beside import compared_tables, result_tables
 from symhyb.workbench.results import Result
-from symhyb.workbench.widgets import link, listed, paragraph, put, styled, tables_of, text
+from symhyb.workbench.widgets import heading, link, paragraph, put, styled, tables_of, text
 
 NOTHING = "No result yet: a diagnosis leaves one."
 ALONE = ""
@@ -22,9 +22,9 @@ def result_html(result: Result, address: Link) -> Markup:
     """A result: what it says, what was found, and where its report is."""
     verdict = result.verdict[:1].upper() + result.verdict[1:]
     parts = [
-        Markup('<p class="soft">{}</p><h3>{}</h3>').format(result.name, verdict),
+        heading(verdict),
         paragraph(result.sentence),
-        listed(f"{law.sentence} {law.name}: F = {law.law}" for law in result.laws),
+        laws_html(result),
     ]
     if result.record_next:
         parts.append(
@@ -35,6 +35,13 @@ def result_html(result: Result, address: Link) -> Markup:
     if result.report is not None:
         parts.append(link(address(result.folder), "Open the report"))
     return Markup("").join(parts)
+
+
+def laws_html(result: Result) -> Markup:
+    """The found laws, each with its formula."""
+    form = Markup('<li>{}<div class="law"><code>{}: F = {}</code></div></li>')
+    laws = Markup("").join(form.format(one.sentence, one.name, one.law) for one in result.laws)
+    return Markup('<ul class="said">{}</ul>').format(laws) if laws else laws
 
 
 class ResultsTab:
@@ -50,7 +57,7 @@ class ResultsTab:
         self._results: tuple[Result, ...] = ()
         self._first = styled(Select(title="Result", sizing_mode="stretch_width"))
         self._second = styled(Select(title="beside", sizing_mode="stretch_width"))
-        self._said, self._left, self._right = text(), text(), text()
+        self._said, self._left, self._right = text(paragraph(NOTHING, "soft")), text(), text()
         for select in (self._first, self._second):
             select.on_change("value", lambda attribute, old, new: self._fill())
         chosen = row(self._first, self._second, sizing_mode="stretch_width", spacing=16)
@@ -79,10 +86,9 @@ class ResultsTab:
         self._second.visible = len(named) > 1
         self._first.visible = bool(named)
         self._right.visible = second is not None
+        self._said.visible = first is None
         if first is None:
-            put(self._said, paragraph(NOTHING, "soft"))
             return
-        put(self._said, Markup(""))
         put(self._left, result_html(first, self._address))
         if second is None:
             put(self._right, Markup(""))
