@@ -38,6 +38,7 @@ VERBS = (
     "diff",
     "run",
     "watch",
+    "view",
     "import",
     "data list",
     "data show",

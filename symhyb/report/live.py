@@ -185,7 +185,7 @@ def packed(values: Array, kept: Any, scale: float) -> Any:
 
 def panel_of(title: str, height: int, across: Any, **more: Any) -> Any:
     """An empty figure in the style of the page, ``height`` in pixels, over a range ``across``;
-    ``more`` is what else Bokeh is told of it."""
+    ``more`` are further properties of it."""
     from bokeh.models import BoxZoomTool, DataRange1d, PlainText, WheelZoomTool
     from bokeh.models.annotations import Title
     from bokeh.plotting import figure

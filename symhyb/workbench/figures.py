@@ -19,6 +19,8 @@ from symhyb.workbench.simulated import Compared, Shown
 BINS = 450  # of a line over time: six points each at most, about one a pixel
 CLOUD = 3000  # samples of a cloud
 SPECTRUM_LEAST = 1e-14  # of the largest line of a spectrum: what is drawn
+NARROW = 290  # pixels, that two figures beside each other have at least
+WRAPPED = {"flex-wrap": "wrap"}
 CHANNELS = 24  # of a recording that are drawn
 
 
@@ -39,7 +41,7 @@ def recording_figures(look: Look) -> Any:
 
     across = _times(look.t)
     rows = [
-        row(*_channel(look, one, across), sizing_mode="stretch_width", spacing=4)
+        row(*_channel(look, one, across), sizing_mode="stretch_width", spacing=4, styles=WRAPPED)
         for one in look.signals[:CHANNELS]
     ]
     return column(*rows, sizing_mode="stretch_width", spacing=2)
@@ -51,14 +53,14 @@ def _channel(look: Look, one: Signal, across: Any) -> list[Any]:
     title = f"{shortened(one.name, 40)}{bracketed(one.unit) if one.unit else ''}"
     kept = extremes([one.values], BINS)
     data = ColumnDataSource({"t": look.t[kept], "y": packed(one.values, kept, 1.0)})
-    time = zoomed(panel_of(title, 170, across))
+    time = zoomed(panel_of(title, 170, across, min_width=NARROW))
     time.line("t", "y", source=data, color=AFTER, line_width=1.2)
     labelled(time, "time [s]")
     known = np.isfinite(one.values)
-    frequency, power = np.empty(0), np.empty(0)
-    if known.sum() >= FEWEST and one.low != one.high:
-        frequency, power = spectrum_of(look.t[known], one.values[known], 1 / one.rate)
-    seen = (frequency > 0) & (power > SPECTRUM_LEAST * power.max(initial=0.0))
+    if known.sum() < FEWEST or one.low == one.high:
+        return [time]  # a constant has no spectrum
+    frequency, power = spectrum_of(look.t[known], one.values[known], 1 / one.rate)
+    seen = (frequency > 0) & (power > SPECTRUM_LEAST * power.max())
     beside = panel_of(
         f"power of {shortened(one.name, 24)}{_squared(one.unit)}",
         170,
@@ -66,6 +68,7 @@ def _channel(look: Look, one: Signal, across: Any) -> list[Any]:
         x_axis_type="log",
         y_axis_type="log",
         max_width=380,
+        min_width=NARROW,
     )
     beside.line(frequency[seen], power[seen], color=AFTER, line_width=1.2)
     labelled(beside, "frequency [Hz]")
@@ -151,13 +154,15 @@ def force_figures(found: Sequence[Lacking], t: Array) -> Drawn:
         clouds = []
         units = (("place", one.place_unit.text, name), ("rate", one.rate_unit.text, f"{name}'"))
         for key, unit, what in units:
-            cloud = panel_of(f"ΔF over {what}{bracketed(label)}", 240, DataRange1d())
+            cloud = panel_of(
+                f"ΔF over {what}{bracketed(label)}", 240, DataRange1d(), min_width=NARROW
+            )
             zoomed(cloud)
             _cloud(cloud, source, key, 3.0)
             zero_line(cloud)
             labelled(cloud, f"{what}{bracketed(unit)}")
             clouds.append(cloud)
-        rows += [over, row(*clouds, sizing_mode="stretch_width", spacing=4)]
+        rows += [over, row(*clouds, sizing_mode="stretch_width", spacing=4, styles=WRAPPED)]
         figures.append(over)
         sources.append(source)
         scales.append(scale)

@@ -159,7 +159,7 @@ class Page:
         for tab in (self._recording, self._simulation, self._force):
             tab.clear()
         bench = self._now
-        self._side.busy("reading the recording …")
+        self._side.busy("estimating the motion …")
         self._ask("look", lambda: look_of(bench), lambda found: self._recording.show(*found))
         self._ask(
             "prepare",

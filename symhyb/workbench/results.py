@@ -93,7 +93,7 @@ class Errors:
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """What a diagnosis left in ``folder``; ``name`` tells it from others."""
+    """What a diagnosis left in ``folder``; its ``name`` is that folder as text."""
 
     folder: Path
     name: str

@@ -12,6 +12,7 @@ from markupsafe import Markup
 
 from symhyb.model.types import Parameter
 from symhyb.report.page import template
+from symhyb.report.sentences import typeset
 from symhyb.report.tables import Table
 
 DEVIATIONS = 5.0  # of a parameter, to either side, that its slider reaches
@@ -58,7 +59,7 @@ def paragraph(sentence: str, kind: str = "") -> Markup:
     """A sentence as a paragraph; none of an empty one."""
     if not sentence:
         return Markup("")
-    return Markup('<p class="{}">{}</p>').format(kind, sentence)
+    return Markup('<p class="{}">{}</p>').format(kind, typeset(sentence))
 
 
 def heading(words: str) -> Markup:

@@ -4,6 +4,7 @@ import json
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from importlib import resources
+from pathlib import Path
 from typing import Any
 
 import jsonschema
@@ -15,6 +16,8 @@ from symhyb.model.types import On
 from symhyb.report import exit_status, to_json
 from symhyb.report.contract import UNBOUNDED
 from symhyb.report.schema import SCHEMAS, text_of
+from symhyb.workbench.beside import compared_tables, result_tables
+from symhyb.workbench.results import read_result
 
 Cases = dict[str, Callable[[], tuple[Diagnosis, Verdict]]]
 SCHEMA = json.loads(resources.files("symhyb.report").joinpath("diagnosis.schema.json").read_text())
@@ -24,6 +27,18 @@ def test_every_verdict_is_valid_and_strict_json(case: tuple[Diagnosis, Verdict])
     content = to_json(*case)
     jsonschema.validate(content, SCHEMA, jsonschema.Draft202012Validator)
     assert json.loads(json.dumps(content, allow_nan=False)) == content
+
+
+def test_every_verdict_is_read_by_the_workbench(
+    case: tuple[Diagnosis, Verdict], tmp_path: Path
+) -> None:
+    content = to_json(*case)
+    (tmp_path / "diagnosis.json").write_text(json.dumps(content), encoding="utf-8")
+    result = read_result(tmp_path)
+    assert (result.verdict, result.sentence) == (content["verdict"], content["sentence"])
+    assert [law.name for law in result.laws] == [one["name"] for one in content["found"]]
+    assert result_tables(result)
+    assert compared_tables(result, result)
 
 
 def unsaid(content: Any, schema: dict[str, Any], path: str = "") -> Iterator[str]:

@@ -6,7 +6,9 @@ from typing import Any
 
 from markupsafe import Markup
 
+from symhyb.report.sentences import typeset
 from symhyb.workbench.beside import compared_tables, result_tables
+from symhyb.workbench.figures import NARROW, WRAPPED
 from symhyb.workbench.results import Result
 from symhyb.workbench.widgets import heading, link, paragraph, put, styled, tables_of, text
 
@@ -40,7 +42,9 @@ def result_html(result: Result, address: Link) -> Markup:
 def laws_html(result: Result) -> Markup:
     """The found laws, each with its formula."""
     form = Markup('<li>{}<div class="law"><code>{}: F = {}</code></div></li>')
-    laws = Markup("").join(form.format(one.sentence, one.name, one.law) for one in result.laws)
+    laws = Markup("").join(
+        form.format(typeset(one.sentence), one.name, one.law) for one in result.laws
+    )
     return Markup('<ul class="said">{}</ul>').format(laws) if laws else laws
 
 
@@ -55,13 +59,18 @@ class ResultsTab:
 
         self._address = address
         self._results: tuple[Result, ...] = ()
-        self._first = styled(Select(title="Result", sizing_mode="stretch_width"))
-        self._second = styled(Select(title="beside", sizing_mode="stretch_width"))
-        self._said, self._left, self._right = text(paragraph(NOTHING, "soft")), text(), text()
+        self._first = styled(Select(title="Result", min_width=NARROW, sizing_mode="stretch_width"))
+        self._second = styled(Select(title="Beside", min_width=NARROW, sizing_mode="stretch_width"))
+        self._said = text(paragraph(NOTHING, "soft"))
+        self._left, self._right = text(min_width=NARROW), text(min_width=NARROW)
         for select in (self._first, self._second):
             select.on_change("value", lambda attribute, old, new: self._fill())
-        chosen = row(self._first, self._second, sizing_mode="stretch_width", spacing=16)
-        sides = row(self._left, self._right, sizing_mode="stretch_width", spacing=24)
+        chosen = row(
+            self._first, self._second, sizing_mode="stretch_width", spacing=24, styles=WRAPPED
+        )
+        sides = row(
+            self._left, self._right, sizing_mode="stretch_width", spacing=24, styles=WRAPPED
+        )
         self._tables = text()
         self.layout = column(
             chosen, self._said, sides, self._tables, sizing_mode="stretch_width", spacing=6
