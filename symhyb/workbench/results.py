@@ -11,10 +11,9 @@ from pathlib import Path
 from typing import Any
 
 from symhyb.errors import InputError, Problem
-from symhyb.limits import content_of
+from symhyb.limits import DIAGNOSIS_BYTES, content_of
 
 DIAGNOSIS, REPORT, CORRECTED = "diagnosis.json", "report.html", "corrected.toml"
-BYTES = 50_000_000  # of a diagnosis
 PROBLEMS_MOST = 20  # of one file that are said
 
 ESTIMATE = {"value": float, "sd": float, "unit": str, "term": str}
@@ -166,7 +165,7 @@ def read_result(folder: Path) -> Result:
     """
     file = folder / DIAGNOSIS
     try:
-        value = json.loads(content_of(file, BYTES), parse_constant=_refused)
+        value = json.loads(content_of(file, DIAGNOSIS_BYTES), parse_constant=_refused)
     except (ValueError, RecursionError) as error:
         raise InputError(Problem(f"is no diagnosis: {error}"[:300], file=str(file))) from error
     faults = list(_departures(value, SHAPE, ""))
