@@ -32,6 +32,7 @@ ROBOT_NUMBER = 1e12  # SI; the largest in it
 XML_DEEP = 100  # elements of XML in each other
 RUN_ROWS = 5_000_000  # of a simulation
 DIAGNOSIS_BYTES = 50_000_000  # of a diagnosis.json that is read again
+REPORT_BYTES = 50_000_000  # of the report beside it
 
 # A process that reads a format with a native parser gets, beside so much for each byte of the file:
 READER_MEMORY, READER_MEMORY_EACH = 1536 << 20, 16  # bytes

@@ -14,6 +14,7 @@ from importlib import resources
 from typing import Any
 
 from symhyb.errors import InputError, Problem
+from symhyb.limits import REPORT_BYTES, content_of
 from symhyb.report.canvas import DARK
 from symhyb.report.embed import painting
 from symhyb.report.page import template
@@ -56,20 +57,24 @@ class Workbench:
         from bokeh.core.validation import silence
         from bokeh.core.validation.warnings import EMPTY_LAYOUT
         from bokeh.server.tornado import BokehTornado
+        from bokeh.settings import settings
         from tornado.httpserver import HTTPServer
         from tornado.ioloop import IOLoop
 
+        settings.resources = "server"  # no network, whatever the environment says
         silence(EMPTY_LAYOUT)  # tabs are filled when there is something to show
         listening = _listening(port)
         self._shared = shared
         asyncio.set_event_loop(asyncio.new_event_loop())
         self._turns = IOLoop.current()
         self.port: int = listening.getsockname()[1]
+        origins = [f"{LOOPBACK}:{self.port}", f"localhost:{self.port}"]
+        settings.allowed_ws_origin = origins  # it goes before the argument
         self.key = secrets.token_urlsafe(24)
         self._pages = BokehTornado(
             {"/": self._fill},
             prefix=self.key,
-            extra_websocket_origins=[f"{LOOPBACK}:{self.port}", f"localhost:{self.port}"],
+            extra_websocket_origins=origins,
             use_index=False,
             redirect_root=False,
             log_function=_unlogged,
@@ -141,14 +146,18 @@ def guarded(pages: Any, shared: Shared, key: str, port: int) -> Any:
     class Report(RequestHandler):
         def get(self) -> None:
             file = shared.report(self.request.path)
-            if file is None:
+            try:
+                page = None if file is None else content_of(file, REPORT_BYTES)
+            except InputError:
+                page = None
+            if page is None:
                 self.set_status(UNKNOWN)
                 self.finish("There is no such report.\n")
                 return
             self.set_header("Content-Security-Policy", REPORT_POLICY)
             self.set_header("Referrer-Policy", "no-referrer")
             self.set_header("X-Content-Type-Options", "nosniff")
-            self.finish(file.read_bytes())
+            self.finish(page)
 
     refusing, reports = (
         Application([(r".*", handler)], log_function=_unlogged) for handler in (Refused, Report)

@@ -61,9 +61,29 @@ def get(server: Workbench, path: str, **headers: str) -> tuple[int, str, dict[st
     return answer.status, text, {k.lower(): v for k, v in answer.getheaders()}
 
 
+def socket_status(server: Workbench, origin: str) -> int:
+    """How a server answers who asks for its socket of events from a page of some origin."""
+    line = http.client.HTTPConnection("127.0.0.1", server.port, timeout=30)
+    headers = {
+        "Upgrade": "websocket",
+        "Connection": "Upgrade",
+        "Sec-WebSocket-Key": "AAAAAAAAAAAAAAAAAAAAAA==",
+        "Sec-WebSocket-Version": "13",
+        "Origin": origin,
+    }
+    line.request("GET", f"/{server.key}/ws", headers=headers)
+    status = line.getresponse().status
+    line.close()
+    return status
+
+
 @pytest.fixture
-def server(write_result: Write, tmp_path: Path) -> Iterator[Workbench]:
-    """A server of one result, in a thread of its own."""
+def server(
+    write_result: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> Iterator[Workbench]:
+    """A server of one result, in a thread of its own; the environment would open it."""
+    monkeypatch.setenv("BOKEH_ALLOW_WS_ORIGIN", "evil.example")
+    monkeypatch.setenv("BOKEH_RESOURCES", "cdn")
     folder = write_result("one")
     (folder / "report.html").write_text("<p>report</p>", encoding="utf-8")
     made: list[Workbench] = []
@@ -90,11 +110,15 @@ def test_it_serves_who_knows_the_secret_and_stops(server: Workbench) -> None:
     assert status == 200
     assert "Content-Security-Policy" in text
     assert "<h1>Results</h1>" in text
+    assert "https:" not in text
     assert get(server, "/")[0] == 403
     assert get(server, "/favicon.ico")[0] == 403
     assert get(server, f"/{server.key}x/")[0] == 403
     assert get(server, f"/{server.key}/", Host="rebound.example")[0] == 403
     assert get(server, f"/{server.key}/static/js/bokeh.min.js")[0] == 200
+    assert socket_status(server, "http://evil.example") == 403
+    assert socket_status(server, "null") == 403
+    assert socket_status(server, f"http://127.0.0.1:{server.port}") != 403
     shared = server._shared
     status, text, headers = get(server, shared.address(shared.results[0].folder))
     assert (status, text) == (200, "<p>report</p>")
