@@ -85,7 +85,11 @@ class Page:
                 sizing_mode="stretch_width",
             )
         )
-        self._force_at = tabs.index(self._force) if shared.bench is not None else -1
+        if shared.bench is not None:
+            self._force_at, self._recording_at = (
+                tabs.index(self._force),
+                tabs.index(self._recording),
+            )
 
     def begin(self) -> None:
         """Put the page together, and show what was opened."""
@@ -199,7 +203,8 @@ class Page:
         self._ask("run", lambda: fit_start(prepared, benches.current(bench)), fitted)
 
     def _tab(self) -> None:
-        """Work out ΔF where it is looked at."""
+        """Draw the recording and work out ΔF where they are looked at."""
+        self._recording.draw(self._tabs.active == self._recording_at)
         prepared, bench = self._prepared, self._now
         if prepared is None or self._tabs.active != self._force_at:
             return

@@ -3,7 +3,7 @@
 What a person gave is text: it is escaped on its way into HTML.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import cache
 from importlib import resources
 from typing import Any
@@ -17,6 +17,7 @@ from symhyb.report.tables import Table
 
 DEVIATIONS = 5.0  # of a parameter, to either side, that its slider reaches
 STEPS = 200  # of a slider
+PICKED = 3  # things that are drawn unless a person picks others
 
 
 @cache
@@ -99,6 +100,24 @@ def tables_of(tables: Iterable[Table]) -> Markup:
         for table in tables
         if table.rows
     )
+
+
+class Picker:
+    """Which of many things are drawn: some at first, for a browser draws slowly what it draws
+    often; ``changed`` is called when a person picks others. It is not there for a few."""
+
+    def __init__(self, changed: Callable[[], None]) -> None:
+        from bokeh.models.widgets import CheckboxGroup
+
+        self.layout = styled(CheckboxGroup(labels=[], active=[], inline=True, visible=False))
+        self.layout.on_change("active", lambda attribute, old, new: changed())
+
+    def picked(self, names: Sequence[str]) -> tuple[int, ...]:
+        """Which of these are drawn, by number."""
+        if list(self.layout.labels) != list(names):
+            first = list(range(min(PICKED, len(names))))
+            self.layout.update(labels=list(names), active=first, visible=len(names) > PICKED)
+        return tuple(sorted(self.layout.active))
 
 
 def slider_range(item: Parameter, value: float) -> tuple[float, float, float]:

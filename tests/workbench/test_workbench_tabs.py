@@ -33,6 +33,9 @@ def test_a_recording_is_looked_at_in_its_own_units(rig: dict[str, Path]) -> None
     tab = RecordingTab()
     tab.show(look, left)
     assert "1000 samples from 0 to 4.995\u00a0s, 200\u00a0Hz, evenly sampled" in tab._said.text
+    assert tab._figures.children == []  # nobody looks at it
+    tab.draw(True)
+    assert len(tab._figures.children) == 1
     tab.clear()
     assert tab._figures.children == []
     with pytest.raises(InputError):

@@ -8,6 +8,7 @@ from symhyb.model.types import Parameter
 from symhyb.report.tables import Table
 from symhyb.units import parse_unit
 from symhyb.workbench.widgets import (
+    Picker,
     copied,
     link,
     listed,
@@ -39,6 +40,18 @@ def test_what_a_person_gave_is_text() -> None:
 def test_nothing_is_nothing() -> None:
     assert not any((paragraph(""), listed([]), problems_of([]), copied("")))
     assert tables_of([Table("none", ("a",), (), ())]) == ""
+
+
+def test_of_many_things_some_are_drawn_until_others_are_picked() -> None:
+    changes: list[int] = []
+    picker = Picker(lambda: changes.append(1))
+    assert picker.picked(["a", "b"]) == (0, 1)
+    assert not picker.layout.visible
+    assert picker.picked("abcde") == (0, 1, 2)
+    assert picker.layout.visible
+    picker.layout.active = [4, 1]
+    assert picker.picked("abcde") == (1, 4)
+    assert changes
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from symhyb.discrepancy.words.amounts import number_text, percent_text, quantity
 from symhyb.report.tables import Table
 from symhyb.workbench.figures import Drawn, brushed, force_data, force_figures
 from symhyb.workbench.lacking import Lacking, Span, Within, within
-from symhyb.workbench.widgets import paragraph, put, styled, tables_of, text
+from symhyb.workbench.widgets import Picker, paragraph, put, styled, tables_of, text
 
 ABOUT = (
     "ΔF = M q'' + k_c − k_e along the recorded motion: the force that acts beyond the model's own,"
@@ -70,12 +70,14 @@ class ForceTab:
         self._all.on_click(lambda: self._select(None))
         self._figures = column(sizing_mode="stretch_width")
         self._drawn: Drawn | None = None
+        self._picker = Picker(self._redraw)
         self._found: tuple[Lacking, ...] = ()
         self._span: Span | None = None
         self.layout = column(
             text(paragraph(ABOUT, "soft")),
             self._said,
             self._all,
+            self._picker.layout,
             self._figures,
             sizing_mode="stretch_width",
         )
@@ -83,15 +85,30 @@ class ForceTab:
     def show(self, found: tuple[Lacking, ...]) -> None:
         """Show ΔF; the range that is brushed stays."""
         self._found = found
-        drawn = self._drawn or force_figures(found, found[0].t)
-        for one, source, scale in zip(found, drawn.sources, drawn.scales, strict=True):
+        self._draw()
+        self._select(self._span)
+
+    def _picked(self) -> tuple[Lacking, ...]:
+        picks = self._picker.picked([one.coordinate for one in self._found])
+        return tuple(self._found[i] for i in picks)
+
+    def _draw(self) -> None:
+        """Draw the coordinates that are picked."""
+        picked = self._picked()
+        drawn = self._drawn or force_figures(picked, self._found[0].t)
+        for one, source, scale in zip(picked, drawn.sources, drawn.scales, strict=True):
             source.data = force_data(one, scale)
         if self._drawn is None:
             self._drawn = drawn
             for figure in drawn.figures:
                 figure.on_event("selectiongeometry", self._brush)
             self._figures.children = [drawn.layout]
-        self._select(self._span)
+
+    def _redraw(self) -> None:
+        self._drawn = None
+        if self._found:
+            self._draw()
+            self._select(self._span)
 
     def clear(self) -> None:
         """Show nothing."""
@@ -111,7 +128,7 @@ class ForceTab:
         if span is not None and not np.any((t >= span[0]) & (t <= span[1])):
             span = None
         self._span = span
-        for one, source in zip(self._found, self._drawn.sources, strict=True):
+        for one, source in zip(self._picked(), self._drawn.sources, strict=True):
             source.selected.indices = brushed(one, span)
         put(self._said, tables_of([range_table(self._found, span)]), self._judged(span))
 

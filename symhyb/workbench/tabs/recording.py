@@ -57,6 +57,8 @@ class RecordingTab:
         from bokeh.layouts import column
 
         self._said = text()
+        self._look: Look | None = None
+        self._seen = False
         self._figures = column(sizing_mode="stretch_width")
         self.layout = column(self._said, self._figures, sizing_mode="stretch_width")
 
@@ -72,10 +74,18 @@ class RecordingTab:
             tables_of([look_table(look)]),
             paragraph(rest, "soft"),
         )
-        self._figures.children = [recording_figures(look)]
+        self._look = look
+        self.draw(self._seen)
+
+    def draw(self, seen: bool) -> None:
+        """Draw the channels, once they are looked at."""
+        self._seen = seen
+        if seen and self._look is not None and not self._figures.children:
+            self._figures.children = [recording_figures(self._look)]
 
     def clear(self) -> None:
         """Show nothing."""
+        self._look = None
         put(self._said, Markup(""))
         self._figures.children = []
 

@@ -1,5 +1,6 @@
 """The tab of the simulation beside the recording, with the error of every channel."""
 
+from dataclasses import replace
 from typing import Any
 
 from markupsafe import Markup
@@ -8,7 +9,7 @@ from symhyb.discrepancy.words.amounts import percent_text, unit_text
 from symhyb.report.tables import Table
 from symhyb.workbench.figures import Drawn, simulation_data, simulation_figures
 from symhyb.workbench.simulated import Shown
-from symhyb.workbench.widgets import paragraph, problems_of, put, tables_of, text
+from symhyb.workbench.widgets import Picker, paragraph, problems_of, put, tables_of, text
 
 KEYS = Markup(
     '<div class="keys"><span><span class="swatch line-measured"></span>measured</span>'
@@ -48,19 +49,16 @@ class SimulationTab:
         self._said = text()
         self._figures = column(sizing_mode="stretch_width")
         self._drawn: Drawn | None = None
-        self.layout = column(self._said, self._figures, sizing_mode="stretch_width")
+        self._picker = Picker(self._redraw)
+        self._runs: tuple[Shown, Shown] | None = None
+        self.layout = column(
+            self._said, self._picker.layout, self._figures, sizing_mode="stretch_width"
+        )
 
     def show(self, filed: Shown, shown: Shown, fitted: bool, seconds: float) -> None:
         """Show a run of the model as it is set beside that of the file."""
-        drawn = self._drawn or simulation_figures(shown)
-        before = {one.sensor.name: one for one in filed.sensors}
-        parts = zip(shown.sensors, drawn.sources, drawn.scales, strict=True)
-        for one, source, scale in parts:
-            other = None if filed is shown else before.get(one.sensor.name)
-            source.data = simulation_data(shown.t, one, other, scale)
-        if self._drawn is None:
-            self._drawn = drawn
-            self._figures.children = [drawn.layout]
+        self._runs = filed, shown
+        self._draw()
         ended = [ENDED.format(reason=shown.reason)] if shown.reason else []
         put(
             self._said,
@@ -70,9 +68,29 @@ class SimulationTab:
             KEYS,
         )
 
+    def _draw(self) -> None:
+        """Draw the sensors that are picked."""
+        if self._runs is None:
+            return
+        filed, shown = self._runs
+        picks = self._picker.picked([one.sensor.name for one in shown.sensors])
+        part = replace(shown, sensors=tuple(shown.sensors[i] for i in picks))
+        drawn = self._drawn or simulation_figures(part)
+        before = {one.sensor.name: one for one in filed.sensors}
+        for one, source, scale in zip(part.sensors, drawn.sources, drawn.scales, strict=True):
+            other = None if filed is shown else before.get(one.sensor.name)
+            source.data = simulation_data(shown.t, one, other, scale)
+        if self._drawn is None:
+            self._drawn = drawn
+            self._figures.children = [drawn.layout]
+
+    def _redraw(self) -> None:
+        self._drawn = None
+        self._draw()
+
     def clear(self) -> None:
         """Show nothing: another recording has other sensors."""
-        self._drawn = None
+        self._drawn, self._runs = None, None
         self._figures.children = []
         put(self._said, Markup(""))
 
