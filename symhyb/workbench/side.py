@@ -89,7 +89,7 @@ class ParameterSlider:
             NumericInput(value=item.value, mode="float", title=f"{item.path}{unit}")
         )
         self._number.sizing_mode = "stretch_width"
-        self._slider.on_change("value", lambda attribute, old, new: self._set(new))
+        self._slider.on_change("value", lambda attribute, old, new: self._slid(new))
         self._number.on_change("value", lambda attribute, old, new: self._set(new))
         self.layout = column(self._number, self._slider, sizing_mode="stretch_width", spacing=2)
         self._value = item.value
@@ -101,8 +101,18 @@ class ParameterSlider:
         low, high, step = slider_range(self._item, value)
         if (self._slider.start, self._slider.end) != (low, high):
             self._slider.update(start=low, end=high, step=step)
-        self._slider.value = value
+        if self._apart(value):
+            self._slider.value = value
         self._number.value = value
+
+    def _apart(self, value: float) -> bool:
+        """Whether the slider stands elsewhere: within half a step it cannot stand better."""
+        return bool(abs(self._slider.value - value) > self._slider.step / 2)
+
+    def _slid(self, value: float) -> None:
+        """Take a value of the slider, but not the step next to a number that was typed."""
+        if abs(value - self._value) > self._slider.step / 2:
+            self._set(value)
 
     def _set(self, value: float | None) -> None:
         if value is None or float(value) == self._value:

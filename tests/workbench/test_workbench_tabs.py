@@ -99,8 +99,11 @@ def test_the_side_tells_what_was_switched_and_moved(bench: Bench) -> None:
     k._slider.value = 180.123456789
     k._number.value = 300.0
     assert told == [["spring", "shaker"], ("k", 180.123), ("k", 300.0)]
+    k._slider.update(start=150.0, end=300.0)
+    k._slider.value = 299.9  # the step next to what was typed
+    assert len(told) == 3
     side.show(with_value(bench, "k", 300.0))
-    assert (k._slider.value, k._slider.end) == (300.0, 300.0)
+    assert (k._number.value, k._slider.end) == (300.0, 300.0)
     assert not side._reset.disabled
     side.show(bench)
     assert (k._number.value, k._slider.end, side._reset.disabled) == (200.0, 250.0, True)
