@@ -3,9 +3,10 @@
 import json
 import os
 from dataclasses import asdict, dataclass
+from math import isfinite
 from pathlib import Path
 from types import TracebackType
-from typing import Literal, Self
+from typing import Any, Literal, Self
 
 from symhyb.errors import InputError, Problem
 
@@ -43,8 +44,14 @@ class Event:
 
     def json(self) -> str:
         """The event in one line of JSON, without what it does not have."""
-        kept = {k: v for k, v in asdict(self).items() if v not in (None, "", ())}
+        kept = {k: v for k, v in asdict(self, dict_factory=_finite).items() if v not in ("", ())}
         return json.dumps(kept, ensure_ascii=False, allow_nan=False)
+
+
+def _finite(items: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Entries without those that are None or no finite number."""
+    numbers = {key for key, value in items if isinstance(value, float) and not isfinite(value)}
+    return {key: value for key, value in items if value is not None and key not in numbers}
 
 
 class Log:

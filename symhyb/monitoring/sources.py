@@ -14,6 +14,7 @@ from symhyb.errors import InputError, Problem, visible
 
 WAIT_S = 0.1  # until it is looked again for what a source has
 LOOPBACK = "127.0.0.1"
+CHUNK = 1 << 20  # bytes that are read of a file at once
 DATAGRAM = 65_536  # bytes that one may have
 LINE_MOST = 100_000  # characters: what is longer is no row of numbers
 UDP = "udp:"
@@ -34,16 +35,16 @@ def of_file(path: Path, *, follow: bool) -> Generator[str | None, None, None]:
                 size = file.seek(0, 2)
                 position, rest = (0, "") if size < position else (position, rest)
                 file.seek(position)
-                content = file.read()
+                content = file.read(CHUNK)
         except OSError as error:
             raise InputError(Problem(error.strerror or "cannot be read", file=str(path))) from error
         position += len(content)
         *lines, rest = (rest + content.decode("utf-8", "replace")).split("\n")
         yield from map(_clean, lines)
-        if not follow:
+        if not content and not follow:
             yield from [_clean(rest)] if rest else []
             return
-        if not lines:
+        if not content:
             yield None
             time.sleep(WAIT_S)
         _require_short(rest, str(path))

@@ -12,7 +12,16 @@ from symhyb.discrepancy.words.amounts import percent_text, quantity_text
 from symhyb.discrepancy.words.wording import joined
 from symhyb.errors import InputError, Problem
 from symhyb.model.types import Model
-from symhyb.monitoring.changes import Block, Change, Reference, changed, level, named, reference_of
+from symhyb.monitoring.changes import (
+    LENGTHS,
+    Block,
+    Change,
+    Reference,
+    changed,
+    level,
+    named,
+    reference_of,
+)
 from symhyb.monitoring.events import Event
 from symhyb.monitoring.feed import Feed
 from symhyb.monitoring.gauge import (
@@ -106,7 +115,7 @@ def _taken(settings: Watch, state: _State) -> Iterator[Event]:
     if piece.t[0] <= state.last_s:
         said = f"The time goes back from {state.last_s:g} to {piece.t[0]:g} s."
         yield Event("back", said, float(piece.t[0]))
-        state.blocks.clear()
+        state.blocks, state.change = [], None
     state.last_s = float(piece.t[-1])
     if state.gauge is None:
         yield _referred(settings, state, piece)
@@ -193,7 +202,7 @@ def _tested(state: _State, gauge: Gauge, block: Block) -> Iterator[Event]:
                     [f"{a.name} is {quantity_text(a.value, a.unit, a.sd)}" for a in amounts]
                 )
                 yield Event("values", f"Nothing has changed: {said}.", block.end_s, amounts=amounts)
-            state.blocks = state.blocks[-REFERENCE_BLOCKS:]
+            state.blocks = state.blocks[-LENGTHS[-1] :]
         return
     state.change = found
     yield _event("changed", gauge, found, state.blocks, block.end_s)

@@ -24,6 +24,11 @@ def test_an_event_is_a_line_without_what_it_does_not_have() -> None:
     }
 
 
+def test_a_number_that_is_not_finite_is_left_out() -> None:
+    unknown = Event("named", "It has.", 1.0, amounts=(Amount("g", 0.03, float("inf"), "1"),))
+    assert json.loads(unknown.json())["amounts"] == [{"name": "g", "value": 0.03, "unit": "1"}]
+
+
 def test_a_log_grows_and_a_torn_line_stays_one_line(tmp_path: Path) -> None:
     file = tmp_path / "log.jsonl"
     with Log(file) as log:

@@ -97,6 +97,14 @@ def test_time_that_goes_back_is_said() -> None:
     assert "back" in [event.kind for event in watched(lines)]
 
 
+def test_time_that_goes_back_after_a_change_loses_what_was_not_named_yet() -> None:
+    changed = rows(2, stiffness=1.1 * STIFFNESS)
+    seen = next(e.at_s for e in watched(changed) if e.kind == "changed")
+    lines = [*changed[: round((seen + 1) / STEP)], *changed[round(30 / STEP) :]]
+    kinds = [event.kind for event in watched(lines) if event.kind in ("changed", "back", "named")]
+    assert kinds == ["changed", "back", "changed", "named"]
+
+
 def test_a_source_that_is_silent_is_said_once() -> None:
     lines: list[str | None] = [*rows(1)[: round(35 / STEP)], *[None] * 200]
     assert [event.kind for event in watched(lines)] == ["ready", "silent", "ended"]
