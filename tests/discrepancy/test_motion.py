@@ -2,12 +2,14 @@
 
 from collections.abc import Callable, Mapping
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
 from builders import Entries, model_of, oscillator, push, recording
 from numpy.typing import NDArray
 
+from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.motion import (
     acting,
     measured,
@@ -16,9 +18,12 @@ from symhyb.discrepancy.recorded.motion import (
     spline_basis,
 )
 from symhyb.errors import InputError
+from symhyb.model.read import read_model
 from symhyb.numeric.lowered.machine import Machine, build
+from symhyb.running import simulate
 
 Array = NDArray[np.float64]
+MODELS = Path(__file__).parents[2] / "models"
 
 PLACE = {"measures": "x", "unit": "m"}
 SPEED = {"measures": "x'", "unit": "m/s"}
@@ -332,3 +337,15 @@ def test_what_a_second_sensor_gets_wrong_is_no_noise(fault: str, at_most: float)
     size = reported / [3e-4, rate]
     assert np.all(size > 0.85)
     assert np.all(size < at_most)
+
+
+def test_a_part_without_mass_that_no_sensor_shows_is_estimated_by_the_model() -> None:
+    """At its start nothing acts on the twisted shaft of a car, whose rate alone has a force."""
+    model = read_model(MODELS / "car.toml")
+    t = 0.01 * np.arange(200)
+    run = simulate(model, end=float(t[-1]), step=0.01, inputs={"torque": lambda now: 80.0})
+    sensors = {one.name: run.y[:, j].copy() for j, one in enumerate(model.sensors)}
+    made = Recording("car", run.t, {"torque": np.full(run.t.size, 80.0)}, sensors)
+    motion = motion_of(made, build(model))
+    assert "twist" in motion.blind
+    assert np.isfinite(motion.q).all()

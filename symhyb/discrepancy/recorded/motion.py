@@ -233,7 +233,7 @@ def _guide(
     pulls = np.array([np.std(plain.basis[2] @ c) for c in plain.coefficients]) * np.diag(mass)
     moved = np.maximum(pulls[free], 1e-3 * np.diag(mass)[free])
     size = np.maximum(np.sqrt(np.mean(acts**2, axis=0)), moved)
-    lacks = GUIDE_FIRST * size
+    lacks = np.where(size > 0, GUIDE_FIRST * size, 1.0)  # nothing acts on a part without mass yet
     for _ in range(GUIDE_ROUNDS):
         weighed = np.concatenate([weights, 1 / lacks])
         fit = _fit(machine, t, u, guided, weighed, GUIDE_KNOTS * step, first)
