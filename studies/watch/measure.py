@@ -1,6 +1,6 @@
 """How soon a watch tells changes, how it names them, and how often it tells what is none.
 
-    python studies/watch/measure.py [--changes 40] [--nulls 10] [--null-s 600]
+    python studies/watch/measure.py [--first 40] [--changes 40] [--nulls 10] [--null-s 600]
 
 A slide with dry friction is simulated here, by equations of its own: under a multisine whose lines
 and phases a seed draws. After 90 s one thing changes. Every change is drawn: which, and how large.
@@ -91,12 +91,13 @@ def told(seed: int, change: Drawn | None, seconds: float) -> tuple[list[Event], 
 def main() -> None:
     """Draw, watch and print."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
+    parser.add_argument("--first", type=int, default=40, help="first seed")
     parser.add_argument("--changes", type=int, default=40)
     parser.add_argument("--nulls", type=int, default=10)
     parser.add_argument("--null-s", type=float, default=600.0)
     options = parser.parse_args()
     soon, right, false, delays, cost = 0, 0, 0, [], []
-    for seed in range(options.changes):
+    for seed in range(options.first, options.first + options.changes):
         change = drawn(seed)
         events, spent = told(seed, change, AT_S + AFTER_S)
         cost.append(spent)
@@ -112,7 +113,7 @@ def main() -> None:
             f"{name or 'not'}{'' if hit else ' (wrong)'}",
             flush=True,
         )
-    for seed in range(1000, 1000 + options.nulls):
+    for seed in range(1000 + options.first, 1000 + options.first + options.nulls):
         events, spent = told(seed, None, options.null_s)
         cost.append(spent)
         false += (alarms := sum(e.kind == "changed" for e in events))

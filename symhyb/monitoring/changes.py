@@ -4,12 +4,15 @@ Every block b has the information matrix S_b of all columns of all causes and th
 Gram matrix of the whitened columns, and its product with what the model leaves). In the reference a
 column explains θ = Σ g / Σ S of that: what the model lacks already. What a block says otherwise is
 
-    z_b = (g_b − S_b θ) / √(S_b φ)        φ: what the reference scatters by, in units of the noise
+    z_b = (g_b − S_b θ) / √(S_b (φ + ε² m_b))
+
+where φ is what the reference scatters by, in units of the noise, m_b the squares of all that moves,
+and ε the accuracy of the numerics: what does less than that to the sensors is no change.
 
 A model that is not perfect, along motion that is not always the same, leaves blocks that stand far
 out, and blocks that resemble their neighbours. So no block counts more than the largest one of the
-reference, or than those that one of ten exceeds: w_b = z_b over that size, within ±1. A change
-lasts; of L blocks it is as improbable as (Chernoff's bound)
+reference, or than those that one of ten exceeds, and none as much within its own deviation:
+w_b = z_b over that size, which is at least 1, within ±1. A change lasts; of L blocks it is as improbable as (Chernoff's bound)
 
     P(|Σ w| ≥ s) ≤ 2 min_t exp((L ln M(t) − t s) / κ)      M: mean of cosh t w in the reference,
                                                            one more of the largest size added
@@ -32,7 +35,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from symhyb.judgement import SIGNIFICANT
+from symhyb.judgement import ACCURACY, SIGNIFICANT
 from symhyb.numeric.kernels.buffers import Array
 
 SHOWN_LEAST = 5.0  # blocks' worth of a reference in which a column shows
@@ -46,32 +49,35 @@ DAY_S = 86_400.0
 @dataclass(frozen=True, slots=True, eq=False)
 class Block:
     """A stretch of the source from ``start_s`` to ``end_s``, reduced: ``information`` (F, F) and
-    ``score`` (F,) of all columns, for one SI unit of each and in units of the noise."""
+    ``score`` (F,) of all columns, for one SI unit of each and in units of the noise, and the
+    squares of the ``motion`` in these units."""
 
     start_s: float
     end_s: float
     information: Array
     score: Array
+    motion: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Bounded:
-    """The blocks of a reference, none of which counts more than ``most`` (F,): their w (B, F)."""
+    """The blocks of a reference, none of which counts more than ``most`` (F,): their w (B, F);
+    dimensionless."""
 
     most: Array
     w: Array
 
     @property
     def cumulants(self) -> Array:
-        """ln M (T, F)."""
+        """ln M (T, F), dimensionless."""
         largest = np.cosh(TILTS)[:, None]
         total = np.cosh(TILTS[:, None, None] * self.w).sum(axis=1) + largest
         return np.asarray(np.log(total / (len(self.w) + 1)))
 
     def clustered(self, length: int) -> Array:
         """By how much more sums of so many neighbours vary (F,) than if they did not resemble each
-        other; at least 1. Of sums of which the reference holds few it is that of as long ones as it
-        holds enough of."""
+        other, dimensionless; at least 1. Of sums of which the reference holds few it is that of as
+        long ones as it holds enough of."""
         length = max(min(length, len(self.w) // SUMS_LEAST), 1)
         running = np.cumsum(np.insert(self.w, 0, 0.0, axis=0), axis=0)
         sums = np.mean((running[length:] - running[:-length]) ** 2, axis=0)
@@ -83,7 +89,7 @@ class Bounded:
 class Reference:
     """The machine as it was, by ``count`` blocks: sums of ``information`` (F, F) and ``score``
     (F,), of every column its ``scatter`` (F,) φ, whether it shows in enough of them (``known``
-    (F,)), and the blocks ``bounded`` in both ways."""
+    (F,)), and the blocks ``bounded`` in both ways; for one SI unit of every column."""
 
     count: int
     information: Array
@@ -93,7 +99,7 @@ class Reference:
     bounded: tuple[Bounded, ...]
 
     def otherwise(self, block: Block) -> Array:
-        """z (F,) of a block; 0 of columns that it does not show."""
+        """z (F,) of a block, dimensionless; 0 of columns that it does not show."""
         return _scores(self.information, self.score, self.scatter, block)
 
 
@@ -136,8 +142,7 @@ def reference_of(blocks: Sequence[Block]) -> Reference:
     known = (np.nan_to_num(spread) >= SHOWN_LEAST) & np.any(z != 0, axis=0)
     bounded = []
     for share in EXCEEDED:
-        most = np.quantile(np.abs(z), 1 - share, axis=0)
-        most = np.where(most > 0, most, 1.0)
+        most = np.maximum(np.quantile(np.abs(z), 1 - share, axis=0), 1.0)
         bounded.append(Bounded(most, np.clip(z / most, -1, 1)))
     return Reference(len(blocks), information, score, scatter, known, tuple(bounded))
 
@@ -176,7 +181,9 @@ def named(
         for one in (_summed(blocks[since:])[0], reference.information)
     )
     size = after @ _summed(blocks[since:])[1][columns] - before @ reference.score[columns]
+    motion = float(np.mean([one.motion for one in blocks[since:]]))
     variance = np.diag(after + before) * reference.scatter[columns]
+    variance = variance + np.diag(after) * ACCURACY**2 * motion * len(blocks[since:])
     return Change(
         since, best, size, np.sqrt(variance), float(1 / odds.sum()), tuple(near[1:]), chance
     )
@@ -187,7 +194,8 @@ def _scores(information: Array, score: Array, scatter: Array, block: Block) -> A
     whole, shown = np.diag(information), np.diag(block.information)
     theta = score / np.where(whole > 0, whole, 1.0)
     left = block.score - shown * theta
-    return np.where(shown > 0, left / np.sqrt(np.where(shown > 0, shown, 1.0) * scatter), 0.0)
+    variance = np.where(shown > 0, shown, 1.0) * (scatter + ACCURACY**2 * block.motion)
+    return np.where(shown > 0, left / np.sqrt(variance), 0.0)
 
 
 def _chance(reference: Reference, recent: Sequence[Block]) -> float:

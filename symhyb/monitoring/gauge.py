@@ -95,9 +95,12 @@ def block_of(gauge: Gauge, recording: Recording) -> Block | None:
     if not np.isfinite(whole).all():
         return None
     last = len(whole) - 1
-    return Block(
-        float(recording.t[0]), float(recording.t[-1]), whole[:last, :last], whole[:last, last]
-    )
+    # a gain does to a sensor what its whole motion is, or what an input does to it
+    own = zip(problem.hypotheses, problem.columns, strict=True)
+    gains = [column for cause, columns in own if cause.kind == "gain" for column in columns]
+    motion = float(np.diag(whole)[gains].max(initial=0.0))
+    begin, end = float(recording.t[0]), float(recording.t[-1])
+    return Block(begin, end, whole[:last, :last], whole[:last, last], motion)
 
 
 def amounts_of(gauge: Gauge, cause: int, size: Array, sd: Array) -> tuple[Amount, ...]:

@@ -167,7 +167,7 @@ def _of_cloud(cloud: Cloud, unit: Unit, words: str, bins: int, across: Any) -> A
 
 
 def within_reach(run: Array, measured: Array) -> Array:
-    """A run, in any unit, NaN from where it leaves the measurement by more than its range."""
+    """A run (N,), in any unit, NaN from where it leaves the measurement by more than its range."""
     known = measured[np.isfinite(measured)]
     if not known.size:
         return np.asarray(run, dtype=float)
@@ -177,7 +177,7 @@ def within_reach(run: Array, measured: Array) -> Array:
 
 
 def packed(values: Array, kept: Any, scale: float) -> Any:
-    """The kept samples in the unit that is shown, in four bytes each."""
+    """The kept samples of ``values`` (N,) in the unit that is shown, in four bytes each."""
     with np.errstate(over="ignore", invalid="ignore"):
         shown = (np.asarray(values, dtype=float)[kept] / scale).astype(np.float32)
     return np.where(np.isfinite(shown), shown, np.float32(np.nan))

@@ -117,8 +117,8 @@ def simulation_figures(first: Shown) -> Drawn:
 def simulation_data(
     t: Array, shown: Compared, filed: Compared | None, scale: float
 ) -> dict[str, Any]:
-    """The columns of one sensor: measured, by the model of the file (where that is another), by the
-    one that is shown, and what the latter errs, in the unit that is shown."""
+    """The columns (N,) of a sensor: measured, by the model of the file (where that is another), by
+    the one that is shown, and what the latter errs, in the unit that is shown."""
     run = within_reach(shown.simulated, shown.measured)
     before = np.full_like(run, np.nan)
     if filed is not None:
@@ -130,8 +130,8 @@ def simulation_data(
 
 
 def force_figures(found: Sequence[Lacking], t: Array) -> Drawn:
-    """ΔF of every coordinate over time, with its band, and over place and over rate; `force_data`
-    fills the sources. A range that is brushed over time stands out in all."""
+    """ΔF of every coordinate over time ``t`` (N,), s, with its band, and over place and over rate;
+    `force_data` fills the sources. A range that is brushed over time stands out in all."""
     from bokeh.layouts import column, row
     from bokeh.models import BoxSelectTool, ColumnDataSource, DataRange1d
 

@@ -89,6 +89,20 @@ def test_one_block_that_stands_far_out_is_no_change() -> None:
     assert alarms(reference, run, per_day=1.0) == 0
 
 
+def test_what_does_less_than_the_numerics_are_accurate_to_is_no_change() -> None:
+    """The change is large beside the noise, and a ten-thousandth of the motion."""
+
+    def moving(made: list[Block], motion: float) -> list[Block]:
+        return [Block(b.start_s, b.end_s, b.information, b.score, motion) for b in made]
+
+    change = np.array([0.8, 0.0, 0.0, 0.0])
+    for motion, found in ((0.0, True), (40 * (0.8 / 1e-4) ** 2, False)):
+        reference = reference_of(moving(blocks(1, 60, np.zeros(4)), motion))
+        run = moving(blocks(3, 20, change), motion)
+        hit = changed(reference, run, level(1.0, 1.0, reference), CAUSES)
+        assert (hit is not None) == found
+
+
 def test_causes_that_do_the_same_are_rivals() -> None:
     """The second column is the first but for a hair."""
 
