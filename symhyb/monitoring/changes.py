@@ -12,7 +12,8 @@ and ε the accuracy of the numerics: what does less than that to the sensors is 
 A model that is not perfect, along motion that is not always the same, leaves blocks that stand far
 out, and blocks that resemble their neighbours. So no block counts more than the largest one of the
 reference, or than those that one of ten exceeds, and none as much within its own deviation:
-w_b = z_b over that size, which is at least 1, within ±1. A change lasts; of L blocks it is as improbable as (Chernoff's bound)
+w_b = z_b over that size, which is at least 1, within ±1. A change lasts; of L blocks it is as
+improbable as (Chernoff's bound)
 
     P(|Σ w| ≥ s) ≤ 2 min_t exp((L ln M(t) − t s) / κ)      M: mean of cosh t w in the reference,
                                                            one more of the largest size added
