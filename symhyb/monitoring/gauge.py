@@ -98,9 +98,9 @@ def block_of(gauge: Gauge, recording: Recording) -> Block | None:
     # a gain does to a sensor what its whole motion is, or what an input does to it
     own = zip(problem.hypotheses, problem.columns, strict=True)
     gains = [column for cause, columns in own if cause.kind == "gain" for column in columns]
-    motion = float(np.diag(whole)[gains].max(initial=0.0))
+    moving = float(np.diag(whole)[gains].max(initial=0.0))
     begin, end = float(recording.t[0]), float(recording.t[-1])
-    return Block(begin, end, whole[:last, :last], whole[:last, last], motion)
+    return Block(begin, end, whole[:last, :last], whole[:last, last], moving)
 
 
 def amounts_of(gauge: Gauge, cause: int, size: Array, sd: Array) -> tuple[Amount, ...]:
