@@ -56,8 +56,8 @@ def gauge_of(model: Model, reference: Recording) -> Gauge:
             first.
     """
     prepared = prepare(model, reference)
-    if prepared.faults:
-        cure = joined([fault.sentence for fault in prepared.faults])
+    if claimed := [fault for fault in prepared.faults if fault.claimed]:
+        cure = joined([fault.sentence for fault in claimed])
         raise InputError(Problem(f"{cure}: put that right before the machine is watched"))
     setting = settle(prepared)
     stage = setting.stages[min(1, len(setting.stages) - 1)]
