@@ -9,6 +9,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -136,13 +137,20 @@ def test_a_port_that_is_taken_is_said(server: Workbench, tmp_path: Path) -> None
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
 def test_ctrl_c_ends_the_command_cleanly(write_result: Write) -> None:
     command = [sys.executable, "-m", "symhyb", "view", str(write_result("one"))]
-    running = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    heard = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)  # where a shell ignores it
+    running = subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=heard
+    )
     with running:
         assert running.stdout is not None
         assert running.stderr is not None
         said = running.stdout.readline(), running.stdout.readline()
         running.send_signal(signal.SIGINT)
-        assert running.wait(60) == 0
+        try:
+            status = running.wait(60)
+        finally:
+            running.kill()
+        assert status == 0
         assert re.fullmatch(r"http://127\.0\.0\.1:\d+/[-\w]{32}/\n", said[0])
         assert said[1] == "Ctrl-C ends it\n"
         assert (running.stdout.read(), running.stderr.read()) == ("", "")
