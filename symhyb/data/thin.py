@@ -1,4 +1,4 @@
-"""Fewer samples where a recording has far more than its motion needs."""
+"""Fewer samples where a recording has far more than its motion needs, and stretches of one."""
 
 from dataclasses import replace
 
@@ -39,4 +39,14 @@ def thinned(recording: Recording, factor: int) -> Recording:
         t=blocks(recording.t),
         inputs={name: blocks(values) for name, values in recording.inputs.items()},
         sensors={name: blocks(values) for name, values in recording.sensors.items()},
+    )
+
+
+def stretch(recording: Recording, rows: slice) -> Recording:
+    """Some consecutive samples of a recording, with its notes."""
+    return replace(
+        recording,
+        t=recording.t[rows],
+        inputs={name: values[rows] for name, values in recording.inputs.items()},
+        sensors={name: values[rows] for name, values in recording.sensors.items()},
     )

@@ -1,13 +1,14 @@
 """The watch: a reference first, then block after block, and what has changed since."""
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
 
 from symhyb.correction.naming.findings import cause_phrase
 from symhyb.data.recording import Recording
+from symhyb.data.thin import stretch
 from symhyb.discrepancy.words.amounts import percent_text, quantity_text
 from symhyb.discrepancy.words.wording import joined
 from symhyb.errors import InputError, Problem
@@ -134,7 +135,7 @@ def _referred(settings: Watch, state: _State, piece: Recording) -> Event:
     step = float(np.median(np.diff(piece.t)))
     state.rows = int(np.ceil(gauge.block_s / step)) + 1
     for first in range(0, len(piece) - state.rows + 1, state.rows):
-        block = block_of(gauge, _rows(piece, first, state.rows))
+        block = block_of(gauge, stretch(piece, slice(first, first + state.rows)))
         if block is not None:
             state.blocks.append(block)
     if len(state.blocks) < REFERENCE_BLOCKS:
@@ -158,16 +159,6 @@ def _refer(settings: Watch, state: _State, gauge: Gauge) -> None:
     state.reference = reference_of(state.blocks)
     state.least = level(settings.false_alarms, gauge.block_s, state.reference)
     state.blocks, state.change = [], None
-
-
-def _rows(piece: Recording, first: int, count: int) -> Recording:
-    rows = slice(first, first + count)
-    return replace(
-        piece,
-        t=piece.t[rows],
-        inputs={name: values[rows] for name, values in piece.inputs.items()},
-        sensors={name: values[rows] for name, values in piece.sensors.items()},
-    )
 
 
 def _judged(settings: Watch, state: _State, gauge: Gauge, block: Block) -> Iterator[Event]:

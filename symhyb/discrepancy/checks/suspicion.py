@@ -15,7 +15,7 @@ from typing import TypeVar
 import numpy as np
 
 from symhyb.data.recording import Recording
-from symhyb.data.thin import thinned
+from symhyb.data.thin import stretch, thinned
 from symhyb.discrepancy.fitting.misfit import Misfit, misfit
 from symhyb.discrepancy.recorded.motion import motion_of
 from symhyb.discrepancy.recorded.runs import Run
@@ -245,13 +245,7 @@ def _shortened(run: Run, machine: Machine) -> Recording:
         return sum(float(np.nanstd(part)) / spreads[n] for n, part in kept.items())
 
     first = max(firsts, key=moves)
-    rows = slice(first, first + SAMPLES_MOST)
-    return replace(
-        recording,
-        t=recording.t[rows],
-        inputs={name: values[rows] for name, values in recording.inputs.items()},
-        sensors={name: values[rows] for name, values in recording.sensors.items()},
-    )
+    return stretch(recording, slice(first, first + SAMPLES_MOST))
 
 
 def recording_faults_of(model: Model, recordings: Sequence[Recording]) -> Iterator[RecordingFault]:
