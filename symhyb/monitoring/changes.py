@@ -36,7 +36,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from symhyb.judgement import ACCURACY, SIGNIFICANT
+from symhyb.judgement import ACCURACY, OUTSTANDING, SIGNIFICANT
 from symhyb.numeric.kernels.buffers import Array
 
 SHOWN_LEAST = 5.0  # blocks' worth of a reference in which a column shows
@@ -159,13 +159,16 @@ def changed(
     reference: Reference, recent: Sequence[Block], least: float, causes: Causes
 ) -> Change | None:
     """The change that the ``recent`` blocks (B) show, the last of them included, at a probability
-    of ``least`` in each test; None if they show none."""
+    of ``least`` in each test; None if they show none, or one whose size does not stand out of its
+    own deviation."""
     chance = _chance(reference, recent)
     if chance >= least:
         return None
     first = max(len(recent) - LENGTHS[-1], 0)
     worth = [_worth(reference, recent[i:], causes).max() for i in range(first, len(recent))]
-    return named(reference, recent, first + int(np.argmax(worth)), chance, causes)
+    found = named(reference, recent, first + int(np.argmax(worth)), chance, causes)
+    stands = np.any(np.abs(found.size) > OUTSTANDING * found.sd)
+    return found if stands else None
 
 
 def named(
