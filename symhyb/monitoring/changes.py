@@ -32,6 +32,7 @@ Sizes: B blocks, F columns, C causes, T values of t.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,7 +61,7 @@ class Block:
     motion: float = 0.0
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)  # no slots: what every new block needs is kept
 class Bounded:
     """The blocks of a reference, none of which counts more than ``most`` (F,): their w (B, F);
     dimensionless."""
@@ -68,7 +69,7 @@ class Bounded:
     most: Array
     w: Array
 
-    @property
+    @cached_property
     def cumulants(self) -> Array:
         """ln M (T, F), dimensionless."""
         largest = np.cosh(TILTS)[:, None]
@@ -180,11 +181,11 @@ def named(
     odds = np.exp(0.5 * (worth - worth[best]))
     near = [int(i) for i in np.argsort(-worth) if worth[best] - worth[i] < SIGNIFICANT]
     columns = list(causes.columns[best])
-    after, before = (
-        np.linalg.pinv(one[np.ix_(columns, columns)], hermitian=True)
-        for one in (_summed(blocks[since:])[0], reference.information)
-    )
-    size = after @ _summed(blocks[since:])[1][columns] - before @ reference.score[columns]
+    at = np.ix_(columns, columns)
+    information, score = _summed(blocks[since:])
+    after = np.linalg.pinv(information[at], hermitian=True)
+    before = np.linalg.pinv(reference.information[at], hermitian=True)
+    size = after @ score[columns] - before @ reference.score[columns]
     motion = float(np.mean([one.motion for one in blocks[since:]]))
     variance = np.diag(after + before) * reference.scatter[columns]
     variance = variance + np.diag(after) * ACCURACY**2 * motion * len(blocks[since:])

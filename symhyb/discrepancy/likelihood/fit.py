@@ -125,8 +125,10 @@ def fit(
     if not np.isfinite(now.score):
         return _failed(task, values, noise, begun)
     rough = not known_noise  # while parameters move far, the sizes of noise need only follow
-    best, leaps, ahead = now, LEAPS, _step(model, task, p, now) or now
+    best, leaps, here, ahead = now, LEAPS, None, now
     for _ in range(ITERATIONS):
+        if now is not here:  # else the step is known already
+            ahead = _step(model, task, p, now) or now
         before, here = now.worth, now
         leapt = ahead is not now and ahead.score <= now.score and leaps > 0 and not rough
         now = ahead if leapt or ahead.score > now.score else now
@@ -138,8 +140,6 @@ def fit(
         if gained < SETTLED and not (rough or leapt):
             break
         rough = rough and gained > FAR
-        if now is not here:
-            ahead = _step(model, task, p, now) or now
     return _finished(task, best)
 
 
