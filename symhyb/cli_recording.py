@@ -90,7 +90,7 @@ def compare(
     """
     from symhyb.console.comparison import check_facts, discrepancy_facts, print_first_checks
     from symhyb.console.terminal import progress, read_map
-    from symhyb.data.known_table import table_of_known
+    from symhyb.data.known_table import table_of_known, values_in
     from symhyb.data.recording import read_recording
     from symhyb.discrepancy.checks.first_checks import first_checks, repeats_of
     from symhyb.discrepancy.recorded.residual import compare as compare_recording
@@ -102,9 +102,7 @@ def compare(
     machine, gaps, checked = build(declared), [], []
     table, span = table_of_known(known, declared), (start, end)
     read = [
-        read_recording(
-            one, declared, mapped, span=span, parameters=None if table is None else table.of(one)
-        )
+        read_recording(one, declared, mapped, span=span, parameters=values_in(table, one))
         for one in recordings
     ]
     with progress() as say:

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from symhyb.data.formats import read_table
-from symhyb.data.known_table import table_of_known
+from symhyb.data.known_table import table_of_known, values_in
 from symhyb.data.look import Look, look_at
 from symhyb.data.recording import Recording, read_recording
 from symhyb.data.rows import Span
@@ -56,7 +56,7 @@ def look_into(
         return Seen(look_at(whole.recording, whole.units), whole.left)
     declared = read_model(model)
     table = table_of_known(known, declared)
-    values = None if table is None else table.of(path)
+    values = values_in(table, path)
     recording = read_recording(path, declared, columns, span=span, parameters=values)
     return Seen(_in_units(recording, declared), (), _checks(recording, declared, say))
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from symhyb.data.known_table import table_of_known
+from symhyb.data.known_table import table_of_known, values_in
 from symhyb.data.recording import Recording, read_recording
 from symhyb.discrepancy.recorded.motion import given_motion
 from symhyb.discrepancy.recorded.sampling import as_sampled
@@ -43,7 +43,7 @@ def read_inputs(
     sensors = {sensor.name for sensor in model.sensors if sensor not in kept}
     asked = {key: text for key, text in (columns or {}).items() if key not in sensors}
     table = table_of_known(known, model)
-    values = None if table is None else table.of(path)
+    values = values_in(table, path)
     seeing = replace(model, sensors=(_CLOCK, *kept))
     recording = read_recording(path, seeing, asked, parameters=values)
     notes = (note for note in recording.notes if not note.startswith(("sensor ", "column")))

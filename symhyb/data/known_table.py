@@ -106,6 +106,17 @@ def table_of_known(path: Path | None, model: Model) -> KnownTable | None:
     return None if path is None else read_known(path, model)
 
 
+def values_in(
+    table: KnownTable | None, recording: str | os.PathLike[str]
+) -> Mapping[str, float] | None:
+    """The values of a recording in a table, in the units of the model; None without a table.
+
+    Raises:
+        InputError: the table has no row for it.
+    """
+    return None if table is None else table.of(recording)
+
+
 def _cells(file: Path) -> list[tuple[int, list[str]]]:
     """The rows of a table with the numbers of their lines, without those that are empty."""
     text = text_of(file)

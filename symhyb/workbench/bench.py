@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
 from pathlib import Path
+from typing import TypeVar
 
 from symhyb.data.columns import map_columns
 from symhyb.data.formats import read_table
@@ -14,7 +15,9 @@ from symhyb.data.recording import Recording, recorded
 from symhyb.data.table import Table
 from symhyb.errors import InputError, Problem
 from symhyb.model.read import read_model
-from symhyb.model.types import Model, Parameter
+from symhyb.model.types import Input, Model, Parameter, Sensor
+
+Channel = TypeVar("Channel", Input, Sensor)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -127,6 +130,11 @@ def current(bench: Bench) -> Model:
             return item
         return replace(item, value=values[item.path])
 
+    def tuned(one: Channel) -> Channel:
+        return replace(
+            one, gain=valued(one.gain), offset=valued(one.offset), delay=valued(one.delay)
+        )
+
     def all_valued(items: Sequence[Parameter]) -> tuple[Parameter, ...]:
         return tuple(replace(item, value=values.get(item.path, item.value)) for item in items)
 
@@ -135,22 +143,6 @@ def current(bench: Bench) -> Model:
         model,
         parameters=all_valued(model.parameters),
         elements=tuple(replace(one, parameters=all_valued(one.parameters)) for one in kept),
-        inputs=tuple(
-            replace(
-                one,
-                gain=valued(one.gain),
-                offset=valued(one.offset),
-                delay=valued(one.delay),
-            )
-            for one in model.inputs
-        ),
-        sensors=tuple(
-            replace(
-                one,
-                gain=valued(one.gain),
-                offset=valued(one.offset),
-                delay=valued(one.delay),
-            )
-            for one in model.sensors
-        ),
+        inputs=tuple(map(tuned, model.inputs)),
+        sensors=tuple(map(tuned, model.sensors)),
     )
