@@ -1,8 +1,10 @@
-"""What all tests share: the public recordings, if they are on this machine, and the command."""
+"""What all tests share: public recordings, if they are on this machine, the command, a browser."""
 
 import os
-from collections.abc import Callable
+import shutil
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from command import Call, caller
@@ -32,3 +34,17 @@ def public_file() -> Callable[..., Path]:
 def symhyb(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Call:
     """Return ``symhyb(*arguments)``, which runs the command line in this process."""
     return caller(monkeypatch, capsys)
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    """A Chromium without a window."""
+    api = pytest.importorskip("playwright.sync_api", reason="needs Playwright (the extra dev)")
+    names = ("chromium", "chromium-browser", "chrome")
+    program = next(filter(None, map(shutil.which, names)), None)
+    if program is None:
+        pytest.skip("needs a Chromium on the PATH")
+    with api.sync_playwright() as driver:
+        running = driver.chromium.launch(executable_path=program, args=["--no-sandbox"])
+        yield running
+        running.close()

@@ -5,7 +5,6 @@ ones: a browser beside other tests keeps no time.
 """
 
 import re
-import shutil
 import zlib
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -24,21 +23,6 @@ SIZE_MOST = 6_000_000  # bytes of a page
 PHONE, DESK = {"width": 390, "height": 844}, {"width": 1000, "height": 900}
 
 Open = Callable[..., Any]
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    """A Chromium without a window."""
-    api = pytest.importorskip("playwright.sync_api", reason="needs Playwright (the extra dev)")
-    program = next(
-        filter(None, map(shutil.which, ("chromium", "chromium-browser", "chrome"))), None
-    )
-    if program is None:
-        pytest.skip("needs a Chromium on the PATH")
-    with api.sync_playwright() as driver:
-        running = driver.chromium.launch(executable_path=program, args=["--no-sandbox"])
-        yield running
-        running.close()
 
 
 def small(case: tuple[Diagnosis, Verdict]) -> tuple[Diagnosis, Verdict]:

@@ -3,7 +3,6 @@
 Needs Playwright and a Chromium; without either of them these tests are skipped.
 """
 
-import shutil
 import subprocess
 import sys
 import time
@@ -24,20 +23,6 @@ EVIL = "<img src=x onerror=alert(1)><script>alert(2)</script>$$x$$"
 
 Open = Callable[..., Any]
 Write = Callable[..., Path]
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    """A Chromium without a window."""
-    api = pytest.importorskip("playwright.sync_api", reason="needs Playwright (the extra dev)")
-    names = ("chromium", "chromium-browser", "chrome")
-    program = next(filter(None, map(shutil.which, names)), None)
-    if program is None:
-        pytest.skip("needs a Chromium on the PATH")
-    with api.sync_playwright() as driver:
-        running = driver.chromium.launch(executable_path=program, args=["--no-sandbox"])
-        yield running
-        running.close()
 
 
 @pytest.fixture
