@@ -8,6 +8,7 @@ An unknown force that does not know its last sample comes from how an input was 
 """
 
 from collections.abc import Iterator, Sequence
+from collections.abc import Set as AbstractSet
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,19 +46,30 @@ def faulty_sensors(recorded: Recorded, trial: Fitted) -> tuple[Likely, ...]:
     return tuple(Likely(generic, float(expit(gain))) for generic in found)
 
 
-def noisy_input(recorded: Recorded, trial: Fitted, left: Beyond) -> tuple[Likely, ...]:
-    """The input of which the unknown force beside a structure may be the noise: it has no memory,
-    and acts nowhere else than this input does."""
+def noisy_inputs(recorded: Recorded, trial: Fitted, left: Beyond) -> tuple[Likely, ...]:
+    """The inputs of which the unknown force beside a structure may be the noise: it has no memory,
+    and acts nowhere else than one input does, or wherever it acts exactly one of several does."""
     if not left.acts:
         return ()
-    acting = set(np.flatnonzero(left.share > NEGLIGIBLE))
-    for j, one in enumerate(recorded.windows.machine.model.inputs):
-        if not acting & set(spared_by(recorded, j)):
-            if not _forgets(recorded, trial, left):
-                return ()
-            generic = Generic("input", one.name, (), np.zeros(0), does="noisy")
-            return (Likely(generic, left.probability),)
-    return ()
+    named = _reaching(recorded, set(np.flatnonzero(left.share > NEGLIGIBLE)))
+    if not named or not _forgets(recorded, trial, left):
+        return ()
+    inputs = recorded.windows.machine.model.inputs
+    each = [Generic("input", inputs[j].name, (), np.zeros(0), does="noisy") for j in named]
+    return tuple(Likely(generic, left.probability) for generic in each)
+
+
+def _reaching(recorded: Recorded, acting: AbstractSet[int]) -> list[int]:
+    """One input that pushes wherever a force is ``acting``, or several of which exactly one pushes
+    each of these coordinates; none where there are no such."""
+    inputs = range(len(recorded.windows.machine.model.inputs))
+    pushed = [acting - set(spared_by(recorded, j)) for j in inputs]
+    alone = [j for j in inputs if pushed[j] == acting]
+    if alone:
+        return alone[:1]
+    several = [j for j in inputs if pushed[j]]
+    once = all(sum(i in pushed[j] for j in several) == 1 for i in acting)
+    return several if once else []
 
 
 def _forgets(recorded: Recorded, trial: Fitted, left: Beyond) -> bool:

@@ -1,4 +1,4 @@
-"""The noise of a measured input, as the innovations measure it beside a decided structure.
+"""The noise of measured inputs, as the innovations measure it beside a decided structure.
 
 Windows are simulated with the inputs as they were recorded, so that noise of an input goes through
 the machine into what is left of every sensor: it is too large there, its neighbours in time belong
@@ -30,7 +30,7 @@ from symhyb.numeric.runs.windows import WindowModel
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Noisy:
-    """Stretches linearised for errors of one input, and the most likely white noise of it and of
+    """Stretches linearised for errors of inputs, and the most likely white noise of these and of
     the sensors."""
 
     tracks: tuple[Track, ...]
@@ -38,15 +38,15 @@ class _Noisy:
 
 
 def with_input_noise(prepared: Prepared, setting: Setting, judged: Adequacy) -> Setting | None:
-    """What a decision was made in (``setting``), with the noise of the input that was found to be
+    """What a decision was made in (``setting``), with the noise of the inputs that were found to be
     noisy beside the structure that was ``judged``; None where there is none. Repeated runs show the
     noise already."""
     which = _which(setting, judged)
-    ground = None if which is None or prepared.repeats else recorded(prepared, setting)
-    if ground is None or which is None or judged.structure is None:
+    ground = recorded(prepared, setting) if which and not prepared.repeats else None
+    if ground is None or judged.structure is None:
         return None
     found = _measured(ground, judged.structure, which)
-    if not found.noise.force[0] > 0:
+    if not np.any(found.noise.force > 0):
         return None
     known = _of_recordings(found, which)
     stages = tuple(
@@ -73,55 +73,61 @@ def _families(causes: Iterable[Hypothesis]) -> set[Hashable]:
     return {cause.family for cause in causes}
 
 
-def _which(setting: Setting, judged: Adequacy) -> int | None:
-    """The number of the input that looks noisy."""
+def _which(setting: Setting, judged: Adequacy) -> tuple[int, ...]:
+    """The numbers of the inputs that look noisy."""
     names = [one.name for one in setting.windows.machine.model.inputs]
-    for one in judged.classes:
-        if one.generic.kind == "input" and one.generic.does == "noisy":
-            return names.index(str(one.generic.where))
-    return None
+    noisy = [one.generic for one in judged.classes if one.generic.does == "noisy"]
+    return tuple(names.index(str(one.where)) for one in noisy)
 
 
-def _measured(ground: Recorded, structure: Fitted, which: int) -> _Noisy:
-    """How noisy an input is beside a structure, and the sensors beside that."""
-    plain = tracks_of(ground, structure)
+def _measured(ground: Recorded, structure: Fitted, which: tuple[int, ...]) -> _Noisy:
+    """How noisy inputs are beside a structure, and the sensors beside that."""
+    each = [[push for _, push in pushes(ground, j)] for j in which]
     tracks = tuple(
-        by_input(one, push[:, :, None], _shown(structure, one, ground, which))
-        for one, (_, push) in zip(plain, pushes(ground, which), strict=True)
+        by_input(one, np.stack(units, axis=2), _shown(structure, one, which))
+        for one, *units in zip(tracks_of(ground, structure), *each, strict=True)
     )
     before = structure.fit.noise
-    unit = np.concatenate([push for _, push in pushes(ground, which)])
-    size = float(np.sqrt(np.sum(before.force**2) / np.mean(np.sum(unit**2, axis=1))))
-    begin = replace(before, force=np.array([size])).without_colour()
+    sizes = [_size(before.force, np.concatenate(units)) for units in each]
+    begin = replace(before, force=np.array(sizes)).without_colour()
     noise, _ = memoryless(tracks, begin, NOISE_FLOOR * ground.sd, ground.step_s)
     return _Noisy(tracks, noise)
 
 
-def _shown(structure: Fitted, one: Track, ground: Recorded, which: int) -> Array:
-    """What the sensors show at once (N, m, 1) of one unit of an input, SI."""
-    machine = structure.machine
-    item, name = one.item, machine.model.inputs[which].name
-    p = structure.of(item.source[0])
-    moved = p.copy()
-    change = CHANGE * (float(np.std(item.source[0].inputs[name])) or 1.0)
-    moved[machine.column(f"{name}.offset")] += change
-    model = WindowModel(machine)
-    here, there = (model.along(item.block, one.x[None], q).output[0] for q in (p, moved))
-    return np.asarray((there - here)[:, :, None] / change)
+def _size(force: Array, unit: Array) -> float:
+    """The RMS of an input, of one ``unit`` of which the force is (N, n), that pushes as an unknown
+    ``force`` (n,) of this RMS does where it pushes. SI."""
+    power = np.mean(unit**2, axis=0)
+    return float(np.sqrt(np.sum(force[power > 0] ** 2) / power.sum()))
 
 
-def _of_recordings(found: _Noisy, which: int) -> dict[int, InputNoise]:
-    """The noise of the input along every recording, by the recording's identity."""
+def _shown(structure: Fitted, one: Track, which: tuple[int, ...]) -> Array:
+    """What the sensors show at once (N, m, k) of one unit of each input, SI."""
+    machine, item = structure.machine, one.item
+    p, model = structure.of(item.source[0]), WindowModel(structure.machine)
+    (here,) = model.along(item.block, one.x[None], p).output
+    columns = []
+    for j in which:
+        name, moved = machine.model.inputs[j].name, p.copy()
+        change = CHANGE * (float(np.std(item.source[0].inputs[name])) or 1.0)
+        moved[machine.column(f"{name}.offset")] += change
+        (there,) = model.along(item.block, one.x[None], moved).output
+        columns.append((there - here) / change)
+    return np.stack(columns, axis=2)
+
+
+def _of_recordings(found: _Noisy, which: tuple[int, ...]) -> dict[int, InputNoise]:
+    """The noise of the inputs along every recording, by the recording's identity."""
     tracks: dict[int, list[Track]] = {}
     for one in found.tracks:
         tracks.setdefault(id(one.item.source[0]), []).append(one)
     return {
-        key: along_recording(mine, mine[0].item.source[0].t.size, found.noise, (which,))
+        key: along_recording(mine, mine[0].item.source[0].t.size, found.noise, which)
         for key, mine in tracks.items()
     }
 
 
 def _noisy(known: Mapping[int, InputNoise], item: Cut) -> Cut:
-    """Windows that know of the noise of the input."""
+    """Windows that know of the noise of inputs."""
     noise = known.get(id(item.source[0]))
     return item if noise is None else noise.put_right(item)

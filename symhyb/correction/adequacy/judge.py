@@ -15,7 +15,7 @@ import numpy as np
 
 from symhyb.correction.adequacy.agreement import Disputed, disputed, may_hold
 from symhyb.correction.adequacy.beyond import NOTHING, Beyond, beyond
-from symhyb.correction.adequacy.channel_noise import faulty_sensors, noisy_input
+from symhyb.correction.adequacy.channel_noise import faulty_sensors, noisy_inputs
 from symhyb.correction.adequacy.classes.catalogue import classes_of
 from symhyb.correction.adequacy.classes.held_input import LONGEST, held_input
 from symhyb.correction.adequacy.classes.worth import around, worth_of
@@ -103,7 +103,7 @@ def adequacy(
     classes = _classes(trials, {trial.extra.key for trial in enough if trial.extra})
     doubt |= _doubted(trials, enough, classes)
     if not classes:
-        faults = (*faulty_sensors(ground, base), *noisy_input(ground, base, left))
+        faults = (*faulty_sensors(ground, base), *noisy_inputs(ground, base, left))
         jitter = () if left.acts or faults else jittering(ground, base)
         return Adequacy(left, faults, doubt, disputes, jitter=jitter, structure=base)
     first = [t for t in trials if t.extra and t.extra.key == classes[0].generic.key]

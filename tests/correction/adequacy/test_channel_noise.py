@@ -8,12 +8,13 @@ import pytest
 from scipy.signal import lfilter
 
 from symhyb.correction.adequacy.beyond import beyond
-from symhyb.correction.adequacy.channel_noise import faulty_sensors, noisy_input
+from symhyb.correction.adequacy.channel_noise import faulty_sensors, noisy_inputs
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Fitted, fitted
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.likelihood.fit import FAILED
 from tests.builders import DRIVEN_MASS
+from tests.plate import PLATE, plate, with_noisy_inputs
 from tests.pushed import NOISE, STEP, markov, pushed, pushed_model, setting_of
 
 SAMPLES = 1500
@@ -93,12 +94,12 @@ def test_a_force_without_memory_is_noise_of_the_input() -> None:
     trial = fitted(setting, (), (), setting.first_noise())
     left = beyond(setting, trial)
     assert left.acts
-    ((found, chance, _),) = noisy_input(setting, trial, left)
+    ((found, chance, _),) = noisy_inputs(setting, trial, left)
     assert (found.kind, found.where, found.does) == ("input", "f", "noisy")
     assert chance > 0.99
-    assert noisy_input(setting, trial, replace(left, memory_s=4 * STEP))  # not worth a number
+    assert noisy_inputs(setting, trial, replace(left, memory_s=4 * STEP))  # not worth a number
     likely = replace(trial, fit=replace(trial.fit, logl=trial.fit.logl + 10))
-    assert noisy_input(setting, likely, replace(left, memory_s=4 * STEP)) == ()
+    assert noisy_inputs(setting, likely, replace(left, memory_s=4 * STEP)) == ()
 
 
 def test_a_force_with_memory_is_no_noise_of_the_input() -> None:
@@ -107,4 +108,21 @@ def test_a_force_with_memory_is_no_noise_of_the_input() -> None:
     trial = fitted(setting, (), (), setting.first_noise())
     left = beyond(setting, trial)
     assert left.acts
-    assert noisy_input(setting, trial, left) == ()
+    assert noisy_inputs(setting, trial, left) == ()
+
+
+def pulled(*sizes: float) -> tuple[Recorded, Fitted]:
+    """A plate whose pushes are recorded with noise of these sizes, N."""
+    setting = setting_of(PLATE, with_noisy_inputs(plate(), sizes, 9))
+    return setting, fitted(setting, (), (), setting.first_noise())
+
+
+def test_forces_without_memory_are_noise_of_the_inputs_that_push_there() -> None:
+    setting, trial = pulled(0.8, 0.6)
+    found = noisy_inputs(setting, trial, beyond(setting, trial))
+    assert [one.generic.where for one in found] == ["f", "g"]
+    assert {one.generic.does for one in found} == {"noisy"}
+    assert min(one.probability for one in found) > 0.99
+    setting, trial = pulled(0.0, 0.8)
+    (second,) = noisy_inputs(setting, trial, beyond(setting, trial))
+    assert second.generic.where == "g"

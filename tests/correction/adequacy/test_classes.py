@@ -25,7 +25,7 @@ from symhyb.correction.naming.classes import class_found
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.model.types import On
-from tests.builders import damper, model_of, push, spring
+from tests.plate import PLATE, plate
 from tests.pushed import DAMPING, NOISE, STEP, STIFFNESS, pushed, pushed_model, pushing, setting_of
 
 Array = NDArray[np.float64]
@@ -257,50 +257,6 @@ def test_a_staircase_takes_the_place_of_a_smooth_curve_too() -> None:
     inner = slice(1, -1)
     assert (acting + added)[inner] == pytest.approx((STEP * values[:-1])[inner], abs=1e-5)
     assert np.abs(lines - acting)[inner].max() > 1e-4  # what a line would be off by
-
-
-PLATE = model_of(
-    coordinates={"a": {"unit": "m", "start": 0.0}, "b": {"unit": "m", "start": 0.0}},
-    parameters={"m": (1.0, "kg"), "k": (25.0, "N/m"), "l": (40.0, "N/m"), "d": (0.6, "N*s/m")},
-    inputs={"f": {"unit": "N"}, "g": {"unit": "N"}},
-    bodies={"plate": {"mass": "m", "at": ["a", "b"]}},
-    elements={
-        "first": spring("k", "a"),
-        "second": spring("l", "b"),
-        "slow": damper("d", "a"),
-        "slower": damper("d", "b"),
-        "push": push("f", "a"),
-        "pull": push("g", "b"),
-    },
-    sensors={
-        "left": {"measures": "a", "unit": "m"},
-        "right": {"measures": "b", "unit": "m"},
-    },
-)
-"""A plate on two springs, across each other."""
-
-
-def plate(gyroscopic: float, leak: float) -> Recording:
-    """A plate whose directions act on each other by their speeds, or whose first push acts along
-    the second too."""
-    t, random = STEP * np.arange(SAMPLES), np.random.default_rng(31)
-    pushes = np.stack([pushing(random, t), pushing(random, t)])
-    push = CubicSpline(t, pushes, axis=1)
-
-    def rates(time: float, state: Array) -> list[float]:
-        a, b, u, v = state
-        f, g = push(time)
-        return [
-            u,
-            v,
-            f - 25.0 * a - 0.6 * u - gyroscopic * v,
-            g + leak * f - 40.0 * b - 0.6 * v + gyroscopic * u,
-        ]
-
-    run = solve_ivp(rates, (0, t[-1]), np.zeros(4), t_eval=t, rtol=1e-8, atol=1e-10, max_step=STEP)
-    left, right = run.y[:2] + NOISE * random.standard_normal((2, t.size))
-    sensors = {"left": left, "right": right}
-    return Recording("made.csv", t, {"f": pushes[0], "g": pushes[1]}, sensors, (), "")
 
 
 def test_a_class_is_made_where_it_could_take_half_of_the_unknown_force() -> None:

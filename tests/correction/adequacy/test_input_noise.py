@@ -17,6 +17,7 @@ from symhyb.correction.search.setting import Setting
 from symhyb.correction.search.trajectory import Refined, refine
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from tests.builders import DRIVEN_MASS
+from tests.plate import PLATE, plate, with_noisy_inputs
 from tests.pushed import NOISE, pushed, pushed_model
 
 SIZE = 0.4  # N, a tenth of the force
@@ -47,6 +48,24 @@ def case(seed: int, size: float = SIZE) -> Case:
     noisy = with_input_noise(prepared, plain, judged)
     assert noisy is not None
     return Case(prepared, plain, noisy)
+
+
+def test_the_noise_of_each_of_two_inputs_is_measured() -> None:
+    sizes = 0.8, 0.5
+    prepared = prepare(PLATE, (with_noisy_inputs(plate(), sizes, 12),))
+    plain = settle(prepared)
+    ground = recorded(prepared, plain)
+    assert ground is not None
+    base = fitted(ground, (), (), ground.first_noise())
+    each = [Generic("input", name, (), np.zeros(0), does="noisy") for name in ("f", "g")]
+    judged = Adequacy(NOTHING, tuple(Likely(one, 1.0) for one in each), structure=base)
+    noisy = with_input_noise(prepared, plain, judged)
+    assert noisy is not None
+    known = noisy.stages[-1].cuts[0].noise
+    assert known is not None
+    assert known.inputs == (0, 1)
+    np.testing.assert_allclose(known.size, sizes, rtol=0.15)
+    np.testing.assert_allclose(noisy.sd, NOISE, rtol=0.15)
 
 
 def stiffness(one: Case, setting: Setting) -> Refined:
