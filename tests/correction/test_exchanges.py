@@ -10,14 +10,16 @@ import pytest
 from builders import model_of, recording
 from scipy.integrate import solve_ivp
 
+from symhyb.correction.search.decide import _further
 from symhyb.correction.search.exchanges import Offer, exchanges
 from symhyb.correction.search.preparing import prepare, settle
-from symhyb.correction.search.score import piece_of, score
+from symhyb.correction.search.score import left, piece_of, score
 from symhyb.correction.search.selection import solve
 from symhyb.correction.search.setting import around, effects, exchanged
 from symhyb.correction.search.trajectory import Refined, grouped
 from symhyb.correction.search.trials import Trials
 from symhyb.data.recording import Recording
+from symhyb.judgement import PIECES
 from symhyb.model.types import Model
 
 WEIGHT, NOISE, STEP = 64.0, 2e-5, 0.01
@@ -77,6 +79,27 @@ def test_dry_friction_and_drag_come_for_the_damping_that_imitates_them() -> None
     found = {cause.kind: row for cause, row in zip(both.causes, grouped(both), strict=True)}
     assert found["friction"]["coulomb"] == pytest.approx(0.15, rel=0.07)
     assert found["drag"]["drag"] == pytest.approx(0.004, rel=0.07)
+
+
+def test_what_takes_nearly_all_pays_though_it_costs_more_than_the_pieces_of_what_is_left() -> None:
+    """Two causes at once cost more than there are independent pieces in what nothing explains."""
+    trials = Trials(settle(prepare(pendulum(), swing(lambda v: dry(v) + 0.004 * abs(v) * v))), str)
+    nothing = trials.refined(())
+    best = max(exchanges(trials, nothing, as_promised=True), key=lambda offer: offer.taken)
+    assert len(best.causes) == 2
+    assert best.price > PIECES
+    assert best.gain > 0
+    assert best.unit < 0.01 * piece_of(nothing)
+    assert best.taken / piece_of(nothing) < best.price
+
+
+def test_the_search_goes_on_by_what_pays_only_if_it_keeps_its_promise() -> None:
+    """From the model as it is to both losses at once, of which a search by one cause took one."""
+    trials = Trials(settle(prepare(pendulum(), swing(lambda v: dry(v) + 0.004 * abs(v) * v))), str)
+    nothing = trials.refined(())
+    found = _further(trials, nothing)
+    assert {cause.kind for cause in found.causes} == {"friction", "drag"}
+    assert left(found) < 0.01 * left(nothing)
 
 
 def test_the_best_come_first_and_each_set_of_laws_once() -> None:

@@ -6,7 +6,9 @@
 2. Around the structure of the best score every exchange of causes is weighed on the Gram matrix
    along its simulation; the most promising, each cause left out, and what only a fitted law
    suggests (variants, further lines, products) are fitted at full nonlinearity.
-3. That goes on until no structure that was fitted is better.
+3. That goes on until no structure that was fitted is better. Where it leaves more than is explained
+   the search goes on by what promises most, and from what fits better though its causes do not pay
+   for themselves yet: where three act, two may leave half of what one leaves, and three nothing.
 """
 
 from collections.abc import Collection, Iterator, Sequence
@@ -211,6 +213,8 @@ def _decided(trials: Trials, problems: Sequence[Problem], pool: set[tuple[int, .
         _look_around(trials, best)
         better = _best(trials)
         few = not many(best.causes)  # no formula of one place stands for more
+        if better is best and best.fit.scale > UNEXPLAINED:
+            better = _further(trials, best)
         if better is best and best.fit.scale > NEAR_NOISE and few:
             _without_a_name(trials, best, nothing)
             better = _best(trials)
@@ -230,15 +234,35 @@ def _cheaper(subset: Subset, best: Refined) -> bool:
     return mine != theirs and mine[0] <= theirs[0] and mine[1] <= theirs[1]
 
 
-def _best(trials: Trials) -> Refined:
-    """The structure of the best score among the admissible ones. What is left by the one
-    that fits best, its numbers paid, is the unit in which all are compared."""
+def _further(trials: Trials, best: Refined) -> Refined:
+    """The best structure once exchanges were tried that pay only if they explain as much as they
+    promise, of the best one and of what fits significantly better, its price aside."""
+    base = best
+    for _ in range(ROUNDS):
+        _exchanged(trials, base, as_promised=True)
+        better, closest = _best(trials), min(_admissible(trials), key=left)
+        if better is not best:
+            return better
+        if left(base) - left(closest) < SIGNIFICANT * piece_of(closest):
+            break
+        base = closest
+    return best
+
+
+def _admissible(trials: Trials) -> list[Refined]:
+    """The structures that may be claimed."""
     length_s = trials.setting.stages[-1].length_s
-    done = [
+    return [
         trial
         for trial in trials.done.values()
         if not trial.fit.reason and (not trial.causes or believable(trial, length_s))
     ]
+
+
+def _best(trials: Trials) -> Refined:
+    """The structure of the best score among the admissible ones. What is left by the one
+    that fits best, its numbers paid, is the unit in which all are compared."""
+    done = _admissible(trials)
     if not done:
         return trials.refined(())
     unit = piece_of(min(done, key=lambda trial: left(trial) + piece_of(trial) * cost(trial)))
@@ -256,15 +280,20 @@ def _sentence(trials: Trials, better: Refined, before: Refined) -> str:
 def _look_around(trials: Trials, base: Refined) -> None:
     """Fit what may be better than the best so far."""
     smaller = _each_left_out(trials, base)
-    offers = exchanges(trials, base)
-    if many(base.causes):  # the others are weighed again along what this one leaves
-        offers = islice(offers, 1)
-    for offer in offers:
-        _tried(trials, offer.causes, offer.rows, base.fit.starts)
+    _exchanged(trials, base)
     if base.fit.scale < NEAR_NOISE or many(base.causes):
         return
     for causes, rows, starts in _suggested(trials, base, smaller):
         _tried(trials, causes, rows, starts)
+
+
+def _exchanged(trials: Trials, base: Refined, as_promised: bool = False) -> None:
+    """Fit the most promising exchanges of a structure."""
+    offers = exchanges(trials, base, as_promised)
+    if many(base.causes):  # the others are weighed again along what this one leaves
+        offers = islice(offers, 1)
+    for offer in offers:
+        _tried(trials, offer.causes, offer.rows, base.fit.starts)
 
 
 def _without_a_name(trials: Trials, best: Refined, nothing: Refined) -> None:

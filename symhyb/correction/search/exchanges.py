@@ -5,12 +5,12 @@ back into the residual, those that stay may move, and any others may come.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
 
-from symhyb.correction.search.score import choice_of, piece_of, samples
+from symhyb.correction.search.score import choice_of, left, piece_of, samples
 from symhyb.correction.search.selection import (
     Problem,
     Subset,
@@ -33,19 +33,35 @@ TRIED = 8  # exchanges of one structure that are refined, the most promising
 @dataclass(frozen=True, slots=True)
 class Offer:
     """A structure in place of another one: the numbers of its ``causes``, and ``rows`` of values,
-    by key, SI, at which their fit begins; ``gain`` of the score, as the linear problem has it."""
+    by key, SI, at which their fit begins; what it takes off χ² as the linear problem has it
+    (``taken``), the ``price`` of what it has more, and the ``unit`` of the score."""
 
     causes: tuple[int, ...]
     rows: tuple[Row, ...]
-    gain: float
+    taken: float
+    price: float
+    unit: float = 1.0
+
+    @property
+    def gain(self) -> float:
+        """By how much the score is expected to fall."""
+        return self.taken / self.unit - self.price
 
 
-def exchanges(trials: Trials, base: Refined) -> Iterator[Offer]:
+def exchanges(trials: Trials, base: Refined, as_promised: bool = False) -> Iterator[Offer]:
     """The most promising exchanges of a fitted structure, best first, one for each set of laws
-    whatever their shapes."""
-    offered = sorted(_all(trials, base), key=lambda offer: -offer.gain)
+    whatever their shapes. They are valued in the unit of what the structure leaves, or
+    ``as_promised``: of what the best of them would leave."""
+    found, unit = list(_all(trials, base)), piece_of(base)
+    if as_promised and found:
+        share = max(offer.taken for offer in found) / left(base)
+        unit = max(unit * (1 - share), 1.0)  # of white noise at least
+    offered = sorted((replace(offer, unit=unit) for offer in found), key=lambda o: -o.gain)
+    few = not many(base.causes)
     seen: set[object] = set()
     for offer in offered:
+        if offer.gain <= (-max(MOST * offer.price, CLOSE) if few else 0.0):
+            continue
         families = frozenset(trials.known[cause].family for cause in offer.causes)
         if families not in seen:
             seen.add(families)
@@ -60,7 +76,7 @@ def _all(trials: Trials, base: Refined) -> Iterator[Offer]:
     still = solve(exchanged(along, parts, ()), ())
     if still is None:
         return
-    own, rows, unit = trials.causes(base), grouped(base), piece_of(base)
+    own, rows = trials.causes(base), grouped(base)
     number, choice = np.log(samples(base)), choice_of(trials.count)
     few = not many(own)
     for leaving in range(min(OUT if few else 1, len(own)) + 1):
@@ -75,14 +91,13 @@ def _all(trials: Trials, base: Refined) -> Iterator[Offer]:
                     more = subset.numbers - sum(cause.numbers for cause in gone)
                     price = more * number + (len(subset.causes) - leaving) * choice
                     taken = still.chi2 + still.held - subset.chi2 - subset.held
-                    gain = float(taken / unit - price)
-                    if gain > (-max(MOST * price, CLOSE) if few else 0.0):
-                        fresh = _begun(problem, subset, gone, [rows[i] for i in out])
-                        yield Offer(
-                            (*(own[i] for i in stay), *subset.causes),
-                            (*(rows[i] for i in stay), *fresh),
-                            gain,
-                        )
+                    fresh = _begun(problem, subset, gone, [rows[i] for i in out])
+                    yield Offer(
+                        (*(own[i] for i in stay), *subset.causes),
+                        (*(rows[i] for i in stay), *fresh),
+                        float(taken),
+                        float(price),
+                    )
 
 
 def _open(
