@@ -85,7 +85,7 @@ def test_what_takes_nearly_all_pays_though_it_costs_more_than_the_pieces_of_what
     """Two causes at once cost more than there are independent pieces in what nothing explains."""
     trials = Trials(settle(prepare(pendulum(), swing(lambda v: dry(v) + 0.004 * abs(v) * v))), str)
     nothing = trials.refined(())
-    best = max(exchanges(trials, nothing, as_promised=True), key=lambda offer: offer.taken)
+    best = max(exchanges(trials, nothing, as_predicted=True), key=lambda offer: offer.taken)
     assert len(best.causes) == 2
     assert best.price > PIECES
     assert best.gain > 0

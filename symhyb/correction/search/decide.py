@@ -7,7 +7,7 @@
    along its simulation; the most promising, each cause left out, and what only a fitted law
    suggests (variants, further lines, products) are fitted at full nonlinearity.
 3. That goes on until no structure that was fitted is better. Where it leaves more than is explained
-   the search goes on by what promises most, and from what fits better though its causes do not pay
+   the search goes on by what may take most, and from what fits better though its causes do not pay
    for themselves yet: where three act, two may leave half of what one leaves, and three nothing.
 """
 
@@ -235,11 +235,12 @@ def _cheaper(subset: Subset, best: Refined) -> bool:
 
 
 def _further(trials: Trials, best: Refined) -> Refined:
-    """The best structure once exchanges were tried that pay only if they explain as much as they
-    promise, of the best one and of what fits significantly better, its price aside."""
+    """The best structure once exchanges were tried that pay only if they explain as much as the
+    linear problem predicts, of the best one and of what fits significantly better, its price
+    aside."""
     base = best
     for _ in range(ROUNDS):
-        _exchanged(trials, base, as_promised=True)
+        _exchanged(trials, base, as_predicted=True)
         better, closest = _best(trials), min(_admissible(trials), key=left)
         if better is not best:
             return better
@@ -287,9 +288,9 @@ def _look_around(trials: Trials, base: Refined) -> None:
         _tried(trials, causes, rows, starts)
 
 
-def _exchanged(trials: Trials, base: Refined, as_promised: bool = False) -> None:
+def _exchanged(trials: Trials, base: Refined, as_predicted: bool = False) -> None:
     """Fit the most promising exchanges of a structure."""
-    offers = exchanges(trials, base, as_promised)
+    offers = exchanges(trials, base, as_predicted)
     if many(base.causes):  # the others are weighed again along what this one leaves
         offers = islice(offers, 1)
     for offer in offers:

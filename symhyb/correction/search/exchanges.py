@@ -48,12 +48,12 @@ class Offer:
         return self.taken / self.unit - self.price
 
 
-def exchanges(trials: Trials, base: Refined, as_promised: bool = False) -> Iterator[Offer]:
+def exchanges(trials: Trials, base: Refined, as_predicted: bool = False) -> Iterator[Offer]:
     """The most promising exchanges of a fitted structure, best first, one for each set of laws
     whatever their shapes. They are valued in the unit of what the structure leaves, or
-    ``as_promised``: of what the best of them would leave."""
+    ``as_predicted``: of what the best of them would leave."""
     found, unit = list(_all(trials, base)), piece_of(base)
-    if as_promised and found:
+    if as_predicted and found:
         share = max(offer.taken for offer in found) / left(base)
         unit = max(unit * (1 - share), 1.0)  # of white noise at least
     offered = sorted((replace(offer, unit=unit) for offer in found), key=lambda o: -o.gain)
