@@ -57,10 +57,10 @@ def exchanges(trials: Trials, base: Refined, as_predicted: bool = False) -> Iter
         share = max(offer.taken for offer in found) / left(base)
         unit = max(unit * (1 - share), 1.0)  # of white noise at least
     offered = sorted((replace(offer, unit=unit) for offer in found), key=lambda o: -o.gain)
-    few = not many(base.causes)
+    lenient = not (as_predicted or many(base.causes))
     seen: set[object] = set()
     for offer in offered:
-        if offer.gain <= (-max(MOST * offer.price, CLOSE) if few else 0.0):
+        if offer.gain <= (-max(MOST * offer.price, CLOSE) if lenient else 0.0):
             continue
         families = frozenset(trials.known[cause].family for cause in offer.causes)
         if families not in seen:
