@@ -2,27 +2,29 @@
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from symhyb.errors import InputError, Problem
 from symhyb.export.adams import adams_files
 from symhyb.export.c_code import c_files
+from symhyb.export.curve_table import curve_tables
 from symhyb.export.fmu import fmu, kinds_of
 from symhyb.export.functions.exported import serialised
 from symhyb.export.spec import C_WORDS, Role, Spec, spec_of
 from symhyb.model.types import Model
 from symhyb.writing import require_folder, staged, write_file
 
-TARGETS = ("fmu", "c", "casadi", "adams", "latex", "urdf", "mjcf")
+TARGETS = ("fmu", "c", "casadi", "adams", "curve", "latex", "urdf", "mjcf")
 ROBOTS = ("urdf", "mjcf")
-FOLDERS = ("c", "adams")  # what consists of several files
+FOLDERS = ("c", "adams", "curve")  # what consists of several files
 
 
 @dataclass(frozen=True, slots=True)
 class Order:
     """What a person asks for: ``elements`` alone (none: those found) or the ``whole`` model;
-    ``kinds`` None for those that are usual; ``robot`` is the URDF or MJCF that is to be changed."""
+    ``kinds`` None for those that are usual; ``robot`` is the URDF or MJCF that is to be changed;
+    ``spans`` are the ranges of stretch and rate of a table, SI."""
 
     to: str
     elements: tuple[str, ...] = ()
@@ -33,11 +35,12 @@ class Order:
     platforms: tuple[str, ...] = ()
     events: bool = False
     robot: Path | None = None
+    spans: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
 
 def deliver(model: Model, order: Order, output: Path) -> tuple[str, ...]:
-    """Write what is ordered to ``output`` (a folder for C and Adams, else a file) and say what it
-    is. Nothing is written if anything goes wrong.
+    """Write what is ordered to ``output`` (a folder for C, Adams and tables, else a file) and say
+    what it is. Nothing is written if anything goes wrong.
 
     Raises:
         InputError: an order that cannot be met, with the reason, or no permission to write.
@@ -52,6 +55,11 @@ def deliver(model: Model, order: Order, output: Path) -> tuple[str, ...]:
             "--to urdf and --to mjcf go with --robot FILE, the robot's own file; no other form does"
         )
         raise InputError(Problem(text))
+    if order.to == "curve" and order.whole:
+        raise InputError(Problem("a table holds laws, not a whole model; leave out --whole"))
+    if order.spans and order.to != "curve":
+        text = f"--stretch and --rate are ranges of tables (--to curve), not of '{order.to}'"
+        raise InputError(Problem(text))
     kinds = kinds_of(order.events, order.kinds)
     require_folder(output if order.to in FOLDERS else output.absolute().parent)
     if order.to not in FOLDERS and output.is_dir():
@@ -61,6 +69,10 @@ def deliver(model: Model, order: Order, output: Path) -> tuple[str, ...]:
 
         write_file(output, latex(model))
         return (f"{output}: the equations of the whole model",)
+    if order.to == "curve":
+        tables = curve_tables(model, order.elements, order.spans)
+        _write_all(output, {one.file: one.text() for one in tables})
+        return (f"{output}:", *(f"  {one.said()}" for one in tables))
     if order.robot is not None:
         return _robot(model, order.robot, order.to, output)
     name = order.name or _identifier(order, output)

@@ -129,7 +129,7 @@ def spec_of(
             raise InputError(Problem(text, file=model.file))
         exported = export_machine(model, events)
     else:
-        exported = export_elements(model, _chosen(model, elements), events)
+        exported = export_elements(model, chosen(model, elements), events)
         if not exported.outputs:
             text = "the elements exert no force; name others with --element"
             raise InputError(Problem(text, "elements", model.file))
@@ -142,7 +142,12 @@ def spec_of(
     return Spec(identifier, model.title, exported, _variables(exported), whole)
 
 
-def _chosen(model: Model, elements: Sequence[str]) -> tuple[str, ...]:
+def chosen(model: Model, elements: Sequence[str]) -> tuple[str, ...]:
+    """The names of the ``elements`` that are exported; none named: those that a diagnosis found.
+
+    Raises:
+        InputError: elements that are missing, or none at all.
+    """
     known = [element.name for element in model.elements]
     missing = [name for name in elements if name not in known]
     if missing:

@@ -14,12 +14,14 @@ def export(
     to: Annotated[
         str,
         typer.Option(
-            "--to", metavar="FORM", help="One of fmu, c, casadi, adams, latex, urdf, mjcf."
+            "--to", metavar="FORM", help="One of fmu, c, casadi, adams, curve, latex, urdf, mjcf."
         ),
     ],
     output: Annotated[
         Path,
-        typer.Option("-o", "--output", metavar="OUT", help="File; for c and adams a folder."),
+        typer.Option(
+            "-o", "--output", metavar="OUT", help="File; for c, adams and curve a folder."
+        ),
     ],
     elements: Annotated[
         list[str] | None,
@@ -42,6 +44,12 @@ def export(
         Path | None,
         typer.Option(metavar="FILE", help="For urdf and mjcf: the robot's own file."),
     ] = None,
+    stretch: Annotated[
+        str, typer.Option(metavar="LOW:HIGH", help="For curve: the range of stretches, in SI.")
+    ] = "",
+    rate: Annotated[
+        str, typer.Option(metavar="LOW:HIGH", help="For curve: the range of rates, in SI.")
+    ] = "",
     events: Annotated[
         bool,
         typer.Option(
@@ -56,17 +64,23 @@ def export(
     By default the elements that a diagnosis found, as a force element: coordinates and speeds in,
     +dF out, which the host adds to its applied forces. With --whole the inputs of the model in, its
     sensors and coordinates out. Everything is in SI. To urdf and mjcf: a copy of the robot's own
-    file with the damping, friction and rotor inertia that the model has in its joints.
+    file with the damping, friction and rotor inertia that the model has in its joints. To curve:
+    tables of the force over stretch or rate, a file for each place.
 
     \b
     Examples:
       symhyb export out/corrected.toml --to fmu -o correction.fmu
+      symhyb export out/corrected.toml --to curve --rate -0.5:0.5 -o tables
       symhyb export out/corrected.toml --to urdf --robot arm.urdf -o arm-corrected.urdf
     """
+    from symhyb.export.curve_table import span_of
     from symhyb.export.deliver import Order, deliver
     from symhyb.model.read import read_model
 
     targets = tuple(one for one in platforms.split(",") if one)
     chosen = None if kinds is None else tuple(one for one in kinds.split(",") if one)
-    order = Order(to, tuple(elements or ()), whole, name, fmi, chosen, targets, events, robot)
+    asked = {"stretch": stretch, "rate": rate}
+    spans = {over: span_of(over, text) for over, text in asked.items() if text}
+    named = tuple(elements or ())
+    order = Order(to, named, whole, name, fmi, chosen, targets, events, robot, spans)
     print(*deliver(read_model(model), order, output), sep="\n")

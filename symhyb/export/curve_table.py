@@ -1,0 +1,212 @@
+"""Laws of stretch or of rate as tables: what owners of tabulated dampers and bushings read in.
+
+    F > 0 resists: it pulls back from a positive stretch, and brakes a positive rate
+
+          F │        ●─── ● the law        between two rows a straight line: rows are added
+            │     ●         until it misses the law by no more than a thousandth of the
+       ─────●──────────▶ s  largest force
+         ●  │
+
+Laws at one place over one variable act side by side, so that one table holds their sum.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from symhyb.errors import InputError, Problem
+from symhyb.export.spec import chosen
+from symhyb.laws.maths import NUMPY, Motion
+from symhyb.model.expression import evaluate
+from symhyb.model.types import At, Element, Model, Place, place_text
+from symhyb.model.vocabulary import KINDS, force_unit, stretch_unit
+from symhyb.numeric.kernels.buffers import Array
+from symhyb.units import parse_unit
+
+ACCURACY = 1e-3  # of the largest force: what a straight line between two rows may miss
+ROWS_FIRST, ROWS_MOST = 33, 4000
+OVER = ("stretch", "rate")
+_EACH = np.logspace(-6, 3, 19)
+PROBES = np.concatenate([-_EACH[::-1], [0.0], _EACH])  # SI: where a law is asked what it follows
+ELSE = "export an FMU (--to fmu)"
+
+Law = Callable[[Array, Array], Array]
+Span = tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CurveTable:
+    """The ``force`` (R,) over the stretch or the rate ``x`` (R,) at a place, SI, with their units,
+    of some ``elements`` together."""
+
+    place: Place
+    over: str
+    elements: tuple[str, ...]
+    x: Array
+    force: Array
+    units: tuple[str, str]
+
+    @property
+    def file(self) -> str:
+        """The name of its file: ``on-x-rate.csv``."""
+        words = "".join(c if c.isalnum() or c in "_" else " " for c in place_text(self.place))
+        return "-".join((*words.split(), self.over)) + ".csv"
+
+    def text(self) -> str:
+        """Two columns under their names, with commas."""
+        head = f"{self.over} [{self.units[0]}],force [{self.units[1]}]"
+        rows = (f"{x:.9g},{y:.9g}" for x, y in zip(self.x, self.force, strict=True))
+        return "\n".join((head, *rows)) + "\n"
+
+    def said(self) -> str:
+        """What it holds, for a person."""
+        low, high = self.x[0], self.x[-1]
+        return (
+            f"{self.file}: force over {self.over} {place_text(self.place)} of "
+            f"{' and '.join(self.elements)}, {self.x.size} rows from {low:.4g} to {high:.4g} "
+            f"{self.units[0]}; F > 0 resists"
+        )
+
+
+def curve_tables(
+    model: Model, elements: Sequence[str], spans: Mapping[str, Span]
+) -> tuple[CurveTable, ...]:
+    """Tables of the named ``elements``, by default of those that a diagnosis found; ``spans`` are
+    the ranges of stretch and of rate, SI, by default that of the points of own curves.
+
+    Raises:
+        InputError: elements that are missing or are no function of one variable, a range that is
+            missing, all of them at once.
+    """
+    groups: dict[tuple[Place, str], list[tuple[Element, Law]]] = {}
+    problems: list[Problem] = []
+    for name in chosen(model, elements):
+        element = next(one for one in model.elements if one.name == name)
+        try:
+            law = _law(model, element)
+            groups.setdefault((element.place, _over(law)), []).append((element, law))
+        except _NoTableError as error:
+            problems.append(Problem(f"{error}; {ELSE}", f"elements.{name}", model.file))
+    found = []
+    for (place, over), members in groups.items():
+        span = spans.get(over) or _own_span([element for element, _ in members])
+        if span is None:
+            names = " and ".join(element.name for element, _ in members)
+            text = f"a table of {names} needs a range: --{over} LOW:HIGH, in SI"
+            problems.append(Problem(text, f"elements.{members[0][0].name}", model.file))
+            continue
+        found.append(_table(model, place, over, members, span))
+    if problems:
+        raise InputError(problems)
+    return tuple(found)
+
+
+def span_of(over: str, text: str) -> Span:
+    """The range ``LOW:HIGH`` that a person gives of the stretch or the rate, SI.
+
+    Raises:
+        InputError: no two numbers, or not in their order.
+    """
+    low, colon, high = text.partition(":")
+    try:
+        span = float(low), float(high)
+    except ValueError:
+        colon = ""
+        span = 0.0, 0.0
+    if not (colon and np.isfinite(span).all() and span[0] < span[1]):
+        raise InputError(Problem(f"--{over} is '{text}'; write LOW:HIGH in SI, such as -0.5:0.5"))
+    return span
+
+
+class _NoTableError(Exception):
+    """A law that no table of two columns holds; the message says why."""
+
+
+def _law(model: Model, element: Element) -> Law:
+    """The force of an element, SI, as a function of stretch and rate."""
+    kind = KINDS[element.kind]
+    if kind.action is None or kind.energy == "active":
+        raise _NoTableError(f"a '{element.kind}' is no law of stretch or rate")
+    if isinstance(element.place, At):
+        raise _NoTableError("it acts at a point, along more than one direction")
+    numbers: dict[tuple[str, int] | str, Array | float] = {
+        one.name: one.si for one in (*model.parameters, *element.parameters)
+    }
+    try:
+        values: dict[str, object] = {
+            key: float(evaluate(text, numbers, model.characteristics()))
+            for key, text in element.values
+        }
+    except KeyError as error:
+        text = f"its strength depends on {error}, which changes as the machine moves"
+        raise _NoTableError(text) from None
+    if element.curve is not None:
+        values["curve"] = element.curve.characteristic
+    act = kind.action
+
+    def force(s: Array, r: Array) -> Array:
+        action = act(NUMPY, Motion(s, r, 0.0, 0.0), values, dict(element.options))
+        if action.inner is not None:
+            raise _NoTableError("it has an inner state, which remembers")
+        return np.broadcast_to(np.asarray(action.force, dtype=np.float64), np.shape(s + r))
+
+    return force
+
+
+def _over(law: Law) -> str:
+    """Which variable a law follows."""
+    with np.errstate(all="ignore"):
+        force = law(PROBES[:, None], PROBES[None, :])
+    by_stretch = bool(np.any(force != force[:1]))
+    by_rate = bool(np.any(force != force[:, :1]))
+    if by_stretch and by_rate:
+        raise _NoTableError("it depends on stretch and rate together")
+    if not (by_stretch or by_rate):
+        raise _NoTableError("it depends on neither stretch nor rate")
+    return OVER[by_rate]
+
+
+def _own_span(elements: Sequence[Element]) -> Span | None:
+    """The range of the points of curves; None where a law has none."""
+    ends = [tuple(_points(element)) for element in elements]
+    if not all(ends):
+        return None
+    return min(x[0] for x in ends), max(x[-1] for x in ends)
+
+
+def _points(element: Element) -> Iterator[float]:
+    """Where the points of an own curve lie, SI."""
+    if element.curve is not None:
+        yield from (element.curve.units[0].factor * x for x, _ in element.curve.points)
+
+
+def _table(
+    model: Model, place: Place, over: str, members: Sequence[tuple[Element, Law]], span: Span
+) -> CurveTable:
+    def force(x: Array) -> Array:
+        still = np.zeros_like(x)
+        given = (x, still) if over == "stretch" else (still, x)
+        total: Array = sum((law(*given) for _, law in members), still)
+        return total
+
+    marks = [0.0, *(x for element, _ in members for x in _points(element))]
+    inner = [x for x in marks if span[0] < x < span[1]]
+    x = _refined(force, np.union1d(np.linspace(*span, ROWS_FIRST), inner))
+    along, up = stretch_unit(model, place), force_unit(model, place)
+    along = along if over == "stretch" else along / parse_unit("s")
+    units = (along.text, up.text)
+    names = tuple(element.name for element, _ in members)
+    return CurveTable(place, over, names, x / along.factor, force(x) / up.factor, units)
+
+
+def _refined(force: Callable[[Array], Array], x: Array) -> Array:
+    """The places ``x`` (R,), SI, and as many between them as straight lines need."""
+    while x.size < ROWS_MOST:
+        y, between = force(x), 0.5 * (x[:-1] + x[1:])
+        missed = np.abs(force(between) - 0.5 * (y[:-1] + y[1:]))
+        more = between[missed > ACCURACY * np.abs(y).max(initial=0.0)]
+        if not more.size:
+            break
+        x = np.union1d(x, more)
+    return x
