@@ -240,8 +240,9 @@ def _amounts(model: Model, beyond: Beyond) -> str:
         if beyond.share[i] > NEGLIGIBLE:
             unit = force_unit(model, On(coordinate.name))
             amount = quantity_text(float(beyond.force[i]) / unit.factor, unit.text, digits=2)
-            share = percent_text(float(beyond.share[i]))
-            parts.append(f"{amount} RMS on {coordinate.name} ({share} of what moves it)")
+            share = float(beyond.share[i])  # an inertia that the model lacks takes it beyond 1
+            part = f"{percent_text(share)} of" if share < 1 else "more than"
+            parts.append(f"{amount} RMS on {coordinate.name} ({part} what moves it)")
     return joined(parts)
 
 
