@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from symhyb.correction.search.decide import Decision, decide, decide_among
+from symhyb.correction.search.decide import decide, decide_among
+from symhyb.correction.search.decision import Decision
 from symhyb.correction.search.preparing import prepare, settle
 from symhyb.correction.search.setting import Setting
 from tests.pushed import NOISE, pushed, pushed_model

@@ -6,7 +6,7 @@ import pytest
 
 from symhyb.correction.naming.findings import doubtful
 from symhyb.correction.naming.probability import probabilities
-from symhyb.correction.search.decide import Decision
+from symhyb.correction.search.decision import Decision
 from symhyb.correction.search.trajectory import Refined
 from symhyb.discrepancy.fitting.task import Fit
 from symhyb.discrepancy.places.hypotheses import Hypothesis

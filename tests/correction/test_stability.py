@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from symhyb.correction.naming.stability import stabilities, weakest
-from symhyb.correction.search.decide import Decision
+from symhyb.correction.search.decision import Decision
 from symhyb.correction.search.trajectory import Refined
 from symhyb.discrepancy.fitting.task import Fit
 from symhyb.discrepancy.places.hypotheses import Hypothesis

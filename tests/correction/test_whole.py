@@ -7,7 +7,7 @@ import pytest
 from builders import model_of, recording, spring
 from scipy.integrate import solve_ivp
 
-from symhyb.correction.search.decide import Decision
+from symhyb.correction.search.decision import Decision
 from symhyb.correction.search.preparing import Prepared, prepare, settle
 from symhyb.correction.search.trajectory import Refined, refine
 from symhyb.correction.verdict.choice import Choice

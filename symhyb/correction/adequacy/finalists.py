@@ -15,7 +15,7 @@ from symhyb.correction.adequacy.evidence import evidence
 from symhyb.correction.adequacy.followed import followed
 from symhyb.correction.adequacy.recorded import recorded
 from symhyb.correction.search.conventions import exchange
-from symhyb.correction.search.decide import CLOSE_MOST, Decision
+from symhyb.correction.search.decision import CLOSE_MOST, Decision
 from symhyb.correction.search.preparing import Prepared
 from symhyb.correction.search.score import believable, prior_sd
 from symhyb.correction.search.setting import Setting

@@ -13,7 +13,7 @@ from symhyb.correction.adequacy.beyond import beyond
 from symhyb.correction.adequacy.channel_noise import sensor_sd
 from symhyb.correction.adequacy.followed import followed
 from symhyb.correction.adequacy.recorded import recorded
-from symhyb.correction.search.decide import Decision
+from symhyb.correction.search.decision import Decision
 from symhyb.correction.search.preparing import Prepared
 from symhyb.correction.search.setting import Setting
 from symhyb.judgement import NEAR_NOISE, UNEXPLAINED

@@ -10,7 +10,7 @@ from symhyb.correction.advice.bounds import bounds_of
 from symhyb.correction.advice.manoeuvre import Design, Expected, Rivals, design
 from symhyb.correction.advice.newsensor import telling_sensor
 from symhyb.correction.naming.findings import cause_phrase, rivals_of
-from symhyb.correction.search.decide import Decision
+from symhyb.correction.search.decision import Decision
 from symhyb.correction.search.preparing import Prepared
 from symhyb.correction.search.selection import many
 from symhyb.correction.search.setting import Setting

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from symhyb.correction.naming.findings import cause_phrase, doubtful
-from symhyb.correction.search.decide import Decision
+from symhyb.correction.search.decision import Decision
 from symhyb.correction.search.score import unit_of
 from symhyb.correction.search.selection import Problem
 from symhyb.correction.search.setting import Setting, effects

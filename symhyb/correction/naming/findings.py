@@ -11,7 +11,7 @@ from symhyb.correction.naming.curve_points import BEYOND, curve_element, value_e
 from symhyb.correction.naming.probability import probabilities
 from symhyb.correction.naming.textbook import critical_share
 from symhyb.correction.search.conventions import Exchange, exchange
-from symhyb.correction.search.decide import Decision
+from symhyb.correction.search.decision import Decision
 from symhyb.correction.search.score import believable
 from symhyb.correction.search.trajectory import Refined
 from symhyb.discrepancy.places.hypotheses import Hypothesis

@@ -10,7 +10,7 @@ judged along whole recordings, those share it.
 import numpy as np
 
 from symhyb.correction.search.conventions import exchange
-from symhyb.correction.search.decide import Decision
+from symhyb.correction.search.decision import Decision
 from symhyb.correction.search.score import believable
 from symhyb.correction.search.trajectory import Refined
 from symhyb.discrepancy.places.hypotheses import Hypothesis

@@ -15,7 +15,7 @@ from dataclasses import replace
 import numpy as np
 
 from symhyb.correction.search.conventions import exchange
-from symhyb.correction.search.decide import Decision
+from symhyb.correction.search.decision import Decision
 from symhyb.correction.search.score import believable, piece_of, price
 from symhyb.correction.search.trajectory import Refined
 from symhyb.discrepancy.places.hypotheses import Hypothesis

@@ -12,7 +12,6 @@
 """
 
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass
 from itertools import islice
 
 from symhyb.correction.search.conventions import (
@@ -21,6 +20,7 @@ from symhyb.correction.search.conventions import (
     precedence,
     with_twins,
 )
+from symhyb.correction.search.decision import CLOSE_MOST, Decision
 from symhyb.correction.search.exchanges import distinct, exchanges
 from symhyb.correction.search.first_structures import BEGUN, LARGEST, begun, begun_along
 from symhyb.correction.search.force_screen import ForceScreen
@@ -28,14 +28,12 @@ from symhyb.correction.search.formulas import beside, candidates, instead
 from symhyb.correction.search.lines import lines_of
 from symhyb.correction.search.score import (
     believable,
-    choice_of,
     cost,
     left,
     piece_of,
     price,
     score,
     standing,
-    uncertain,
     weak_together,
 )
 from symhyb.correction.search.selection import Problem, Subset, best_subsets, many, without
@@ -52,52 +50,6 @@ from symhyb.numeric.kernels.buffers import Array
 from symhyb.steps import Say
 
 ROUNDS = 12
-CLOSE_MOST = 8  # structures that are decided among, with the selected one
-
-
-@dataclass(frozen=True, slots=True)
-class Decision:
-    """The structure that is selected (``selected``), the ``best`` by its score alone (convention
-    may name another one), all that were refined (``trials``), and ``equals``: causes that no
-    recording of this kind distinguishes from another one. ``count`` causes competed. Some trials
-    may have been ``judged`` along whole recordings: by how much each is worse than the selected
-    structure there."""
-
-    selected: Refined
-    nothing: Refined
-    trials: tuple[Refined, ...]
-    equals: tuple[tuple[Hypothesis, Hypothesis], ...]
-    log: tuple[str, ...]
-    count: int = 1
-    best: Refined | None = None
-    judged: tuple[tuple[Refined, float], ...] = ()
-
-    def behind(self, trial: Refined) -> float:
-        """By how much the score of a trial is worse than the best: twice ln of the odds."""
-        for known, worse in self.judged:
-            if known is trial:
-                return worse
-        best = self.best or self.selected
-        unit = piece_of(best)
-        return score(trial, unit, self.count) - score(best, unit, self.count)
-
-    def near(self, within: float) -> list[Refined]:
-        """The structures beside the selected one that are less than ``within`` behind the best, the
-        best of them first."""
-        behind = [(self.behind(trial), i, trial) for i, trial in enumerate(self.trials)]
-        return [
-            trial
-            for worse, _, trial in sorted(behind)
-            if trial is not self.selected and not trial.fit.reason and worse < within
-        ]
-
-    def against(self, trial: Refined) -> float:
-        """The same at even odds of a parameter and a law: an ``sd`` says how far a parameter may be
-        off, and not how likely it is that it, rather than a law, is what acts."""
-        if any(known is trial for known, _ in self.judged):
-            return self.behind(trial)
-        more = uncertain(trial) - uncertain(self.best or self.selected)
-        return self.behind(trial) + more * choice_of(self.count)
 
 
 def decide(setting: Setting, forces: ForceScreen | None, say: Say) -> Decision:

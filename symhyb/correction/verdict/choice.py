@@ -10,7 +10,8 @@ from symhyb.correction.adequacy.finalists import settled
 from symhyb.correction.adequacy.sensor_noise import measured_again
 from symhyb.correction.naming.fleet_words import misfit
 from symhyb.correction.search.beginnings import active_part, changed, contradicted
-from symhyb.correction.search.decide import Decision, decide, decide_among
+from symhyb.correction.search.decide import decide, decide_among
+from symhyb.correction.search.decision import Decision
 from symhyb.correction.search.fleet import Outlier, outliers, own_value, parted, without
 from symhyb.correction.search.force_screen import ForceScreen
 from symhyb.correction.search.preparing import Prepared

@@ -20,7 +20,7 @@ from symhyb.correction.naming.findings import (
 from symhyb.correction.naming.fleet_words import with_own
 from symhyb.correction.naming.probability import probabilities
 from symhyb.correction.naming.stability import stabilities, weakest
-from symhyb.correction.search.decide import Decision
+from symhyb.correction.search.decision import Decision
 from symhyb.correction.search.preparing import Prepared
 from symhyb.correction.search.strength import element_forces
 from symhyb.correction.search.trajectory import Refined

@@ -6,7 +6,7 @@ import pytest
 
 from symhyb.correction.adequacy import finalists
 from symhyb.correction.adequacy.finalists import settled
-from symhyb.correction.search.decide import Decision
+from symhyb.correction.search.decision import Decision
 from symhyb.correction.search.preparing import Prepared, prepare, settle
 from symhyb.correction.search.setting import Setting
 from symhyb.correction.search.trajectory import Refined, refine
