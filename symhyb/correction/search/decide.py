@@ -193,10 +193,10 @@ def _further(trials: Trials, best: Refined) -> Refined:
     base = best
     for _ in range(ROUNDS):
         _exchanged(trials, base, as_predicted=True)
-        better, closest = _best(trials), min(_admissible(trials), key=left)
+        better, closest = _best(trials), min(_admissible(trials), key=left, default=base)
         if better is not best:
             return better
-        if left(base) - left(closest) < SIGNIFICANT * piece_of(closest):
+        if not left(base) - left(closest) >= SIGNIFICANT * piece_of(closest):
             break
         base = closest
     return best
