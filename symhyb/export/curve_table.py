@@ -19,6 +19,7 @@ from symhyb.errors import InputError, Problem
 from symhyb.export.spec import chosen
 from symhyb.laws.maths import NUMPY, Motion
 from symhyb.model.expression import evaluate
+from symhyb.model.scope import numbers_of
 from symhyb.model.types import At, Element, Model, Place, place_text
 from symhyb.model.vocabulary import KINDS, force_unit, stretch_unit
 from symhyb.numeric.kernels.buffers import Array
@@ -108,15 +109,13 @@ def span_of(over: str, text: str) -> Span:
     Raises:
         InputError: no two numbers, or not in their order.
     """
-    low, colon, high = text.partition(":")
     try:
-        span = float(low), float(high)
+        low, high = map(float, text.split(":"))
     except ValueError:
-        colon = ""
-        span = 0.0, 0.0
-    if not (colon and np.isfinite(span).all() and span[0] < span[1]):
+        low = high = np.nan
+    if not -np.inf < low < high < np.inf:
         raise InputError(Problem(f"--{over} is '{text}'; write LOW:HIGH in SI, such as -0.5:0.5"))
-    return span
+    return low, high
 
 
 class _NoTableError(Exception):
@@ -130,9 +129,7 @@ def _law(model: Model, element: Element) -> Law:
         raise _NoTableError(f"a '{element.kind}' is no law of stretch or rate")
     if isinstance(element.place, At):
         raise _NoTableError("it acts at a point, along more than one direction")
-    numbers: dict[tuple[str, int] | str, Array | float] = {
-        one.name: one.si for one in (*model.parameters, *element.parameters)
-    }
+    numbers = numbers_of(model, element)
     try:
         values: dict[str, object] = {
             key: float(evaluate(text, numbers, model.characteristics()))

@@ -20,7 +20,7 @@ from symhyb.model.expression import (
 )
 from symhyb.model.source import Path
 from symhyb.model.tables import Fault, shorten
-from symhyb.model.types import Coordinate, Input, Model, Parameter, Vector
+from symhyb.model.types import Coordinate, Element, Input, Model, Parameter, Vector
 from symhyb.units import Unit, parse_unit
 
 
@@ -85,6 +85,12 @@ def scope_of(model: Model, unreadable: frozenset[str] = frozenset()) -> Scope:
             units[name] = unit
     coordinates, inputs = frozenset(kinds["coordinates"]), frozenset(kinds["inputs"])
     return Scope(units, coordinates, inputs, curves=curves)
+
+
+def numbers_of(model: Model, element: Element) -> dict[tuple[str, int] | str, float]:
+    """The parameters that the expressions of an ``element`` see, by name, SI: its own before those
+    of the model."""
+    return {one.name: one.si for one in (*model.parameters, *element.parameters)}
 
 
 def shared_names(

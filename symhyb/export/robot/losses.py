@@ -11,6 +11,7 @@ from symhyb.discrepancy.words.amounts import number_text
 from symhyb.imports.names import identifier
 from symhyb.imports.robot import STRAIGHT, Joint, Robot
 from symhyb.model.expression import Expression, evaluate
+from symhyb.model.scope import numbers_of
 from symhyb.model.types import Element, Model, On
 
 PLAIN = {"damper": "damping", "friction": "coulomb", "added_mass": "mass"}
@@ -73,10 +74,7 @@ def _size(model: Model, element: Element, expression: Expression | None) -> floa
     """The value of a key, SI; 0 where it is not set."""
     if expression is None:
         return 0.0
-    values: dict[tuple[str, int] | str, float] = {
-        one.name: one.si for one in (*model.parameters, *element.parameters)
-    }
-    return float(evaluate(expression, values))
+    return float(evaluate(expression, numbers_of(model, element)))
 
 
 def _said(model: Model, element: Element) -> str:
