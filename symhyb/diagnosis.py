@@ -150,7 +150,8 @@ def _judged(prepared: Prepared, choice: Choice, tell: Say) -> tuple[Estimated, A
     tell("estimating values")
     known = estimate(prepared, choice, tell)
     tell("looking for what acts beyond")
-    judged = adequacy(prepared, choice.setting, known.final, known.windows)
+    along = choice.along if choice.along and choice.along.causes == known.final.causes else None
+    judged = adequacy(prepared, choice.setting, known.final, known.windows, along)
     doubt = known.doubt | judged.doubt
     return replace(known, doubt=doubt), replace(judged, doubt=doubt)
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from symhyb.discrepancy.evidence import Correlations
 from symhyb.discrepancy.fitting.bands import _less, bands_of, without_each
 from symhyb.discrepancy.fitting.judge import _runs, judge
+from symhyb.discrepancy.fitting.scores import errors
 from symhyb.model.expression import parse_expression
 from symhyb.model.read import parse_model
 from symhyb.numeric.lowered.machine import build
@@ -46,16 +47,17 @@ def test_the_band_is_the_response_to_what_the_force_may_be_off() -> None:
         parse_model(DRIVEN_MASS + FOUND, "m.toml"),
     )
     runs = _runs(build(model), [pushed()])
-    (band,) = bands_of(build(corrected), runs, KNOWN)
+    found = errors(build(corrected), runs, 0.5, None)
+    (band,) = bands_of(build(corrected), runs, found, KNOWN)
     assert band is not None
     np.testing.assert_allclose(band[:, 0], SD * np.abs(response(T)), atol=2e-5)
-    assert bands_of(build(corrected), runs, None) == (None,)
-    (less,) = without_each(model, corrected, runs)
+    assert bands_of(build(corrected), runs, found, None) == (None,)
+    (less,) = without_each(model, corrected, runs, found.scenarios)
     assert less.element == "found_constant"
     error = less.free_run_rmse["laser"]
     assert error is not None
     assert 0.1 * FORCE / K < error < 1.5 * FORCE / K
-    assert without_each(model, model, runs) == ()
+    assert without_each(model, model, runs, found.scenarios) == ()
     element = corrected.elements[-1]
     held = replace(element, values=(("constant", parse_expression(FORCE)),), parameters=())
     rebuilt = _less(build(replace(corrected, elements=(*model.elements, held))), held)

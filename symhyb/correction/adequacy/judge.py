@@ -68,15 +68,16 @@ def adequacy(
     prepared: Prepared,
     setting: Setting,
     final: Refined,
-    along: Along,
+    windows: Along,
+    along: Fitted | None = None,
 ) -> Adequacy:
-    """Judge a decided structure by the recordings that it was decided on, beginning ``along`` the
-    windows that it was fitted on."""
+    """Judge a decided structure by the recordings that it was decided on, as it was fitted
+    ``along`` them; if that is not known, beginning with the ``windows`` that it was fitted on."""
     ground = recorded(prepared, setting)
     if ground is None:
         return Adequacy(NOTHING, unjudged=TOO_SHORT)
     rows = grouped(final)
-    base = followed(ground, final, along)
+    base = along or followed(ground, final, windows)
     if base.fit.reason:
         return Adequacy(NOTHING, unjudged=base.fit.reason)
     left = beyond(ground, base)

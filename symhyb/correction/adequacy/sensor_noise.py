@@ -13,26 +13,29 @@ from symhyb.correction.adequacy.beyond import beyond
 from symhyb.correction.adequacy.channel_noise import sensor_sd
 from symhyb.correction.adequacy.followed import followed
 from symhyb.correction.adequacy.recorded import recorded
-from symhyb.correction.search.decision import Decision
+from symhyb.correction.adequacy.structure import Fitted
 from symhyb.correction.search.preparing import Prepared
 from symhyb.correction.search.setting import Setting
+from symhyb.correction.search.trajectory import Refined
 from symhyb.judgement import NEAR_NOISE, UNEXPLAINED
 from symhyb.numeric.kernels.buffers import Array
 
 
-def measured_again(prepared: Prepared, setting: Setting, decision: Decision) -> Array | None:
-    """The noise (m,) of the sensors, SI, where a decided structure leaves more than noise and the
-    innovations measure another one that explains it; None where it stands. Repeated runs show it
-    already."""
-    selected = decision.selected
+def measured_again(
+    prepared: Prepared, setting: Setting, selected: Refined, along: Fitted | None
+) -> tuple[Array | None, Fitted | None]:
+    """The noise (m,) of the sensors, SI, where a ``selected`` structure leaves more than noise and
+    the innovations measure another one that explains it; None where it stands. Repeated runs show
+    it already. With it the structure ``along`` whole recordings, once that is known."""
     if prepared.repeats or selected.fit.scale < NEAR_NOISE:
-        return None
+        return None, along
     ground = recorded(prepared, setting)
     if ground is None:
-        return None
-    along = followed(ground, selected, (selected, setting.stages[-1].cuts))
+        return None, along
+    along = along or followed(ground, selected, (selected, setting.stages[-1].cuts))
     if along.fit.reason:
-        return None
+        return None, along
     sd = sensor_sd(ground, along, beyond(ground, along))
     louder = float(np.max((sd / setting.sd) ** 2))
-    return sd if louder > max(NEAR_NOISE, selected.fit.scale / UNEXPLAINED) else None
+    loud = louder > max(NEAR_NOISE, selected.fit.scale / UNEXPLAINED)
+    return sd if loud else None, along

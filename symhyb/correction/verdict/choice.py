@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 from symhyb.correction.adequacy.finalists import settled
 from symhyb.correction.adequacy.sensor_noise import measured_again
+from symhyb.correction.adequacy.structure import Fitted
 from symhyb.correction.naming.fleet_words import misfit
 from symhyb.correction.search.beginnings import active_part, changed, contradicted
 from symhyb.correction.search.decide import decide, decide_among
@@ -28,24 +29,27 @@ from symhyb.steps import Say
 @dataclass(frozen=True, slots=True)
 class Choice:
     """A decision with the ``setting`` that it was made in, the map of ``places``, the ``change`` on
-    the way that restricts it, and recordings that are ``misfits``."""
+    the way that restricts it, and recordings that are ``misfits``; the selected structure
+    ``along`` whole recordings, where that was needed."""
 
     setting: Setting
     decision: Decision
     places: tuple[PlaceShare, ...]
     change: Change | None
     misfits: tuple[Misfit, ...]
+    along: Fitted | None = None
 
 
 def choose(prepared: Prepared, setting: Setting, forces: ForceScreen | None, say: Say) -> Choice:
     """Screen all causes, map the places and decide; again where the sensors prove noisier."""
     choice = chosen(prepared, setting, forces, say)
-    sd = measured_again(prepared, choice.setting, choice.decision)
+    selected = choice.decision.selected
+    sd, along = measured_again(prepared, choice.setting, selected, choice.along)
     if sd is None:
-        return choice
+        return replace(choice, along=along)
     say("deciding again, for the noise of a sensor is correlated in time")
     louder = replace(choice.setting, sd=sd)
-    if many(choice.decision.selected.causes):  # forces, not windows, show so many
+    if many(selected.causes):  # forces, not windows, show so many
         return chosen_again(prepared, louder, choice, say)
     return chosen(prepared, replace(setting, sd=sd), forces, say)
 
@@ -53,8 +57,9 @@ def choose(prepared: Prepared, setting: Setting, forces: ForceScreen | None, say
 def chosen_again(prepared: Prepared, setting: Setting, choice: Choice, say: Say) -> Choice:
     """A choice in another ``setting``, whose noise is another one: among the structures that were
     close."""
-    decision = settled(prepared, setting, decide_among(setting, choice.decision, say), say)
-    return replace(choice, setting=setting, decision=decision)
+    among = decide_among(setting, choice.decision, say)
+    decision, along = settled(prepared, setting, among, say)
+    return replace(choice, setting=setting, decision=decision, along=along)
 
 
 def chosen(prepared: Prepared, setting: Setting, forces: ForceScreen | None, say: Say) -> Choice:
@@ -86,8 +91,8 @@ def chosen(prepared: Prepared, setting: Setting, forces: ForceScreen | None, say
         if len(cuts) == 2 and (own := own_value(decision.selected, odd[0])) is not None:
             misfits = (misfit(decision.selected, own, [i.source[0] for i in cuts]),)
     with if_interrupted(lambda: fits_best(decision.selected, len(decision.trials))):
-        decision = settled(prepared, setting, decision, say)
-    return Choice(setting, decision, places, change, misfits)
+        decision, along = settled(prepared, setting, decision, say)
+    return Choice(setting, decision, places, change, misfits, along)
 
 
 def _rivals(decision: Decision, odd: Outlier) -> list[Hypothesis]:

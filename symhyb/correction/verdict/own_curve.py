@@ -32,7 +32,7 @@ def with_curve(prepared: Prepared, choice: Choice, judged: Adequacy, say: Say) -
     fresh = [cause for cause in decision.selected.causes if cause.family not in before]
     if not fresh:
         return None
-    return replace(choice, decision=decision)
+    return replace(choice, decision=decision, along=None)
 
 
 def holds(choice: Choice, again: Adequacy, before: Adequacy) -> bool:

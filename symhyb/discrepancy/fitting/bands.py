@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from symhyb.discrepancy.evidence import Correlations, Without
-from symhyb.discrepancy.fitting.scores import free_run, free_scenario
+from symhyb.discrepancy.fitting.scores import Errors, free_run, free_scenario
 from symhyb.discrepancy.recorded.runs import Run
 from symhyb.discrepancy.recorded.sampling import as_sampled
 from symhyb.discrepancy.recorded.signals import measured
@@ -15,7 +15,8 @@ from symhyb.model.vocabulary import KINDS
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.lowered.known import machine_with
 from symhyb.numeric.lowered.machine import Machine, build
-from symhyb.numeric.runs.integrate import simulate
+from symhyb.numeric.runs.integrate import Trajectory, simulate
+from symhyb.numeric.runs.scenario import Scenario
 from symhyb.numeric.runs.windows import WindowModel
 
 SAMPLES_MOST = 400_000  # of all the runs that bands, or errors without an element, take
@@ -24,10 +25,11 @@ ELEMENTS_MOST = 6
 
 
 def bands_of(
-    machine: Machine, runs: Sequence[Run], known: Correlations | None
+    machine: Machine, runs: Sequence[Run], found: Errors, known: Correlations | None
 ) -> tuple[Array | None, ...]:
-    """One standard deviation (N, m), SI, of the free run of each recording from what the numbers of
-    the correction are uncertain by, to first order; its initial state is held.
+    """One standard deviation (N, m), SI, of the free run of each recording, which was ``found``,
+    from what the numbers of the correction are uncertain by, to first order; its initial state is
+    held.
 
     None without ``known`` correlations, where a run fails, and beyond ``SAMPLES_MOST`` samples.
     """
@@ -43,20 +45,21 @@ def bands_of(
     chosen = Correlations(tuple(known.names[row] for row in rows), known.matrix[np.ix_(rows, rows)])
     bands: list[Array | None] = []
     left = SAMPLES_MOST
-    for run in runs:
-        left -= run.recording.t.size * (len(moved) + 1)
-        bands.append(_band(machine, run, moved, chosen) if left >= 0 else None)
+    for run, scenario, first in zip(runs, found.scenarios, found.trajectories, strict=True):
+        left -= run.recording.t.size * len(moved)
+        known_here = machine_with(machine, run.recording.parameters)
+        possible = left >= 0 and not first.reason
+        bands.append(_band(known_here, scenario, first, moved, chosen) if possible else None)
     return tuple(bands)
 
 
 def _band(
-    machine: Machine, run: Run, moved: Sequence[tuple[int, int, float]], known: Correlations
+    machine: Machine,
+    scenario: Scenario,
+    first: Trajectory,
+    moved: Sequence[tuple[int, int, float]],
+    known: Correlations,
 ) -> Array | None:
-    machine = machine_with(machine, run.recording.parameters)
-    scenario = free_scenario(WindowModel(machine), run)
-    first = simulate(machine, scenario)
-    if first.reason:
-        return None
     moves = []
     for _, column, sd in moved:
         p = machine.values.copy()
@@ -68,21 +71,29 @@ def _band(
     return known.spread(np.array(moves))
 
 
-def without_each(model: Model, corrected: Model, runs: Sequence[Run]) -> tuple[Without, ...]:
-    """What free runs err without each element that ``corrected`` adds to ``model``, in the unit of
-    each sensor; all other numbers stay. On the first recordings, as many as are quickly done."""
+def without_each(
+    model: Model, corrected: Model, runs: Sequence[Run], scenarios: Sequence[Scenario]
+) -> tuple[Without, ...]:
+    """What free runs of the ``scenarios`` err without each element that ``corrected`` adds to
+    ``model``, in the unit of each sensor; initial states and all other numbers stay. On the first
+    recordings, as many as are quickly done."""
     given = {element.name for element in model.elements}
     added = [element for element in corrected.elements if element.name not in given]
-    used = list(runs)[:RUNS_MOST]
-    samples = sum(run.recording.t.size for run in used)
+    used = list(zip(runs, scenarios, strict=True))[:RUNS_MOST]
+    samples = sum(run.recording.t.size for run, _ in used)
     if not added or samples * min(len(added), ELEMENTS_MOST) > SAMPLES_MOST:
         return ()
-    whole = build(as_sampled(corrected, [run.recording for run in used]))
+    whole = build(as_sampled(corrected, [run.recording for run, _ in used]))
     found = []
     for element in added[:ELEMENTS_MOST]:
         machine = _less(whole, element)
         window = WindowModel(machine)
-        left = [measured(run.recording, machine) - free_run(window, run).y for run in used]
+        same = machine.inner_states == whole.inner_states
+        left = [
+            measured(run.recording, machine)
+            - free_run(machine, run, begun if same else free_scenario(window, run)).y
+            for run, begun in used
+        ]
         found.append(Without(element.name, _rmse(machine, np.concatenate(left))))
     return tuple(found)
 

@@ -8,7 +8,7 @@ import numpy as np
 from symhyb.asked import asked
 from symhyb.data.known import require_known
 from symhyb.data.recording import Recording, several
-from symhyb.discrepancy.evidence import Correlations, Whiteness
+from symhyb.discrepancy.evidence import Correlations, Whiteness, Without
 from symhyb.discrepancy.fitting.bands import bands_of, without_each
 from symhyb.discrepancy.fitting.scores import Errors, errors, score, yardstick
 from symhyb.discrepancy.fitting.whiteness import whiteness
@@ -64,6 +64,7 @@ def judge(
     comparisons: dict[str, Comparison | None] = {"train": None, "holdout": None}
     traces: list[Trace] = []
     white: tuple[Whiteness, ...] = ()
+    without: tuple[Without, ...] = ()
     proof = runs["holdout"] or runs["train"]
     same = corrected == model
     for role, group in runs.items():
@@ -75,10 +76,11 @@ def judge(
         comparisons[role] = Comparison(
             score(machines[0], before, group, by), score(machines[1], after, group, by)
         )
-        bands = bands_of(machines[1], group, None if same else correlations)
+        bands = bands_of(machines[1], group, after, None if same else correlations)
         traces += _traces(machines[0], group, role, before, after, bands)
         if group is proof:
             white = _whiteness(machines[1], group, after)
+            without = without_each(model, corrected, group, after.scenarios)
     carries = _carries(comparisons["holdout"] or comparisons["train"], window, bool(unseen), same)
     empty = Comparison(*(Score({}, {}, {}, {}, {}, {}) for _ in range(2)))
     return Verdict(
@@ -90,7 +92,7 @@ def judge(
         carries,
         tuple(traces),
         white,
-        without_each(model, corrected, proof),
+        without,
     )
 
 

@@ -7,19 +7,19 @@ Sizes: F free parameters, W windows, L samples a window, m sensors, X states.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from operator import is_
 
 import numpy as np
 from numpy.typing import NDArray
 
-from symhyb.discrepancy.fitting.anchors import anchored
 from symhyb.discrepancy.fitting.gentle import gentle
 from symhyb.discrepancy.fitting.normal import bounded_step, inverse_of
+from symhyb.discrepancy.fitting.projection import Projected, projected
 from symhyb.discrepancy.fitting.squares import best_of, squares
 from symhyb.discrepancy.fitting.task import Fit, Task
 from symhyb.discrepancy.recorded.runs import has_many
-from symhyb.discrepancy.recorded.windows import Cut, correlation_time
+from symhyb.discrepancy.recorded.windows import correlation_time
 from symhyb.judgement import PIECES, UNEXPLAINED
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.runs.windows import WindowModel
@@ -35,23 +35,6 @@ HELD_ROUNDS = 2  # of steps for the initial states alone, when the parameters st
 ROUNDS = 3  # of both
 LATE_ROUNDS = 3  # more, where the delay of a sensor moves by samples
 SETTLED = 0.01  # of the cost: if settling takes more, the parameters move again
-
-
-@dataclass(frozen=True, slots=True)
-class _Part:
-    """One recording, whitened: residual (W, L·m), by starts (W, L·m, X), by parameters
-    (W, L·m, F); ``used`` (W,), True where a window determines the parameters. With constraints
-    starts move along R directions only, those of ``lift`` (W, X, R)."""
-
-    residual: Array
-    by_start: Array
-    by_free: Array
-    used: NDArray[np.bool_]
-    lift: Array | None = None
-
-    def lifted(self, step: Array) -> Array:
-        """A step of the initial states (W, X) from one along their free directions."""
-        return step if self.lift is None else (self.lift @ step[..., None])[..., 0]
 
 
 def fit(model: WindowModel, task: Task, p: Array, starts: Sequence[Array] | None = None) -> Fit:
@@ -99,17 +82,19 @@ def _fitted(
     shown = _shown(model, task, p, values, now)
     if not np.isfinite(_total(task, values, shown)):
         return _failed(task, now, values)
+    parts: list[Projected] | None = None
     for i in range(ROUNDS + LATE_ROUNDS):
-        values, now, shown = _descended(model, task, p, values, now, shown)
+        values, now, shown, parts = _descended(model, task, p, values, now, shown, parts)
         cost = _total(task, values, shown)
-        now, shown = _settled(model, task, p, values, now, shown)
+        parts = parts or _linearised(model, task, p, values, now)
+        now, shown, parts = _settled(model, task, p, values, now, shown, parts)
         timed = _in_time(model, task, p, values)
         if timed is not task:
-            task, shown = timed, _shown(model, timed, p, values, now)
+            task, shown, parts = timed, _shown(model, timed, p, values, now), None
         elif _total(task, values, shown) >= (1 - SETTLED) * cost or i >= ROUNDS - 1:
             break
-    inner = model.machine.inner_states
-    return _finish(task, _linearise(model, task, p, values, now), values, now, inner)
+    parts = parts or _linearised(model, task, p, values, now)
+    return _finish(task, parts, values, now, model.machine.inner_states)
 
 
 def _in_time(model: WindowModel, task: Task, p: Array, values: Array) -> Task:
@@ -136,15 +121,17 @@ def _descended(
     values: Array,
     now: list[Array],
     shown: list[Array],
-) -> tuple[Array, list[Array], list[Array]]:
+    parts: list[Projected] | None,
+) -> tuple[Array, list[Array], list[Array], list[Projected] | None]:
     """Parameters, initial states and squares (W,) of the windows of each recording after damped
-    Gauss–Newton steps, while they pay."""
+    Gauss–Newton steps, while they pay. ``parts`` are the windows linearised where they begin, and
+    where they end, if that is known."""
     damping, gained, cost = 0.0, 0.0, _total(task, values, shown)
     count = _samples(task)
     for _ in range(task.iterations):
         rough = task.rough and cost > UNEXPLAINED * count
         least = cost * (ROUGHLY if rough else task.decrease)
-        parts = _linearise(model, task, p, values, now)
+        parts = parts or _linearised(model, task, p, values, now)
         accepted = False
         while damping <= DAMPING_MOST:
             change, moved, predicted = _step(task, parts, values, damping)
@@ -156,11 +143,12 @@ def _descended(
             if after < cost:
                 accepted, damping = True, damping / 10 if damping > 1e-4 else 0.0
                 gained, values, now, shown, cost = cost - after, trial, ahead, met, after
+                parts = None
                 break
             damping = max(10 * damping, 1e-3)
         if not accepted or gained <= least:
             break
-    return values, now, shown
+    return values, now, shown, parts
 
 
 def _tried(
@@ -191,27 +179,41 @@ def _settled(
     values: Array,
     starts: Sequence[Array],
     begun: Sequence[Array],
-) -> tuple[list[Array], list[Array]]:
-    """Initial states for the parameters as they stand, and the squares (W,) of the windows of each
-    recording, ``begun`` of them at ``starts``. They are taken from the measured motion where that
-    is better: held windows had no say in which steps were taken, and one bad one may hold up
-    all."""
-    now = list(starts)
-    fulls = [task.filled(i, p, model.free, values) for i in range(len(now))]
-    shown = []
-    for i, (item, full) in enumerate(zip(task.cuts, fulls, strict=True)):
-        measured = model.closed(item.block, item.start, full)
-        known = now[i], begun[i]
-        now[i], costs = best_of(model, item, full, (measured,), task.sd, known)
-        shown.append(costs)
-    for _ in range(HELD_ROUNDS):
-        parts = _linearise(model, task, p, values, now)
-        for i, (item, full) in enumerate(zip(task.cuts, fulls, strict=True)):
-            move = _start_step(parts[i], np.zeros_like(values), 0.0)[0]
-            steps = [model.closed(item.block, now[i] + x * move, full) for x in SHARES_ALONE[:-1]]
-            known = now[i], shown[i]
-            now[i], shown[i] = best_of(model, item, full, steps, task.sd, known)
-    return now, shown
+    parts: Sequence[Projected],
+) -> tuple[list[Array], list[Array], list[Projected]]:
+    """Initial states for the parameters as they stand, the squares (W,) of the windows of each
+    recording, ``begun`` of them at ``starts``, and the ``parts`` there. They are taken from the
+    measured motion where that is better: held windows had no say in which steps were taken, and one
+    bad one may hold up all."""
+    now, shown, found = list(starts), list(begun), list(parts)
+    for i, item in enumerate(task.cuts):
+        full = task.filled(i, p, model.free, values)
+        every = np.arange(len(item.start))
+        tried, begins = every, [model.closed(item.block, item.start, full)]
+        for _ in range(1 + HELD_ROUNDS):
+            best, costs = best_of(model, item.chosen(tried), full, begins, task.sd)
+            better = costs < (1 - task.decrease) * shown[i][tried]
+            fresh = tried[better]
+            if fresh.size:
+                now[i] = _put(now[i], fresh, best[better])
+                shown[i] = _put(shown[i], fresh, costs[better])
+                part = _part(model, task, i, p, values, now[i][fresh], fresh)
+                found[i] = part if fresh.size == every.size else found[i].with_rows(fresh, part)
+            move, gain = found[i].start_step(np.zeros_like(values), 0.0)
+            tried = np.flatnonzero(gain > task.decrease * shown[i])  # others gain nothing
+            if not tried.size:
+                break
+            block = item.chosen(tried).block
+            ahead = (now[i][tried] + share * move[tried] for share in SHARES_ALONE[:-1])
+            begins = [model.closed(block, start, full) for start in ahead]
+    return now, shown, found
+
+
+def _put(whole: Array, rows: NDArray[np.int64], values: Array) -> Array:
+    """A copy of an array with other rows."""
+    changed = whole.copy()
+    changed[rows] = values
+    return changed
 
 
 def _cost(
@@ -245,119 +247,71 @@ def _prior(task: Task, values: Array) -> float:
     return float(np.sum(((values - task.mean) / task.spread) ** 2))
 
 
-def _linearise(
+def _linearised(
     model: WindowModel, task: Task, p: Array, values: Array, starts: Sequence[Array]
-) -> list[_Part]:
-    parts = []
-    for i, (item, start) in enumerate(zip(task.cuts, starts, strict=True)):
-        full = task.filled(i, p, model.free, values)
-        with np.errstate(over="ignore", invalid="ignore"):  # a window that runs away
-            linear = model.differentiate(item.block, start, full)
-            by_start, by_free = linear.from_start_and_free()
-        residual = np.where(np.isfinite(item.block.y), item.block.y - linear.output, 0.0)
-        used = np.ones(len(start), bool) if task.everything else ~item.held
-        part = _Part(
-            item.white(residual[..., None], task.sd)[..., 0],
-            item.white(by_start, task.sd),
-            item.white(by_free, task.sd),
-            used,
-            linear.begin,
-        )
-        part = _held_back(part, model, item, full, start)
-        parts.append(_spread_out(part, task.own[i], values.size) if task.own else part)
-    return parts
+) -> list[Projected]:
+    """The windows of each recording, linearised."""
+    every = (np.arange(len(start)) for start in starts)
+    return [
+        _part(model, task, i, p, values, start, which)
+        for i, (start, which) in enumerate(zip(starts, every, strict=True))
+    ]
 
 
-def _spread_out(part: _Part, own: Sequence[int], size: int) -> _Part:
-    """The columns of a recording's free parameters among those of all numbers (``size``)."""
-    wide = np.zeros((*part.by_free.shape[:2], size))
-    wide[:, :, list(own)] = part.by_free
-    return replace(part, by_free=wide)
-
-
-def _held_back(part: _Part, model: WindowModel, item: Cut, p: Array, start: Array) -> _Part:
-    """With one row more for each inner state, which ties its start to its prior."""
-    first = 2 * len(model.form.free)
-    windows, states = start.shape
-    if states == first:
-        return part
-    anchor, inner = anchored(model, item, p, slopes=True), states - first
-    columns = part.by_start.shape[2]
-    by_start = np.zeros((windows, inner, columns))
-    by_start[:, :, columns - inner :] = np.diag(1 / anchor.spread)
-    return _Part(
-        np.concatenate([part.residual, (anchor.z - start[:, first:]) / anchor.spread], axis=1),
-        np.concatenate([part.by_start, by_start], axis=1),
-        np.concatenate([part.by_free, -anchor.by_free / anchor.spread[:, None]], axis=1),
-        part.used,
-        part.lift,
-    )
-
-
-def _project(part: _Part) -> tuple[Array, Array, Array, Array]:
-    """QR of the initial-state columns: basis, scaled triangle, scale, and [columns, residual]
-    with the initial states projected out; not finite for a window that ran away."""
-    with np.errstate(over="ignore", invalid="ignore"):
-        scale = np.linalg.norm(part.by_start, axis=1, keepdims=True)
-    scale = np.where(scale > 0, scale, 1.0)
-    windows, _, states = part.by_start.shape
-    ridge = np.broadcast_to(1e-7 * np.eye(states), (windows, states, states))
-    basis, triangle = np.linalg.qr(np.concatenate([part.by_start / scale, ridge], axis=1))
-    basis = basis[:, : part.by_start.shape[1]]
-    joined = np.concatenate([part.by_free, part.residual[..., None]], axis=2)
-    return basis, triangle, scale, joined - basis @ (basis.transpose(0, 2, 1) @ joined)
+def _part(
+    model: WindowModel,
+    task: Task,
+    i: int,
+    p: Array,
+    values: Array,
+    start: Array,
+    which: NDArray[np.int64],
+) -> Projected:
+    """The windows ``which`` of a recording, linearised, all numbers among their columns."""
+    full = task.filled(i, p, model.free, values)
+    item = task.cuts[i] if which.size == len(task.cuts[i].start) else task.cuts[i].chosen(which)
+    part = projected(model, item, full, start, task.sd)
+    return part.spread_out(task.own[i], values.size) if task.own else part
 
 
 def _step(
-    task: Task, parts: Sequence[_Part], values: Array, damping: float
+    task: Task, parts: Sequence[Projected], values: Array, damping: float
 ) -> tuple[Array, list[Array], float]:
-    """Bounded Gauss–Newton step of the parameters, and of the initial states that go with it."""
+    """Bounded Gauss–Newton step of the parameters, of the initial states that go with it, and the
+    decrease of the cost that it predicts."""
     count = values.size
     gram, right = np.diag(1 / task.spread**2), (task.mean - values) / task.spread**2
-    for part in parts:
-        used = _project(part)[3][part.used]
+    for part, item in zip(parts, task.cuts, strict=True):
+        used = part.rest[task.used(item)]
         gram = gram + np.einsum("wai,waj->ij", used[..., :count], used[..., :count])
         right = right + np.einsum("wai,wa->i", used[..., :count], used[..., count])
     change = bounded_step(gram, right, damping, task.lower - values, task.upper - values)
     predicted = float(2 * right @ change - change @ gram @ change) if change.any() else 0.0
-    steps = [_start_step(part, change, damping) for part in parts]
-    predicted += sum(gain for _, gain in steps)
-    return change, [moved for moved, _ in steps], predicted
-
-
-def _start_step(part: _Part, change: Array, damping: float) -> tuple[Array, float]:
-    """Step of the initial states (W, X): their whole reply to a ``change`` of the parameters, and
-    a damped one to the residual; and the decrease of the fitted windows' cost that it predicts. Not
-    finite for a held window that ran away."""
-    basis, triangle, scale, _ = _project(part)
-    across = basis.transpose(0, 2, 1)
-    share = 1 / (1 + damping)
-    with np.errstate(over="ignore", invalid="ignore"):
-        along = (across @ part.residual[..., None])[..., 0]
-        reply = (across @ (part.by_free @ change)[..., None])[..., 0]
-        solved = np.linalg.solve(triangle, (share * along - reply)[..., None])[..., 0]
-    gain = (1 - (1 - share) ** 2) * float(np.sum(along[part.used] ** 2))
-    return part.lifted(solved / scale[:, 0]), gain
+    moved = []
+    for part, item in zip(parts, task.cuts, strict=True):
+        step, gain = part.start_step(change, damping)
+        moved.append(step)
+        predicted += float(np.sum(gain[task.used(item)]))
+    return change, moved, predicted
 
 
 def _finish(
-    task: Task, parts: Sequence[_Part], values: Array, starts: list[Array], inner: int
+    task: Task, parts: Sequence[Projected], values: Array, starts: list[Array], inner: int
 ) -> Fit:
     """What a fit says at the end; the last ``inner`` rows of a window tie its inner states."""
     count = values.size
-    joined = [_project(part)[3] for part in parts]
     with np.errstate(over="ignore", invalid="ignore"):
-        chi2 = np.concatenate([np.sum(j[..., count] ** 2, axis=1) for j in joined])
+        chi2 = np.concatenate([np.sum(part.rest[..., count] ** 2, axis=1) for part in parts])
     chi2 = np.where(np.isfinite(chi2), chi2, np.inf)
     seen = np.concatenate([np.isfinite(i.block.y).sum(axis=(1, 2)) for i in task.cuts])
-    held = np.concatenate([~part.used for part in parts])
-    states = parts[0].by_start.shape[2] - inner
-    used = [j[part.used] for j, part in zip(joined, parts, strict=True)]
-    shown = [j[:, : j.shape[1] - inner, count] for j in used]
+    held = np.concatenate([~task.used(item) for item in task.cuts])
+    states = parts[0].scale.shape[1] - inner
+    used = [part.rest[task.used(item)] for part, item in zip(parts, task.cuts, strict=True)]
+    shown = [rest[:, : rest.shape[1] - inner, count] for rest in used]
     correlation = correlation_time(shown, task.cuts[0].block.y.shape[2])
     gram = np.diag(1 / task.spread**2)
-    for j in used:
-        gram = gram + np.einsum("wai,waj->ij", j[..., :count], j[..., :count])
+    for rest in used:
+        gram = gram + np.einsum("wai,waj->ij", rest[..., :count], rest[..., :count])
     if not np.isfinite(gram).all():
         return _failed(task, starts, values)
     degrees = max(float((seen - states)[~held].sum()) - count, 1.0)

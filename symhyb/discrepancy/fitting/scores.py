@@ -36,12 +36,13 @@ RUN_SAMPLES = 6000  # of a free run, for fitting its initial state
 @dataclass(frozen=True, slots=True)
 class Errors:
     """Mean squared errors of one model on several runs, in squared SI units: by sensor (m,) over
-    windows and free runs, by coordinate (n,) of ΔF. For each run its free run, and what is left of
-    its windows; None where it has none."""
+    windows and free runs, by coordinate (n,) of ΔF. For each run its free run with the
+    ``scenarios``, and what is left of its windows; None where it has none."""
 
     window: Array
     free: Array
     force: Array
+    scenarios: tuple[Scenario, ...]
     trajectories: tuple[Trajectory, ...]
     residuals: tuple[Residuals | None, ...] = ()
 
@@ -49,17 +50,18 @@ class Errors:
 def errors(machine: Machine, runs: Sequence[Run], window_s: float, band_hz: float | None) -> Errors:
     """Simulate and compare; sensors and coordinates in the order of the model."""
     model = WindowModel(machine)
-    windows, frees, forces, trajectories, residuals = [], [], [], [], []
+    windows, frees, forces, residuals = [], [], [], []
+    scenarios, trajectories = [], []
     for run in runs:
         left = _left_of_windows(model, run, window_s)
         residuals.append(left)
         windows.append(_squares(left, len(machine.model.sensors)))
-        trajectory = free_run(model, run)
-        trajectories.append(trajectory)
-        frees.append((measured(run.recording, machine) - trajectory.y) ** 2)
+        scenarios.append(free_scenario(model, run))
+        trajectories.append(free_run(machine, run, scenarios[-1]))
+        frees.append((measured(run.recording, machine) - trajectories[-1].y) ** 2)
         forces.append(forces_of(machine, run, band_hz)[0] ** 2)
     means = _mean(windows), _mean(frees), _mean(forces)
-    return Errors(*means, tuple(trajectories), tuple(residuals))
+    return Errors(*means, tuple(scenarios), tuple(trajectories), tuple(residuals))
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,10 +98,9 @@ def score(machine: Machine, found: Errors, runs: Sequence[Run], by: Yardstick) -
     )
 
 
-def free_run(model: WindowModel, run: Run) -> Trajectory:
-    """Simulate a whole recording by CVODES from its fitted initial state."""
-    known = run.recording.parameters
-    return simulate(machine_with(model.machine, known), free_scenario(model, run))
+def free_run(machine: Machine, run: Run, scenario: Scenario) -> Trajectory:
+    """Simulate a whole recording with the parameters that it knows."""
+    return simulate(machine_with(machine, run.recording.parameters), scenario)
 
 
 def free_scenario(model: WindowModel, run: Run, fitted: bool = True) -> Scenario:

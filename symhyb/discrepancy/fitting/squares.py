@@ -27,17 +27,14 @@ def best_of(
     p: Array,
     begins: Sequence[Array],
     sd: Array,
-    known: tuple[Array, Array] | None = None,
 ) -> tuple[Array, Array]:
     """Of several initial states (W, X) the best of each window, and its squares (W,), inf where
-    none stays bounded. ``known`` are more, whose squares (W,) are at hand; in SI."""
+    none stays bounded; in SI."""
     windows = len(item.start)
     if windows < LANES:  # simulated together they cost as much as one of them
         wide = item.chosen(np.tile(np.arange(windows), len(begins)))
         shown = squares(model, wide, p, np.concatenate(begins), sd).reshape(-1, windows)
     else:
         shown = np.stack([squares(model, item, p, begin, sd) for begin in begins])
-    if known is not None:
-        begins, shown = [*begins, known[0]], np.vstack([shown, known[1]])
     costs = np.where(np.isfinite(shown), shown, np.inf)
     return np.choose(np.argmin(costs, axis=0)[:, None], begins), costs.min(axis=0)

@@ -82,6 +82,10 @@ class Task:
     own: tuple[tuple[int, ...], ...] = ()
     first: Array | None = None
 
+    def used(self, item: Cut) -> NDArray[np.bool_]:
+        """Which windows (W,) of a recording determine the parameters."""
+        return np.ones(len(item.start), bool) if self.everything else ~item.held
+
     def filled(self, which: int, p: Array, free: Sequence[int], values: Array) -> Array:
         """The parameters (P,) of one recording."""
         full = p.copy()

@@ -36,8 +36,10 @@ def decided() -> tuple[Prepared, Setting, Decision]:
 def test_what_whole_recordings_speak_against_is_not_taken(monkeypatch: pytest.MonkeyPatch) -> None:
     prepared, setting, decision = decided()
     monkeypatch.setattr(finalists, "_finalists", lambda *_: [decision.selected])
-    found = settled(prepared, setting, decision)
+    found, along = settled(prepared, setting, decision)
     assert found.selected is decision.trials[1]
+    assert along is not None
+    assert along.causes == found.selected.causes
     assert found.behind(found.selected) == 0
     assert found.behind(decision.selected) > 0
     assert "of ln evidence before" in found.log[-1]
@@ -52,11 +54,13 @@ def test_of_a_parameter_that_states_an_sd_they_say_nothing(
     both = refine(prepared.model, causes, rows, setting.stages[-1].cuts, setting.sd)
     named = replace(decision, selected=both, trials=(both, decision.trials[1]), best=both)
     monkeypatch.setattr(finalists, "_finalists", lambda *_: [both])
-    assert settled(prepared, setting, named) is named
+    assert settled(prepared, setting, named)[0] is named
 
 
 def test_what_they_ask_for_stays(monkeypatch: pytest.MonkeyPatch) -> None:
     prepared, setting, decision = decided()
     monkeypatch.setattr(finalists, "_finalists", lambda *_: [decision.trials[1]])
     alone = Decision(decision.trials[1], decision.nothing, decision.trials, (), ())
-    assert settled(prepared, setting, alone) is alone
+    found, along = settled(prepared, setting, alone)
+    assert found is alone
+    assert along is None

@@ -85,9 +85,11 @@ def test_what_is_disputed_is_an_alternative_and_not_reported_apart(
     made = pushed(12, samples=SAMPLES, damping=1.4)
     (found,) = sh.diagnose(pushed_model(), made).found
 
-    def disputing(prepared: Prepared, setting: Setting, final: Refined, along: Along) -> Adequacy:
+    def disputing(
+        prepared: Prepared, setting: Setting, final: Refined, windows: Along, along: Fitted | None
+    ) -> Adequacy:
         one = tuple(Disputed(cause, (0.8, 0.01), (2.0, 0.1), None) for cause in final.causes)
-        judgement = adequacy(prepared, setting, final, along)
+        judgement = adequacy(prepared, setting, final, windows, along)
         return replace(judgement, doubt=frozenset(final.causes), disputed=one)
 
     monkeypatch.setattr(story, "adequacy", disputing)

@@ -65,10 +65,16 @@ def test_noise_that_is_a_small_part_of_what_is_left_decides_nothing(
         monkeypatch.setattr(sensor_noise, name, lambda *_, along=along: along)
     monkeypatch.setattr(sensor_noise, "sensor_sd", lambda *_: np.array([3.0, 1.0]))
     fit = SimpleNamespace(scale=scale)
-    decision = SimpleNamespace(selected=SimpleNamespace(fit=fit))
+    selected = SimpleNamespace(fit=fit)
     setting = SimpleNamespace(sd=np.ones(2), stages=[SimpleNamespace(cuts=())])
-    found = sensor_noise.measured_again(SimpleNamespace(repeats=()), setting, decision)  # type: ignore[arg-type]
+    found, along = sensor_noise.measured_again(
+        SimpleNamespace(repeats=()),  # type: ignore[arg-type]
+        setting,  # type: ignore[arg-type]
+        selected,  # type: ignore[arg-type]
+        None,
+    )
     assert (found is not None) == taken
+    assert (along is not None) == (scale > 1.1)
 
 
 @pytest.mark.slow
