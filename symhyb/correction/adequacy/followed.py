@@ -17,7 +17,7 @@ from symhyb.correction.adequacy.structure import Fitted, Row, fitted
 from symhyb.correction.search.trajectory import Refined, grouped
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.recorded.windows import Cut
-from symhyb.model.vocabulary import steep
+from symhyb.model.vocabulary import KINDS, steep
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.runs.windows import WindowModel
 
@@ -38,12 +38,21 @@ def likeliest(
     rows: Sequence[Row],
     states: Sequence[Array] | None = None,
 ) -> Fitted:
-    """Causes fitted from an unknown force without memory, which finds what is steep, and from
-    a slow one, which finds a force that is slow: the likelier of the two, with its evidence.
+    """Causes fitted from an unknown force without memory, which finds what is steep, or from a
+    slow one, which finds a force that is slow: from the likelier of the two, with its evidence.
+    Beside a steep law, where the end of a fit depends on its beginning, from each of them.
     ``states`` (N, X) of every stretch begin the trajectories, in SI; ``rows`` the numbers."""
-    noises = ground.first_noise(), ground.first_noise(slow=True)
-    found = [scored(ground, fitted(ground, causes, rows, noise, states)) for noise in noises]
+    quick, slow = ground.first_noise(), ground.first_noise(slow=True)
+    if not _steep(ground, causes):
+        return scored(ground, fitted(ground, causes, rows, quick, states, others=[slow]))
+    found = [scored(ground, fitted(ground, causes, rows, one, states)) for one in (quick, slow)]
     return max(found, key=lambda one: one.evidence)
+
+
+def _steep(ground: Recorded, causes: Sequence[Hypothesis]) -> bool:
+    """Whether a law of the model, or of a cause, needs finer steps near reversals."""
+    laws = (KINDS[cause.kind] for cause in causes if cause.kind in KINDS)
+    return steep(ground.windows.machine.model) or any(law.steep for law in laws)
 
 
 def scored(ground: Recorded, trial: Fitted) -> Fitted:

@@ -122,11 +122,12 @@ def fitted(
     states: Sequence[Array] | None = None,
     known_noise: bool = False,
     extra: Generic | None = None,
+    others: Sequence[NoiseModel] = (),
 ) -> Fitted:
     """Fit the causes, and the uncertain parameters beside them; ``start`` has the first guess of
     each cause by key, SI (of a parameter its change under "value"). ``states`` (N, X) of every
     stretch begin the trajectories; a ``known_noise`` is not fitted; an ``extra`` acts beside the
-    causes."""
+    causes. The noise may begin with one of ``others``, if that is likelier."""
     beside = uncertain_beside(recorded.windows.machine.model, recorded.parametric, causes)
     every, rows = (*causes, *beside), [*start, *({"value": 0.0} for _ in beside)]
     machine = _machine(recorded, causes, start)
@@ -151,7 +152,7 @@ def fitted(
     begun = None
     if states is not None:
         begun = [_begun(item.states[0], x) for item, x in zip(items, states, strict=True)]
-    done = fit(WindowModel(machine, free), task, p, noise, first, begun, known_noise)
+    done = fit(WindowModel(machine, free), task, p, noise, first, begun, known_noise, others)
     each = []
     for which in range(recorded.recordings):
         item = recorded.items[recorded.recording.index(which)]

@@ -112,16 +112,20 @@ def fit(
     first: Array | None = None,
     states: Sequence[Array] | None = None,
     known_noise: bool = False,
+    others: Sequence[NoiseModel] = (),
 ) -> Fit:
     """Fit the free parameters of ``model`` from ``p`` (P,), or all numbers from ``first`` (F,), SI.
 
     ``states`` (N, X) of every stretch begin the trajectories, by default the measured motion;
-    ``noise`` begins the noise model: sizes that are 0 in it stay 0; one that is ``known_noise``
-    stays as it is.
+    ``noise`` begins the noise model, or one of ``others`` if that is likelier there once its sizes
+    are fitted: sizes that are 0 in it stay 0; one that is ``known_noise`` stays as it is.
     """
     values = np.clip(p[list(model.free)] if first is None else first, task.lower, task.upper)
     begun = tuple(states or (item.states[0] for item in task.items))
     now = _at(model, task, p, values, begun, noise)
+    if others:
+        starts = [now, *(_under(task, now, other) for other in others)]
+        now = max((_with_noise(task, one, True, 0.0) for one in starts), key=lambda one: one.worth)
     if not np.isfinite(now.score):
         return _failed(task, values, noise, begun)
     rough = not known_noise  # while parameters move far, the sizes of noise need only follow
@@ -159,6 +163,12 @@ def _at(
         tracks.append(track(model, item.in_time(model, full), x, full, extra, sizes))
     score = total(tracks, noise) - 0.5 * _prior(task, values)
     return _Now(values, states, tuple(tracks), noise, score if np.isfinite(score) else -np.inf)
+
+
+def _under(task: Task, now: _Now, noise: NoiseModel) -> _Now:
+    """The same under another noise."""
+    score = total(now.tracks, noise) - 0.5 * _prior(task, now.values)
+    return replace(now, noise=noise, score=score if np.isfinite(score) else -np.inf)
 
 
 def _prior(task: Task, values: Array) -> float:

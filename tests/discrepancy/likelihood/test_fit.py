@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.signal import lsim
 
+import symhyb.discrepancy.likelihood.fit as likelihood_fit
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.likelihood.fit import FAILED, Fit, Task, fit
 from symhyb.discrepancy.likelihood.noise import NoiseModel
@@ -168,3 +169,17 @@ def test_a_fit_that_cannot_be_finite_states_its_reason() -> None:
     assert found.logl == -np.inf
     assert found.values == pytest.approx([DAMPING])
     assert np.all(np.isinf(found.covariance))
+
+
+def test_a_fit_begins_with_the_likelier_of_several_noises(monkeypatch: pytest.MonkeyPatch) -> None:
+    beside = markov(np.random.default_rng(7), 600, 0.7, 30 * STEP)
+    task = task_of(MACHINE, pushed(5, beside=beside), count=1)
+    brief = NoiseModel(BEGIN.force, 0.5 * STEP, BEGIN.white, BEGIN.colour, BEGIN.colour_s)
+    slow = replace(brief, memory_s=30 * STEP)
+    model, p = WindowModel(MACHINE, (MACHINE.column("d"),)), MACHINE.values
+    either = fit(model, task, p, brief, others=[slow])
+    assert fit(model, task, p, slow, others=[brief]).logl == pytest.approx(either.logl, abs=1e-6)
+    monkeypatch.setattr(likelihood_fit, "ITERATIONS", 0)
+    begun = fit(model, task, p, brief, others=[slow])
+    assert begun.noise.memory_s == slow.memory_s
+    assert begun.logl > fit(model, task, p, brief).logl
