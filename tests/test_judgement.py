@@ -76,7 +76,7 @@ OTHERS = {
     },
     "discrepancy/fitting/scores.py": {"RUN_SHARES": "where a fit begins"},
     "discrepancy/fitting/squares.py": {"LANES": "work"},
-    "discrepancy/likelihood/fit.py": {"SETTLED": "iteration", "FAR": "iteration"},
+    "discrepancy/likelihood/fit.py": {"FAR": "iteration"},
     "discrepancy/places/memoryless.py": {"CUBIC_MOST": "work", "CHOSEN": "work"},
     "discrepancy/places/stretches.py": {
         "MOST_COORDINATES": "work",

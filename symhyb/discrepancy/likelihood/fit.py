@@ -19,11 +19,11 @@ from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.runs.windows import WindowModel
 
-ITERATIONS = 12
+ITERATIONS = 30
 HALVINGS = 4
 LEAPS = 1  # whole steps that are taken though ln L falls
 FAR = 2.0  # of ln L: steps that gain more are on the way
-SETTLED = 0.05  # of ln L: steps that gain less end the fit
+SETTLED, SETTLED_SHARE = 0.2, 1e-5  # of ln L, and a share of it: steps that gain less end the fit
 SHARE = 0.01  # of what a step of the parameters gained: so exactly the noise follows
 FAILED = "the likelihood is not finite along any trajectory"
 
@@ -141,7 +141,8 @@ def fit(
         now = now if known_noise else _with_noise(task, now, rough, within)
         gained = now.worth - before
         best = max(best, now, key=lambda one: one.worth)
-        if gained < SETTLED and not (rough or leapt):
+        enough = max(SETTLED, SETTLED_SHARE * abs(now.worth))
+        if gained < enough and not (rough or leapt):
             break
         rough = rough and gained > FAR
     return _finished(task, best)
