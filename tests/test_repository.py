@@ -135,10 +135,8 @@ def test_constraints_are_bare_versions(name: str) -> None:
 def test_the_oldest_versions_that_are_allowed_are_those_that_are_tested() -> None:
     project = tomllib.loads(text_of(ROOT / "pyproject.toml"))["project"]
     extras = project["optional-dependencies"]
-    own = [
-        extras[name]
-        for name in ("mat73", "parquet", "excel", "mdf", "fmi", "mjcf", "urdf", "xarray", "arviz")
-    ]
+    formats = ("mat73", "parquet", "excel", "mdf", "rosbag", "ulog", "tdms")
+    own = [extras[name] for name in (*formats, "fmi", "mjcf", "urdf", "xarray", "arviz")]
     needed = {*project["dependencies"], *(one for extra in own for one in extra)}
     oldest = {pin.replace("==", ">=") for pin in pins("constraints-oldest.txt")}
     assert needed - oldest == set()

@@ -252,6 +252,84 @@ def _mdf() -> Sequence[bytes]:
     return found
 
 
+@cache
+def _bags() -> Sequence[bytes]:
+    """A topic of joints and one of a number, in every kind of bag."""
+    from rosbags import rosbag1, rosbag2
+    from rosbags.typesys import Stores, get_typestore
+
+    found = []
+    for suffix in (".bag", ".mcap", ".db3"):
+        ros2 = suffix != ".bag"
+        store = get_typestore(Stores.ROS2_HUMBLE if ros2 else Stores.ROS1_NOETIC)
+        write = store.serialize_cdr if ros2 else store.serialize_ros1
+        types, joints, number = store.types, "sensor_msgs/msg/JointState", "std_msgs/msg/Float64"
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / f"a{'' if ros2 else suffix}"
+            plugins = rosbag2.StoragePlugin
+            plugin = plugins.MCAP if suffix == ".mcap" else plugins.SQLITE3
+            writer = (
+                rosbag2.Writer(path, version=9, storage_plugin=plugin)
+                if ros2
+                else rosbag1.Writer(path)
+            )
+            with writer as bag:
+                states = bag.add_connection("/arm", joints, typestore=store)
+                force = bag.add_connection("/f", number, typestore=store)
+                for k, x in enumerate(_columns()["laser"]):
+                    stamp = types["builtin_interfaces/msg/Time"](9, 10_000_000 * k)
+                    more = {} if ros2 else {"seq": k}
+                    head = types["std_msgs/msg/Header"](**more, stamp=stamp, frame_id="a")
+                    none, one = np.empty(0), np.array([x, -x])
+                    message = types[joints](head, ["a", "b"], one, none, none)
+                    time = 9_000_000_000 + 10_000_000 * k
+                    bag.write(states, time, write(message, joints))
+                    bag.write(force, time, write(types[number](float(x)), number))
+            kept = path if path.is_file() else next(path.glob(f"*{suffix}"))
+            found.append(kept.read_bytes())
+    return found
+
+
+def _ulog() -> Sequence[bytes]:
+    def record(kind: str, data: bytes) -> bytes:
+        return len(data).to_bytes(2, "little") + kind.encode() + data
+
+    log = b"ULog\x01\x12\x35\x01" + bytes(8) + record("B", bytes(40))
+    log += record("F", b"rod:uint64_t timestamp;uint64_t timestamp_sample;esc[2] e;")
+    log += record("F", b"esc:float rpm;") + record("A", bytes(3) + b"rod")
+    for k, x in enumerate(_columns()["laser"]):
+        times = np.array([10_000 * k + 900, 10_000 * k], "<u8").tobytes()
+        log += record("D", bytes(2) + times + np.array([x, 1], "<f4").tobytes())
+    return [log]
+
+
+@cache
+def _tdms() -> Sequence[bytes]:
+    from nptdms import ChannelObject, TdmsWriter
+
+    about = {"wf_increment": 0.01, "wf_start_offset": 0.0, "unit_string": "mm"}
+    made = [ChannelObject("A", "x", _columns()["laser"], about), ChannelObject("B", "y", [1, 2])]
+
+    def save(stream: io.BytesIO) -> None:
+        with TdmsWriter(stream) as writer:
+            writer.write_segment(made)
+
+    return [_written(save)]
+
+
+def _rpc() -> Sequence[bytes]:
+    head = {
+        **{"FORMAT": "BINARY_IEEE_LITTLE_END", "NUM_HEADER_BLOCKS": 3, "NUM_PARAMS": 12},
+        **{"FILE_TYPE": "TIME_HISTORY", "DATA_TYPE": "SHORT_INTEGER", "DELTA_T": 0.01},
+        **{"CHANNELS": 1, "FRAMES": 2, "PTS_PER_FRAME": 16, "PTS_PER_GROUP": 32},
+        **{"DESC.CHAN_1": "x", "SCALE.CHAN_1": 0.5},
+    }
+    records = [
+        key.encode().ljust(32, b"\0") + f"{v}".encode().ljust(96, b"\0") for key, v in head.items()
+    ]
+    return [b"".join(records).ljust(1536, b"\0") + np.arange(32, dtype="<i2").tobytes()]
+
+
 def _grammatical(make: Callable[[Random], str]) -> Make:
     def made(random: Random, data: bytes, words: Sequence[bytes]) -> bytes:
         text = make(random).encode()
@@ -331,11 +409,15 @@ def readers() -> tuple[Reader, ...]:
         Reader(
             "json", _table("json_file", "read_json", "sent.json"), _json, of_json, SIGNS, refuses
         ),
+        Reader("rpc", _table("rpc_file", "read_rpc", "sent.rsp"), _rpc, of_bytes, SIGNS, refuses),
         native("mat", "mat_file", "read_mat", _mat),
         native("mat73", "mat_file", "read_mat", _mat73),
         native("parquet", "parquet_file", "read_parquet", _parquet),
         replace(native("xlsx", "sheet_file", "read_excel", _excel, of_zip), share=0.25),
         replace(native("mf4", "mdf_file", "read_mdf", _mdf), share=0.05),
+        replace(native("bag", "bag_file", "read_bag", _bags), share=0.1),
+        replace(native("ulg", "ulog_file", "read_ulog", _ulog), share=0.25),
+        replace(native("tdms", "tdms_file", "read_tdms", _tdms), share=0.25),
     )
 
 

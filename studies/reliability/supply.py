@@ -24,6 +24,8 @@ ACCEPTED = (
 LOOKED_AT = {  # LGPL is used as it is, not changed, and no part of what symhyb ships
     "casadi": "LGPL-3.0",
     "asammdf": "LGPL-3.0, an extra",
+    "apsw": "any that the OSI approves, with an extra",
+    "nptdms": "LGPL-3.0, an extra",
     "fmpy": "BSD-2-Clause in its files, an extra",
 }
 

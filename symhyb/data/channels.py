@@ -7,6 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 FEWEST = 10  # samples that show a rate
+NEAR = 0.5  # of a step, about which a bus may delay samples
+MOSTLY = 0.9  # of the steps are within that of their median
 SLOWER = 0.8  # of the rows: a channel with more samples than that has dropouts, no slower rate
 
 
@@ -38,7 +40,9 @@ def own_step(values: NDArray[np.float64], t: NDArray[np.float64]) -> float | Non
     """Return the step in s at which a channel (N,) is sampled, if that is slower than the rows are.
 
     ``t`` (N,) in s; NaN in ``values`` where there is no sample. A slow channel has samples in few
-    of the rows, at even distances; dropped samples lie otherwise, and give None.
+    of the rows, at about even distances; dropped samples lie otherwise, and give None. Of samples
+    that are lost at random, each alike, fewer than half of the steps are within half a step of
+    their median (their lengths are geometric).
     """
     times = t[~np.isnan(values)]
     if times.size < FEWEST or times.size > SLOWER * t.size:
@@ -47,5 +51,5 @@ def own_step(values: NDArray[np.float64], t: NDArray[np.float64]) -> float | Non
     step = float(np.median(steps))
     if step < 1.2 * float(np.median(np.diff(t))):
         return None
-    even = np.count_nonzero(np.abs(steps - step) < 0.1 * step) > 0.9 * steps.size
+    even = np.count_nonzero(np.abs(steps - step) < NEAR * step) > MOSTLY * steps.size
     return step if even else None

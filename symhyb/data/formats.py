@@ -12,13 +12,17 @@ from dataclasses import replace
 from pathlib import Path
 
 from symhyb.data.apart import read_apart
+from symhyb.data.bag_file import folder_of_bag, read_bag
 from symhyb.data.csv_file import read_csv
 from symhyb.data.json_file import read_json
 from symhyb.data.mat_file import read_mat
 from symhyb.data.mdf_file import read_mdf
 from symhyb.data.parquet_file import read_parquet
+from symhyb.data.rpc_file import read_rpc
 from symhyb.data.sheet_file import read_excel
 from symhyb.data.table import PART, Table, choose, following, refusal
+from symhyb.data.tdms_file import read_tdms
+from symhyb.data.ulog_file import read_ulog
 from symhyb.errors import did_you_mean, visible
 from symhyb.limits import RECORDING_BYTES, content_of
 
@@ -31,8 +35,15 @@ _READERS: Mapping[str, Callable[[bytes, str], Table]] = {
     ".xls": read_excel,
     ".mf4": read_mdf,
     ".mdf": read_mdf,
+    ".bag": read_bag,
+    ".mcap": read_bag,
+    ".db3": read_bag,
+    ".ulg": read_ulog,
+    ".tdms": read_tdms,
+    ".rsp": read_rpc,
+    ".rpc": read_rpc,
 }
-_NATIVE = frozenset(_READERS) - {".csv", ".json"}
+_NATIVE = frozenset(_READERS) - {".csv", ".json", ".rsp", ".rpc"}
 _FROM_TO = re.compile(r"([1-9]\d*)-([1-9]\d*)")
 
 
@@ -96,7 +107,7 @@ def _follow(table: Table, first: int, last: int) -> Table:
 def _read(path: Path) -> Table:
     file = str(path)
     if path.is_dir():
-        raise refusal(file, "is a folder, not a recording")
+        return _read_folder(path)
     if not path.exists():
         raise refusal(file, f"does not exist{_near(path)}")
     suffix = path.suffix.lower()
@@ -106,8 +117,21 @@ def _read(path: Path) -> Table:
     content = content_of(path, RECORDING_BYTES)
     if not content.strip():
         raise refusal(file, "the file is empty")
-    reader = _READERS[suffix]
-    table = read_apart(reader, content, file) if suffix in _NATIVE else reader(content, file)
+    return _read_content(_READERS[suffix], content, file, suffix in _NATIVE)
+
+
+def _read_folder(path: Path) -> Table:
+    """Read a folder of ROS 2, which is one recording in several files."""
+    content = folder_of_bag(path)
+    if content is None:
+        raise refusal(str(path), "is a folder, not a recording")
+    return _read_content(read_bag, content, str(path), True)
+
+
+def _read_content(
+    reader: Callable[[bytes, str], Table], content: bytes, file: str, native: bool
+) -> Table:
+    table = read_apart(reader, content, file) if native else reader(content, file)
     return replace(_named_visibly(table), sha256=hashlib.sha256(content).hexdigest())
 
 

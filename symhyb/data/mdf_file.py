@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symhyb.data.extras import needed
-from symhyb.data.table import Column, Table, headed, refusal
+from symhyb.data.table import Column, Table, headed, in_part, refusal
 from symhyb.errors import Problem
 
 TIME = "t [s]"
@@ -148,7 +148,7 @@ def _group(
         notes.append(f"the times of group {part or number + 1} are {FORMULA}: left out")
         return
     times = np.asarray(measurement.get_master(number), dtype=np.float64)
-    yield _column(TIME, times, part)
+    yield in_part(TIME, times, part)
     names = [str(channel.name) for channel in group.channels]
     often = Counter(names)
     for index, name in enumerate(names):
@@ -166,7 +166,7 @@ def _group(
         if often[name] > 1:
             text = "stands more than once in its group"
             problem = Problem(text, f"channel '{name}'", file)
-        yield _column(headed(name, str(signal.unit or "")), values, part, problem)
+        yield in_part(headed(name, str(signal.unit or "")), values, part, problem)
 
 
 def _numbers(signal: Any) -> NDArray[np.float64] | None:
@@ -181,11 +181,3 @@ def _numbers(signal: Any) -> NDArray[np.float64] | None:
     mask = np.ma.getmaskarray(samples)
     values[mask] = np.nan
     return values
-
-
-def _column(
-    header: str, values: NDArray[np.float64], part: str, problem: Problem | None = None
-) -> Column:
-    if not part:
-        return Column(header, values, problem)
-    return Column(f"{part}.{header}", values, problem, part, header)

@@ -266,7 +266,8 @@ def read_recording(
     parameters: Mapping[str, float] | None = None,
 ) -> Recording:
     """Read a recording of the machine that ``model`` describes: CSV, MAT, JSON, Parquet,
-    Excel or MDF, by its suffix; ``FILE#PART`` is one sheet, structure, cell, group or run of it.
+    Excel, MDF, TDMS, RPC III, ULog or a bag of ROS, by its suffix; ``FILE#PART`` is one sheet,
+    structure, cell, group, topic or run of it.
 
     Columns are found by the names of the model's inputs and sensors and ``t`` (s), or through
     ``columns`` = {"laser": "qm [mm]", "f": "gtau*vir", "t": "index/610.35"}; the built-in ``index``

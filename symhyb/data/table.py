@@ -123,6 +123,16 @@ def headed(name: str, unit: str) -> str:
     return f"{name} [{unit}]" if unit.strip() else name
 
 
+def in_part(
+    header: str, values: NDArray[np.float64], part: str, problem: Problem | None = None
+) -> Column:
+    """A column of values (N,) or (), in the unit of its ``header``, in a ``part`` of a file; empty:
+    in none."""
+    if not part:
+        return Column(header, values, problem)
+    return Column(f"{part}.{header}", values, problem, part, header)
+
+
 def choose(table: Table, part: str) -> Table | None:
     """Return ``table`` with the columns of ``part``, named as inside it, and those of no part.
 

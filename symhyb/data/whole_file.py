@@ -7,6 +7,7 @@ from symhyb.data.columns import TIMES, map_columns
 from symhyb.data.recording import Recording, recorded
 from symhyb.data.rows import Span
 from symhyb.data.source import INDEX
+from symhyb.data.stamps import CLOCKS
 from symhyb.data.table import Column, Table
 from symhyb.errors import InputError, Problem
 from symhyb.model.expression import parse_expression
@@ -44,8 +45,9 @@ def whole_file(
     units = {name: column.unit for name, column in signals.items()}
     more = {name: text for name, text in asked.items() if name != TIME}
     units |= dict.fromkeys(more)
-    bare = [replace(one, header=name, part="", inside="") for name, one in signals.items()]
-    others = [one for one in table.columns if one.name not in units and one.header not in units]
+    bare = [replace(one, header=name) for name, one in signals.items()]
+    used = {id(one) for one in signals.values()}
+    others = [one for one in table.columns if id(one) not in used]
     plain = replace(table, columns=(*bare, *others), notes=table.notes)
     clock = {TIME: asked[TIME]} if TIME in asked else {}
     model = _model(units)
@@ -78,6 +80,8 @@ def _is_time(column: Column, table: Table, asked: Mapping[str, str]) -> bool:
     if wanted and wanted.strip() in (column.header, column.name):
         return True
     if column.name == TIME or (column.name == INDEX and not wanted):
+        return True
+    if column.part and column.local in CLOCKS:
         return True
     usual = [one for one in table.columns if _called_time(one.name)]
     return TIME not in asked and [column] == usual and not table.find(TIME)

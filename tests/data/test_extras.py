@@ -5,13 +5,19 @@ import sys
 
 import pytest
 
+from symhyb.data.bag_file import read_bag
 from symhyb.data.mat_file import read_mat
 from symhyb.data.mdf_file import read_mdf
 from symhyb.data.parquet_file import read_parquet
 from symhyb.data.sheet_file import read_excel
+from symhyb.data.tdms_file import read_tdms
+from symhyb.data.ulog_file import read_ulog
 from symhyb.errors import InputError
 
-EXTRAS = ("h5py", "pyarrow.parquet", "openpyxl", "xlrd", "asammdf")
+EXTRAS = (
+    *("h5py", "pyarrow.parquet", "openpyxl", "xlrd"),
+    *("asammdf", "rosbags", "pyulog", "nptdms"),
+)
 
 
 @pytest.mark.parametrize(
@@ -22,6 +28,9 @@ EXTRAS = ("h5py", "pyarrow.parquet", "openpyxl", "xlrd", "asammdf")
         (read_excel, b"PK\x03\x04", "openpyxl", "excel"),
         (read_excel, b"\xd0\xcf\x11\xe0", "xlrd", "excel"),
         (read_mdf, b"MDF     4.10", "asammdf", "mdf"),
+        (read_bag, b"#ROSBAG V2.0\n", "rosbags", "rosbag"),
+        (read_ulog, b"ULog\x01\x12\x35", "pyulog", "ulog"),
+        (read_tdms, b"TDSm", "nptdms", "tdms"),
     ],
 )
 def test_a_missing_package_is_named_with_its_cure(monkeypatch, reader, content, module, extra):
