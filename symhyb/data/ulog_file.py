@@ -23,6 +23,7 @@ from symhyb.limits import COLUMNS
 
 MAGIC = b"ULog\x01\x12\x35"
 SENT, MEASURED = "timestamp", "timestamp_sample"
+LEAST, TIMES = 100_000, 8  # bytes that are read of a file of any size, and times its own
 LATEST = 2**63 // 1000  # us, as far as nanoseconds are counted
 
 
@@ -38,7 +39,7 @@ def read_ulog(content: bytes, file: str) -> Table:
     pyulog = needed("pyulog", "ulog", file)
     try:
         with redirect_stdout(io.StringIO()):
-            log = pyulog.ULog(io.BytesIO(content))
+            log = pyulog.ULog(_Bounded(content))
     except MemoryError:
         raise
     except Exception as error:  # damaged bytes make pyulog raise errors of many kinds
@@ -57,6 +58,23 @@ def read_ulog(content: bytes, file: str) -> Table:
         )
     columns, times = _columns(topics)
     return Table(file, tuple(columns), (*notes, *time_notes(times)))
+
+
+class _Bounded(io.BytesIO):
+    """A file that is read a few times over at most: where it is damaged, pyulog may go back in it
+    and come to the same place for ever."""
+
+    def __init__(self, content: bytes) -> None:
+        super().__init__(content)
+        self.left = LEAST + TIMES * len(content)
+
+    def read(self, size: int | None = -1) -> bytes:
+        """As of any file; raises an error that pyulog does not take for damage to skip."""
+        data = super().read(size)
+        self.left -= max(len(data), 1)
+        if self.left < 0:
+            raise EOFError("its records lead back to where they begin")
+        return data
 
 
 def _complaints(log: Any) -> Iterator[str]:
