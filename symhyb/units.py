@@ -2,8 +2,9 @@
 usual are looked up with pint.
 
 Power is ``^`` and a product ``*``: ``N*s^2/m^2``; what data sheets print is read too (``m/s²``,
-``N·m``, ``N s/m``, ``Nm``, ``°``). ``rad`` is a number (factor 1) but stays in the text. Scales
-with an offset (degC) are refused: a difference of 1 degC is 1 K.
+``N·m``, ``N s/m``, ``Nm``, ``°``), and what loggers write (``m/s2``, ``min-1``, ``N-m``). ``rad``
+is a number (factor 1) but stays in the text. Scales with an offset (degC) are refused: a difference
+of 1 degC is 1 K.
 """
 
 import re
@@ -81,6 +82,8 @@ _KNOWN = {
     "arcminute": "arcmin",
     "arcsecond": "arcsec",
 }
+_OTHERWISE = {"Grad": "a degree in German, or 10^9 radians; write 'deg' or 'rad'"}
+"""Names that mean two things, and how either is written."""
 _ANGLES = frozenset({"radian", "degree", "turn", "revolution", "arcminute", "arcsecond"})
 _USUAL = (*_KNOWN.values(), "kg", "mm", "um", "cm", "km", "ms", "us", "kN", "mN", "mV", "kHz", "mA")
 
@@ -88,7 +91,10 @@ _USUAL = (*_KNOWN.values(), "kg", "mm", "um", "cm", "km", "ms", "us", "kN", "mN"
 _PRINTED = str.maketrans({"·": "*", "⋅": "*", "×": "*", "∙": "*", "−": "-"})
 _RAISED = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
 _POWER = re.compile("[⁰¹²³⁴⁵⁶⁷⁸⁹⁻]+")
-_DEGREE = re.compile(r"°(?! ?[CF]\b)")
+_DEGREE = re.compile(r"°(?! ?[CFK]\b)")
+_LETTERS = "A-Za-zµμΩ"
+_ATTACHED = re.compile(rf"(?<=[{_LETTERS}])-?[1-9](?![\d.])")  # the power in m/s2 and min-1
+_HYPHEN = re.compile(rf"(?<=[{_LETTERS}])-(?=[{_LETTERS}])")  # the product in N-m
 _GLUED = re.compile(r"([kMm]?N)(mm|m|s)(s?)")
 
 Atoms = tuple[tuple[str, Fraction], ...]
@@ -193,6 +199,8 @@ def _is_angle(name: str) -> bool:
 @lru_cache(maxsize=256)
 def _named(name: str) -> Unit:
     """Look up one name without power."""
+    if name in _OTHERWISE:
+        raise UnitError(f"'{name}' may be {_OTHERWISE[name]}")
     if name in USUAL:
         _, factor, usual = USUAL[name]
         rest = len(DIMENSIONS) - len(usual)
@@ -209,7 +217,8 @@ def _named(name: str) -> Unit:
 def _unknown(name: str) -> str:
     """Say that a name is no unit, with the likeliest cure."""
     if name in ("degC", "degF", "celsius", "fahrenheit"):
-        return f"'{name}' is a scale with an offset; write temperatures in K"
+        cure = "write temperatures in K, a column x of degC as 'x + 273.15 [K]'"
+        return f"'{name}' is a scale with an offset; {cure}"
     glued = r"kg|rad|mm|[NmsVAJ]"
     if re.fullmatch(f"(?:{glued}){{2,4}}", name):
         product = "*".join(re.findall(glued, name))
@@ -222,6 +231,7 @@ def _atoms(text: str) -> Atoms:
     """Split ``N*s^2/m^2`` into (N, 1), (s, 2), (m, -2), in the order met."""
     plain = _POWER.sub(lambda raised: "^" + raised[0].translate(_RAISED), text)
     plain = _DEGREE.sub(" deg ", plain.translate(_PRINTED)).replace("°", "deg")
+    plain = _ATTACHED.sub(r"^\g<0>", _HYPHEN.sub("*", plain))
     tokens = re.findall(r"[A-Za-zµμΩ][A-Za-zµμΩ_]*|\d+\.\d+|\d+|\*\*|[^\s]", plain)
     atoms, rest = _product([part for token in tokens for part in _apart(token)], text)
     if rest:

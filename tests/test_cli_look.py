@@ -48,6 +48,12 @@ def test_jitter_is_said(symhyb: Call, tmp_path: Path) -> None:
     assert " Hz; steps differ by 1" in done.out
 
 
+def test_seconds_since_1970_have_digits_that_tell_them_apart(symhyb: Call, tmp_path: Path) -> None:
+    t = 1709646312.345 + np.arange(2000) / 1000
+    done = symhyb("look", write(tmp_path / "log.csv", t))
+    assert "from 1709646312.345 to 1709646314.344 s, 1000 Hz" in done.out
+
+
 def test_a_model_adds_units_and_checks(symhyb: Call) -> None:
     done = symhyb("look", TRAIN, "--model", MODEL, "--end", "8")
     assert done.status == 0, done.err

@@ -120,11 +120,23 @@ def test_radian_is_a_number_but_stays_in_the_text() -> None:
         ("rad s⁻¹", "rad/s"),
         ("mN", "mN"),
         ("ms", "ms"),
+        ("m/s2", "m/s^2"),
+        ("kg-m2", "kg*m^2"),
+        ("N-m/rad", "N*m/rad"),
+        ("lbf-ft", "lbf*ft"),
+        ("m s-2", "m/s^2"),
+        ("min-1", "1/min"),
+        ("mm3", "mm^3"),
     ],
 )
 def test_what_data_sheets_print_is_read(printed: str, written: str) -> None:
     assert parse_unit(printed) == parse_unit(written)
     assert parse_unit(printed).text == written
+
+
+def test_a_degree_of_kelvin_is_a_kelvin() -> None:
+    assert parse_unit("°K").factor == 1.0
+    assert parse_unit("°K").same_dimension(parse_unit("K"))
 
 
 def test_angles_are_reported_from_other_numbers() -> None:
@@ -154,7 +166,10 @@ def test_angles_are_reported_from_other_numbers() -> None:
         ("m" * 200, "too long"),
         ("k", "not a known unit"),  # Boltzmann's constant in pint
         ("c", "not a known unit"),  # the speed of light
-        ("degC", "K"),
+        ("degC", "'x + 273.15 [K]'"),
+        ("Grad", "may be a degree in German, or 10^9 radians; write 'deg' or 'rad'"),
+        ("m20", "'20' is unexpected"),
+        ("m2.5", "'2.5' is unexpected"),
     ],
 )
 def test_what_is_no_unit_is_refused_with_a_sentence(text: str, sentence: str) -> None:

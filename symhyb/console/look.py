@@ -1,6 +1,7 @@
 """What is in a recording, printed and as plain values."""
 
 from collections.abc import Iterator
+from math import log10
 from typing import Any
 
 from symhyb.console.sparkline import sparkline
@@ -115,17 +116,29 @@ def _rounded(value: float, one: Signal) -> float:
 
 def time_sentence(look: Look) -> str:
     """Say how many samples there are, when, and at what rate."""
-    span = f"{look.t.size} samples from {look.t[0]:.6g} to {look.t[-1]:.6g} s"
+    first, last = _moment(look, look.t[0]), _moment(look, look.t[-1])
+    span = f"{look.t.size} samples from {first} to {last} s"
     rate = f"{number_text(1 / look.step)} Hz"
     if look.even:
         return f"{span}, {rate}, evenly sampled"
     return f"{span}, about {rate}; steps differ by {percent_text(look.jitter)}"
 
 
+def _moment(look: Look, time: float) -> str:
+    """A time in s, with so many digits that they tell six within the recording: seconds since 1970
+    are large beside it."""
+    lasting = float(look.t[-1] - look.t[0])
+    largest = max(abs(float(look.t[0])), abs(float(look.t[-1])))
+    more = int(log10(largest / lasting)) if lasting > 0 and largest > lasting else 0
+    return f"{time:.{6 + more}g}"
+
+
 def gap_sentences(look: Look) -> Iterator[str]:
     """Say where gaps in time are, if there are any."""
     if look.gaps:
-        first = ", ".join(f"{a:.6g} … {b:.6g} s" for a, b in look.gaps[:NAMED])
+        first = ", ".join(
+            f"{_moment(look, a)} … {_moment(look, b)} s" for a, b in look.gaps[:NAMED]
+        )
         more = f" and {len(look.gaps) - NAMED} more" if len(look.gaps) > NAMED else ""
         yield f"gaps in time: {first}{more}"
 

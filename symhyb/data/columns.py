@@ -11,8 +11,17 @@ from collections.abc import Iterable, Iterator, Mapping
 
 from symhyb.data.channels import Channels
 from symhyb.data.merge import merged, one_run
-from symhyb.data.source import INDEX, Source, Wanted, find_source, has_rows, signal
-from symhyb.data.table import Column, Table
+from symhyb.data.source import (
+    GRAVITY,
+    INDEX,
+    STANDARD_GRAVITY,
+    Source,
+    Wanted,
+    find_source,
+    has_rows,
+    signal,
+)
+from symhyb.data.table import Column, Table, split_unit
 from symhyb.errors import InputError, Problem, did_you_mean
 from symhyb.model.expression import Name
 from symhyb.model.types import Model
@@ -68,6 +77,7 @@ def map_columns(table: Table, model: Model, columns: Mapping[str, str] | None = 
         f"{channel} has no column: left out" for channel in wanted[1:] if channel not in found
     ]
     notes = [*table.notes, *_clock_notes(named, columns, table), *left_out, *_unused(table, used)]
+    notes += _gravity_notes(named, found)
     notes += [
         f"{channel} is imposed: it moves as {sensor} records"
         for channel, sensor in borrowed.items()
@@ -266,6 +276,21 @@ def _clock_notes(
     steps = table.find("dt")
     size = f" ({steps[0].header} = {float(steps[0].values):g})" if steps else ""
     yield f"t is {named[TIME]}{size}, there is no column t"
+
+
+def _gravity_notes(
+    named: Mapping[Wanted, str | None], found: Mapping[Wanted, _Clocked]
+) -> Iterator[str]:
+    """Say which accelerations are in g, which elsewhere is a gram."""
+    channels = []
+    for channel, (source, _) in found.items():
+        stated = split_unit((named[channel] or "").partition("@")[0])[1]
+        units = {stated, *(column.unit for column in source.columns)}
+        if GRAVITY in units and channel.unit.same_dimension(STANDARD_GRAVITY):
+            channels.append(channel.name)
+    if channels:
+        factor = f"{STANDARD_GRAVITY.factor:g} m/s^2"
+        yield f"[g] of an acceleration is {factor}, and no gram: {_some(channels)}"
 
 
 def _unused(table: Table, used: Iterable[_Clocked]) -> Iterator[str]:

@@ -30,7 +30,8 @@ from symhyb.model.expression import (
 from symhyb.units import ONE, Unit, UnitError, parse_unit
 
 INDEX = "index"
-STANDARD_GRAVITY = replace(parse_unit("m/s^2"), text="g", factor=9.80665)  # of an accelerometer
+GRAVITY = "g"  # the unit of an accelerometer; elsewhere a gram
+STANDARD_GRAVITY = replace(parse_unit("m/s^2"), text=GRAVITY, factor=9.80665)
 _DOTTED = re.compile(r"(?<![\w.])[A-Za-z_]\w*(?:\.\w+)+")
 
 
@@ -215,7 +216,7 @@ def _unit(text: str | None, channel: Wanted, table: Table) -> Unit | None:
     """Parse a unit in brackets and check that it measures the same thing as the channel."""
     if text is None:
         return None
-    if text.strip() == "g" and channel.unit.same_dimension(STANDARD_GRAVITY):
+    if text.strip() == GRAVITY and channel.unit.same_dimension(STANDARD_GRAVITY):
         return STANDARD_GRAVITY
     if text.strip() == SI:
         return replace(channel.unit, text=SI, factor=1.0)

@@ -65,6 +65,9 @@ def test_g_is_the_acceleration_of_gravity_for_an_accelerometer(model, write, tab
     text = table(signals).replace("accel", "accel [g]", 1)
     recording = read_recording(write("run.csv", text), model)
     np.testing.assert_allclose(recording.sensors["accel"], 9.80665 * signals["accel"], rtol=1e-14)
+    assert "[g] of an acceleration is 9.80665 m/s^2, and no gram: accel" in recording.notes
+    mapped = read_recording(write("run.csv", table(signals)), model, {"accel": "accel [g]"})
+    assert "[g] of an acceleration is 9.80665 m/s^2, and no gram: accel" in mapped.notes
     text = table(signals).replace("laser", "laser [g]", 1)
     with pytest.raises(InputError, match="the column is in g, but the model declares mm"):
         read_recording(write("run.csv", text), model)
