@@ -26,7 +26,10 @@ from symhyb.cli_options import (
 
 def look(
     recording: Annotated[
-        Path, typer.Argument(metavar="RECORDING", help="Recording, or FILE#PART of one.")
+        Path,
+        typer.Argument(
+            metavar="RECORDING", help="Recording, FILE#PART of one, or FILE+FILE of two loggers."
+        ),
     ],
     model: Annotated[
         Path | None,

@@ -9,8 +9,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from symhyb.data.formats import split_part
-from symhyb.errors import did_you_mean
+from symhyb.data.bag_file import files_of_bag
+from symhyb.data.formats import files_of
+from symhyb.errors import InputError, did_you_mean
 from symhyb.model.tables import shorten
 
 MARKS = (".git", "pyproject.toml")
@@ -35,17 +36,25 @@ class Folders:
             raise ValueError("is no name of a file")
         path, said = Path(os.path.normpath(self.home / name)), shorten(name)
         try:
-            file = split_part(path)[0]
-            if not self._holds(file):
-                raise ValueError(
-                    f"'{said}' lies outside of the study's folder and project, and is not looked"
-                    " at; move it there, or allow its folder with --within FOLDER"
-                )
-            if not file.is_file():
-                raise ValueError(f"there is no file '{said}'{self._near(path)}")
+            for file in files_of(path):
+                self._require(file, said)
+                inside = files_of_bag(file) if file.is_dir() else ()
+                for one in inside:
+                    self._require(one, said)
+                if not inside and not file.is_file():
+                    raise ValueError(f"there is no file '{said}'{self._near(path)}")
+        except InputError as error:
+            raise ValueError(error.problems[0].text) from None
         except OSError as error:
             raise ValueError(f"'{said}' cannot be a file: {error.strerror}") from None
         return path
+
+    def _require(self, path: Path, said: str) -> None:
+        if not self._holds(path):
+            raise ValueError(
+                f"'{said}' lies outside of the study's folder and project, and is not looked"
+                " at; move it there, or allow its folder with --within FOLDER"
+            )
 
     def _holds(self, path: Path) -> bool:
         real = Path(os.path.realpath(path))

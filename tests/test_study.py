@@ -250,7 +250,11 @@ def test_a_study_that_is_not_there(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "name", ["/etc/passwd", "../../../../../../../../etc/passwd", "../secret.csv", "link.csv"]
+    "name",
+    [
+        *("/etc/passwd", "../../../../../../../../etc/passwd", "../secret.csv", "link.csv"),
+        *("a.csv+../secret.csv", "a.csv+link.csv", "bag", "../outside"),
+    ],
 )
 def test_a_study_names_no_file_outside_of_its_folder(
     write: Write, tmp_path: Path, name: str
@@ -258,9 +262,26 @@ def test_a_study_names_no_file_outside_of_its_folder(
     (tmp_path / "secret.csv").write_text("t,x\n0,1\n")
     path = write(STUDY.replace("a.csv", name))
     (path.parent / "link.csv").symlink_to(tmp_path / "secret.csv")
+    for bag in (path.parent / "bag", tmp_path / "outside"):
+        bag.mkdir()
+        (bag / "metadata.yaml").touch()
+        (bag / "0.mcap").symlink_to(tmp_path / "secret.csv")
     (said,) = problems(path)
     assert said.startswith("10: train[1].file: ")
     assert f"'{shorten(name)}' lies outside of the study's folder and project" in said
+
+
+def test_a_study_may_name_two_loggers_and_the_folder_of_a_bag(write: Write) -> None:
+    path = write(STUDY.replace("a.csv", "a.csv+b.csv"))
+    assert read_study(path).train[0].file == path.parent / "a.csv+b.csv"
+    assert "there is no file" in problems(write(STUDY.replace("a.csv", "a.csv+none.csv")))[0]
+    (path.parent / "bag").mkdir()
+    assert "there is no file" in problems(write(STUDY.replace("a.csv", "bag")))[0]
+    for name in ("metadata.yaml", "bag_0.mcap"):
+        (path.parent / "bag" / name).touch()
+    assert read_study(write(STUDY.replace("a.csv", "bag"))).train[0].file == path.parent / "bag"
+    (path.parent / "bag" / "bag_0.mcap.zstd").touch()
+    assert "unpack them: zstd -d" in problems(write(STUDY.replace("a.csv", "bag")))[0]
 
 
 def test_what_lies_elsewhere_is_not_listed(write: Write, tmp_path: Path) -> None:

@@ -37,6 +37,21 @@ ZSTD = b"\x28\xb5\x2f\xfd"
 MOST_NOTES = 12
 
 
+def files_of_bag(folder: Path) -> tuple[Path, ...]:
+    """The files of a bag of ROS 2 in a folder, in their order; none if it is no such folder.
+
+    Raises:
+        InputError: they are packed.
+    """
+    if not (folder / "metadata.yaml").is_file():
+        return ()
+    inside = sorted((one for one in folder.iterdir() if one.is_file()), key=_natural)
+    packed = [one.name for one in inside if Path(one.stem).suffix.lower() in STORED]
+    if packed:
+        raise refusal(str(folder), f"its files are packed; unpack them: zstd -d {packed[0]}")
+    return tuple(one for one in inside if one.suffix.lower() in STORED)
+
+
 def folder_of_bag(folder: Path) -> bytes | None:
     """The files of a bag of ROS 2 in a folder, one behind the other in an archive that does not
     pack; None if it is no such folder.
@@ -44,13 +59,7 @@ def folder_of_bag(folder: Path) -> bytes | None:
     Raises:
         InputError: they are packed, or larger than a recording may be.
     """
-    if not (folder / "metadata.yaml").is_file():
-        return None
-    inside = sorted((one for one in folder.iterdir() if one.is_file()), key=_natural)
-    packed = [one.name for one in inside if Path(one.stem).suffix.lower() in STORED]
-    if packed:
-        raise refusal(str(folder), f"its files are packed; unpack them: zstd -d {packed[0]}")
-    files = [one for one in inside if one.suffix.lower() in STORED]
+    files = files_of_bag(folder)
     if not files:
         return None
     if sum(one.stat().st_size for one in files) > RECORDING_BYTES:

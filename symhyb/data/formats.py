@@ -44,6 +44,8 @@ _READERS: Mapping[str, Callable[[bytes, str], Table]] = {
     ".rpc": read_rpc,
 }
 _NATIVE = frozenset(_READERS) - {".csv", ".json", ".rsp", ".rpc"}
+AND = "+"
+"""Between the names of files: they are one recording, of several loggers."""
 _FROM_TO = re.compile(r"([1-9]\d*)-([1-9]\d*)")
 
 
@@ -56,11 +58,19 @@ def split_part(path: str | os.PathLike[str]) -> tuple[Path, tuple[str, ...]]:
     return whole.with_name(name) if name else whole, tuple(parts)
 
 
+def files_of(path: str | os.PathLike[str]) -> tuple[Path, ...]:
+    """The files, or folders of bags, that a recording is read from: one, or those of several
+    loggers. They need not exist."""
+    whole, _ = split_part(path)
+    return _beside(whole) or (whole,)
+
+
 def read_table(path: str | os.PathLike[str]) -> Table:
     """Read the columns of a recording, whatever its format; ``FILE#PART`` reads one part of it.
 
     A part is a sheet, a structure, the number of a cell, or a group of channels; ``1-4`` are the
-    cells 1 to 4, each following on the one before. A number that names no part is that of a run,
+    cells 1 to 4, each following on the one before. ``FILE+FILE`` are several loggers of one
+    recording, each a part with times of its own. A number that names no part is that of a run,
     from 1, where time starts anew in the file.
 
     Raises:
@@ -68,10 +78,46 @@ def read_table(path: str | os.PathLike[str]) -> Table:
             damaged.
     """
     whole, parts = split_part(path)
-    table = _read(whole)
+    files = _beside(whole)
+    table = _together(whole, files) if files else _read(whole)
     for part in parts:
         table = _choose(table, part)
     return replace(table, file=str(path))
+
+
+def _beside(whole: Path) -> tuple[Path, ...]:
+    """The files of ``first.csv+second.csv``, each beside the first if it is found there; none where
+    a single file is meant."""
+    if AND not in str(whole) or whole.exists():
+        return ()
+    first, *others = map(Path, str(whole).split(AND))
+    near = [(first.parent / one, one) for one in others]
+    return (
+        first,
+        *(one if one.exists() and not beside.exists() else beside for beside, one in near),
+    )
+
+
+def _together(whole: Path, files: tuple[Path, ...]) -> Table:
+    """One recording of several loggers: every file is a part with times of its own."""
+    stems = [one.stem for one in files]
+    names = stems if len(set(stems)) == len(stems) else [str(k + 1) for k in range(len(stems))]
+    tables = [_read(one) for one in files]
+    columns = [
+        replace(one, header=f"{name}.{one.header}", part=_joined(name, one.part), inside=inside)
+        for name, table in zip(names, tables, strict=True)
+        for one in table.columns
+        for inside in (one.inside or one.header,)
+    ]
+    notes = [
+        f"{name}: {note}" for name, table in zip(names, tables, strict=True) for note in table.notes
+    ]
+    digest = hashlib.sha256("".join(table.sha256 for table in tables).encode()).hexdigest()
+    return Table(str(whole), tuple(columns), tuple(notes), sha256=digest)
+
+
+def _joined(name: str, part: str) -> str:
+    return f"{name}.{part}" if part else name
 
 
 def _choose(table: Table, part: str) -> Table:
