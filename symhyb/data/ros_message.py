@@ -12,7 +12,8 @@ numbers aligned to their size behind a head of four bytes, of which the second s
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from struct import Struct, error
+from functools import lru_cache
+from struct import Struct, error, unpack_from
 from typing import Any
 
 from symhyb.limits import STRUCTURES_DEEP
@@ -232,7 +233,7 @@ class _Definitions:
     def _numbers(self, kind: str, fixed: int | None, unit: str) -> _Walk:
         size, _ = self._number(kind)
         step = size if self.aligned else 1
-        counted, code = self._count(), _CODES[kind]
+        counted, code, order = self._count(), _CODES[kind], self.order
 
         def read(data: bytes, at: int, name: str, near: Sequence[str], message: Message) -> int:
             count, at = (fixed, at) if fixed is not None else counted(data, at)
@@ -245,9 +246,9 @@ class _Definitions:
             if count > WIDEST:
                 message.wide.add(name)
                 return end
-            values = Struct(f"{self.order}{count}{code}").unpack_from(data, at)
-            for called, value in zip(_elements(count, near), values, strict=True):
-                message.numbers[f"{name}.{called}{unit}"] = float(value)
+            values = unpack_from(f"{order}{count}{code}", data, at)
+            headers = _headers(name, unit, count, tuple(near))
+            message.numbers.update(zip(headers, map(float, values), strict=True))
             return end
 
         return read
@@ -344,6 +345,12 @@ def _header(parts: Sequence[tuple[str, _Walk]]) -> _Walk:
         return at
 
     return read
+
+
+@lru_cache(maxsize=4096)
+def _headers(name: str, unit: str, count: int, near: tuple[str, ...]) -> tuple[str, ...]:
+    """What the channels of an array are called; the same from message to message."""
+    return tuple(f"{name}.{called}{unit}" for called in _elements(count, near))
 
 
 def _elements(count: int, near: Sequence[str]) -> Sequence[str]:
