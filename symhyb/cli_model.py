@@ -24,6 +24,7 @@ def check(model: ModelFile, as_json: Json = False) -> None:
     """
     from symhyb.console.model import model_facts, print_model
     from symhyb.console.terminal import progress
+    from symhyb.discrepancy.recorded.local import bare
     from symhyb.model.read import read_model
     from symhyb.numeric.lowered.machine import build
 
@@ -31,7 +32,7 @@ def check(model: ModelFile, as_json: Json = False) -> None:
         declared = read_model(model)
         with progress() as say:
             say("deriving the equations")
-            build(declared)
+            build(declared if declared.fmu is None else bare(declared))
     except InputError as error:
         if as_json:
             print_json({"ok": False, "problems": [asdict(one) for one in error.problems]})

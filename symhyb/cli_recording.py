@@ -95,14 +95,15 @@ def compare(
     from symhyb.console.terminal import progress, read_map
     from symhyb.data.known_table import table_of_known, values_in
     from symhyb.data.recording import read_recording
-    from symhyb.discrepancy.checks.first_checks import first_checks, repeats_of
+    from symhyb.discrepancy.checks.first_checks import FirstChecks, first_checks, repeats_of
     from symhyb.discrepancy.recorded.residual import compare as compare_recording
     from symhyb.model.read import read_model
     from symhyb.numeric.lowered.machine import build
     from symhyb.steps import Counted
 
     declared, mapped = read_model(model), read_map(columns)
-    machine, gaps, checked = build(declared), [], []
+    machine = build(declared) if declared.fmu is None else None
+    gaps, checked = [], list[FirstChecks | None]()
     table, span = table_of_known(known, declared), (start, end)
     read = [
         read_recording(one, declared, mapped, span=span, parameters=values_in(table, one))
@@ -111,18 +112,25 @@ def compare(
     with progress() as say:
         for done, recording in enumerate(read):
             say(Counted(f"comparing {recording.name}", done, len(read)))
-            gaps.append(compare_recording(machine, recording))
+            gaps.append(compare_recording(machine or declared, recording))
+            if machine is None:  # an FMU states no energies and no place of rest
+                checked.append(None)
+                continue
             say(Counted(f"first checks of {recording.name}", done, len(read)))
             checked.append(first_checks(machine, recording, gaps[-1].motion))
     repeats = repeats_of(declared, read, [gap.motion for gap in gaps])
     pairs = list(zip(gaps, checked, strict=True))
     if as_json:
-        facts = [{**discrepancy_facts(gap), "first_checks": check_facts(one)} for gap, one in pairs]
+        facts = [
+            {**discrepancy_facts(gap), **({"first_checks": check_facts(one)} if one else {})}
+            for gap, one in pairs
+        ]
         print_json({"recordings": facts, "repeats": [asdict(one) for one in repeats]})
         return
     for gap, one in pairs:
         print(gap.summary())
-        print_first_checks(one)
+        if one is not None:
+            print_first_checks(one)
     print(*(one.sentence for one in repeats), sep="\n", end="\n" if repeats else "")
 
 

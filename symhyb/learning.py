@@ -55,6 +55,7 @@ from symhyb.discrepancy.recorded.course import Course, course_of
 from symhyb.discrepancy.results import Estimate, Score, Verdict
 from symhyb.discrepancy.words.wording import effect_phrase, joined, number_text, quantity_text
 from symhyb.errors import InputError, Problem, did_you_mean
+from symhyb.model.closed import require_open
 from symhyb.model.types import Element, Model
 from symhyb.model.write import append_elements
 from symhyb.numeric.lowered.either import model_of
@@ -167,11 +168,12 @@ def learn(
     learned; ``holdout`` only proves. ``say`` gets a short line at every step.
 
     Raises:
-        InputError: an unknown way, name or coordinate, or recordings that cannot be used.
+        InputError: an unknown way, name or coordinate, recordings that cannot be used, or an FMU.
         NumericsError: the model cannot be simulated along the recordings.
     """
     _require_ways(by, formulation)
     model = model_of(model)
+    require_open(model)
     tell = say or silent
     train, unseen = several(recordings), several(holdout)
     coordinates = asked_coordinates(model, on)

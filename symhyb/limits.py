@@ -29,6 +29,7 @@ VALUE = 1e100  # SI: what is larger is no measurement, but a logger's word for a
 LASTING, SHORT = 1e11, 1e-9  # s, 3000 years and a nanosecond: how long a recording may last
 ROBOT_BYTES = 20_000_000  # of a robot from another program, without its meshes
 ROBOT_NUMBER = 1e12  # SI; the largest in it
+FMU_BYTES, FMU_UNPACKED = 500_000_000, 2_000_000_000  # of an FMU, and of what it unpacks to
 XML_DEEP = 100  # elements of XML in each other
 RUN_ROWS = 5_000_000  # of a simulation
 DIAGNOSIS_BYTES = 50_000_000  # of a diagnosis.json that is read again
@@ -38,6 +39,7 @@ REPORT_BYTES = 50_000_000  # of the report beside it
 READER_MEMORY, READER_MEMORY_EACH = 1536 << 20, 16  # bytes
 READER_SECONDS, READER_BYTES_A_SECOND = 8, 200_000  # s of a processor; how fast it reads at least
 READER_WAITS = 4  # times these seconds, by the clock
+FMU_SECONDS, FMU_CALLS_A_SECOND = 30, 2_000  # s of a processor; how often an FMU answers at least
 
 
 def content_of(path: str | os.PathLike[str], most: int, what: str = "") -> bytes:

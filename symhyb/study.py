@@ -39,6 +39,7 @@ from symhyb.discrepancy.results import Diagnosis, Verdict
 from symhyb.errors import InputError, Problem
 from symhyb.expected import Check, Expected, check, read_expected
 from symhyb.limits import TEXT_BYTES, content_of
+from symhyb.model.closed import require_open
 from symhyb.model.diff import diff
 from symhyb.model.read import read_model
 from symhyb.model.types import Model
@@ -125,13 +126,16 @@ def carry_out(study: Study, say: Say | None = None, leave: Leave | None = None) 
     so that nothing that happens then costs the diagnosis, and once more if there is advice.
 
     Raises:
-        InputError: the model or a recording is wrong: all problems of all recordings at once.
+        InputError: the model or a recording is wrong: all problems of all recordings at once; or a
+            remainder or a network is wanted of an FMU.
         NumericsError: the numerics failed.
     """
     say = say or silent
     begin = time.perf_counter()
     say("reading the model and the recordings")
     model = read_model(study.model)
+    if study.remainder or study.network:
+        require_open(model)
     train, holdout = read_all(study, model)
     concluded = conclude(model, train, holdout, own=study.own, say=say)
     diagnosis = concluded.diagnosis
@@ -205,9 +209,9 @@ def _first_checks(
     model: Model, corrected: Model, seen: Sequence[Recording], verdict: Verdict
 ) -> FirstChecks | None:
     """First checks of the first training recording, beside the free runs of the verdict; none
-    where no sensor changes."""
+    where no sensor changes, and of an FMU, which states no energies and no place of rest."""
     recording = seen[0]
-    if still([recording]):
+    if still([recording]) or model.fmu is not None:
         return None
     changed = corrected != model
     runs = [

@@ -84,6 +84,7 @@ OTHERS = {
         "PARALLEL": "numerics",
     },
     "discrepancy/recorded/knots.py": {"WORSE_MOST": "work", "LONG": "work"},
+    "discrepancy/recorded/local.py": {"UNRESOLVED": "numerics: of differences"},
     "discrepancy/recorded/runs.py": {
         "WINDOWS_MOST": "work",
         "BEND_SHARE": "numerics",

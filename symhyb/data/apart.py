@@ -1,4 +1,4 @@
-"""Files of formats with a native parser are read in a process of their own.
+"""Files of formats with a native parser are read in a process of their own, and FMUs run in one.
 
 A damaged or hostile file can crash such a parser, or make it ask for memory and time without bound.
 The process has limits of both; its end by a signal becomes a sentence. It gets the bytes of the
@@ -12,7 +12,7 @@ import struct
 import subprocess
 import sys
 from collections.abc import Callable
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from importlib import import_module
 from signal import Signals
 from typing import Any
@@ -35,14 +35,30 @@ _START = "from symhyb.data.apart import serve; serve()"
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "ARROW_IO_THREADS")
 
 
-def read_apart(reader: Callable[[bytes, str], Table], content: bytes, file: str) -> Table:
-    """What ``reader``, a function of a module, makes of the ``content`` of a ``file``.
+@dataclass(frozen=True, slots=True)
+class Allowed:
+    """How many ``seconds`` of a processor a process gets, and what is said where it needs more
+    (``slow``, with {} for the seconds) or ends (``ended``, with {} for how)."""
+
+    seconds: int
+    slow: str
+    ended: str
+
+
+def read_apart(
+    reader: Callable[[bytes, str], Table],
+    content: bytes,
+    file: str,
+    allowed: Allowed | None = None,
+) -> Table:
+    """What ``reader``, a function of a module, makes of the ``content`` of a ``file``; by default
+    in as much time as a file of this size gets.
 
     Raises:
         InputError: what the reader says; or it crashed, or took more memory or time than it gets.
     """
-    seconds = READER_SECONDS + len(content) // READER_BYTES_A_SECOND
-    memory = READER_MEMORY + READER_MEMORY_EACH * len(content)
+    allowed = allowed or _allowed(READER_SECONDS + len(content) // READER_BYTES_A_SECOND)
+    seconds, memory = allowed.seconds, READER_MEMORY + READER_MEMORY_EACH * len(content)
     order = [reader.__module__, reader.__name__, file, str(seconds), str(memory)]
     environment = {
         **os.environ,
@@ -60,16 +76,18 @@ def read_apart(reader: Callable[[bytes, str], Table], content: bytes, file: str)
             check=False,
         )
     except subprocess.TimeoutExpired:
-        raise refusal(file, _slow(READER_WAITS * seconds)) from None
+        said = _said(allowed.slow, READER_WAITS * seconds)
+        raise refusal(file, said) from None
     if done.returncode:
-        raise refusal(file, _ended(done.returncode, seconds))
+        raise refusal(file, _ended(done.returncode, allowed))
     return _unpacked(done.stdout, file)
 
 
 def serve() -> None:
     """Read the file on standard input as the command line orders, within its limits."""
     module, name, file, seconds, memory = sys.argv[1:]
-    out, sys.stdout = sys.stdout.buffer, sys.stderr
+    out, sys.stdout = os.fdopen(os.dup(1), "wb"), sys.stderr
+    os.dup2(2, 1)  # what native code prints is no part of the answer
     reader = getattr(import_module(module), name)
     _limit(int(seconds), int(memory))
     try:
@@ -143,13 +161,22 @@ def _unpacked(packed: bytes, file: str) -> Table:
     return Table(file, tuple(columns), tuple(header["notes"]))
 
 
-def _ended(code: int, seconds: int) -> str:
-    """Why a reader ended, from its exit status."""
+def _ended(code: int, allowed: Allowed) -> str:
+    """Why a process ended, from its exit status."""
     if code < 0 and Signals(-code).name in ("SIGXCPU", "SIGKILL"):
-        return _slow(seconds)
+        return _said(allowed.slow, allowed.seconds)
     how = f"by signal {Signals(-code).name}" if code < 0 else f"with exit status {code}"
-    return f"its reader ended {how}: the file is damaged, or made to harm; save it once more"
+    return _said(allowed.ended, how)
 
 
-def _slow(seconds: int) -> str:
-    return f"takes longer to read than the {seconds} s that a file of its size gets"
+def _allowed(seconds: int) -> Allowed:
+    """What the reader of a file gets."""
+    return Allowed(
+        seconds,
+        "takes longer to read than the {} s that a file of its size gets",
+        "its reader ended {}: the file is damaged, or made to harm; save it once more",
+    )
+
+
+def _said(text: str, part: object) -> str:
+    return text.replace("{}", str(part))

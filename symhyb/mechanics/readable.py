@@ -32,6 +32,7 @@ from symhyb.mechanics.spinning import (
 )
 from symhyb.mechanics.symbols import Symbols
 from symhyb.mechanics.tidy import exact, named, tidied
+from symhyb.model.closed import require_open
 from symhyb.model.expression import Reading
 from symhyb.model.types import Model
 
@@ -64,7 +65,11 @@ def readable(model: Model, matrices: bool = False) -> Readable:
 
     One row for each coordinate, side and source; with ``matrices`` one row for each entry of M (on
     and above the diagonal), k_c and k_e, summed over the sources. Rows that are zero are left out.
+
+    Raises:
+        InputError: the model is an FMU, which has none.
     """
+    require_open(model)
     equations: Equations = exact(derive(model))
     slopes, parts = Slopes(equations.symbols), moving_parts(equations)
     turning = spinning_bodies(equations, slopes)

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from symhyb.model.check_constraints import constraint_faults
 from symhyb.model.check_elements import element_faults
 from symhyb.model.expression import RESERVED, Expression, Name, Number
+from symhyb.model.fmu import fmu_faults
 from symhyb.model.frames import frame_faults, place_unit
 from symhyb.model.limits import limit_faults
 from symhyb.model.scope import (
@@ -25,7 +26,7 @@ from symhyb.model.sensing import sensor_faults
 from symhyb.model.source import Path
 from symhyb.model.space import dimension, space_faults
 from symhyb.model.tables import Fault
-from symhyb.model.types import Body, Model
+from symhyb.model.types import Body, Energy, Model
 from symhyb.model.vocabulary import KINDS
 from symhyb.units import ONE, Unit, UnitError, parse_unit
 
@@ -40,6 +41,8 @@ def energy_unit(model: Model, unreadable: frozenset[str]) -> tuple[Unit | None, 
     scope = scope_of(model, unreadable)
     metre, second = parse_unit("m"), parse_unit("s")
     unread = any(name.startswith(("bodies.", "energy.")) for name in unreadable)
+    if model.fmu is not None:
+        return parse_unit("J"), []
     heavy = model.bodies or any(KINDS[element.kind].inertial for element in model.elements)
     moved = model.coordinates and all(coordinate.imposed for coordinate in model.coordinates)
     if not heavy and not moved and model.energy.kinetic is None and not unread:
@@ -71,6 +74,8 @@ def faults_of(model: Model, energy: Unit | None, unreadable: frozenset[str]) -> 
     """
     scope = scope_of(model, unreadable)
     yield from _name_faults(model)
+    if model.fmu is not None:
+        yield from fmu_faults(*_beside_fmu(model))
     yield from frame_faults(model, scope, unreadable)
     yield from _energy_faults(model, scope, energy)
     for body in model.bodies:
@@ -86,6 +91,18 @@ def faults_of(model: Model, energy: Unit | None, unreadable: frozenset[str]) -> 
     units |= {item.name: item.unit for item in model.inputs}
     for limit in model.limits:
         yield from limit_faults(limit, units)
+
+
+def _beside_fmu(model: Model) -> tuple[list[str], list[str]]:
+    """The sections that say something an FMU says, and the imposed coordinates."""
+    said = {
+        "gravity": model.gravity is not None,
+        "bodies": bool(model.bodies),
+        "energy": model.energy != Energy(),
+        "constraints": bool(model.constraints),
+    }
+    imposed = [c.name for c in model.coordinates if c.imposed]
+    return [key for key, there in said.items() if there], imposed
 
 
 def _name_faults(model: Model) -> Iterator[Fault]:

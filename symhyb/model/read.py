@@ -14,6 +14,7 @@ from symhyb.asked import asked
 from symhyb.errors import InputError, Problem, did_you_mean
 from symhyb.limits import COORDINATES, DECLARED, text_of
 from symhyb.model.check import energy_unit, faults_of
+from symhyb.model.fmu import read_fmu
 from symhyb.model.limits import read_limit
 from symhyb.model.read_bodies import read_body, read_point
 from symhyb.model.read_constraints import read_constraint
@@ -31,6 +32,7 @@ SECTIONS = (
     "title",
     "about",
     "gravity",
+    "fmu",
     "coordinates",
     "parameters",
     "inputs",
@@ -148,6 +150,7 @@ def _draft(root: Table, text: str, file: str) -> tuple[Model, frozenset[str]]:
         energy=_energy(energy) if energy else Energy(),
         constraints=_present(map(read_constraint, root.tables("constraints"))),
         limits=_present(read_limit(table, root) for table in root.tables("limits")),
+        fmu=read_fmu(root),
         gravity=root.vector("gravity") if "gravity" in root.entries else None,
         text=text,
         file=file,
@@ -171,6 +174,8 @@ def _draft(root: Table, text: str, file: str) -> tuple[Model, frozenset[str]]:
         if (count := len(root.declared(key))) > most:
             root.fault(f"are {count}; a machine has at most {most}", key)
     unreadable = {f"{key}.{name}" for key in sections for name in root.declared(key)} - read
+    if "fmu" in root.entries and model.fmu is None:
+        unreadable |= {"bodies.fmu"}  # it has mass, as an unreadable body has
     if "energy" not in root.entries:
         unreadable |= {f"energy.{name}" for name in root.declared("energy")}
     return model, frozenset(unreadable)

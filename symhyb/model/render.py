@@ -7,6 +7,7 @@ from symhyb.errors import visible
 from symhyb.model.constraints import CONSTRAINTS, Constraint
 from symhyb.model.curves import EXTRAPOLATIONS, INTERPOLATIONS, Curve
 from symhyb.model.expression import Expression
+from symhyb.model.fmu import PLACE_KEYS, Fmu
 from symhyb.model.limits import Limit
 from symhyb.model.types import (
     At,
@@ -158,6 +159,8 @@ def _lines(model: Model) -> Iterator[str]:
             ("gravity", gravity),
         )
     )
+    if model.fmu is not None:
+        yield from ("", *_fmu_lines(model.fmu))
     sections = {
         "coordinates": ((c.name, _coordinate(c)) for c in model.coordinates),
         "parameters": ((p.name, _parameter(p)) for p in model.parameters),
@@ -185,6 +188,18 @@ def _lines(model: Model) -> Iterator[str]:
         yield from ("", f"[curves.{curve.name}]", *lines)
     for element in model.elements:
         yield from ("", *element_lines(element))
+
+
+def _fmu_lines(fmu: Fmu) -> Iterator[str]:
+    yield from ("[fmu]", f"file = {_toml(fmu.file)}", "[fmu.coordinates]")
+    yield from _aligned(
+        (place.coordinate, _inline((key, getattr(place, key)) for key in PLACE_KEYS))
+        for place in fmu.places
+    )
+    for section, pairs in (("inputs", fmu.inputs), ("parameters", fmu.parameters)):
+        if pairs:
+            yield f"[fmu.{section}]"
+            yield from _aligned((name, _toml(variable)) for name, variable in pairs)
 
 
 def _network_entries(network: Network) -> list[tuple[str, str]]:

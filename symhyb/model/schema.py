@@ -7,6 +7,7 @@ vocabulary; a test makes the file anew, and holds its keys against those that th
 import sys
 from pathlib import Path
 
+from symhyb.model.fmu import PLACE_KEYS
 from symhyb.model.limits import COORDINATE_KEYS, INPUT_KEYS
 from symhyb.model.read import BETWEEN
 from symhyb.model.read_space import AXES
@@ -69,6 +70,7 @@ def _sections() -> dict[str, Schema]:
         "symhyb": version,
         "title": text("of the machine"),
         "about": ABOUT,
+        "fmu": _fmu(),
         "gravity": vector("acts on every body, in the inertial axes"),
         "coordinates": named("what moves", refer("coordinate"), minProperties=1),
         "parameters": named("numbers with units", refer("parameter")),
@@ -82,6 +84,18 @@ def _sections() -> dict[str, Schema]:
         "sensors": named("recorded signals that measure", refer("sensor")),
         "limits": named("how far and how fast the machine may be driven", refer("limit")),
     }
+
+
+def _fmu() -> Schema:
+    variable = text("the name of a variable of the FMU")
+    place = table(dict.fromkeys(PLACE_KEYS, variable), PLACE_KEYS)
+    keys = {
+        "file": text("the FMU, beside this file or below it"),
+        "coordinates": named("states and input of each coordinate", place, minProperties=1),
+        "inputs": named("which variable an input sets", variable),
+        "parameters": named("which variable a parameter sets", variable),
+    }
+    return table(keys, ("file", "coordinates"), description="an FMU that is the machine")
 
 
 def _parameter() -> Schema:

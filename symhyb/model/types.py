@@ -15,6 +15,7 @@ from symhyb.laws.characteristic import Characteristic
 from symhyb.model.constraints import Assembly, Constraint
 from symhyb.model.curves import Curve
 from symhyb.model.expression import Expression, names, parse_expression
+from symhyb.model.fmu import Fmu, Local
 from symhyb.model.limits import Limit
 from symhyb.shown import card, counted
 from symhyb.units import ONE, Unit
@@ -76,7 +77,7 @@ class Input:
 
     ``between`` says how it runs between its samples: along a ``line``, ``smooth``, or ``held`` from
     each to the next; unset, a recording shows by how its samples lie whether it is smooth or a
-    line, and without one it is a line.
+    line, and without one it is a line. A ``local`` one is a column of :mod:`symhyb.model.fmu`.
     """
 
     name: str
@@ -86,6 +87,7 @@ class Input:
     offset: Parameter | None = None
     delay: Parameter | None = None
     between: str = ""
+    local: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -274,8 +276,8 @@ class Energy:
 class Model:
     """A checked model file. ``energy_unit`` is the unit of T and V (J for mechanics; volts give
     others), ``text`` the file as written, which a correction extends by appending. ``assembly`` is
-    where constraints close, once a machine was built; it is not part of what the model says. All
-    that has a name is found by it too: ``model.parameters["k"]``."""
+    where constraints close, once a machine was built, and ``local`` the equations of an ``fmu``
+    along recordings: neither is in a file. A name finds its thing: ``model.inputs["f"]``."""
 
     title: str
     coordinates: Items[Coordinate] = Items()
@@ -294,6 +296,8 @@ class Model:
     constraints: Items[Constraint] = Items()
     limits: Items[Limit] = Items()
     curves: Items[Curve] = Items()
+    fmu: Fmu | None = None
+    local: Local | None = None
     assembly: Assembly | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:
@@ -301,13 +305,13 @@ class Model:
 
     def __repr__(self) -> str:
         nouns = ("coordinate", "input", "parameter", "element", "sensor")
-        declared = {noun: getattr(self, f"{noun}s").names() for noun in nouns}
-        parts = [counted(noun, names) for noun, names in declared.items() if names]
+        declared = [(noun, getattr(self, f"{noun}s").names()) for noun in nouns]
+        parts = [counted(noun, names) for noun, names in declared if names]
         return f"<Model '{self.title or self.file}': {', '.join(parts)}>"
 
     def _repr_html_(self) -> str:
-        head = ("what", "name", "says", "about")
-        return card(self.title or self.file or "Model", self.about, head, self._rows())
+        title, head = self.title or self.file or "Model", ("what", "name", "says", "about")
+        return card(title, self.about, head, self._rows())
 
     def _rows(self) -> Iterator[tuple[str, str, str, str]]:
         """What the file declares, a row a thing, in words."""
@@ -333,10 +337,13 @@ class Model:
         constraints hold."""
         if self.assembly is not None:
             return self.assembly.q, self.assembly.v
-        factors = [c.unit.factor for c in self.coordinates]
-        q = [c.start * f for c, f in zip(self.coordinates, factors, strict=True)]
-        v = [c.start_rate * f for c, f in zip(self.coordinates, factors, strict=True)]
-        return tuple(q), tuple(v)
+        q = tuple(c.start * c.unit.factor for c in self.coordinates)
+        return q, tuple(c.start_rate * c.unit.factor for c in self.coordinates)
+
+    @property
+    def recorded_inputs(self) -> tuple[Input, ...]:
+        """The inputs that a recording has, which come first: not columns of local equations."""
+        return tuple(item for item in self.inputs if not item.local)
 
     def all_curves(self) -> tuple[Curve, ...]:
         """The curves of the file, then those of elements, each once."""
@@ -362,9 +369,7 @@ class Model:
             yield from element.parameters
         channels: tuple[Input | Sensor, ...] = (*self.inputs, *self.sensors)
         for channel in channels:
-            for value in (channel.gain, channel.offset, channel.delay):
-                if value is not None:
-                    yield value
+            yield from filter(None, (channel.gain, channel.offset, channel.delay))
 
 
 _DECLARED = tuple(one.name for one in fields(Model) if one.default == ())  # what has names
@@ -382,8 +387,7 @@ def _parsed(text: str) -> Expression:
 
 
 def place_text(place: Place) -> str:
-    """Say a place as the model file does: ``on x``, ``on x − y``, ``between anchor and tip``,
-    ``at tip``."""
+    """Say a place as the model file does: ``on x − y``, ``between anchor and tip``, ``at tip``."""
     match place:
         case On(coordinate):
             return f"on {coordinate}".replace("-", "−")

@@ -8,6 +8,7 @@ from pathlib import Path as FilePath
 
 from symhyb.asked import asked
 from symhyb.errors import InputError, Problem, did_you_mean
+from symhyb.limits import FMU_BYTES, content_of
 from symhyb.model.read import parse_model
 from symhyb.model.render import element_lines, newline_of, render, rounded
 from symhyb.model.source import Entry, Path, Source, scan
@@ -59,14 +60,16 @@ def replace_parameters(model: Model, values: Mapping[str, tuple[float, float | N
 
 @asked
 def write_model(model: Model, path: str | FilePath) -> None:
-    """Write a model file whole or not at all. The weights of its networks and the points of its
-    curves go where the file says that they are.
+    """Write a model file whole or not at all. The weights of its networks, the points of its
+    curves and its FMU go where the file says that they are.
 
     Raises:
-        InputError: a file cannot be written, or other weights or points have the name of these.
+        InputError: a file cannot be written, or other weights, points or another FMU have the name
+            of these.
     """
     write_weights(model, FilePath(path))
     _write_points(model, FilePath(path).parent)
+    _copy_fmu(model, FilePath(path))
     write_file(path, text_of(model))
 
 
@@ -82,6 +85,21 @@ def _write_points(model: Model, folder: FilePath) -> None:
         if there != data:
             said = "holds other points than the curve; write the model into another folder"
             raise InputError(Problem(said, file=str(place)))
+
+
+def _copy_fmu(model: Model, target: FilePath) -> None:
+    """Put the FMU of a model beside a model file; one that is there already stays as it is."""
+    if model.fmu is None:
+        return
+    place, source = model.fmu.path(str(target)), model.fmu.path(model.file)
+    if place.resolve() == source.resolve():
+        return
+    data = content_of(source, FMU_BYTES)
+    if not place.exists():
+        write_file(place, data)
+    elif content_of(place, FMU_BYTES) != data:
+        said = "is another FMU; write the model into another folder"
+        raise InputError(Problem(said, file=str(place)))
 
 
 def text_of(model: Model) -> str:

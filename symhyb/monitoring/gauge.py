@@ -18,6 +18,7 @@ from symhyb.discrepancy.recorded.runs import cut_within
 from symhyb.discrepancy.words.amounts import quantity_text
 from symhyb.discrepancy.words.wording import joined
 from symhyb.errors import InputError, Problem
+from symhyb.model.closed import require_open
 from symhyb.model.types import Model, Parameter
 from symhyb.model.vocabulary import force_unit, key_of
 from symhyb.monitoring.changes import Block, Causes, Reference
@@ -52,9 +53,10 @@ def gauge_of(model: Model, reference: Recording) -> Gauge:
     """A model with all causes along a recording of the machine as it is.
 
     Raises:
-        InputError: the recording does not show the motion, or a fault of it that must be put right
-            first.
+        InputError: the model is an FMU; the recording does not show the motion, or a fault of it
+            that must be put right first.
     """
+    require_open(model)
     prepared = prepare(model, reference)
     if claimed := [fault for fault in prepared.faults if fault.claimed]:
         cure = joined([fault.sentence for fault in claimed])

@@ -62,7 +62,7 @@ def noisy_inputs(recorded: Recorded, trial: Fitted, left: Beyond) -> tuple[Likel
 def _reaching(recorded: Recorded, acting: AbstractSet[int]) -> list[int]:
     """One input that pushes wherever a force is ``acting``, or several of which exactly one pushes
     each of these coordinates; none where there are no such."""
-    inputs = range(len(recorded.windows.machine.model.inputs))
+    inputs = range(len(recorded.windows.machine.model.recorded_inputs))
     pushed = [acting - set(spared_by(recorded, j)) for j in inputs]
     alone = [j for j in inputs if pushed[j] == acting]
     if alone:

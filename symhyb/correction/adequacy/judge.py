@@ -136,7 +136,7 @@ def _small(final: Refined, ground: Recorded, left: Beyond) -> frozenset[Hypothes
 def _staircases(ground: Recorded, base: Fitted, rows: Sequence[Row]) -> list[Fitted]:
     """The structure with staircases in place of delays of inputs that are as long as one: an input
     that is held for a while arrives half of that late on average."""
-    inputs = [f"{item.name}.delay" for item in ground.windows.machine.model.inputs]
+    inputs = [f"{item.name}.delay" for item in ground.windows.machine.model.recorded_inputs]
     longest = 0.5 * (LONGEST + 1) * ground.step_s
     late = [
         i

@@ -23,6 +23,10 @@ from symhyb.model.types import Model
 
 PAIRS_MOST = 3  # rivals of the selected structure that a manoeuvre is designed for
 ODDS_SHOWN = 1e6
+CLOSED = (
+    "No manoeuvre is worked out, for the equations of the FMU are known along these recordings "
+    "alone; record other amplitudes and frequencies."
+)
 
 
 def advise(
@@ -30,10 +34,13 @@ def advise(
 ) -> tuple[str | None, Manoeuvre | None]:
     """The manoeuvre that separates the selected structure from its rivals, as a sentence and for a
     program; both None where there is no rival or a structure has many causes, of which each trial
-    of a manoeuvre would cost a fit, and no manoeuvre where only another sensor would help."""
+    of a manoeuvre would cost a fit, and no manoeuvre where only another sensor would help, or where
+    the equations hold along the recordings alone."""
     pairs = _pairs(decision)
     if not pairs or any(many(one.causes) for pair in pairs for one in (pair.first, pair.second)):
         return None, None
+    if any(item.local for item in prepared.model.inputs):
+        return CLOSED, None
     found = design(prepared, setting, pairs)
     if found.expected is None:
         return no_manoeuvre(prepared, setting, pairs, found), None

@@ -28,6 +28,7 @@ from symhyb.discrepancy.places.hypotheses import (
 )
 from symhyb.discrepancy.places.points import point_hypotheses
 from symhyb.discrepancy.recorded.course import course_of
+from symhyb.discrepancy.recorded.local import along_recordings
 from symhyb.discrepancy.recorded.motion import motion_of
 from symhyb.discrepancy.recorded.residual import discrepancy
 from symhyb.discrepancy.recorded.runs import Run, cut_within, noise_sd, with_noise
@@ -90,14 +91,17 @@ def prepare(
     require_known(model, (*recordings, *holdout), own)
     recordings = tuple(without_faults(r, model) for r in recordings)
     holdout = tuple(without_faults(r, model) for r in holdout)
+    model, (recordings, holdout) = along_recordings(model, recordings, holdout)
     extended = with_channels(as_sampled(model, recordings))
     machine = build(extended)
     first = [Run(r, motion_of(r, machine), np.empty(0)) for r in recordings]
     repair = suspect(machine, first)
     faults = (*repair.faults, *clocks)
     if any(fault.claimed for fault in faults):
-        extended, machine = repair.model, build(repair.model)
         recordings, holdout = repaired(recordings, faults), repaired(holdout, faults)
+        extended, (recordings, holdout) = along_recordings(repair.model, recordings, holdout)
+        extended = as_sampled(extended, recordings)
+        machine = build(extended)
         first = [Run(r, motion_of(r, machine), np.empty(0)) for r in recordings]
     periods = np.concatenate([run.motion.periods() for run in first])
     shortest = float(np.min(periods))
@@ -169,7 +173,11 @@ def _sag(prepared: Prepared) -> float:
     true signal's chord between two samples; nothing where the input is known to be smooth or
     held."""
     worst = 0.0
-    lines = [item.name for item in prepared.model.inputs if item.between not in ("smooth", "held")]
+    lines = [
+        item.name
+        for item in prepared.model.recorded_inputs
+        if item.between not in ("smooth", "held")
+    ]
     for run in prepared.runs:
         for values in map(run.recording.inputs.__getitem__, lines):
             size = float(np.std(values))

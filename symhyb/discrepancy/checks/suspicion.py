@@ -143,7 +143,7 @@ def suspect(machine: Machine, runs: Sequence[Run]) -> Repair:
     before = None if plain is None else _measured(machine, plain)
     if plain is None or before is None or before.worst < SUSPECT:
         return Repair(model, ())
-    inputs, scored = {item.name for item in model.inputs}, []
+    inputs, scored = {item.name for item in model.recorded_inputs}, []
     for fault in recording_faults_of(model, short):
         changed = replace(machine, model=with_fault(model, fault))
         values = np.array([item.si for item in changed.model.all_parameters()])
@@ -252,7 +252,7 @@ def recording_faults_of(model: Model, recordings: Sequence[Recording]) -> Iterat
     """Every fault worth a trial: signs and units of each channel and of all sensors of one unit
     together, exchanged columns, the unit of time."""
     present = [s for s in model.sensors if all(s.name in r.sensors for r in recordings)]
-    channels: list[Input | Sensor] = [*model.inputs, *present]
+    channels: list[Input | Sensor] = [*model.recorded_inputs, *present]
     for channel in channels:
         yield RecordingFault("sign", (channel.name,), -1.0)
         for word, factor in misreadings(channel.unit):
@@ -266,7 +266,7 @@ def recording_faults_of(model: Model, recordings: Sequence[Recording]) -> Iterat
         }
         if len(factors) > 1 and max(factors.values()) < 1.001 * min(factors.values()):
             yield RecordingFault("unit", tuple(factors), max(factors.values()), word)
-    sensed, driven = [s.name for s in present], [item.name for item in model.inputs]
+    sensed, driven = [s.name for s in present], [item.name for item in model.recorded_inputs]
     for pair in (*combinations(sensed, 2), *combinations(driven, 2)):
         yield RecordingFault("swap", pair)
     for word, factor in TIMES:

@@ -132,7 +132,7 @@ def _inputs(machine: Machine, motion: Motion, course: Course) -> Iterator[Late]:
     ordinary = [_orthonormal(_ordinary(c, free, i)[inside]) for i in free]
     lacking = discrepancy(machine, c, machine.values)[:, free]
     band = force_band(machine, motion, c)[:, free]
-    for j, item in enumerate(model.inputs):
+    for j, item in enumerate(model.recorded_inputs):
         if float(np.ptp(c.u[:, j])) == 0 or not np.abs(by[:, j]).max(initial=0.0) > 0:
             continue
         target = lacking + by[:, j] * c.u[:, j : j + 1]

@@ -12,6 +12,7 @@ from symhyb.discrepancy.evidence import Correlations, Whiteness, Without
 from symhyb.discrepancy.fitting.bands import bands_of, without_each
 from symhyb.discrepancy.fitting.scores import Errors, errors, score, yardstick
 from symhyb.discrepancy.fitting.whiteness import whiteness
+from symhyb.discrepancy.recorded.local import along_recordings, beside
 from symhyb.discrepancy.recorded.motion import motion_of
 from symhyb.discrepancy.recorded.runs import Run, noise_sd, with_noise
 from symhyb.discrepancy.recorded.sampling import as_sampled
@@ -53,6 +54,9 @@ def judge(
     model, corrected = model_of(model), model_of(corrected)
     unseen, seen = several(on), several(train)
     require_known(model, (*seen, *unseen))
+    same = corrected == model
+    model, (seen, unseen) = along_recordings(model, seen, unseen)
+    corrected = beside(corrected, model)
     used = seen or unseen
     machines = build(as_sampled(model, used)), build(as_sampled(corrected, used))
     runs = {"train": _runs(machines[0], seen), "holdout": _runs(machines[0], unseen)}
@@ -66,7 +70,6 @@ def judge(
     white: tuple[Whiteness, ...] = ()
     without: tuple[Without, ...] = ()
     proof = runs["holdout"] or runs["train"]
-    same = corrected == model
     for role, group in runs.items():
         if not group:
             continue
@@ -97,7 +100,8 @@ def judge(
 
 
 def _whiteness(machine: Machine, runs: Sequence[Run], found: Errors) -> tuple[Whiteness, ...]:
-    names = [[item.name for item in kind] for kind in (machine.model.sensors, machine.model.inputs)]
+    model = machine.model
+    names = [[item.name for item in kind] for kind in (model.sensors, model.recorded_inputs)]
     return tuple(
         one
         for run, left in zip(runs, found.residuals, strict=True)

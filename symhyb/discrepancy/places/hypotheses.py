@@ -227,7 +227,7 @@ def parametric_hypotheses(model: Model) -> tuple[Hypothesis, ...]:
         for item in (*model.parameters, *(p for e in model.elements for p in e.parameters))
         if item.sd is not None
     ]
-    channels: tuple[Input | Sensor, ...] = (*model.inputs, *model.sensors)
+    channels: tuple[Input | Sensor, ...] = (*model.recorded_inputs, *model.sensors)
     for channel in channels:
         for kind in ("gain", "offset", "delay"):
             path = f"{channel.name}.{kind}"
@@ -244,7 +244,7 @@ def with_channels(model: Model) -> Model:
     """The same model in which every channel states gain, offset and delay: they may be fitted."""
     return replace(
         model,
-        inputs=tuple(_stated(item) for item in model.inputs),
+        inputs=tuple(item if item.local else _stated(item) for item in model.inputs),
         sensors=tuple(_stated(item) for item in model.sensors),
     )
 

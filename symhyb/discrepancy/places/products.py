@@ -25,7 +25,7 @@ def products(model: Model, transitions: Mapping[str, float]) -> tuple[Hypothesis
         if name not in transitions:
             continue
         shape = (("transition", transitions[name]),)
-        for formula in formulas(name, names, [item.name for item in model.inputs]):
+        for formula in formulas(name, names, [item.name for item in model.recorded_inputs]):
             own = shape if "transition" in formula else ()
             found.append(Hypothesis(LAW, On(name), ("coefficient",), (False,), own, path=formula))
     return tuple(found)

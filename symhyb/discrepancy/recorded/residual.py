@@ -14,6 +14,7 @@ from symhyb.asked import asked
 from symhyb.data.known import require_known
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.course import Course, course_of
+from symhyb.discrepancy.recorded.local import along_recordings
 from symhyb.discrepancy.recorded.motion import Motion, motion_of
 from symhyb.discrepancy.words.wording import percent_text, quantity_text
 from symhyb.drawn import drawn
@@ -23,7 +24,7 @@ from symhyb.model.types import Model, On
 from symhyb.model.vocabulary import force_unit
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.kernels.vector import along
-from symhyb.numeric.lowered.either import machine_of
+from symhyb.numeric.lowered.either import machine_of, model_of
 from symhyb.numeric.lowered.known import machine_with, with_known
 from symhyb.numeric.lowered.machine import Machine
 from symhyb.numeric.lowered.manifold import free_part
@@ -127,11 +128,13 @@ def compare(machine: Machine | Model, recording: Recording) -> Discrepancy:
     """ΔF of a recording with its band, from motion that all sensors determine together.
 
     Raises:
-        InputError: too few samples, none of any sensor of motion, or a known value of a parameter
-            that the model has not.
+        InputError: too few samples, none of any sensor of motion, a known value of a parameter
+            that the model has not, or an FMU that cannot be asked.
     """
+    require_known(model_of(machine), [recording])
+    if model_of(machine).fmu is not None:
+        machine, ((recording,),) = along_recordings(model_of(machine), [recording])
     machine = machine_of(machine)
-    require_known(machine.model, [recording])
     return compared_along(machine, recording, motion_of(recording, machine))
 
 

@@ -17,6 +17,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from symhyb.discrepancy.recorded.local import bare
 from symhyb.errors import InputError, Problem
 from symhyb.export.functions.exportable import owners, require_force_elements
 from symhyb.export.functions.holes import Hole, filled, parts_of
@@ -103,6 +104,7 @@ def export_elements(model: Model, names: Sequence[str], events: bool = False) ->
             :func:`symhyb.numeric.lowered.machine.build` refuses.
     """
     require_force_elements(model, names)
+    model = model if model.fmu is None else bare(model)
     machine = build(model)
     parts = parts_of(machine, events)
     modes = _modes(model, parts.modes, parts.arguments) if events else None

@@ -13,12 +13,14 @@ import casadi as ca
 import numpy as np
 
 from symhyb.asked import asked
+from symhyb.model.closed import require_open
 from symhyb.model.types import Model
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.kernels.memory import kept
 from symhyb.numeric.lowered import cache
 from symhyb.numeric.lowered.assembly import assembled, constraints_key
 from symhyb.numeric.lowered.constrained import loops_of, lowered_closure, solve
+from symhyb.numeric.lowered.local import beside, nominal
 from symhyb.numeric.lowered.network import fill_of
 from symhyb.numeric.lowered.sound import require_sound
 from symhyb.shown import card
@@ -168,10 +170,11 @@ def build(model: Model, keep: bool = True) -> Machine:
     them again; what is only tried need not be kept.
 
     Raises:
-        InputError: the mass matrix is singular at the start (names the coordinates without mass),
-            a law that is infinite there, a network whose weights cannot be read, or constraints
-            that do not close.
+        InputError: an FMU without its equations along recordings; the mass matrix is singular at
+            the start (names the coordinates without mass), a law that is infinite there, a network
+            whose weights cannot be read, or constraints that do not close.
     """
+    require_open(model)
     model = assembled(model)
     functions = functions_of(model, keep)
     values = np.array([item.si for item in model.all_parameters()])
@@ -216,11 +219,16 @@ def _lowered(model: Model, opening: Opening = "closed") -> dict[str, ca.Function
     low = Lowered(equations if change is None else change(model, equations), fills)
     q, v, a, z, u, t, p = low.q, low.v, low.a, low.z, low.u, low.t, low.p
     n, imposed = q.numel(), [i for i, c in enumerate(model.coordinates) if c.imposed]
+    local = None if model.local is None else beside(low, model, model.local)
+    if local is not None:
+        low.kinetic += local.kinetic
     momentum = ca.cse(ca.gradient(low.kinetic, v))
     mass = ca.cse(ca.jacobian(momentum, v))
     k_c = ca.jtimes(momentum, q, v) + ca.jacobian(momentum, t) - ca.gradient(low.kinetic, q)
     forces = ca.horzcat(*low.forces) if low.forces else ca.SX(n, 0)
     k_e = -ca.gradient(low.potential, q) + ca.sum2(forces) + low.guidance
+    if local is not None:
+        k_e += local.force
     w, b = ca.SX.sym("w", n), ca.SX.sym("b", len(imposed))
     left_out = model.assembly.left_out if model.assembly else ()
     loops = loops_of(low, closures(model, equations.places, equations.symbols), left_out)
@@ -237,6 +245,11 @@ def _lowered(model: Model, opening: Opening = "closed") -> dict[str, ca.Function
         held = loops.signs * carried
         sensed = low.outputs(ca.vertcat(lacking, held), [*names, *loops.labels])
     rest, outputs = (ca.cse(ca.substitute(part, w, ca.SX.zeros(n))) for part in (lacking, sensed))
+    gained = ca.gradient(low.kinetic, q) + k_e
+    fixed_mass, fixed_kinetic = mass, low.kinetic
+    if local is not None:
+        gained += local.swelling
+        fixed_mass, fixed_kinetic = nominal([mass, low.kinetic], u)
     slope = ca.jacobian(k_e, u)
     linear = not ca.depends_on(slope, u) and not ca.depends_on(slope, z)
 
@@ -254,7 +267,7 @@ def _lowered(model: Model, opening: Opening = "closed") -> dict[str, ca.Function
         optional |= lowered_closure(low, loops)
         optional["shared"] = function("shared", [q, t, p], [-ca.jacobian(lacking, w)])
     return optional | {
-        "M": function("M", [q, t, p], [mass], "q t p"),
+        "M": function("M", [q, t, p], [fixed_mass], "q t p"),
         "k_c": function("k_c", [q, v, t, p], [k_c], "q v t p"),
         "k_e": function("k_e", here, [k_e], "q v z u t p"),
         "acceleration": function(
@@ -274,10 +287,10 @@ def _lowered(model: Model, opening: Opening = "closed") -> dict[str, ca.Function
         "weak": function(
             "weak",
             here,
-            [ca.densify(momentum), ca.densify(ca.gradient(low.kinetic, q) + k_e)],
+            [ca.densify(momentum), ca.densify(gained)],
         ),
         "energy": function(
-            "energy", [q, v, z, t, p], [low.kinetic, low.potential, ca.vertcat(*low.stored)]
+            "energy", [q, v, z, t, p], [fixed_kinetic, low.potential, ca.vertcat(*low.stored)]
         ),
         "elements": function("elements", here, [ca.densify(forces)]),
         "carried": function("carried", [q, v, a, t, p], [_carried(low, n)]),
@@ -331,6 +344,7 @@ def structure_of(model: Model) -> str:
         [e.parts for e in model.elements],
         model.energy,
         model.gravity,
+        model.local,
         constraints_key(model),
         model.file if any(e.network for e in model.elements) else "",
     )

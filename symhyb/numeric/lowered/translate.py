@@ -201,6 +201,11 @@ class Lowered:
         self.inner = _column([inner[name] for name in s.z])
         self.rest = _column([rest[name] for name in s.z])
 
+    def inputs(self) -> tuple[ca.SX, ...]:
+        """What acts of every input: gain and offset applied."""
+        scope, recorded = self._equations.symbols.scope, self._equations.symbols.u
+        return tuple(self._lower(scope[symbol.name, 0]) for symbol in recorded)
+
     def rate(self, expression: ca.SX) -> ca.SX:
         """d/dt of a position: (∂x/∂q) q' + ∂x/∂t."""
         return ca.jtimes(expression, ca.vertcat(self.q, self.t), ca.vertcat(self.v, 1))

@@ -44,7 +44,7 @@ def classes_of(recorded: Recorded) -> list[Offered]:
     moved = [i for i in range(len(model.coordinates)) if recorded.scale[i] > 0]
     for i, j in combinations(moved, 2):
         found.append(Offered(partial(coupling, first=i, second=j), frozenset((i, j))))
-    for j in range(len(model.inputs)):
+    for j in range(len(model.recorded_inputs)):
         spared = spared_by(recorded, j)
         at = frozenset(range(len(model.coordinates))) - {*spared}
         found += [

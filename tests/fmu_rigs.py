@@ -1,0 +1,30 @@
+"""Models as FMUs, and FMUs that misbehave."""
+
+import zipfile
+from pathlib import Path
+
+from symhyb.export.build import shared_library
+from symhyb.model.types import Model
+from tests.scripts import scripts
+
+
+def as_fmu(model: Model, folder: Path, fmi: int = 2, kinds: tuple[str, ...] = ("me",)) -> Model:
+    """The model as an FMU in ``folder``, and the model file that names its variables."""
+    with scripts("fmu", ("as_fmu",)) as found:
+        made: Model = found["as_fmu"].as_fmu(model, folder, fmi, kinds)
+    return made
+
+
+def misbehaving(path: Path, where: str, what: str) -> None:
+    """Let the FMU at ``path`` (FMI 2, with sources) do ``what``, a line of C, whenever the line
+    ``where`` of its sources is reached."""
+    with zipfile.ZipFile(path) as packed:
+        parts = {name: packed.read(name) for name in packed.namelist()}
+    source = "sources/machine.c"
+    code = parts[source].decode()
+    assert code.count(where) == 1
+    code = code.replace(where, f"{where} {what}")
+    parts["binaries/linux64/machine.so"] = shared_library(code, "machine", "linux64")
+    with zipfile.ZipFile(path, "w") as packed:
+        for name, data in parts.items():
+            packed.writestr(name, data)
