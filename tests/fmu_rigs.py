@@ -1,18 +1,28 @@
 """Models as FMUs, and FMUs that misbehave."""
 
 import zipfile
+from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from symhyb.export.build import shared_library
+from symhyb.model.read import read_model
 from symhyb.model.types import Model
 from tests.scripts import scripts
 
 
 def as_fmu(model: Model, folder: Path, fmi: int = 2, kinds: tuple[str, ...] = ("me",)) -> Model:
     """The model as an FMU in ``folder``, and the model file that names its variables."""
-    with scripts("fmu", ("as_fmu",)) as found:
-        made: Model = found["as_fmu"].as_fmu(model, folder, fmi, kinds)
-    return made
+    for name, data in _made(model, fmi, kinds).items():
+        (folder / name).write_bytes(data)
+    return read_model(folder / "machine.toml")
+
+
+@cache
+def _made(model: Model, fmi: int, kinds: tuple[str, ...]) -> dict[str, bytes]:
+    with scripts("fmu", ("as_fmu",)) as found, TemporaryDirectory() as folder:
+        found["as_fmu"].as_fmu(model, Path(folder), fmi, kinds)
+        return {file.name: file.read_bytes() for file in Path(folder).iterdir()}
 
 
 def misbehaving(path: Path, where: str, what: str) -> None:

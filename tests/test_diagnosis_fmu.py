@@ -29,6 +29,7 @@ def closed(tmp_path_factory: pytest.TempPathFactory) -> sh.Model:
     return as_fmu(spring_model(), tmp_path_factory.mktemp("closed"))
 
 
+@pytest.mark.slow
 def test_the_same_is_named_through_an_fmu_as_with_the_model(
     closed: sh.Model, tmp_path: Path
 ) -> None:

@@ -11,6 +11,7 @@ from builders import DRIVEN_MASS
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.checks.repeats import repeated
 from symhyb.discrepancy.fitting.judge import judge
+from symhyb.discrepancy.places.placements import places_of
 from symhyb.discrepancy.recorded.course import course_of
 from symhyb.discrepancy.recorded.local import along_recordings, bare, beside, plain
 from symhyb.discrepancy.recorded.motion import motion_of
@@ -20,7 +21,7 @@ from symhyb.discrepancy.recorded.sampling import as_sampled
 from symhyb.errors import InputError
 from symhyb.model.fmu import COLUMN
 from symhyb.model.read import parse_model, read_model
-from symhyb.model.types import Model
+from symhyb.model.types import Model, On
 from symhyb.model.write import replace_parameters
 from symhyb.numeric.kernels.buffers import call
 from symhyb.numeric.lowered.machine import build
@@ -55,6 +56,39 @@ angle = { measures = "phi", unit = "rad" }
 place = { measures = "x", unit = "m" }
 """
 )
+
+CHAIN = """symhyb = 1
+[coordinates]
+x = { unit = "m" }
+y = { unit = "m" }
+[parameters]
+m = { value = 1.0, unit = "kg" }
+k = { value = 40.0, unit = "N/m" }
+c = { value = 30.0, unit = "N/m^3" }
+[inputs]
+f = { unit = "N" }
+[bodies.first]
+mass = "m"
+at = ["x", "0"]
+[bodies.second]
+mass = "m"
+at = ["y", "0"]
+[elements.wall]
+kind = "spring"
+on = "x"
+cubic = "c"
+[elements.shaft]
+kind = "spring"
+on = "x - y"
+stiffness = "k"
+[elements.push]
+kind = "force"
+on = "x"
+force = "f"
+[sensors]
+first = { measures = "x", unit = "m" }
+second = { measures = "y", unit = "m" }
+"""
 
 
 def recording(model: Model, seed: int = 0, name: str = "run.csv") -> Recording:
@@ -179,3 +213,19 @@ def test_elements_and_sensors_are_there_without_the_fmu(tmp_path: Path) -> None:
     machine = build(bare(as_fmu(read_model(MODELS / "two_link_arm.toml"), tmp_path)))
     (mass,) = call(machine.M, (np.zeros(2), 0.0, machine.values))
     np.testing.assert_array_equal(mass, np.eye(2))
+
+
+def test_places_that_an_element_of_no_strength_states_are_searched(tmp_path: Path) -> None:
+    model = as_fmu(SWING, tmp_path)
+    text = model.text + '\n[elements.rope]\nkind = "damper"\non = "x - l*phi"\ndamping = "0*c"\n'
+    text = text.replace("[inputs]", 'c = { value = 1.0, unit = "N*s/m" }\n[inputs]')
+    stated = parse_model(text, model.file)
+    assert On("x - l*phi") in places_of(bare(stated))
+    assert On("x - l*phi") not in places_of(bare(model))
+
+
+def test_couplings_are_told_by_the_mean_of_what_varies(tmp_path: Path) -> None:
+    chain = parse_model(CHAIN)
+    local, _ = along_recordings(as_fmu(chain, tmp_path), [recording(chain)])
+    assert any(item.local for item in local.inputs)
+    assert On("x - y") in places_of(local)

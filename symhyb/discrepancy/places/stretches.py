@@ -108,6 +108,7 @@ def coupled_stretches(model: Model, coordinates: Sequence[str]) -> tuple[On, ...
     machine = build(replace(model, elements=tuple(placed), sensors=(), gravity=None))
     q, v, t = states_about_start(machine)
     u = np.random.default_rng(1).standard_normal((t.size, len(model.inputs)))
+    u[:, len(model.recorded_inputs) :] = 0.0  # of local equations the mean counts
     seen = couplings_of(machine, q, v, u, t)
     if seen is None:
         return ()
