@@ -4,7 +4,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from symhyb.numeric.kernels.buffers import call
+from symhyb.numeric.kernels.buffers import call, mean_of_seen
 
 x, y = ca.SX.sym("x", 2), ca.SX.sym("y")
 BOTH = ca.Function("both", [x, y], [ca.densify(ca.diag(x) * y), x[0] + y], ["x", "y"], ["A", "b"])
@@ -33,3 +33,10 @@ def test_a_wrong_number_of_entries_is_said_with_the_name_of_the_argument() -> No
 def test_an_empty_output_is_empty() -> None:
     empty = ca.Function("empty", [x], [ca.SX(0, 1)])
     assert call(empty, [np.zeros(2)])[0].shape == (1, 0)
+
+
+def test_a_mean_leaves_out_what_is_missing_and_says_where_nothing_is_left() -> None:
+    values = np.array([[1.0, np.nan, np.nan], [3.0, 5.0, np.nan]])
+    np.testing.assert_array_equal(mean_of_seen(values), [2.0, 5.0, np.nan])
+    np.testing.assert_array_equal(mean_of_seen(values, axis=1), [1.0, 4.0])
+    np.testing.assert_array_equal(mean_of_seen(np.array([[np.inf], [1.0]])), [np.inf])

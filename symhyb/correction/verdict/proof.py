@@ -13,7 +13,7 @@ from symhyb.discrepancy.fitting.matching import TRIAL_DECREASE, TRIAL_ITERATIONS
 from symhyb.discrepancy.fitting.task import Task, starts_only
 from symhyb.discrepancy.recorded.runs import cut_within
 from symhyb.discrepancy.recorded.windows import Cut
-from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.kernels.buffers import Array, mean_of_seen
 from symhyb.numeric.runs.windows import WindowModel
 from symhyb.steps import Say, counted, silent
 
@@ -120,7 +120,7 @@ def _nrmse(residual: Array, measured: Array) -> float:
     if not seen.any():
         return float("nan")
     with np.errstate(invalid="ignore", over="ignore"):
-        rmse = np.sqrt(np.nanmean(residual[:, seen] ** 2, axis=0))
+        rmse = np.sqrt(mean_of_seen(residual[:, seen] ** 2))
         reach = np.nanmax(measured[:, seen], axis=0) - np.nanmin(measured[:, seen], axis=0)
         return float(np.mean(rmse / reach))
 

@@ -19,7 +19,7 @@ from symhyb.discrepancy.recorded.runs import Run, cut_into_windows
 from symhyb.discrepancy.recorded.signals import driving, measured
 from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.discrepancy.results import Score
-from symhyb.numeric.kernels.buffers import Array, on_lines
+from symhyb.numeric.kernels.buffers import Array, mean_of_seen, on_lines
 from symhyb.numeric.lowered.dynamics import StateForm
 from symhyb.numeric.lowered.known import machine_with
 from symhyb.numeric.lowered.machine import Machine
@@ -60,8 +60,8 @@ def errors(machine: Machine, runs: Sequence[Run], window_s: float, band_hz: floa
         trajectories.append(free_run(machine, run, scenarios[-1]))
         frees.append((measured(run.recording, machine) - trajectories[-1].y) ** 2)
         forces.append(forces_of(machine, run, band_hz)[0] ** 2)
-    means = _mean(windows), _mean(frees), _mean(forces)
-    return Errors(*means, tuple(scenarios), tuple(trajectories), tuple(residuals))
+    window, free, force = (mean_of_seen(np.concatenate(one)) for one in (windows, frees, forces))
+    return Errors(window, free, force, tuple(scenarios), tuple(trajectories), tuple(residuals))
 
 
 @dataclass(frozen=True, slots=True)
@@ -206,15 +206,6 @@ def low_pass(values: Array, t: Array, band_hz: float | None) -> Array:
     return np.asarray(
         sosfiltfilt(butter(FILTER_ORDER, band_hz, fs=rate, output="sos"), values, axis=0)
     )
-
-
-def _mean(rows: Sequence[Array]) -> Array:
-    """Mean over samples (m,), missing ones skipped; NaN where nothing is left or not finite."""
-    joined = np.concatenate(rows)
-    seen = ~np.isnan(joined)
-    total = np.where(seen, joined, 0.0).sum(axis=0)
-    count = seen.sum(axis=0)
-    return np.asarray(np.where(count > 0, total / np.maximum(count, 1), np.nan))
 
 
 def _table(names: Sequence[str], values: Array, by: Array) -> Mapping[str, float | None]:

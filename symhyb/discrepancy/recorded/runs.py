@@ -14,7 +14,7 @@ from symhyb.discrepancy.recorded.windows import Cut, lay
 from symhyb.judgement import OUTSTANDING, PERIODS_LEAST, SAMPLES_TELL
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import Element, On
-from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.kernels.buffers import Array, mean_of_seen
 from symhyb.numeric.lowered.machine import Machine, build
 from symhyb.numeric.runs.windows import WindowModel
 
@@ -184,7 +184,7 @@ def fine_for(machine: Machine, run: Run, length_s: float) -> int:
         return run.fine
     with np.errstate(over="ignore", invalid="ignore"):
         _, y = model.simulate(first.block, first.start, machine.values)
-        squares = np.nanmean((y - first.block.y) ** 2, axis=1)
+        squares = mean_of_seen((y - first.block.y) ** 2, axis=1)
     left = np.sqrt(np.median(squares, axis=0))
     louder = replace(run, sd=np.fmax(run.sd, np.where(np.isfinite(left), left, 0.0)))
     return _enough(model, louder, cut, 1, FINE_MOST)

@@ -106,3 +106,12 @@ def on_lines(t: Array, columns: Array, at: Array) -> Array:
     (N, D) in their units."""
     held = [on_line(t, column, at) for column in columns.T]
     return np.column_stack(held) if held else np.empty((at.size, 0))
+
+
+def mean_of_seen(values: Array, axis: int = 0) -> Array:
+    """The mean of ``values`` (N, …) along an ``axis``, in their unit, missing ones (NaN) left out;
+    NaN where all are missing."""
+    seen = ~np.isnan(values)
+    count = seen.sum(axis=axis)
+    total = np.where(seen, values, 0.0).sum(axis=axis)
+    return np.asarray(np.where(count > 0, total / np.maximum(count, 1), np.nan))
