@@ -10,6 +10,15 @@ import pytest
 from command import Call, caller
 
 from symhyb.data.datasets import FOLDER, fetch
+from symhyb.data.fmu_answers import TRUST
+
+
+@pytest.fixture(scope="session", autouse=True)
+def trusted_fmus() -> Iterator[None]:
+    """FMUs of the tests may run, in processes that they start too."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv(TRUST, "1")
+        yield
 
 
 @pytest.fixture(scope="session")

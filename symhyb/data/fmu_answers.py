@@ -11,6 +11,7 @@ Sizes: N samples, n coordinates, k inputs, P parameters, S sets of them.
 
 import io
 import json
+import os
 import tempfile
 import zipfile
 from collections.abc import Iterator, Sequence
@@ -26,12 +27,13 @@ from numpy.typing import NDArray
 from symhyb.data.apart import Allowed, read_apart
 from symhyb.data.extras import needed
 from symhyb.data.table import Column, Table, refusal
-from symhyb.errors import InputError, did_you_mean
+from symhyb.errors import InputError, Problem, did_you_mean
 from symhyb.limits import FMU_BYTES, FMU_CALLS_A_SECOND, FMU_SECONDS, FMU_UNPACKED, content_of
 from symhyb.model.fmu import Fmu
 
 Array = NDArray[np.float64]
 
+TRUST = "SYMHYB_TRUST_FMU"  # the environment variable that lets FMUs run
 EXACT = 1e-6  # relative: of differences of an FMU's answers, what must be equal
 PUSH = 1.0  # N or N·m: a force is linear in accelerations, so that any tells
 PROBES = 5  # samples at which that is checked
@@ -72,10 +74,13 @@ def ask(fmu: Fmu, path: Path, question: Question) -> Answer:
     """Let the FMU at ``path`` answer, in a process of its own.
 
     Raises:
-        InputError: FMPy is not installed; no FMU, one without the variables that are named or with
-            more states; it fails, crashes or takes too long; forces that do not act along the
-            coordinates.
+        InputError: nobody said that FMUs may run; FMPy is not installed; no FMU, one without the
+            variables that are named or with more states; it fails, crashes or takes too long;
+            forces that do not act along the coordinates.
     """
+    if os.environ.get(TRUST) != "1":
+        text = "an FMU is a program that runs with your rights; if you trust its maker, set"
+        raise InputError(Problem(f"{text} {TRUST}=1", "fmu.file", str(path)))
     needed("fmpy", "fmi", str(path))
     content_of(path, FMU_BYTES)
     seconds = FMU_SECONDS + question.calls // FMU_CALLS_A_SECOND
