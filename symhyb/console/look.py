@@ -125,7 +125,7 @@ def time_sentence(look: Look) -> str:
 
 
 def _moment(look: Look, time: float) -> str:
-    """A time in s, with so many digits that they tell six within the recording: seconds since 1970
+    """A time in s, with so many digits that six count within the recording: seconds since 1970
     are large beside it."""
     lasting = float(look.t[-1] - look.t[0])
     largest = max(abs(float(look.t[0])), abs(float(look.t[-1])))

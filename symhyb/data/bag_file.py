@@ -86,7 +86,7 @@ def read_bag(content: bytes, file: str) -> Table:
     magic = next((one for one in (BAG, MCAP, DB3, FOLDER) if content.startswith(one)), None)
     if magic is None:
         raise refusal(file, "is not a bag of ROS, although its name says so")
-    for module in ("rosbags.rosbag1", "rosbags.rosbag2", "rosbags.typesys"):
+    for module in ("rosbags", "rosbags.rosbag1", "rosbags.rosbag2", "rosbags.typesys"):
         needed(module, "rosbag", file)
     topics: dict[str, _Topic] = {}
     notes: dict[str, None] = {}

@@ -35,7 +35,7 @@ Array = NDArray[np.float64]
 
 TRUST = "SYMHYB_TRUST_FMU"  # the environment variable that lets FMUs run
 EXACT = 1e-6  # relative: of differences of an FMU's answers, what must be equal
-PUSH = 1.0  # N or N·m: a force is linear in accelerations, so that any tells
+PUSH = 1.0  # N or N·m: a force is linear in accelerations, so that any will do
 PROBES = 5  # samples at which that is checked
 
 

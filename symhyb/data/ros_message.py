@@ -316,7 +316,7 @@ def _structure(parts: Sequence[tuple[str, _Walk]]) -> _Walk:
 
 
 def _describes(name: str, description: Any) -> bool:
-    """Whether a field tells of others, as covariances do, and is no channel."""
+    """Whether a field describes others, as covariances do, and is no channel."""
     return name.endswith("covariance") or description[1] == "std_msgs/msg/MultiArrayLayout"
 
 

@@ -28,8 +28,9 @@ def test_structures_of_many_causes_get_no_manoeuvre(
     monkeypatch.setattr(advice, "_pairs", lambda _: [pair])
     monkeypatch.setattr(advice, "design", design)
     nothing: Any = None
+    prepared: Any = SimpleNamespace(model=SimpleNamespace(inputs=()))
     if designed:
         with pytest.raises(DesignedError):
-            advice.advise(nothing, nothing, nothing)
+            advice.advise(prepared, nothing, nothing)
     else:
-        assert advice.advise(nothing, nothing, nothing) == (None, None)
+        assert advice.advise(prepared, nothing, nothing) == (None, None)
