@@ -342,7 +342,7 @@ class Model:
 
     @property
     def recorded_inputs(self) -> tuple[Input, ...]:
-        """The inputs that a recording has, which come first: not columns of local equations."""
+        """The inputs that a recording has; columns of local equations come behind them."""
         return tuple(item for item in self.inputs if not item.local)
 
     def all_curves(self) -> tuple[Curve, ...]:
