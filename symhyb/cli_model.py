@@ -32,7 +32,7 @@ def check(model: ModelFile, as_json: Json = False) -> None:
         declared = read_model(model)
         with progress() as say:
             say("deriving the equations")
-            build(declared if declared.fmu is None else bare(declared))
+            build(bare(declared))
     except InputError as error:
         if as_json:
             print_json({"ok": False, "problems": [asdict(one) for one in error.problems]})

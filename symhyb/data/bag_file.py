@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from symhyb.data.extras import needed
+from symhyb.data.extras import first_line, needed
 from symhyb.data.ros_message import WIDEST, Message, UnreadableError, decoder
 from symhyb.data.stamps import CLOCKS, Times, time_notes, times_of
 from symhyb.data.table import Column, Table, in_part, refusal
@@ -97,7 +97,7 @@ def read_bag(content: bytes, file: str) -> Table:
     except (InputError, MemoryError):
         raise
     except Exception as error:  # damaged bytes make rosbags raise errors of many kinds
-        why = _first_line(error) or type(error).__name__
+        why = (first_line(error) or type(error).__name__)[:200]
         cure = RECOVER.get(magic, "")
         text = f"is a damaged or cut off bag: {why}{cure}"
         raise refusal(file, text) from error
@@ -264,7 +264,3 @@ def _called(topic: str) -> str:
 
 def _int64(values: "array[int]") -> NDArray[np.int64]:
     return np.array(values, dtype=np.int64)
-
-
-def _first_line(error: Exception) -> str:
-    return (str(error).splitlines() or [""])[0][:200]

@@ -20,3 +20,8 @@ def needed(module: str, extra: str, file: str) -> Any:
         why = "which is not installed" if missing else f"which cannot be loaded ({error})"
         cure = f'pip install "symhyb[{extra}]"'
         raise refusal(file, f"needs the package {package}, {why}; run: {cure}") from error
+
+
+def first_line(said: object) -> str:
+    """The first line of what a reader said, as an error or as text; empty where it said nothing."""
+    return (str(said).splitlines() or [""])[0]

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from symhyb.data.extras import needed
+from symhyb.data.extras import first_line, needed
 from symhyb.data.nested import Unfit, columns_of
 from symhyb.data.table import Table, refusal
 from symhyb.limits import STRUCTURES_DEEP, VARIABLE_NUMBERS
@@ -36,7 +36,8 @@ def read_mat73(content: bytes, file: str) -> Table:
         with h5py.File(io.BytesIO(content), "r") as archive:
             tree = _group(archive, archive, h5py, 0)
     except Exception as error:  # damaged bytes make HDF5 raise errors of many kinds
-        text = f"is a damaged or cut off MAT file of version 7.3: {_first_line(error)}"
+        why = first_line(error) or type(error).__name__
+        text = f"is a damaged or cut off MAT file of version 7.3: {why}"
         raise refusal(file, text) from error
     return Table(file, *columns_of(tree))
 
@@ -108,7 +109,3 @@ def _kind(item: Any) -> str:
     """Return the class that MATLAB states, empty if another program wrote the file."""
     stated = item.attrs.get("MATLAB_class", b"")
     return stated.decode("ascii", "replace") if isinstance(stated, bytes) else str(stated)
-
-
-def _first_line(error: Exception) -> str:
-    return (str(error).splitlines() or [type(error).__name__])[0]

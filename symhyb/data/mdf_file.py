@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from symhyb.data.extras import needed
+from symhyb.data.extras import first_line, needed
 from symhyb.data.table import Column, Table, headed, in_part, refusal
 from symhyb.errors import Problem
 
@@ -48,7 +48,7 @@ def read_mdf(content: bytes, file: str) -> Table:
                 for number, part in _parts(measurement):
                     columns += _group(measurement, number, part, file, notes)
         except Exception as error:  # damaged bytes make the reader raise errors of many kinds
-            why = _first_line(error) or type(error).__name__
+            why = first_line(error) or type(error).__name__
         if why:
             gc.collect()  # what is left of a reader goes here, not at some later moment
     if why:
@@ -96,7 +96,7 @@ class _Complaints(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         """Keep one line of a complaint."""
-        self.said.append(_first_line(record.getMessage()))
+        self.said.append(first_line(record.getMessage()))
 
 
 @contextmanager
@@ -113,10 +113,6 @@ def _quiet() -> Iterator[list[str]]:
     finally:
         logger.handlers, logger.propagate = handlers, propagates
         sys.unraisablehook = hook
-
-
-def _first_line(text: object) -> str:
-    return (str(text).splitlines() or [""])[0]
 
 
 def _parts(measurement: Any) -> Iterator[tuple[int, str]]:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from symhyb.data.extras import needed
+from symhyb.data.extras import first_line, needed
 from symhyb.data.table import Column, Table, headed, in_part, refusal
 from symhyb.errors import Problem
 from symhyb.limits import COLUMNS
@@ -43,7 +43,7 @@ def read_tdms(content: bytes, file: str) -> Table:
     except MemoryError:
         raise
     except Exception as error:  # damaged bytes make nptdms raise errors of many kinds
-        why = (str(error).splitlines() or [type(error).__name__])[0][:200]
+        why = (first_line(error) or type(error).__name__)[:200]
         raise refusal(file, f"is a damaged or cut off TDMS file: {why}") from error
     filled = {name: channels for name, channels in groups.items() if channels}
     if sum(map(len, filled.values())) > COLUMNS:

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from symhyb.data.extras import needed
+from symhyb.data.extras import first_line, needed
 from symhyb.data.stamps import Nanoseconds, Times, time_notes, times_of
 from symhyb.data.table import Column, Table, in_part, refusal
 from symhyb.limits import COLUMNS
@@ -43,7 +43,7 @@ def read_ulog(content: bytes, file: str) -> Table:
     except MemoryError:
         raise
     except Exception as error:  # damaged bytes make pyulog raise errors of many kinds
-        why = (str(error).splitlines() or [type(error).__name__])[0][:200]
+        why = (first_line(error) or type(error).__name__)[:200]
         raise refusal(file, f"is a damaged ULog file: {why}") from error
     topics = [one for one in log.data_list if len(one.data.get(SENT, ()))]
     if not topics:

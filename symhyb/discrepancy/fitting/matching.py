@@ -188,24 +188,24 @@ def _settled(
     now, shown, found = list(starts), list(begun), list(parts)
     for i, item in enumerate(task.cuts):
         full = task.filled(i, p, model.free, values)
-        every = np.arange(len(item.start))
-        tried, begins = every, [model.closed(item.block, item.start, full)]
+        tried, some = np.arange(len(item.start)), item
+        begins = [model.closed(item.block, item.start, full)]
         for _ in range(1 + HELD_ROUNDS):
-            best, costs = best_of(model, item.chosen(tried), full, begins, task.sd)
+            best, costs = best_of(model, some, full, begins, task.sd)
             better = costs < (1 - task.decrease) * shown[i][tried]
             fresh = tried[better]
             if fresh.size:
                 now[i] = _put(now[i], fresh, best[better])
                 shown[i] = _put(shown[i], fresh, costs[better])
                 part = _part(model, task, i, p, values, now[i][fresh], fresh)
-                found[i] = part if fresh.size == every.size else found[i].with_rows(fresh, part)
+                found[i] = found[i].with_rows(fresh, part)
             move, gain = found[i].start_step(np.zeros_like(values), 0.0)
             tried = np.flatnonzero(gain > task.decrease * shown[i])  # others gain nothing
             if not tried.size:
                 break
-            block = item.chosen(tried).block
+            some = item.chosen(tried)
             ahead = (now[i][tried] + share * move[tried] for share in SHARES_ALONE[:-1])
-            begins = [model.closed(block, start, full) for start in ahead]
+            begins = [model.closed(some.block, start, full) for start in ahead]
     return now, shown, found
 
 

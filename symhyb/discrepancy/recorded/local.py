@@ -79,7 +79,9 @@ def beside(model: Model, local: Model) -> Model:
 
 def bare(model: Model) -> Model:
     """A model that is an FMU as if all its coordinates had a mass of 1 and nothing acted but its
-    elements: what its sensors and elements say of a motion is the same."""
+    elements: what its sensors and elements say of a motion is the same. Any other as it is."""
+    if model.fmu is None:
+        return model
     masses = " + ".join(f"{c.name}'**2" for c in model.coordinates)
     recorded = model.recorded_inputs
     return replace(

@@ -104,7 +104,7 @@ def export_elements(model: Model, names: Sequence[str], events: bool = False) ->
             :func:`symhyb.numeric.lowered.machine.build` refuses.
     """
     require_force_elements(model, names)
-    model = model if model.fmu is None else bare(model)
+    model = bare(model)
     machine = build(model)
     parts = parts_of(machine, events)
     modes = _modes(model, parts.modes, parts.arguments) if events else None
