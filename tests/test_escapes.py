@@ -12,7 +12,7 @@ from html.parser import HTMLParser
 from jinja2 import Environment
 
 from symhyb.errors import is_text, visible
-from symhyb.export.c_code import _comment as c_comment
+from symhyb.export.c_code import comment as c_comment
 from symhyb.mechanics.show_latex import _comment as latex_comment
 from symhyb.model.render import _string
 

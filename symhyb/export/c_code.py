@@ -47,7 +47,7 @@ def model_code(spec: Spec) -> str:
         "SZ_W": max(1, *(f.sz_w() for f in made)),
     }
     lines = [
-        f"/* {spec.identifier}: {_comment(spec.title)}. Everything is in SI. */",
+        f"/* {spec.identifier}: {comment(spec.title)}. Everything is in SI. */",
         "#define CASADI_SYMBOL_EXPORT static inline /* no warnings about what is not called */",
         c_source(exported, spec.identifier),
         *(f"#define {name} {size}" for name, size in sizes.items()),
@@ -95,7 +95,7 @@ def _header(spec: Spec) -> str:
     e = spec.exported
     sizes = (("NX", e.states), ("NU", e.inputs), ("NY", e.outputs), ("NP", e.parameters))
     listed = [
-        f"   {v.role:9} {v.name} [{v.unit.text}] {_comment(v.about)}"
+        f"   {v.role:9} {v.name} [{v.unit.text}] {comment(v.about)}"
         for v in spec.variables
         if v.role not in ("time", "rate")
     ]
@@ -104,7 +104,7 @@ def _header(spec: Spec) -> str:
     )
     return "\n".join(
         (
-            f"/* {name}: {_comment(spec.title)}",
+            f"/* {name}: {comment(spec.title)}",
             "",
             "     x', y = f(t, x, u, p)      in SI, arrays in this order:",
             "",
@@ -181,7 +181,7 @@ def _array(name: str, values: Iterable[float], kind: str = "static const double"
     return f"{kind} {name}[{len(listed)}] = {{\n  " + ",\n  ".join(lines) + "\n};"
 
 
-def _comment(text: str) -> str:
+def comment(text: str) -> str:
     """Text that stays within a comment: without stars it cannot end one, without backslashes and
     trigraphs (``??/``) it cannot join lines, and what cannot be printed is a space."""
     shown = "".join(letter if letter.isprintable() else " " for letter in text)

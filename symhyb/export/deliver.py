@@ -11,13 +11,14 @@ from symhyb.export.c_code import c_files
 from symhyb.export.curve_table import curve_tables
 from symhyb.export.fmu import fmu, kinds_of
 from symhyb.export.functions.exported import serialised
+from symhyb.export.simulink import simulink_files
 from symhyb.export.spec import C_WORDS, Role, Spec, spec_of
 from symhyb.model.types import Model
 from symhyb.writing import require_folder, staged, write_file
 
-TARGETS = ("fmu", "c", "casadi", "adams", "curve", "latex", "urdf", "mjcf")
+TARGETS = ("fmu", "c", "casadi", "adams", "simulink", "curve", "latex", "urdf", "mjcf")
 ROBOTS = ("urdf", "mjcf")
-FOLDERS = ("c", "adams", "curve")  # what consists of several files
+FOLDERS = ("c", "adams", "simulink", "curve")  # what consists of several files
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +40,7 @@ class Order:
 
 
 def deliver(model: Model, order: Order, output: Path) -> tuple[str, ...]:
-    """Write what is ordered to ``output`` (a folder for C, Adams and tables, else a file) and say
+    """Write what is ordered to ``output`` (a folder where it is several files, else a file) and say
     what it is. Nothing is written if anything goes wrong.
 
     Raises:
@@ -88,6 +89,12 @@ def deliver(model: Model, order: Order, output: Path) -> tuple[str, ...]:
         case "adams":
             _write_all(output, adams_files(spec))
             said = f"{output}: experimental, never run in Adams by us; the FMU is the surer way"
+        case "simulink":
+            _write_all(output, simulink_files(spec))
+            said = (
+                f"{output}: {name}_sfun.c says how to build it; experimental, never run in "
+                "Simulink by us; the FMU is the surer way"
+            )
         case _:
             write_file(output, serialised(spec.exported))
             said = (

@@ -14,13 +14,15 @@ def export(
     to: Annotated[
         str,
         typer.Option(
-            "--to", metavar="FORM", help="One of fmu, c, casadi, adams, curve, latex, urdf, mjcf."
+            "--to",
+            metavar="FORM",
+            help="One of fmu, c, casadi, adams, simulink, curve, latex, urdf, mjcf.",
         ),
     ],
     output: Annotated[
         Path,
         typer.Option(
-            "-o", "--output", metavar="OUT", help="File; for c, adams and curve a folder."
+            "-o", "--output", metavar="OUT", help="File; for c, adams, simulink and curve a folder."
         ),
     ],
     elements: Annotated[

@@ -41,8 +41,8 @@ int main(void) {
 """
 
 
-def compiled(folder: Path, *sources: str) -> str:
-    """Compile and run; what the program prints."""
+def compiled(folder: Path, *sources: str, given: Path | None = None) -> str:
+    """Compile and run with what is ``given`` as input; what the program prints."""
     done = subprocess.run(
         ["cc", *WARNINGS, "-ffp-contract=off", *sources, "-o", "program", "-lm"],
         cwd=folder,
@@ -51,7 +51,14 @@ def compiled(folder: Path, *sources: str) -> str:
         check=False,
     )
     assert done.returncode == 0, done.stderr
-    run = subprocess.run(["./program"], cwd=folder, capture_output=True, text=True, check=False)
+    run = subprocess.run(
+        ["./program"],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+        input=given.read_text(encoding="utf-8") if given else "",
+    )
     return f"{run.returncode} {run.stdout}"
 
 
