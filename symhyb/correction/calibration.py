@@ -16,6 +16,7 @@ from symhyb.correction.search.trajectory import DELAY_REACH
 from symhyb.data.cleaning import still
 from symhyb.data.known import require_known
 from symhyb.data.recording import Recording, several
+from symhyb.discrepancy.evidence import correlation_of
 from symhyb.discrepancy.fitting.matching import fit
 from symhyb.discrepancy.fitting.task import Fit, Task
 from symhyb.discrepancy.places.hypotheses import with_channels
@@ -168,7 +169,7 @@ def _calibrated(model: Model, items: Sequence[Parameter], prepared: Prepared) ->
         replace_parameters(model, changed),
         numbers,
         tuple(None if item.was is not None else item.sd for item in items),
-        _correlation(fitted.covariance),
+        correlation_of(fitted.covariance),
         tuple(item.path for item, ends in zip(items, at, strict=True) if ends),
         before,
         fitted.scale,
@@ -197,13 +198,6 @@ def _numbers(items: Sequence[Parameter], fitted: Fit) -> tuple[Reestimated, ...]
         )
         for item, value, sd in zip(items, fitted.values, sds, strict=True)
     )
-
-
-def _correlation(covariance: Array) -> Array:
-    """Correlations (F, F), dimensionless, from covariances (F, F); 0 of what has no deviation."""
-    sd = np.sqrt(np.diag(covariance))
-    scale = np.where(sd > 0, sd, np.inf)
-    return np.asarray(covariance / np.outer(scale, scale) + np.diag(1.0 * (sd == 0)))
 
 
 def _known(item: Parameter) -> float:

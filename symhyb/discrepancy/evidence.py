@@ -16,10 +16,12 @@ CONFIDENCE = NormalDist().inv_cdf((1.0 + WITHIN) / 2.0)  # standard deviations t
 
 def correlation_of(covariance: NDArray[np.float64]) -> NDArray[np.float64]:
     """How the errors of numbers with a covariance (K, K), in any units, go together (K, K),
-    dimensionless, −1 to 1; NaN of a number without an error."""
-    with np.errstate(invalid="ignore", divide="ignore"):
-        spread = np.sqrt(np.diag(covariance))
-        return np.asarray(covariance / np.outer(spread, spread))
+    dimensionless, −1 to 1; of a number without an error 0 with all others."""
+    spread = np.sqrt(np.diag(covariance))
+    spread = np.where(spread > 0, spread, np.inf)
+    found = np.clip(covariance / np.outer(spread, spread), -1.0, 1.0)
+    np.fill_diagonal(found, 1.0)
+    return np.asarray(found)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

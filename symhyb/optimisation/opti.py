@@ -171,7 +171,7 @@ def step_function(machine: Machine, stiff: bool = False) -> ca.Function:
     d1, h = ca.SX.sym("d1", form.drive), ca.SX.sym("h")
     arguments, names = [x, d0, d1, t, h, p], ["x", "u0", "u1", "t", "h", "p"]
     if stiff:
-        after = rosenbrock_step(form)(*arguments, 0 * w)
+        after = rosenbrock_step(form)(*arguments)
         return ca.Function("step", arguments, [after], names, ["after"], {"cse": True})
     f = len(form.free)
 

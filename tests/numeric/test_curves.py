@@ -148,7 +148,7 @@ def test_windows_are_differentiated_by_states_and_by_the_factor(over: str) -> No
     machine = build(curved(over))
     model = WindowModel(machine, (machine.column("n"), machine.column("k")))
     t = uneven(2, 25, seed=5)
-    windows = block(t, 6 * np.sin(5 * t)[..., None], 2, substeps=2)
+    windows = block(t, 6 * np.sin(5 * t)[..., None], 2, substeps=16)
     start = np.array([[0.13, 0.45], [-0.12, -0.32]])
     linear = model.differentiate(windows, start, machine.values)
     for i in range(2):
@@ -157,14 +157,14 @@ def test_windows_are_differentiated_by_states_and_by_the_factor(over: str) -> No
             lambda h, d=moved: model.simulate(windows, start + h * d, machine.values)[1], 1e-6
         )
         exact = linear.from_start()[..., i]
-        assert exact == pytest.approx(found, rel=1e-3, abs=1e-3 * np.abs(found).max())
+        assert exact == pytest.approx(found, rel=5e-3, abs=5e-3 * np.abs(found).max())
     for column, i in enumerate(model.free):
         moved = np.eye(machine.values.size)[i]
         found = slope(
             lambda h, d=moved: model.simulate(windows, start, machine.values + h * d)[1], 1e-5
         )
         exact = linear.from_free()[..., column]
-        assert exact == pytest.approx(found, rel=1e-3, abs=1e-3 * np.abs(found).max())
+        assert exact == pytest.approx(found, rel=5e-3, abs=5e-3 * np.abs(found).max())
 
 
 def test_machines_that_differ_by_points_alone_are_two() -> None:

@@ -11,8 +11,8 @@ def test_slopes_join_as_the_steps_follow_each_other() -> None:
     chance = np.random.default_rng(2)
     parts, first = np.array([1, 3]), np.array([0, 1])
     steps = [chance.standard_normal((4, 2, count)) for count in (2, 3, 1)]
-    flat = [one.swapaxes(1, 2).reshape(4, -1) for one in steps]
-    transition, left, right, free = joined(*flat, first, parts, 2)
+    slopes = np.concatenate(steps, axis=2).swapaxes(1, 2)
+    transition, left, right, free = joined(np.ascontiguousarray(slopes), 3, first, parts)
     step, by_free, kick = steps
     assert transition[0] == pytest.approx(step[0])
     assert left[0] == pytest.approx(kick[0] / 2)

@@ -15,22 +15,18 @@ from symhyb.numeric.kernels.jit import jitted
 
 @jitted
 def joined(
-    transition: Array,
-    free: Array,
-    impulse: Array,
-    first: NDArray[np.int64],
-    parts: NDArray[np.int64],
-    states: int,
+    slopes: Array, own: int, first: NDArray[np.int64], parts: NDArray[np.int64]
 ) -> tuple[Array, Array, Array, Array]:  # pragma: no cover - compiled
     """Slopes from sample to sample: transition (M, X, X), by a test force before (M, X, n) and
     after (M, X, n), which runs straight between two samples and is constant within a step, and by
-    free parameters (M, X, F).
+    ``own`` free parameters (M, X, F).
 
-    Those of single steps are ``transition`` (S, X·X), ``free`` (S, X·F) and ``impulse`` (S, X·n),
-    columns one after the other; ``first`` (M,) is the first step of each interval and ``parts``
-    (M,) how many there are. SI.
+    ``slopes`` (S, X + F + n, X) are those of single steps by states, parameters and test forces,
+    column by column; ``first`` (M,) is the first step of each interval and ``parts`` (M,) how many
+    there are. SI.
     """
-    own, kicks = free.shape[1] // states, impulse.shape[1] // states
+    states = slopes.shape[2]
+    kicks = slopes.shape[1] - states - own
     width = states + own + 2 * kicks
     whole = np.empty((first.size, states, states))
     by_free = np.empty((first.size, states, own))
@@ -45,15 +41,15 @@ def joined(
                     total = 0.0
                     if part:
                         for q in range(states):
-                            total += transition[s, q * states + r] * now[q, c]
+                            total += slopes[s, q, r] * now[q, c]
                     elif c < states:
-                        total = transition[s, c * states + r]
+                        total = slopes[s, c, r]
                     if states <= c < states + own:
-                        total += free[s, (c - states) * states + r]
+                        total += slopes[s, c, r]
                     elif states + own <= c < states + own + kicks:
-                        total += (1 - where) * impulse[s, (c - states - own) * states + r]
+                        total += (1 - where) * slopes[s, c, r]
                     elif c >= states + own + kicks:
-                        total += where * impulse[s, (c - states - own - kicks) * states + r]
+                        total += where * slopes[s, c - kicks, r]
                     after[r, c] = total
             now, after = after, now
         for r in range(states):

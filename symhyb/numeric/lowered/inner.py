@@ -61,9 +61,9 @@ def _stepped(form: StateForm, t: Array, drive: Array, start: Array) -> Array:
 def _step(form: StateForm) -> ca.Function:
     """((z, p), d0, d1, t, h, nothing) -> (z, p) after h seconds: every chain has parameters of its
     own."""
-    x, d0, t, p, w = form.symbols()
+    x, d0, t, p, _ = form.symbols()
     d1, h, nothing = ca.SX.sym("d1", form.drive), ca.SX.sym("h"), ca.SX.sym("nothing", 0)
-    after = rosenbrock_step(form)(x, d0, d1, t, h, p, 0 * w)
+    after = rosenbrock_step(form)(x, d0, d1, t, h, p)
     both = ca.densify(ca.vertcat(after, p))
     return ca.Function(
         "inner_step", [ca.vertcat(x, p), d0, d1, t, h, nothing], [both], {"cse": True}

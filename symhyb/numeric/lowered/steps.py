@@ -1,9 +1,9 @@
-"""One integration step as a CasADi function of state, inputs, parameters and a test force, and the
-slopes of the rates along it.
+"""One integration step as a CasADi function of state, inputs and parameters, and the slopes of the
+rates along it.
 
 Windows of a recording are integrated on the grid of its samples. CVODES would restart at every
-sample of a recorded input; an L-stable Rosenbrock method with a fixed step does not, stands
-the steep slope of dry friction, and is differentiated exactly.
+sample of a recorded input; an L-stable Rosenbrock method with a fixed step does not, and stands
+the steep slope of dry friction.
 
 Source: Hairer & Wanner, Solving ODEs II, RODAS4 (order 4, stiffly accurate; order 3 within the
 step), with the reduction for second-order systems to as many equations as there are speeds and
@@ -61,20 +61,19 @@ Row = dict[int, ca.SX]  # what is not zero in a row of a matrix, by its column
 
 
 def rosenbrock_step(form: StateForm) -> ca.Function:
-    """Return (x, d0, d1, t, h, p, w) -> x after h seconds, x = (q, v, z) of length X, SI.
+    """Return (x, d0, d1, t, h, p) -> x after h seconds, x = (q, v, z) of length X, SI.
 
-    The drive runs linearly from d0 to d1 over the step (first-order hold); w (n) is an extra
-    generalized force, constant over the step. A step with h = 0 returns x.
+    The drive runs linearly from d0 to d1 over the step (first-order hold). A step with h = 0
+    returns x.
     """
     given, after, _ = _step(form)
     return ca.Function("step", given, [after], {"cse": True})
 
 
 def step_and_middle(form: StateForm) -> ca.Function:
-    """The same without test force, (x, d0, d1, t, h, p) -> x after the step, and in its middle."""
-    (*given, w), *both = _step(form)
-    parts = [ca.substitute(part, w, 0 * w) for part in both]
-    return ca.Function("step", given, parts, {"cse": True})
+    """The same with x in the middle of the step as a second output."""
+    given, *both = _step(form)
+    return ca.Function("step", given, both, {"cse": True})
 
 
 def _step(form: StateForm) -> tuple[list[ca.SX], ca.SX, ca.SX]:
@@ -84,7 +83,7 @@ def _step(form: StateForm) -> tuple[list[ca.SX], ca.SX, ca.SX]:
     d1, h, s = ca.SX.sym("d1", form.drive), ca.SX.sym("h"), ca.SX.sym("s")
     q, y = ca.SX.sym("q", f), ca.SX.sym("y", size - f)  # y = (v, z)
     held = d0 + s * (d1 - d0)
-    value = form.rates()(ca.vertcat(q, y), held, t + s * h, p, w)
+    value = form.rates()(ca.vertcat(q, y), held, t + s * h, p, 0 * w)
     rate = ca.Function("f", [q, y, s], [value], {"allow_free": True})
     slopes = ca.Function(
         "j", [q, y, s], [ca.jacobian(value, by) for by in (q, y, s)], {"allow_free": True}
@@ -106,7 +105,7 @@ def _step(form: StateForm) -> tuple[list[ca.SX], ca.SX, ca.SX]:
     after = ca.vertcat(*_combined(_M, stages, q0, y0))
     bent, more = (ca.vertcat(*_combined(row, stages[:5], 0 * q0, 0 * y0)) for row in _WITHIN)
     middle = (x + after) / 2 + (bent + more / 2) / 4
-    return [x, d0, d1, t, h, p, w], after, middle
+    return [x, d0, d1, t, h, p], after, middle
 
 
 def rate_slopes(form: StateForm, free: list[int], forces: bool) -> ca.Function:

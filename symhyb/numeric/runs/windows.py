@@ -1,8 +1,8 @@
 """Many short windows of a recording simulated in one sweep, with sensitivities.
 
 Every window starts from its own initial state; the states after each sample and their
-derivatives with respect to initial states, parameters and test forces come from one pass of a
-CasADi ``mapaccum``. Sizes: W windows, L samples a window, n coordinates, m sensors, F free
+derivatives with respect to initial states, parameters and test forces come from one pass.
+Sizes: W windows, L samples a window, n coordinates, m sensors, F free
 parameters, C test forces, X states (of a machine without inner states 2n).
 """
 
@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symhyb.numeric.kernels.buffers import Array, held_at, held_mean
-from symhyb.numeric.kernels.chains_source import LANES
 from symhyb.numeric.kernels.memory import kept
 from symhyb.numeric.kernels.sweeps import joined, responses
 from symhyb.numeric.kernels.vector import along
@@ -242,40 +241,30 @@ class WindowModel:
         ends = after[first + parts - 1].reshape(shape)
         if what == "plain":
             return [ends]
-        by_state, by_free, *kicks = slopes
-        impulse = kicks[0] if kicks else np.empty((part.size, 0))
-        both = joined(by_state, by_free, impulse, first, parts, states)
-        made = [one.reshape(*shape, -1) for one in both]
-        if not kicks:  # no test force is asked for
-            made[1] = made[2] = np.zeros((*shape, self.machine.n))
-        return [ends, *made]
+        made = joined(slopes[0], len(self.free), first, parts)
+        slopes = [one.reshape(*shape, -1) for one in made]
+        if what == "fit":  # no test force is asked for
+            slopes[1] = slopes[2] = np.zeros((*shape, self.machine.n))
+        return [ends, *slopes]
 
     def _chained(
         self, what: str, begins: NDArray[np.int64], starts: Array, given: Sequence[Array], p: Array
     ) -> list[Array]:
-        """All outputs of steps (S, entries) that begin anew at ``begins`` (C,) from ``starts`` (C,
-        X), with the arguments ``given`` (S, rows) of each.
-
-        A few long chains would leave most lanes of the machine empty, and slopes of large machines
-        are taken from their rates: step by step, each from where a plain run came to.
-        """
-        total, large = len(given[0]), self._steps.large
-        together = begins.size >= LANES or total <= LANES * begins.size
-        if what == "plain" or (together and not large):
+        """States after steps (S, X) that begin anew at ``begins`` (C,) from ``starts`` (C, X), with
+        the arguments ``given`` (S, rows) of each, and slopes (S, columns, X) unless ``what`` is
+        plain."""
+        if what == "plain":
             return self._applied(what, begins, starts, given, p)
-        after, *middle = self._applied("middle" if large else "plain", begins, starts, given, p)
+        after, middle = self._applied("middle", begins, starts, given, p)
         before = np.concatenate([after[:1], after[:-1]])
         before[begins] = starts
-        if not large:
-            return self._applied(what, np.arange(total), before, given, p)
-        states = before, middle[0], after
-        return [after, *self._steps.slopes(states, given, p, what == "screen")]
+        return [after, self._steps.slopes((before, middle, after), given, p, what == "screen")]
 
     def _applied(
         self, what: str, begins: NDArray[np.int64], starts: Array, given: Sequence[Array], p: Array
     ) -> list[Array]:
-        """The same, chain by chain. Chains of two lengths go apart; where there are more, the
-        shorter ones wait at their ends."""
+        """All outputs of steps (S, entries), chain by chain. Chains of two lengths go apart; where
+        there are more, the shorter ones wait at their ends."""
         total, run = len(given[0]), self._steps.run(what)
         count = np.diff(np.append(begins, total))
         lengths = np.unique(count)
