@@ -1,11 +1,16 @@
 """A decision once more, where the noise is another one: what was close, and nothing else."""
 
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
+import pytest
 
 from symhyb.correction.search.decide import decide, decide_among
 from symhyb.correction.search.decision import Decision
 from symhyb.correction.search.preparing import prepare, settle
 from symhyb.correction.search.setting import Setting
+from symhyb.correction.verdict.choice import _or_before
 from tests.pushed import NOISE, pushed, pushed_model
 
 
@@ -45,3 +50,16 @@ def test_more_noise_takes_causes_away() -> None:
     loud = decide_among(setting_of(200 * NOISE), first, lambda line: None)
     assert loud.selected is loud.nothing
     assert len(loud.log) > len(first.log)
+
+
+@pytest.mark.parametrize(
+    ("reason", "causes", "stands"),
+    [("it grew without bound", (), False), ("", (), True), ("", ("damper",), True)],
+)
+def test_a_noise_that_hides_what_a_run_needs_leaves_the_choice_as_it_was(
+    reason: str, causes: tuple[str, ...], stands: bool
+) -> None:
+    selected = SimpleNamespace(causes=causes, fit=SimpleNamespace(reason=reason))
+    before: Any = object()
+    again: Any = SimpleNamespace(decision=SimpleNamespace(selected=selected))
+    assert _or_before(again, before) is (again if stands else before)

@@ -24,6 +24,7 @@ from symhyb.correction.adequacy.explained import Decided, remainder
 from symhyb.correction.adequacy.followed import Along, followed, likeliest, scored
 from symhyb.correction.adequacy.recorded import Recorded, recorded
 from symhyb.correction.adequacy.structure import Fitted, Generic, Likely, Row, fitted
+from symhyb.correction.adequacy.unnamed import parts_of_unnamed
 from symhyb.correction.search.preparing import Prepared
 from symhyb.correction.search.setting import Setting
 from symhyb.correction.search.strength import element_forces
@@ -267,12 +268,10 @@ def _doubted(
     """The causes of the structure, the first of the trials, that are not needed. A law is not where
     the likeliest class explains what acts (is ``enough``) without the laws at its place, nor where
     structures without it, beside a class that explains or an unknown force, have a part of the
-    probability; a parameter that states an sd is free in all of them, named or not. No number of
-    the model or of a channel is beside a class that is certain, for its columns may hold a part
-    of any."""
+    probability; a parameter that states an sd is free in all of them, named or not. Nor is what may
+    be a part of a force without a name."""
     doubt: set[Hypothesis] = set()
     spare: list[Fitted] = []
-    certain = any(one.probability > PROBABLE and one.whole for one in classes)
     if classes and classes[0].probability > LIKELY:
         spare = _alone(enough, classes[0].generic, max(trial.evidence for trial in trials))
     plain = [trial for trial in trials if trial.extra is None]
@@ -281,10 +280,10 @@ def _doubted(
         lacking = [trial for trial in enough if cause not in trial.causes]
         lacking += [trial for trial in plain if cause not in trial.all_causes]
         chance = float(_weights([*having, *lacking])[: len(having)].sum())
-        number = cause.place is None and certain
-        if number or any(cause not in trial.causes for trial in spare) or chance < PROBABLE:
+        if any(cause not in trial.causes for trial in spare) or chance < PROBABLE:
             doubt.add(cause)
-    return frozenset(doubt)
+    certain = [one for one in classes if one.probability > PROBABLE and one.whole]
+    return frozenset(doubt | parts_of_unnamed(trials[0].causes, [one.generic for one in certain]))
 
 
 def _alone(enough: Sequence[Fitted], generic: Generic, best: float) -> list[Fitted]:

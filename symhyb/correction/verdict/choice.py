@@ -45,21 +45,29 @@ def choose(prepared: Prepared, setting: Setting, forces: ForceScreen | None, say
     choice = chosen(prepared, setting, forces, say)
     selected = choice.decision.selected
     sd, along = measured_again(prepared, choice.setting, selected, choice.along)
+    choice = replace(choice, along=along)
     if sd is None:
-        return replace(choice, along=along)
+        return choice
     say("deciding again, for the noise of a sensor is correlated in time")
-    louder = replace(choice.setting, sd=sd)
     if many(selected.causes):  # forces, not windows, show so many
-        return chosen_again(prepared, louder, choice, say)
-    return chosen(prepared, replace(setting, sd=sd), forces, say)
+        return chosen_again(prepared, replace(choice.setting, sd=sd), choice, say)
+    return _or_before(chosen(prepared, replace(setting, sd=sd), forces, say), choice)
 
 
 def chosen_again(prepared: Prepared, setting: Setting, choice: Choice, say: Say) -> Choice:
-    """A choice in another ``setting``, whose noise is another one: among the structures that were
-    close."""
+    """A choice in another ``setting``, whose noise is another one, among the structures that were
+    close; as it is where nothing can be fitted under that noise."""
     among = decide_among(setting, choice.decision, say)
     decision, along = settled(prepared, setting, among, say)
-    return replace(choice, setting=setting, decision=decision, along=along)
+    again = replace(choice, setting=setting, decision=decision, along=along)
+    return _or_before(again, choice)
+
+
+def _or_before(again: Choice, before: Choice) -> Choice:
+    """A choice under another noise; the one before where that noise hides all causes without which
+    the model cannot be simulated."""
+    selected = again.decision.selected
+    return before if selected.fit.reason and not selected.causes else again
 
 
 def chosen(prepared: Prepared, setting: Setting, forces: ForceScreen | None, say: Say) -> Choice:

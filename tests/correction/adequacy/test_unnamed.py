@@ -1,0 +1,72 @@
+"""Beside a force without a name its parts have none either; what is no part keeps its own."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from symhyb.correction.adequacy.structure import Generic
+from symhyb.correction.adequacy.unnamed import parts_of_unnamed
+from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.model.types import On
+
+X, Y = On("x"), On("y")
+
+
+def law(kind: str, term: str, place: On = X) -> Hypothesis:
+    return Hypothesis(kind, place, (term,), (False,))
+
+
+SPRING, DAMPER, DRAG = law("spring", "stiffness"), law("damper", "damping"), law("drag", "drag")
+CONSTANT, FRICTION = law("constant", "constant"), law("friction", "coulomb")
+MASS, WAVE = law("added_mass", "mass"), law("harmonic", "cosine")
+MAXWELL = law("relaxation", "stiffness")
+NUMBER = Hypothesis("parameter", None, ("value",), (False,), path="k")
+GAIN = Hypothesis("gain", None, ("value",), (False,), path="laser.gain")
+KEPT = {FRICTION, MASS, WAVE, MAXWELL, law("damper", "damping", Y)}
+EVERY = (SPRING, DAMPER, DRAG, CONSTANT, NUMBER, GAIN, *KEPT)
+
+
+def curve(over: str) -> Hypothesis:
+    points = tuple((x, x, 0.0) for x in (-1.0, 0.0, 1.0))
+    return Hypothesis("curve", X, (), (), options=(("over", over),), points=points)
+
+
+def empirical(formula: str) -> Hypothesis:
+    return Hypothesis("law", X, ("coefficient",), (False,), path=formula)
+
+
+def generic(kind: Any, where: Any = X) -> Generic:
+    return Generic(kind, where, (), np.ones(1))
+
+
+def test_causes_stand_where_every_force_has_a_name() -> None:
+    assert parts_of_unnamed(EVERY, ()) == frozenset()
+
+
+def test_smooth_laws_and_numbers_may_be_parts_of_a_class_of_stretch_and_rate() -> None:
+    parts = parts_of_unnamed(EVERY, [generic("law")])
+    assert parts == {SPRING, DAMPER, DRAG, CONSTANT, NUMBER, GAIN}
+
+
+def test_beside_a_class_elsewhere_or_of_another_kind_only_numbers_may() -> None:
+    for one in (generic("law", Y), generic("hidden mode"), generic("sensor", "laser")):
+        parts = parts_of_unnamed((SPRING, DRAG, NUMBER), [one])
+        assert parts == {NUMBER}
+
+
+@pytest.mark.parametrize(
+    ("over", "laws"), [("stretch", {SPRING, CONSTANT}), ("rate", {DAMPER, DRAG, CONSTANT})]
+)
+def test_a_curve_holds_parts_over_its_own_quantity(over: str, laws: set[Hypothesis]) -> None:
+    found = curve(over)
+    assert parts_of_unnamed((*EVERY, found), ()) == {*laws, NUMBER, GAIN}
+    assert parts_of_unnamed((found, FRICTION), ()) == frozenset()
+
+
+def test_an_empirical_law_alone_stands_and_beside_its_parts_is_one() -> None:
+    cubic, mixed = empirical("x'**3"), empirical("x**2*x'")
+    assert parts_of_unnamed((cubic, SPRING, FRICTION), ()) == frozenset()
+    assert parts_of_unnamed((cubic, DRAG, SPRING), ()) == {cubic, DRAG}
+    assert parts_of_unnamed((cubic, NUMBER), ()) == {cubic, NUMBER}
+    assert parts_of_unnamed((mixed, DRAG, SPRING), ()) == {mixed, DRAG, SPRING}

@@ -1,0 +1,60 @@
+"""The run of a real arm: joints do the work of the motors, and least squares that know what is
+missing find the published friction."""
+
+from collections.abc import Iterator
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+from tests.scripts import scripts
+
+VISCOUS = (8.05, 5.53, 1.97, 1.11)  # N·m·s/rad, published, of the first four joints
+DRY = (7.14, 8.26, 6.34, 2.48)  # N·m
+WRIST = (0.616, 1.95)  # of motor 6, which turns with joint 5 and joint 6
+
+
+@pytest.fixture(scope="module")
+def study() -> Iterator[dict[str, ModuleType]]:
+    """The scripts of the study beside each other."""
+    with scripts("arm", ("recordings", "by_hand")) as found:
+        yield found
+
+
+def test_joints_do_the_work_of_the_motors(study, tmp_path) -> None:
+    chance = np.random.default_rng(1)
+    angles, torques = chance.normal(size=(2, 9, 6))
+    for name, values in (("pos_read_data.csv", angles), ("curr_data.csv", torques)):
+        np.savetxt(tmp_path / name, values, "%.17g", ",", header="a,b,c,d,e,f", comments="")
+    q, torque = study["recordings"].recorded(tmp_path)
+    motors, joints = np.diff(angles, axis=0), np.diff(q, axis=0)
+    assert np.sum(torque[1:] * joints, axis=1) == pytest.approx(
+        np.sum(torques[1:] * motors, axis=1)
+    )
+    assert motors[:, 5] == pytest.approx(32 * (joints[:, 4] + joints[:, 5]))
+
+
+def test_least_squares_give_the_numbers_back(study) -> None:
+    by_hand = study["by_hand"]
+    chance = np.random.default_rng(2)
+    columns, numbers = chance.normal(size=(300, 6, 27)), chance.normal(size=27)
+    part = by_hand.Torques(np.ones((300, 6)), columns @ numbers, columns)
+    assert by_hand.solved(part) == pytest.approx(numbers)
+
+
+@pytest.mark.slow
+def test_least_squares_find_the_published_friction(study, tmp_path) -> None:
+    recordings, by_hand = study["recordings"], study["by_hand"]
+    folder = recordings.folder_of_run()
+    if folder is None:
+        pytest.skip("the recording of the arm is not on this machine")
+    model = recordings.arm(folder, tmp_path / "arm.toml")
+    train, unseen = (by_hand.torques_of(model, one) for one in recordings.split(folder, model))
+    numbers = by_hand.solved(train)
+    found = numbers[: -recordings.JOINTS].reshape(-1, 3)
+    assert found[:4, 1] == pytest.approx(VISCOUS, rel=0.05)
+    assert found[:4, 2] == pytest.approx(DRY, rel=0.06)
+    assert found[6, 1:] == pytest.approx(WRIST, rel=0.05)
+    left = unseen.lacks - unseen.columns @ numbers
+    assert by_hand.error(unseen.lacks, unseen.applied) > 0.6
+    assert by_hand.error(left, unseen.applied) < 0.16
