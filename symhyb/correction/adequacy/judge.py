@@ -282,8 +282,8 @@ def _doubted(
         chance = float(_weights([*having, *lacking])[: len(having)].sum())
         if any(cause not in trial.causes for trial in spare) or chance < PROBABLE:
             doubt.add(cause)
-    certain = [one for one in classes if one.probability > PROBABLE and one.whole]
-    return frozenset(doubt | parts_of_unnamed(trials[0].causes, [one.generic for one in certain]))
+    certain = any(one.probability > PROBABLE and one.whole for one in classes)
+    return frozenset(doubt | parts_of_unnamed(trials[0].causes, certain))
 
 
 def _alone(enough: Sequence[Fitted], generic: Generic, best: float) -> list[Fitted]:

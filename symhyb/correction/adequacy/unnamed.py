@@ -1,34 +1,27 @@
 """What may be a part of a force that has no name.
 
-A force without a name is found as a class that is certain, as an own curve or as an empirical law.
-Beside it, how much of the whole is a law by name, or a number of the model that differs, is a
-matter of how the rest is written: viscous damping and a curve over the rate are one force.
+A force without a name is found as an own curve or as an empirical law. Beside it, how much of the
+whole is a law by name, or a number of the model that differs, is a matter of how the rest is
+written: viscous damping and a curve over the rate are one force. A class says less: it may be a
+small remainder beside a law that is right, as it is along most real recordings.
 """
 
 from collections.abc import Sequence
 
-from symhyb.correction.adequacy.structure import Generic
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.words.formula import LAW
 from symhyb.model.expression import names, parse_expression
 from symhyb.model.types import On, Place
 from symhyb.model.vocabulary import KINDS
 
-BOTH = frozenset(("stretch", "rate"))
 
-
-def parts_of_unnamed(
-    causes: Sequence[Hypothesis], certain: Sequence[Generic]
-) -> frozenset[Hypothesis]:
-    """The causes beside ``certain`` classes, own curves and empirical laws that may be parts of
-    these: numbers of the model or of a channel, whose effect any of them may hold a part of, and
-    smooth laws at the place of a force of the same quantities. An empirical law beside any of these
-    is one way to write the whole, and a part itself."""
+def parts_of_unnamed(causes: Sequence[Hypothesis], certain: bool) -> frozenset[Hypothesis]:
+    """The causes that may be parts of own curves and empirical laws beside them, or of a class, if
+    one is ``certain``: numbers of the model or of a channel, whose effect any of them may hold a
+    part of, and smooth laws at the place of a curve or an empirical law of the same quantities. An
+    empirical law beside any of these is one way to write the whole, and a part itself."""
     numbers = [cause for cause in causes if cause.place is None]
     parts = set(numbers if certain else ())
-    for one in certain:
-        if one.kind == "law" and not isinstance(one.where, str):
-            parts |= _smooth_laws(causes, one.where, BOTH)
     for cause in causes:
         if cause.place is None or not (cause.points or cause.kind == LAW):
             continue

@@ -1,11 +1,7 @@
 """Beside a force without a name its parts have none either; what is no part keeps its own."""
 
-from typing import Any
-
-import numpy as np
 import pytest
 
-from symhyb.correction.adequacy.structure import Generic
 from symhyb.correction.adequacy.unnamed import parts_of_unnamed
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.model.types import On
@@ -36,23 +32,12 @@ def empirical(formula: str) -> Hypothesis:
     return Hypothesis("law", X, ("coefficient",), (False,), path=formula)
 
 
-def generic(kind: Any, where: Any = X) -> Generic:
-    return Generic(kind, where, (), np.ones(1))
-
-
 def test_causes_stand_where_every_force_has_a_name() -> None:
-    assert parts_of_unnamed(EVERY, ()) == frozenset()
+    assert parts_of_unnamed(EVERY, False) == frozenset()
 
 
-def test_smooth_laws_and_numbers_may_be_parts_of_a_class_of_stretch_and_rate() -> None:
-    parts = parts_of_unnamed(EVERY, [generic("law")])
-    assert parts == {SPRING, DAMPER, DRAG, CONSTANT, NUMBER, GAIN}
-
-
-def test_beside_a_class_elsewhere_or_of_another_kind_only_numbers_may() -> None:
-    for one in (generic("law", Y), generic("hidden mode"), generic("sensor", "laser")):
-        parts = parts_of_unnamed((SPRING, DRAG, NUMBER), [one])
-        assert parts == {NUMBER}
+def test_beside_a_certain_class_numbers_may_be_parts_and_laws_stand() -> None:
+    assert parts_of_unnamed(EVERY, True) == {NUMBER, GAIN}
 
 
 @pytest.mark.parametrize(
@@ -60,13 +45,13 @@ def test_beside_a_class_elsewhere_or_of_another_kind_only_numbers_may() -> None:
 )
 def test_a_curve_holds_parts_over_its_own_quantity(over: str, laws: set[Hypothesis]) -> None:
     found = curve(over)
-    assert parts_of_unnamed((*EVERY, found), ()) == {*laws, NUMBER, GAIN}
-    assert parts_of_unnamed((found, FRICTION), ()) == frozenset()
+    assert parts_of_unnamed((*EVERY, found), False) == {*laws, NUMBER, GAIN}
+    assert parts_of_unnamed((found, FRICTION), False) == frozenset()
 
 
 def test_an_empirical_law_alone_stands_and_beside_its_parts_is_one() -> None:
     cubic, mixed = empirical("x'**3"), empirical("x**2*x'")
-    assert parts_of_unnamed((cubic, SPRING, FRICTION), ()) == frozenset()
-    assert parts_of_unnamed((cubic, DRAG, SPRING), ()) == {cubic, DRAG}
-    assert parts_of_unnamed((cubic, NUMBER), ()) == {cubic, NUMBER}
-    assert parts_of_unnamed((mixed, DRAG, SPRING), ()) == {mixed, DRAG, SPRING}
+    assert parts_of_unnamed((cubic, SPRING, FRICTION), False) == frozenset()
+    assert parts_of_unnamed((cubic, DRAG, SPRING), False) == {cubic, DRAG}
+    assert parts_of_unnamed((cubic, NUMBER), False) == {cubic, NUMBER}
+    assert parts_of_unnamed((mixed, DRAG, SPRING), False) == {mixed, DRAG, SPRING}
