@@ -7,6 +7,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 
+from tests.absent import absent
 from tests.scripts import scripts
 
 VISCOUS = (8.05, 5.53, 1.97, 1.11)  # N·m·s/rad, published, of the first four joints
@@ -47,7 +48,7 @@ def test_least_squares_find_the_published_friction(study, tmp_path) -> None:
     recordings, by_hand = study["recordings"], study["by_hand"]
     folder = recordings.folder_of_run()
     if folder is None:
-        pytest.skip("the recording of the arm is not on this machine")
+        absent("set SYMHYB_DATA to a folder that holds staubli_tx40")
     model = recordings.arm(folder, tmp_path / "arm.toml")
     train, unseen = (by_hand.torques_of(model, one) for one in recordings.split(folder, model))
     numbers = by_hand.solved(train)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import symhyb as sh
+from tests.absent import absent
 from tests.scripts import scripts
 
 NAMES = ("falls", "by_hand", "diagnose")
@@ -26,7 +27,7 @@ def study() -> Iterator[ModuleType]:
 def falls(study):
     folder = study.folder_of_runs()
     if folder is None:
-        pytest.skip("the recordings of the servo are not on this machine")
+        absent("set SYMHYB_DATA to a folder that holds servo_pendulums")
     return study.read_falls(folder)
 
 

@@ -15,7 +15,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 from numpy.typing import NDArray
-from recordings import JOINTS, STEP_S, arm, folder_of_run, split
+from recordings import JOINTS, STEP_S, arm, required_folder, split
 from scipy.signal import butter, sosfiltfilt
 
 import symhyb as sh
@@ -77,9 +77,7 @@ def solved(part: Torques) -> Array:
 
 def main() -> None:
     """Print the numbers and both errors on the unseen part."""
-    folder = folder_of_run()
-    if folder is None:
-        raise SystemExit("the recording is not on this machine")
+    folder = required_folder()
     with TemporaryDirectory() as scratch:
         model = arm(folder, Path(scratch) / "arm.toml")
         train, unseen = (torques_of(model, one) for one in split(folder, model))

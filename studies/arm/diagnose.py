@@ -9,16 +9,14 @@ import sys
 from pathlib import Path
 
 from by_hand import error, solved, torques_of
-from recordings import arm, folder_of_run, split
+from recordings import arm, required_folder, split
 
 import symhyb as sh
 
 
 def main() -> None:
     """Diagnose, and print what is left of the torques of the unseen part."""
-    folder, out = folder_of_run(), Path(sys.argv[1])
-    if folder is None:
-        raise SystemExit("the recording is not on this machine")
+    folder, out = required_folder(), Path(sys.argv[1])
     out.mkdir(parents=True, exist_ok=True)
     model = arm(folder, out / "arm.toml")
     train, unseen = split(folder, model)

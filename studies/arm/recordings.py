@@ -19,7 +19,7 @@ FOLDER = "staubli_tx40"
 URDF = "tx40_mdh_modified.urdf"
 JOINTS = 6
 STEP_S = 2e-4
-TRAIN = 30_000  # samples; what follows is unseen
+PARTS = {"train": slice(None, 30_000), "unseen": slice(30_000, None)}  # samples
 # angles of motors over those of joints; motor 6 turns with joint 5, too
 RATIOS = np.diag([32.0, 32.0, 45.0, -48.0, 45.0, 32.0])
 RATIOS[5, 4] = 32.0
@@ -31,6 +31,14 @@ def folder_of_run() -> Path | None:
     root = os.environ.get("SYMHYB_DATA")
     folder = Path(root or ".") / FOLDER
     return folder if root and (folder / URDF).is_file() else None
+
+
+def required_folder() -> Path:
+    """The same; the script ends where it is not there."""
+    folder = folder_of_run()
+    if folder is None:
+        raise SystemExit("the recording is not on this machine")
+    return folder
 
 
 def recorded(folder: Path) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -61,25 +69,22 @@ def arm(folder: Path, target: Path) -> sh.Model:
 def split(folder: Path, model: sh.Model) -> tuple[sh.Recording, sh.Recording]:
     """What is learned from, and what stays unseen."""
     run = columns(folder)
-    parts = {"train": slice(None, TRAIN), "unseen": slice(TRAIN, None)}
     train, unseen = (
         sh.Recording.from_frame(
             {key: values[rows] for key, values in run.items()}, model, name=name
         )
-        for name, rows in parts.items()
+        for name, rows in PARTS.items()
     )
     return train, unseen
 
 
 def main() -> None:
     """Write the model and both parts of the run."""
-    folder, out = folder_of_run(), Path(sys.argv[1])
-    if folder is None:
-        raise SystemExit("the recording is not on this machine")
+    folder, out = required_folder(), Path(sys.argv[1])
     out.mkdir(parents=True, exist_ok=True)
     arm(folder, out / "arm.toml")
     run = columns(folder)
-    for name, rows in (("train", slice(None, TRAIN)), ("unseen", slice(TRAIN, None))):
+    for name, rows in PARTS.items():
         table = np.column_stack([values[rows] for values in run.values()])
         heading = ",".join(run)
         np.savetxt(out / f"{name}.csv", table, "%.9g", ",", header=heading, comments="")

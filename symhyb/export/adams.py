@@ -6,7 +6,7 @@ structure that holds ID and PAR, ``c_sysfnc`` for kinematics, ``c_errmes`` for e
 """
 
 from symhyb.errors import InputError, Problem
-from symhyb.export.c_code import c_files, part
+from symhyb.export.c_code import c_files, filled
 from symhyb.export.spec import Spec
 
 
@@ -32,8 +32,7 @@ def adams_files(spec: Spec) -> dict[str, str]:
     markers = ", ".join(f"I and J marker of {coordinate}" for coordinate in coordinates)
     forces = [f"{i + 1}: {n}" for i, (kind, n) in enumerate(exported.outputs) if kind == "dF"]
     turning = [f"{int(n in angles)}" for kind, n in exported.outputs]
-    text = part("adams.c")
-    for key, value in {
+    values = {
         "NAME": name,
         "READS": "\n".join(reads),
         "MARKERS": markers,
@@ -42,9 +41,8 @@ def adams_files(spec: Spec) -> dict[str, str]:
         "TURNING": ", ".join(turning),
         "INPUTS": str(max(1, len(exported.inputs))),
         "OUTPUTS": str(len(exported.outputs)),
-    }.items():
-        text = text.replace(f"@{key}@", value)
-    return {**c_files(spec), f"{name}_adams.c": text}
+    }
+    return {**c_files(spec), f"{name}_adams.c": filled("adams.c", values)}
 
 
 def _require_plain(spec: Spec) -> None:

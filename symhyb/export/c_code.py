@@ -2,7 +2,7 @@
 
 import hashlib
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from importlib.resources import files
 
 import numpy as np
@@ -25,6 +25,14 @@ def part(name: str, events: bool = False) -> str:
         text,
         flags=re.DOTALL,
     )
+
+
+def filled(name: str, values: Mapping[str, str]) -> str:
+    """A C file of this package with ``values`` in place of its @KEYS@."""
+    text = part(name)
+    for key, value in values.items():
+        text = text.replace(f"@{key}@", value)
+    return text
 
 
 _PLAIN = str.maketrans({"*": "·", "\\": "/"})

@@ -5,16 +5,15 @@ C MEX S-Functions"; its headers are the user's own and not part of what is writt
 surer way; a block from source also goes where FMUs do not, into generated code among them.
 """
 
-from symhyb.export.c_code import c_files, comment, part
+from symhyb.export.c_code import c_files, comment, filled
 from symhyb.export.spec import Role, Spec
 
 
 def simulink_files(spec: Spec) -> dict[str, str]:
     """The plain C of the export and NAME_sfun.c, which calls it."""
     name, exported = spec.identifier, spec.exported
-    text = part("simulink.c")
     sign = "" if spec.whole else "   The outputs dF act: sum them to the forces of your plant. "
-    for key, value in {
+    values = {
         "PORTS": "\n\n".join(_listed(spec, role) for role in ("input", "output", "parameter")),
         "SIGN": sign,
         "NAME": name,
@@ -22,9 +21,8 @@ def simulink_files(spec: Spec) -> dict[str, str]:
         "OUTPUTS": str(len(exported.outputs)),
         "STATES": str(len(exported.states)),
         "PARAMETERS": str(len(exported.parameters)),
-    }.items():
-        text = text.replace(f"@{key}@", value)
-    return {**c_files(spec), f"{name}_sfun.c": text}
+    }
+    return {**c_files(spec), f"{name}_sfun.c": filled("simulink.c", values)}
 
 
 def _listed(spec: Spec, role: Role) -> str:

@@ -65,7 +65,7 @@ def test_windows_with_dry_friction_against_cvodes(transition: float, error: floa
     machine = build(sticking(transition))
     t = np.linspace(0, 2, 401)[None] + np.array([[0.0], [0.3]])
     u = 4 * np.sin(6 * t)[..., None]
-    windows = block(t, u, 2, substeps=8)
+    windows = block(t, u, 2, substeps=4)
     start = np.array([[0.02, 0.1], [-0.01, 0.0]])
     x, _ = WindowModel(machine).simulate(windows, start, machine.values)
     states, _ = by_cvodes(machine, windows, start)
@@ -258,7 +258,7 @@ def test_what_a_linear_model_fails_to_do_is_found_from_a_measured_motion() -> No
     linear = model.along(windows, motion, machine.values)
     _, y = model.simulate(windows, motion[:, 0], machine.values)
     assert np.abs(linear.defect).max() > 1e-2
-    assert linear.output + linear.from_defect() == pytest.approx(y, rel=1e-4, abs=1e-6)
+    assert linear.output + linear.from_defect() == pytest.approx(y, rel=2e-5, abs=1e-6)
 
 
 @pytest.mark.parametrize("substeps", [1, 3, "uneven"])
@@ -302,7 +302,7 @@ def test_windows_of_many_lengths_are_linearised_without_a_free_parameter() -> No
     def seen(step: float) -> Array:
         return model.simulate(windows, start + step * np.eye(4)[0], machine.values)[1]
 
-    assert linear.from_start()[..., 0] == pytest.approx(slope(seen, 1e-4), rel=1e-3, abs=1e-2)
+    assert linear.from_start()[..., 0] == pytest.approx(slope(seen, 1e-4), rel=3e-4, abs=1e-5)
 
 
 @pytest.mark.parametrize("windows_many", [3, 12])

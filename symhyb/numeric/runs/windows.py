@@ -2,8 +2,8 @@
 
 Every window starts from its own initial state; the states after each sample and their
 derivatives with respect to initial states, parameters and test forces come from one pass.
-Sizes: W windows, L samples a window, n coordinates, m sensors, F free
-parameters, C test forces, X states (of a machine without inner states 2n).
+Sizes: W windows, L samples a window, n coordinates, m sensors, F free parameters, C test forces, X
+states (of a machine without inner states 2n).
 """
 
 from collections.abc import Sequence
