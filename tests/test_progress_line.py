@@ -4,6 +4,7 @@ import io
 import os
 import re
 import signal
+import subprocess
 import sys
 import time
 from pathlib import Path
@@ -154,18 +155,24 @@ def test_a_verb_on_a_terminal_is_one_line_until_it_is_interrupted(
 
     script = tmp_path / "work.py"
     script.write_text(
-        "import time\n"
+        "import signal, time\n"
         "from symhyb.console.terminal import progress\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell may ignore it\n"
         "with progress() as say:\n"
         f"    say({LONG!r})\n"
         "    time.sleep(60)\n"
     )
-    child, terminal = pty.fork()
-    if child == 0:  # pragma: no cover - another process
-        signal.signal(signal.SIGINT, signal.SIG_DFL)  # a shell in the background ignores it
-        os.environ.update(TERM="xterm", COLUMNS=str(width))
-        os.execv(sys.executable, [sys.executable, str(script)])
+    terminal, inner = pty.openpty()
     fcntl.ioctl(terminal, termios.TIOCSWINSZ, struct.pack("HHHH", 24, width, 0, 0))
+    child = subprocess.Popen(  # not a fork, which would ask for this worker's memory twice
+        [sys.executable, str(script)],
+        stdin=inner,
+        stdout=inner,
+        stderr=inner,
+        env={**os.environ, "TERM": "xterm", "COLUMNS": str(width)},
+        start_new_session=True,
+    )
+    os.close(inner)
     said, sent = "", False
     while True:
         try:
@@ -176,9 +183,10 @@ def test_a_verb_on_a_terminal_is_one_line_until_it_is_interrupted(
             break
         said += piece
         if not sent and said.count("0:01") > 1:
-            os.kill(child, signal.SIGINT)
+            child.send_signal(signal.SIGINT)
             sent = True
-    os.waitpid(child, 0)
+    child.wait()
+    os.close(terminal)
     before, _, after = said.partition("note: interrupted at this step: ")
     assert after.startswith(LONG[:60])
     rows = [CONTROL.sub("", row) for row in before.split("\n")]
