@@ -80,38 +80,40 @@ def worths_of(start: Around, columns: Generic, groups: Sequence[Sequence[int]]) 
         extra.driving(one.linear) for one, extra in zip(start.tracks, columns.each, strict=True)
     ]
     for level in start.levels:
-        grams = _grams(start.tracks, level, driven, columns.spread, groups)
+        products = _products(start.tracks, level, driven, columns.spread, groups)
         more = level.likely - start.levels[0].likely
-        found.append([_gain(*one) + more for one in zip(grams, means, strict=True)])
+        found.append([_gain(*one, mean) + more for one, mean in zip(products, means, strict=True)])
     return np.asarray(np.max(np.array(found), axis=0))
 
 
-def _grams(
+def _products(
     tracks: Sequence[Track],
     level: Level,
     driven: Sequence[tuple[Array, Array]],
     spread: Array,
     groups: Sequence[Sequence[int]],
-) -> list[Array]:
-    """Products (C + 1, C + 1) of the C white columns of each group, each for one prior deviation
-    (``spread``, K), and of the residual, which comes last. Of each stretch it is given what the
-    columns drive. No group asks for its products with another."""
-    grams = [np.zeros((len(rows) + 1, len(rows) + 1)) for rows in groups]
+) -> list[tuple[Array, Array]]:
+    """Products (C, C) of the C white columns of each group with each other, and (C,) with the
+    residual; columns are for one prior deviation (``spread``, K). Of each stretch it is given what
+    the columns drive. No group asks for its products with another."""
+    blocks = [np.zeros((len(rows), len(rows))) for rows in groups]
+    toward = np.zeros(spread.size)
     for one, (pushed, shown), (residual, own) in zip(tracks, driven, level.parts, strict=True):
         begin = np.zeros((one.x.shape[1], spread.size))
         white = white_columns(one, level.noise, pushed, -shown, begin)
         white *= spread
         white -= own @ (own.T @ white)
-        for rows, gram in zip(groups, grams, strict=True):
-            joined = np.column_stack([white[:, list(rows)], residual])
-            gram += joined.T @ joined
-    return grams
+        toward += white.T @ residual
+        for rows, block in zip(groups, blocks, strict=True):
+            # columns side by side are not copied
+            mine = white[:, rows[0] : rows[-1] + 1] if isinstance(rows, range) else white[:, rows]
+            block += mine.T @ mine
+    return [(block, toward[list(rows)]) for rows, block in zip(groups, blocks, strict=True)]
 
 
-def _gain(gram: Array, begin: Array) -> float:
-    """ln of the evidence that columns add; their coefficients have a mean ``begin`` (C,), in prior
-    deviations."""
-    block, toward = gram[:-1, :-1], gram[:-1, -1]
+def _gain(block: Array, toward: Array, begin: Array) -> float:
+    """ln of the evidence that columns add, from their products with each other and with the
+    residual; their coefficients have a mean ``begin`` (C,), in prior deviations."""
     right = toward + block @ begin
     moved = float(begin @ toward + 0.5 * begin @ block @ begin)
     seen = block + np.eye(begin.size)
