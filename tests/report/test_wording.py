@@ -507,6 +507,20 @@ def test_undecided_names_the_rivals_or_says_that_there_are_none() -> None:
     assert "no cause that symhyb knows" in verdict_sentence("undecided")
 
 
+def test_parts_of_the_best_structure_without_a_rival_are_in_doubt_together() -> None:
+    dry = Estimate("F_c", 2.0, 0.1, "N", "coulomb")
+    drag = Estimate("d", 0.4, 0.1, "N*s^2/m^2", "drag")
+    both = [
+        Alternative(None, "drag", (drag,), 0.0, place=On("x"), together=1),
+        Alternative(None, "friction", (dry,), 0.0, place=On("x"), together=1),
+    ]
+    assert verdict_sentence("undecided", alternatives=both) == (
+        "Model and recordings differ by more than the noise, but what fits best is in doubt: drag"
+        " quadratic in speed (0.40 ± 0.10 N·s²/m²) on x and dry (Coulomb) friction of"
+        " 2.00 ± 0.10 N on x together."
+    )
+
+
 def test_causes_that_hold_only_together_are_one_alternative() -> None:
     drag = Estimate("b", 0.4, 0.1, "N*s^2/m^2", "drag")
     dry = Estimate("R", 2.0, 0.1, "N", "coulomb")

@@ -295,21 +295,24 @@ def alternatives_of(
     ``names`` are the elements (or paths) under which certain causes of the selected structure are
     reported.
     """
-    selected, unsure = decision.selected, doubtful(decision)
-    rows = [
-        _alternative(model, cause, _fitted_values(selected, cause), None, 0.0)
-        for cause in selected.causes
-        if cause in unsure or cause in doubt
-    ]
+    selected, unsure = decision.selected, {*doubtful(decision), *doubt}
+    open_ = [cause for cause in selected.causes if cause in unsure]
+    group = 1 if len(open_) > 1 else 0
+    rows = [replace(alternative_of(model, selected, cause, 0.0), together=group) for cause in open_]
     for first, second in decision.equals:
         if first in selected.causes:
             rows.append(_alternative(model, second, {}, names.get(first), 0.0))
-    for number, (change, evidence, trial) in enumerate(rivals_of(decision), 1):
-        instead_of = names.get(change.lost[0])
-        for cause in change.fresh:
+    for change, evidence, trial in rivals_of(decision):
+        # what is in doubt and stays holds beside what is exchanged, and is claimed nowhere else
+        stays = [cause for cause in trial.causes if cause in open_ and cause not in change.fresh]
+        members, number = (*stays, *change.fresh), 0
+        if len(members) > 1:
+            group += 1
+            number = group
+        for cause in members:
             values = _fitted_values(trial, cause)
-            row = _alternative(model, cause, values, instead_of, max(evidence, 0.0))
-            rows.append(replace(row, together=number if len(change.fresh) > 1 else 0))
+            row = _alternative(model, cause, values, names.get(change.lost[0]), max(evidence, 0.0))
+            rows.append(replace(row, together=number))
     rows += _sided(model, selected, names)
     return tuple(sorted(rows, key=lambda row: row.evidence))
 
@@ -340,17 +343,20 @@ def _sided(
 
 
 def rivals_of(decision: Decision) -> list[tuple[Exchange, float, Refined]]:
-    """Trials within reach of the selected structure that replace some of its causes: what they
-    exchange, the difference of the score, the trial."""
-    rivals = []
+    """Trials within reach of the selected structure that replace some of its causes by laws of
+    another family: what they exchange, the difference of the score, the trial; of those that
+    exchange the same laws, begun at other values, the best."""
+    rivals: dict[tuple[frozenset[object], ...], tuple[Exchange, float, Refined]] = {}
     for trial in decision.trials:
         change = exchange(trial.causes, decision.selected.causes)
         evidence = decision.against(trial)
-        if {cause.family for cause in change.fresh} == {cause.family for cause in change.lost}:
-            continue  # the same law, begun at other values: no rival of itself
-        if change.fresh and change.lost and evidence < SIGNIFICANT and believable(trial):
-            rivals.append((change, evidence, trial))
-    return rivals
+        key = tuple(frozenset(one.family for one in side) for side in (change.fresh, change.lost))
+        if key[0] == key[1] or not (change.fresh and change.lost):
+            continue
+        within = min(SIGNIFICANT, rivals[key][1] if key in rivals else np.inf)
+        if evidence < within and believable(trial):
+            rivals[key] = change, evidence, trial
+    return list(rivals.values())
 
 
 def _fitted_values(trial: Refined, cause: Hypothesis) -> dict[str, tuple[float, float]]:

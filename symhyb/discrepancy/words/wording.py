@@ -164,6 +164,11 @@ def _undecided(alternatives: Sequence[Alternative]) -> str:
         )
     groups = grouped_alternatives(alternatives)[:_RIVALS_NAMED]
     rivals = [alternative_phrase(*group) for group in groups]
+    if len(rivals) == 1 and len(groups[0]) > 1:
+        return (
+            "Model and recordings differ by more than the noise, but what fits best "
+            f"is in doubt: {rivals[0]}."
+        )
     return (
         "Model and recordings differ by more than the noise, but these recordings "
         f"cannot tell the causes apart: {_listed(rivals, 'or')}."
