@@ -35,12 +35,14 @@ PARTS = (
     "compiled",
     "growth",
     "models",
+    "dopri5",
 )
 
 
 def measure(part: str) -> list[Row]:
     """The rows of one part; imported here, so that a part needs only its own libraries."""
     import compiled
+    import dopri5
     import forces
     import growth
     import links
@@ -63,6 +65,7 @@ def measure(part: str) -> list[Row]:
         "compiled": compiled.rows,
         "growth": growth.rows,
         "models": runs.rows,
+        "dopri5": dopri5.rows,
     }
     return work[part]()
 

@@ -274,9 +274,13 @@ class Field:
 def field(form: StateForm) -> Field | None:
     """The rates of a machine for the explicit method; None without a compiler that works, or for
     rates that are not made of scalar operations."""
-    if not integrator_works() or not form.rates().is_a("SXFunction"):
+    if not integrator_works():
         return None
-    return kept(("field", form.key), lambda: field_of(rates_of(form)))
+
+    def made() -> Field | None:
+        return field_of(rates_of(form)) if form.rates().is_a("SXFunction") else None
+
+    return kept(("field", form.key), made)
 
 
 def integrator_works() -> bool:
