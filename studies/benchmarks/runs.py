@@ -55,6 +55,7 @@ SIZES: dict[str, tuple[float, ...]] = {
     "silverbox": (0.05,),
     "six_joint_arm": (20, 40, 20, 3, 3, 1),
     "slider_crank": (0.2,),
+    "strut": (500,),
     "two_inertia_backlash": (0.05,),
     "two_link_arm": (2, 1),
 }
