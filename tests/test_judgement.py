@@ -74,7 +74,7 @@ OTHERS = {
         "SETTLED": "iteration",
         "ROUNDS": "iteration",
     },
-    "discrepancy/fitting/scores.py": {"RUN_SHARES": "where a fit begins"},
+    "discrepancy/fitting/scores.py": {"RUN_SHARES": "where a fit begins", "WINDOWS_MOST": "work"},
     "discrepancy/fitting/squares.py": {"LANES": "work"},
     "discrepancy/likelihood/fit.py": {"FAR": "iteration"},
     "discrepancy/places/memoryless.py": {"CUBIC_MOST": "work", "CHOSEN": "work"},

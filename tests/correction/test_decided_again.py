@@ -10,7 +10,8 @@ from symhyb.correction.search.decide import decide, decide_among
 from symhyb.correction.search.decision import Decision
 from symhyb.correction.search.preparing import prepare, settle
 from symhyb.correction.search.setting import Setting
-from symhyb.correction.verdict.choice import _or_before
+from symhyb.correction.verdict import choice
+from symhyb.correction.verdict.choice import _as_likely, _or_before
 from tests.pushed import NOISE, pushed, pushed_model
 
 
@@ -63,3 +64,38 @@ def test_a_noise_that_hides_what_a_run_needs_leaves_the_choice_as_it_was(
     before: Any = object()
     again: Any = SimpleNamespace(decision=SimpleNamespace(selected=selected))
     assert _or_before(again, before) is (again if stands else before)
+
+
+@pytest.mark.parametrize(
+    ("laws", "evidence", "reason", "stands"),
+    [
+        (("damper",), -9e9, "", True),  # the same laws: only the noise is another one
+        ((), -104.0, "", True),
+        ((), -105.0, "", False),
+        (("spring",), -9e9, "", False),
+        ((), -np.inf, "it grew without bound", False),
+    ],
+)
+def test_what_is_as_likely_along_whole_recordings_stands_under_another_noise(
+    laws: tuple[str, ...],
+    evidence: float,
+    reason: str,
+    stands: bool,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def chosen(laws: tuple[str, ...], evidence: float, reason: str = "") -> Any:
+        selected = SimpleNamespace(
+            causes=tuple(SimpleNamespace(family=law) for law in laws),
+            fit=SimpleNamespace(reason=reason),
+        )
+        return SimpleNamespace(
+            setting=SimpleNamespace(stages=(SimpleNamespace(cuts=()),)),
+            decision=SimpleNamespace(selected=selected),
+            along=SimpleNamespace(evidence=evidence),
+        )
+
+    before, again = chosen(("damper",), -100.0), chosen(laws, 0.0, reason)
+    found = SimpleNamespace(evidence=evidence)
+    monkeypatch.setattr(choice, "recorded", lambda prepared, setting: object())
+    monkeypatch.setattr(choice, "followed", lambda ground, selected, along: found)
+    assert _as_likely(object(), again, before) is stands  # type: ignore[arg-type]

@@ -90,6 +90,16 @@ def test_an_arm_under_six_recorded_inputs_stays_explicit(monkeypatch: pytest.Mon
     assert (found.method, found.reason, found.note) == ("explicit", "", "")
 
 
+def test_bends_of_a_drive_are_no_work_that_a_run_is_stopped_for(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(explicit_run, "STEPS_MOST", 1000)
+    monkeypatch.setattr(turns, "implicit_states", never)
+    machine, scenario = arm(1.0)
+    assert scenario.t_u.size == 201  # three steps from one to the next
+    assert simulate(machine, scenario).method == "explicit"
+
+
 def test_without_a_compiler_the_arm_goes_by_adams(monkeypatch: pytest.MonkeyPatch) -> None:
     """A decay that is slower than the samples of what drives it is not stiff."""
     by_steps = simulate(*arm(0.25))

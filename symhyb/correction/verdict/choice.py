@@ -7,6 +7,8 @@ fit the others is named, and does not choose with them.
 from dataclasses import dataclass, replace
 
 from symhyb.correction.adequacy.finalists import settled
+from symhyb.correction.adequacy.followed import followed
+from symhyb.correction.adequacy.recorded import recorded
 from symhyb.correction.adequacy.sensor_noise import measured_again
 from symhyb.correction.adequacy.structure import Fitted
 from symhyb.correction.naming.fleet_words import misfit
@@ -22,7 +24,7 @@ from symhyb.correction.search.so_far import fits_best, if_interrupted
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.places.locate import locate
 from symhyb.discrepancy.results import Change, Misfit, PlaceShare
-from symhyb.judgement import SIGNIFICANT
+from symhyb.judgement import CERTAIN, SIGNIFICANT
 from symhyb.steps import Say
 
 
@@ -50,8 +52,24 @@ def choose(prepared: Prepared, setting: Setting, forces: ForceScreen | None, say
         return choice
     say("deciding again, for the noise of a sensor is correlated in time")
     if many(selected.causes):  # forces, not windows, show so many
-        return chosen_again(prepared, replace(choice.setting, sd=sd), choice, say)
-    return _or_before(chosen(prepared, replace(setting, sd=sd), forces, say), choice)
+        again = chosen_again(prepared, replace(choice.setting, sd=sd), choice, say)
+    else:
+        again = chosen(prepared, replace(setting, sd=sd), forces, say)
+    return again if _as_likely(prepared, again, choice) else choice
+
+
+def _as_likely(prepared: Prepared, again: Choice, before: Choice) -> bool:
+    """Whether a choice under another noise stands: it is of the same laws, or as likely along whole
+    recordings, to 100 to 1. What a structure leaves of the forces may pass for noise of sensors,
+    beside which no other one needs to explain anything."""
+    selected, was = again.decision.selected, before.decision.selected
+    if {cause.family for cause in selected.causes} == {cause.family for cause in was.causes}:
+        return True
+    ground = recorded(prepared, before.setting)  # which measures the noise of either
+    if ground is None or before.along is None:
+        return not selected.fit.reason
+    along = followed(ground, selected, (selected, again.setting.stages[-1].cuts))
+    return along.evidence > before.along.evidence - CERTAIN
 
 
 def chosen_again(prepared: Prepared, setting: Setting, choice: Choice, say: Say) -> Choice:

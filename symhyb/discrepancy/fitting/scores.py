@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symhyb.data.thin import coarsest, thinned
+from symhyb.data.thin import coarsest, stretch, thinned
 from symhyb.discrepancy.evidence import Residuals
 from symhyb.discrepancy.fitting.matching import fit
 from symhyb.discrepancy.fitting.task import starts_only
@@ -31,6 +31,8 @@ from symhyb.numeric.runs.windows import WindowModel
 FILTER_ORDER = 4
 RUN_SHARES = (0.1, 0.3, 1 - 1e-9)  # of a recording, to which its initial state is fitted
 RUN_SAMPLES = 6000  # of a free run, for fitting its initial state
+RUN_MOST = 30_000  # where its motion needs more: from so many of the first its start is well known
+WINDOWS_MOST = 5000  # their error is known to a percent
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,7 +127,8 @@ def free_scenario(model: WindowModel, run: Run, fitted: bool = True) -> Scenario
 
 
 def _fitted_start(model: WindowModel, run: Run) -> Array:
-    """Initial state (X,) of a free run over the whole recording, thinned if it is long.
+    """Initial state (X,) of a free run, fitted to the whole recording, thinned if it is long; where
+    its motion needs more than ``RUN_MOST`` samples, to these.
 
     It is fitted to growing parts of the recording, because dry friction and large motion make the
     whole run an uneven function of its start; the best of these, the smoothed start and the one
@@ -134,7 +137,9 @@ def _fitted_start(model: WindowModel, run: Run) -> Array:
     factor = coarsest(run.recording, RUN_SAMPLES, float(run.motion.periods().min()))
     if held_columns(model.machine.model.inputs):  # averages of what is held are not held
         factor = 1
-    short = replace(run, recording=thinned(run.recording, factor), motion=run.motion.every(factor))
+    recording, motion = thinned(run.recording, factor), run.motion.every(factor)
+    rows = slice(0, RUN_MOST)
+    short = replace(run, recording=stretch(recording, rows), motion=motion.at(rows))
     first = course_of(run.recording, model.machine, run.motion).states[0]
     starts: list[Array] = [first, _stated(model.form, first)]
     cuts: Cut | None = None
@@ -169,10 +174,14 @@ def _run_costs(model: WindowModel, cuts: Cut, starts: Array, sd: Array) -> Array
 
 
 def _left_of_windows(model: WindowModel, run: Run, window_s: float) -> Residuals | None:
-    """What is left of windows with fitted initial states, SI; None without windows."""
+    """What is left of windows with fitted initial states, SI, of very many of some of them, evenly
+    spaced; None without windows."""
     cuts = cut_into_windows(run, model.machine, window_s)
     if cuts is None:
         return None
+    count = len(cuts.rows)
+    if count > WINDOWS_MOST:
+        cuts = cuts.chosen(np.arange(WINDOWS_MOST) * count // WINDOWS_MOST)
     cuts = cuts.suited(model.machine)
     fitted = fit(model, starts_only(cuts, run.sd), model.machine.values)
     _, y = model.simulate(cuts.block, fitted.starts[0], model.machine.values)

@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
@@ -71,7 +72,10 @@ class Motion:
 
     def every(self, factor: int) -> "Motion":
         """The motion at the middle of each block of ``factor`` samples."""
-        rows = np.arange(self.t.size // factor) * factor + factor // 2
+        return self.at(np.arange(self.t.size // factor) * factor + factor // 2)
+
+    def at(self, rows: slice | NDArray[np.int64]) -> "Motion":
+        """The motion at some of its samples."""
         return replace(self, t=self.t[rows], q=self.q[rows], v=self.v[rows], a=self.a[rows])
 
 

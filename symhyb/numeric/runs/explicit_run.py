@@ -18,6 +18,7 @@ from symhyb.numeric.runs.explicit import INSTRUCTIONS_MOST, Field, Steps, Tolera
 from symhyb.numeric.runs.sizes import GROWN, ROUGH, rough_sizes, seen, unit_sizes
 
 STEPS_MOST = 5_000_000  # tried in a run, a tenth of them at first: 3 s for 100 instructions
+STEPS_BEND = 20  # more for each bend of the drive, where a step ends anyway
 # ns for an explicit step, for each instruction of its rates, and for one that is never compiled
 STEP, STEP_EACH, STEP_EACH_LISTED = 400.0, 4.4, 84.0
 IMPLICIT, IMPLICIT_EACH = 3000.0, 23.0  # the same for one of BDF: evaluations and slopes by CasADi
@@ -81,7 +82,7 @@ def _run(
     bound = course.bound
     if bound is None:  # a state that hardly moved at first may well grow by more than that
         bound = GROWN * np.maximum(scales, unit_sizes(course.start))
-    limits = Tolerances(relative, absolute * scales, bound, STEPS_MOST)
+    limits = Tolerances(relative, absolute * scales, bound, _most(nodes))
     end, size = float(course.t[-1]), len(field.code.steps)
 
     def weigh(t: float, h: float, x: Array) -> float:
@@ -103,6 +104,11 @@ def _run(
     )
 
 
+def _most(nodes: Nodes) -> int:
+    """How many steps a run may try."""
+    return STEPS_MOST + STEPS_BEND * int(nodes[0].size)
+
+
 def _cost(field: Field) -> float:
     """Of an explicit step, ns."""
     size = len(field.code.steps)
@@ -121,7 +127,7 @@ def _rough(field: Field, course: Course, nodes: Nodes, tolerances: tuple[float, 
 
     def run(t: Array, unit: Array) -> tuple[Array, bool]:
         absolute = tolerances[1] * ROUGH / tolerances[0] * unit
-        limits = Tolerances(ROUGH, absolute, np.full(unit.size, np.inf), STEPS_MOST)
+        limits = Tolerances(ROUGH, absolute, np.full(unit.size, np.inf), _most(nodes))
         found = field.integrate(t, course.start, course.p, nodes, limits, suspect=suspect)
         return np.where(np.isfinite(found.reach), found.reach, 0.0), not found.reason
 
