@@ -224,7 +224,8 @@ def _check_data(table: Table, data: str) -> None:
     name, _, file = data.partition("/")
     dataset = named(name)
     if dataset is None:
-        table.fault(unknown(name), "data")
+        own = "; a file of your own is given by: file = ..." if Path(data).suffix else ""
+        table.fault(unknown(name or data) + own, "data")
         return
     files = [known.name for known in dataset.files]
     file = split_part(file)[0].name if file else file

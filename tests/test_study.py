@@ -207,6 +207,8 @@ def test_the_studies_that_are_shipped_are_valid(name: str) -> None:
         ("[1, 5.5]", '"all"', "11: train[1].span: must be [start, end] in s"),
         ("span =", "crop =", "11: train[1].crop: 'crop' is not a key here"),
         ("emps/DATA_EMPS.mat", "emp/x", "14: train[2].data: no recording is known by the name"),
+        ("emps/DATA_EMPS.mat", "b.mat", "the name 'b.mat'; known: "),
+        ("emps/DATA_EMPS.mat", "b.mat", "; a file of your own is given by: file = ..."),
         ("DATA_EMPS.mat", "DATA_EMP.mat", "14: train[2].data: 'emps/DATA_EMP.mat' names no file"),
         ('data = "emps/DATA_EMPS.mat"\n', "", "13: train[2]: state exactly one of file and data"),
         ('"../folder/b.csv"', "3", "17: holdout[1].file: must be text in quotes"),

@@ -229,7 +229,9 @@ def log_likelihood(one: Track, noise: NoiseModel) -> float:
         one.residual[:, :, None],
         one.first[:, None],
     )
-    return float(-0.5 * (logs + np.sum(made**2) + one.count * np.log(2 * np.pi)))
+    with np.errstate(over="ignore"):  # a run that grows without bound is infinitely unlikely
+        squares = np.sum(made**2)
+    return float(-0.5 * (logs + squares + one.count * np.log(2 * np.pi)))
 
 
 def white_forces(one: Track, noise: NoiseModel, forces: Array) -> Array:

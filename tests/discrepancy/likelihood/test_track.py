@@ -106,6 +106,12 @@ def test_missing_samples_are_left_out() -> None:
     assert np.isfinite(log_likelihood(one, NOISY))
 
 
+def test_a_run_that_grows_without_bound_is_infinitely_unlikely() -> None:
+    one = track(WindowModel(MACHINE), ITEM, STATES, MACHINE.values)
+    far = replace(one, residual=1e200 + one.residual)
+    assert log_likelihood(far, NOISY) == -np.inf
+
+
 def test_a_force_is_effective_where_the_machine_answers_it() -> None:
     one = track(WindowModel(MACHINE), ITEM, STATES, MACHINE.values)
     assert effective([one]).tolist() == [True]
