@@ -15,6 +15,7 @@ from symhyb.correction.adequacy.judge import Adequacy, adequacy
 from symhyb.correction.advice.advice import advise
 from symhyb.correction.advice.combinations import combined
 from symhyb.correction.advice.isolability import Along, isolability
+from symhyb.correction.advice.rival_runs import rival_runs
 from symhyb.correction.naming.beside_words import together
 from symhyb.correction.naming.dispute_words import dispute_sentence
 from symhyb.correction.naming.fleet_words import parameters_with_own, repeats_said
@@ -185,7 +186,7 @@ def _told(
     answer = replace(answer, posterior=posterior_of(model, final, known.items, answer))
     along = cache(lambda: around(setting, selected))  # both need it, neither always
     answer = _with_isolability(_remembered(answer, prepared, setting), choice, along)
-    return _with_combinations(answer, choice, along)
+    return _with_rivals(_with_combinations(answer, choice, along), choice)
 
 
 def _prepared(
@@ -259,6 +260,15 @@ def _with_combinations(answer: Diagnosis, choice: Choice, along: Along) -> Diagn
     except Exception as error:  # no finished diagnosis is lost for it
         return _with_note(answer, "Which parameters are determined is not known", error)
     return replace(answer, notes=(*answer.notes, *said))
+
+
+def _with_rivals(answer: Diagnosis, choice: Choice) -> Diagnosis:
+    """The answer with what the most probable rivals simulate otherwise."""
+    try:
+        runs = rival_runs(choice.setting, choice.decision)
+    except Exception as error:  # no finished diagnosis is lost for it
+        return _with_note(answer, "Where rivals would differ is not known", error)
+    return replace(answer, rivals=runs)
 
 
 def advised(concluded: Concluded, say: Say | None = None) -> Diagnosis:

@@ -5,6 +5,7 @@ Values are in the unit that each carries beside it; arrays are in coherent SI wi
 Sizes: N samples, C causes, W windows, K lines of a spectrum.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -111,6 +112,50 @@ class Isolability:
     causes: tuple[str, ...]
     found: tuple[bool, ...]
     evidence: NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RivalRun:
+    """Another structure that fits about as well as the chosen one, and how the two differ along a
+    training ``recording``.
+
+    ``causes`` are words, in the place of ``instead_of`` in the chosen structure; ``evidence`` is
+    the difference of the score (0: as good), ``probability`` the posterior one among the structures
+    that share it, None of one that does not. ``apart`` by sensor (N,), SI: what it simulates less
+    what the chosen structure does, over windows of ``window_s`` seconds, each from the initial
+    state that was fitted for that structure; NaN outside of them. ``noise`` by sensor, SI: one
+    standard deviation.
+    """
+
+    causes: str
+    instead_of: str
+    evidence: float
+    probability: float | None
+    recording: str
+    window_s: float
+    t: NDArray[np.float64]
+    apart: Mapping[str, NDArray[np.float64]]
+    noise: Mapping[str, float]
+
+    @property
+    def largest(self) -> tuple[str, float, float]:
+        """Where the two differ most, measured by the noise: the sensor, the time in s, and by how
+        many standard deviations, with its sign."""
+        peaks = []
+        for sensor, values in self.apart.items():
+            if np.isfinite(values).any():
+                i = int(np.nanargmax(np.abs(values)))
+                peaks.append((sensor, float(self.t[i]), float(values[i]) / self.noise[sensor]))
+        return max(peaks, key=lambda peak: abs(peak[2]))
+
+    @property
+    def typical(self) -> Mapping[str, float]:
+        """The root mean square of the difference by sensor, in standard deviations of its noise."""
+        return {
+            sensor: float(np.sqrt(np.nanmean(values**2))) / self.noise[sensor]
+            for sensor, values in self.apart.items()
+            if np.isfinite(values).any()
+        }
 
 
 @dataclass(frozen=True, slots=True)

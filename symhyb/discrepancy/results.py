@@ -22,6 +22,7 @@ from symhyb.discrepancy.aside import (
     Memory,
     Occurrence,
     PlaceShare,
+    RivalRun,
     SignalName,
 )
 from symhyb.discrepancy.evidence import Correlations, Worth
@@ -57,6 +58,7 @@ __all__ = [
     "RecordingFault",
     "Reestimated",
     "Repeats",
+    "RivalRun",
     "Score",
     "SignalName",
     "Trace",
@@ -243,7 +245,8 @@ class Diagnosis:
     step; ``notes`` what was handled in the recordings. ``manoeuvre`` is ``record_next`` for a
     program, where it is one. ``found``, ``parameters`` and ``measurement`` are tuples that take a
     name, too: ``found["friction"]``, by kind where that is one alone, else by element. ``model`` is
-    the one that was given, ``posterior`` all claimed numbers together.
+    the one that was given, ``posterior`` all claimed numbers together. ``rivals`` say where the
+    most probable other structures differ from the chosen one.
     """
 
     verdict: VerdictName
@@ -267,6 +270,7 @@ class Diagnosis:
     manoeuvre: Manoeuvre | None = None
     memory: Memory | None = None
     classes: tuple[ClassFound, ...] = ()
+    rivals: tuple[RivalRun, ...] = field(default=(), compare=False)
     model: Model | None = field(default=None, compare=False)
     posterior: Posterior | None = field(default=None, compare=False)
 

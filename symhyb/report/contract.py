@@ -54,7 +54,7 @@ from symhyb.report.document import (
     ScoreEntry,
     Somewhere,
 )
-from symhyb.report.doubt_entries import correlations_entry, whiteness_entry
+from symhyb.report.doubt_entries import correlations_entry, rival_entry, whiteness_entry
 
 FORMAT: Literal[1] = 1
 UNBOUNDED = sys.float_info.max
@@ -92,6 +92,7 @@ def to_json(diagnosis: Diagnosis, verdict: Verdict) -> DiagnosisDocument:
         "record_next": diagnosis.record_next,
         "manoeuvre": _manoeuvre(diagnosis.manoeuvre),
         "isolability": _isolability(diagnosis.isolability),
+        "rivals": [rival_entry(one) for one in diagnosis.rivals],
         "remainder": {
             "share": finite(diagnosis.remainder),
             "notes": list(diagnosis.remainder_notes),

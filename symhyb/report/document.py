@@ -273,6 +273,22 @@ class IsolabilityEntry(TypedDict):
     evidence: list[list[float | None]]
 
 
+class RivalEntry(TypedDict):
+    """Where another structure would differ most from the chosen one: at ``time_s`` of ``recording``
+    by so many ``deviations`` of the noise of ``sensor``; ``rms`` by sensor over its windows."""
+
+    causes: str
+    instead_of: str
+    evidence: float
+    probability: Share | None
+    recording: str
+    window_s: float
+    sensor: str
+    time_s: float
+    deviations: float
+    rms: Numbers
+
+
 class ManoeuvreEntry(TypedDict):
     """What to record next."""
 
@@ -353,6 +369,7 @@ class DiagnosisDocument(TypedDict):
     record_next: str | None
     manoeuvre: NotRequired[ManoeuvreEntry | None]
     isolability: NotRequired[IsolabilityEntry | None]
+    rivals: NotRequired[list[RivalEntry]]
     remainder: RemainderEntry
     scores: ScoresEntry
     noise: dict[str, float]

@@ -3,7 +3,13 @@
 import numpy as np
 
 from symhyb.discrepancy.evidence import Correlations, Whiteness
-from symhyb.report.document import CorrelatedEntry, CorrelationsEntry, WhitenessEntry
+from symhyb.discrepancy.results import RivalRun
+from symhyb.report.document import (
+    CorrelatedEntry,
+    CorrelationsEntry,
+    RivalEntry,
+    WhitenessEntry,
+)
 
 
 def correlations_entry(known: Correlations | None) -> CorrelationsEntry | None:
@@ -24,4 +30,21 @@ def whiteness_entry(one: Whiteness) -> WhitenessEntry:
         "sensor": one.sensor,
         "itself": told(""),
         "inputs": {name: told(name) for name in one.cross},
+    }
+
+
+def rival_entry(run: RivalRun) -> RivalEntry:
+    """Where a rival would differ most from the chosen structure."""
+    sensor, time, deviations = run.largest
+    return {
+        "causes": run.causes,
+        "instead_of": run.instead_of,
+        "evidence": run.evidence,
+        "probability": run.probability,
+        "recording": run.recording,
+        "window_s": run.window_s,
+        "sensor": sensor,
+        "time_s": time,
+        "deviations": deviations,
+        "rms": dict(run.typical),
     }

@@ -17,6 +17,7 @@ from symhyb.report import pictures
 from symhyb.report.apart import apart_sentence
 from symhyb.report.doubts import correlations_sentence, whiteness_sentences
 from symhyb.report.embed import embedded
+from symhyb.report.rivals import rival_sentence
 from symhyb.report.sentences import (
     alternative_sentence,
     method_sentences,
@@ -78,6 +79,8 @@ def render_page(
         place_picture=pictures.place_picture(diagnosis),
         apart_picture=pictures.apart_picture(diagnosis),
         apart_sentence=diagnosis.isolability and apart_sentence(diagnosis.isolability),
+        rivals_picture=pictures.rivals_picture(diagnosis, units),
+        rivals=[rival_sentence(one) for one in diagnosis.rivals],
         omitted=_omitted(diagnosis, verdict),
         corrected=any(
             scores.before != scores.after for scores in (verdict.train, verdict.holdout) if scores

@@ -10,6 +10,7 @@ from symhyb.discrepancy.checks.first_checks import FirstChecks
 from symhyb.discrepancy.evidence import Whiteness
 from symhyb.discrepancy.results import Cloud, Diagnosis, Trace, Verdict
 from symhyb.discrepancy.words.occurrence_words import place_words
+from symhyb.discrepancy.words.wording import quantity_text
 from symhyb.errors import InputError
 from symhyb.model.types import Model, On, place_text
 from symhyb.model.vocabulary import KINDS
@@ -22,6 +23,7 @@ from symhyb.report.live import Live, Signal, live_figures
 from symhyb.report.machine_figure import machine_figure
 from symhyb.report.occurring import occurrence_figure
 from symhyb.report.responding import LINES_LEAST, response_figure
+from symhyb.report.rivals import rivals_figure
 from symhyb.report.sketch import sketch_of
 from symhyb.report.tables import SCORES, place_units
 from symhyb.units import Unit
@@ -292,6 +294,23 @@ def apart_picture(diagnosis: Diagnosis) -> Picture | None:
         "How well these recordings distinguish causes, at the size found: if the cause of a row "
         "acts, the odds against that of a column. Red: below 10, they cannot tell; yellow: below "
         "100; blue: they can.",
+    )
+
+
+def rivals_picture(diagnosis: Diagnosis, units: Mapping[str, Unit]) -> Picture | None:
+    """Draw where the most probable rivals would differ from what was chosen; ``units`` by
+    sensor."""
+    if not diagnosis.rivals:
+        return None
+    first = diagnosis.rivals[0]
+    return Picture(
+        _image(rivals_figure(diagnosis.rivals, units)),
+        "What each rival simulates less what the chosen structure does, over time, beside the "
+        "noise.",
+        f"What each rival would show beyond what was chosen, along {first.recording}, in windows "
+        f"of {quantity_text(first.window_s, 's', digits=3)} that each begin where that structure "
+        "fits best. Grey band: two standard deviations of the noise of one sample; diamond: where "
+        "the two differ most.",
     )
 
 

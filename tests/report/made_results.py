@@ -20,6 +20,7 @@ from symhyb.discrepancy.results import (
     PlaceShare,
     Reestimated,
     Repeats,
+    RivalRun,
     Score,
     Trace,
     Verdict,
@@ -76,6 +77,25 @@ def occurrence() -> Occurrence:
     power = np.exp(-((lines - 2.0) ** 2))
     said = "On q, the mismatch begins at t = 12.02 s of DATA_EMPS.mat (to 0.2 s)."
     return Occurrence(change, (1.1, 2.9), None, t, before, np.ones(120), lines, power, said)
+
+
+def rival(causes: str, size: float, recording: str = "DATA_EMPS.mat", **more: str) -> RivalRun:
+    """A rival that differs at most by ``size`` standard deviations of the encoder's noise, at 6 s;
+    no window covers the last two seconds."""
+    t = np.linspace(0.0, 24.0, 4000)
+    apart = 1.2e-5 * size * np.exp(-(((t - 6.0) / 4.0) ** 2)) * np.cos(2 * np.pi * (t - 6.0))
+    sensor = more.get("sensor", "encoder")
+    return RivalRun(
+        causes,
+        "viscous damping on q",
+        3.2,
+        0.1,
+        recording,
+        0.8,
+        t,
+        {sensor: np.where(t < 22.0, apart, NAN)},
+        {sensor: 1.2e-5},
+    )
 
 
 def missing() -> tuple[Diagnosis, Verdict]:
@@ -192,7 +212,10 @@ def undecided() -> tuple[Diagnosis, Verdict]:
     )
     _, verdict = missing()
     said = verdict_sentence("undecided", alternatives=rivals)
-    diagnosis = Diagnosis("undecided", said, alternatives=rivals, record_next="A slower sine.")
+    runs = (rival("a delay in channel tacho", 1.4), rival("parameter k", -0.3))
+    diagnosis = Diagnosis(
+        "undecided", said, alternatives=rivals, record_next="A slower sine.", rivals=runs
+    )
     return diagnosis, verdict
 
 
@@ -280,6 +303,7 @@ def hostile() -> tuple[Diagnosis, Verdict]:
         noise={HOSTILE: 1.0},
         places=(PlaceShare(place, 0.5),),
         clouds=(replace(cloud(place, 400), recording=HOSTILE),),
+        rivals=(rival(HOSTILE, 3.0, HOSTILE, sensor=HOSTILE),),
     )
     return nasty, replace(
         verdict,

@@ -18,6 +18,15 @@ from symhyb.discrepancy.places.hypotheses import Hypothesis
 
 def probabilities(decision: Decision) -> tuple[float, ...]:
     """The posterior probability of each cause of the selected structure."""
+    selected, shared = decision.selected, shares(decision)
+    return tuple(
+        float(sum(share for trial, share in shared if _holds(trial, cause, selected)))
+        for cause in selected.causes
+    )
+
+
+def shares(decision: Decision) -> list[tuple[Refined, float]]:
+    """The structures that share all probability, each with its part."""
     selected, judged = decision.selected, [trial for trial, _ in decision.judged]
     trials = [
         trial
@@ -26,11 +35,7 @@ def probabilities(decision: Decision) -> tuple[float, ...]:
     ]
     behind = np.array([decision.against(trial) for trial in trials])
     weights = np.where(np.isfinite(behind), np.exp(-(behind - np.nanmin(behind)) / 2), 0.0)
-    weights /= weights.sum()
-    return tuple(
-        float(weights[[_holds(trial, cause, selected) for trial in trials]].sum())
-        for cause in selected.causes
-    )
+    return list(zip(trials, (weights / weights.sum()).tolist(), strict=True))
 
 
 def _holds(trial: Refined, cause: Hypothesis, selected: Refined) -> bool:
