@@ -55,7 +55,8 @@ class Trace:
     ``before`` where nothing was corrected. ``failures`` are sentences of simulations that stopped;
     ``units`` by sensor are those of the model file, which frames and pictures show. ``band`` by
     sensor, where it is known: one standard deviation (N,) of ``after``, SI, from what the corrected
-    numbers are uncertain by.
+    numbers are uncertain by. ``motion`` and ``motion_before`` by coordinate, where they are known:
+    (N,) in SI, the smoothed measured motion and that of ``before``.
     """
 
     recording: str
@@ -67,6 +68,8 @@ class Trace:
     failures: tuple[str, ...] = ()
     units: Mapping[str, Unit] = field(default_factory=dict, compare=False)
     band: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
+    motion: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
+    motion_before: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         span = f"{self.t[0]:g} … {self.t[-1]:g} s" if self.t.size else "no time"

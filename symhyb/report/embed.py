@@ -2,11 +2,12 @@
 
 import json
 from base64 import b64encode
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from hashlib import sha256
 from importlib import resources
+from typing import Any
 
 from markupsafe import Markup
 
@@ -19,24 +20,32 @@ _ESCAPED = str.maketrans({letter: f"\\u{ord(letter):04x}" for letter in "<>&\u20
 
 @dataclass(frozen=True, slots=True)
 class Embedded:
-    """The ``data`` of the figures, the ``scripts`` that draw them, and the ``policy`` of a page
-    with these scripts: none other is run, and nothing is fetched from anywhere."""
+    """The ``data`` by the name of who reads it, the ``scripts`` that draw it, and the ``policy`` of
+    a page with these scripts: none other is run, and nothing is fetched from anywhere."""
 
     policy: str
-    data: Markup
+    data: Mapping[str, Markup]
     scripts: tuple[Markup, ...]
 
 
-def embedded(figures: Sequence[Live]) -> Embedded:
-    """What a page with these figures holds; of none no script at all."""
-    if not figures:
-        return Embedded(policy_of(()), Markup(""), ())
-    scripts = (library(), painting() + script_of("page.js"))
-    data = {"items": [one.item for one in figures], "dark": DARK}
+def embedded(figures: Sequence[Live], motion: Mapping[str, Any] | None = None) -> Embedded:
+    """What a page with these figures holds, and one with a machine in ``motion``; of none no script
+    at all."""
+    scripts: list[str] = []
+    data: dict[str, Markup] = {}
+    if motion is not None:  # first: it waits for nothing
+        scripts.append(script_of("motion.js"))
+        data["motion"] = _written(motion)
+    if figures:
+        scripts += [library(), painting() + script_of("page.js")]
+        data["figures"] = _written({"items": [one.item for one in figures], "dark": DARK})
+    return Embedded(policy_of(scripts), data, tuple(map(Markup, scripts)))
+
+
+def _written(data: Mapping[str, Any]) -> Markup:
+    """Data as JSON that ends no script."""
     text = json.dumps(data, allow_nan=False, separators=(",", ":"))
-    return Embedded(
-        policy_of(scripts), Markup(text.translate(_ESCAPED)), tuple(map(Markup, scripts))
-    )
+    return Markup(text.translate(_ESCAPED))
 
 
 def policy_of(scripts: Sequence[str]) -> str:

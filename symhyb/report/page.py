@@ -51,6 +51,8 @@ def render_page(
     )
     white = pictures.first_whiteness(verdict)
     known = diagnosis.correlations
+    machine = pictures.machine_picture(diagnosis, model)
+    motion = None if machine is None else pictures.machine_motion(diagnosis, verdict, model)
     return template("page.html.j2").render(
         title=title,
         diagnosis=diagnosis,
@@ -59,7 +61,8 @@ def render_page(
         certainty=certainty(diagnosis),
         worths=[worth_sentence(effect, verdict, texts) for effect in diagnosis.found],
         besides=[f"{phrase}." for phrase in _besides(diagnosis)],
-        machine_picture=pictures.machine_picture(diagnosis, model),
+        machine_picture=machine,
+        machine_motion=motion,
         alternatives=[
             alternative_sentence(*group) for group in grouped_alternatives(diagnosis.alternatives)
         ],
@@ -67,7 +70,7 @@ def render_page(
         remainder=remainder_sentence(diagnosis.remainder),
         methods=method_sentences(verdict),
         shown=shown,
-        embedded=embedded([one.live for one in shown]),
+        embedded=embedded([one.live for one in shown], None if motion is None else motion.data),
         clouds=pictures.cloud_pictures(diagnosis, verdict, model),
         white=whiteness_sentences(white),
         white_picture=pictures.whiteness_picture(verdict),

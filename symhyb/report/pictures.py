@@ -15,6 +15,7 @@ from symhyb.errors import InputError
 from symhyb.model.types import Model, On, place_text
 from symhyb.model.vocabulary import KINDS
 from symhyb.report import figures
+from symhyb.report.animation import Animation, animation
 from symhyb.report.apart import apart_figure
 from symhyb.report.bars import Pair, places_figure, score_figure
 from symhyb.report.contract import finite
@@ -228,11 +229,9 @@ def first_picture(first: FirstChecks) -> Picture | None:
 
 def machine_picture(diagnosis: Diagnosis, model: Model | None) -> Picture | None:
     """Draw the machine with what was found in it; None of one that cannot be drawn."""
-    found = [effect.element for effect in diagnosis.found]
-    if model is None or not found:
+    extended, names = _with_found(diagnosis, model)
+    if extended is None:
         return None
-    names = [element.name for element in found]
-    extended = replace(model, elements=(*model.elements, *found))
     try:
         sketch = sketch_of(extended, shown=names)
     except (InputError, KeyError):  # a part has no place (a charge), or is not of this model
@@ -245,6 +244,22 @@ def machine_picture(diagnosis: Diagnosis, model: Model | None) -> Picture | None
         "The machine where simulations start. Magenta: where the found elements act; blue: where "
         "each coordinate is positive.",
     )
+
+
+def machine_motion(diagnosis: Diagnosis, verdict: Verdict, model: Model | None) -> Animation | None:
+    """Let the machine with what was found in it move along a recording; None where its motion is
+    not known."""
+    extended, names = _with_found(diagnosis, model)
+    return None if extended is None else animation(verdict, extended, names)
+
+
+def _with_found(diagnosis: Diagnosis, model: Model | None) -> tuple[Model | None, list[str]]:
+    """The model with the elements that were found, and their names; None without any."""
+    found = [effect.element for effect in diagnosis.found]
+    if model is None or not found:
+        return None, []
+    extended = replace(model, elements=(*model.elements, *found))
+    return extended, [element.name for element in found]
 
 
 def place_picture(diagnosis: Diagnosis) -> Picture | None:

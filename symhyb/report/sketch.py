@@ -49,16 +49,34 @@ def sketch_of(model: Model, q: Array | None = None, shown: Sequence[str] = ()) -
     Raises:
         InputError: a part has no place there, or one beyond any machine.
     """
-    place = np.array(model.start()[0]) if q is None else np.asarray(q, float)
+    draft = draft_at(
+        model, np.array(model.start()[0]) if q is None else np.asarray(q, float), shown
+    )
+    spread_out(draft)
+    draw_machine(draft)
+    return Sketch(tuple(draft.marks), draft.size, tuple(draft.left_out))
+
+
+def draft_at(model: Model, q: Array, shown: Sequence[str] = (), size: float | None = None) -> Draft:
+    """A draft of a machine at ``q`` (n,) in SI with nothing drawn yet; ``size`` is that of a symbol
+    in m, by default a part of that of the machine.
+
+    Raises:
+        InputError: a part has no place there, or one beyond any machine.
+    """
     view = np.eye(2) if dimension(model) == 2 else VIEW
-    here = placed(model, place)
-    moved = [placed(model, place + STEP * row) for row in np.eye(place.size)]
-    far = placed(model, place + FAR * (1 + np.arange(place.size)) / max(place.size, 1))
+    here = placed(model, q)
+    moved = [placed(model, q + STEP * row) for row in np.eye(q.size)]
+    far = placed(model, q + FAR * (1 + np.arange(q.size)) / max(q.size, 1))
     for one in (here, *moved, far):
         _require_places(one, model)
-    size = symbol_size(model, here, far, view)
-    draft = Draft(model, view, here, moved, far, size, frozenset(shown))
-    spread_out(draft)
+    size = symbol_size(model, here, far, view) if size is None else size
+    return Draft(model, view, here, moved, far, size, frozenset(shown))
+
+
+def draw_machine(draft: Draft) -> None:
+    """Draw all of a machine: bodies with what holds them, elements, coordinates."""
+    model = draft.model
     for body in model.bodies:
         draw_links(draft, body)
     draw_grounds(draft)
@@ -71,9 +89,8 @@ def sketch_of(model: Model, q: Array | None = None, shown: Sequence[str] = ()) -
     for j, coordinate in enumerate(model.coordinates):
         if coordinate.name not in turning:
             draw_coordinate(draft, j, coordinate.name)
-    if view.shape[1] == 3:
+    if draft.view.shape[1] == 3:
         draw_axes(draft)
-    return Sketch(tuple(draft.marks), draft.size, tuple(draft.left_out))
 
 
 def _require_places(parts: Placed, model: Model) -> None:

@@ -41,7 +41,9 @@ class Draft:
     """What is drawn so far in the plane of the drawing, which a ``view`` (2, d), dimensionless,
     gives: parts where they are (``here``), ``moved`` by each coordinate in turn, and ``far`` from
     there. ``size`` is that of a symbol in m, ``shift`` (2,) in m by body how far it is drawn from
-    its place; ``walls`` counts what lies side by side."""
+    its place; ``walls`` counts what lies side by side. ``held`` has the wall (2,) in m by the
+    element that it holds, ``excursions`` (K, 2) in m by body how far that is seen to go from here.
+    """
 
     model: Model
     view: Array
@@ -54,6 +56,8 @@ class Draft:
     marks: list[Mark] = field(default_factory=list)
     left_out: list[str] = field(default_factory=list)
     walls: dict[str, int] = field(default_factory=dict)
+    held: dict[str, Array] = field(default_factory=dict)
+    excursions: dict[str, Array] = field(default_factory=dict)
 
     def flat(self, place: Array) -> Array:
         """A place (d,) in m in the plane of the drawing, (2,) in m."""
@@ -78,6 +82,12 @@ class Draft:
     def turns(self, body: str, j: int) -> bool:
         """Whether a body turns with the j-th coordinate."""
         return abs(self.turning(body, j)) > STILL
+
+    def room(self, body: str, along: Array) -> float:
+        """How far a body is seen to go back against a direction (2,), dimensionless, in m."""
+        return (
+            float(np.max(-self.excursions[body] @ along, initial=0.0)) if self.excursions else 0.0
+        )
 
     def row(self, key: str) -> int:
         """How many have asked for that place before."""

@@ -81,6 +81,7 @@ def _draw_sliding(draft: Draft, element: Element, body: str, along: Array) -> No
     if element.kind in PUSHING:
         draft.add("arrow", [wall + 1.4 * along * draft.size, end], "input", element.name)
     else:
+        wall = draft.held.setdefault(element.name, wall - along * draft.room(body, along))
         for line in symbol(element.kind, wall, end, 0.8 * draft.size):
             draft.add("line", line, "element", element.name)
         for line in ground(wall, -along, 1.2 * draft.size):

@@ -81,3 +81,13 @@ def test_a_verdict_has_bands_errors_without_and_whether_the_rest_is_noise() -> N
     alone = judge(model, model, train=[pushed()])
     assert (alone.without, alone.traces[0].band) == ((), {})
     assert not alone.whiteness[0].noise()  # the force that is missing
+
+
+def test_a_trace_has_the_measured_motion_and_that_of_the_model_as_given() -> None:
+    model, corrected = (
+        parse_model(DRIVEN_MASS, "m.toml"),
+        parse_model(DRIVEN_MASS + FOUND, "m.toml"),
+    )
+    (trace,) = judge(model, corrected, pushed()).traces
+    assert trace.motion["x"] == pytest.approx(FORCE * response(T), abs=1e-3)
+    assert trace.motion_before["x"] == pytest.approx(trace.before["laser"])

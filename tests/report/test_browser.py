@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 from made_results import hostile, missing
+from moved import moved
 
 from symhyb.discrepancy.results import Diagnosis, Verdict
 from symhyb.report import render_page
@@ -33,12 +34,16 @@ def small(case: tuple[Diagnosis, Verdict]) -> tuple[Diagnosis, Verdict]:
 
 @pytest.fixture(scope="module")
 def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """A sound page and one of hostile names, as files."""
+    """A sound page, one of hostile names and one with a machine that moves, as files."""
     folder = tmp_path_factory.mktemp("pages")
     written = {}
     for name, case in (("sound", missing()), ("hostile", hostile())):
         written[name] = folder / f"{name}.html"
         written[name].write_text(render_page("Slide & rail", *small(case)), encoding="utf-8")
+    diagnosis, verdict, model = moved()
+    written["moving"] = folder / "moving.html"
+    moving = render_page("Oscillator", diagnosis, verdict, model=model)
+    written["moving"].write_text(moving, encoding="utf-8")
     return written
 
 
@@ -182,3 +187,65 @@ def test_hostile_names_run_nothing(opened: Open) -> None:
     assert page.evaluate("window.ran") is None
     assert len(wrong) == 1  # the policy refused that script, and nothing else happened
     assert "Content Security Policy" in wrong[0]
+
+
+def mass(page: Any) -> float:
+    """Where the left side of the mass is on the screen."""
+    return float(page.locator(".motion svg > polygon.body").first.bounding_box()["x"])
+
+
+def test_the_machine_is_played_and_stopped_and_moved_by_hand(
+    opened: Open, pages: dict[str, Path]
+) -> None:
+    assert pages["moving"].stat().st_size < SIZE_MOST
+    page, wrong = opened("moving", reduced_motion="reduce")
+    button, slider = page.locator(".motion button"), page.locator(".motion input")
+    clock, ghost = page.locator(".clock"), page.locator(".motion .ghost")
+    button.scroll_into_view_if_needed()
+    assert (clock.inner_text(), button.inner_text()) == ("0.000 s", "▶ play")
+    start = mass(page)
+    page.wait_for_timeout(300)
+    assert mass(page) == start  # it does not begin by itself
+    button.click()
+    until(page, lambda: mass(page) != start)
+    button.click()
+    assert button.inner_text() == "▶ play"
+    stopped = clock.inner_text()
+    page.wait_for_timeout(200)
+    assert clock.inner_text() == stopped
+    slider.evaluate("(one) => { one.value = 99.5; one.dispatchEvent(new Event('input')); }")
+    assert clock.inner_text() == "5.000 s"
+    assert slider.get_attribute("aria-valuetext") == "5.000 s"
+    assert mass(page) == pytest.approx(start, abs=1.0)  # after two and a half cycles
+    assert ghost.get_attribute("visibility") == "visible"
+    slider.press("End")
+    assert clock.inner_text() == "10.00 s"
+    assert ghost.get_attribute("visibility") == "hidden"  # it stopped before
+    button.click()  # from the beginning
+    until(page, lambda: 0 < float(clock.inner_text().split()[0]) < 5)
+    assert button.inner_text() == "❚❚ pause"
+    assert wrong == []
+
+
+def test_what_moves_has_the_colours_of_the_scheme_and_fits_a_phone(opened: Open) -> None:
+    page, wrong = opened("moving", viewport=PHONE, color_scheme="dark")
+    page.locator(".motion").scroll_into_view_if_needed()
+    assert page.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]
+    shown = "() => getComputedStyle(document.querySelector('.motion svg > polyline.shown')).stroke"
+    assert page.evaluate(shown) == "rgb(231, 154, 194)"
+    page.emulate_media(color_scheme="light")
+    until(page, lambda: page.evaluate(shown) == "rgb(176, 65, 124)")
+    assert wrong == []
+
+
+def test_print_and_readers_without_scripts_get_the_machine_as_it_stands(opened: Open) -> None:
+    page, _ = opened("moving", java_script_enabled=False)
+    assert page.locator("figure.motionless").is_visible()
+    assert not page.locator("figure.motion").is_visible()
+    page, wrong = opened("moving")
+    assert page.locator("figure.motion").is_visible()
+    assert not page.locator("figure.motionless").is_visible()
+    page.emulate_media(media="print")
+    assert page.locator("figure.motionless").is_visible()
+    assert not page.locator("figure.motion").is_visible()
+    assert wrong == []

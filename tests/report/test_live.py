@@ -107,7 +107,7 @@ def test_a_run_that_leaves_is_not_drawn_and_nothing_that_is_no_number(cases: Cas
 def test_names_cannot_end_the_script_that_holds_them(cases: Cases) -> None:
     _, verdict = cases["hostile"]()
     live = live_figures(verdict.traces[0], [Signal(HOSTILE, MM)], [], "here")
-    data = str(embedded([live]).data)
+    data = str(embedded([live]).data["figures"])
     assert not {"<", ">", "&"} & {*data}
     assert "alert" in json.dumps(json.loads(data))
     assert "</script" not in library().lower()

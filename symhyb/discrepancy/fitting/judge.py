@@ -124,6 +124,10 @@ def _traces(
     bands: Sequence[Array | None],
 ) -> list[Trace]:
     names = [sensor.name for sensor in machine.model.sensors]
+    coordinates = [coordinate.name for coordinate in machine.model.coordinates]
+
+    def moved(q: Array) -> dict[str, Array]:
+        return dict(zip(coordinates, q.T, strict=True))
 
     def table(values: Array, present: Sequence[str]) -> dict[str, Array]:
         return {name: values[:, i] for i, name in enumerate(names) if name in present}
@@ -146,6 +150,8 @@ def _traces(
                 tuple(failures),
                 {sensor.name: sensor.unit for sensor in machine.model.sensors},
                 {} if band is None else table(band, present),
+                moved(run.motion.q),
+                moved(first.q),
             )
         )
     return traces
