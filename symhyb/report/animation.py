@@ -27,7 +27,7 @@ MARGINS = (1.6, 0.9)  # sizes of a symbol, beside and above what is drawn
 ASIDE = 0.4  # of a direction, from where on a text stands to that side
 GHOST_ROOM = 0.35  # of the drawing's sides, that the model as given may take beyond them
 BEYOND = 4 * WIDTH  # units: as far outside as anything is drawn
-SECONDS = (5.0, 20.0)  # that playing takes, whatever the motion took
+SECONDS = (5.0, 30.0)  # that playing takes, whatever the motion took
 HEAD = 30.0  # units, of an arrow
 UNDER, BELOW = 0.75, (0.0, -1.0)  # sizes from the middle of a body to its name, and where that is
 

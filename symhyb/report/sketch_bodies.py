@@ -98,7 +98,7 @@ def draw_coordinate(draft: Draft, j: int, name: str) -> None:
         pivot = draft.flat(draft.here.frames[mover[0]].origin)
         pivot = pivot + draft.shift.get(mover[0], np.zeros(2))
         sign = np.sign(draft.turning(mover[0], j)) or 1.0
-        radius = draft.size * (1.3 + 0.45 * draft.row(f"angle {pivot.round(9)}"))
+        radius = draft.size * (1.3 + 0.45 * draft.row(f"angle {pivot.round(9).tolist()}"))
         curve = arc(pivot, radius, -0.8 * sign, 0.6 * sign)
         draft.add("arrow", curve, "coordinate", name)
         out = curve[-1] - pivot
@@ -107,7 +107,7 @@ def draw_coordinate(draft: Draft, j: int, name: str) -> None:
     assert rate is not None
     along = rate / np.linalg.norm(rate)
     left = np.array([-along[1], along[0]])
-    row = draft.row(f"along {at.round(9)} {along.round(6)}")
+    row = draft.row(f"along {at.round(9).tolist()} {along.round(6).tolist()}")
     base = at + left * (1.0 + 0.5 * row) * draft.size
     tick = left * 0.3 * draft.size
     draft.add("line", [base - tick, base + tick], "coordinate", name)

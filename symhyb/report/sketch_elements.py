@@ -72,7 +72,10 @@ def _draw_on(draft: Draft, element: Element, on: On) -> None:
 def _draw_sliding(draft: Draft, element: Element, body: str, along: Array) -> None:
     """An element between a body and the ground, along the motion of the body; several lie side by
     side, and a plate on the body takes them."""
-    left, row = np.array([-along[1], along[0]]), draft.row(f"slides {body} {along.round(6)}")
+    left, row = (
+        np.array([-along[1], along[0]]),
+        draft.row(f"slides {body} {along.round(6).tolist()}"),
+    )
     centre = draft.centre(body)
     plate = centre - along * BOX * draft.size
     end = plate - left * 1.4 * draft.size * row
@@ -93,7 +96,7 @@ def _draw_sliding(draft: Draft, element: Element, body: str, along: Array) -> No
 def _draw_turning(draft: Draft, element: Element, body: str) -> None:
     """An element on an angle: an arc about the pivot of the body that turns."""
     pivot = draft.flat(draft.here.frames[body].origin) + draft.shift.get(body, np.zeros(2))
-    radius = draft.size * (0.8 + 0.55 * draft.row(f"turns {pivot.round(9)}"))
+    radius = draft.size * (0.8 + 0.55 * draft.row(f"turns {pivot.round(9).tolist()}"))
     pushing = element.kind in PUSHING
     curve = arc(pivot, radius, np.pi * 0.7, np.pi * 1.3)
     draft.add(

@@ -128,7 +128,7 @@ def test_all_of_a_slow_motion_is_drawn_and_of_a_fast_one_the_first_lively_part()
     assert instants(t, np.zeros((t.size, 1)))[[0, -1]].tolist() == [0, 100]
 
 
-@pytest.mark.parametrize(("factor", "said"), [(0.01, "0.02 times"), (10.0, "5 times"), (1.0, "")])
+@pytest.mark.parametrize(("factor", "said"), [(0.01, "0.02 times"), (12.0, "4 times"), (1.0, "")])
 def test_what_is_too_fast_or_too_slow_is_played_at_another_speed(factor: float, said: str) -> None:
     diagnosis, verdict, model = moved()
     (trace,) = verdict.traces
@@ -136,7 +136,7 @@ def test_what_is_too_fast_or_too_slow_is_played_at_another_speed(factor: float, 
     found = machine_motion(diagnosis, replace(verdict, traces=(other,)), model)
     assert found is not None
     assert (said in found.caption) if said else ("times the speed" not in found.caption)
-    assert 5 <= found.data["seconds"] <= 20
+    assert 5 <= found.data["seconds"] <= 30
 
 
 def page_of(name: str = "found_friction") -> tuple[str, Page]:
