@@ -121,10 +121,10 @@ class RivalRun:
 
     ``causes`` are words, in the place of ``instead_of`` in the chosen structure; ``evidence`` is
     the difference of the score (0: as good), ``probability`` the posterior one among the structures
-    that share it, None of one that does not. ``apart`` by sensor (N,), SI: what it simulates less
-    what the chosen structure does, over windows of ``window_s`` seconds, each from the initial
-    state that was fitted for that structure; NaN outside of them. ``noise`` by sensor, SI: one
-    standard deviation.
+    that share it, None of one that does not or that convention alone ranks. ``apart`` by sensor
+    (N,), SI: what it simulates less what the chosen structure does, over windows of ``window_s``
+    seconds, each from the initial state that was fitted for that structure; NaN outside of them.
+    ``noise`` by sensor, SI: one standard deviation.
     """
 
     causes: str
@@ -139,8 +139,8 @@ class RivalRun:
 
     @property
     def largest(self) -> tuple[str, float, float]:
-        """Where the two differ most, measured by the noise: the sensor, the time in s, and by how
-        many standard deviations, with its sign."""
+        """The sensor by which the two differ most, the time in s at which they do, and by how many
+        standard deviations of its noise, with the sign."""
         peaks = []
         for sensor, values in self.apart.items():
             if np.isfinite(values).any():

@@ -115,3 +115,13 @@ def test_what_cannot_be_simulated_is_not_told(setting: Setting) -> None:
     drag, damper = fitted(setting, DRAG), fitted(setting, DAMPER)
     lost = replace(damper, fit=replace(damper.fit, starts=(damper.fit.starts[0] * np.nan,)))
     assert rival_runs(setting, decided(drag, (lost, 3.0))) == ()
+
+
+def test_what_convention_alone_ranks_has_no_probability(setting: Setting) -> None:
+    damper = fitted(setting, DAMPER)
+    late, early = (
+        replace(damper, causes=(Hypothesis("delay", None, ("value",), (False,), path=path),))
+        for path in ("f.delay", "laser.delay")
+    )
+    (run,) = rival_runs(setting, decided(late, (early, -9.0)))
+    assert (run.evidence, run.probability) == (0.0, None)

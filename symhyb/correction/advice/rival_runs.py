@@ -5,6 +5,7 @@ the values and initial states of that fit. Sizes: N samples, m sensors.
 """
 
 from collections.abc import Mapping
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,23 +25,36 @@ from symhyb.numeric.runs.windows import WindowModel
 RIVALS_MOST = 3
 
 
+class _Rival(NamedTuple):
+    """A rival as :class:`RivalRun` has it, and its fit."""
+
+    causes: str
+    instead_of: str
+    evidence: float
+    probability: float | None
+    trial: Refined
+
+
 def rival_runs(setting: Setting, decision: Decision) -> tuple[RivalRun, ...]:
     """The most probable rivals within reach, the most probable first, each with the difference of
     its simulation from that of the selected structure; all along the training recording in which
     they differ most. Empty without rivals, or where none can be simulated."""
-    found: dict[str, tuple[str, float, Refined]] = {}
-    for change, evidence, trial in sorted(rivals_of(decision), key=lambda rival: rival[1]):
+    ranked = sorted(rivals_of(decision), key=lambda rival: rival[1])
+    parts = {id(trial): share for trial, share in (shares(decision) if ranked else ())}
+    found: dict[str, _Rival] = {}
+    for change, evidence, trial in ranked:
         causes, lost = (joined([*map(cause_phrase, s)]) for s in (change.fresh, change.lost))
         if causes == lost:
             causes += " of another shape"
-        found.setdefault(causes, (lost, evidence, trial))
-    rivals = dict(list(found.items())[:RIVALS_MOST])
+        chance = None if change.conventional else parts.get(id(trial))
+        found.setdefault(causes, _Rival(causes, lost, max(evidence, 0.0), chance, trial))
+    rivals = [*found.values()][:RIVALS_MOST]
     best: tuple[float, Recording, list[Array]] | None = None
     stage = setting.stages[-1]
     for i, item in enumerate(stage.cuts if rivals else ()):
         own = simulated(decision.selected, i, item)
         with np.errstate(invalid="ignore", over="ignore"):  # a window may run away
-            apart = [_apart(simulated(trial, i, item), own) for _, _, trial in rivals.values()]
+            apart = [_apart(simulated(rival.trial, i, item), own) for rival in rivals]
             size = float(np.nansum([(one / setting.sd) ** 2 for one in apart]))
         if best is None or size > best[0]:
             best = size, item.source[0], apart
@@ -49,16 +63,15 @@ def rival_runs(setting: Setting, decision: Decision) -> tuple[RivalRun, ...]:
     _, recording, apart = best
     sensors = setting.windows.machine.model.sensors.names()
     noise = dict(zip(sensors, setting.sd.tolist(), strict=True))
-    parts = {id(trial): share for trial, share in shares(decision)}
     told = []
-    for (causes, (lost, evidence, trial)), values in zip(rivals.items(), apart, strict=True):
+    for rival, values in zip(rivals, apart, strict=True):
         seen = _seen(dict(zip(sensors, values.T, strict=True)), recording)
         if seen:
             run = RivalRun(
-                causes,
-                lost,
-                max(evidence, 0.0),
-                parts.get(id(trial)),
+                rival.causes,
+                rival.instead_of,
+                rival.evidence,
+                rival.probability,
                 recording.name,
                 stage.length_s,
                 recording.t,
