@@ -31,10 +31,12 @@ _ARRAYS = (
     *("body_inertia", "body_jntnum", "body_jntadr", "jnt_type", "jnt_pos", "jnt_axis"),
     *("jnt_qposadr", "jnt_dofadr", "jnt_range", "jnt_limited", "jnt_stiffness", "qpos0"),
     *("qpos_spring", "dof_damping", "dof_frictionloss", "dof_armature", "eq_type", "eq_obj1id"),
-    *("eq_obj2id", "eq_data", "actuator_trntype", "actuator_trnid"),
+    *("eq_obj2id", "eq_data", "actuator_trntype", "actuator_trnid", "actuator_gear"),
+    *("actuator_armature", "actuator_damping"),
 )
 _KINDS = {0: "floating", 1: "ball", 2: "prismatic", 3: "revolute"}
 _JOINT = 2  # the type of an equality between two joints
+_AT_JOINT = (0, 1)  # the types of an actuator that acts on a joint
 ROOT = "world"
 
 
@@ -125,14 +127,22 @@ def _left_out(model: Any) -> Iterator[str]:
     """What acts in MuJoCo's model and not in a model file that is made of it."""
     many = np.isin(model.jnt_type[model.dof_jntid], (0, 1))  # speeds of free and ball joints
     losses = np.abs([model.dof_damping, model.dof_frictionloss, model.dof_armature]).sum(axis=0)
+    targets = zip(model.actuator_trntype, model.actuator_trnid[:, 0], strict=True)
+    at_one = [k in _AT_JOINT and model.jnt_type[joint] not in (0, 1) for k, joint in targets]
+    motors = np.abs([model.actuator_damping, model.actuator_armature]).sum(axis=0)
     acting = (
         ("damping, friction and armature of ball and free joints", losses[many].any()),
+        (
+            "damping and armature of actuators that act on no hinge or slide",
+            motors[np.logical_not(at_one)].any(),
+        ),
+        ("delays of actuators", model.actuator_delay.any()),
         ("tendons", model.ntendon),
         ("flexible bodies", model.nflex),
         ("gravity compensation", model.body_gravcomp.any()),
         ("the medium around", model.opt.density or model.opt.viscosity),
         ("polynomials of springs", model.jnt_stiffnesspoly.any()),
-        ("polynomials of dampers", model.dof_dampingpoly.any()),
+        ("polynomials of dampers", model.dof_dampingpoly.any() or model.actuator_dampingpoly.any()),
     )
     yield from (f"left out: {what}" for what, there in acting if there)
 
@@ -263,14 +273,23 @@ def _joint(
     low, high = (float(part) for part in arrays["jnt_range"][one])
     joint = Joint(
         name, kind, parent, child, _three(frame.at), to_rpy(frame.turned), _three(axis),
-        damping=float(arrays["dof_damping"][dof]),
+        damping=float(arrays["dof_damping"][dof]) + _of_motors(model, "actuator_damping", one),
         friction=float(arrays["dof_frictionloss"][dof]),
         range=Range((low, high) if arrays["jnt_limited"][one] else None),
         mimic=mimics.get(name),
-        armature=float(arrays["dof_armature"][dof]),
+        armature=float(arrays["dof_armature"][dof]) + _of_motors(model, "actuator_armature", one),
         spring=(stiffness, float(arrays["qpos_spring"][slot])) if stiffness else None,
     )  # fmt: skip
     return joint, Pose(np.eye(3), -anchor)
+
+
+def _of_motors(model: _Compiled, name: str, joint: int) -> float:
+    """What the actuators of a joint add to it: theirs is at the motor, before the gear."""
+    kinds = model.arrays["actuator_trntype"]
+    targets = model.arrays["actuator_trnid"].reshape(-1, 2)[:, 0]
+    gears = model.arrays["actuator_gear"].reshape(-1, 6)[:, 0]
+    mine = np.isin(kinds, _AT_JOINT) & (targets == joint)
+    return float(np.sum((gears**2 * model.arrays[name])[mine]))
 
 
 def _equalities(model: _Compiled) -> tuple[dict[str, Mimic], list[tuple[str, str]]]:
@@ -294,5 +313,5 @@ def _driven(model: _Compiled) -> frozenset[str] | None:
     targets = zip(
         model.arrays["actuator_trntype"], model.arrays["actuator_trnid"].reshape(-1, 2), strict=True
     )
-    found = frozenset(model.joints[int(ids[0])] for kind, ids in targets if kind in (0, 1))
+    found = frozenset(model.joints[int(ids[0])] for kind, ids in targets if kind in _AT_JOINT)
     return found or None

@@ -84,6 +84,28 @@ def test_what_is_driven_has_an_input() -> None:
     assert len(imported(undriven)[1].inputs) == 4
 
 
+def test_what_an_actuator_adds_to_its_joint_is_behind_its_gear() -> None:
+    """MuJoCo 4 states the rotor and the damping of a motor at the motor."""
+    world = f'<body name="a">{INERTIAL}<joint name="j" damping="0.3" armature="0.2"/></body>'
+    ball = f'<body name="b">{INERTIAL}<joint name="k" type="ball"/></body>'
+    motors = """<motor joint="j" gear="3" armature="0.5" damping="2" delay="0.003" nsample="9"/>
+      <motor jointinparent="j" gear="2" armature="0.1" damping="0.7"/>"""
+    text = mjcf(world, f"<actuator>{motors}</actuator>")
+    bodies = mujoco.MjModel.from_xml_string(text)
+    state = mujoco.MjData(bodies)
+    robot, _, machine = imported(text)
+    assert [said for _, said in robot.notes] == ["left out: delays of actuators"]
+    for q, v, a in np.random.default_rng(0).uniform(-1, 1, (5, 3, 1)):
+        state.qpos[:], state.qvel[:], state.qacc[:] = q, v, a
+        mujoco.mj_inverse(bodies, state)
+        assert needed(machine, q, v, a) == pytest.approx(state.qfrc_inverse, rel=CLOSE)
+    motors = '<motor joint="j"/><motor joint="k" armature="1"/>'
+    elsewhere, _, _ = imported(mjcf(world + ball, f"<actuator>{motors}</actuator>"))
+    assert [said for _, said in elsewhere.notes] == [
+        "left out: damping and armature of actuators that act on no hinge or slide"
+    ]
+
+
 def product(left: np.ndarray, right: np.ndarray) -> np.ndarray:
     w, x, y, z = left
     return np.array([[w, -x, -y, -z], [x, w, -z, y], [y, z, w, -x], [z, -y, x, w]]) @ right
