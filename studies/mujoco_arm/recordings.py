@@ -1,0 +1,235 @@
+"""An arm with three joints that MuJoCo simulates, with one thing in it that its owner's file lacks.
+
+python studies/mujoco_arm/recordings.py OUT    # model.toml, train.csv, unseen.csv of each case
+
+The owner's file is arm.xml (geared.xml, where there is a gear). The real arm is the same file with
+one change (`CASES`); its torques come from a sampled PD controller, act 3 ms after they were
+commanded, and are logged as commanded.
+"""
+
+import re
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import mujoco  # type: ignore[import-untyped]
+import numpy as np
+from numpy.typing import NDArray
+
+import symhyb as sh
+from symhyb.imports.deliver import Order, deliver
+
+Array = NDArray[np.float64]
+
+HERE = Path(__file__).parent
+STEP_S = 2e-4  # of MuJoCo
+CYCLE_S = 4e-3  # of controller and logger
+DELAY_S = 3e-3  # from a command to its torque
+COUNT = 2 * np.pi / 2**16  # of the encoders, rad
+NOISE = 5e-5  # of the angles before they are counted, one standard deviation, rad
+SECONDS = {"train": 8.0, "unseen": 6.0}
+SEEDS = {"train": 1, "unseen": 2}
+RATE_S = 8e-3  # time constant of the filter of the controller's rates
+AMPLITUDES = np.array([0.45, 0.25, 0.15])  # of a path, rad
+FADE_S = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Arm:
+    """The owner's file (``robot``), its ``joints`` in the order of the file, each with an encoder,
+    and of the joints that are driven (D): their indices, and a path and a controller."""
+
+    robot: Path
+    joints: tuple[str, ...]
+    driven: tuple[int, ...]
+    middle: Array  # of the path, (D,), rad
+    frequencies: Array  # of its sines, (D, 3), Hz
+    stiffness: Array  # of the controller, (D,), N·m/rad
+    damping: Array  # (D,), N·m·s/rad
+
+
+ARM = Arm(
+    HERE / "arm.xml",
+    ("base", "shoulder", "elbow"),
+    (0, 1, 2),
+    np.array([0.0, -0.3, 0.6]),
+    np.array([[0.31, 0.83, 1.61], [0.37, 0.71, 1.49], [0.43, 0.97, 1.87]]),
+    np.array([100.0, 250.0, 40.0]),
+    np.array([6.0, 12.0, 1.0]),
+)
+GEARED = Arm(
+    HERE / "geared.xml",
+    ("shoulder", "elbow", "gear"),
+    (0, 1),
+    ARM.middle[1:],
+    ARM.frequencies[1:],
+    ARM.stiffness[1:],
+    ARM.damping[1:],
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """What is ``concealed``; ``change`` puts it into the real arm, and ``adds`` adds what the owner
+    knows to the text of the model file."""
+
+    concealed: str
+    change: Callable[[Any], None] | None = None
+    adds: Callable[[str], str] = str
+    arm: Arm = ARM
+
+
+def _rubs(spec: Any) -> None:
+    """Dry friction as MuJoCo has it: a soft one, which creeps at 20 mrad/s under 98 % of its level,
+    and slides from 0.2 rad/s on."""
+    spec.joint("elbow").frictionloss = 0.5
+
+
+def _rubs_hard(spec: Any) -> None:
+    """Dry friction, as hard as the step allows: it creeps at 4 µrad/s under 98 % of its level."""
+    _rubs(spec)
+    joint = spec.joint("elbow")
+    joint.solref_friction[:] = 2 * STEP_S, 1.0
+    joint.solimp_friction[:] = 0.999, 0.9999, 0.001, 0.5, 2.0
+
+
+def _damps(spec: Any) -> None:
+    spec.joint("shoulder").damping[0] += 1.5
+
+
+def _turns(spec: Any) -> None:
+    spec.joint("elbow").armature += 0.03
+
+
+def _weighs(spec: Any) -> None:
+    spec.body("hand").add_geom(
+        type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.03, 0, 0], mass=0.4, contype=0, conaffinity=0
+    )
+
+
+def _pulls(spec: Any) -> None:
+    spec.joint("shoulder").stiffness[0] = 12.0
+
+
+def _may_hold(text: str) -> str:
+    """A mass at the hand that is not known: 1 g, for a model has no body without mass."""
+    numbers = """
+hand_x  = { value = 0.3, unit = "m", about = "the hand in fore" }
+payload = { value = 0.001, unit = "kg", sd = 0.3, about = "what the hand may hold" }
+"""
+    body = """
+[bodies.payload]
+parent = "fore"
+joint  = ["hand_x", "0", "0"]
+mass   = "payload"
+at     = ["0", "0", "0"]
+"""
+    return text.replace("[parameters]\n", "[parameters]" + numbers, 1) + body
+
+
+def _plays(spec: Any) -> None:
+    """The spring of the gear gets a dead zone, as springs of MuJoCo's tendons have one."""
+    joint = spec.joint("gear")
+    tendon = spec.add_tendon(stiffness=joint.stiffness, springlength=[-0.005, 0.005])
+    tendon.wrap_joint("gear", 1.0)
+    joint.stiffness = np.zeros(3)
+
+
+def _may_give(text: str) -> str:
+    """A stiffness of the gear that is known to 20 %."""
+    return re.sub(r"(?m)^(gear_spring += \{ value = 400.0,)", r"\1 sd = 80.0,", text)
+
+
+CASES: Mapping[str, Case] = {
+    "nothing": Case("nothing"),
+    "friction": Case("dry friction of 0.5 N·m in the elbow", _rubs_hard),
+    "soft_friction": Case("the same, as soft as MuJoCo has it by default", _rubs),
+    "damping": Case("1.5 N·m·s/rad more of viscous damping in the shoulder", _damps),
+    "rotor": Case("a rotor of 0.03 kg·m² in the elbow", _turns),
+    "payload": Case("a ball of 0.4 kg in the hand", _weighs),
+    "payload_stated": Case("the same; the model has a mass there, with an sd", _weighs, _may_hold),
+    "spring": Case("a spring of 12 N·m/rad at the shoulder", _pulls),
+    "play": Case("a play of 5 mrad to either side in the gear", _plays, arm=GEARED),
+    "play_stated": Case("the same; the stiffness has an sd", _plays, _may_give, GEARED),
+}
+
+
+def real_arm(arm: Arm, change: Callable[[Any], None] | None) -> Any:
+    """MuJoCo's model of the real arm; without a ``change``, of the owner's file."""
+    spec = mujoco.MjSpec.from_file(str(arm.robot))
+    spec.option.timestep = STEP_S
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_RK4
+    spec.option.tolerance = 1e-12
+    if change:
+        change(spec)
+    return spec.compile()
+
+
+def path(arm: Arm, t: float, phases: Array) -> tuple[Array, Array]:
+    """Where the driven joints shall be at t, (D,) in rad, and how fast, (D,) in rad/s, along sines
+    with ``phases`` (D, 3), rad; fades in from the middle."""
+    turn = 2 * np.pi * arm.frequencies
+    swing = np.sin(turn * t + phases) @ AMPLITUDES
+    rate = (turn * np.cos(turn * t + phases)) @ AMPLITUDES
+    share = min(t / FADE_S, 1.0)
+    fade, faster = share**2 * (3 - 2 * share), 6 * share * (1 - share) / FADE_S
+    return arm.middle + fade * swing, fade * rate + faster * swing
+
+
+def record(case: Case, part: str) -> dict[str, Array]:
+    """The run of the real arm by the columns of its logger, each (N,), SI: angles as counted, and
+    torques as commanded in the same cycle."""
+    arm, model = case.arm, real_arm(case.arm, case.change)
+    data, driven = mujoco.MjData(model), list(case.arm.driven)
+    chance = np.random.default_rng(SEEDS[part])
+    phases = chance.uniform(0, 2 * np.pi, arm.frequencies.shape)
+    data.qpos[driven] = arm.middle
+    late, each = round(DELAY_S / STEP_S), round(CYCLE_S / STEP_S)
+    count = round(SECONDS[part] / CYCLE_S)
+    angles, torques = np.zeros((count, len(arm.joints))), np.zeros((count, len(driven)))
+    rate = np.zeros(len(driven))
+    for row in range(count):
+        noisy = data.qpos + chance.normal(0, NOISE, len(arm.joints))
+        angles[row] = COUNT * np.round(noisy / COUNT)
+        if row:
+            moved = (angles[row] - angles[row - 1])[driven] / CYCLE_S
+            rate += CYCLE_S / (CYCLE_S + RATE_S) * (moved - rate)
+        goal, speed = path(arm, row * CYCLE_S, phases)
+        torques[row] = arm.stiffness * (goal - angles[row, driven]) + arm.damping * (speed - rate)
+        for step in range(each):
+            if step == late:
+                data.ctrl[:] = torques[row]
+            mujoco.mj_step(model, data)
+    columns = {"t": np.linspace(0, CYCLE_S * (count - 1), count)}
+    columns |= {joint: angles[:, i] for i, joint in enumerate(arm.joints)}
+    columns |= {f"{arm.joints[i]}_torque": torques[:, k] for k, i in enumerate(driven)}
+    return columns
+
+
+def owners_model(case: Case, target: Path) -> sh.Model:
+    """What `symhyb import` makes of the owner's file, written to ``target``, with what the owner
+    adds to it: that the controller holds a torque until the next one, and what the case adds."""
+    deliver(case.arm.robot, Order(force=True), target)
+    text = target.read_text(encoding="utf-8")
+    held = re.sub(r'(?m)^(\w+_torque += \{ unit = "N\*m",)', r'\1 between = "held",', text)
+    target.write_text(case.adds(held), encoding="utf-8")
+    return sh.read_model(target)
+
+
+def main() -> None:
+    """Write the model and both recordings of every case, each in a folder of its own."""
+    for name, case in CASES.items():
+        folder = Path(sys.argv[1]) / name
+        folder.mkdir(parents=True, exist_ok=True)
+        owners_model(case, folder / "model.toml")
+        for part in SECONDS:
+            run = record(case, part)
+            table = np.column_stack(list(run.values()))
+            head = ",".join(run)
+            np.savetxt(folder / f"{part}.csv", table, "%.9g", ",", header=head, comments="")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,131 @@
+"""The arm that MuJoCo simulates: the real one differs from its owner's file by what is stated, it
+is recorded as the page says, and a diagnosis names what was concealed."""
+
+from collections.abc import Iterator
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+from tests.scripts import scripts
+
+mujoco = pytest.importorskip("mujoco", reason="the extra mjcf is not installed")
+
+# case -> MuJoCo's arrays that differ from those of the owner's file, and by how much at most
+CONCEALED = {
+    "nothing": {},
+    "friction": {"dof_frictionloss": 0.5},
+    "soft_friction": {"dof_frictionloss": 0.5},
+    "damping": {"dof_damping": 1.5},
+    "rotor": {"dof_armature": 0.03},
+    "payload": {"body_mass": 0.4},
+    "spring": {"jnt_stiffness": 12.0},
+    "play": {"jnt_stiffness": 400.0},
+}
+ARRAYS = (
+    *("dof_frictionloss", "dof_damping", "dof_armature", "body_mass", "body_pos", "jnt_stiffness"),
+    *("jnt_axis", "jnt_pos", "qpos0", "jnt_range", "actuator_gear"),
+)
+
+
+@pytest.fixture(scope="module")
+def study() -> Iterator[ModuleType]:
+    """The study, scripts beside each other."""
+    with scripts("mujoco_arm", ("recordings", "diagnose")) as found:
+        yield found["diagnose"]
+
+
+@pytest.fixture(scope="module")
+def recordings(study: ModuleType) -> ModuleType:
+    import recordings
+
+    return recordings
+
+
+@pytest.mark.parametrize("name", CONCEALED)
+def test_one_thing_is_concealed(recordings: ModuleType, name: str) -> None:
+    case = recordings.CASES[name]
+    given, real = recordings.real_arm(case.arm, None), recordings.real_arm(case.arm, case.change)
+    differences = {key: np.abs(getattr(real, key) - getattr(given, key)).max() for key in ARRAYS}
+    found = {key: value for key, value in differences.items() if value}
+    assert found == pytest.approx(CONCEALED[name])
+
+
+def test_the_gear_pulls_beyond_its_play_alone(recordings: ModuleType) -> None:
+    model = recordings.real_arm(recordings.GEARED, recordings.CASES["play"].change)
+    data = mujoco.MjData(model)
+    for twist, torque in ((0.004, 0.0), (0.005, 0.0), (0.015, -4.0), (-0.025, 8.0)):
+        data.qpos[2] = twist
+        mujoco.mj_forward(model, data)
+        assert data.qfrc_spring[2] == pytest.approx(torque, abs=1e-12)
+
+
+@pytest.mark.parametrize(("name", "creep"), [("friction", 4e-6), ("soft_friction", 0.02)])
+def test_friction_holds_as_hard_as_is_stated(
+    recordings: ModuleType, name: str, creep: float
+) -> None:
+    model = recordings.real_arm(recordings.ARM, recordings.CASES[name].change)
+    model.opt.gravity[:] = 0
+    data = mujoco.MjData(model)
+    data.ctrl[2] = 0.49
+    for _ in range(2000):
+        mujoco.mj_step(model, data)
+    assert data.qvel[2] == pytest.approx(creep, rel=0.1)
+    data.qvel[2] = 1.0
+    mujoco.mj_forward(model, data)
+    assert data.qfrc_constraint[2] == pytest.approx(-0.5, abs=1e-9)
+
+
+def test_a_recording_is_counted_and_its_commands_act_late(
+    recordings: ModuleType, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The same commands, played again 3 ms late, move MuJoCo's arm along what was recorded."""
+    monkeypatch.setitem(recordings.SECONDS, "train", 0.8)
+    case = recordings.CASES["damping"]
+    run = recordings.record(case, "train")
+    assert all((run[key] == again).all() for key, again in recordings.record(case, "train").items())
+    angles = np.stack([run[joint] for joint in case.arm.joints], axis=1)
+    assert angles / recordings.COUNT == pytest.approx(np.round(angles / recordings.COUNT))
+    torques = np.stack([run[f"{joint}_torque"] for joint in case.arm.joints], axis=1)
+    model = recordings.real_arm(case.arm, case.change)
+    data = mujoco.MjData(model)
+    data.qpos[:] = case.arm.middle
+    late, each = 15, 20  # steps of 0.2 ms
+    errors = []
+    for step in range(each * len(angles)):
+        if step % each == 0:
+            errors.append(data.qpos - angles[step // each])
+        if step >= late:
+            data.ctrl[:] = torques[(step - late) // each]
+        mujoco.mj_step(model, data)
+    noise = np.hypot(recordings.NOISE, recordings.COUNT / np.sqrt(12))
+    assert np.std(errors) == pytest.approx(noise, rel=0.1)
+
+
+def test_the_owner_says_that_torques_are_held(recordings: ModuleType, tmp_path) -> None:
+    for name, case in recordings.CASES.items():
+        model = recordings.owners_model(case, tmp_path / f"{name}.toml")
+        assert [one.between for one in model.inputs] == ["held"] * len(case.arm.driven)
+        stated = {one.name for one in model.parameters if one.sd is not None}
+        expected = {"payload_stated": {"payload"}, "play_stated": {"gear_spring"}}
+        assert stated == expected.get(name, set())
+
+
+@pytest.mark.slow
+def test_a_rotor_and_the_delay_are_named(study: ModuleType, tmp_path) -> None:
+    answer = study.diagnosed(study.CASES["rotor"], tmp_path)
+    diagnosis = answer.diagnosis
+    assert diagnosis.verdict == "missing physics"
+    (rotor,) = diagnosis.found
+    assert rotor.element.kind == "added_mass"
+    assert rotor.element.place.text == "elbow"
+    assert rotor.mass.value == pytest.approx(0.03, rel=0.005)
+    assert {(one.channel, one.kind) for one in diagnosis.measurement} == {
+        (joint, "delay") for joint in ("base", "shoulder", "elbow")
+    }
+    for fault in diagnosis.measurement:
+        assert fault.value == pytest.approx(3e-3, abs=1e-5)
+    scores = answer.verdict.to_frame()
+    runs = scores[scores.score == "free_run_rmse"]
+    assert (runs.before > 1e-2).all()
+    assert (runs.after < 1e-4).all()
