@@ -1,7 +1,9 @@
 """The arm that MuJoCo simulates: the real one differs from its owner's file by what is stated, it
 is recorded as the page says, and a diagnosis names what was concealed."""
 
+import sys
 from collections.abc import Iterator
+from pathlib import Path
 from types import ModuleType
 
 import numpy as np
@@ -37,9 +39,7 @@ def study() -> Iterator[ModuleType]:
 
 @pytest.fixture(scope="module")
 def recordings(study: ModuleType) -> ModuleType:
-    import recordings
-
-    return recordings
+    return sys.modules["recordings"]
 
 
 @pytest.mark.parametrize("name", CONCEALED)
@@ -102,17 +102,19 @@ def test_a_recording_is_counted_and_its_commands_act_late(
     assert np.std(errors) == pytest.approx(noise, rel=0.1)
 
 
-def test_the_owner_says_that_torques_are_held(recordings: ModuleType, tmp_path) -> None:
+def test_the_owner_says_that_torques_are_held(recordings: ModuleType, tmp_path: Path) -> None:
     for name, case in recordings.CASES.items():
         model = recordings.owners_model(case, tmp_path / f"{name}.toml")
         assert [one.between for one in model.inputs] == ["held"] * len(case.arm.driven)
         stated = {one.name for one in model.parameters if one.sd is not None}
         expected = {"payload_stated": {"payload"}, "play_stated": {"gear_spring"}}
         assert stated == expected.get(name, set())
+        delays = {one.delay.value if one.delay else 0.0 for one in model.inputs}
+        assert delays == ({0.003} if name in ("play_delay", "play_stated") else {0.0})
 
 
 @pytest.mark.slow
-def test_a_rotor_and_the_delay_are_named(study: ModuleType, tmp_path) -> None:
+def test_a_rotor_and_the_delay_are_named(study: ModuleType, tmp_path: Path) -> None:
     answer = study.diagnosed(study.CASES["rotor"], tmp_path)
     diagnosis = answer.diagnosis
     assert diagnosis.verdict == "missing physics"

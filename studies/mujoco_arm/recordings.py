@@ -137,9 +137,14 @@ def _plays(spec: Any) -> None:
     joint.stiffness = np.zeros(3)
 
 
+def _act_late(text: str) -> str:
+    """The delay of the drives, which is known."""
+    return text.replace('between = "held",', f'between = "held", delay = {DELAY_S},')
+
+
 def _may_give(text: str) -> str:
-    """A stiffness of the gear that is known to 20 %."""
-    return re.sub(r"(?m)^(gear_spring += \{ value = 400.0,)", r"\1 sd = 80.0,", text)
+    """The same, and a stiffness of the gear that is known to 20 %."""
+    return re.sub(r"(?m)^(gear_spring += \{ value = 400.0,)", r"\1 sd = 80.0,", _act_late(text))
 
 
 CASES: Mapping[str, Case] = {
@@ -152,7 +157,8 @@ CASES: Mapping[str, Case] = {
     "payload_stated": Case("the same; the model has a mass there, with an sd", _weighs, _may_hold),
     "spring": Case("a spring of 12 N·m/rad at the shoulder", _pulls),
     "play": Case("a play of 5 mrad to either side in the gear", _plays, arm=GEARED),
-    "play_stated": Case("the same; the stiffness has an sd", _plays, _may_give, GEARED),
+    "play_delay": Case("the same; the model has the delay", _plays, _act_late, GEARED),
+    "play_stated": Case("the same; its stiffness has an sd", _plays, _may_give, GEARED),
 }
 
 
