@@ -70,9 +70,7 @@ def main() -> None:
         folder.mkdir(parents=True, exist_ok=True)
         case = CASES[name]
         answer = diagnosed(case, folder)
-        print(
-            f"{name}: {case.concealed}, {case.value:g}", f"  {answer.diagnosis.sentence}", sep="\n"
-        )
+        print(f"{name}: {case.concealed}", f"  {answer.diagnosis.sentence}", sep="\n")
         for line in (*numbers(answer.diagnosis), *errors(answer.verdict)):
             print(f"  {line}", flush=True)
 
