@@ -9,6 +9,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 
+from symhyb.model.types import On
 from tests.scripts import scripts
 
 mujoco = pytest.importorskip("mujoco", reason="the extra mjcf is not installed")
@@ -120,7 +121,7 @@ def test_a_rotor_and_the_delay_are_named(study: ModuleType, tmp_path: Path) -> N
     assert diagnosis.verdict == "missing physics"
     (rotor,) = diagnosis.found
     assert rotor.element.kind == "added_mass"
-    assert rotor.element.place.text == "elbow"
+    assert rotor.element.place == On("elbow")
     assert rotor.mass.value == pytest.approx(0.03, rel=0.005)
     assert {(one.channel, one.kind) for one in diagnosis.measurement} == {
         (joint, "delay") for joint in ("base", "shoulder", "elbow")
