@@ -16,6 +16,7 @@ from symhyb.correction.adequacy.judge import Adequacy
 from symhyb.correction.adequacy.recorded import Recorded, recorded
 from symhyb.correction.adequacy.structure import NOISE_FLOOR, Fitted, tracks_of
 from symhyb.correction.search.preparing import Prepared
+from symhyb.correction.search.selection import many
 from symhyb.correction.search.setting import Setting
 from symhyb.discrepancy.likelihood.horizon import memoryless
 from symhyb.discrepancy.likelihood.input_noise import InputNoise, along_recording, by_input
@@ -40,10 +41,12 @@ class _Noisy:
 def with_input_noise(prepared: Prepared, setting: Setting, judged: Adequacy) -> Setting | None:
     """What a decision was made in (``setting``), with the noise of the inputs that were found to be
     noisy beside the structure that was ``judged``; None where there is none. Repeated runs show the
-    noise already."""
+    noise already, and what forces show is not decided again among windows."""
+    if judged.structure is None or many(judged.structure.causes):
+        return None
     which = _which(setting, judged)
     ground = recorded(prepared, setting) if which and not prepared.repeats else None
-    if ground is None or judged.structure is None:
+    if ground is None:
         return None
     found = _measured(ground, judged.structure, which)
     if not np.any(found.noise.force > 0):

@@ -46,15 +46,14 @@ def choose(prepared: Prepared, setting: Setting, forces: ForceScreen | None, say
     """Screen all causes, map the places and decide; again where the sensors prove noisier."""
     choice = chosen(prepared, setting, forces, say)
     selected = choice.decision.selected
+    if many(selected.causes):  # forces, not windows, show so many
+        return choice
     sd, along = measured_again(prepared, choice.setting, selected, choice.along)
     choice = replace(choice, along=along)
     if sd is None:
         return choice
     say("deciding again, for the noise of a sensor is correlated in time")
-    if many(selected.causes):  # forces, not windows, show so many
-        again = chosen_again(prepared, replace(choice.setting, sd=sd), choice, say)
-    else:
-        again = chosen(prepared, replace(setting, sd=sd), forces, say)
+    again = chosen(prepared, replace(setting, sd=sd), forces, say)
     return again if _as_likely(prepared, again, choice) else choice
 
 
