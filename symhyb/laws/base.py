@@ -145,7 +145,7 @@ class Law:
     ``steep`` laws need finer steps near reversals, ``stiff`` ones an implicit method; ``dry`` is
     friction that can hold still, ``smoothed_over`` the key that says over which speed it turns
     over. ``switch`` says as what an exact simulation treats its corner:
-    a friction that *holds*, or a stop that *touches*.
+    a friction that *holds*, or a stop that *touches*. ``weighs``: gravity acts on its mass.
 
     ``candidates`` are the shapes that are tried at a place, ``variants`` what is tried where one of
     them was found. ``at_rest``: candidates also where nothing moves.
@@ -179,6 +179,7 @@ class Law:
     dry: bool = False
     smoothed_over: str = ""
     switch: Switch = ""
+    weighs: bool = False
 
     candidates: Callable[[Reach], Iterable[Candidate]] = nothing_tried
     variants: Variants = no_variants

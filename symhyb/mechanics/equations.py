@@ -71,8 +71,8 @@ class Term:
 
 @dataclass(frozen=True, slots=True)
 class Vectorial:
-    """A force at a point: its ``position``, ``force`` [Fx, Fy] ([Fx, Fy, Fz] in space) and the
-    ``mass`` that moves with it.
+    """A force at a point: its ``position``, ``force`` [Fx, Fy] ([Fx, Fy, Fz] in space), the
+    ``mass`` that moves with it, and the energy ``stored`` in its weight.
 
     An isotropic law acts against the velocity (``along`` are the symbols of its direction, ``r``
     that of the speed); of any other force these are unused."""
@@ -83,6 +83,7 @@ class Vectorial:
     r: sp.Symbol
     along: tuple[sp.Symbol, ...]
     law: Action | None = None
+    stored: sp.Expr = ZERO
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,7 +135,7 @@ def derive(model: Model) -> Equations:
     )
     nothing = (ZERO,) * dimension(model)
     gravity = nothing if model.gravity is None else located(model.gravity, symbols)
-    terms = tuple(_term(model, element, places, symbols) for element in model.elements)
+    terms = tuple(_term(model, element, places, symbols, gravity) for element in model.elements)
     return Equations(
         symbols=symbols,
         places=places,
@@ -174,7 +175,7 @@ def _link(body: Body, symbols: Symbols) -> Link:
 
 
 def _term(
-    model: Model, element: Element, places: Geometry, symbols: Symbols
+    model: Model, element: Element, places: Geometry, symbols: Symbols, gravity: Vector
 ) -> Term | Vectorial | Couple:
     scope = symbols.within(element.name)
     values = {key: to_sympy(expression, scope) for key, expression in element.values}
@@ -185,7 +186,7 @@ def _term(
         where = places.points[element.place.point]
         if element.kind == "torque":
             return _couple(model, element, places, values)
-        return _vectorial(element, where, motion, values, places)
+        return _vectorial(element, where, motion, values, places, gravity)
     path = stretch_of(model, element.place, places, symbols) - values.pop("length", ZERO)
     on = isinstance(element.place, On)
     sign = 1 if on and not KINDS[element.kind].passive else -1
@@ -201,8 +202,9 @@ def _vectorial(
     motion: Motion,
     values: dict[str, sp.Expr],
     places: Geometry,
+    gravity: Vector,
 ) -> Vectorial:
-    r"""Forces at a point: as given, or against its velocity with s' the speed:
+    r"""Forces at a point: as given, or against its velocity with s' the speed, and its weight:
 
     p o───▶ v        F = −F(|v|) v/|v|
     """
@@ -218,7 +220,11 @@ def _vectorial(
         return Vectorial(element.name, where, tuple(part * swing for part in given), r, way)
     law = action_of(element, motion, values)
     force = tuple(-law.force * part for part in way)
-    return Vectorial(element.name, where, force, r, way, law)
+    if not kind.weighs:
+        return Vectorial(element.name, where, force, r, way, law)
+    weight = tuple(law.mass * part for part in gravity)
+    force = tuple(one + other for one, other in zip(force, weight, strict=True))
+    return Vectorial(element.name, where, force, r, way, law, -sp.Add(*map(sp.Mul, weight, where)))
 
 
 def _components(key: str, values: dict[str, sp.Expr], size: int) -> Vector:

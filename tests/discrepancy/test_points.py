@@ -25,7 +25,7 @@ def test_friction_at_a_point_scales_with_its_speed() -> None:
     q = np.stack([0.3 * np.sin(2 * T)] * 2, axis=1)
     v = np.stack([0.6 * np.cos(2 * T)] * 2, axis=1)
     tried = point_hypotheses(double_pendulum(), [(q, v, T)], 1e-3)
-    assert [h.kind for h in tried] == ["damper", "drag", "friction", "added_mass"]
+    assert [h.kind for h in tried] == ["damper", "drag", "friction", "added_mass", "payload"]
     assert {h.place for h in tried} == {At("hand")}
     (friction,) = (h for h in tried if h.kind == "friction")
     fastest = np.quantile(1.1 * 0.6 * np.cos(2 * T), 0.99)

@@ -87,7 +87,7 @@ def test_the_vocabulary_and_the_laws_agree_on_inner_states(kind: str) -> None:
     element = Element("it", kind, On("x"), (), options=options, curve=curve)
     law = action_of(element, AT, one)
     assert (law.inner is not None) == bool(declared.state)
-    assert (law.mass != 0) == (kind == "added_mass")
+    assert (law.mass != 0) == (kind in ("added_mass", "payload"))
 
 
 def law(kind: str, options: tuple[tuple[str, str], ...] = (), **keys: float) -> Action:

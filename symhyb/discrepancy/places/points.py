@@ -1,5 +1,5 @@
-"""Laws at points: damping, drag, friction and mass at a declared point of a machine that moves in
-its own way.
+"""Laws at points: damping, drag, friction, mass and payload at a declared point of a machine that
+moves in its own way.
 
 On one coordinate, and at a point that moves with one coordinate alone or with a sum of two that is
 a place, such a law is the same as one on the coordinate: the coordinate is named.
@@ -37,9 +37,9 @@ Motion = tuple[Array, Array, Array]
 def point_hypotheses(
     model: Model, motions: Sequence[Motion], narrow: float
 ) -> tuple[Hypothesis, ...]:
-    """Damper, drag, friction and added mass at every point that moves in its own way; ``narrow`` is
-    the friction transition over the largest speed of the point along the ``motions``: q, v (N, n)
-    and t (N,), SI."""
+    """Damper, drag, friction, added mass and, under gravity, payload at every point that moves in
+    its own way; ``narrow`` is the friction transition over the largest speed of the point along the
+    ``motions``: q, v (N, n) and t (N,), SI."""
     points = moving_points(model)
     if not points:
         return ()
@@ -47,11 +47,12 @@ def point_hypotheses(
     squares = [np.einsum("ni,knij,nj->kn", v, _inertias(machine, q, t), v) for q, v, t in motions]
     speeds = np.quantile(np.sqrt(np.concatenate(squares, axis=1)), 0.99, axis=1)
     found: list[Hypothesis] = []
+    laws = [law for law in _AT_POINTS if model.gravity is not None or not law.weighs]
     for place, speed in zip(points, speeds, strict=True):
         if speed <= 0:
             continue
         reach = Reach(_NONE, np.array([float(speed)]), _NONE, _NONE, narrow=narrow)
-        found += [h for h in in_order(_AT_POINTS, place, reach) if not h.variant]
+        found += [h for h in in_order(laws, place, reach) if not h.variant]
     return tuple(found)
 
 

@@ -300,7 +300,7 @@ class Lowered:
             self._lower.define(symbol, part / speed)
         force = ca.vertcat(*(self._lower(part) for part in term.force))
         self.forces.append(ca.jtimes(position, self.q, force, True))
-        self.stored.append(ca.SX(0))
+        self.stored.append(self._lower(term.stored))
         self.pathways.append(None)
         mass = ca.SX(0) if term.law is None else self._lower(term.law.mass)
         self._carry(mass * ca.sumsqr(velocity) / 2)
