@@ -49,6 +49,7 @@ DRIVES: Mapping[str, Drive] = {
     "harmonic": Drive(pace=5 * pi, over="t"),
     "ripple": Drive(0.3),
     "added_mass": Drive(over="s″"),
+    "payload": Drive(over="s″"),
     "curve": Drive(over="s′", options={"over": "rate"}, values={"scale": 1.0}),
 }
 CURVE = ((-1.0, -900.0), (-0.33, -620.0), (0.0, 0.0), (0.33, 260.0), (1.0, 400.0))

@@ -71,7 +71,7 @@ def test_every_law_of_the_vocabulary_is_tried_at_every_place() -> None:
             BAND: reach(2.0, 0.35, force=0.3 * np.sin(40 * T)),
         },
     )
-    laws = set(KINDS) - {"curve", "force", "torque", "law", "network"}
+    laws = set(KINDS) - {"curve", "force", "torque", "law", "network", "payload"}
     for place in (On("x"), BAND):
         mine = [h for h in tried if h.place == place]
         assert laws - {h.kind for h in mine} <= {"ripple"}

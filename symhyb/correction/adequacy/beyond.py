@@ -6,7 +6,7 @@ acts; the smoothed force says where, when and how much.
 Sizes: n coordinates, N samples.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.special import expit
@@ -41,6 +41,15 @@ class Beyond:
     def probability(self) -> float:
         """Posterior probability that a force acts, at even odds."""
         return float(expit(self.evidence))
+
+    def below(self, frequency: float, step_s: float) -> "Beyond":
+        """The part of it below a ``frequency``, Hz, where samples are ``step_s`` s apart. Of a
+        force that keeps the share α from one to the next (2/π)·atan(tan(ω/2)·(1 + α)/(1 − α)) of
+        the power is below ω per sample."""
+        keeps = np.exp(-step_s / self.memory_s)
+        turn = np.pi * min(frequency * step_s, 0.5)  # half of ω, up to half of the rate of samples
+        power = 2 / np.pi * np.arctan2((1 + keeps) * np.sin(turn), (1 - keeps) * np.cos(turn))
+        return replace(self, force=np.sqrt(power) * self.force, share=np.sqrt(power) * self.share)
 
 
 NOTHING = Beyond(np.zeros(0), np.zeros(0), 1.0, 0.0)

@@ -26,6 +26,7 @@ from symhyb.correction.adequacy.recorded import Recorded, recorded
 from symhyb.correction.adequacy.structure import Fitted, Generic, Likely, Row, fitted
 from symhyb.correction.adequacy.unnamed import parts_of_unnamed
 from symhyb.correction.search.preparing import Prepared
+from symhyb.correction.search.selection import many
 from symhyb.correction.search.setting import Setting
 from symhyb.correction.search.strength import element_forces
 from symhyb.correction.search.trajectory import Refined, grouped
@@ -34,6 +35,9 @@ from symhyb.judgement import CERTAIN, HOPELESS, LARGE, LIKELY, MOST, NEGLIGIBLE,
 from symhyb.numeric.kernels.buffers import Array
 
 CLASSES_MOST = 3  # that are fitted, the best of the linear problem
+HARMONICS = (
+    5  # of the motion, below which a square wave, such as dry friction, has 93 % of its power
+)
 TOO_SHORT = "no part of the recordings without a gap is long enough"
 
 
@@ -95,17 +99,22 @@ def adequacy(
         better = [trial for trial in raced if trial.evidence > base.evidence + CERTAIN]
         asked = [one for one in better if not may_hold(one) or _answers(ground, [one], decided)]
         disputes = disputed(final, [base, *asked])
-    doubt = _small(final, ground, left) | {one.cause for one in disputes}
+    doubt = frozenset(one.cause for one in disputes)
     stay = [i for i, cause in enumerate(base.causes) if _by_recording(cause)]
-    if len(stay) < len(base.causes) and not _explained_alone(ground, trials, decided):
+    few = not many(base.causes)  # no class at one place stands for more
+    if few and len(stay) < len(base.causes) and not _explained_alone(ground, trials, decided):
         own = [rows[i] for i in stay]  # all other laws may only imitate a class
         bare = likeliest(ground, [base.causes[i] for i in stay], own)
         trials += [bare, *_answers(ground, _raced(ground, bare, own, decided), decided)]
     enough = [trial for trial in trials if trial.extra and _suffices(ground, trial, decided)]
     classes = _classes(trials, {trial.extra.key for trial in enough if trial.extra})
     doubt |= _doubted(trials, enough, classes)
+    noisy = () if classes else noisy_inputs(ground, base, left)
+    # noise of inputs beside few causes is decided again; beside many it counts where machines move
+    acting = left if few or not noisy else left.below(HARMONICS / ground.period_s, ground.step_s)
+    doubt |= _small(final, ground, acting)
     if not classes:
-        faults = (*faulty_sensors(ground, base), *noisy_inputs(ground, base, left))
+        faults = (*faulty_sensors(ground, base), *noisy)
         jitter = () if left.acts or faults else jittering(ground, base)
         return Adequacy(left, faults, doubt, disputes, jitter=jitter, structure=base)
     first = [t for t in trials if t.extra and t.extra.key == classes[0].generic.key]

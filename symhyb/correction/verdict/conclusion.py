@@ -18,6 +18,7 @@ from symhyb.correction.naming.findings import (
     reestimated,
 )
 from symhyb.correction.naming.fleet_words import with_own
+from symhyb.correction.naming.other_side import late_on_the_other_side
 from symhyb.correction.naming.probability import probabilities
 from symhyb.correction.naming.stability import stabilities, weakest
 from symhyb.correction.search.decision import Decision
@@ -81,6 +82,8 @@ def concluded(
         *added_alternatives(model, known.completed),
         *alternatives_of(model, decision, titles, known.doubt),
     )
+    group = 1 + max((one.together for one in alternatives), default=0)
+    alternatives += late_on_the_other_side(model, faults, group)
     verdict = _verdict(known, judged, found, bool(faults), bool(parameters))
     sentence = verdict_sentence(
         verdict, found, parameters, faults, alternatives, beyond=not judged.adequate

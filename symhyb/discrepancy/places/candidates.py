@@ -11,7 +11,7 @@ import numpy as np
 from symhyb.discrepancy.places.hypotheses import Hypothesis, natural_length
 from symhyb.discrepancy.places.standing import alike
 from symhyb.laws import LAWS
-from symhyb.laws.base import Law
+from symhyb.laws.base import STRETCHED, Law
 from symhyb.laws.reach import TRANSITION_SHARE, Candidate, Reach
 from symhyb.laws.sided import BESIDE
 from symhyb.model.types import Between, Model, Place
@@ -39,12 +39,13 @@ def force_hypotheses(
 def _at_place(model: Model, place: Place, reach: Reach) -> Iterator[Hypothesis]:
     if isinstance(place, Between):
         reach = replace(reach, length=natural_length(model, place))
-    tried = [law for law in LAWS if law.at_rest or reach.speed > 0]
+    tried = [law for law in _STRETCHED if law.at_rest or reach.speed > 0]
     for cause in in_order(tried, place, reach):
         sided = "asymmetry" in cause.keys and alike(model, cause.kind, place)
         yield replace(cause, bounds=_TAKES_BACK) if sided else cause
 
 
+_STRETCHED = tuple(law for law in LAWS if {*law.placements} & {*STRETCHED})
 _TAKES_BACK = (("asymmetry", -BESIDE, BESIDE),)
 """A loss that differs by direction beside one of the model: in one direction it may be less."""
 

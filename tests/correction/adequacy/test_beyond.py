@@ -105,3 +105,18 @@ def test_numbers_of_each_recording_leave_the_force_that_acts_beyond_them() -> No
     found = fitted(setting, (cause,), ({"damping": 1.0},), setting.first_noise())
     assert found.numbers > len(found.paths)
     assert beyond(setting, found).force[0] == pytest.approx(1.0, rel=0.2)
+
+
+@pytest.mark.parametrize("keeps", [0.0, 0.3, 0.95])
+def test_the_part_below_a_frequency_is_that_of_its_spectrum(keeps: float) -> None:
+    memory = -1e-3 / np.log(keeps) if keeps else 1e-9
+    force = Beyond(np.array([2.0]), np.array([0.5]), memory, 10.0)
+    turns = np.linspace(0, np.pi, 200_001)  # rad per sample
+    power = 1 / (1 - 2 * keeps * np.cos(turns) + keeps**2)
+    for frequency in (5.0, 120.0):
+        inside = turns <= 2 * np.pi * frequency * 1e-3
+        share = np.sqrt(power[inside].sum() / power.sum())
+        left = force.below(frequency, 1e-3)
+        assert left.force[0] == pytest.approx(2.0 * share, rel=1e-3)
+        assert left.share[0] == pytest.approx(0.5 * share, rel=1e-3)
+    assert force.below(1e4, 1e-3).force[0] == pytest.approx(2.0)
