@@ -206,7 +206,7 @@ def test_probes_are_the_law_in_its_unknown_numbers() -> None:
         combined = forces[:, :, list(columns)] @ coefficients
         assert combined == pytest.approx(last, rel=1e-9, abs=1e-9 * (size + 1)), str(hypothesis)
         kinds.add(hypothesis.kind)
-    assert kinds == set(KINDS) - {"curve", "force", "torque", "law", "network"}
+    assert kinds == set(KINDS) - {"curve", "force", "torque", "law", "network", "payload"}
 
 
 def test_limits_keep_shapes_near_where_they_were_tried() -> None:

@@ -110,9 +110,7 @@ def adequacy(
     classes = _classes(trials, {trial.extra.key for trial in enough if trial.extra})
     doubt |= _doubted(trials, enough, classes)
     noisy = () if classes else noisy_inputs(ground, base, left)
-    # noise of inputs beside few causes is decided again; beside many it counts where machines move
-    acting = left if few or not noisy else left.below(HARMONICS / ground.period_s, ground.step_s)
-    doubt |= _small(final, ground, acting)
+    doubt |= _small(final, ground, left, noise=bool(noisy) and not few)
     if not classes:
         faults = (*faulty_sensors(ground, base), *noisy)
         jitter = () if left.acts or faults else jittering(ground, base)
@@ -122,15 +120,14 @@ def adequacy(
     return Adequacy(left, classes, doubt, disputes, structure=base, by_class=likeliest_one)
 
 
-def _small(final: Refined, ground: Recorded, left: Beyond) -> frozenset[Hypothesis]:
+def _small(
+    final: Refined, ground: Recorded, left: Beyond, noise: bool = False
+) -> frozenset[Hypothesis]:
     """The laws whose force, at every coordinate, is small against what acts beyond (they may be a
     part of it) or negligible against what moves the coordinate (the numerics err by as much). All
-    causes where what acts beyond is a large part of what moves a coordinate."""
-    least = NEGLIGIBLE * ground.scale
-    if left.acts:
-        if np.any(left.share > LARGE):
-            return frozenset(final.causes)
-        least = np.maximum(least, LARGE * left.force)
+    causes where what acts beyond is a large part of what moves a coordinate. Of what is ``noise``
+    of inputs the part counts that lies where the machine moves, against the largest force too: what
+    friction takes moves no inertia."""
     squares, counts = 0.0, 0
     for item in ground.items:
         forces = element_forces(final, *item.source)[0][item.rows[0]]
@@ -139,6 +136,15 @@ def _small(final: Refined, ground: Recorded, left: Beyond) -> frozenset[Hypothes
     sizes = np.sqrt(squares / counts)  # (n, E), those of the causes last
     laws = [cause for cause in final.causes if cause.place is not None]
     own = sizes[:, sizes.shape[1] - len(laws) :]
+    scale = ground.scale
+    if noise:
+        scale = np.maximum(scale, sizes.max(axis=1, initial=0.0))
+        left = left.below(HARMONICS / ground.period_s, ground.step_s)
+    least = NEGLIGIBLE * scale
+    if left.acts:
+        if np.any((left.force > LARGE * scale) & (scale > 0)):
+            return frozenset(final.causes)
+        least = np.maximum(least, LARGE * left.force)
     large = np.any((own > least[:, None]) & (own > 0), axis=0)
     return frozenset(cause for cause, stands in zip(laws, large, strict=True) if not stands)
 
