@@ -7,11 +7,12 @@ import numpy as np
 
 from symhyb.correction.naming.findings import Named
 from symhyb.correction.search.preparing import Prepared
+from symhyb.correction.search.selection import many
 from symhyb.correction.search.setting import Setting, Stage
 from symhyb.correction.search.trajectory import Refined, grouped, own_values, refine
 from symhyb.discrepancy.fitting.matching import TRIAL_DECREASE, TRIAL_ITERATIONS, fit
 from symhyb.discrepancy.fitting.task import Task, starts_only
-from symhyb.discrepancy.recorded.runs import cut_within
+from symhyb.discrepancy.recorded.runs import cut_within, has_many
 from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.numeric.kernels.buffers import Array, mean_of_seen
 from symhyb.numeric.runs.windows import WindowModel
@@ -50,14 +51,17 @@ def prove(
     """Remove each reported effect once, refit the rest on the training windows, and see.
 
     Without unseen recordings the windows that were held out of the fit stand in for them.
-    ``say`` gets each removal, counted.
+    ``say`` gets each removal, counted. Of many causes in a machine of many coordinates shares are
+    left out: each takes a fit of all others.
     """
     before = _unseen(prepared, stage, _refitted(prepared, setting, stage, final, ()))
     everything = tuple(range(len(final.causes)))
     kept = _refitted(prepared, setting, stage, final, everything)
     after = _unseen(prepared, stage, kept)
-    shares = []
-    for item in counted(say, "removing each cause once, for its share", items):
+    dear = many(final.causes) and has_many(final.machine)
+    shares: list[float | None] = [None] * len(items) if dear else []
+    removed = () if dear else items
+    for item in counted(say, "removing each cause once, for its share", removed):
         rest = tuple(i for i in everything if i not in item.causes)
         without = _unseen(prepared, stage, _refitted(prepared, setting, stage, final, rest))
         shares.append(_ratio(without.cost - after.cost, before.cost))
