@@ -116,13 +116,12 @@ def _pulls(spec: Any) -> None:
 def _may_hold(text: str) -> str:
     """A mass at the hand that is not known: 1 g, for a model has no body without mass."""
     numbers = """
-hand_x  = { value = 0.3, unit = "m", about = "the hand in fore" }
 payload = { value = 0.001, unit = "kg", sd = 0.3, about = "what the hand may hold" }
 """
     body = """
 [bodies.payload]
 parent = "fore"
-joint  = ["hand_x", "0", "0"]
+joint  = "hand"
 mass   = "payload"
 at     = ["0", "0", "0"]
 """

@@ -1,4 +1,4 @@
-"""A model of a robot: coordinates, parameters, bodies, losses, motors, sensors and limits.
+"""A model of a robot: coordinates, parameters, points, bodies, losses, motors, sensors, limits.
 
 Each number of the robot is a parameter of its own.
 """
@@ -13,7 +13,7 @@ from symhyb.imports.rigid import quaternion_of
 from symhyb.imports.robot import TURNED, Robot
 from symhyb.model.expression import parse_expression
 from symhyb.model.limits import Limit
-from symhyb.model.types import Body, Coordinate, Element, Input, Model, On, Sensor, Vector
+from symhyb.model.types import Body, Coordinate, Element, Input, Model, On, Point, Sensor, Vector
 from symhyb.units import parse_unit
 
 _ENTRIES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
@@ -42,6 +42,7 @@ def declare(
         before = len(draft.parameters)
         if body.name in heavy:
             _declare_body(draft, body)
+            _declare_tips(draft, body)
         if body.drive is None:
             _free_coordinates(draft, body)
         else:
@@ -57,6 +58,7 @@ def declare(
         coordinates=tuple(draft.coordinates),
         parameters=tuple(draft.parameters),
         inputs=tuple(draft.inputs),
+        points=tuple(draft.points),
         bodies=tuple(draft.bodies),
         elements=tuple(draft.elements),
         sensors=tuple(draft.sensors),
@@ -107,6 +109,17 @@ def _declare_body(draft: Draft, body: Moved) -> None:
             tensor=_vector(tensor),
         )
     )
+
+
+def _declare_tips(draft: Draft, body: Moved) -> None:
+    """Declare points where a body may carry something."""
+    for tip in body.tips:
+        stem = draft.names.points[tip.name]
+        at = [
+            draft.number(f"{stem}_{axis}", value, "m", f"{axis} of {tip.name} in {body.name}")
+            for axis, value in zip(AXES, tip.at, strict=True)
+        ]
+        draft.points.append(Point(stem, _vector(at), draft.names.links[body.name]))
 
 
 def _mass(draft: Draft, body: Moved, turns: bool) -> tuple[str, list[str], str, list[str]]:

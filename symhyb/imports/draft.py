@@ -7,7 +7,7 @@ from symhyb.imports.names import stems
 from symhyb.imports.reduction import Moved
 from symhyb.imports.rigid import right_angles
 from symhyb.model.limits import Limit
-from symhyb.model.types import Body, Coordinate, Element, Input, Parameter, Sensor
+from symhyb.model.types import Body, Coordinate, Element, Input, Parameter, Point, Sensor
 from symhyb.units import parse_unit
 
 AXES = "xyz"
@@ -18,20 +18,23 @@ _JOINT = (
     *("_dx", "_dy", "_dz", "_ex", "_ey", "_ez"),
     *("_x", "_y", "_z", "_angle", "_qw", "_qx", "_qy", "_qz"),
 )
+_TIP = ("", "_x", "_y", "_z")
 _LINK = ("_m", "_cx", "_cy", "_cz", "_J", "_Jxx", "_Jyy", "_Jzz", "_Jxy", "_Jxz", "_Jyz")
 
 
 @dataclass(frozen=True, slots=True)
 class Names:
-    """The names that the joints that move and the bodies have in the model file."""
+    """The names that the joints that move, the bodies and their points have in the model file."""
 
     joints: Mapping[str, str]
     links: Mapping[str, str]
+    points: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def changed(self) -> Iterator[tuple[str, str, str]]:
         """What is called otherwise than in the file of the robot: kind, name there, name here."""
-        for kind, names in (("joint", self.joints), ("link", self.links)):
+        kinds = (("joint", self.joints), ("link", self.links), ("point", self.points))
+        for kind, names in kinds:
             yield from ((kind, old, new) for old, new in names.items() if old != new)
 
 
@@ -45,6 +48,7 @@ class Draft:
     coordinates: list[Coordinate] = field(default_factory=list)
     parameters: list[Parameter] = field(default_factory=list)
     inputs: list[Input] = field(default_factory=list)
+    points: list[Point] = field(default_factory=list)
     bodies: list[Body] = field(default_factory=list)
     elements: list[Element] = field(default_factory=list)
     sensors: list[Sensor] = field(default_factory=list)
@@ -70,7 +74,9 @@ def drafted(bodies: Sequence[Moved]) -> Draft:
     taken = {"g", "g_x", "g_y", "g_z"}
     joints = stems([body.joint.name for body in bodies], _JOINT, taken, "joint")
     links = stems([body.name for body in bodies], _LINK, taken, "link")
-    return Draft(Names(joints, links), {body.joint.name: unit_of(body) for body in bodies})
+    taken.update(links.values())
+    points = stems([tip.name for body in bodies for tip in body.tips], _TIP, taken, "link")
+    return Draft(Names(joints, links, points), {body.joint.name: unit_of(body) for body in bodies})
 
 
 def unit_of(body: Moved) -> str:

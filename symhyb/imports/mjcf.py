@@ -21,7 +21,7 @@ from symhyb.data.extras import needed
 from symhyb.data.table import Column, Table
 from symhyb.errors import InputError, Problem, visible
 from symhyb.imports.rigid import Pose, about_vector, from_quaternion, here, to_rpy
-from symhyb.imports.robot import Array, Inertial, Joint, Link, Mimic, Range, Robot
+from symhyb.imports.robot import Array, Inertial, Joint, Link, Mimic, Range, Robot, Site
 from symhyb.imports.xml_file import Node, parse_xml
 from symhyb.limits import DECLARED
 
@@ -32,7 +32,7 @@ _ARRAYS = (
     *("jnt_qposadr", "jnt_dofadr", "jnt_range", "jnt_limited", "jnt_stiffness", "qpos0"),
     *("qpos_spring", "dof_damping", "dof_frictionloss", "dof_armature", "eq_type", "eq_obj1id"),
     *("eq_obj2id", "eq_data", "actuator_trntype", "actuator_trnid", "actuator_gear"),
-    *("actuator_armature", "actuator_damping"),
+    *("actuator_armature", "actuator_damping", "site_bodyid", "site_pos"),
 )
 _KINDS = {0: "floating", 1: "ball", 2: "prismatic", 3: "revolute"}
 _JOINT = 2  # the type of an equality between two joints
@@ -95,6 +95,7 @@ def compiled(content: bytes, file: str) -> Table:
         "name": spec.modelname,
         "bodies": [model.body(k).name for k in range(model.nbody)],
         "joints": [model.joint(k).name for k in range(model.njnt)],
+        "sites": [model.site(k).name for k in range(model.nsite)],
         "left_out": list(_left_out(model)),
     }
     return Table(file, tuple(columns), (json.dumps(words),))
@@ -149,12 +150,14 @@ def _left_out(model: Any) -> Iterator[str]:
 
 @dataclass(frozen=True, slots=True)
 class _Compiled:
-    """MuJoCo's arrays by name, with the names of bodies and joints; none is empty or twice."""
+    """MuJoCo's arrays by name, with the names of bodies, joints and sites; none is empty or twice
+    among its kind."""
 
     arrays: Mapping[str, Array]
     name: str
     bodies: list[str]
     joints: list[str]
+    sites: list[str]
     left_out: tuple[str, ...]
 
     @staticmethod
@@ -165,8 +168,11 @@ class _Compiled:
             ROOT if not k else _shown(name) or f"body_{k}" for k, name in enumerate(words["bodies"])
         ]
         joints = [_shown(name) or f"joint_{k}" for k, name in enumerate(words["joints"])]
-        left_out = tuple(words["left_out"])
-        return _Compiled(arrays, _shown(words["name"]), _apart(bodies), _apart(joints), left_out)
+        sites = [_shown(name) or f"site_{k}" for k, name in enumerate(words["sites"])]
+        return _Compiled(
+            arrays, _shown(words["name"]), _apart(bodies), _apart(joints), _apart(sites),
+            tuple(words["left_out"]),
+        )  # fmt: skip
 
     def index(self, name: str, row: int) -> int:
         """A whole number out of an array."""
@@ -223,8 +229,19 @@ def _robot(model: _Compiled, file: str) -> Robot:
     gravity = _three(model.arrays["gravity"])
     return Robot(
         model.name or "robot", ROOT, links, tuple(joints), file, notes=tuple(notes),
-        gravity=gravity, driven=driven, source="MJCF",
+        gravity=gravity, driven=driven, source="MJCF", sites=tuple(_sites(model, links, origins)),
     )  # fmt: skip
+
+
+def _sites(
+    model: _Compiled, links: Mapping[str, Link], origins: Mapping[int, tuple[str, Pose]]
+) -> Iterator[Site]:
+    """The sites on links that bodies have their ``origins`` in, with names of no link."""
+    taken = set(links)
+    for number, name in enumerate(model.sites):
+        link, pose = origins[model.index("site_bodyid", number)]
+        at = pose.turned @ model.arrays["site_pos"][number] + pose.at
+        yield Site(_unused(name, taken), link, _three(at))
 
 
 def _pose(model: _Compiled, at: str, turned: str, number: int) -> Pose:

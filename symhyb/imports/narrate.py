@@ -27,6 +27,9 @@ def comments(robot: Robot, reduced: Reduced, declared: Declared) -> Comments:
         if body.links:
             text = f"rigid with it: {_listed(body.links)}"
             said[f"bodies.{declared.names.links[body.name]}"] = tuple(wrap(text, WIDTH))
+    if declared.model.points:
+        text = "ends of what is rigid with a body, or marked places: a payload is looked for there"
+        said["points"] = (text,)
     if reduced.bodies:
         said["sensors"] = ("state sd, one standard deviation of the noise, where it is known",)
         said["inputs"] = tuple(_of_inputs(robot))

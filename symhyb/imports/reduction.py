@@ -26,6 +26,7 @@ from symhyb.imports.rigid import (
     moved,
 )
 from symhyb.imports.robot import MOVING, STRAIGHT, Inertial, Joint, Robot
+from symhyb.imports.tips import Tip, tips_of
 from symhyb.imports.tree import nearest
 
 NOTHING = (
@@ -56,7 +57,8 @@ class Drive:
 class Moved:
     """A body that moves: the ``joint`` by which it hangs on ``carrier`` (the ground, if empty), the
     constant ``pose`` of the joint's frame in that, what ``drives`` it (of a joint with one
-    coordinate), its ``inertial`` in the axes of the child link, and the other ``links`` in it."""
+    coordinate), its ``inertial`` in the axes of the child link, the other ``links`` in it, and
+    its ``tips``, where it may carry something."""
 
     joint: Joint
     carrier: str
@@ -64,6 +66,7 @@ class Moved:
     drive: Drive | None
     inertial: Inertial | None
     links: tuple[str, ...]
+    tips: tuple[Tip, ...] = ()
 
     @property
     def name(self) -> str:
@@ -248,8 +251,10 @@ def _bodies(
             if (inertial := robot.links[link].inertial) is not None
         ]
         inertial, note = _filled(name, [part for part in parts if part.mass or part.tensor.any()])
-        notes += note
-        bodies.append(replace(body, inertial=inertial, links=tuple(held[name])))
+        welded = held[name]
+        tips, left_out = tips_of(robot, name, welded, {k: places[k][1] for k in (name, *welded)})
+        notes += [*note, *left_out]
+        bodies.append(replace(body, inertial=inertial, links=tuple(welded), tips=tips))
     return tuple(bodies), tuple(held[""]), tuple(notes)
 
 

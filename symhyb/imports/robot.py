@@ -81,11 +81,21 @@ class Joint:
 
 
 @dataclass(frozen=True, slots=True)
+class Site:
+    """A marked place of a ``link``, ``at`` (m) in the axes of that."""
+
+    name: str
+    link: str
+    at: tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
 class Robot:
     """A tree of links. ``joints`` come in the order of the tree, a parent before its children;
     ``gears`` are the ratios that the file states for the transmission of a joint; ``notes`` say
     what was read otherwise than it stands, each with the link or joint that it is about. Of a
-    ``source`` that knows motors ``driven`` are the joints that have one."""
+    ``source`` that knows motors ``driven`` are the joints that have one, of one that marks places
+    ``sites`` are these."""
 
     name: str
     root: str
@@ -97,3 +107,4 @@ class Robot:
     gravity: tuple[float, float, float] = (0.0, 0.0, -9.81)
     driven: frozenset[str] | None = None
     source: str = "URDF"
+    sites: tuple[Site, ...] = ()
