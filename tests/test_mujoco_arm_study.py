@@ -9,7 +9,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from symhyb.model.types import On
+from symhyb.model.types import At, On
 from tests.scripts import scripts
 
 mujoco = pytest.importorskip("mujoco", reason="the extra mjcf is not installed")
@@ -22,6 +22,7 @@ CONCEALED = {
     "damping": {"dof_damping": 1.5},
     "rotor": {"dof_armature": 0.03},
     "payload": {"body_mass": 0.4},
+    "payload_point": {"body_mass": 0.4},
     "spring": {"jnt_stiffness": 12.0},
     "play": {"jnt_stiffness": 400.0},
 }
@@ -103,6 +104,14 @@ def test_a_recording_is_counted_and_its_commands_act_late(
     assert np.std(errors) == pytest.approx(noise, rel=0.1)
 
 
+def test_the_hand_is_a_point_of_the_imported_model(recordings: ModuleType, tmp_path: Path) -> None:
+    model = recordings.owners_model(recordings.CASES["payload"], tmp_path / "model.toml")
+    ((name, body, at),) = ((one.name, one.body, one.at) for one in model.points)
+    assert (name, body, [part.text for part in at]) == ("hand", "fore", ["hand_x", "0", "0"])
+    (x,) = (one.value for one in model.parameters if one.name == "hand_x")
+    assert x == pytest.approx(0.3)
+
+
 def test_the_owner_says_that_torques_are_held(recordings: ModuleType, tmp_path: Path) -> None:
     for name, case in recordings.CASES.items():
         model = recordings.owners_model(case, tmp_path / f"{name}.toml")
@@ -132,3 +141,34 @@ def test_a_rotor_and_the_delay_are_named(study: ModuleType, tmp_path: Path) -> N
     runs = scores[scores.score == "free_run_rmse"]
     assert (runs.before > 1e-2).all()
     assert (runs.after < 1e-4).all()
+
+
+@pytest.mark.slow
+def test_a_payload_and_the_delay_are_named(study: ModuleType, tmp_path: Path) -> None:
+    diagnosis = study.diagnosed(study.CASES["payload_point"], tmp_path).diagnosis
+    assert diagnosis.verdict == "missing physics"
+    (payload,) = diagnosis.found
+    assert (payload.element.kind, payload.element.place) == ("payload", At("hand"))
+    assert payload.mass.value == pytest.approx(0.4, rel=0.005)
+    assert payload.mass.sd < 0.002
+    delays = {one.channel: one.value for one in diagnosis.measurement if one.kind == "delay"}
+    assert delays == pytest.approx(dict.fromkeys(("base", "shoulder", "elbow"), 3e-3), abs=1e-5)
+    assert len(diagnosis.measurement) == 3
+
+
+@pytest.mark.slow
+def test_a_ball_in_the_hand_is_named_beside_its_own_inertia(
+    study: ModuleType, tmp_path: Path
+) -> None:
+    """No law has the inertia of the ball itself: what else is named is as small as that."""
+    answer = study.diagnosed(study.CASES["payload"], tmp_path)
+    found = {(one.element.kind, one.element.place): one for one in answer.diagnosis.found}
+    payload = found.pop(("payload", At("hand")))
+    assert payload.mass.value == pytest.approx(0.4, rel=0.005)
+    for (kind, place), one in found.items():
+        assert kind == "added_mass"
+        arm = 0.3 if place == At("hand") else 1.0
+        assert one.mass.value * arm**2 < 2e-4
+    scores = answer.verdict.to_frame()
+    windows = scores[scores.score == "window_rmse"]
+    assert (windows.after < 1e-4).all()

@@ -103,10 +103,15 @@ def _turns(spec: Any) -> None:
     spec.joint("elbow").armature += 0.03
 
 
-def _weighs(spec: Any) -> None:
+def _weighs(spec: Any, radius: float = 0.03) -> None:
     spec.body("hand").add_geom(
-        type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.03, 0, 0], mass=0.4, contype=0, conaffinity=0
+        type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[radius, 0, 0], mass=0.4, contype=0, conaffinity=0
     )
+
+
+def _weighs_at_a_point(spec: Any) -> None:
+    """A ball of 0.1 mm, whose own inertia is 2·10⁻⁹ kg·m²."""
+    _weighs(spec, 1e-4)
 
 
 def _pulls(spec: Any) -> None:
@@ -153,7 +158,8 @@ CASES: Mapping[str, Case] = {
     "damping": Case("1.5 N·m·s/rad more of viscous damping in the shoulder", _damps),
     "rotor": Case("a rotor of 0.03 kg·m² in the elbow", _turns),
     "payload": Case("a ball of 0.4 kg in the hand", _weighs),
-    "payload_stated": Case("the same; the model has a mass there, with an sd", _weighs, _may_hold),
+    "payload_point": Case("the same mass at a point", _weighs_at_a_point),
+    "payload_stated": Case("the ball; the model has a mass there, with an sd", _weighs, _may_hold),
     "spring": Case("a spring of 12 N·m/rad at the shoulder", _pulls),
     "play": Case("a play of 5 mrad to either side in the gear", _plays, arm=GEARED),
     "play_delay": Case("the same; the model has the delay", _plays, _act_late, GEARED),
