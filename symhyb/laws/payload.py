@@ -29,7 +29,7 @@ def _phrase(n: Numbers, _: Options) -> Phrase | None:
     if "mass" not in n:
         return None
     head = f"a payload of {n.amount('mass')}"
-    return Phrase(head, "and has weight", ("mass",), "acceleration")
+    return Phrase(head, terms=("mass",), resists="acceleration")
 
 
 LAW = Law(
