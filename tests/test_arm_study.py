@@ -7,6 +7,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 
+import symhyb as sh
 from tests.absent import absent
 from tests.scripts import scripts
 
@@ -59,3 +60,26 @@ def test_least_squares_find_the_published_friction(study, tmp_path) -> None:
     left = unseen.lacks - unseen.columns @ numbers
     assert by_hand.error(unseen.lacks, unseen.applied) > 0.6
     assert by_hand.error(left, unseen.applied) < 0.16
+
+
+@pytest.mark.thorough
+def test_the_diagnosis_of_the_urdf_leaves_as_little_as_least_squares(study, tmp_path) -> None:
+    recordings, by_hand = study["recordings"], study["by_hand"]
+    folder = recordings.folder_of_run()
+    if folder is None:
+        absent("set SYMHYB_DATA to a folder that holds staubli_tx40")
+    model = recordings.arm(folder, tmp_path / "arm.toml")
+    train, unseen = recordings.split(folder, model)
+    diagnosis = sh.diagnose(model, train, unseen)
+    found = {(one.element.kind, str(one.element.place)) for one in diagnosis.found}
+    joints = [f"On(coordinate='joint_{i}')" for i in range(1, 6)]
+    for place in (*joints, "On(coordinate='joint_5 + joint_6')"):
+        assert {("damper", place), ("friction", place)} <= found
+    corrected = sh.apply(model, diagnosis.found)
+    learned, rest, left = (
+        by_hand.torques_of(one, part)
+        for one, part in ((model, train), (model, unseen), (corrected, unseen))
+    )
+    known = rest.lacks - rest.columns @ by_hand.solved(learned)
+    limit = 1.05 * by_hand.error(known, rest.applied)
+    assert by_hand.error(left.lacks, left.applied) < limit

@@ -2,7 +2,7 @@
 
 python studies/arm/diagnose.py OUT    # arm.toml and corrected.toml
 
-It takes ten minutes and more.
+It takes five minutes of a processor.
 """
 
 import sys
