@@ -35,9 +35,7 @@ from symhyb.judgement import CERTAIN, HOPELESS, LARGE, LIKELY, MOST, NEGLIGIBLE,
 from symhyb.numeric.kernels.buffers import Array
 
 CLASSES_MOST = 3  # that are fitted, the best of the linear problem
-HARMONICS = (
-    5  # of the motion, below which a square wave, such as dry friction, has 93 % of its power
-)
+HARMONICS = 5  # of the motion, below which dry friction, a square wave, has 93 % of its power
 TOO_SHORT = "no part of the recordings without a gap is long enough"
 
 
