@@ -1,10 +1,12 @@
 """Generic classes of effects in words."""
 
+from collections.abc import Sequence
 from math import isfinite
 
 from symhyb.correction.adequacy.structure import Generic, Likely
 from symhyb.discrepancy.results import ClassFound
 from symhyb.discrepancy.words.amounts import percent_text, quantity_text
+from symhyb.discrepancy.words.wording import joined
 from symhyb.model.types import Place, place_text
 
 _DOES = {
@@ -32,6 +34,17 @@ def class_found(one: Likely) -> ClassFound:
         channel=None if number else name,
         parameter=name if number else None,
     )
+
+
+def classes_said(found: Sequence[Likely]) -> list[str]:
+    """A sentence on each class, and one on all inputs whose records look noisy."""
+    noisy = [one for one in found if one.generic.does == "noisy"]
+    if len(noisy) < 2:
+        return [class_found(one).sentence for one in found]
+    names = joined([str(one.generic.where) for one in noisy])
+    chance = percent_text(min(one.probability for one in noisy))
+    said = f"The records of the inputs {names} look noisy: other forces act (probability {chance})."
+    return [said, *(class_found(one).sentence for one in found if one not in noisy)]
 
 
 def _said(generic: Generic) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 from symhyb.correction.adequacy.beyond import Beyond
 from symhyb.correction.adequacy.judge import Adequacy
 from symhyb.correction.advice.advice import better_recording
-from symhyb.correction.naming.classes import class_found
+from symhyb.correction.naming.classes import class_found, classes_said
 from symhyb.correction.naming.findings import (
     Named,
     alternatives_of,
@@ -91,7 +91,7 @@ def concluded(
     classes = _classes(model, judged)
     beyond = "fits best" if final.causes else ""
     beyond = "is named" if found or parameters or faults else beyond
-    rest = _rest(model, judged, classes, beyond)
+    rest = _rest(model, judged, beyond)
     poor = too_poor(prepared.runs, [sensor.name for sensor in model.sensors])
     if verdict == "nothing missing" and poor:
         verdict = "undecided"
@@ -224,10 +224,10 @@ def _classes(model: Model, judged: Adequacy) -> tuple[ClassFound, ...]:
     return (ClassFound("unmeasured force", judged.beyond.probability, said, place=place),)
 
 
-def _rest(model: Model, judged: Adequacy, classes: tuple[ClassFound, ...], beyond: str) -> str:
+def _rest(model: Model, judged: Adequacy, beyond: str) -> str:
     """What acts that was not named, in words; empty if nothing does. How large an unmeasured force
     is, ``beyond`` what, stands in the last sentence."""
-    said = [one.sentence for one in classes if one.kind != "unmeasured force"]
+    said = classes_said([one for one in judged.classes if one.generic.kind != "unmeasured force"])
     if judged.unjudged:
         said.append(f"Whether anything acts beyond it could not be judged: {judged.unjudged}.")
     if judged.beyond.acts:

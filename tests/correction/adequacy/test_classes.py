@@ -21,7 +21,7 @@ from symhyb.correction.adequacy.evidence import evidence
 from symhyb.correction.adequacy.judge import _may_take
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Fitted, Generic, Likely, fitted
-from symhyb.correction.naming.classes import class_found
+from symhyb.correction.naming.classes import class_found, classes_said
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.model.types import On
@@ -338,3 +338,16 @@ def test_coefficients_that_are_known_cost_nothing() -> None:
     free = replace(stairs, spread=np.array([1.0]), mean=np.zeros(1))
     wrong = replace(stairs, mean=-stairs.mean)
     assert worth_of(start, stairs) > worth_of(start, free) > 100 > worth_of(start, wrong)
+
+
+def test_all_noisy_inputs_are_one_sentence() -> None:
+    noisy = [
+        Likely(Generic("input", name, (), np.zeros(0), does="noisy"), chance)
+        for name, chance in (("f", 0.99), ("g", 0.97), ("h", 0.98))
+    ]
+    drifts = Likely(Generic("sensor", "laser", (), np.zeros(0), does="drifts"), 0.96)
+    assert classes_said([*noisy, drifts]) == [
+        "The records of the inputs f, g and h look noisy: other forces act (probability 97 %).",
+        class_found(drifts).sentence,
+    ]
+    assert classes_said(noisy[:1]) == [class_found(noisy[0]).sentence]
