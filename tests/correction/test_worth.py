@@ -61,3 +61,20 @@ def test_worth_correlation_and_spread_of_two_effects() -> None:
     rho = matrix[0, 1]
     wanted = np.sqrt(push**2 + (damping * speed) ** 2 - 2 * rho * push * damping * speed)
     np.testing.assert_allclose(spread[:, 0], wanted, rtol=0.02, atol=0.02 * push)
+
+
+def test_what_is_stored_at_the_end_is_not_dissipated() -> None:
+    """A spring is stretched by a quarter of its period, and not let go."""
+    rate = 2.0  # rad/s
+    t = np.arange(0, np.pi / 2 / rate, 0.002)
+    model = parse_model(MODEL, "slide.toml")
+    noise = 1e-4 * np.random.default_rng(2).standard_normal(t.size)
+    prepared = prepare(model, Recording("swing.csv", t, {}, {"tape": np.sin(rate * t) + noise}))
+    setting = settle(prepared)
+    spring = Hypothesis("spring", On("x"), ("stiffness",), (False,))
+    cuts, start = setting.stages[-1].cuts, [{"stiffness": 7.0}]
+    final = refine(prepared.model, (spring,), start, cuts, setting.sd, everything=True)
+    assert final.fit.values[0] == pytest.approx(M * rate**2, rel=0.02)
+    (worth,) = worth_of(final, named(final), prepared.runs)
+    assert worth.energy is None
+    assert worth.force == pytest.approx(1.0)

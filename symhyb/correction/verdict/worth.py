@@ -10,23 +10,26 @@ from symhyb.correction.search.strength import element_forces
 from symhyb.correction.search.trajectory import Refined
 from symhyb.discrepancy.evidence import Correlations, Worth, correlation_of
 from symhyb.discrepancy.recorded.runs import Run
+from symhyb.model.vocabulary import KINDS
 from symhyb.numeric.kernels.buffers import Array
 
 
 def worth_of(final: Refined, items: Sequence[Named], runs: Sequence[Run]) -> tuple[Worth, ...]:
     """The worth of each effect along all ``runs``. An element dissipates what its forces take from
-    the motion, over whole runs; what a spring stores and gives back counts as nothing."""
+    the motion, over whole runs; a spring or a weight, which give it back, dissipate nothing."""
     causes = [i for i, cause in enumerate(final.causes) if cause.place is not None]
     own = len(final.machine.model.elements) - len(causes)
     groups = [[own + causes.index(i) for i in item.causes] for item in items]
     columns = [[e] for e in range(own)] + groups
+    elements = final.machine.model.elements
+    lossy = [KINDS[elements[members[0]].kind].energy != "conservative" for members in columns]
     taken, peaks = np.zeros(len(columns)), np.zeros((len(columns), final.machine.n))
     for run in runs:
         forces, _, _ = element_forces(final, run.recording, run.motion)
         for row, members in enumerate(columns):
             force = forces[:, :, members].sum(axis=2)
             power = np.sum(force * run.motion.v, axis=1)
-            taken[row] -= float(np.trapezoid(power, run.motion.t))
+            taken[row] -= lossy[row] * float(np.trapezoid(power, run.motion.t))
             peaks[row] = np.maximum(peaks[row], np.abs(force).max(axis=0))
     return tuple(_worth(taken, peaks, own + row, final.machine.free) for row in range(len(groups)))
 

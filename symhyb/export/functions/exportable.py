@@ -17,7 +17,7 @@ def require_force_elements(model: Model, names: Sequence[str]) -> None:
     for element in model.elements:
         if element.name in names and KINDS[element.kind].inertial:
             text = (
-                f"an {element.kind} cannot be exported as a force element: its force depends on "
+                f"the kind {element.kind} cannot be exported as a force element: its force depends on "
                 "the acceleration, which the force itself changes; give the mass to a body of the "
                 "host, or export the whole model (--whole)"
             )
