@@ -17,9 +17,9 @@ def require_force_elements(model: Model, names: Sequence[str]) -> None:
     for element in model.elements:
         if element.name in names and KINDS[element.kind].inertial:
             text = (
-                f"the kind {element.kind} cannot be exported as a force element: its force depends on "
-                "the acceleration, which the force itself changes; give the mass to a body of the "
-                "host, or export the whole model (--whole)"
+                f"the kind {element.kind} cannot be exported as a force element: its force depends "
+                "on the acceleration, which the force itself changes; give the mass to a body of "
+                "the host, or export the whole model (--whole)"
             )
             problems.append(Problem(text, f"elements.{element.name}", model.file))
     late = [i.name for i in model.inputs if i.delay is not None and i.delay.si != 0]
