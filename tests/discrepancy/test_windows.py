@@ -15,6 +15,7 @@ from symhyb.discrepancy.recorded.windows import (
     merge,
     reduce,
     reversals,
+    summed,
 )
 from symhyb.numeric.lowered.machine import build
 from symhyb.numeric.runs.windows import Block
@@ -154,9 +155,7 @@ def parts(seed: int) -> tuple[Array, Array, Array, Array]:
     return residual, start, rng.normal(size=(3, 20, 2, 5)), np.array([0.5, 3.0])
 
 
-def reduced_of(
-    residual: Array, start: Array, columns: Array, sd: Array, held: NDArray[np.bool_]
-) -> Reduced:
+def cut_of(residual: Array, held: NDArray[np.bool_]) -> Cut:
     """Windows of which nothing but these arrays and the ``held`` ones matters."""
     windows, length, _ = residual.shape
     t = np.tile(np.arange(length) / 100.0, (windows, 1))
@@ -164,8 +163,13 @@ def reduced_of(
     still = np.zeros((windows, length, 2))
     rows = np.arange(windows * length).reshape(windows, length)
     run = recording(T, {"f": np.cos(T)}, place=np.sin(T))
-    item = Cut(block, still[:, 0], still, held, rows, (run, resting(T)))
-    return reduce(item, residual, start, columns, sd)
+    return Cut(block, still[:, 0], still, held, rows, (run, resting(T)))
+
+
+def reduced_of(
+    residual: Array, start: Array, columns: Array, sd: Array, held: NDArray[np.bool_]
+) -> Reduced:
+    return reduce(cut_of(residual, held), residual, start, columns, sd)
 
 
 def test_the_regression_that_is_left_is_that_of_least_squares_with_the_states() -> None:
@@ -186,6 +190,19 @@ def test_the_regression_that_is_left_is_that_of_least_squares_with_the_states() 
     assert found == pytest.approx(expected[:5])
     assert gram[5, 5] - found @ gram[:5, 5] == pytest.approx(cost[0])
     assert reduced.count.tolist() == [36, 32, 36]
+
+
+def test_sums_over_windows_are_those_of_their_grams() -> None:
+    residual, start, columns, sd = parts(4)
+    residual[2, 5:9, 1] = np.nan
+    held = np.array([False, True, False])
+    reduced = reduced_of(residual, start, columns, sd, held)
+    fitted, kept = summed(cut_of(residual, held), residual, start, columns, sd)
+    np.testing.assert_allclose(fitted, reduced.grams[~held].sum(axis=0), atol=1e-12)
+    np.testing.assert_allclose(kept, reduced.grams[1], atol=1e-12)
+    every, none = summed(cut_of(residual, ~held & held), residual, start, columns, sd)
+    np.testing.assert_allclose(every, reduced.grams.sum(axis=0), atol=1e-12)
+    assert not none.any()
 
 
 def test_a_residual_made_of_initial_states_vanishes() -> None:

@@ -13,7 +13,7 @@ import numpy as np
 from symhyb.correction.search.selection import Problem
 from symhyb.discrepancy.places.hypotheses import Hypothesis, Library
 from symhyb.discrepancy.recorded.course import Course
-from symhyb.discrepancy.recorded.windows import Cut, reduce
+from symhyb.discrepancy.recorded.windows import Cut, summed
 from symhyb.judgement import DELAY_LEAST, GAIN_REACH
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.lowered.dynamics import state_form
@@ -61,7 +61,7 @@ def screen(
         probes = _probe_forces(library, item, None if starts is None else linear.x)
         columns = [linear.from_forces(probes), linear.from_free()]
         parts.append(
-            reduce(
+            summed(
                 item,
                 residual,
                 linear.from_start()[..., : model.form.moving],
@@ -79,8 +79,8 @@ def screen(
     floors = [_least(cause, gain_floor, cuts, declared) for cause in parametric]
     least = np.concatenate([np.zeros(forces), floors, np.zeros(free - len(parametric))])
     return Problem(
-        gram=np.sum([part.grams[~part.held].sum(axis=0) for part in parts], axis=0),
-        held=np.sum([part.grams[part.held].sum(axis=0) for part in parts], axis=0),
+        gram=np.sum([fitted for fitted, _ in parts], axis=0),
+        held=np.sum([held for _, held in parts], axis=0),
         hypotheses=causes,
         columns=tuple(widened(one, mine, extra) for one in given),
         always=widened(always, mine, extra),

@@ -317,6 +317,27 @@ def reduce(item: Cut, residual: Array, by_start: Array, columns: Array, sd: Arra
 
     ``by_start`` (W, L, m, X), noise ``sd`` (m,) of the sensors in SI. Missing residuals are NaN.
     """
+    joined, count = _projected(item, residual, by_start, columns, sd)
+    return Reduced(count, item.held, joined.transpose(0, 2, 1) @ joined)
+
+
+def summed(
+    item: Cut, residual: Array, by_start: Array, columns: Array, sd: Array
+) -> tuple[Array, Array]:
+    """The sums (F + 1, F + 1) of what :func:`reduce` gives for each window, of those that are
+    fitted and of those that are held: of many columns the windows one by one take far more memory
+    than the columns themselves."""
+    joined, _ = _projected(item, residual, by_start, columns, sd)
+    parts = (joined[mine].reshape(-1, joined.shape[2]) for mine in (~item.held, item.held))
+    fitted, held = (np.asarray(part.T @ part) for part in parts)
+    return fitted, held
+
+
+def _projected(
+    item: Cut, residual: Array, by_start: Array, columns: Array, sd: Array
+) -> tuple[Array, NDArray[np.int64]]:
+    """White columns and residual (W, L·m, F + 1) without what initial states do, and how many
+    samples are left (W,)."""
     windows = residual.shape[0]
     seen = np.isfinite(residual)
     flat = np.where(seen, residual, 0.0)[..., None]
@@ -326,10 +347,8 @@ def reduce(item: Cut, residual: Array, by_start: Array, columns: Array, sd: Arra
     basis, triangle = np.linalg.qr(starts / np.where(scale > 0, scale, 1.0))
     pivots = np.abs(np.diagonal(triangle, axis1=1, axis2=2))
     basis = basis * (pivots > 1e-9)[:, None, :]
-    joined = joined - basis @ (basis.transpose(0, 2, 1) @ joined)
-    grams = joined.transpose(0, 2, 1) @ joined
-    count = seen.reshape(windows, -1).sum(axis=1) - (pivots > 1e-9).sum(axis=1)
-    return Reduced(count, item.held, grams)
+    joined -= basis @ (basis.transpose(0, 2, 1) @ joined)
+    return joined, seen.reshape(windows, -1).sum(axis=1) - (pivots > 1e-9).sum(axis=1)
 
 
 def merge(
