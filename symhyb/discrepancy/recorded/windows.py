@@ -324,9 +324,9 @@ def reduce(item: Cut, residual: Array, by_start: Array, columns: Array, sd: Arra
 def summed(
     item: Cut, residual: Array, by_start: Array, columns: Array, sd: Array
 ) -> tuple[Array, Array]:
-    """The sums (F + 1, F + 1) of what :func:`reduce` gives for each window, of those that are
-    fitted and of those that are held: of many columns the windows one by one take far more memory
-    than the columns themselves."""
+    """The sums (F + 1, F + 1) of what :func:`reduce` gives for each window, in units of the noise,
+    of those that are fitted and of those that are held: of many columns the windows one by one take
+    far more memory than the columns themselves. Arguments as there, in SI."""
     joined, _ = _projected(item, residual, by_start, columns, sd)
     parts = (joined[mine].reshape(-1, joined.shape[2]) for mine in (~item.held, item.held))
     fitted, held = (np.asarray(part.T @ part) for part in parts)
