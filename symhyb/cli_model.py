@@ -24,7 +24,7 @@ def check(model: ModelFile, as_json: Json = False) -> None:
     """
     from symhyb.console.model import model_facts, print_model
     from symhyb.console.terminal import progress
-    from symhyb.discrepancy.recorded.local import bare
+    from symhyb.model.bare import bare
     from symhyb.model.read import read_model
     from symhyb.numeric.lowered.machine import build
 

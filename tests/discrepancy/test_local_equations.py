@@ -13,12 +13,13 @@ from symhyb.discrepancy.checks.repeats import repeated
 from symhyb.discrepancy.fitting.judge import judge
 from symhyb.discrepancy.places.placements import places_of
 from symhyb.discrepancy.recorded.course import course_of
-from symhyb.discrepancy.recorded.local import along_recordings, bare, beside, plain
+from symhyb.discrepancy.recorded.local import along_recordings, beside, plain
 from symhyb.discrepancy.recorded.motion import motion_of
 from symhyb.discrepancy.recorded.residual import compare, discrepancy
 from symhyb.discrepancy.recorded.runs import Run
 from symhyb.discrepancy.recorded.sampling import as_sampled
 from symhyb.errors import InputError
+from symhyb.model.bare import bare
 from symhyb.model.fmu import COLUMN
 from symhyb.model.read import parse_model, read_model
 from symhyb.model.types import Model, On

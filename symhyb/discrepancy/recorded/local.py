@@ -21,7 +21,7 @@ from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.motion import Motion, motion_of, unplaced
 from symhyb.discrepancy.recorded.signals import acting
 from symhyb.errors import InputError, Problem
-from symhyb.model.expression import parse_expression
+from symhyb.model.bare import bare
 from symhyb.model.fmu import COLUMN, Fmu, Local, LocalTerm
 from symhyb.model.types import Energy, Input, Model
 from symhyb.numeric.kernels.buffers import Array
@@ -75,21 +75,6 @@ def beside(model: Model, local: Model) -> Model:
         return model
     columns = tuple(item for item in local.inputs if item.local)
     return replace(model, inputs=(*model.recorded_inputs, *columns), local=local.local)
-
-
-def bare(model: Model) -> Model:
-    """A model that is an FMU as if all its coordinates had a mass of 1 and nothing acted but its
-    elements: what its sensors and elements say of a motion is the same. Any other as it is."""
-    if model.fmu is None:
-        return model
-    masses = " + ".join(f"{c.name}'**2" for c in model.coordinates)
-    recorded = model.recorded_inputs
-    return replace(
-        model,
-        energy=Energy(kinetic=parse_expression(f"({masses})/2")),
-        inputs=recorded,
-        local=Local(()),
-    )
 
 
 def plain(recording: Recording) -> Recording:

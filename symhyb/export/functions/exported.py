@@ -17,11 +17,11 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from symhyb.discrepancy.recorded.local import bare
 from symhyb.errors import InputError, Problem
 from symhyb.export.functions.exportable import owners, require_force_elements
 from symhyb.export.functions.holes import Hole, filled, parts_of
 from symhyb.export.functions.modes import Modes, Names, calmed
+from symhyb.model.bare import bare
 from symhyb.model.expression import readings
 from symhyb.model.switching import modes as modes_of
 from symhyb.model.types import Model
