@@ -2,6 +2,7 @@
 missing find the published friction."""
 
 from collections.abc import Iterator
+from pathlib import Path
 from types import ModuleType
 
 import numpy as np
@@ -21,6 +22,11 @@ def study() -> Iterator[dict[str, ModuleType]]:
     """The scripts of the study beside each other."""
     with scripts("arm", ("recordings", "by_hand")) as found:
         yield found
+
+
+def folder_of(recordings: ModuleType) -> Path:
+    folder: Path | None = recordings.folder_of_run()
+    return folder or absent("set SYMHYB_DATA to a folder that holds staubli_tx40")
 
 
 def test_joints_do_the_work_of_the_motors(study, tmp_path) -> None:
@@ -47,9 +53,7 @@ def test_least_squares_give_the_numbers_back(study) -> None:
 @pytest.mark.slow
 def test_least_squares_find_the_published_friction(study, tmp_path) -> None:
     recordings, by_hand = study["recordings"], study["by_hand"]
-    folder = recordings.folder_of_run()
-    if folder is None:
-        absent("set SYMHYB_DATA to a folder that holds staubli_tx40")
+    folder = folder_of(recordings)
     model = recordings.arm(folder, tmp_path / "arm.toml")
     train, unseen = (by_hand.torques_of(model, one) for one in recordings.split(folder, model))
     numbers = by_hand.solved(train)
@@ -65,9 +69,7 @@ def test_least_squares_find_the_published_friction(study, tmp_path) -> None:
 @pytest.mark.thorough
 def test_the_diagnosis_of_the_urdf_leaves_as_little_as_least_squares(study, tmp_path) -> None:
     recordings, by_hand = study["recordings"], study["by_hand"]
-    folder = recordings.folder_of_run()
-    if folder is None:
-        absent("set SYMHYB_DATA to a folder that holds staubli_tx40")
+    folder = folder_of(recordings)
     model = recordings.arm(folder, tmp_path / "arm.toml")
     train, unseen = recordings.split(folder, model)
     diagnosis = sh.diagnose(model, train, unseen)

@@ -12,12 +12,13 @@ from symhyb.laws.phrases import Numbers, Phrase
 from symhyb.laws.reach import INERTIA, Candidate, Reach
 
 
-def _action(_: Maths, __: Motion, values: Values, ___: Options) -> Action:
+def moved(_: Maths, __: Motion, values: Values, ___: Options) -> Action:
     """F = mass·s'' is the force of the kinetic energy mass·s'²/2; no other term is left."""
     return Action(0, mass=values.get("mass", 0))
 
 
-def _candidates(_: Reach) -> Iterator[Candidate]:
+def tried(_: Reach) -> Iterator[Candidate]:
+    """One mass, which is never negative."""
     yield Candidate(("mass",), (True,), order=INERTIA)
 
 
@@ -41,8 +42,8 @@ LAW = Law(
     law="mass*s''",
     strengths=("mass",),
     placements=ANYWHERE,
-    action=_action,
-    candidates=_candidates,
+    action=moved,
+    candidates=tried,
     of_state=False,
     steady=True,
     phrase=_phrase,

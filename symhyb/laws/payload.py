@@ -5,24 +5,14 @@
     p [mass]
 
 It acts in all coordinates that move the point at once, as no law on one coordinate does: a tool, a
-load in a gripper, a body that is heavier than stated.
+load in a gripper, a body that is heavier than stated. The weight is no law of stretch and rate: the
+equations, which know gravity, add it.
 """
 
-from collections.abc import Iterator
-
+from symhyb.laws import added_mass
 from symhyb.laws.base import Key, Law
-from symhyb.laws.maths import Action, Maths, Motion, Options, Values
+from symhyb.laws.maths import Options
 from symhyb.laws.phrases import Numbers, Phrase
-from symhyb.laws.reach import INERTIA, Candidate, Reach
-
-
-def _action(_: Maths, __: Motion, values: Values, ___: Options) -> Action:
-    """The weight is no law of stretch and rate: the equations add it, which know gravity."""
-    return Action(0, mass=values.get("mass", 0))
-
-
-def _candidates(_: Reach) -> Iterator[Candidate]:
-    yield Candidate(("mass",), (True,), order=INERTIA)
 
 
 def _phrase(n: Numbers, _: Options) -> Phrase | None:
@@ -40,8 +30,8 @@ LAW = Law(
     law="mass*(a - g)",
     strengths=("mass",),
     placements=("at",),
-    action=_action,
-    candidates=_candidates,
+    action=added_mass.moved,
+    candidates=added_mass.tried,
     weighs=True,
     of_state=False,
     steady=True,
