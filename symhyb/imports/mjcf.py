@@ -170,9 +170,13 @@ class _Compiled:
         joints = [_shown(name) or f"joint_{k}" for k, name in enumerate(words["joints"])]
         sites = [_shown(name) or f"site_{k}" for k, name in enumerate(words["sites"])]
         return _Compiled(
-            arrays, _shown(words["name"]), _apart(bodies), _apart(joints), _apart(sites),
+            arrays,
+            _shown(words["name"]),
+            _apart(bodies),
+            _apart(joints),
+            _apart(sites),
             tuple(words["left_out"]),
-        )  # fmt: skip
+        )
 
     def index(self, name: str, row: int) -> int:
         """A whole number out of an array."""
@@ -228,9 +232,17 @@ def _robot(model: _Compiled, file: str) -> Robot:
     driven = _driven(model)
     gravity = _three(model.arrays["gravity"])
     return Robot(
-        model.name or "robot", ROOT, links, tuple(joints), file, notes=tuple(notes),
-        gravity=gravity, driven=driven, source="MJCF", sites=tuple(_sites(model, links, origins)),
-    )  # fmt: skip
+        model.name or "robot",
+        ROOT,
+        links,
+        tuple(joints),
+        file,
+        notes=tuple(notes),
+        gravity=gravity,
+        driven=driven,
+        source="MJCF",
+        sites=tuple(_sites(model, links, origins)),
+    )
 
 
 def _sites(
@@ -289,14 +301,20 @@ def _joint(
     name = model.joints[one]
     low, high = (float(part) for part in arrays["jnt_range"][one])
     joint = Joint(
-        name, kind, parent, child, _three(frame.at), to_rpy(frame.turned), _three(axis),
+        name,
+        kind,
+        parent,
+        child,
+        _three(frame.at),
+        to_rpy(frame.turned),
+        _three(axis),
         damping=float(arrays["dof_damping"][dof]) + _of_motors(model, "actuator_damping", one),
         friction=float(arrays["dof_frictionloss"][dof]),
         range=Range((low, high) if arrays["jnt_limited"][one] else None),
         mimic=mimics.get(name),
         armature=float(arrays["dof_armature"][dof]) + _of_motors(model, "actuator_armature", one),
         spring=(stiffness, float(arrays["qpos_spring"][slot])) if stiffness else None,
-    )  # fmt: skip
+    )
     return joint, Pose(np.eye(3), -anchor)
 
 

@@ -216,9 +216,19 @@ def _joint(part: _Part) -> Joint | None:
     if kind not in KINDS or not all(ends):
         return None
     return Joint(
-        part.name, kind, ends[0], ends[1], xyz, rpy, axis, damping, friction, range_, mimic,
+        part.name,
+        kind,
+        ends[0],
+        ends[1],
+        xyz,
+        rpy,
+        axis,
+        damping,
+        friction,
+        range_,
+        mimic,
         part.node.line,
-    )  # fmt: skip
+    )
 
 
 def _axis(part: _Part) -> tuple[float, float, float]:

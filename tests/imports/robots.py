@@ -65,7 +65,7 @@ ARM = robot(
     joint("twist", "revolute", "slide", "tool", (0.1, 0.0, 0.0), (np.pi / 2, 0, 0), (0, -1, 0)),
     joint("grip", "revolute", "tool", "finger", (0.0, 0.05, 0.02), (0, 0, 0.3), (3, 0, 4)),
     name="arm",
-)  # fmt: skip
+)
 
 KINDS = ("revolute", "continuous", "prismatic", "fixed")
 AXES = ((1, 0, 0), (0, -1, 0), (0, 0, 1), (1, 1, 0), (0, 2, -1), (-1, 0, 3), (1, 2, 3), (-2, 1, -1))

@@ -180,9 +180,14 @@ def test_the_verb_writes_it_and_says_what_has_no_place(
     [("urdf", False, "go with --robot FILE"), ("fmu", True, "no other form does")],
 )
 def test_a_robot_goes_with_its_forms(
-    form: str, robot: bool, said: str, arm: Path, tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str],
-) -> None:  # fmt: skip
+    form: str,
+    robot: bool,
+    said: str,
+    arm: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     model = tmp_path / "corrected.toml"
     model.write_text(corrected(arm).text)
     more = ["--robot", str(arm)] if robot else []
