@@ -1,12 +1,20 @@
-"""A characteristic curve: a memoryless force over the stretch or over its rate, given by points."""
+"""A characteristic curve: a memoryless force over the stretch or over its rate, given by points.
+
+A curve c over the stretch may be a factor of the speed: damping c·s′, or drag c·|s′|s′, that
+changes with the stretch.
+"""
 
 from collections.abc import Collection, Sequence
 
 from symhyb.laws.base import LENGTH, Key, Law
-from symhyb.laws.maths import Action, Maths, Motion, Options, Values
+from symhyb.laws.maths import Action, Maths, Motion, Options, Value, Values
 from symhyb.laws.phrases import Numbers, Phrase
 
 OVER = {"stretch": "s", "rate": "s'"}
+TIMES = {"rate": "s'", "square": "abs(s')*s'"}
+SPEED_POWERS = {"": 0, "rate": 1, "square": 2}  # in what a curve is a factor of
+SYMBOLS = {"": "F", "rate": "d", "square": "b"}  # of the values of a curve
+_NOUNS = {"rate": "damping", "square": "drag"}
 _VALUE = "f"  # of the names of unknown values
 _TOLD = 5  # points whose values a sentence tells
 _DIGITS = 3  # of where they are
@@ -18,30 +26,35 @@ def value_name(which: int) -> str:
     return f"{_VALUE}{which + 1}"
 
 
+def speed_factor(m: Maths, rate: Value, options: Options) -> Value:
+    """What the curve is multiplied by: 1, or a function of the rate."""
+    match options.get("times", ""):
+        case "rate":
+            return rate
+        case "square":
+            return m.abs(rate) * rate
+        case _:
+            return 1
+
+
 def _action(m: Maths, at: Motion, values: Values, options: Options) -> Action:
-    """Over the stretch it stores the area below the curve, counted from s = 0."""
+    """Over the stretch alone it stores the area below the curve, counted from s = 0."""
     if "parts" in values:
-        return _unknown(m, at, values, options)
-    curve, scale = values["curve"], values.get("scale", 1)
-    if options["over"] == "rate":
-        return Action(scale * m.curve(curve, at.r))
-    return Action(scale * m.curve(curve, at.s), scale * m.curve(curve.area(), at.s))
-
-
-def _unknown(m: Maths, at: Motion, values: Values, options: Options) -> Action:
-    """A curve whose values at its points are numbers of the model: each times its part."""
-    parts = [(values[value_name(i)], part) for i, part in enumerate(values["parts"])]
-    if options["over"] == "rate":
-        return Action(sum(value * m.curve(part, at.r) for value, part in parts))
+        parts = [(values[value_name(i)], part) for i, part in enumerate(values["parts"])]
+    else:
+        parts = [(values.get("scale", 1), values["curve"])]
+    over_rate, factor = options["over"] == "rate", speed_factor(m, at.r, options)
     force, stored = 0, 0
-    for value, part in parts:
-        force += value * m.curve(part, at.s)
-        stored += value * m.curve(part.area(), at.s)
-    return Action(force, stored)
+    for value, curve in parts:
+        force += value * m.curve(curve, at.r if over_rate else at.s)
+        stored += 0 if over_rate or "times" in options else value * m.curve(curve.area(), at.s)
+    return Action(force * factor, stored)
 
 
 def _formula(keys: Collection[str], options: Options) -> str:
     force = f"curve({OVER[options.get('over', 'stretch')]})"
+    if options.get("times"):
+        force += f"*{TIMES[options['times']]}"
     return f"scale*{force}" if "scale" in keys else force
 
 
@@ -52,15 +65,36 @@ def _phrase(n: Numbers, options: Options) -> Phrase | None:
         terms.append(value_name(len(terms)))
     if len(terms) < 2:
         return None
-    noun, over = ("torque" if n.turns else "force"), options.get("over", "stretch")
+    over, times = options.get("over", "stretch"), options.get("times", "")
+    noun = _NOUNS.get(times) or ("torque" if n.turns else "force")
     x = [n.place(term)[0] for term in terms]
     bent = _bent(x, [n.value(term) for term in terms], over)
-    last = len(terms) - 1
-    shown = sorted({round(i * last / (_TOLD - 1)) for i in range(_TOLD)})
+    shown = _shown([n.value(term) for term in terms])
     said = n.listed([f"{n.amount(terms[i])} at {_where(n, terms[i])}" for i in shown])
-    tail = f"by a curve through {len(terms)} points, none of the listed laws being as good: {said}"
-    lost = over == "rate" and all(n.value(t) * at >= 0 for t, at in zip(terms, x, strict=True))
-    return Phrase(f"a {noun} of the {over}{bent}", tail, tuple(terms), "motion" if lost else "")
+    way = "along" if times else "by"
+    tail = (
+        f"{way} a curve through {len(terms)} points, none of the listed laws being as good: {said}"
+    )
+    if times:
+        lost = all(n.value(term) >= 0 for term in terms)
+        head = f"{noun} that changes with the {over}"
+    else:
+        pairs = zip(terms, x, strict=True)
+        lost = over == "rate" and all(n.value(term) * at >= 0 for term, at in pairs)
+        head = f"a {noun} of the {over}{bent}"
+    return Phrase(head, tail, tuple(terms), "motion" if lost else "")
+
+
+def _shown(y: Sequence[float]) -> list[int]:
+    """The points that a sentence holds: both ends, and of the others evenly many with the largest
+    value among them."""
+    last = len(y) - 1
+    shown = [round(i * last / (_TOLD - 1)) for i in range(_TOLD)]
+    most = max(range(len(y)), key=lambda i: abs(y[i]))
+    if most not in shown:
+        nearest = min(range(1, _TOLD - 1), key=lambda i: abs(shown[i] - most))
+        shown[nearest] = most
+    return sorted(set(shown))
 
 
 def _where(n: Numbers, term: str) -> str:
@@ -100,11 +134,20 @@ LAW = Law(
             "what the force is a function of, stretch or rate",
             choices=tuple(OVER),
         ),
+        Key(
+            "times",
+            0,
+            0,
+            0,
+            None,
+            "what a curve over the stretch is a factor of: rate s', or square abs(s')*s'",
+            choices=tuple(TIMES),
+        ),
         LENGTH,
     ),
     energy="dissipative",
     words="a characteristic curve",
-    law="scale*curve(s) or scale*curve(s')",
+    law="scale*curve(s) or scale*curve(s'), or scale*curve(s) times s' or abs(s')*s'",
     strengths=(),
     needs=("over",),
     action=_action,

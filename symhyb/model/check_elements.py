@@ -22,8 +22,8 @@ from symhyb.model.scope import (
 from symhyb.model.source import Path
 from symhyb.model.tables import Fault, shorten
 from symhyb.model.types import At, Between, Element, Model, On, Parameter
-from symhyb.model.vocabulary import KINDS, force_unit, key_unit, stretch_unit
-from symhyb.units import Unit, parse_unit
+from symhyb.model.vocabulary import KINDS, curve_units, key_unit, stretch_unit
+from symhyb.units import Unit
 
 _HIGHEST = 20  # the highest power that a unit has
 
@@ -60,12 +60,14 @@ def element_faults(
 
 
 def _curve_faults(element: Element, curve: Curve, model: Model) -> Iterator[Fault]:
-    """The units of a curve must be those of its place."""
-    along = stretch_unit(model, element.place)
-    if element.option("over", "") == "rate":
-        along = along / parse_unit("s")
-    needed = along, force_unit(model, element.place)
+    """The units of a curve must be those of its place, and only one over the stretch is a factor of
+    the speed."""
+    if element.option("over", "") == "rate" and element.option("times", ""):
+        text = "is for a curve over the stretch; one over the rate is a force by itself"
+        yield ("elements", element.name, "times"), text
+        return
     key = "units" if curve.owned else "curve"
+    needed = curve_units(model, element.place, element.options)
     for axis, unit, wanted in zip("xy", curve.units, needed, strict=True):
         if not unit.same_dimension(wanted):
             yield ("elements", element.name, key), f"{axis} of the curve is {unit}, needs {wanted}"

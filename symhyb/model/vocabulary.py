@@ -14,6 +14,7 @@ from fractions import Fraction
 
 from symhyb.laws import LAWS
 from symhyb.laws.base import Key, Law, Placement
+from symhyb.laws.curve import SPEED_POWERS
 from symhyb.model.expression import Expression, parse_expression
 from symhyb.model.scope import scope_of, unit_in
 from symhyb.model.types import At, Between, Element, Model, On, Place
@@ -100,6 +101,19 @@ def force_unit(model: Model, place: Place) -> Unit:
     return model.energy_unit / stretch
 
 
+def curve_units(model: Model, place: Place, options: Words) -> tuple[Unit, Unit]:
+    """The units of x and of F of a ``curve`` at a place: of one that is a factor of the speed F is
+    a damping or a drag.
+
+    Raises:
+        LookupError: as :func:`stretch_unit`.
+    """
+    stretch, force, words = stretch_unit(model, place), force_unit(model, place), dict(options)
+    power = SPEED_POWERS[words.get("times", "")]
+    along = stretch / parse_unit("s") if words.get("over") == "rate" else stretch
+    return along, _product((force, 1), (parse_unit("s"), power), (stretch, -power))
+
+
 def key_unit(
     model: Model, element_kind: str, key: str, place: Place, exponent: float = 1.0
 ) -> Unit:
@@ -123,7 +137,11 @@ def key_unit(
         return parse_unit(_INERTIA[force.text])
     n = Fraction(exponent).limit_denominator(12) if declared.exponent else Fraction(1)
     along = declared.stretch * n
-    parts = ((force, declared.force), (parse_unit("s"), declared.time), (stretch, along))
+    return _product((force, declared.force), (parse_unit("s"), declared.time), (stretch, along))
+
+
+def _product(*parts: tuple[Unit, Fraction | int]) -> Unit:
+    """The product of powers of units, in this order."""
     unit = ONE
     for part, power in parts:
         unit = unit * part**power

@@ -18,6 +18,7 @@ from symhyb.report import figures
 from symhyb.report.animation import Animation, animation
 from symhyb.report.apart import apart_figure
 from symhyb.report.bars import Pair, places_figure, score_figure
+from symhyb.report.coefficient_figure import coefficient_figure, coefficient_of
 from symhyb.report.contract import finite
 from symhyb.report.doubts import correlations_figure, whiteness_figure
 from symhyb.report.live import Live, Signal, live_figures
@@ -119,8 +120,20 @@ def _trace_picture(trace: Trace, sensor: str, unit: Unit, noise: float | None) -
 
 
 def cloud_pictures(diagnosis: Diagnosis, verdict: Verdict, model: Model | None) -> list[Picture]:
-    """ΔF over the motion and over time, with what was found."""
-    return [
+    """ΔF over the motion and over time, with what was found, and what a curve is a factor of."""
+    coefficients = [
+        Picture(
+            _image(coefficient_figure(effect)),
+            f"The {coefficient_of(effect)} that was found {place_text(effect.element.place)}, over "
+            "the stretch.",
+            f"The {coefficient_of(effect)} {place_text(effect.element.place)}, which changes with "
+            "the stretch: points of the found curve, and a band of two of their standard "
+            "deviations.",
+        )
+        for effect in diagnosis.found
+        if coefficient_of(effect)
+    ]
+    return coefficients + [
         picture
         for cloud in drawn_clouds(diagnosis)
         for picture in _cloud_pictures(
@@ -156,7 +169,8 @@ def _marks_at(cloud: Cloud, diagnosis: Diagnosis) -> list[figures.Marks]:
     found = []
     for effect in diagnosis.found:
         element = effect.element
-        if element.curve is not None and element.place == cloud.place:
+        alone = element.curve is not None and not coefficient_of(effect)
+        if element.curve is not None and alone and element.place == cloud.place:
             along, up = (unit.factor for unit in element.curve.units)
             x, force = np.array(element.curve.points).T
             sd = np.array([one.sd for one in effect.estimates])

@@ -22,7 +22,7 @@ def draw_element(draft: Draft, element: Element) -> None:
             if element.kind in PUSHING:
                 draft.add("arrow", [tail, at], "input", element.name)
             else:
-                for line in symbol(element.kind, tail, at, 0.7 * draft.size):
+                for line in symbol(element, tail, at, 0.7 * draft.size):
                     draft.add("line", line, "element", element.name)
             _label(draft, element, tail, away)
         case On() as on:
@@ -34,7 +34,7 @@ def _draw_between(draft: Draft, element: Element, a: Array, b: Array, key: str) 
     row, (_, left) = draft.row(key), across(a, b)
     side = 1.0 if row % 2 else -1.0
     offset = left * draft.size * 1.1 * ((row + 1) // 2) * side
-    for line in symbol(element.kind, a + offset, b + offset, 0.8 * draft.size):
+    for line in symbol(element, a + offset, b + offset, 0.8 * draft.size):
         draft.add("line", line, "element", element.name)
     if element.kind in PUSHING:
         middle = (a + b) / 2 + offset
@@ -85,7 +85,7 @@ def _draw_sliding(draft: Draft, element: Element, body: str, along: Array) -> No
         draft.add("arrow", [wall + 1.4 * along * draft.size, end], "input", element.name)
     else:
         wall = draft.held.setdefault(element.name, wall - along * draft.room(body, along))
-        for line in symbol(element.kind, wall, end, 0.8 * draft.size):
+        for line in symbol(element, wall, end, 0.8 * draft.size):
             draft.add("line", line, "element", element.name)
         for line in ground(wall, -along, 1.2 * draft.size):
             draft.add("line", line, "ground", element.name)

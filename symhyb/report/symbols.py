@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from symhyb.model.types import Element
 from symhyb.report.series import Array
 
 Lines = list[Array]
@@ -17,9 +18,17 @@ TURNS = 5
 LEAD = 0.2  # of the length, at both ends
 
 
-def symbol(kind: str, a: Array, b: Array, size: float) -> Lines:
-    """The lines (K, 2) of an element of that kind from ``a`` (2,) to ``b`` (2,), in one unit."""
-    return _SYMBOLS.get(kind, _plain)(a, b, size)
+def symbol(element: Element, a: Array, b: Array, size: float) -> Lines:
+    """The lines (K, 2) of an element from ``a`` (2,) to ``b`` (2,), in one unit."""
+    return _SYMBOLS.get(_drawn_as(element), _plain)(a, b, size)
+
+
+def _drawn_as(element: Element) -> str:
+    """The kind whose symbol an element has: a curve is a spring, or a damper."""
+    if element.kind != "curve":
+        return element.kind
+    lost = element.option("over", "") == "rate" or element.option("times", "")
+    return "damper" if lost else "spring"
 
 
 def across(a: Array, b: Array) -> tuple[Array, Array]:
@@ -100,9 +109,11 @@ def _in_series(a: Array, b: Array, size: float) -> Lines:
 
 _SYMBOLS: dict[str, Callable[[Array, Array, float], Lines]] = {
     "spring": _zigzag,
-    "curve": _zigzag,
     "damper": _dashpot,
+    "damper_kinked": _dashpot,
     "drag": _dashpot,
+    "eddy_brake": _dashpot,
+    "power": _dashpot,
     "friction": _rubbing,
     "friction_dynamic": _rubbing,
     "hysteresis": _rubbing,

@@ -30,6 +30,14 @@ def strut(whole: bool) -> Spec:
                 "units": ["m", "N"],
                 "points": [[-1.0, -90.0], [-0.5, 0.0], [0.5, 0.0], [0.8, 10.0], [1.0, 40.0]],
             },
+            "brake": {
+                "kind": "curve",
+                "on": "x",
+                "over": "stretch",
+                "times": "square",
+                "units": ["m", "N*s^2/m^2"],
+                "points": [[-1.0, 0.0], [0.0, 3.0], [1.0, 0.5]],
+            },
             "strut": {
                 "kind": "curve",
                 "on": "x",

@@ -34,6 +34,20 @@ def test_over_the_rate_nothing_is_stored_and_the_force_resists() -> None:
     assert np.all(does.force * r >= 0)
 
 
+@pytest.mark.parametrize(
+    ("times", "factor"), [("rate", lambda r: r), ("square", lambda r: r * abs(r))]
+)
+def test_a_factor_of_the_speed_stores_nothing(times, factor) -> None:
+    s, r = np.linspace(-3, 2, 101), np.linspace(2, -1, 101)
+    assert LAW.action is not None
+    options = {"over": "stretch", "times": times}
+    does = LAW.action(NUMPY, Motion(s, r, 0.0, 0.0), {"curve": CURVE, "scale": 2.0}, options)
+    assert does.force == pytest.approx(2 * CURVE(s) * factor(r))
+    assert does.stored == 0
+
+
 def test_the_text_says_over_what_it_goes() -> None:
     assert LAW.text(["scale"], {"over": "rate"}) == "scale*curve(s')"
     assert LAW.text([], {"over": "stretch"}) == "curve(s)"
+    assert LAW.text([], {"over": "stretch", "times": "rate"}) == "curve(s)*s'"
+    assert LAW.text([], {"over": "stretch", "times": "square"}) == "curve(s)*abs(s')*s'"

@@ -157,6 +157,24 @@ FAULTS = {
         'over = "stretch"',
         ["elements.strut.units: x of the curve is mm/s, needs m"],
     ),
+    "a factor of the speed over the rate": (
+        'over = "rate"',
+        'over = "rate"\ntimes = "rate"',
+        [
+            "elements.strut.times: is for a curve over the stretch; one over the rate is a force "
+            "by itself"
+        ],
+    ),
+    "a factor of the speed in newtons": (
+        'over = "rate"\nunits = ["mm/s", "N"]',
+        'over = "stretch"\ntimes = "square"\nunits = ["mm", "N"]',
+        ["elements.strut.units: y of the curve is N, needs N*s^2/m^2"],
+    ),
+    "no factor": (
+        'over = "rate"',
+        'over = "rate"\ntimes = "load"',
+        ["elements.strut.times: 'load' is not a word for it; it is one of rate, square"],
+    ),
     "over nothing": (
         'over = "rate"\n',
         "",

@@ -254,6 +254,26 @@ points = [[-1, -3], [0, 0], [1, 7]]
     assert value(other.k_e, [0.1], [0.4], [], [2.0], 0.0, other.values) != pytest.approx(made[0])
 
 
+@pytest.mark.parametrize(
+    ("times", "unit", "speed"), [("rate", "N*s/m", "x'"), ("square", "N*s^2/m^2", "abs(x')*x'")]
+)
+def test_a_factor_of_the_speed_is_an_expression_with_the_curve(
+    times: str, unit: str, speed: str
+) -> None:
+    text = f"""[curves.zone]
+units = ["m", "{unit}"]
+points = [[-1, 3], [0, 0], [1, 7]]
+[elements.brake]
+"""
+    element = f'kind = "curve"\non = "x"\nover = "stretch"\ntimes = "{times}"\ncurve = "zone"\n'
+    law = f'kind = "law"\non = "x"\nforce = "-curve(zone, x)*{speed}"\n'
+    made = []
+    for way in (element, law):
+        machine = build(parse_model(DRIVEN_MASS + text + way))
+        made.append(value(machine.k_e, [0.1], [-0.4], [], [2.0], 0.0, machine.values))
+    assert made[0] == pytest.approx(made[1], rel=1e-15)
+
+
 def test_an_angle_takes_degrees_and_torques() -> None:
     stop = {
         "kind": "curve",

@@ -3,7 +3,13 @@
 import numpy as np
 import pytest
 
+from symhyb.model.types import Element, On
 from symhyb.report.symbols import arc, ground, symbol
+
+
+def of_kind(kind: str, *words: tuple[str, str]) -> Element:
+    return Element("e", kind, On("x"), (), options=words)
+
 
 KINDS = ("spring", "damper", "friction", "gap", "relaxation", "law")
 
@@ -11,7 +17,7 @@ KINDS = ("spring", "damper", "friction", "gap", "relaxation", "law")
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_symbol_joins_its_two_places(kind: str) -> None:
     a, b = np.array([1.0, 2.0]), np.array([-2.0, 6.0])
-    lines = np.vstack(symbol(kind, a, b, 0.5))
+    lines = np.vstack(symbol(of_kind(kind), a, b, 0.5))
     for place in (a, b):
         assert np.min(np.linalg.norm(lines - place, axis=1)) < 1e-12
     along = (b - a) / 5.0
@@ -19,9 +25,23 @@ def test_a_symbol_joins_its_two_places(kind: str) -> None:
     assert np.abs(away).max() <= 0.25 + 1e-12
 
 
+@pytest.mark.parametrize(
+    ("words", "kind"),
+    [
+        ((("over", "stretch"),), "spring"),
+        ((("over", "rate"),), "damper"),
+        ((("over", "stretch"), ("times", "rate")), "damper"),
+    ],
+)
+def test_a_curve_is_drawn_as_what_it_does(words: tuple[tuple[str, str], ...], kind: str) -> None:
+    a, b = np.zeros(2), np.array([1.0, 0.0])
+    lines, others = symbol(of_kind("curve", *words), a, b, 0.5), symbol(of_kind(kind), a, b, 0.5)
+    assert all(np.array_equal(x, y) for x, y in zip(lines, others, strict=True))
+
+
 def test_two_places_that_are_one_give_finite_lines() -> None:
     a = np.zeros(2)
-    assert np.isfinite(np.vstack(symbol("spring", a, a, 0.5))).all()
+    assert np.isfinite(np.vstack(symbol(of_kind("spring"), a, a, 0.5))).all()
 
 
 def test_the_hatching_of_a_wall_is_on_its_outer_side() -> None:

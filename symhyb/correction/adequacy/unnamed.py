@@ -47,9 +47,11 @@ def _smooth_laws(
 
 
 def _quantities(cause: Hypothesis) -> frozenset[str]:
-    """What a force changes with: ``stretch``, ``rate``, or both."""
+    """What a force changes with: ``stretch``, ``rate``, or both. A curve that is a factor of the
+    speed may hold a damper, and no spring."""
     if cause.points:
-        return frozenset((dict(cause.options).get("over", "stretch"),))
+        words = dict(cause.options)
+        return frozenset(("rate" if "times" in words else words["over"],))
     if cause.kind == LAW and isinstance(cause.place, On):
         orders = {
             name.order

@@ -3,12 +3,11 @@
 from collections.abc import Sequence
 
 from symhyb.discrepancy.results import Estimate
-from symhyb.laws.curve import value_name
+from symhyb.laws.curve import SYMBOLS, value_name
 from symhyb.model.curves import Curve
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import Element, Model, Parameter, Place
-from symhyb.model.vocabulary import force_unit, stretch_unit
-from symhyb.units import Unit, parse_unit
+from symhyb.model.vocabulary import Words, curve_units
 
 DIGITS = 6  # of points as they are written
 BEYOND = "beyond its points, where next to nothing was recorded, it goes on straight"
@@ -17,16 +16,17 @@ BEYOND = "beyond its points, where next to nothing was recorded, it goes on stra
 def value_estimates(
     model: Model,
     place: Place,
-    over: str,
+    options: Words,
     points: Sequence[float],
     values: Sequence[tuple[float, float]],
 ) -> tuple[Estimate, ...]:
     """The ``values`` of a curve with their deviations at its ``points``, all SI, in the units of
     the model file."""
-    along, up = _units(model, place, over)
+    along, up = curve_units(model, place, options)
+    letter = SYMBOLS[dict(options).get("times", "")]
     return tuple(
         Estimate(
-            f"F_{i + 1}",
+            f"{letter}_{i + 1}",
             value / up.factor,
             sd / up.factor,
             up.text,
@@ -42,7 +42,7 @@ def curve_element(
     model: Model,
     name: str,
     place: Place,
-    over: str,
+    options: Words,
     values: Sequence[Estimate],
     length: Parameter | None,
     provenance: tuple[tuple[str, object], ...],
@@ -61,13 +61,6 @@ def curve_element(
         () if length is None else (("length", parse_expression(length.name)),),
         () if length is None else (length,),
         (*provenance, ("sd", sds)),
-        options=(("over", over),),
-        curve=Curve(f"elements.{name}", points, _units(model, place, over)),
+        options=options,
+        curve=Curve(f"elements.{name}", points, curve_units(model, place, options)),
     )
-
-
-def _units(model: Model, place: Place, over: str) -> tuple[Unit, Unit]:
-    """The units of the points of a curve over stretch or rate at a place."""
-    stretch = stretch_unit(model, place)
-    along = stretch / parse_unit("s") if over == "rate" else stretch
-    return along, force_unit(model, place)

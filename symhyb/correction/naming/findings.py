@@ -175,15 +175,14 @@ def _curve(
     active: Activity | None,
 ) -> Found:
     """Write a curve with its values at its points."""
-    over = dict(item.options)["over"]
     fitted = [pair for pair in item.values.values() if np.isfinite(pair[1])]
-    values = value_estimates(model, item.place, over, item.points, fitted)
+    values = value_estimates(model, item.place, item.options, item.points, fitted)
     length = None
     if "length" in item.values:
         unit = key_unit(model, item.kind, "length", item.place)
         symbol = symbol_of(model, item.kind, "length")
         length = Parameter(symbol, item.values["length"][0] / unit.factor, unit, owner=name)
-    element = curve_element(model, name, item.place, over, values, length, provenance)
+    element = curve_element(model, name, item.place, item.options, values, length, provenance)
     sentence = effect_sentence(item.kind, item.place, values, share, item.options, BEYOND)
     law = KINDS[item.kind].text(() if length is None else ("length",), dict(item.options))
     return Found(element, law, ByName(values), share, sentence, active)
@@ -374,9 +373,8 @@ def _alternative(
     exponent = values.get("exponent", (1.0, 0.0))[0]
     if cause.place is not None and cause.points and values:
         fitted = [values[key] for key in cause.terms]
-        over = dict(cause.options)["over"]
         x = [x for x, _, _ in cause.points]
-        estimates += value_estimates(model, cause.place, over, x, fitted)
+        estimates += value_estimates(model, cause.place, cause.options, x, fitted)
     elif cause.place is not None:
         for key, (value, sd) in values.items():
             unit = cause.unit(model, key, exponent)

@@ -34,7 +34,7 @@ from symhyb.model.types import (
     Sensor,
     place_text,
 )
-from symhyb.model.vocabulary import KINDS, expressed, force_unit, key_of, key_unit, worded
+from symhyb.model.vocabulary import KINDS, curve_units, expressed, key_of, key_unit, worded
 from symhyb.numeric.kernels.buffers import Array, call
 from symhyb.numeric.kernels.vector import along
 from symhyb.numeric.lowered.machine import Machine, build
@@ -180,7 +180,7 @@ class Hypothesis:
         if self.kind == LAW and isinstance(self.place, On):
             return law_unit(model, self.place, self.path, key)
         if key in self.terms and self.points:
-            return force_unit(model, self.place)
+            return curve_units(model, self.place, self.options)[1]
         return key_unit(model, self.kind, key, self.place, exponent)
 
     def element(self, model: Model, name: str, values: Mapping[str, float]) -> Element:

@@ -1,14 +1,15 @@
-"""Whether a force of stretch and rate, that no listed law is, is a curve over one of the two.
+"""Whether a force of stretch and rate, that no listed law is, is a curve over one of the two, or a
+curve over the stretch that is a factor of the speed.
 
     class > listed laws         it is the answer: a force of stretch and rate at a place
-    curve ≥ class               one quantity explains as much: it is an own curve
+    curve ≥ class               one curve explains as much: it is an own curve
     listed ≥ curve              laws by name do as well in its place: they are the answer
 
 Where laws by name are less likely than the curve, but not by 100 to 1, neither is, and the class
 stays. All are compared by the evidence of the innovations along whole recordings.
 """
 
-from symhyb.correction.adequacy.curves.courses import OVERS
+from symhyb.correction.adequacy.curves.courses import FORMS
 from symhyb.correction.adequacy.curves.fitted_curve import Offer, beside, offered
 from symhyb.correction.adequacy.curves.listed import listed
 from symhyb.correction.adequacy.explained import Decided, remainder
@@ -62,9 +63,9 @@ def instead_of_class(ground: Recorded, judged: Adequacy) -> Fitted | None:
 
 
 def _promising(ground: Recorded, bare: Fitted, place: Place, least: float) -> list[Offer]:
-    """Curves over stretch and over rate that may reach an evidence."""
+    """Curves of all forms that may reach an evidence."""
     which = ground.library.places.index(place)
-    offers = [one for over in OVERS if (one := offered(ground, bare, which, over)) is not None]
+    offers = [one for form in FORMS if (one := offered(ground, bare, which, form)) is not None]
     offers.sort(key=lambda one: -one.worth)
     return [one for one in offers if bare.evidence + one.worth > least - HOPELESS]
 

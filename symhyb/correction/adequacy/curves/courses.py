@@ -14,51 +14,79 @@ from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Fitted
 from symhyb.discrepancy.places.hypotheses import natural_length
 from symhyb.judgement import HANDFUL
+from symhyb.laws.curve import TIMES, speed_factor
+from symhyb.laws.maths import NUMPY
 from symhyb.model.types import Between, On
+from symhyb.model.vocabulary import Words
 from symhyb.numeric.kernels.buffers import Array
 
 FINE = 64  # points of the fine line, half of them evenly spread, half at quantiles
 DIGITS = 3  # of the range: as exactly points are stated
 APART = 0.25  # of an even distance: nearer points are one
 
-Over = Literal["stretch", "rate"]
-OVERS: tuple[Over, ...] = ("stretch", "rate")
+
+@dataclass(frozen=True, slots=True)
+class Form:
+    """What a curve is a function of, and what it is a factor of: the options of a ``curve``."""
+
+    over: Literal["stretch", "rate"]
+    times: str = ""
+
+    @property
+    def options(self) -> Words:
+        """As an element has them."""
+        return (("over", self.over), *((("times", self.times),) if self.times else ()))
+
+    def of(self, stretch: Array, rate: Array) -> Array:
+        """What the curve is a function of (N,), of stretch and rate (N,) of a place, SI."""
+        return rate if self.over == "rate" else stretch
+
+    def factor(self, rate: Array) -> Array:
+        """What the curve is a factor of (N,), at rates (N,), SI."""
+        return np.asarray(speed_factor(NUMPY, rate, dict(self.options)) + np.zeros_like(rate))
+
+
+FORMS = (Form("stretch"), Form("rate"), *(Form("stretch", times) for times in TIMES))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Line:
-    """A force of stretch or rate (``over``) at the place of this number (``which``), as a broken
-    line through values at ``x`` (G,), SI: the ``products`` of these values for every size of the
-    unknown force; ``size`` is the force, SI, that moves the place, ``length`` what a stretch
-    between two points is counted from."""
+    """A force of stretch and rate of one ``form`` at the place of this number (``which``), as a
+    broken line through values at ``x`` (G,), SI: the ``products`` of these values for every size of
+    the unknown force; ``size`` is the value, SI, that by itself moves the place, ``rate`` the
+    largest rate there, ``length`` what a stretch between two points is counted from."""
 
     which: int
-    over: Over
+    form: Form
     x: Array
     products: tuple[Products, ...]
     size: float
+    rate: float
     length: float | None = None
 
 
-def line_of(recorded: Recorded, trial: Fitted, which: int, over: Over) -> Line | None:
+def line_of(recorded: Recorded, trial: Fitted, which: int, form: Form) -> Line | None:
     """The fine line at a place around a fitted structure; None where nothing moves there, or moves
     it."""
     place = recorded.library.places[which]
-    size = force_at(recorded, which)
     length = None
     if isinstance(place, Between):
         length = natural_length(recorded.windows.machine.model, place)
-    moved = _moved(recorded, which, over, length or 0.0)
-    x = fine_points(np.concatenate(moved))
-    if x is None or not size > 0:
+    parts = motions(recorded)
+    moved = [form.of(s[:, which] - (length or 0.0), r[:, which]) for s, r, _ in parts]
+    factors = [form.factor(r[:, which]) for _, r, _ in parts]
+    x, size = fine_points(np.concatenate(moved)), force_at(recorded, which)
+    usual = float(np.sqrt(np.mean(np.concatenate(factors) ** 2)))
+    if x is None or not (size > 0 and usual > 0):
         return None
     resists = -1.0 if isinstance(place, On) else 1.0  # a tension pulls, whoever states it
-    columns = [resists * hats(values, x) for values in moved]
     forces = [
-        toward[:, :, which, None] * each[:, None]
-        for (_, _, toward), each in zip(motions(recorded), columns, strict=True)
+        toward[:, :, which, None] * (resists * factor[:, None] * hats(values, x))[:, None]
+        for (_, _, toward), factor, values in zip(parts, factors, moved, strict=True)
     ]
-    return Line(which, over, x, products_of(recorded, trial, forces), size, length)
+    fastest = max(float(np.abs(r[:, which]).max()) for _, r, _ in parts)
+    products = products_of(recorded, trial, forces)
+    return Line(which, form, x, products, size / usual, fastest, length)
 
 
 def force_at(recorded: Recorded, which: int) -> float:
@@ -88,13 +116,6 @@ def fine_points(values: Array) -> Array | None:
         if x - kept[-1] > least and high - x > least:
             kept.append(round(float(x), digits))
     return np.array([*kept, high])
-
-
-def _moved(recorded: Recorded, which: int, over: Over, length: float) -> list[Array]:
-    """Stretch or rate of a place (N,) along every part of the recordings, SI."""
-    if over == "rate":
-        return [rate[:, which] for _, rate, _ in motions(recorded)]
-    return [stretch[:, which] - length for stretch, _, _ in motions(recorded)]
 
 
 def hats(values: Array, x: Array) -> Array:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from symhyb.correction.adequacy.curves.courses import OVERS, Line, Over, line_of
+from symhyb.correction.adequacy.curves.courses import FORMS, Form, Line, line_of
 from symhyb.correction.adequacy.curves.points import Points, placed
 from symhyb.correction.adequacy.followed import scored
 from symhyb.correction.adequacy.recorded import Recorded
@@ -34,14 +34,14 @@ class Offer(NamedTuple):
     line: Line
 
 
-def offered(ground: Recorded, trial: Fitted, which: int, over: Over) -> Offer | None:
+def offered(ground: Recorded, trial: Fitted, which: int, form: Form) -> Offer | None:
     """A curve at the place of this number around a structure; None where nothing moves there."""
-    line = line_of(ground, trial, which, over)
+    line = line_of(ground, trial, which, form)
     if line is None:
         return None
     points = placed(line)
     curve = _cause(line, points, ground.library.places[which])
-    return Offer(curve, points.worth, float(np.log(len(OVERS) * points.tried)), line)
+    return Offer(curve, points.worth, float(np.log(len(FORMS) * points.tried)), line)
 
 
 def _cause(line: Line, points: Points, place: Place) -> Hypothesis:
@@ -52,7 +52,7 @@ def _cause(line: Line, points: Points, place: Place) -> Hypothesis:
         tuple(map(value_name, range(count))),
         (False,) * count,
         () if line.length is None else (("length", line.length),),
-        options=(("over", line.over),),
+        options=line.form.options,
         points=tuple(zip(points.x.tolist(), points.y.tolist(), points.shift.tolist(), strict=True)),
     )
 

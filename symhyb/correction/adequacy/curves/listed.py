@@ -1,7 +1,8 @@
 """What listed laws would do in the place of a curve, in the same linear problem.
 
-Their forces over the stretch alone, or over the rate alone, are columns of the same fine line, so
-that sets of them and the curve are compared by one evidence.
+Their forces, over what the curve is a factor of, are functions of the stretch alone, or of the rate
+alone, and so columns of the same fine line: sets of them and the curve are compared by one
+evidence.
 """
 
 from collections.abc import Iterator, Sequence
@@ -22,7 +23,9 @@ from symhyb.numeric.kernels.buffers import Array
 
 TOGETHER = 3  # laws at most, that stand for a curve
 BY_THEMSELVES = 8  # of the laws that are worth most, of which sets are made
-OTHER = 0.5  # of what moves the place: the quantity that the curve is no function of
+ROUNDED = 1e-9  # relative
+OTHER = 0.5  # m or rad: a stretch of which a law over the rate is no function
+OTHERS = (1.0, -1.0, 0.3)  # of the largest: the quantity that the curve is no function of
 
 
 class Listed(NamedTuple):
@@ -77,25 +80,28 @@ def _laws(recorded: Recorded, line: Line) -> Iterator[_Law]:
             continue
         if law.state or law.inertial or not law.of_state:
             continue
-        forces = _forces(cause, line, 0.0)
+        forces, *again = (_forces(cause, line, share) for share in OTHERS)
         largest = np.abs(forces).max(axis=0)
-        if np.array_equal(forces, _forces(cause, line, OTHER)) and np.all(largest > 0):
+        same = all(np.allclose(forces, one, rtol=ROUNDED, atol=0.0) for one in again)
+        if same and np.all(largest > 0):
             pushes = -1.0 if not law.passive and isinstance(place, On) else 1.0
             columns = pushes * forces / largest
             yield _Law(cause, columns, largest, worth_of(line, columns)[0])
 
 
-def _forces(cause: Hypothesis, line: Line, other: float) -> Array:
-    """The force F (G, T), SI, of each term over the quantity of a line, the ``other`` quantity
-    held."""
-    law, fixed, none = KINDS[cause.kind], np.full_like(line.x, other), np.zeros_like(line.x)
-    s, r = (line.x, fixed) if line.over == "stretch" else (fixed, line.x)
+def _forces(cause: Hypothesis, line: Line, share: float) -> Array:
+    """The force F (G, T), SI, of each term over the quantity of a line, the other one held at this
+    ``share`` of its largest, over what the curve is a factor of."""
+    law, none = KINDS[cause.kind], np.zeros_like(line.x)
+    over_rate = line.form.over == "rate"
+    held = np.full_like(line.x, share * (OTHER if over_rate else line.rate))
+    s, r = (held, line.x) if over_rate else (line.x, held)
     at, columns = Motion(s, r, none, none), []
     assert law.action is not None
     for unit in cause.units():
         values = {**dict(cause.shape), **unit}
         columns.append(none + law.action(NUMPY, at, values, dict(cause.options)).force)
-    return np.stack(columns, axis=1)
+    return np.stack(columns, axis=1) / line.form.factor(held)[:, None]
 
 
 def _rows(chosen: Sequence[_Law], values: Array) -> tuple[Row, ...] | None:

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-from symhyb.correction.adequacy.curves.courses import Line, fine_points, hats
+from symhyb.correction.adequacy.curves.courses import Form, Line, fine_points, hats
 from symhyb.correction.adequacy.curves.points import POINTS_MOST, placed
 from symhyb.laws.characteristic import through
 
+RATE = Form("rate")
 RANDOM = np.random.default_rng(5)
 SEEN = 2.5 * np.sin(RANDOM.uniform(0, 2 * np.pi, 3000)) + 0.2 * RANDOM.normal(size=3000)
 
@@ -17,7 +18,7 @@ def line_of(force: np.ndarray, noise: float) -> Line:
     assert x is not None
     left = force + noise * RANDOM.standard_normal(SEEN.size)
     joined = np.column_stack([-hats(SEEN, x), left]) / noise  # left + columns · values remains
-    return Line(0, "rate", x, ((joined.T @ joined, 0.0),), float(np.std(force)))
+    return Line(0, RATE, x, ((joined.T @ joined, 0.0),), float(np.std(force)), 1.0)
 
 
 def knee(v: np.ndarray) -> np.ndarray:
@@ -52,7 +53,7 @@ def test_points_stand_where_the_force_bends() -> None:
 
 def test_noise_alone_is_worth_nothing() -> None:
     line = line_of(np.zeros(SEEN.size), 0.1)
-    found = placed(Line(0, "rate", line.x, line.products, 1.0))
+    found = placed(Line(0, RATE, line.x, line.products, 1.0, 1.0))
     assert found.worth < 0
 
 
