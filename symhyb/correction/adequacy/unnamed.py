@@ -9,10 +9,9 @@ small remainder beside a law that is right, as it is along most real recordings.
 from collections.abc import Sequence
 
 from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.discrepancy.places.quantities import quantities, smooth
 from symhyb.discrepancy.words.formula import LAW
-from symhyb.model.expression import names, parse_expression
-from symhyb.model.types import On, Place
-from symhyb.model.vocabulary import KINDS
+from symhyb.model.types import Place
 
 
 def parts_of_unnamed(causes: Sequence[Hypothesis], certain: bool) -> frozenset[Hypothesis]:
@@ -25,41 +24,17 @@ def parts_of_unnamed(causes: Sequence[Hypothesis], certain: bool) -> frozenset[H
     for cause in causes:
         if cause.place is None or not (cause.points or cause.kind == LAW):
             continue
-        beside = {*numbers, *_smooth_laws(causes, cause.place, _quantities(cause))}
+        beside = {*numbers, *_smooth_laws(causes, cause.place, quantities(cause))}
         parts |= beside | ({cause} if beside and cause.kind == LAW else set())
     return frozenset(parts)
 
 
 def _smooth_laws(
-    causes: Sequence[Hypothesis], place: Place, quantities: frozenset[str]
+    causes: Sequence[Hypothesis], place: Place, known: frozenset[str]
 ) -> set[Hypothesis]:
-    """The laws by name at a place that are smooth functions of these quantities: without memory,
-    without a jump, which no smooth force has."""
-    found = set()
-    for cause in causes:
-        law = KINDS.get(cause.kind)
-        if law is None or cause.place != place or cause.points or cause.kind == LAW:
-            continue
-        smooth = law.of_state and not (law.state or law.inertial or law.steep)
-        if smooth and _quantities(cause) <= quantities:
-            found.add(cause)
-    return found
-
-
-def _quantities(cause: Hypothesis) -> frozenset[str]:
-    """What a force changes with: ``stretch``, ``rate``, or both. A curve that is a factor of the
-    speed may hold a damper, and no spring."""
-    if cause.points:
-        words = dict(cause.options)
-        return frozenset(("rate" if "times" in words else words["over"],))
-    if cause.kind == LAW and isinstance(cause.place, On):
-        orders = {
-            name.order
-            for name in names(parse_expression(cause.path))
-            if name.name == cause.place.coordinate
-        }
-        return frozenset(word for order, word in ((0, "stretch"), (1, "rate")) if order in orders)
-    law = KINDS[cause.kind]
-    if law.energy == "dissipative":
-        return frozenset(("rate",))
-    return frozenset() if law.steady and law.at_rest else frozenset(("stretch",))
+    """The laws by name at a place that are smooth functions of these quantities."""
+    return {
+        cause
+        for cause in causes
+        if cause.place == place and smooth(cause) and quantities(cause) <= known
+    }

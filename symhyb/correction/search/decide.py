@@ -37,6 +37,7 @@ from symhyb.correction.search.score import (
     weak_together,
 )
 from symhyb.correction.search.selection import Problem, Subset, best_subsets, many, without
+from symhyb.correction.search.series import instead_of_series
 from symhyb.correction.search.setting import Setting, along_motion
 from symhyb.correction.search.so_far import fits_best, if_interrupted
 from symhyb.correction.search.trajectory import Refined, grouped
@@ -169,6 +170,10 @@ def _decided(trials: Trials, problems: Sequence[Problem], pool: set[tuple[int, .
             better = _further(trials, best)
         if better is best and best.fit.scale > NEAR_NOISE and few:
             _without_a_name(trials, best, nothing)
+            better = _best(trials)
+        if better is best and few:
+            for shorter, values in instead_of_series(trials, best, problem):
+                _tried(trials, shorter, values)
             better = _best(trials)
         log.append(_sentence(trials, better, best))
         if better is best:

@@ -231,8 +231,16 @@ def _repeats(problem: Problem, causes: Sequence[int]) -> bool:
 
 def without(problem: Problem, dropped: set[int]) -> Problem:
     """The problem in which some causes can no longer be chosen."""
+    return _bounded(problem, dropped, -np.inf)
+
+
+def allowing(problem: Problem, causes: set[int]) -> Problem:
+    """The problem in which some causes that could not be chosen can be, in any size."""
+    return _bounded(problem, causes, np.inf)
+
+
+def _bounded(problem: Problem, causes: set[int], upper: float) -> Problem:
     bounds = problem.upper.copy()
-    for cause in dropped:
-        for column in problem.columns[cause]:
-            bounds[column] = -np.inf
+    for cause in causes:
+        bounds[list(problem.columns[cause])] = upper
     return replace(problem, upper=bounds)

@@ -1,0 +1,37 @@
+"""Which of stretch and rate a force at a place is a function of, and whether it is a smooth one."""
+
+from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.discrepancy.words.formula import LAW
+from symhyb.model.expression import names, parse_expression
+from symhyb.model.types import On
+from symhyb.model.vocabulary import KINDS
+
+_ORDERS = ((0, "stretch"), (1, "rate"))
+
+
+def quantities(cause: Hypothesis) -> frozenset[str]:
+    """What a force changes with: ``stretch``, ``rate``, or both. A curve that is a factor of the
+    speed may hold a damper, and no spring."""
+    if cause.points:
+        words = dict(cause.options)
+        return frozenset(("rate" if "times" in words else words["over"],))
+    if cause.kind == LAW and isinstance(cause.place, On):
+        orders = {
+            name.order
+            for name in names(parse_expression(cause.path))
+            if name.name == cause.place.coordinate
+        }
+        return frozenset(word for order, word in _ORDERS if order in orders)
+    law = KINDS[cause.kind]
+    if law.energy == "dissipative":
+        return frozenset(("rate",))
+    return frozenset() if law.steady and law.at_rest else frozenset(("stretch",))
+
+
+def smooth(cause: Hypothesis) -> bool:
+    """Whether a force with a name is a smooth function of them: without memory, without a jump,
+    which no smooth force has."""
+    law = KINDS.get(cause.kind)
+    if law is None or cause.kind == LAW or cause.points:
+        return False
+    return law.of_state and not (law.state or law.inertial or law.steep)
