@@ -7,6 +7,7 @@ from zlib import crc32
 
 import kinds_drive
 import kinds_force
+import kinds_formula
 import kinds_inner
 import kinds_sensor
 from bare import Bare
@@ -80,6 +81,7 @@ TABLE = (
     Kind("detent", ("law",), OPEN, f.detent),
     Kind("brake zone", ("law",), ALL, f.brake_zone),
     Kind("pinch", ("law",), ALL, f.pinch),
+    Kind("formula", ("law",), ALL, kinds_formula.formula, ("power",)),
     Kind("disturbance", ("unmeasured force",), ALL, f.disturbance),
     Kind("rumble", ("unmeasured force",), ALL, f.rumble),
     Kind("knocks", ("unmeasured force",), ALL, f.knocks),

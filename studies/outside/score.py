@@ -19,6 +19,7 @@ from kinds import TABLE
 from outcomes import OUTCOMES, Row, score_case
 from shared import seeds_of, unseal
 
+EQUAL = 0.02  # of the range of an unseen recording
 KEPT = ("report.md", "rows.json")
 
 
@@ -71,6 +72,15 @@ def table(rows: Sequence[Row]) -> str:
     }
     lines += ["", f"| total | cases | {' | '.join(OUTCOMES)} |", "|---" * 7 + "|"]
     lines += [_totals(label, group) for label, group in groups.items() if group]
+    known = [row for row in rows if row.unseen is not None and row.unseen[0] > EQUAL]
+    equal = [r for r in known if r.unseen and r.unseen[1] <= EQUAL and r.verdict != "undecided"]
+    if known:
+        lines += [
+            "",
+            f"Of {len(known)} cases in which the model misses the unseen recording by more than "
+            f"{EQUAL:.0%} of its range in a free run, what is claimed misses it by less in "
+            f"{len(equal)}.",
+        ]
     spent = [row.cpu for row in rows if row.cpu is not None]
     if spent:
         lines += ["", f"Median time of a diagnosis: {np.median(spent):.1f} s of CPU."]

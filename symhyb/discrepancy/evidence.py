@@ -16,10 +16,13 @@ CONFIDENCE = NormalDist().inv_cdf((1.0 + WITHIN) / 2.0)  # standard deviations t
 
 def correlation_of(covariance: NDArray[np.float64]) -> NDArray[np.float64]:
     """How the errors of numbers with a covariance (K, K), in any units, go together (K, K),
-    dimensionless, −1 to 1; of a number without an error 0 with all others."""
+    dimensionless, −1 to 1; of a number without an error, or with an unknown one, 0 with all
+    others."""
     spread = np.sqrt(np.diag(covariance))
-    spread = np.where(spread > 0, spread, np.inf)
-    found = np.clip(covariance / np.outer(spread, spread), -1.0, 1.0)
+    known = (spread > 0) & np.isfinite(spread)
+    sizes = np.outer(spread, spread)
+    both = np.outer(known, known)
+    found = np.divide(covariance, sizes, out=np.zeros_like(sizes), where=both).clip(-1.0, 1.0)
     np.fill_diagonal(found, 1.0)
     return np.asarray(found)
 

@@ -41,7 +41,9 @@ def with_what_is_held(model: Model, setting: Setting, final: Refined, stage: Sta
         return final
     rows = _rows(final, held, freed)
     old, new = np.diag(final.fit.covariance), np.diag(freed.fit.covariance)[rows]
-    wider = np.sqrt(np.maximum(new / np.maximum(old, 1e-300), 1.0))
+    known = np.isfinite(old) & np.isfinite(new)  # what nobody knows becomes no less known
+    ratio = np.divide(new, np.maximum(old, 1e-300), out=np.ones_like(new), where=known)
+    wider = np.sqrt(np.maximum(ratio, 1.0))
     covariance = final.fit.covariance * np.outer(wider, wider)
     return replace(final, fit=replace(final.fit, covariance=covariance))
 

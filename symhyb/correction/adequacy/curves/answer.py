@@ -1,15 +1,20 @@
 """Whether a force of stretch and rate, that no listed law is, is a curve over one of the two, or a
-curve over the stretch that is a factor of the speed.
+curve over the stretch that is a factor of the speed, or one over the stretch beside one over the
+rate.
 
     class > listed laws         it is the answer: a force of stretch and rate at a place
     curve ≥ class               one curve explains as much: it is an own curve
+    both ≥ class                no one curve does, and two side by side do
     listed ≥ curve              laws by name do as well in its place: they are the answer
 
 Where laws by name are less likely than the curve, but not by 100 to 1, neither is, and the class
 stays. All are compared by the evidence of the innovations along whole recordings.
 """
 
-from symhyb.correction.adequacy.curves.courses import FORMS
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from symhyb.correction.adequacy.curves.courses import ALONE, FORMS, Form
 from symhyb.correction.adequacy.curves.fitted_curve import Offer, beside, offered
 from symhyb.correction.adequacy.curves.listed import listed
 from symhyb.correction.adequacy.explained import Decided, remainder
@@ -20,6 +25,8 @@ from symhyb.correction.adequacy.structure import Fitted, fitted
 from symhyb.correction.search.trajectory import grouped
 from symhyb.judgement import CERTAIN, HOPELESS, PROBABLE, SMALL
 from symhyb.model.types import Place
+
+TURNS = 4  # in which the points of two curves are chosen
 
 
 def is_law(judged: Adequacy) -> Place | None:
@@ -43,31 +50,72 @@ def instead_of_class(ground: Recorded, judged: Adequacy) -> Fitted | None:
     bare = likeliest(ground, [one for one, _ in elsewhere], [row for _, row in elsewhere])
     if bare.fit.reason:
         return None
-    least = by_class.evidence - CERTAIN
-    promising = _promising(ground, bare, place, least)
-    found = [(beside(ground, bare, offer), offer) for offer in promising]
+    least = max(by_class.evidence - CERTAIN, base.evidence + CERTAIN)
     decided = Decided(base, remainder(ground, base), judged.beyond.acts)
-    curves = [
-        (trial, offer)
-        for trial, offer in found
-        if trial.evidence > max(least, base.evidence + CERTAIN)
-        and remainder(ground, trial) <= decided.may_leave(trial, SMALL)
-    ]
-    if not curves:
-        return None
-    curve, offer = max(curves, key=lambda pair: pair[0].evidence)
-    named = _by_name(ground, bare, curve, offer)
+
+    def explains(trial: Fitted) -> bool:
+        enough = remainder(ground, trial) <= decided.may_leave(trial, SMALL)
+        return trial.evidence > least and enough
+
+    offers = _offers(ground, bare, place, FORMS)
+    promising = [one for one in offers if bare.evidence + one.worth > least - HOPELESS]
+    found = [(beside(ground, bare, offer), offer) for offer in promising]
+    curves = [(trial, offer) for trial, offer in found if explains(trial)]
+    if curves:
+        curve, offer = max(curves, key=lambda pair: pair[0].evidence)
+        named = _by_name(ground, bare, curve, offer)
+        return _shorter(curve, named)
+    return _side_by_side(ground, bare, place, offers, explains)
+
+
+def _offers(ground: Recorded, around: Fitted, place: Place, forms: Sequence[Form]) -> list[Offer]:
+    """Curves of some forms at a place around a structure, the one that is worth most first."""
+    which = ground.library.places.index(place)
+    offers = [one for form in forms if (one := offered(ground, around, which, form)) is not None]
+    return sorted(offers, key=lambda one: -one.worth)
+
+
+def _shorter(curve: Fitted, named: Fitted | None) -> Fitted | None:
+    """A structure with a curve, or that with laws by name in its place, where these are as good;
+    None where neither is certain."""
     if named is None or curve.evidence > named.evidence + CERTAIN:
         return curve
     return named if named.evidence >= curve.evidence else None
 
 
-def _promising(ground: Recorded, bare: Fitted, place: Place, least: float) -> list[Offer]:
-    """Curves of all forms that may reach an evidence."""
-    which = ground.library.places.index(place)
-    offers = [one for form in FORMS if (one := offered(ground, bare, which, form)) is not None]
-    offers.sort(key=lambda one: -one.worth)
-    return [one for one in offers if bare.evidence + one.worth > least - HOPELESS]
+def _side_by_side(
+    ground: Recorded,
+    bare: Fitted,
+    place: Place,
+    offers: Sequence[Offer],
+    explains: Callable[[Fitted], bool],
+) -> Fitted | None:
+    """The structure with a curve over the stretch and one over the rate, or with laws by name in
+    the place of one of them, that explains; None where none does. The points of each are chosen
+    beside the other one, in turn, as long as that is likelier (backfitting)."""
+    fixed = next((one for one in offers if one.form in ALONE), None)
+    best: Fitted | None = None
+    named: list[Fitted] = []
+    for _ in range(TURNS):
+        if fixed is None:
+            break
+        first = beside(ground, bare, fixed)
+        others = [form for form in ALONE if form != fixed.form]
+        more = next(iter(_offers(ground, first, place, others)), None)
+        if first.fit.reason or more is None:
+            break
+        both = beside(ground, first, more)
+        both = replace(both, evidence=both.evidence - fixed.price)
+        if both.fit.reason or (best is not None and both.evidence <= best.evidence):
+            break
+        shorter = _by_name(ground, first, both, more)
+        named += (
+            [] if shorter is None else [replace(shorter, evidence=shorter.evidence - fixed.price)]
+        )
+        best, fixed = both, more
+    if best is None or not explains(best):
+        return None
+    return _shorter(best, max(named, key=lambda one: one.evidence, default=None))
 
 
 def _by_name(ground: Recorded, bare: Fitted, curve: Fitted, offer: Offer) -> Fitted | None:

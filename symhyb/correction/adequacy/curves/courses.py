@@ -46,7 +46,8 @@ class Form:
         return np.asarray(speed_factor(NUMPY, rate, dict(self.options)) + np.zeros_like(rate))
 
 
-FORMS = (Form("stretch"), Form("rate"), *(Form("stretch", times) for times in TIMES))
+ALONE = Form("stretch"), Form("rate")
+FORMS = (*ALONE, *(Form("stretch", times) for times in TIMES))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -4,6 +4,7 @@ A curve is linear about values that are stated. It is fitted again about the val
 until these stand.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -32,6 +33,11 @@ class Offer(NamedTuple):
     worth: float
     price: float
     line: Line
+
+    @property
+    def form(self) -> Form:
+        """What the curve is a function of, and what it is a factor of."""
+        return self.line.form
 
 
 def offered(ground: Recorded, trial: Fitted, which: int, form: Form) -> Offer | None:
@@ -70,21 +76,31 @@ def restated(cause: Hypothesis, values: Array) -> Hypothesis:
 
 def beside(ground: Recorded, start: Fitted, offer: Offer) -> Fitted:
     """A structure with a curve behind its causes, fitted along whole recordings from where that
-    ended. The evidence pays for the choice of its points."""
-    curve, rows = offer.curve, grouped(start)
+    ended; its curves are made linear about what is found until that stands. The evidence pays for
+    the choice of the points of the new one."""
+    causes = (*start.causes, offer.curve)
+    rows: Sequence[Row] = [*grouped(start), values_of(offer.curve)]
     noise, states = ground.revived(start.fit.noise), start.fit.states
     for _ in range(ROUNDS):
-        causes, values = (*start.causes, curve), [*rows, values_of(curve)]
-        found = scored(ground, fitted(ground, causes, values, noise, states))
+        found = scored(ground, fitted(ground, causes, rows, noise, states))
         if found.fit.reason:
             break
-        first = sum(cause.numbers for cause in start.causes)
-        own = slice(first, first + curve.numbers)
-        moved = found.fit.values[own] - np.array([y for _, y, _ in curve.points])
-        sd = np.sqrt(np.diag(found.fit.covariance))[own]
-        if np.all(np.abs(moved) < STANDS * sd):
+        again = _restated(found)
+        if again == causes:
             break
-        curve = restated(curve, found.fit.values[own])
-        rows = grouped(found)[:-1]
+        causes, rows = again, grouped(found)
         noise, states = found.fit.noise, found.fit.states
     return replace(found, evidence=found.evidence - offer.price)
+
+
+def _restated(found: Fitted) -> tuple[Hypothesis, ...]:
+    """The causes of a structure, curves whose values moved about where they are now."""
+    sd, first, causes = np.sqrt(np.diag(found.fit.covariance)), 0, []
+    for cause in found.causes:
+        own = slice(first, first + cause.numbers)
+        moved = found.fit.values[own] - np.array([y for _, y, _ in cause.points] or 0.0)
+        if cause.points and np.any(np.abs(moved) >= STANDS * sd[own]):
+            cause = restated(cause, found.fit.values[own])
+        causes.append(cause)
+        first += cause.numbers
+    return tuple(causes)

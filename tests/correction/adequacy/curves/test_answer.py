@@ -49,8 +49,30 @@ def test_a_force_without_a_name_becomes_a_curve() -> None:
 
 
 @pytest.mark.slow
-def test_a_force_of_both_is_no_curve() -> None:
-    ground, found = judged(resisted(3, lambda x, v: 1.5 * x**2 * v))
+@pytest.mark.parametrize(
+    ("force", "options"),
+    [
+        (lambda x, v: 1.5 * x**2 * v, [(("over", "stretch"), ("times", "rate"))]),
+        (
+            lambda x, v: rubber(x, v) + 0.3 * (np.tanh(6 * (v - 0.4)) + np.tanh(2.4)),
+            [(("over", "rate"),), (("over", "stretch"),)],
+        ),
+    ],
+    ids=["damping over the stretch", "two side by side"],
+)
+def test_a_force_of_both_is_a_factor_or_two_curves(
+    force: Force, options: list[tuple[tuple[str, str], ...]]
+) -> None:
+    ground, found = judged(resisted(3, force))
+    assert is_law(found) == On("x")
+    answer = instead_of_class(ground, found)
+    assert answer is not None
+    assert sorted(cause.options for cause in answer.causes) == options
+
+
+@pytest.mark.slow
+def test_a_force_that_is_no_product_and_no_sum_is_no_curve() -> None:
+    ground, found = judged(resisted(3, lambda x, v: 0.5 * np.tanh(3 * (x + 0.3 * v))))
     assert is_law(found) == On("x")
     assert instead_of_class(ground, found) is None
 
