@@ -1,10 +1,10 @@
 """Whether a force of stretch and rate, that no listed law is, is a curve over one of the two, or a
-curve over the stretch that is a factor of the speed, or one over the stretch beside one over the
-rate.
+curve over the stretch that is a factor of the speed, or a curve over one of them beside laws by
+name over the other.
 
     class > listed laws         it is the answer: a force of stretch and rate at a place
     curve ≥ class               one curve explains as much: it is an own curve
-    both ≥ class                no one curve does, and two side by side do
+    curve + listed ≥ class      no one curve does, and two would
     listed ≥ curve              laws by name do as well in its place: they are the answer
 
 Where laws by name are less likely than the curve, but not by 100 to 1, neither is, and the class
@@ -90,13 +90,14 @@ def _side_by_side(
     offers: Sequence[Offer],
     explains: Callable[[Fitted], bool],
 ) -> Fitted | None:
-    """The structure with a curve over the stretch and one over the rate, or with laws by name in
-    the place of one of them, that explains; None where none does. The points of each are chosen
-    beside the other one, in turn, as long as that is likelier (backfitting)."""
+    """The structure with a curve over the stretch or the rate, and laws by name over the other one
+    that are as good as a curve there; None where none explains. Two curves have no levels of their
+    own: a constant of one is as well one of the other. The points of each are chosen beside the
+    other one, in turn, as long as that is likelier (backfitting)."""
     fixed = next((one for one in offers if one.form in ALONE), None)
-    best: Fitted | None = None
+    pairs: list[Fitted] = []
     named: list[Fitted] = []
-    for _ in range(TURNS):
+    for turn in range(TURNS):
         if fixed is None:
             break
         first = beside(ground, bare, fixed)
@@ -104,18 +105,27 @@ def _side_by_side(
         more = next(iter(_offers(ground, first, place, others)), None)
         if first.fit.reason or more is None:
             break
-        both = beside(ground, first, more)
-        both = replace(both, evidence=both.evidence - fixed.price)
-        if both.fit.reason or (best is not None and both.evidence <= best.evidence):
-            break
-        shorter = _by_name(ground, first, both, more)
-        named += (
-            [] if shorter is None else [replace(shorter, evidence=shorter.evidence - fixed.price)]
-        )
-        best, fixed = both, more
-    if best is None or not explains(best):
+        if turn > 0:  # until then the points of one were chosen without the other
+            both = _paid(beside(ground, first, more), fixed)
+            if both.fit.reason or (turn > 2 and both.evidence <= pairs[-1].evidence):
+                break
+            pairs.append(both)
+            shorter = _by_name(ground, first, both, more)
+            named += [] if shorter is None else [_paid(shorter, fixed)]
+        fixed = more
+    if not pairs or not named:
         return None
-    return _shorter(best, max(named, key=lambda one: one.evidence, default=None))
+    shorter, both = (max(those, key=_evidence) for those in (named, pairs))
+    return shorter if shorter.evidence >= both.evidence and explains(shorter) else None
+
+
+def _paid(trial: Fitted, offer: Offer) -> Fitted:
+    """A structure whose evidence pays for the choice of the points of one curve more."""
+    return replace(trial, evidence=trial.evidence - offer.price)
+
+
+def _evidence(trial: Fitted) -> float:
+    return trial.evidence
 
 
 def _by_name(ground: Recorded, bare: Fitted, curve: Fitted, offer: Offer) -> Fitted | None:
@@ -125,4 +135,4 @@ def _by_name(ground: Recorded, bare: Fitted, curve: Fitted, offer: Offer) -> Fit
         causes, rows = (*bare.causes, *one.causes), [*grouped(bare), *one.rows]
         noise = ground.revived(curve.fit.noise)
         trials.append(scored(ground, fitted(ground, causes, rows, noise, curve.fit.states)))
-    return max(trials, key=lambda trial: trial.evidence, default=None)
+    return max(trials, key=_evidence, default=None)

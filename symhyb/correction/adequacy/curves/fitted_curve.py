@@ -45,8 +45,9 @@ def offered(ground: Recorded, trial: Fitted, which: int, form: Form) -> Offer | 
     line = line_of(ground, trial, which, form)
     if line is None:
         return None
-    points = placed(line)
-    curve = _cause(line, points, ground.library.places[which])
+    place = ground.library.places[which]
+    points = placed(line, not any(one.points and one.place == place for one in trial.causes))
+    curve = _cause(line, points, place)
     return Offer(curve, points.worth, float(np.log(len(FORMS) * points.tried)), line)
 
 

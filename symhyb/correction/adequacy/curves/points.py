@@ -46,9 +46,10 @@ class _Set:
     worth: float
 
 
-def placed(line: Line) -> Points:
-    """The points of the largest evidence."""
-    smooth, deviation = _smoothed(line)
+def placed(line: Line, level: bool = True) -> Points:
+    """The points of the largest evidence. Beside another curve at its place the ``level`` of this
+    one is no quantity, and no part of what its points cannot follow."""
+    smooth, covariance = _smoothed(line)
     now = best = _judged(line, _first(line), smooth)
     tried, since = 1, 0
     while len(now.chosen) < POINTS_MOST and since < PATIENCE:
@@ -60,9 +61,16 @@ def placed(line: Line) -> Points:
         best = max(best, now, key=_worth)
     best = _put_right(line, best, smooth)
     at = list(best.chosen)
-    return Points(
-        line.x[at], best.y, best.worth, tried, np.hypot(smooth[at] - best.y, deviation[at])
-    )
+    apart, sd = _apart(smooth[at] - best.y, covariance[np.ix_(at, at)], level)
+    return Points(line.x[at], best.y, best.worth, tried, np.hypot(apart, sd))
+
+
+def _apart(apart: Array, covariance: Array, level: bool) -> tuple[Array, Array]:
+    """What a smooth line says otherwise at points (P,), and one deviation of it (P,), SI."""
+    if not level:
+        centred = np.eye(apart.size) - 1 / apart.size
+        apart, covariance = centred @ apart, centred @ covariance @ centred
+    return apart, np.sqrt(np.maximum(np.diag(covariance), 0.0))
 
 
 def _worth(one: _Set) -> float:
@@ -151,8 +159,8 @@ def solved(line: Line, columns: Array) -> tuple[float, Array, Array]:
 
 
 def _smoothed(line: Line) -> tuple[Array, Array]:
-    """The fine line (G,) and one deviation of it (G,), SI, as a Gaussian process (Matérn 5/2) of
-    what moves the place, of the length of the largest evidence."""
+    """The fine line (G,) and its covariance (G, G), SI, as a Gaussian process (Matérn 5/2) of what
+    moves the place, of the length of the largest evidence."""
     x = (2 * line.x - line.x[0] - line.x[-1]) / (line.x[-1] - line.x[0])
     found = []
     for length in LENGTHS:
@@ -162,4 +170,4 @@ def _smoothed(line: Line) -> tuple[Array, Array]:
         worth, values, covariance = solved(line, columns)
         found.append((worth, columns @ values, columns @ covariance @ columns.T))
     _, mean, covariance = max(found, key=lambda one: one[0])
-    return np.asarray(mean), np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    return np.asarray(mean), np.asarray(covariance)

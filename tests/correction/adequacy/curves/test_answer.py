@@ -50,24 +50,24 @@ def test_a_force_without_a_name_becomes_a_curve() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("force", "options"),
+    ("force", "kinds"),
     [
-        (lambda x, v: 1.5 * x**2 * v, [(("over", "stretch"), ("times", "rate"))]),
+        (lambda x, v: 1.5 * x**2 * v, {"curve": (("over", "stretch"), ("times", "rate"))}),
         (
-            lambda x, v: rubber(x, v) + 0.3 * (np.tanh(6 * (v - 0.4)) + np.tanh(2.4)),
-            [(("over", "rate"),), (("over", "stretch"),)],
+            lambda x, v: rubber(x, v) + 0.4 * np.arcsinh(6 * v),
+            {"curve": (("over", "stretch"),), "damper_kinked": ()},
         ),
     ],
-    ids=["damping over the stretch", "two side by side"],
+    ids=["damping over the stretch", "a curve and a law by name"],
 )
-def test_a_force_of_both_is_a_factor_or_two_curves(
-    force: Force, options: list[tuple[tuple[str, str], ...]]
+def test_a_force_of_both_is_a_factor_or_a_sum(
+    force: Force, kinds: dict[str, tuple[tuple[str, str], ...]]
 ) -> None:
     ground, found = judged(resisted(3, force))
     assert is_law(found) == On("x")
     answer = instead_of_class(ground, found)
     assert answer is not None
-    assert sorted(cause.options for cause in answer.causes) == options
+    assert {cause.kind: cause.options for cause in answer.causes} == kinds
 
 
 @pytest.mark.slow
