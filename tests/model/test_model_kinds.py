@@ -11,7 +11,7 @@ from symhyb.model.expression import parse_expression
 from symhyb.model.read import parse_model
 from symhyb.model.render import render
 from symhyb.model.types import At, Between, Element, Model, Network, On, Parameter
-from symhyb.model.vocabulary import KINDS, Key, force_unit, key_unit, stretch_unit
+from symhyb.model.vocabulary import KINDS, Key, curve_units, key_unit
 from symhyb.model.write import append_elements, replace_parameters
 from symhyb.units import parse_unit
 
@@ -68,9 +68,8 @@ def full_element(model: Model, name: str, kind: str, where: str) -> Element:
         network = Network("nets/a.npz", HASH, seen, ((-0.1, 1 / 3), (-2.0, 1e-300)))
     curve = None
     if kind == "curve":
-        along = stretch_unit(model, place)  # the first of its words: over the stretch
         points = ((-0.1, -1 / 3), (0.0, 1e-300), (2 / 3, 7.0))
-        units = (along, force_unit(model, place))
+        units = curve_units(model, place, options)
         curve = Curve(f"elements.{name}", points, units, "linear", "hold")
     found = (("by", "test"),)
     return Element(

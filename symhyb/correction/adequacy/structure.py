@@ -46,7 +46,8 @@ class Generic:
     coefficients and the prior ``mean`` (K,) in such deviations, what describes the one that fits
     best (a ``figure`` in Hz or s, or NaN), what a channel ``does``, the ``other`` coordinate of a
     coupling or inputs that are held too, and out of how many sets of columns these were the best
-    (``tried``)."""
+    (``tried``). A force of stretch and rate is a function of one of them alone (``over``) where
+    that is the likeliest."""
 
     kind: ClassName
     where: Place | str
@@ -55,6 +56,7 @@ class Generic:
     figure: float = float("nan")
     does: Literal["", "drifts", "bends", "lags", "jumps", "holds", "fades", "noisy"] = ""
     other: str = ""
+    over: Literal["", "stretch", "rate"] = ""
     tried: int = 1
     mean: Array = field(default_factory=lambda: np.zeros(0))
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from symhyb.numeric.kernels.buffers import Array
 PRODUCTS = 6  # of the directions of a smooth function of each, in their products
 
 Columns = Sequence[Array]
+Over = Literal["", "stretch", "rate"]
 
 
 def law(start: Around, which: int) -> Generic:
@@ -28,23 +30,24 @@ def law(start: Around, which: int) -> Generic:
     by_stretch = smooth_options([s[:, which] for s, _, _ in parts])
     by_rate = smooth_options(rate)
     both = [np.stack(pair, axis=1) for pair in zip(stretch, rate, strict=True)]
-    options: list[tuple[Columns, Columns]] = [
-        ([s[:, None] for s in stretch], c) for c in by_stretch
+    options: list[tuple[Over, Columns, Columns]] = [
+        ("stretch", [s[:, None] for s in stretch], c) for c in by_stretch
     ]
-    options += [([r[:, None] for r in rate], c) for c in by_rate]
-    options += [(both, _each(_sum, by_stretch[i], by_rate[1])) for i in (1, 2)]
-    options.append((both, _each(_product, by_stretch[0], by_rate[0])))
+    options += [("rate", [r[:, None] for r in rate], c) for c in by_rate]
+    options += [("", both, _each(_sum, by_stretch[i], by_rate[1])) for i in (1, 2)]
+    options.append(("", both, _each(_product, by_stretch[0], by_rate[0])))
     place = recorded.library.places[which]
 
     def pushed(columns: Columns, joint: bool) -> Generic:
         forces = [d * c[:, None] for d, c in zip(toward, columns, strict=True)]
         return pushing(recorded, "law", place, forces, joint=joint)
 
-    def made(straight: Columns, curved: Columns) -> Generic:
+    def made(over: Over, straight: Columns, curved: Columns) -> Generic:
         line = pushed(straight, joint=False)
-        return joined([replace(line, spread=line.spread / SIZE), pushed(curved, joint=True)])
+        line = replace(line, spread=line.spread / SIZE, over=over)
+        return joined([line, pushed(curved, joint=True)])
 
-    return best_of(start, [made(straight, curved) for straight, curved in options])
+    return best_of(start, [made(*option) for option in options])
 
 
 def _each(join: Callable[[Array, Array], Array], first: Columns, second: Columns) -> list[Array]:

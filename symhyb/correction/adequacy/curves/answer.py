@@ -11,7 +11,7 @@ Where laws by name are less likely than the curve, but not by 100 to 1, neither 
 stays. All are compared by the evidence of the innovations along whole recordings.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 from symhyb.correction.adequacy.curves.courses import ALONE, FORMS, Form
@@ -50,22 +50,31 @@ def instead_of_class(ground: Recorded, judged: Adequacy) -> Fitted | None:
     bare = likeliest(ground, [one for one, _ in elsewhere], [row for _, row in elsewhere])
     if bare.fit.reason:
         return None
-    least = max(by_class.evidence - CERTAIN, base.evidence + CERTAIN)
     decided = Decided(base, remainder(ground, base), judged.beyond.acts)
+    one_of = judged.classes[0].generic.over
+    most = max(by_class.evidence - CERTAIN, base.evidence + CERTAIN)
 
-    def explains(trial: Fitted) -> bool:
+    def least(form: Form | None) -> float:
+        """The evidence from which on a curve of some form says as much as the class. That a force
+        is one of one quantity the class itself says, whose columns have other priors."""
+        said = form is not None and not form.times and form.over == one_of
+        return base.evidence + CERTAIN if said else most
+
+    def explains(trial: Fitted, form: Form | None) -> bool:
         enough = remainder(ground, trial) <= decided.may_leave(trial, SMALL)
-        return trial.evidence > least and enough
+        return trial.evidence > least(form) and enough
 
     offers = _offers(ground, bare, place, FORMS)
-    promising = [one for one in offers if bare.evidence + one.worth > least - HOPELESS]
+    promising = [one for one in offers if bare.evidence + one.worth > least(one.form) - HOPELESS]
     found = [(beside(ground, bare, offer), offer) for offer in promising]
-    curves = [(trial, offer) for trial, offer in found if explains(trial)]
+    curves = [(trial, offer) for trial, offer in found if explains(trial, offer.form)]
     if curves:
         curve, offer = max(curves, key=lambda pair: pair[0].evidence)
-        named = _by_name(ground, bare, curve, offer)
-        return _shorter(curve, named)
-    return _side_by_side(ground, bare, place, offers, explains)
+        return _shorter(curve, _by_name(ground, bare, curve, offer))
+    if one_of:
+        return None
+    added = _side_by_side(ground, bare, place, offers)
+    return added if added is not None and explains(added, None) else None
 
 
 def _offers(ground: Recorded, around: Fitted, place: Place, forms: Sequence[Form]) -> list[Offer]:
@@ -88,10 +97,9 @@ def _side_by_side(
     bare: Fitted,
     place: Place,
     offers: Sequence[Offer],
-    explains: Callable[[Fitted], bool],
 ) -> Fitted | None:
     """The structure with a curve over the stretch or the rate, and laws by name over the other one
-    that are as good as a curve there; None where none explains. Two curves have no levels of their
+    that are as good as a curve there; None where none are. Two curves have no levels of their
     own: a constant of one is as well one of the other. The points of each are chosen beside the
     other one, in turn, as long as that is likelier (backfitting)."""
     fixed = next((one for one in offers if one.form in ALONE), None)
@@ -116,7 +124,7 @@ def _side_by_side(
     if not pairs or not named:
         return None
     shorter, both = (max(those, key=_evidence) for those in (named, pairs))
-    return shorter if shorter.evidence >= both.evidence and explains(shorter) else None
+    return shorter if shorter.evidence >= both.evidence else None
 
 
 def _paid(trial: Fitted, offer: Offer) -> Fitted:
