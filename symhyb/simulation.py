@@ -116,8 +116,8 @@ def integration_text(run: Trajectory) -> str:
 
 
 def run_table(machine: Machine, scenario: Scenario, run: Trajectory) -> str:
-    """Write a run as CSV: t, inputs, sensors without noise, coordinates and their rates, each in
-    the unit of the model file, which stands in the header."""
+    """Write a run as CSV: t, inputs, sensors without noise, coordinates and their rates, declared
+    states, each in the unit of the model file, which stands in the header."""
     model = machine.model
     columns: list[tuple[str, Array]] = [("t [s]", run.t)]
     for item, signal in zip(model.inputs, scenario.u.T, strict=True):
@@ -130,6 +130,8 @@ def run_table(machine: Machine, scenario: Scenario, run: Trajectory) -> str:
     for q in model.coordinates:
         place = f"{q.name} (coordinate)" if q.name in taken else q.name
         columns += [shown[place], shown[f"{q.name}'"]]
+    for state in model.states:
+        columns.append(shown[f"{state.name} (state)" if state.name in taken else state.name])
     rows = zip(*(values.tolist() for _, values in columns), strict=True)
     head = ",".join(header for header, _ in columns)
     return "\n".join([head, *(",".join(f"{x:.10g}" for x in row) for row in rows)]) + "\n"

@@ -50,9 +50,11 @@ def _require_plain(spec: Spec) -> None:
     problems = []
     if spec.whole:
         problems.append(Problem("Adams source holds force elements, not a whole model", file=file))
-    for _, name in exported.states:
-        text = "has an inner state, which the Adams source does not hold; export an FMU (--to fmu)"
-        problems.append(Problem(text, f"elements.{name}", file))
+    for kind, name in exported.states:
+        what = "is a declared state" if kind == "s" else "has an inner state"
+        text = f"{what}, which the Adams source does not hold; export an FMU (--to fmu)"
+        section = "states" if kind == "s" else "elements"
+        problems.append(Problem(text, f"{section}.{name}", file))
     for kind, name in exported.inputs:
         if kind == "u":
             text = "is a recorded input, which the Adams source cannot read; export an FMU"

@@ -72,7 +72,7 @@ def token_of(text: str) -> str:
 def fmu_code(spec: Spec, fmi: int, token: str) -> str:
     """One C file that is the whole FMU; the headers of the standard are not part of it."""
     stamp = int(hashlib.sha256(token.encode()).hexdigest()[:13], 16)
-    nominal = [1e-3 if v in spec.inner else 1.0 for v in spec.of_role("state")]
+    nominal = [spec.nominal(v) for v in spec.of_role("state")]
     return "\n".join(
         (
             f"#define FMI{fmi}_FUNCTION_PREFIX_WANTED {spec.identifier}_",

@@ -135,7 +135,7 @@ def _numbers(spec: Spec, variable: Variable) -> dict[str, str]:
     if variable.role == "rate":  # FMI 2 counts variables from 1, references count the time as 0
         more["derivative"] = str(variable.of)
     if variable in spec.inner:
-        more["nominal"] = "0.001"
+        more["nominal"] = repr(spec.nominal(variable))
     return more
 
 

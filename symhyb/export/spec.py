@@ -1,8 +1,8 @@
 """What is exported, said for other programs: variables with names, units, starts and numbers.
 
-A name is a kind and a name of the model, ``q.x``, ``v.x`` (q'), ``a.x`` (q''), ``u.f``, ``z.rub``,
-``dF.x``, ``y.laser``, ``trust.rest``, ``p.k``, ``mode.rub``, ``event.rub.upper``, so that no two
-are equal. Everything is in SI.
+A name is a kind and a name of the model, ``q.x``, ``v.x`` (q'), ``a.x`` (q''), ``u.f``, ``s.i``,
+``z.rub``, ``dF.x``, ``y.laser``, ``trust.rest``, ``p.k``, ``mode.rub``, ``event.rub.upper``, so
+that no two are equal. Everything is in SI.
 
     wall |--/\\/\\--[ m ]--> q.x        dF.x > 0 pushes the mass along +q.x: the host adds +dF.x
                  ΔF ──▶
@@ -103,9 +103,13 @@ class Spec:
 
     @property
     def inner(self) -> tuple[Variable, ...]:
-        """The states that begin at rest instead of at a value of their own."""
+        """The states whose start the code computes: at rest, or as declared."""
         states = self.of_role("state")
         return states[len(states) - self.exported.inner :]
+
+    def nominal(self, variable: Variable) -> float:
+        """The typical size of a state, SI: what a law remembers is a small stretch."""
+        return 1e-3 if variable.name.startswith("z.") else 1.0
 
 
 def spec_of(
@@ -175,6 +179,7 @@ def _require_c_names(model: Model, identifier: str) -> None:
     groups: Mapping[str, Sequence[str]] = {
         "coordinates": [c.name for c in model.coordinates],
         "inputs": [i.name for i in model.inputs],
+        "states": [s.name for s in model.states],
         "parameters": [p.path for p in model.all_parameters()],
         "elements": [e.name for e in model.elements],
         "sensors": [s.name for s in model.sensors],
@@ -241,6 +246,9 @@ def _said(model: Model, kind: str, name: str) -> tuple[Unit, str]:
             return ONE, f"its sign tells when the mode of {name.removesuffix('.lower')} changes"
         case "mode":
             return ONE, f"of {name}: -1, 0 (turning) or 1; of a stop 1 where it acts, else 0"
+        case "s":
+            state = next(s for s in model.states if s.name == name)
+            return si_unit(state.unit), state.about or name
         case "z":
             return _inner_unit(model, name), f"inner state of {name}"
     if name == "smoothing":

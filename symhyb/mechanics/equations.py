@@ -100,8 +100,9 @@ class Couple:
 @dataclass(frozen=True, slots=True)
 class Equations:
     """A model in SymPy, coherent SI: the masses, declared energies (``potential``
-    without gravity, which acts on the masses), one term an element, one output a sensor (m), and
-    the ``readings`` that outputs name by a symbol and lowering fills in."""
+    without gravity, which acts on the masses), one term an element, one output a sensor (m), the
+    ``readings`` that outputs name by a symbol and lowering fills in, and the ``rates`` and
+    ``starts`` of declared states."""
 
     symbols: Symbols
     places: Geometry
@@ -113,6 +114,8 @@ class Equations:
     outputs: tuple[sp.Expr, ...]
     readings: tuple[Reading, ...]
     networks: Mapping[str, tuple[sp.Expr, ...]]
+    rates: tuple[sp.Expr, ...] = ()
+    starts: tuple[sp.Expr, ...] = ()
 
 
 def derive(model: Model) -> Equations:
@@ -155,6 +158,8 @@ def derive(model: Model) -> Equations:
             for element in model.elements
             if element.network is not None
         },
+        rates=tuple(to_sympy(state.rate, symbols.scope) for state in model.states),
+        starts=tuple(sp.Float(state.si_start) for state in model.states),
     )
 
 

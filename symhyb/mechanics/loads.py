@@ -29,7 +29,8 @@ def loads_on(model: Model, coordinate: str) -> tuple[str, ...]:
     or what would be longer than a person reads.
     """
     equations = derive(model)
-    known = {*equations.symbols.q, *equations.symbols.u}
+    symbols = equations.symbols
+    known = {*symbols.q, *symbols.states, *symbols.u}
     parts = [part for part in _forces(model, equations, coordinate) if part.free_symbols & known]
     every = [sp.Add(*parts), *parts] if len(parts) > 1 else parts
     told = dict.fromkeys(text_of(part) for part in every)

@@ -95,12 +95,12 @@ def force_rows(
 
 def inner_rates(
     model: Model, equations: Equations, slopes: Slopes, names: tuple[Named, ...]
-) -> Iterator[tuple[str, sp.Expr]]:
-    """z' of every element with an inner state, by its name."""
+) -> Iterator[tuple[sp.Symbol, sp.Expr]]:
+    """z' of every element with an inner state, by its symbol."""
     for element, term in zip(model.elements, equations.terms, strict=True):
         if isinstance(term, Term) and term.law.inner is not None:
             known = known_of(element, term, equations, slopes, names)
-            yield element.name, term.law.inner.xreplace(known)
+            yield equations.symbols.z[element.name], term.law.inner.xreplace(known)
 
 
 def known_of(

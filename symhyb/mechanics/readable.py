@@ -43,13 +43,13 @@ LONGEST = 2_500  # operations of a whole model without names for what recurs
 
 @dataclass(frozen=True, slots=True)
 class Readable:
-    """The equations of a model as they are printed, coherent SI. ``inner`` holds the rate z' of
-    each inner state by element; ``names`` come after those they use; ``gaps`` are what constraints
-    hold at zero, by forces Jᵀλ beside k_e."""
+    """The equations of a model as they are printed, coherent SI. ``inner`` holds the rate of each
+    declared state and each inner state by its symbol; ``names`` come after those they use; ``gaps``
+    are what constraints hold at zero, by forces Jᵀλ beside k_e."""
 
     symbols: Symbols
     rows: tuple[Row, ...]
-    inner: tuple[tuple[str, sp.Expr], ...]
+    inner: tuple[tuple[sp.Symbol, sp.Expr], ...]
     outputs: tuple[sp.Expr, ...]
     readings: tuple[Reading, ...]
     names: tuple[Named, ...]
@@ -97,7 +97,8 @@ def readable(model: Model, matrices: bool = False) -> Readable:
     )
     rows = _summed(rows, tidy) if matrices else rows
     shown = tuple(row for row in rows if row.value != 0)
-    inner = tuple(inner_rates(model, equations, slopes, pathways))
+    states = zip(equations.symbols.states, equations.rates, strict=True)
+    inner = (*states, *inner_rates(model, equations, slopes, pathways))
     values = [*(row.value for row in shown), *(rate for _, rate in inner)]
     names = _needed((*motion, *turns, *pathways), values)
     gaps = exact(closures(model, equations.places, equations.symbols))

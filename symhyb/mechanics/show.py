@@ -17,7 +17,7 @@ from symhyb.mechanics.readable import Readable, readable
 from symhyb.mechanics.rows import Row, Side
 from symhyb.mechanics.show_latex import as_latex
 from symhyb.mechanics.tabulated import TabulatedBase
-from symhyb.mechanics.words import curves_in_words, reading_in_words, sensor_notes
+from symhyb.mechanics.words import curves_in_words, rates_title, reading_in_words, sensor_notes
 from symhyb.model.types import Model
 
 WIDTH = 100  # columns of text
@@ -69,7 +69,8 @@ def _as_text(model: Model, derived: Readable, matrices: bool) -> str:
     result += _matrices(model, derived) if matrices else _coordinates(model, derived)
     for title, block in (
         ("constraints, held by forces J^T lambda beside k_e, J the slopes by q", _held(derived)),
-        ("rates of the inner states", _inner(derived)),
+        ("declared states", _states(model)),
+        (rates_title(model), _inner(derived)),
         ("with", _names(derived)),
         ("curves", _table(curves_in_words(model))),
         ("parameters", _parameters(model)),
@@ -123,8 +124,18 @@ def _held(derived: Readable) -> Iterator[str]:
 
 def _inner(derived: Readable) -> Iterator[str]:
     text = _Text({"full_prec": False}).doprint
-    for name, rate in derived.inner:
-        yield from _wrapped(f"  z({name})' = ", text(rate))
+    for symbol, rate in derived.inner:
+        yield from _wrapped(f"  {symbol.name}' = ", text(rate))
+
+
+def _states(model: Model) -> Iterator[str]:
+    """Declared states with their starts."""
+    return _table(
+        [
+            (item.name, f"[{item.unit}]", f"begins at {item.start:.10g}", item.about)
+            for item in model.states
+        ]
+    )
 
 
 def _names(derived: Readable) -> Iterator[str]:

@@ -10,7 +10,7 @@ from symhyb.mechanics.readable import Readable
 from symhyb.mechanics.rows import Named, Row
 from symhyb.mechanics.symbols import reading_symbol
 from symhyb.mechanics.tabulated import TabulatedBase
-from symhyb.mechanics.words import curves_in_words, reading_in_words, sensor_notes
+from symhyb.mechanics.words import curves_in_words, rates_title, reading_in_words, sensor_notes
 from symhyb.model.types import Model
 
 
@@ -43,8 +43,7 @@ def as_latex(model: Model, derived: Readable) -> str:
     body = _matrices if matrices else _coordinates
     result = [_comment(model.title), *body(model, derived, printer)]
     inner = [
-        rf"\dot{{{names[derived.symbols.z[name]]}}} &= {printer.doprint(rate)}"
-        for name, rate in derived.inner
+        rf"\dot{{{names[symbol]}}} &= {printer.doprint(rate)}" for symbol, rate in derived.inner
     ]
     held = [
         rf"0 &= {printer.doprint(held)} && \text{{{_escaped(row.label)}}}"
@@ -55,7 +54,7 @@ def as_latex(model: Model, derived: Readable) -> str:
     used = [f"{names[item.symbol]} &= {printer.doprint(item.value)}" for item in derived.names]
     for title, rows in (
         ("constraints, held by forces J^T lambda beside k_e, J the slopes by q", held),
-        ("rates of the inner states", inner),
+        (rates_title(model), inner),
         ("with", used),
         ("parameters", list(_parameters(model, derived, printer))),
         ("sensors", list(_sensors(model, derived, printer))),
@@ -137,7 +136,7 @@ def _row(printer: _Latex, joint: str, value: sp.Expr, side: str, source: str) ->
 
 def _symbol_names(derived: Readable) -> dict[sp.Symbol, str]:
     s = derived.symbols
-    names = {symbol: _latex_name(symbol.name) for symbol in (*s.q, *s.u, *s.p, s.t)}
+    names = {symbol: _latex_name(symbol.name) for symbol in (*s.q, *s.states, *s.u, *s.p, s.t)}
     for q, v, a in zip(s.q, s.v, s.a, strict=True):
         stem, mark, index = names[q].partition("_")
         names[v] = rf"\dot{{{stem}}}{mark}{index}"

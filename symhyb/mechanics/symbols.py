@@ -40,20 +40,27 @@ CURVE = -1  # in place of the order of a name: the function of a curve
 
 @dataclass(frozen=True, slots=True)
 class Symbols:
-    """The symbols of one model: q, v = q', a = q'' (n each), the inner states z of elements that
-    have one (by name of the element), u (k), p (P, in the order of :meth:`Model.all_parameters`),
-    time t; ``scope`` resolves names of the shared namespace and curves, ``owned`` the parameters
-    of one element."""
+    """The symbols of one model: q, v = q', a = q'' (n each), declared ``states``, the inner states
+    z of elements that have one (by name of the element), u (k), p (P, in the order of
+    :meth:`Model.all_parameters`), time t; ``scope`` resolves names of the shared namespace and
+    curves, ``owned`` the parameters of one element."""
 
     q: tuple[sp.Symbol, ...]
     v: tuple[sp.Symbol, ...]
     a: tuple[sp.Symbol, ...]
+    states: tuple[sp.Symbol, ...]
     z: Mapping[str, sp.Symbol]
     u: tuple[sp.Symbol, ...]
     p: tuple[sp.Symbol, ...]
     t: sp.Symbol
     scope: Mapping[tuple[str, int], sp.Expr]
     owned: Mapping[str, Mapping[tuple[str, int], sp.Expr]]
+
+    @property
+    def remembered(self) -> tuple[sp.Symbol, ...]:
+        """All that follows from a rate of first order, as in the state of a machine: declared
+        states come first, so that an element more moves none."""
+        return (*self.states, *self.z.values())
 
     def within(self, element: str) -> Mapping[tuple[str, int], sp.Expr]:
         """The names as an element sees them: its own parameters before the model's."""
@@ -67,12 +74,14 @@ def symbols_of(model: Model) -> Symbols:
     v = tuple(_real(c.name + "'") for c in model.coordinates)
     a = tuple(_real(c.name + "''") for c in model.coordinates)
     z = {e.name: _real(f"z({e.name})") for e in model.elements if KINDS[e.kind].state}
+    states = tuple(_real(state.name) for state in model.states)
     u = tuple(_real(i.name) for i in model.inputs)
     p = {parameter.path: _real(parameter.path) for parameter in model.all_parameters()}
     t = _real("t")
     scope: dict[tuple[str, int], sp.Expr] = {("t", 0): t}
     for order, row in enumerate((q, v, a)):
         scope.update({(c.name, order): s for c, s in zip(model.coordinates, row, strict=True)})
+    scope.update({(state.name, 0): state for state in states})
     scope.update({(parameter.name, 0): p[parameter.path] for parameter in model.parameters})
     for item, recorded in zip(model.inputs, u, strict=True):
         gain = p[item.gain.path] if item.gain else sp.Integer(1)
@@ -83,7 +92,7 @@ def symbols_of(model: Model) -> Symbols:
         element.name: {(own.name, 0): p[own.path] for own in element.parameters}
         for element in model.elements
     }
-    return Symbols(q, v, a, z, u, tuple(p.values()), t, scope, owned)
+    return Symbols(q, v, a, states, z, u, tuple(p.values()), t, scope, owned)
 
 
 def to_sympy(expression: Expression | Node, scope: Mapping[tuple[str, int], sp.Expr]) -> sp.Expr:

@@ -36,6 +36,11 @@ def reading_in_words(reading: Reading, constraints: Collection[str] = ()) -> str
     return str(reading)
 
 
+def rates_title(model: Model) -> str:
+    """Above the rates of declared states and of what laws remember."""
+    return "rates of the states" if model.states else "rates of the inner states"
+
+
 def curves_in_words(model: Model) -> list[tuple[str, str]]:
     """The curves of the file and those of its elements, each with what it runs through, and how."""
     curves = model.all_curves()

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from symhyb.model.check_constraints import constraint_faults
 from symhyb.model.check_elements import element_faults
+from symhyb.model.check_states import state_faults
 from symhyb.model.expression import RESERVED, Expression, Name, Number
 from symhyb.model.fmu import fmu_faults
 from symhyb.model.frames import frame_faults, place_unit
@@ -81,6 +82,8 @@ def faults_of(model: Model, energy: Unit | None, unreadable: frozenset[str]) -> 
     for body in model.bodies:
         yield from _body_faults(body, model, scope, energy)
     yield from space_faults(model, scope, _mass_unit(energy, ONE))
+    for state in model.states:
+        yield from state_faults(state, scope)
     for constraint in model.constraints:
         yield from constraint_faults(constraint, model, scope, unreadable)
     for element in model.elements:
@@ -124,7 +127,7 @@ def _name_faults(model: Model) -> Iterator[Fault]:
             path = ("elements", element.name, "parameters", own.name)
             if own.name in RESERVED:
                 yield path, f"'{own.name}' is a reserved name; choose another"
-            elif seen.get(own.name) in ("coordinates", "inputs"):
+            elif seen.get(own.name) in ("coordinates", "states", "inputs"):
                 yield path, f"'{own.name}' is already declared in [{seen[own.name]}]"
     paths = [parameter.path for parameter in model.all_parameters()]
     for channel in model.sensors:

@@ -14,6 +14,7 @@ from symhyb.model.scope import (
     COEFFICIENT,
     FORCE,
     PLACE,
+    SEEN,
     Scope,
     Use,
     expression_faults,
@@ -54,7 +55,7 @@ def element_faults(
             yield (*path, key), f"'{shorten(value.text)}' is 0; the law divides by it"
     yield from _exponent_faults(element, model)
     for seen in element.network.inputs if element.network else ():
-        yield from expression_faults((*path, "inputs"), seen, local, FORCE, None)
+        yield from expression_faults((*path, "inputs"), seen, local, SEEN, None)
     if element.curve is not None and known is not None:
         yield from _curve_faults(element, element.curve, known)
 

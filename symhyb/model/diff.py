@@ -10,6 +10,7 @@ from symhyb.model.constraints import Constraint
 from symhyb.model.curves import Curve
 from symhyb.model.expression import Name
 from symhyb.model.limits import Limit
+from symhyb.model.states import State
 from symhyb.model.types import (
     Body,
     Coordinate,
@@ -28,7 +29,19 @@ from symhyb.model.types import (
 from symhyb.model.write import text_of
 from symhyb.units import parse_unit
 
-Part = Coordinate | Parameter | Input | Point | Body | Constraint | Curve | Element | Sensor | Limit
+Part = (
+    Coordinate
+    | State
+    | Parameter
+    | Input
+    | Point
+    | Body
+    | Constraint
+    | Curve
+    | Element
+    | Sensor
+    | Limit
+)
 Facets = Mapping[str, str]
 
 
@@ -110,6 +123,7 @@ def _parts(model: Model) -> dict[str, Facets]:
     """Every part of a model under its kind and name, with what can be said of it."""
     sections: tuple[tuple[str, tuple[Part, ...]], ...] = (
         ("coordinate", model.coordinates),
+        ("state", model.states),
         ("parameter", model.parameters),
         ("input", model.inputs),
         ("point", model.points),
@@ -133,6 +147,8 @@ def _facets(part: Part) -> Facets:
             facets = {"unit": part.unit.text, "start": f"{part.start:.6g}"}
             facets["start_rate"] = f"{part.start_rate:.6g}"
             return {**facets, "imposed": "true"} if part.imposed else facets
+        case State():
+            return {"unit": part.unit.text, "start": f"{part.start:.6g}", "rate": part.rate.text}
         case Point():
             return {"": _pair(part.at), **({"body": part.body} if part.body else {})}
         case Body():

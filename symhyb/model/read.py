@@ -23,6 +23,7 @@ from symhyb.model.read_elements import read_element, read_parameter
 from symhyb.model.read_space import dimension_of
 from symhyb.model.render import FORMAT
 from symhyb.model.source import Source, scan
+from symhyb.model.states import State
 from symhyb.model.tables import Fault, Table, describe
 from symhyb.model.types import Coordinate, Energy, Input, Model, Parameter, Sensor
 from symhyb.units import ONE, Unit, parse_unit
@@ -34,6 +35,7 @@ SECTIONS = (
     "gravity",
     "fmu",
     "coordinates",
+    "states",
     "parameters",
     "inputs",
     "points",
@@ -138,6 +140,7 @@ def _draft(root: Table, text: str, file: str) -> tuple[Model, frozenset[str]]:
         title=root.text("title") or "",
         about=root.about(),
         coordinates=_present(map(_coordinate, root.tables("coordinates"))),
+        states=_present(map(_state, root.tables("states"))),
         parameters=_present(read_parameter(table) for table in root.tables("parameters")),
         inputs=_present(map(_input, root.tables("inputs"))),
         points=points,
@@ -161,6 +164,7 @@ def _draft(root: Table, text: str, file: str) -> tuple[Model, frozenset[str]]:
         root.fault("has no coordinate; name at least one", "coordinates")
     read = {
         *(f"coordinates.{value.name}" for value in model.coordinates),
+        *(f"states.{value.name}" for value in model.states),
         *(f"parameters.{value.name}" for value in model.parameters),
         *(f"inputs.{value.name}" for value in model.inputs),
         *(f"points.{value.name}" for value in model.points),
@@ -168,9 +172,10 @@ def _draft(root: Table, text: str, file: str) -> tuple[Model, frozenset[str]]:
         *(f"elements.{value.name}" for value in model.elements),
         *(f"curves.{value.name}" for value in model.curves),
     }
-    sections = ("coordinates", "parameters", "inputs", "points", "bodies", "elements", "curves")
+    moving = ("coordinates", "states")
+    sections = (*moving, "parameters", "inputs", "points", "bodies", "elements", "curves")
     for key in sections:
-        most = COORDINATES if key == "coordinates" else DECLARED
+        most = COORDINATES if key in moving else DECLARED
         if (count := len(root.declared(key))) > most:
             root.fault(f"are {count}; a machine has at most {most}", key)
     unreadable = {f"{key}.{name}" for key in sections for name in root.declared(key)} - read
@@ -193,6 +198,15 @@ def _coordinate(table: Table) -> Coordinate | None:
         return None
     stated = tuple(key for key in ("start", "start_rate") if key in table.entries)
     return Coordinate(table.path[-1], unit, start or 0.0, rate or 0.0, about, imposed, stated)
+
+
+def _state(table: Table) -> State | None:
+    table = table.checked(("unit", "start", "rate", "about"))
+    unit, rate = table.unit(), table.expression("rate", required=True)
+    start, about = table.number("start"), table.about()
+    if unit is None or rate is None:
+        return None
+    return State(table.path[-1], unit, rate, start or 0.0, about)
 
 
 def _input(table: Table) -> Input | None:

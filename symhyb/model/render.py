@@ -9,6 +9,7 @@ from symhyb.model.curves import EXTRAPOLATIONS, INTERPOLATIONS, Curve
 from symhyb.model.expression import Expression
 from symhyb.model.fmu import PLACE_KEYS, Fmu
 from symhyb.model.limits import Limit
+from symhyb.model.states import State
 from symhyb.model.types import (
     At,
     Between,
@@ -163,6 +164,7 @@ def _lines(model: Model) -> Iterator[str]:
         yield from ("", *_fmu_lines(model.fmu))
     sections = {
         "coordinates": ((c.name, _coordinate(c)) for c in model.coordinates),
+        "states": ((state.name, _state(state)) for state in model.states),
         "parameters": ((p.name, _parameter(p)) for p in model.parameters),
         "inputs": ((channel.name, _channel(channel)) for channel in model.inputs),
         "points": ((point.name, _point(point)) for point in model.points),
@@ -244,6 +246,17 @@ def _coordinate(coordinate: Coordinate) -> str:
 def _stated(coordinate: Coordinate, key: str, value: float) -> float | None:
     """A start that the file does not give may move where a loop has to close."""
     return value if value or key in coordinate.stated else None
+
+
+def _state(state: State) -> str:
+    return _inline(
+        (
+            ("unit", state.unit.text),
+            ("start", state.start or None),
+            ("rate", state.rate),
+            ("about", state.about),
+        )
+    )
 
 
 def _limit(limit: Limit, model: Model) -> str:

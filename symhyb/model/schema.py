@@ -48,6 +48,7 @@ def model_schema() -> Schema:
         "definitions": {
             "parameter": _parameter(),
             "coordinate": _coordinate(),
+            "state": _state(),
             "input": _channel({"between": word("how it runs between its samples", BETWEEN)}),
             "sensor": _channel(
                 {"measures": expression("what it shows: coordinates, x', x'', readings"), "sd": SD},
@@ -73,6 +74,7 @@ def _sections() -> dict[str, Schema]:
         "fmu": _fmu(),
         "gravity": vector("acts on every body, in the inertial axes"),
         "coordinates": named("what moves", refer("coordinate"), minProperties=1),
+        "states": named("what follows from a rate of first order", refer("state")),
         "parameters": named("numbers with units", refer("parameter")),
         "inputs": named("recorded signals that act", refer("input")),
         "points": named("named places", refer("point")),
@@ -118,6 +120,16 @@ def _coordinate() -> Schema:
         "imposed": truth("true: the motion is given, not computed"),
     }
     return table(keys, ("unit",))
+
+
+def _state() -> Schema:
+    keys = {
+        "unit": UNIT,
+        "start": number("initial value of simulations, in its unit"),
+        "rate": expression("its rate, in its unit per s"),
+        "about": ABOUT,
+    }
+    return table(keys, ("unit", "rate"))
 
 
 def _channel(own: dict[str, Schema], needs: tuple[str, ...] = ()) -> Schema:

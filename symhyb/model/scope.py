@@ -19,6 +19,7 @@ from symhyb.model.expression import (
     unit_of,
 )
 from symhyb.model.source import Path
+from symhyb.model.states import State
 from symhyb.model.tables import Fault, shorten
 from symhyb.model.types import Coordinate, Element, Input, Model, Parameter, Vector
 from symhyb.units import Unit, parse_unit
@@ -27,13 +28,15 @@ from symhyb.units import Unit, parse_unit
 @dataclass(frozen=True, slots=True)
 class Use:
     """What an expression may contain: derivatives up to ``order`` (−1: no coordinates at all),
-    ``inputs``, the time (``time``), what instruments show (``readings``), and functions with a
-    kink (``rough``: min, max, sign, abs of what moves). ``words`` name the place in sentences."""
+    ``inputs``, the time (``time``), declared ``states``, what instruments show (``readings``), and
+    functions with a kink (``rough``: min, max, sign, abs of what moves). ``words`` name the place
+    in sentences."""
 
     words: str
     order: int
     inputs: bool
     time: bool
+    states: bool = False
     readings: bool = False
     rough: bool = True
 
@@ -44,10 +47,12 @@ POSITION = Use("a position", 0, False, True, rough=False)
 PLACE = Use("a place", 0, False, True, rough=False)
 KINETIC = Use("a kinetic energy", 1, False, True)
 POTENTIAL = Use("a potential energy", 0, False, True)
-COEFFICIENT = Use("a coefficient", -1, True, True)
-FORCE = Use("a force", 1, True, True)
+COEFFICIENT = Use("a coefficient", -1, True, True, states=True)
+FORCE = Use("a force", 1, True, True, states=True)
+SEEN = Use("what a network sees", 1, True, True)
+RATE = Use("the rate of a state", 1, True, True, states=True)
 ADDED = Use("an added mass", -1, False, False)
-MEASURED = Use("a sensor", 2, True, True, readings=True)
+MEASURED = Use("a sensor", 2, True, True, states=True, readings=True)
 _ROUGH = ("min", "max", "sign", "abs")
 
 
@@ -59,6 +64,7 @@ class Scope:
     units: Mapping[str, Unit | None]
     coordinates: frozenset[str]
     inputs: frozenset[str]
+    states: frozenset[str] = frozenset()
     shown: Callable[[Reading], Unit] | None = None
     curves: Mapping[str, Curve | None] = field(default_factory=dict)
 
@@ -66,7 +72,8 @@ class Scope:
 def scope_of(model: Model, unreadable: frozenset[str] = frozenset()) -> Scope:
     """Collect the shared namespace of a model; ``unreadable`` holds dotted names."""
     units: dict[str, Unit | None] = {"t": parse_unit("s")}
-    kinds: dict[str, set[str]] = {"coordinates": set(), "parameters": set(), "inputs": set()}
+    sections = ("coordinates", "states", "parameters", "inputs")
+    kinds: dict[str, set[str]] = {section: set() for section in sections}
     curves: dict[str, Curve | None] = {curve.name: curve for curve in model.curves}
     named: list[tuple[str, str, Unit | None]] = [
         (section, value.name, value.unit)
@@ -83,8 +90,8 @@ def scope_of(model: Model, unreadable: frozenset[str] = frozenset()) -> Scope:
         if name not in units:  # a name declared twice is a fault of its own; the first one counts
             kinds[section].add(name)
             units[name] = unit
-    coordinates, inputs = frozenset(kinds["coordinates"]), frozenset(kinds["inputs"])
-    return Scope(units, coordinates, inputs, curves=curves)
+    coordinates, states, _, inputs = (frozenset(kinds[section]) for section in sections)
+    return Scope(units, coordinates, inputs, states, curves=curves)
 
 
 def numbers_of(model: Model, element: Element) -> dict[tuple[str, int] | str, float]:
@@ -95,10 +102,11 @@ def numbers_of(model: Model, element: Element) -> dict[tuple[str, int] | str, fl
 
 def shared_names(
     model: Model,
-) -> tuple[tuple[str, tuple[Coordinate | Parameter | Input, ...]], ...]:
+) -> tuple[tuple[str, tuple[Coordinate | State | Parameter | Input, ...]], ...]:
     """Return the sections whose names are one namespace, with what they declare."""
     return (
         ("coordinates", model.coordinates),
+        ("states", model.states),
         ("parameters", model.parameters),
         ("inputs", model.inputs),
     )
@@ -185,6 +193,8 @@ def _use_faults(path: Path, expression: Expression, scope: Scope, use: Use) -> I
         if name.name not in scope.units:
             cure = did_you_mean(name.name, [known for known in scope.units if known != "t"])
             yield path, f"'{shorten(name.name)}' is not a known name{cure}"
+        elif name.order and name.name in scope.states:
+            yield path, f"{name} is the rate of a state, which nothing can use; write it out"
         elif name.order and not moving:
             yield path, f"{name}: only coordinates have derivatives here"
         elif moving and use.order < 0:
@@ -192,6 +202,8 @@ def _use_faults(path: Path, expression: Expression, scope: Scope, use: Use) -> I
         elif moving and name.order > use.order:
             what = ("a position", "a speed", "an acceleration")[name.order]
             yield path, f"{name} is {what}, on which {use.words} cannot depend"
+        elif name.name in scope.states and not use.states:
+            yield path, f"{name} is a state, on which {use.words} cannot depend"
         elif name.name in scope.inputs and not use.inputs:
             yield path, f"{name} is an input, on which {use.words} cannot depend"
         elif name.name == "t" and not use.time:

@@ -90,7 +90,8 @@ def sensor_faults(
     faults = faults or list(expression_faults(path, sensor.measures, local, MEASURED, sensor.unit))
     yield from faults
     moving = {name.name for name in names(sensor.measures)}
-    if not faults and not used and not moving & (scope.coordinates | scope.inputs | {"t"}):
+    shows = scope.coordinates | scope.states | scope.inputs | {"t"}
+    if not faults and not used and not moving & shows:
         yield path, f"'{shorten(sensor.measures.text)}' measures no coordinate and no input"
     imposed = {coordinate.name for coordinate in model.coordinates if coordinate.imposed}
     if sensor.name in imposed and sensor.measures.tree != Name(sensor.name):

@@ -17,6 +17,7 @@ from symhyb.model.curves import Curve
 from symhyb.model.expression import Expression, names, parse_expression
 from symhyb.model.fmu import Fmu, Local
 from symhyb.model.limits import Limit
+from symhyb.model.states import State
 from symhyb.shown import card, counted
 from symhyb.units import ONE, Unit
 
@@ -75,9 +76,8 @@ class Coordinate:
 class Input:
     """A recorded signal that acts: acting(t) = gain·recorded(t − delay) + offset.
 
-    ``between`` says how it runs between its samples: along a ``line``, ``smooth``, or ``held`` from
-    each to the next; unset, a recording shows by how its samples lie whether it is smooth or a
-    line, and without one it is a line. A ``local`` one is a column of :mod:`symhyb.model.fmu`.
+    ``between`` says how it runs between its samples: a ``line``, ``smooth`` or ``held``; unset, a
+    recording shows whether it is smooth. ``local`` is a column of :mod:`symhyb.model.fmu`.
     """
 
     name: str
@@ -94,8 +94,7 @@ class Input:
 class Sensor:
     """A recorded signal that measures: recorded(t) = gain·true(t − delay) + offset.
 
-    ``measures`` is an expression in coordinates, their derivatives, parameters, inputs and t;
-    ``sd`` is the standard deviation of its noise, in ``unit``.
+    ``measures`` is an expression in all that moves or acts, ``sd`` that of its noise, in ``unit``.
     """
 
     name: str
@@ -296,6 +295,7 @@ class Model:
     constraints: Items[Constraint] = Items()
     limits: Items[Limit] = Items()
     curves: Items[Curve] = Items()
+    states: Items[State] = Items()
     fmu: Fmu | None = None
     local: Local | None = None
     assembly: Assembly | None = field(default=None, compare=False)
@@ -316,8 +316,9 @@ class Model:
     def _rows(self) -> Iterator[tuple[str, str, str, str]]:
         """What the file declares, a row a thing, in words."""
         for q in self.coordinates:
-            imposed = ", imposed" if q.imposed else ""
-            yield "coordinate", q.name, f"[{q.unit}]{imposed}", q.about
+            yield "coordinate", q.name, f"[{q.unit}]" + ", imposed" * q.imposed, q.about
+        for state in self.states:
+            yield "state", state.name, f"{state.name}' = {state.rate} [{state.unit}/s]", state.about
         for item in self.parameters:
             yield "parameter", item.name, _said(item), item.about
         for driver in self.inputs:
@@ -333,8 +334,7 @@ class Model:
             yield "sensor", sensor.name, f"{sensor.measures.text} [{sensor.unit}]", sensor.about
 
     def start(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        """Places and speeds (n each, SI) at which simulations start: as stated, moved so that
-        constraints hold."""
+        """Places and speeds (n each, SI) at which simulations start, moved to hold constraints."""
         if self.assembly is not None:
             return self.assembly.q, self.assembly.v
         q = tuple(c.start * c.unit.factor for c in self.coordinates)

@@ -297,7 +297,11 @@ NETWORK_FAULTS = {
     "inputs missing": ("inputs =", "input =", "did you mean 'inputs'"),
     "inputs empty": ('["x", "x\'", "sin(phi)*f"]', "[]", "must be a list of expressions"),
     "inputs text": ('["x", "x\'", "sin(phi)*f"]', '"x"', "a list of expressions, not the text"),
-    "inputs wrong": ('"x\'"', "\"x''\"", "x'' is an acceleration, on which a force cannot depend"),
+    "inputs wrong": (
+        '"x\'"',
+        "\"x''\"",
+        "x'' is an acceleration, on which what a network sees cannot depend",
+    ),
     "inputs unit": ("sin(phi)", "sin(x)", "sin() needs a plain number, but 'x' is in mm"),
     "inputs reading": ('"x\'"', '"distance(a, b)"', "only sensors may use distance(...)"),
     "trust missing": ("trust = [[-1, 1], [-2.5, 2.5], [0, 1e3]]", "", "'trust' is missing"),

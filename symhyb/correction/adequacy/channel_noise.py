@@ -16,7 +16,7 @@ from scipy.ndimage import uniform_filter1d
 from scipy.special import expit
 
 from symhyb.correction.adequacy.beyond import Beyond
-from symhyb.correction.adequacy.classes.crossing_input import spared_by
+from symhyb.correction.adequacy.classes.erring_input import spared_by
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import NOISE_FLOOR, Fitted, Generic, Likely, tracks_of
 from symhyb.discrepancy.likelihood.horizon import maximised, memoryless
@@ -61,9 +61,9 @@ def noisy_inputs(recorded: Recorded, trial: Fitted, left: Beyond) -> tuple[Likel
 
 def _reaching(recorded: Recorded, acting: AbstractSet[int]) -> list[int]:
     """One input that pushes wherever a force is ``acting``, or several of which exactly one pushes
-    each of these coordinates; none where there are no such."""
+    each of these coordinates, not through a state; none where there are no such."""
     inputs = range(len(recorded.windows.machine.model.recorded_inputs))
-    pushed = [acting - set(spared_by(recorded, j)) for j in inputs]
+    pushed = [acting - set(spared_by(recorded, j, at_once=True)) for j in inputs]
     alone = [j for j in inputs if pushed[j] == acting]
     if alone:
         return alone[:1]

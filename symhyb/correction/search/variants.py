@@ -110,5 +110,6 @@ def _along(setting: Setting, item: Cut, text: str) -> Array:
     values |= {one.name: course.known.get(one.path, one.si) for one in model.parameters}
     for i, one in enumerate(machine.model.coordinates):
         values |= {one.name: course.q[:, i], (one.name, 1): course.v[:, i]}
+    values |= {one.name: course.z[:, i] for i, one in enumerate(machine.model.states)}
     values |= {one.name: course.u[:, i] for i, one in enumerate(machine.model.recorded_inputs)}
     return np.abs(evaluate(parse_expression(text), values)) * np.ones(course.t.size)

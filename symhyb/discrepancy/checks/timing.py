@@ -25,6 +25,7 @@ from symhyb.errors import InputError
 from symhyb.judgement import DELAY_LEAST, FEW, NOISE_FACTOR, NOTABLE, SMALL, SURE
 from symhyb.numeric.kernels.buffers import Array, resampled
 from symhyb.numeric.kernels.vector import along
+from symhyb.numeric.lowered.inner import inner_along
 from symhyb.numeric.lowered.machine import Machine
 
 GRID = 41  # delays that are tried first
@@ -195,7 +196,8 @@ def _shown(machine: Machine, name: str, recording: Recording) -> Array | None:
     except InputError:
         return None
     u = acting(recording, machine)
-    z = np.zeros((recording.t.size, machine.inner_states))
+    moved = motion.q, motion.v, motion.a
+    z = inner_along(machine, recording.t, moved, u, machine.values)
     given = motion.q, motion.v, motion.a, z, u, recording.t, machine.values
     (y,) = along(machine.outputs, given, (6,), recording.t.size)
     return np.asarray(y.reshape(recording.t.size, -1)[:, column])

@@ -3,16 +3,22 @@
 A window's places and speeds are free at its start. Inner states must not be: a slow relaxation that
 may begin anywhere is a free force in every window, and would explain anything. They start within a
 spread of the state that the law reaches along the measured motion up to there.
-Sizes: W windows, z inner states, F free parameters.
+
+Declared states likewise. What they begin a recording with is not known: where they settle, the
+spread also holds what a start beside that by their RMS would leave of itself, and where a sensor
+shows them, it is their RMS.
+Sizes: W windows, z declared and inner states, S declared ones, F free parameters.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
+from symhyb.discrepancy.recorded.watching import shown_states
 from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.numeric.kernels.buffers import Array
-from symhyb.numeric.lowered.inner import inner_along
+from symhyb.numeric.lowered.inner import inner_along, settled
 from symhyb.numeric.lowered.known import with_known
 from symhyb.numeric.runs.windows import WindowModel
 
@@ -22,7 +28,7 @@ STEP = 1e-4  # relative, of a parameter, for slopes
 
 @dataclass(frozen=True, slots=True)
 class Anchor:
-    """Inner states at the starts of windows, SI: ``z`` (W, z), one sd ``spread`` (z,), and slopes
+    """Inner states at the starts of windows, SI: ``z`` and one sd ``spread`` (W, z), and slopes
     ``by_free`` (W, z, F)."""
 
     z: Array
@@ -44,7 +50,43 @@ def anchored(model: WindowModel, item: Cut, p: Array, slopes: bool = False) -> A
     by_free = np.zeros((starts.size, along.shape[1], len(free)))
     for i, step, other in zip(asked, steps, moved, strict=True):
         by_free[:, :, i] = (other - along)[starts] / step
-    return Anchor(along[starts], np.sqrt((SPREAD * size) ** 2 + blur**2) + 1e-300, by_free)
+    spread = np.repeat(np.sqrt((SPREAD * size) ** 2 + blur**2)[None] + 1e-300, starts.size, axis=0)
+    declared = len(model.machine.model.states)
+    if declared:
+        spread[:, :declared] = _of_declared(model, item, p, along, size)[starts]
+    return Anchor(along[starts], spread, by_free)
+
+
+def _of_declared(model: WindowModel, item: Cut, p: Array, along: Array, size: Array) -> Array:
+    """One sd (N, S), SI, of declared states along a recording; ``along`` (N, z) are the states and
+    ``size`` (z,) their RMS."""
+    unknown = _unknown(model, item, p)
+    count = unknown.size
+    off = np.zeros((count, along.shape[1]))
+    off[:, :count] = np.diag(np.where(unknown, size[:count], 0.0))
+    moved = _along(model, item, np.repeat(p[None], count, axis=0), off)
+    kept = np.sqrt(np.sum((moved - along)[:, :, :count] ** 2, axis=0))
+    wide = np.sqrt((SPREAD * size[:count]) ** 2 + kept**2)
+    shown = shown_states(model.machine.model, item.block.y)
+    return np.asarray(np.where(shown, np.maximum(wide, size[:count]), wide) + 1e-300)
+
+
+def begin_spread(model: WindowModel, item: Cut, p: Array, size: Array) -> Array:
+    """One sd (S,), SI, of declared states where a recording begins: their RMS, of ``size`` (z,),
+    if they settle or a sensor shows them, else a share of it about their start."""
+    unknown = _unknown(model, item, p)
+    declared = size[: unknown.size]
+    return np.where(unknown, declared, SPREAD * declared)
+
+
+def _unknown(model: WindowModel, item: Cut, p: Array) -> NDArray[np.bool_]:
+    """Which declared states (S,) may begin a recording anywhere: those that settle, and those that
+    a sensor shows."""
+    machine, course = model.machine, item.course(model.machine)
+    here = course.q[0], course.v[0], course.u[0], float(course.t[0])
+    settles = settled(machine, *here, with_known(machine, p, course.known))[1]
+    shown = shown_states(machine.model, item.block.y)
+    return np.asarray(settles[: shown.size] | shown)
 
 
 def off_anchor(model: WindowModel, item: Cut, p: Array, start: Array) -> Array:
@@ -63,8 +105,8 @@ def _acting(model: WindowModel) -> set[int]:
     return set(inner.jac_sparsity(0, 5).get_triplet()[1])
 
 
-def _along(model: WindowModel, item: Cut, p: Array) -> Array:
+def _along(model: WindowModel, item: Cut, p: Array, off: Array | float = 0.0) -> Array:
     course = item.course(model.machine)
     motion = course.q, course.v, course.a
     p = with_known(model.machine, p, course.known)
-    return inner_along(model.machine, course.t, motion, course.u, p)
+    return inner_along(model.machine, course.t, motion, course.u, p, off)

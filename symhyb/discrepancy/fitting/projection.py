@@ -84,11 +84,12 @@ def projected(model: WindowModel, item: Cut, p: Array, start: Array, sd: Array) 
     if inner := start.shape[1] - first:  # a row more for each, which ties it to its prior
         anchor, windows = anchored(model, item, p, slopes=True), len(start)
         tied = np.zeros((windows, inner, by_start.shape[2]))
-        tied[:, :, by_start.shape[2] - inner :] = np.diag(1 / anchor.spread)
+        each = np.arange(inner)
+        tied[:, each, by_start.shape[2] - inner + each] = 1 / anchor.spread
         off = (anchor.z - start[:, first:]) / anchor.spread
         residual = np.concatenate([residual, off], axis=1)
         by_start = np.concatenate([by_start, tied], axis=1)
-        by_free = np.concatenate([by_free, -anchor.by_free / anchor.spread[:, None]], axis=1)
+        by_free = np.concatenate([by_free, -anchor.by_free / anchor.spread[..., None]], axis=1)
     return _projected(residual, by_start, by_free, linear.begin)
 
 

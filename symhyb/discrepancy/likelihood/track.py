@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from symhyb.discrepancy.fitting.anchors import begin_spread
 from symhyb.discrepancy.likelihood.filter import smooth, whiten
 from symhyb.discrepancy.likelihood.noise import NoiseModel
 from symhyb.discrepancy.recorded.windows import Cut
@@ -114,7 +115,7 @@ def track(
         seen,
         np.diff(item.block.t[0]),
         item.states[0, 0] - states[0],
-        _known_start(model, item, linear),
+        _known_start(model, item, linear, p),
     )
 
 
@@ -133,12 +134,16 @@ def _with_extra(linear: Linear, extra: Extra, sizes: Array) -> Linear:
     )
 
 
-def _known_start(model: WindowModel, item: Cut, linear: Linear) -> Array:
+def _known_start(model: WindowModel, item: Cut, linear: Linear, p: Array) -> Array:
     """Covariance (X, X) of the first state about the measured motion: places and speeds by as much
-    as they move, inner states by a share of it, all within the constraints."""
+    as they move, inner states by a share of their RMS, declared ones by all of it unless they begin
+    at their start, all within the constraints."""
     moving = 2 * len(model.form.free)
     size = np.ptp(item.states[0], axis=0)
-    size[moving:] = INNER_SPREAD * np.sqrt(np.mean(item.states[0][:, moving:] ** 2, axis=0))
+    whole = np.sqrt(np.mean(item.states[0][:, moving:] ** 2, axis=0))
+    size[moving:] = INNER_SPREAD * whole
+    if declared := len(model.machine.model.states):
+        size[moving : moving + declared] = begin_spread(model, item, p, whole)
     size = np.maximum(size, 1e-12 * (1 + np.abs(item.states[0]).max(axis=0)))
     spread = np.diag(size**2)
     if linear.begin is None:

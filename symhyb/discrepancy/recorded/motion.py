@@ -129,6 +129,7 @@ def given_motion(recording: Recording, machine: Machine) -> Array:
     alone = replace(
         model,
         coordinates=imposed,
+        states=(),
         points=(),
         bodies=(),
         elements=(),

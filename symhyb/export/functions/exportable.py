@@ -27,16 +27,22 @@ def require_force_elements(model: Model, names: Sequence[str]) -> None:
         if element.name not in names:
             continue
         said = repr([value.tree for _, value in element.values]) + repr(element.network)
+        if any(_named(state.name) in said for state in model.states):
+            said += repr([state.rate.tree for state in model.states])
         for name in late:
-            if f"Name(name={name!r}" in said:
+            if _named(name) in said:
                 text = f"uses the input {name}, which has a delay; let the host delay the signal"
                 problems.append(Problem(text, f"elements.{element.name}", model.file))
     if problems:
         raise InputError(problems)
 
 
-def owners(model: Model) -> list[str]:
-    """The element that each inner state belongs to."""
-    from symhyb.mechanics.symbols import symbols_of  # SymPy takes half a second to import
+def _named(name: str) -> str:
+    """How a tree that contains a name is written."""
+    return f"Name(name={name!r}"
 
-    return list(symbols_of(model).z)
+
+def owners(model: Model) -> list[tuple[str, str]]:
+    """What each entry of z is: ("s", a declared state) or ("z", the element it belongs to)."""
+    remembering = [element.name for element in model.elements if KINDS[element.kind].state]
+    return [("s", state.name) for state in model.states] + [("z", name) for name in remembering]

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from symhyb.errors import InputError, Problem
 from symhyb.export.functions.exportable import owners, require_force_elements
-from symhyb.export.functions.holes import Hole, filled, parts_of
+from symhyb.export.functions.holes import Hole, Parts, filled, parts_of
 from symhyb.export.functions.modes import Modes, Names, calmed
 from symhyb.model.bare import bare
 from symhyb.model.expression import readings
@@ -37,8 +37,9 @@ class Exported:
     """What is exported, as functions of (t, x, u, p), SI.
 
     ``states`` (X), ``inputs`` (U), ``outputs`` (Y) and ``parameters`` (P) say what each entry is:
-    (kind, name), kind one of ``q v a u z y dF trust p``, and with events ``event`` (the last of
-    the outputs) and ``mode`` (the last of the parameters). The last ``inner`` states begin at rest.
+    (kind, name), kind one of ``q v a u s z y dF trust p``, and with events ``event`` (the last of
+    the outputs) and ``mode`` (the last of the parameters). The last ``inner`` states begin at rest,
+    declared ones, ``s``, at their start.
 
     Attributes:
         value: (t, x, u, p) -> x' (X) and y (Y).
@@ -110,9 +111,9 @@ def export_elements(model: Model, names: Sequence[str], events: bool = False) ->
     modes = _modes(model, parts.modes, parts.arguments) if events else None
     chosen = [i for i, element in enumerate(model.elements) if element.name in names]
     belongs = owners(model)
-    memory = [i for i, name in enumerate(belongs) if name in names]
     holes = [hole for hole in parts.holes if hole.name in names]
     forces = ca.sum2(parts.forces[:, chosen])
+    memory = _remembered(parts, belongs, forces, names)
     rows = [i for i in range(machine.n) if not forces[i].is_zero()]
     rates, rest = parts.inner[memory], parts.rest[memory]
     y = ca.vertcat(forces[rows], *(hole.trust() for hole in holes))
@@ -132,13 +133,25 @@ def export_elements(model: Model, names: Sequence[str], events: bool = False) ->
         y,
         rest,
         holes,
-        tuple(("z", belongs[i]) for i in memory),
+        tuple(belongs[i] for i in memory),
         inputs,
         tuple(outputs),
         np.zeros(len(memory)),
         np.array(starts),
         modes,
     )
+
+
+def _remembered(
+    parts: Parts, belongs: Sequence[tuple[str, str]], forces: ca.SX, names: Sequence[str]
+) -> list[int]:
+    """Which entries of z go with elements: their own, and declared states on which their ``forces``
+    or the rates of what goes with them depend."""
+    kept = {i for i, (kind, name) in enumerate(belongs) if kind == "z" and name in names}
+    kept |= set(_columns(forces, parts.z))
+    while more := set(_columns(parts.inner[sorted(kept)], parts.z)) - kept:
+        kept |= more
+    return sorted(kept)
 
 
 def _modes(model: Model, symbols: ca.SX, arguments: ca.SX) -> Modes:
@@ -193,7 +206,7 @@ def export_machine(model: Model, events: bool = False) -> Exported:
         ca.vertcat(y, *(hole.trust() for hole in holes)),
         bare.inner_rest(q, t, p[among]),
         holes,
-        (*at, *(("z", name) for name in owners(model))),
+        (*at, *owners(model)),
         tuple(inputs),
         tuple(outputs),
         np.concatenate(begin),

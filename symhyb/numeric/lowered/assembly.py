@@ -112,7 +112,14 @@ def _require_shown(model: Model, left_out: Sequence[str]) -> None:
 
 def _gaps_of(model: Model) -> _Gaps:
     bare = replace(
-        model, elements=(), sensors=(), inputs=(), energy=Energy(), gravity=None, assembly=None
+        model,
+        states=(),
+        elements=(),
+        sensors=(),
+        inputs=(),
+        energy=Energy(),
+        gravity=None,
+        assembly=None,
     )
     parts = (
         [c.name for c in bare.coordinates],

@@ -1,35 +1,46 @@
-"""Inner states of elements (hysteresis, pre-sliding, relaxation) along a motion that is given."""
+"""Declared states and inner states of elements (hysteresis, pre-sliding, relaxation) along a motion
+that is given."""
 
 import casadi as ca
 import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse.csgraph import connected_components
 
 from symhyb.numeric.kernels.buffers import Array, call
 from symhyb.numeric.kernels.chains import Chains
 from symhyb.numeric.kernels.memory import kept
 from symhyb.numeric.lowered.dynamics import StateForm, inner_form
-from symhyb.numeric.lowered.machine import Machine
+from symhyb.numeric.lowered.machine import Machine, structure_of
 from symhyb.numeric.lowered.steps import rosenbrock_step
 
 SUBSTEPS = 2  # between two samples
 CHUNK = 50_000  # samples at once
+SETTLING = 50  # Newton steps
+SETTLED = 1e-6  # of the largest step: one that no longer matters
 
 
 def inner_along(
-    machine: Machine, t: Array, motion: tuple[Array, Array, Array], u: Array, p: Array
+    machine: Machine,
+    t: Array,
+    motion: tuple[Array, Array, Array],
+    u: Array,
+    p: Array,
+    off: Array | float = 0.0,
 ) -> Array:
     """Inner states (N, z) at times ``t`` (N,), begun at rest, SI; for several sets of parameters
-    (C, N, z).
+    (C, N, z). Declared states begin at what they settle to (:func:`settled`).
 
     ``motion`` are q, v and a (N, n), ``u`` (N, k) the inputs, ``p`` (P,) or (C, P) the parameters;
-    between two samples they run linearly.
+    between two samples they run linearly. ``off`` (z,) or (C, z) is added to where they begin.
     """
     sets, inner = np.atleast_2d(p), machine.inner_states
     if inner == 0 or t.size == 0:
         return np.zeros((*p.shape[:-1], t.size, inner))
     form = inner_form(machine)
     drive = form.driven(u, *motion)
-    first = [call(machine.inner_rest, (motion[0][0], float(t[0]), row))[0][0] for row in sets]
-    state = np.concatenate([np.array(first), sets], axis=1)
+    here = motion[0][0], motion[1][0], u[0], float(t[0])
+    first = np.array([settled(machine, *here, row)[0] for row in sets]) + off
+    state = np.concatenate([first, sets], axis=1)
     parts = [state[:, None, :inner]]
     for begin in range(0, t.size - 1, CHUNK):
         rows = slice(begin, begin + CHUNK + 1)
@@ -38,6 +49,58 @@ def inner_along(
         parts.append(states[:, SUBSTEPS - 1 :: SUBSTEPS, :inner].copy())
     z = np.concatenate(parts, axis=1)
     return z if p.ndim == 2 else z[0]
+
+
+def settled(
+    machine: Machine, q: Array, v: Array, u: Array, t: float, p: Array
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Where states (z,) begin in a recording, SI, and which of them settled there.
+
+    Inner states of elements begin at rest. Declared states begin at what they settle to under a
+    motion and inputs that stay as they are. States that act on each other settle together, if they
+    decay, their eigenvalues left of the imaginary axis; the others, integrators for one, have no
+    such value and begin at their start.
+    """
+    z = call(machine.inner_rest, (q, t, p))[0].reshape(-1).copy()
+    count, found = len(machine.model.states), np.zeros(z.size, dtype=bool)
+    if not count:
+        return z, found
+    slope = kept(("slope of states", structure_of(machine.model)), lambda: _slope(machine))
+    begin, largest = z.copy(), 0.0
+    for _ in range(SETTLING):
+        rate, by_z = call(slope, (q, v, z, u, t, p))
+        matrix, rate = by_z.T[:count, :count], rate.reshape(-1)[:count]
+        if not (np.isfinite(matrix).all() and np.isfinite(rate).all()):
+            return begin, np.zeros_like(found)
+        decays = _decaying(matrix)
+        found[:count] = decays
+        step = np.zeros(count)
+        step[decays] = np.linalg.solve(matrix[np.ix_(decays, decays)], rate[decays])
+        z[:count] -= step
+        largest = max(largest, float(np.abs(step).max()))
+        if np.abs(step).max() <= SETTLED * largest:
+            return z, found
+    return begin, np.zeros_like(found)
+
+
+def _decaying(matrix: Array) -> NDArray[np.bool_]:
+    """Which states decay (S,), by the slopes of their rates (S, S): all of a group that acts on
+    itself, or none of it."""
+    decays = np.zeros(len(matrix), dtype=bool)
+    groups = connected_components(matrix != 0, connection="strong")[1]
+    for group in range(groups.max() + 1):
+        rows = groups == group
+        decays[rows] = np.linalg.eigvals(matrix[np.ix_(rows, rows)]).real.max() < 0
+    return decays
+
+
+def _slope(machine: Machine) -> ca.Function:
+    """(q, v, z, u, t, p) -> the rates of z (z,) and their slopes by z (z, z)."""
+    function = machine.inner
+    given = [function.sx_in(i) for i in range(function.n_in())]
+    rates = function(*given)
+    slopes = ca.densify(ca.jacobian(rates, given[2]))
+    return ca.Function("slope_of_states", given, [ca.densify(rates), slopes])
 
 
 def _stepped(form: StateForm, t: Array, drive: Array, start: Array) -> Array:

@@ -35,8 +35,8 @@ Opening = Literal["closed", "switched", "banded"]
 class Machine:
     """A model lowered to CasADi; every number in coherent SI.
 
-    Sizes: n coordinates (those imposed included), z inner states of elements, k inputs, m sensors,
-    P parameters, E elements, N samples.
+    Sizes: n coordinates (those imposed included), z declared states and, behind them, inner states
+    of elements, k inputs, m sensors, P parameters, E elements, N samples.
 
     Attributes:
         M: (q, t, p) -> (n, n) mass matrix.
@@ -48,8 +48,9 @@ class Machine:
             are the accelerations of the imposed coordinates, which stay as they are. Constraints
             hold, and what they leave open is pulled closed
             (:mod:`symhyb.numeric.lowered.constrained`).
-        inner: (q, v, z, u, t, p) -> (z,) rates of the inner states.
-        inner_rest: (q, t, p) -> (z,) inner states of a machine that stood still at q.
+        inner: (q, v, z, u, t, p) -> (z,) rates of z.
+        inner_rest: (q, t, p) -> (z,) inner states of a machine that stood still at q, declared
+            states at their start.
         outputs: (q, v, a, z, u, t, p) -> (m,) what the sensors record, without noise and delay.
         sensed: (q, v, a, z, u, t, p, w) -> the same under an extra generalized force w.
         output_slopes: the arguments of outputs -> (m, n) ∂y/∂q, ∂y/∂v and ∂y/∂a.
@@ -112,7 +113,8 @@ class Machine:
         imposed = f" ({len(self.imposed)} imposed)" if self.imposed else ""
         counts = (
             (self.n, "coordinate", imposed),
-            (self.inner_states, "inner state", ""),
+            (len(self.model.states), "declared state", ""),
+            (self.inner_states - len(self.model.states), "inner state", ""),
             (self.constraints, "constraint row", ""),
             (self.values.size, "parameter", ""),
         )
@@ -132,7 +134,7 @@ class Machine:
 
     @property
     def inner_states(self) -> int:
-        """Number of inner states of elements."""
+        """How many declared states and inner states of elements there are."""
         return int(self.inner.size1_out(0))
 
     @property
@@ -330,6 +332,7 @@ def structure_of(model: Model) -> str:
     parameters, and what is said about things."""
     parts = (
         [(c.name, c.imposed) for c in model.coordinates],
+        [(s.name, s.rate.tree, s.si_start) for s in model.states],
         [p.path for p in model.all_parameters()],
         [(i.name, i.gain is None, i.offset is None) for i in model.inputs],
         [(s.measures.tree, s.gain is None, s.offset is None) for s in model.sensors],

@@ -147,16 +147,17 @@ def _power(base: ca.SX, exponent: sp.Expr, lowered: ca.SX) -> ca.SX:
 class Lowered:
     """The equations of a model as SX.
 
-    Symbols q, v, a (n), z (inner states), u (k), p (P), t; on them T, V, and a row an element:
-    generalized forces (each (n, 1)), stored energies, pathways (stretch, rate, direction; None at
-    points), scalar forces F (by name; not at points), and of the inner states (nz, 1) the rates z'
-    (``inner``) and the values at ``rest``. ``guidance`` (n, 1) keeps quaternions at length 1.
+    Symbols q, v, a (n), z (declared states, then inner states), u (k), p (P), t; on them T, V, and
+    a row an element: generalized forces (each (n, 1)), stored energies, pathways (stretch, rate,
+    direction; None at points), scalar forces F (by name; not at points), and of z (nz, 1) the rates
+    z' (``inner``) and the values at ``rest``, of declared states those at the start. ``guidance``
+    (n, 1) keeps quaternions at length 1.
     """
 
     def __init__(self, equations: Equations, networks: Mapping[str, Fill] | None = None):
         s = equations.symbols
         self.q, self.v, self.a = (ca.SX.sym(name, len(s.q)) for name in ("q", "v", "a"))
-        self.z = ca.SX.sym("z", len(s.z))
+        self.z = ca.SX.sym("z", len(s.remembered))
         self.u, self.p = ca.SX.sym("u", len(s.u)), ca.SX.sym("p", len(s.p))
         self.t = ca.SX.sym("t")
         pairs: dict[sp.Symbol, ca.SX] = {s.t: self.t}
@@ -164,7 +165,7 @@ class Lowered:
             (s.q, self.q),
             (s.v, self.v),
             (s.a, self.a),
-            (tuple(s.z.values()), self.z),
+            (s.remembered, self.z),
             (s.u, self.u),
             (s.p, self.p),
         )
@@ -198,8 +199,9 @@ class Lowered:
                 if term.law.inner is not None:
                     inner[term.element] = self._lower(term.law.inner)
                     rest[term.element] = self._lower(term.law.rest)
-        self.inner = _column([inner[name] for name in s.z])
-        self.rest = _column([rest[name] for name in s.z])
+        rates, starts = (map(self._lower, part) for part in (equations.rates, equations.starts))
+        self.inner = _column([*rates, *(inner[name] for name in s.z)])
+        self.rest = _column([*starts, *(rest[name] for name in s.z)])
 
     def inputs(self) -> tuple[ca.SX, ...]:
         """What acts of every input: gain and offset applied."""

@@ -52,7 +52,7 @@ NEAR_LOCK = 0.1  # |cos| of the second of three rotations where a run ended
 @dataclass(frozen=True, slots=True, repr=False)
 class Trajectory:
     """A simulated run, SI: ``q``, ``v``, ``a`` (N, n), ``y`` (N, m) sensors without noise, ``z``
-    (N, z) inner states.
+    (N, z) declared states, then inner states.
 
     ``reason`` is empty, or says why the integration stopped; rows from there on are NaN. ``method``
     integrated, at the end of the run: *explicit* (Runge–Kutta of order 8), or CVODES by *bdf* or
@@ -98,8 +98,8 @@ class Trajectory:
         return card(repr(self)[1:-1], "", ("signal", "unit", "smallest", "largest"), rows, said)
 
     def signals(self) -> Iterator[Signal]:
-        """What the sensors show, then places, speeds and accelerations of the coordinates, each
-        with its values (N,) in the unit of the model file, and that unit."""
+        """What the sensors show, then places, speeds and accelerations of the coordinates, then
+        declared states, each with its values (N,) in the unit of the model file, and that unit."""
         if self.model is None:
             raise ValueError("a run that does not know its model has no names to show")
         for sensor, shown in zip(self.model.sensors, self.y.T, strict=True):
@@ -113,6 +113,9 @@ class Trajectory:
                 name = f"{name} (coordinate)" if name in taken else name
                 unit = coordinate.unit / second**order
                 yield name, column / coordinate.unit.factor, unit.text
+        for state, column in zip(self.model.states, self.z.T, strict=False):
+            name = f"{state.name} (state)" if state.name in taken else state.name
+            yield name, column / state.unit.factor, state.unit.text
 
     def to_frame(self) -> "pd.DataFrame":
         """The run in the units of the model file: what sensors show without noise, coordinates and

@@ -13,7 +13,7 @@ from scipy.signal import cont2discrete
 
 from symhyb.correction.adequacy.classes.catalogue import classes_of
 from symhyb.correction.adequacy.classes.columns import smooth
-from symhyb.correction.adequacy.classes.crossing_input import spared_by
+from symhyb.correction.adequacy.classes.erring_input import spared_by
 from symhyb.correction.adequacy.classes.held_input import _steps, held_input
 from symhyb.correction.adequacy.classes.law import law
 from symhyb.correction.adequacy.classes.worth import around, best_of, worth_of, worths_of

@@ -10,7 +10,8 @@ import numpy as np
 from symhyb.correction.adequacy.classes.changing import changing
 from symhyb.correction.adequacy.classes.columns import pushed_at
 from symhyb.correction.adequacy.classes.coupling import coupling
-from symhyb.correction.adequacy.classes.crossing_input import crossing_input, spared_by
+from symhyb.correction.adequacy.classes.crossing_input import crossing_input
+from symhyb.correction.adequacy.classes.erring_input import spared_by
 from symhyb.correction.adequacy.classes.held_input import held_input
 from symhyb.correction.adequacy.classes.hidden_mode import hidden_mode
 from symhyb.correction.adequacy.classes.input_curve import input_curve

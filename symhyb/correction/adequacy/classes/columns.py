@@ -184,7 +184,19 @@ def pushing(
     ``joint``: of all columns together."""
     m = len(recorded.windows.machine.model.sensors)
     each = tuple(Extra(f, np.zeros((len(f), m, f.shape[2]))) for f in forces)
-    power = np.mean([np.mean(f**2, axis=0) for f in forces], axis=0)
+    return made_of(recorded, kind, where, each, figure, joint)
+
+
+def made_of(
+    recorded: Recorded,
+    kind: ClassName,
+    where: Place | str,
+    each: tuple[Extra, ...],
+    figure: float = float("nan"),
+    joint: bool = False,
+) -> Generic:
+    """The same of forces with what they show at once."""
+    power = np.mean([np.mean(one.force**2, axis=0) for one in each], axis=0)
     share = np.max(np.sqrt(power) / recorded.scale_or_inf, axis=0)
     return Generic(kind, where, each, SIZE * _over(share, joint), figure)
 

@@ -3,8 +3,8 @@
 import numpy as np
 
 from symhyb.correction.adequacy.classes.columns import pushes, pushing
+from symhyb.correction.adequacy.classes.erring_input import spared_by
 from symhyb.correction.adequacy.classes.worth import Around
-from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Generic
 
 
@@ -20,9 +20,3 @@ def crossing_input(start: Around, which: int) -> Generic:
             pushed[:, at, column] = u
         forces.append(pushed)
     return pushing(recorded, "coupling", model.inputs[which].name, forces)
-
-
-def spared_by(recorded: Recorded, which: int) -> list[int]:
-    """The coordinates on which an input does not act."""
-    size = sum(np.abs(push).sum(axis=0) for _, push in pushes(recorded, which))
-    return [int(i) for i in np.flatnonzero(size == 0) if recorded.scale[i] > 0]

@@ -5,7 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from symhyb.correction.adequacy.classes.columns import pushes, pushing
+from symhyb.correction.adequacy.classes.columns import made_of, pushes
+from symhyb.correction.adequacy.classes.erring_input import erring
 from symhyb.correction.adequacy.classes.worth import Around, best_of, joined
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Generic
@@ -31,14 +32,14 @@ def _staircase(recorded: Recorded, which: int, hold: int, first: int) -> Generic
     """What an input held for so many samples from the ``first`` on adds to its record."""
     channel = recorded.windows.machine.model.inputs[which]
     after, before = [], []
-    for u, push in pushes(recorded, which):
+    for u, _ in pushes(recorded, which):
         jumps = _steps(u, hold, first, channel.between == "smooth")
-        after.append(push[:, :, None] * jumps[0][:, None, None])
-        before.append(push[:, :, None] * jumps[1][:, None, None])
-    made = pushing(recorded, "input", channel.name, after, hold * recorded.step_s)
-    each = tuple(replace(one, before=b) for one, b in zip(made.each, before, strict=True))
+        after.append(jumps[0][:, None])
+        before.append(jumps[1][:, None])
+    each = erring(recorded, which, after, before)
+    made = made_of(recorded, "input", channel.name, each, hold * recorded.step_s)
     size, mean = np.array([KNOWN]), np.array([1 / KNOWN])
-    return replace(made, each=each, spread=size, mean=mean, does="holds")
+    return replace(made, spread=size, mean=mean, does="holds")
 
 
 def _steps(values: Array, hold: int, first: int, bent: bool) -> tuple[Array, Array]:

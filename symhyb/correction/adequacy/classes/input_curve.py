@@ -1,6 +1,7 @@
 """An input that acts by a smooth function of itself."""
 
-from symhyb.correction.adequacy.classes.columns import pushes, pushing, smooth_options
+from symhyb.correction.adequacy.classes.columns import made_of, pushes, smooth_options
+from symhyb.correction.adequacy.classes.erring_input import erring
 from symhyb.correction.adequacy.classes.worth import Around, best_of
 from symhyb.correction.adequacy.structure import Generic
 
@@ -13,13 +14,7 @@ def input_curve(start: Around, which: int) -> Generic:
     return best_of(
         start,
         [
-            pushing(
-                recorded,
-                "input",
-                name,
-                [push[:, :, None] * c[:, None] for (_, push), c in zip(parts, option, strict=True)],
-                joint=True,
-            )
+            made_of(recorded, "input", name, erring(recorded, which, option), joint=True)
             for option in smooth_options([u for u, _ in parts])
         ],
     )
