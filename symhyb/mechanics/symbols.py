@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import sympy as sp
 
 from symhyb.mechanics.tabulated import tabulated
-from symhyb.model.expression import Expression, Name, Node, Number, Operation, Reading
+from symhyb.model.expression import Expression, Name, Node, Number, Operation, Quantity, Reading
 from symhyb.model.types import Model
 from symhyb.model.vocabulary import KINDS
 
@@ -106,6 +106,8 @@ def to_sympy(expression: Expression | Node, scope: Mapping[tuple[str, int], sp.E
     match node:
         case Number(value):
             return _number(value)
+        case Quantity(value, _):
+            return sp.Float(value)
         case Name(name, order):
             return scope[name, order]
         case Operation("curve", (argument,), name):

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from symhyb.model.check_constraints import constraint_faults
 from symhyb.model.check_elements import element_faults
 from symhyb.model.check_states import state_faults
-from symhyb.model.expression import RESERVED, Expression, Name, Number
+from symhyb.model.expression import RESERVED, Expression, Name, Number, Quantity
 from symhyb.model.fmu import fmu_faults
 from symhyb.model.frames import frame_faults, place_unit
 from symhyb.model.limits import limit_faults
@@ -185,7 +185,7 @@ def _mass_unit(energy: Unit | None, place: Unit | None) -> Unit | None:
 
 
 def _is_zero(mass: Expression) -> bool:
-    return isinstance(mass.tree, Number) and mass.tree.value == 0
+    return isinstance(mass.tree, Number | Quantity) and mass.tree.value == 0
 
 
 def _acts_without_mass(body: Body, model: Model) -> bool:

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from symhyb.errors import did_you_mean
 from symhyb.model.constraints import CONSTRAINTS, Constraint
-from symhyb.model.expression import Name, Number, names
+from symhyb.model.expression import Name, Number, Quantity, names
 from symhyb.model.frames import point_faults
 from symhyb.model.scope import Scope, Use, expression_faults, unit_in
 from symhyb.model.source import Path
@@ -115,7 +115,7 @@ def _touching_faults(constraint: Constraint, model: Model, path: Path) -> Iterat
 
 
 def _plain(tree: object, model: Model) -> float | None:
-    if isinstance(tree, Number):
+    if isinstance(tree, Number | Quantity):
         return tree.value
     if isinstance(tree, Name):
         return next((p.value for p in model.parameters if p.name == tree.name), None)

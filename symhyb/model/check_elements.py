@@ -7,7 +7,7 @@ from fractions import Fraction
 from symhyb.errors import did_you_mean
 from symhyb.laws.base import Key
 from symhyb.model.curves import Curve
-from symhyb.model.expression import Expression, Name, Number, Operation
+from symhyb.model.expression import Expression, Name, Number, Operation, Quantity
 from symhyb.model.frames import point_faults
 from symhyb.model.scope import (
     ADDED,
@@ -143,9 +143,9 @@ def _scale_faults(
 def _plain(value: Expression, element: Element, model: Model) -> float | None:
     """Return the value of a plain number or of one parameter, SI; None of anything else."""
     match value.tree:
-        case Number(number):
+        case Number(number) | Quantity(number, _):
             return number
-        case Operation("neg", (Number(number),)):
+        case Operation("neg", (Number(number) | Quantity(number, _),)):
             return -number
     parameter = _parameter(value, element, model)
     return None if parameter is None else parameter.si

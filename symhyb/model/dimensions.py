@@ -11,6 +11,7 @@ from symhyb.model.trees import (
     Node,
     Number,
     Operation,
+    Quantity,
     Reading,
     brief,
     curves_in,
@@ -42,6 +43,8 @@ def unit_of(
     match tree:
         case Number(value):
             return None if value == 0 else ONE
+        case Quantity(_, unit):
+            return unit
         case Name():
             return units(tree)
         case Reading():

@@ -1,8 +1,9 @@
 """Expressions of a model file as small trees: parsed by a whitelist, never evaluated as code.
 
-``x'`` and ``x''`` are derivatives of a coordinate, power is ``**``, ``pi`` is a number and ``t``
-the time in s. Names are exactly those the model declares; which ones may stand where is checked
-in :mod:`symhyb.model.check`. The trees are in :mod:`symhyb.model.trees`, their units in
+``x'`` and ``x''`` are derivatives of a coordinate, power is ``**``, ``pi`` is a number, ``t`` the
+time in s, and a number may have its unit in place (:mod:`symhyb.model.quantities`). Names are
+exactly those the model declares; which ones may stand where is checked in
+:mod:`symhyb.model.check`. The trees are in :mod:`symhyb.model.trees`, their units in
 :mod:`symhyb.model.dimensions`; both are offered here.
 """
 
@@ -11,12 +12,13 @@ import keyword
 import math
 import re
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import reduce
 
 from symhyb.errors import did_you_mean
 from symhyb.limits import EXPRESSION_DEPTH, EXPRESSION_LETTERS
 from symhyb.model.dimensions import unit_of
+from symhyb.model.quantities import MARK, quantities_out
 from symhyb.model.trees import (
     FUNCTIONS,
     READINGS,
@@ -26,11 +28,13 @@ from symhyb.model.trees import (
     Node,
     Number,
     Operation,
+    Quantity,
     Reading,
     brief,
     curves_in,
     evaluate,
     names,
+    quantities,
     readings,
     show,
 )
@@ -45,11 +49,13 @@ __all__ = [
     "Node",
     "Number",
     "Operation",
+    "Quantity",
     "Reading",
     "curves_in",
     "evaluate",
     "names",
     "parse_expression",
+    "quantities",
     "readings",
     "show",
     "unit_of",
@@ -86,13 +92,15 @@ def parse_expression(text: str | float | int) -> Expression:
         )
     if not text.strip():
         raise ExpressionError("the expression is empty")
-    _refuse_characters(text)
-    return Expression(text, _convert(_python_tree(" ".join(text.split())), 1))
+    _refuse_characters(text, text, "^")  # which stands in units alone
+    plain, found = quantities_out(" ".join(text.split()))
+    _refuse_characters(plain, text, MARK)
+    return Expression(text, _convert(_python_tree(plain), 1, found))
 
 
-def _refuse_characters(text: str) -> None:
-    for character in text:
-        if not _ALLOWED.match(character):
+def _refuse_characters(some: str, text: str, also: str) -> None:
+    for character in some:
+        if not _ALLOWED.match(character) and character != also:
             cure = {"^": "; power is '**'", "·": "; a product is '*'"}.get(character, "")
             raise ExpressionError(f"'{character}' is not allowed in '{brief(text)}'{cure}")
 
@@ -120,8 +128,9 @@ def _cure_of_syntax(text: str) -> str:
     return "; write a product as 'a*b' and a derivative as x'"
 
 
-def _convert(node: ast.expr, depth: int) -> Node:
-    """Turn Python's tree into ours; whatever is not listed here is refused."""
+def _convert(node: ast.expr, depth: int, found: Sequence[Quantity]) -> Node:
+    """Turn Python's tree into ours; whatever is not listed here is refused. ``found`` are the
+    numbers with units that marked names stand for."""
     if depth > EXPRESSION_DEPTH:
         raise ExpressionError(
             f"the expression is nested too deeply (at most {EXPRESSION_DEPTH} levels)"
@@ -129,21 +138,23 @@ def _convert(node: ast.expr, depth: int) -> Node:
     match node:
         case ast.Constant(value=value):
             return _number(value)
+        case ast.Name(id=name) if name.startswith(MARK):
+            return found[int(name.strip(MARK))]
         case ast.Name(id=name):
             return _name(name)
         case ast.UnaryOp(op=ast.USub(), operand=operand):
-            return Operation("neg", (_convert(operand, depth + 1),))
+            return Operation("neg", (_convert(operand, depth + 1, found),))
         case ast.UnaryOp(op=ast.UAdd(), operand=operand):
-            return _convert(operand, depth + 1)
+            return _convert(operand, depth + 1, found)
         case ast.BinOp(left=left, op=op, right=right) if type(op) in _BINARY:
-            arguments = (_convert(left, depth + 1), _convert(right, depth + 1))
+            arguments = (_convert(left, depth + 1, found), _convert(right, depth + 1, found))
             return Operation(_BINARY[type(op)], arguments)
         case ast.Call(func=ast.Name(id=name), args=args, keywords=[]) if name in READINGS:
             return _reading(name, args)
         case ast.Call(func=ast.Name(id="curve"), args=args, keywords=[]):
-            return _curve(args, depth)
+            return _curve(args, depth, found)
         case ast.Call(func=ast.Name(id=name), args=args, keywords=[]):
-            return _call(name, [_convert(argument, depth + 1) for argument in args])
+            return _call(name, [_convert(argument, depth + 1, found) for argument in args])
     raise ExpressionError(
         f"'{_source(node)}' is not allowed: only numbers, declared names, + - * / ** and functions"
     )
@@ -192,11 +203,11 @@ def _call(name: str, arguments: list[Node]) -> Node:
     return Operation(name, tuple(arguments))
 
 
-def _curve(arguments: list[ast.expr], depth: int) -> Operation:
+def _curve(arguments: list[ast.expr], depth: int, found: Sequence[Quantity]) -> Operation:
     """Read a curve of the model at a value; its name is no value itself."""
     match arguments:
         case [ast.Name(id=name), value] if _PRIME not in name:
-            return Operation("curve", (_convert(value, depth + 1),), name)
+            return Operation("curve", (_convert(value, depth + 1, found),), name)
     raise ExpressionError("'curve' takes the name of a curve and a value, as in curve(<name>, x)")
 
 

@@ -14,10 +14,12 @@ from symhyb.model.expression import (
     Reading,
     curves_in,
     names,
+    quantities,
     readings,
     show,
     unit_of,
 )
+from symhyb.model.quantities import factors_of
 from symhyb.model.source import Path
 from symhyb.model.states import State
 from symhyb.model.tables import Fault, shorten
@@ -177,6 +179,7 @@ def _use_faults(path: Path, expression: Expression, scope: Scope, use: Use) -> I
     if not use.readings:
         for reading in readings(expression):
             yield path, f"only sensors may use {reading.what}(...), not {use.words}"
+    yield from _misleading(path, expression, scope)
     rough = None if use.rough else _rough(expression.tree, scope)
     if rough is not None:
         text = shorten(show(rough))
@@ -208,6 +211,18 @@ def _use_faults(path: Path, expression: Expression, scope: Scope, use: Use) -> I
             yield path, f"{name} is an input, on which {use.words} cannot depend"
         elif name.name == "t" and not use.time:
             yield path, f"{use.words} cannot depend on the time"
+
+
+def _misleading(path: Path, expression: Expression, scope: Scope) -> Iterator[Fault]:
+    """Units in place one of whose factors is a declared name of the same dimension, too: no check
+    of units would find which of them is meant."""
+    for quantity in quantities(expression):
+        for factor in sorted(factors_of(quantity) & scope.units.keys()):
+            unit = scope.units[factor]
+            if unit is not None and unit.same_dimension(parse_unit(factor)):
+                cure = "write a product with blanks around its sign, or choose another name"
+                text = f"'{quantity}' can be read in two ways, as {factor} is a declared name"
+                yield path, f"{text}; {cure}"
 
 
 def _rough(tree: Node, scope: Scope) -> Operation | None:

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from symhyb.units import Unit
+
 FUNCTIONS: Mapping[str, int] = {
     "sin": 1,
     "cos": 1,
@@ -58,6 +60,17 @@ class Number:
 
 
 @dataclass(frozen=True, slots=True)
+class Quantity:
+    """A literal number with its ``unit`` in place, as in ``2 kg``; its ``value`` is in SI."""
+
+    value: float
+    unit: Unit
+
+    def __str__(self) -> str:
+        return f"{_digits(self.value / self.unit.factor)} {self.unit}"
+
+
+@dataclass(frozen=True, slots=True)
 class Name:
     """A declared name; ``order`` counts the primes (``x'`` 1, ``x''`` 2)."""
 
@@ -90,7 +103,7 @@ class Reading:
         return f"{self.what}({', '.join(self.names)})"
 
 
-Node = Number | Name | Operation | Reading
+Node = Number | Quantity | Name | Operation | Reading
 
 
 @dataclass(frozen=True, slots=True)
@@ -184,7 +197,7 @@ def evaluate(
     """
     tree = expression.tree if isinstance(expression, Expression) else expression
     match tree:
-        case Number(value):
+        case Number(value) | Quantity(value, _):
             return np.asarray(value, dtype=np.float64)
         case Name(name, order):
             key: tuple[str, int] | str = (name, order)
@@ -205,8 +218,8 @@ def show(tree: Node) -> str:
     """Write a tree as text that :func:`parse_expression` reads back to the same values."""
     match tree:
         case Number(value):
-            return f"{value:.12g}" if float(f"{value:.12g}") == value else repr(value)
-        case Name() | Reading():
+            return _digits(value)
+        case Name() | Reading() | Quantity():
             return str(tree)
         case Operation("curve", (argument,), name):
             return f"curve({name}, {show(argument)})"
@@ -224,8 +237,24 @@ def show(tree: Node) -> str:
 
 def _inside(tree: Node, strength: int) -> str:
     weak = isinstance(tree, Operation) and _STRENGTH.get(tree.operator, 9) < strength
+    weak = weak or (isinstance(tree, Quantity) and strength > 1)
     negative = isinstance(tree, Number) and tree.value < 0 and strength > 1
     return f"({show(tree)})" if weak or negative else show(tree)
+
+
+def _digits(value: float) -> str:
+    return f"{value:.12g}" if float(f"{value:.12g}") == value else repr(value)
+
+
+def quantities(expression: Expression | Node) -> tuple[Quantity, ...]:
+    """Return every number with a unit in place, in the order of the text."""
+    tree = expression.tree if isinstance(expression, Expression) else expression
+    match tree:
+        case Quantity():
+            return (tree,)
+        case Operation(_, arguments):
+            return tuple(one for argument in arguments for one in quantities(argument))
+    return ()
 
 
 def brief(text: str) -> str:
