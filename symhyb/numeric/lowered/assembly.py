@@ -19,12 +19,11 @@ from symhyb.model.types import Energy, Model
 from symhyb.numeric.kernels.buffers import Array, call
 from symhyb.numeric.kernels.memory import kept
 from symhyb.numeric.lowered import cache
+from symhyb.numeric.lowered.dependence import DEPENDENT, dependent, idle
 
 CLOSED = 1e-12  # of the size of the motion: what rounding leaves open
 STEPS_MOST = 60
 SHARES = (1.0, 0.5, 0.25, 0.1, 0.02)  # of a Newton step
-DEPENDENT = 1e-5  # of the length of a row of J: what is left of it beside the rows before. Where
-# a loop locks, Newton's method finds the place, a double root, to the square root of CLOSED only
 BESIDE = 0.02  # how far beside the start dependence is tried again, of the size of a coordinate
 TRIES = 3
 REPORTED = 1e-3  # of a stated start: a smaller move is what rounding in the file leaves
@@ -43,6 +42,10 @@ class _Gaps:
         """c, ċ (m,) and J (m, n)."""
         gap, rate, _, slope, _ = call(self.function, (q, v, 0 * q, 0.0, self.p))
         return gap[0], rate[0], slope.T
+
+    def dependent(self, q: Array, free: NDArray[np.bool_]) -> dict[int, list[int]]:
+        """The rows that hold nothing at q, or only what rows before them hold, each with those."""
+        return dependent(self.at(q, 0 * q)[2], free, self.labels)
 
     def placing(self) -> list[int]:
         """The rows that hold places; the others are nonholonomic."""
@@ -214,12 +217,12 @@ def _repeated(gaps: _Gaps, q: Array) -> tuple[tuple[str, ...], tuple[str, ...]]:
         InputError: rows that depend on others at the start and nowhere beside it.
     """
     free = np.array([not c.imposed for c in gaps.model.coordinates])
-    here = _dependent(gaps.at(q, 0 * q)[2], free)
+    here = gaps.dependent(q, free)
     if not here:
         return (), ()
     always = set(here)
     for beside in _beside(gaps, q):
-        always &= set(_dependent(gaps.at(beside, 0 * q)[2], free))
+        always &= set(gaps.dependent(beside, free))
     lost = [row for row in here if row not in always]
     if lost:
         raise InputError(_locked(gaps, q, np.eye(len(gaps.labels))[lost[0]]))
@@ -227,9 +230,10 @@ def _repeated(gaps: _Gaps, q: Array) -> tuple[tuple[str, ...], tuple[str, ...]]:
     for row in sorted(always):
         name, others = gaps.labels[row], [gaps.labels[i] for i in here[row]]
         listed = " and ".join(dict.fromkeys(label.split(".")[0] for label in others))
-        if _of_a_line(gaps, name, others):
-            continue
-        notes.append(f"constraints.{name} repeats what {listed} say already and is left out")
+        if not others:
+            notes.append(f"constraints.{name} is zero wherever the machine moves and is left out")
+        elif not _of_a_line(gaps, name, others):
+            notes.append(f"constraints.{name} repeats what {listed} say already and is left out")
     return tuple(gaps.labels[row] for row in sorted(always)), tuple(notes)
 
 
@@ -238,25 +242,6 @@ def _of_a_line(gaps: _Gaps, label: str, others: Sequence[str]) -> bool:
     name = label.split(".")[0]
     kind = next(item.kind for item in gaps.model.constraints if item.name == name)
     return kind == "slider" and all(other.split(".")[0] == name for other in others)
-
-
-def _dependent(whole: Array, free: NDArray[np.bool_]) -> dict[int, list[int]]:
-    """Rows of J (m, n) that, in the free coordinates, depend on rows before them or on nothing,
-    each with those."""
-    kept_rows: list[int] = []
-    found: dict[int, list[int]] = {}
-    slope = whole[:, free]
-    for i, row in enumerate(slope):
-        size = float(np.linalg.norm(whole[i]))
-        before = slope[kept_rows]
-        weights = np.linalg.lstsq(before.T, row, rcond=DEPENDENT)[0] if kept_rows else np.zeros(0)
-        left = float(np.linalg.norm(row - weights @ before if kept_rows else row))
-        if left > DEPENDENT * size:
-            kept_rows.append(i)
-            continue
-        shares = np.abs(weights) * np.linalg.norm(before, axis=1) if kept_rows else weights
-        found[i] = [kept_rows[j] for j in np.flatnonzero(shares > 1e-6 * size)]
-    return found
 
 
 def _beside(gaps: _Gaps, q: Array) -> list[Array]:
@@ -283,13 +268,10 @@ def _require_hold(gaps: _Gaps, q: Array, free: NDArray[np.bool_]) -> None:
         "is not linear in the rates: a nonholonomic constraint is a sum of rates, each times a "
         "factor of places, parameters and time",
     )
-    slope = gaps.function.jac_sparsity(1, 1)
-    held = {int(row) for row, column in zip(*slope.get_triplet(), strict=True) if free[column]}
-    idle = [label for i, label in enumerate(gaps.labels) if i not in held]
     gap = gaps.at(q, 0 * q)[0]
     _refuse(
         gaps,
-        idle,
+        idle(gaps.function, gaps.labels, free),
         "holds nothing that is free to move: it contains no coordinate, or only imposed ones",
     )
     bad = [label for label, value in zip(gaps.labels, gap, strict=True) if not np.isfinite(value)]
@@ -315,7 +297,12 @@ def _impossible(gaps: _Gaps, q: Array, gap: Array) -> Problem:
     name = gaps.labels[worst].split(".")[0]
     generic = _contradicted(gaps, q)
     where = _places_text(gaps.model, q)
-    if worst in generic:
+    if worst in generic and not generic[worst]:
+        text = (
+            f"nothing moves along {gaps.labels[worst]}, and there it is off by "
+            f"{abs(gap[worst]):.4g} (SI); let both lie in the plane of the motion"
+        )
+    elif worst in generic:
         others = " and ".join(dict.fromkeys(gaps.labels[i].split(".")[0] for i in generic[worst]))
         text = (
             f"contradicts constraints.{others}: where that holds, this one is off by "
@@ -336,7 +323,7 @@ def _contradicted(gaps: _Gaps, q: Array) -> dict[int, list[int]]:
     draws = np.random.default_rng(0).standard_normal((TRIES, q.size))
     found: dict[int, list[int]] | None = None
     for draw in draws:
-        at = _dependent(gaps.at(q + BESIDE * (1 + np.abs(q)) * draw, 0 * q)[2], free)
+        at = gaps.dependent(q + BESIDE * (1 + np.abs(q)) * draw, free)
         found = at if found is None else {row: at[row] for row in found if row in at}
     related = dict(found or {})
     for row, others in (found or {}).items():
