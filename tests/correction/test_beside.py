@@ -110,3 +110,13 @@ def test_the_sum_is_told_forward_and_backward() -> None:
     plain = Named("damper", On("x"), (0,), {"damping": (1.0, 0.1)})
     elsewhere = Named("damper", On("2*x"), (0,), values)
     assert not list(together(model, fitted, [plain, elsewhere]))
+
+
+def test_beside_a_coefficient_that_an_input_changes_there_is_no_sum() -> None:
+    text = MODEL.format(sd="").replace('damping = "d"', 'damping = "d*f/f_0"')
+    text = text.replace("[inputs]", 'f_0 = { value = 1.0, unit = "N" }\n[inputs]')
+    machine = sh.build(sh.parse_model(text))
+    fitted = type("Fitted", (), {"machine": machine, "p": machine.values})()
+    values = {"damping": (1.0, 0.1), "asymmetry": (5.0, 0.3)}
+    item = Named("damper", On("x"), (0,), values)
+    assert not list(together(machine.model, fitted, [item]))

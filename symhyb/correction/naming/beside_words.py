@@ -6,7 +6,7 @@ from symhyb.correction.naming.findings import Named
 from symhyb.correction.search.trajectory import Refined
 from symhyb.discrepancy.places.standing import alike
 from symhyb.discrepancy.words.amounts import quantity_text
-from symhyb.model.trees import evaluate
+from symhyb.model.trees import evaluate, names
 from symhyb.model.types import Element, Model, place_text
 from symhyb.model.vocabulary import KINDS, key_unit
 from symhyb.numeric.kernels.buffers import Array
@@ -25,7 +25,10 @@ def together(model: Model, final: Refined, items: Sequence[Named]) -> Iterator[s
         key = law.strengths[0]
         unit = key_unit(model, item.kind, key, item.place)
         strengths = [(item.values[key][0], item.values["asymmetry"][0])]
-        strengths += [_strength(final, element, key) for element in beside]
+        known = [_strength(final, element, key) for element in beside]
+        strengths += [one for one in known if one is not None]
+        if len(strengths) <= len(beside):  # one changes as the machine moves
+            continue
         forward, backward = (
             sum(value * (1.0 + sign * asymmetry) for value, asymmetry in strengths) / unit.factor
             for sign in (1.0, -1.0)
@@ -38,8 +41,9 @@ def together(model: Model, final: Refined, items: Sequence[Named]) -> Iterator[s
         )
 
 
-def _strength(final: Refined, element: Element, key: str) -> tuple[float, float]:
-    """The strength and the asymmetry of an element of a fitted model, SI."""
+def _strength(final: Refined, element: Element, key: str) -> tuple[float, float] | None:
+    """The strength and the asymmetry of an element of a fitted model, SI; None where an input, a
+    state or the time changes them."""
     machine = final.machine
     known = dict(zip((p.path for p in machine.model.all_parameters()), final.p, strict=True))
     own = {p.name: known[f"{element.name}.{p.name}"] for p in element.parameters}
@@ -48,6 +52,9 @@ def _strength(final: Refined, element: Element, key: str) -> tuple[float, float]
     }
     curves = machine.model.characteristics()
     strength, asymmetry = (element.value(name) for name in (key, "asymmetry"))
+    said = [name for text in (strength, asymmetry) if text is not None for name in names(text)]
+    if not {name.name for name in said} <= values.keys():
+        return None
     return (
         0.0 if strength is None else float(evaluate(strength, values, curves)),
         0.0 if asymmetry is None else float(evaluate(asymmetry, values, curves)),

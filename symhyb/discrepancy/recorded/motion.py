@@ -30,6 +30,7 @@ from symhyb.errors import InputError, Problem
 from symhyb.model.types import Energy
 from symhyb.numeric.kernels.buffers import Array, call
 from symhyb.numeric.kernels.vector import along
+from symhyb.numeric.lowered.inner import inner_along
 from symhyb.numeric.lowered.known import Known, machine_with
 from symhyb.numeric.lowered.machine import Machine, build
 from symhyb.numeric.lowered.manifold import closed, gaps_of, placing
@@ -252,9 +253,17 @@ def _guide(
 
 def _forces(machine: Machine, q: Array, v: Array, u: Array, t: Array) -> Array:
     """k_e (N, n) along a motion, inner states at rest."""
-    z = np.zeros((t.size, machine.inner_states))
+    z = _remembered(machine, (q, v, 0 * q), u, t)
     (force,) = along(machine.k_e, (q, v, z, u, t, machine.values), (5,), t.size)
     return force
+
+
+def _remembered(machine: Machine, motion: tuple[Array, Array, Array], u: Array, t: Array) -> Array:
+    """Declared states (N, z) along a motion, inner states of elements at rest."""
+    z, declared = np.zeros((t.size, machine.inner_states)), len(machine.model.states)
+    if declared:
+        z[:, :declared] = inner_along(machine, t, motion, u, machine.values)[:, :declared]
+    return z
 
 
 def _spread(order: int, fit: SplineFit, narrower: SplineFit) -> Array:
@@ -359,6 +368,8 @@ def _sense(
     leave open; ``guided``, also the force that the model lacks on the free coordinates."""
     total, m, n = t.size, len(machine.model.sensors), machine.n
     z = np.zeros((total, machine.inner_states))
+    if guided:
+        z = _remembered(machine, (q, v, a), u, t)
     arguments = (q, v, a, z, u, t, machine.values)
     (y,) = along(machine.outputs, arguments, (6,), total)
     slopes = along(machine.output_slopes, arguments, (6,), total)
