@@ -17,6 +17,7 @@ from functools import reduce
 
 from symhyb.errors import did_you_mean
 from symhyb.limits import EXPRESSION_DEPTH, EXPRESSION_LETTERS
+from symhyb.model.conditions import misplaced, where
 from symhyb.model.dimensions import unit_of
 from symhyb.model.quantities import MARK, quantities_out
 from symhyb.model.trees import (
@@ -66,7 +67,7 @@ RESERVED = frozenset({"t", "pi", *FUNCTIONS, *_ALIASES, *keyword.kwlist})
 """Names that no coordinate, parameter or input may have."""
 
 _PRIME = "\u02b9"  # a letter for Python's parser, and outside the characters a file may use
-_ALLOWED = re.compile(r"[A-Za-z0-9_ .,+\-*/()'\t\r\n]")
+_ALLOWED = re.compile(r"[A-Za-z0-9_ .,+\-*/()<>='\t\r\n]")
 _BINARY: Mapping[type[ast.operator], str] = {
     ast.Add: "+",
     ast.Sub: "-",
@@ -151,9 +152,14 @@ def _convert(node: ast.expr, depth: int, found: Sequence[Quantity]) -> Node:
             return Operation(_BINARY[type(op)], arguments)
         case ast.Call(func=ast.Name(id=name), args=args, keywords=[]) if name in READINGS:
             return _reading(name, args)
+        case ast.Call(func=ast.Name(id="where"), args=args, keywords=[]):
+            return where(args, lambda part: _convert(part, depth + 1, found))
+        case ast.Compare() | ast.BoolOp() | ast.UnaryOp(op=ast.Not()):
+            raise misplaced(_source(node))
         case ast.Call(func=ast.Name(id="curve"), args=args, keywords=[]):
             return _curve(args, depth, found)
         case ast.Call(func=ast.Name(id=name), args=args, keywords=[]):
+            name = _known(name)
             return _call(name, [_convert(argument, depth + 1, found) for argument in args])
     raise ExpressionError(
         f"'{_source(node)}' is not allowed: only numbers, declared names, + - * / ** and functions"
@@ -186,13 +192,17 @@ def _name(name: str) -> Node:
     return Name(plain, order)
 
 
-def _call(name: str, arguments: list[Node]) -> Node:
+def _known(name: str) -> str:
     name = _ALIASES.get(name, name)
     if name not in FUNCTIONS:
-        known = [*FUNCTIONS, "curve", *READINGS]
+        known = [*FUNCTIONS, "where", "curve", *READINGS]
         raise ExpressionError(
             f"'{_source(name)}' is not a known function{did_you_mean(name, known)}"
         )
+    return name
+
+
+def _call(name: str, arguments: list[Node]) -> Node:
     if name in ("min", "max") and len(arguments) >= 2:
         return reduce(lambda left, right: Operation(name, (left, right)), arguments)
     if len(arguments) != FUNCTIONS[name]:

@@ -6,7 +6,7 @@ points, and every side of a gap, into an automaton. Other laws with a corner sta
 
 from dataclasses import dataclass
 
-from symhyb.model.expression import Node, Operation
+from symhyb.model.expression import Expression, Node, Operation
 from symhyb.model.types import At, Element, Model, On
 from symhyb.model.vocabulary import KINDS
 
@@ -76,11 +76,16 @@ def left_smooth(model: Model) -> tuple[str, ...]:
             )
         elif KINDS[element.kind].state and KINDS[element.kind].steep:
             said.append(f"{name} has an inner state and is smooth by itself: it stays as it is")
-        elif any(switches(expression.tree) for _, expression in element.values):
+        elif word := next((w for _, text in element.values if (w := switching_word(text))), ""):
             said.append(
-                f"{name} is written with sign(...), whose jumps are not located: write it as kind "
+                f"{name} is written with {word}, whose jumps are not located: write it as kind "
                 "'friction' to have it stick exactly"
             )
+    said += [
+        f"states.{state.name} has a rate with {word}, whose jumps are not located"
+        for state in model.states
+        if (word := switching_word(state.rate))
+    ]
     return tuple(said)
 
 
@@ -89,6 +94,13 @@ def switches(node: Node) -> bool:
     if not isinstance(node, Operation):
         return False
     return node.operator == "sign" or any(switches(part) for part in node.arguments)
+
+
+def switching_word(expression: Expression) -> str:
+    """With what an expression jumps, as it is written; empty if it does not."""
+    if not switches(expression.tree):
+        return ""
+    return "where(...)" if "where" in expression.text else "sign(...)"
 
 
 def _rubs(element: Element) -> bool:

@@ -8,7 +8,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from symhyb.model.switching import switches
+from symhyb.model.switching import switching_word
 from symhyb.model.types import Model
 from symhyb.numeric.kernels.buffers import Array, call
 from symhyb.numeric.runs.sizes import GROWN
@@ -145,14 +145,17 @@ def _explain(error: RuntimeError, start: Array, grid: Array, most: float) -> str
 
 def culprits(model: Model) -> str:
     """The laws that switch at a point and so may chatter, as the end of a sentence."""
-    switching = [
-        f"elements.{element.name}"
+    expressions = [
+        (f"elements.{element.name}", text)
         for element in model.elements
-        if any(switches(expression.tree) for _, expression in element.values)
+        for _, text in element.values
     ]
-    if not switching:
+    expressions += [(f"states.{state.name}", state.rate) for state in model.states]
+    words = {place: word for place, text in expressions if (word := switching_word(text))}
+    if not words:
         return ""
     return (
-        f"; {', '.join(switching)} switches with sign(...), which chatters where the motion "
-        "reverses: write it as kind 'friction', or with tanh(speed/transition)"
+        f"; {', '.join(words)} switches with {' and '.join(dict.fromkeys(words.values()))}, which "
+        "chatters where the motion reverses: write it as kind 'friction', or with "
+        "tanh(speed/transition)"
     )
