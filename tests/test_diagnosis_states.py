@@ -1,9 +1,73 @@
-"""Diagnoses of a machine with a declared state, the current of a motor with inductance."""
+"""Diagnoses of machines with a declared state: the current of a motor with inductance, and the
+integrator of a controller."""
 
+import numpy as np
 import pytest
 from motors import motor, recorded
+from scipy.integrate import solve_ivp
 
 import symhyb as sh
+from symhyb.data.recording import Recording
+
+SERVO = """symhyb = 1
+[coordinates]
+phi = { unit = "rad" }
+[states]
+e = { unit = "rad*s", rate = "w - phi", about = "integrator of the controller" }
+[parameters]
+J = { value = 0.02, unit = "kg*m^2" }
+P = { value = 4.0, unit = "N*m/rad" }
+I = { value = 3.0, unit = "N*m/(rad*s)" }
+D = { value = 0.25, unit = "N*m*s/rad" }
+[inputs]
+w = { unit = "rad" }
+[bodies.rotor]
+joint = ["0", "0"]
+mass = "0"
+inertia = "J"
+angle = "phi"
+[elements.controller]
+kind = "torque"
+on = "phi"
+torque = "P*(w - phi) + I*e - D*phi'"
+[sensors]
+encoder = { measures = "phi", unit = "rad" }
+"""
+
+
+def servo(friction: float = 0.0, begin: float = 0.0) -> Recording:
+    """The servo by SciPy, 15 s at 5 ms; its integrator begins with ``begin``, rad·s."""
+    t, random = 0.005 * np.arange(3000), np.random.default_rng(2)
+    lines, phases = np.linspace(0.1, 3.0, 14), random.uniform(0, 2 * np.pi, 14)
+
+    def wanted(time: np.ndarray | float) -> np.ndarray:
+        waves = np.sin(2 * np.pi * np.multiply.outer(time, lines) + phases)
+        return np.asarray(0.3 * waves.sum(axis=-1))
+
+    def rates(time: float, state: np.ndarray) -> list[float]:
+        phi, v, e = state
+        off = float(wanted(time)) - phi
+        return [v, (4 * off + 3 * e - 0.25 * v - friction * np.tanh(v / 0.01)) / 0.02, off]
+
+    options = {"method": "LSODA", "rtol": 1e-9, "atol": 1e-11, "max_step": 0.005}
+    phi = solve_ivp(rates, (0, t[-1]), [0.0, 0.0, begin], t_eval=t, **options).y[0]
+    noise = 2e-3 * phi.std() * random.standard_normal(t.size)
+    return Recording("servo.csv", t, {"w": wanted(t)}, {"encoder": phi + noise}, (), "")
+
+
+def test_where_an_integrator_begins_is_no_physics() -> None:
+    """It begins at 0.4 rad·s instead of 0: as a constant torque of 1.2 N·m it would be named
+    wrongly."""
+    diagnosis = sh.diagnose(sh.parse_model(SERVO), servo(begin=0.4))
+    assert diagnosis.verdict == "nothing missing"
+
+
+@pytest.mark.slow
+def test_friction_is_found_under_a_controller_that_integrates() -> None:
+    diagnosis = sh.diagnose(sh.parse_model(SERVO), servo(friction=0.12))
+    (found,) = diagnosis.found
+    assert found.element.kind == "friction"
+    assert found.coulomb.value == pytest.approx(0.12, abs=3 * found.coulomb.sd + 6e-4)
 
 
 @pytest.mark.parametrize(

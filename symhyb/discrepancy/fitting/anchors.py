@@ -6,14 +6,14 @@ spread of the state that the law reaches along the measured motion up to there.
 
 Declared states likewise. What they begin a recording with is not known: where they settle, the
 spread also holds what a start beside that by their RMS would leave of itself, and where a sensor
-shows them, it is their RMS.
+shows them, it is their RMS. What integrates and is not seen may begin anywhere in every window: a
+constant force behind it cannot be distinguished from where it begins, and must not be named.
 Sizes: W windows, z declared and inner states, S declared ones, F free parameters.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from symhyb.discrepancy.recorded.watching import shown_states
 from symhyb.discrepancy.recorded.windows import Cut
@@ -23,6 +23,7 @@ from symhyb.numeric.lowered.known import with_known
 from symhyb.numeric.runs.windows import WindowModel
 
 SPREAD = 0.05  # of the RMS of an inner state along the recording
+UNSEEN = 100.0  # of the RMS of a declared state: where it may begin if nothing says where
 STEP = 1e-4  # relative, of a parameter, for slopes
 
 
@@ -60,10 +61,10 @@ def anchored(model: WindowModel, item: Cut, p: Array, slopes: bool = False) -> A
 def _of_declared(model: WindowModel, item: Cut, p: Array, along: Array, size: Array) -> Array:
     """One sd (N, S), SI, of declared states along a recording; ``along`` (N, z) are the states and
     ``size`` (z,) their RMS."""
-    unknown = _unknown(model, item, p)
-    count = unknown.size
+    begins = begin_spread(model, item, p, size)
+    count = begins.size
     off = np.zeros((count, along.shape[1]))
-    off[:, :count] = np.diag(np.where(unknown, size[:count], 0.0))
+    off[:, :count] = np.diag(begins)
     moved = _along(model, item, np.repeat(p[None], count, axis=0), off)
     kept = np.sqrt(np.sum((moved - along)[:, :, :count] ** 2, axis=0))
     wide = np.sqrt((SPREAD * size[:count]) ** 2 + kept**2)
@@ -72,21 +73,14 @@ def _of_declared(model: WindowModel, item: Cut, p: Array, along: Array, size: Ar
 
 
 def begin_spread(model: WindowModel, item: Cut, p: Array, size: Array) -> Array:
-    """One sd (S,), SI, of declared states where a recording begins: their RMS, of ``size`` (z,),
-    if they settle or a sensor shows them, else a share of it about their start."""
-    unknown = _unknown(model, item, p)
-    declared = size[: unknown.size]
-    return np.where(unknown, declared, SPREAD * declared)
-
-
-def _unknown(model: WindowModel, item: Cut, p: Array) -> NDArray[np.bool_]:
-    """Which declared states (S,) may begin a recording anywhere: those that settle, and those that
-    a sensor shows."""
+    """One sd (S,), SI, of declared states where a recording begins: their RMS, of ``size`` (z,), if
+    they settle or a sensor shows them; of what integrates unseen as good as anything."""
     machine, course = model.machine, item.course(model.machine)
     here = course.q[0], course.v[0], course.u[0], float(course.t[0])
     settles = settled(machine, *here, with_known(machine, p, course.known))[1]
     shown = shown_states(machine.model, item.block.y)
-    return np.asarray(settles[: shown.size] | shown)
+    known, declared = settles[: shown.size] | shown, size[: shown.size]
+    return np.where(known, declared, UNSEEN * declared)
 
 
 def off_anchor(model: WindowModel, item: Cut, p: Array, start: Array) -> Array:

@@ -136,8 +136,8 @@ def _with_extra(linear: Linear, extra: Extra, sizes: Array) -> Linear:
 
 def _known_start(model: WindowModel, item: Cut, linear: Linear, p: Array) -> Array:
     """Covariance (X, X) of the first state about the measured motion: places and speeds by as much
-    as they move, inner states by a share of their RMS, declared ones by all of it unless they begin
-    at their start, all within the constraints."""
+    as they move, inner states by a share of their RMS, declared ones by what is known of their
+    beginning, all within the constraints."""
     moving = 2 * len(model.form.free)
     size = np.ptp(item.states[0], axis=0)
     whole = np.sqrt(np.mean(item.states[0][:, moving:] ** 2, axis=0))
