@@ -25,6 +25,7 @@ from symhyb.discrepancy.results import RecordingFault, Reestimated
 from symhyb.discrepancy.words.amounts import quantity_text
 from symhyb.errors import InputError, NumericsError, Problem, did_you_mean
 from symhyb.judgement import GAIN_REACH
+from symhyb.model.actuators import ACTUATOR_KEYS
 from symhyb.model.types import Model, Parameter
 from symhyb.model.vocabulary import key_of
 from symhyb.model.write import replace_parameters
@@ -209,6 +210,8 @@ def _bounds(model: Model, item: Parameter, step: float) -> tuple[float, float]:
     """What physics allows of a number, SI; samples lie ``step`` seconds apart. What is positive
     stays so."""
     channels = {*(one.name for one in model.inputs), *(one.name for one in model.sensors)}
+    if item.owner in channels and item.name in ACTUATOR_KEYS:
+        return LEAST * item.si, np.inf
     if item.owner in channels:
         reach = {"gain": GAIN_REACH * abs(item.si), "delay": DELAY_REACH * step}
         most = reach.get(item.name, np.inf)

@@ -30,7 +30,8 @@ from symhyb.discrepancy.posterior import CHAINS, DRAWS, Posterior
 from symhyb.discrepancy.scored import Comparison, Score, Trace, Verdict
 from symhyb.drawn import drawn
 from symhyb.errors import InputError, Problem, UnknownNameError
-from symhyb.model.types import ChannelKind, Element, Model, Place, place_text
+from symhyb.model.actuators import ChannelKind
+from symhyb.model.types import Element, Model, Place, place_text
 from symhyb.shown import card, counted
 
 if TYPE_CHECKING:
@@ -184,7 +185,7 @@ class Repeats:
 
 @dataclass(frozen=True, slots=True)
 class Measurement:
-    """A fault of a channel: its gain, offset or delay."""
+    """A fault of a channel: its gain, offset or delay, or what its actuator does to an input."""
 
     channel: str
     kind: ChannelKind

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+from symhyb.model.actuators import numbers_of
 from symhyb.model.check_constraints import constraint_faults
 from symhyb.model.check_elements import element_faults
 from symhyb.model.check_states import state_faults
@@ -131,8 +132,8 @@ def _name_faults(model: Model) -> Iterator[Fault]:
                 yield path, f"'{own.name}' is already declared in [{seen[own.name]}]"
     paths = [parameter.path for parameter in model.all_parameters()]
     for channel in model.sensors:
-        for fault in (channel.gain, channel.offset, channel.delay):
-            if fault is not None and paths.count(fault.path) > 1:
+        for fault in numbers_of(channel):
+            if paths.count(fault.path) > 1:
                 place = ("sensors", channel.name, fault.name)
                 yield place, f"another '{fault.path}' is stated elsewhere; rename the sensor"
 

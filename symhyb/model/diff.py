@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from difflib import unified_diff
 
 from symhyb.asked import asked
+from symhyb.model.actuators import numbers_of
 from symhyb.model.constraints import Constraint
 from symhyb.model.curves import Curve
 from symhyb.model.expression import Name
@@ -238,9 +239,8 @@ def _channel_facets(channel: Input | Sensor) -> Facets:
         facets["sd"] = f"{channel.sd:.6g}"
     if isinstance(channel, Input) and channel.between:
         facets["between"] = channel.between
-    for value in (channel.gain, channel.offset, channel.delay):
-        if value is not None:
-            facets[value.name] = _quantity(value)
+    for value in numbers_of(channel):
+        facets[value.name] = _quantity(value)
     return facets
 
 

@@ -13,6 +13,7 @@ from typing import TypeVar
 from symhyb.asked import asked
 from symhyb.errors import InputError, Problem, did_you_mean
 from symhyb.limits import COORDINATES, DECLARED, text_of
+from symhyb.model.actuators import ACTUATOR_KEYS, FAULT_KEYS, refused, usual_unit
 from symhyb.model.check import energy_unit, faults_of
 from symhyb.model.fmu import read_fmu
 from symhyb.model.limits import read_limit
@@ -26,7 +27,7 @@ from symhyb.model.source import Source, scan
 from symhyb.model.states import State
 from symhyb.model.tables import Fault, Table, describe
 from symhyb.model.types import Coordinate, Energy, Input, Model, Parameter, Sensor
-from symhyb.units import ONE, Unit, parse_unit
+from symhyb.units import Unit
 
 SECTIONS = (
     "symhyb",
@@ -47,7 +48,7 @@ SECTIONS = (
     "sensors",
     "limits",
 )
-_CHANNEL_KEYS = ("unit", "about", "gain", "offset", "delay")
+_CHANNEL_KEYS = ("unit", "about", *FAULT_KEYS)
 BETWEEN = ("line", "smooth", "held")  # how an input runs between its samples
 
 Value = TypeVar("Value")
@@ -210,31 +211,33 @@ def _state(table: Table) -> State | None:
 
 
 def _input(table: Table) -> Input | None:
-    table = table.checked((*_CHANNEL_KEYS, "between"))
+    table = table.checked((*_CHANNEL_KEYS, *ACTUATOR_KEYS, "between"))
     unit, about, between = table.unit(), table.about(), table.text("between")
-    gain, offset, delay = (_channel(table, key, unit) for key in ("gain", "offset", "delay"))
+    gain, offset, delay = (_channel(table, key, unit) for key in FAULT_KEYS)
+    shaped = _present(_channel(table, key, unit) for key in ACTUATOR_KEYS)
     if between is not None and between not in BETWEEN:
         near = did_you_mean(between, BETWEEN)
         table.fault(f"must be one of {', '.join(BETWEEN)}, not '{between}'{near}", "between")
     if unit is None:
         return None
-    return Input(table.path[-1], unit, about, gain, offset, delay, between or "")
+    name, way = table.path[-1], between or ""
+    return Input(name, unit, about, gain, offset, delay, way, actuator=shaped)
 
 
 def _sensor(table: Table) -> Sensor | None:
     table = table.checked(("measures", "sd", *_CHANNEL_KEYS))
     measures, unit = table.expression("measures", required=True), table.unit()
     sd, about = table.deviation(), table.about()
-    gain, offset, delay = (_channel(table, key, unit) for key in ("gain", "offset", "delay"))
+    gain, offset, delay = (_channel(table, key, unit) for key in FAULT_KEYS)
     if measures is None or unit is None:
         return None
     return Sensor(table.path[-1], measures, unit, sd, about, gain, offset, delay)
 
 
 def _channel(table: Table, key: str, unit: Unit | None) -> Parameter | None:
-    """Read the gain, offset or delay of a channel: a number, or a table with value and sd."""
+    """Read a number of a channel or of its actuator: a number, or a table with value and sd."""
     owner = table.path[-1]
-    usual = {"gain": ONE, "offset": unit, "delay": parse_unit("s")}[key]
+    usual = None if unit is None else usual_unit(key, unit)
     if not isinstance(table.entries.get(key), dict):
         value, own, sd, was, about = table.number(key), None, None, None, ""
     else:
@@ -244,8 +247,8 @@ def _channel(table: Table, key: str, unit: Unit | None) -> Parameter | None:
         sd, was, about = inner.deviation(), inner.number("was"), inner.about()
     if own and usual and not own.same_dimension(usual):
         table.fault(f"is in {own}, needs {usual}", key, "unit")
-    if key == "gain" and value == 0:
-        table.fault("must not be 0: such a channel says nothing", key)
+    if value is not None and (why := refused(key, value)):
+        table.fault(why, key)
     if value is None or usual is None:
         return None
     return Parameter(key, value, own or usual, sd, about, was, owner)

@@ -4,6 +4,7 @@ import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from symhyb.errors import visible
+from symhyb.model.actuators import numbers_of
 from symhyb.model.constraints import CONSTRAINTS, Constraint
 from symhyb.model.curves import EXTRAPOLATIONS, INTERPOLATIONS, Curve
 from symhyb.model.expression import Expression
@@ -308,7 +309,6 @@ def _channel(channel: Input | Sensor) -> str:
     elif channel.between:
         entries.append(("between", channel.between))
     text = _inline([*entries, ("about", channel.about)])
-    for value in (channel.gain, channel.offset, channel.delay):
-        if value is not None:
-            text = text[:-2] + f", {value.name} = {_parameter(value)} }}"
+    for value in numbers_of(channel):
+        text = text[:-2] + f", {value.name} = {_parameter(value)} }}"
     return text

@@ -7,6 +7,7 @@ vocabulary; a test makes the file anew, and holds its keys against those that th
 import sys
 from pathlib import Path
 
+from symhyb.model.actuators import ACTUATOR_KEYS
 from symhyb.model.fmu import PLACE_KEYS
 from symhyb.model.limits import COORDINATE_KEYS, INPUT_KEYS
 from symhyb.model.read import BETWEEN
@@ -49,7 +50,10 @@ def model_schema() -> Schema:
             "parameter": _parameter(),
             "coordinate": _coordinate(),
             "state": _state(),
-            "input": _channel({"between": word("how it runs between its samples", BETWEEN)}),
+            "input": _channel(
+                {"between": word("how it runs between its samples", BETWEEN)},
+                actuator=ACTUATOR_KEYS,
+            ),
             "sensor": _channel(
                 {"measures": expression("what it shows: coordinates, x', x'', readings"), "sd": SD},
                 ("measures",),
@@ -132,8 +136,10 @@ def _state() -> Schema:
     return table(keys, ("unit", "rate"))
 
 
-def _channel(own: dict[str, Schema], needs: tuple[str, ...] = ()) -> Schema:
-    """An input or a sensor: its own keys, and those of both."""
+def _channel(
+    own: dict[str, Schema], needs: tuple[str, ...] = (), actuator: tuple[str, ...] = ()
+) -> Schema:
+    """An input or a sensor: its own keys, those of both, and those of an ``actuator``."""
     value = {
         "value": number("in its unit"),
         "sd": SD,
@@ -147,6 +153,11 @@ def _channel(own: dict[str, Schema], needs: tuple[str, ...] = ()) -> Schema:
         for key, usual in either.items()
     }
     stated["gain"]["not"] = {"const": 0}
+    for key in actuator:
+        size = {"minimum": 0} if key in ("dead_band", "lag") else {"exclusiveMinimum": 0}
+        sized = {**value, "value": number("in its unit", **size)}
+        plain = number(f"{key.replace('_', ' ')} of the actuator, unset: none", **size)
+        stated[key] = {"anyOf": [plain, table(sized, ("value",))]}
     return table({**own, "unit": UNIT, "about": ABOUT, **stated}, (*needs, "unit"))
 
 

@@ -8,10 +8,10 @@ m sensors, P parameters.
 from collections.abc import Iterator
 from dataclasses import dataclass, field, fields
 from functools import lru_cache
-from typing import Literal
 
 from symhyb.by_name import Items, name_items
 from symhyb.laws.characteristic import Characteristic
+from symhyb.model.actuators import numbers_of
 from symhyb.model.constraints import Assembly, Constraint
 from symhyb.model.curves import Curve
 from symhyb.model.expression import Expression, names, parse_expression
@@ -74,7 +74,8 @@ class Coordinate:
 
 @dataclass(frozen=True, slots=True)
 class Input:
-    """A recorded signal that acts: acting(t) = gain·recorded(t − delay) + offset.
+    """A recorded signal that acts: acting(t) = gain·recorded(t − delay) + offset. What the actuator
+    does before that (:mod:`symhyb.model.actuators`) are the ``actuator`` numbers, in their order.
 
     ``between`` says how it runs between its samples: a ``line``, ``smooth`` or ``held``; unset, a
     recording shows whether it is smooth. ``local`` is a column of :mod:`symhyb.model.fmu`.
@@ -88,6 +89,7 @@ class Input:
     delay: Parameter | None = None
     between: str = ""
     local: bool = False
+    actuator: tuple[Parameter, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -360,7 +362,7 @@ class Model:
 
     def all_parameters(self) -> tuple[Parameter, ...]:
         """Every parameter in the order of the machine's vector p: the model's own, the elements',
-        then the gains, offsets and delays that inputs and sensors state."""
+        then the numbers that inputs and sensors state."""
         return tuple(self._parameters())
 
     def _parameters(self) -> Iterator[Parameter]:
@@ -369,7 +371,7 @@ class Model:
             yield from element.parameters
         channels: tuple[Input | Sensor, ...] = (*self.inputs, *self.sensors)
         for channel in channels:
-            yield from filter(None, (channel.gain, channel.offset, channel.delay))
+            yield from numbers_of(channel)
 
 
 _DECLARED = tuple(one.name for one in fields(Model) if one.default == ())  # what has names
@@ -395,6 +397,3 @@ def place_text(place: Place) -> str:
             return f"between {first} and {second}"
         case At(point):
             return f"at {point}"
-
-
-ChannelKind = Literal["gain", "offset", "delay"]

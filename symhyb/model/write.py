@@ -9,10 +9,11 @@ from pathlib import Path as FilePath
 from symhyb.asked import asked
 from symhyb.errors import InputError, Problem, did_you_mean
 from symhyb.limits import FMU_BYTES, content_of
+from symhyb.model.actuators import ACTUATOR_KEYS, FAULT_KEYS
 from symhyb.model.read import parse_model
 from symhyb.model.render import element_lines, newline_of, render, rounded
 from symhyb.model.source import Entry, Path, Source, scan
-from symhyb.model.types import Element, Input, Model, Sensor
+from symhyb.model.types import Element, Model
 from symhyb.model.weights import write_weights
 from symhyb.writing import write_file
 
@@ -117,13 +118,10 @@ def _path_of(model: Model, path: str) -> Path:
     for element in model.elements:
         if element.name == owner and any(own.name == name for own in element.parameters):
             return ("elements", owner, "parameters", name)
-    sections: tuple[tuple[str, tuple[Input | Sensor, ...]], ...] = (
-        ("inputs", model.inputs),
-        ("sensors", model.sensors),
-    )
-    for section, channels in sections:
-        if name in ("gain", "offset", "delay") and owner in [channel.name for channel in channels]:
-            return (section, owner, name)
+    if name in (*FAULT_KEYS, *ACTUATOR_KEYS) and owner in model.inputs.names():
+        return ("inputs", owner, name)
+    if name in FAULT_KEYS and owner in model.sensors.names():
+        return ("sensors", owner, name)
     known = [parameter.path for parameter in model.all_parameters()]
     raise InputError(
         Problem(f"there is no parameter '{path}'{did_you_mean(path, known)}", file=model.file)
@@ -136,8 +134,8 @@ def _edits(source: Source, path: Path, value: float, sd: float | None) -> list[E
     stated = source.entries.get(path)
     entry = source.entries.get((*path, "value"))
     if stated is None:  # a channel without this key acts as if it stated the neutral value
-        neutral = 1.0 if path[-1] == "gain" else 0.0
-        table = f"{{ value = {rounded(value)}, was = {neutral}{deviation} }}"
+        was = {"gain": ", was = 1.0", "limit": "", "rate_limit": ""}.get(path[-1], ", was = 0.0")
+        table = f"{{ value = {rounded(value)}{was}{deviation} }}"
         return [_insertion(source, source.entries[(*path[:-1], "unit")], {path[-1]: table})]
     if entry is None:  # a plain number, as in: gain = 1.0
         was = source.text[stated.start : stated.end]

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from symhyb.errors import NumericsError
+from symhyb.errors import InputError, NumericsError, Problem
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.kernels.memory import kept
 from symhyb.numeric.lowered.dynamics import StateForm, state_form
@@ -91,11 +91,16 @@ class Rollout:
         """Run once with the nominal values, which finds the sizes of the states.
 
         Raises:
+            InputError: an input with an actuator.
             NumericsError: no C compiler, or a nominal run that fails; the message says why.
             ValueError: a parameter that the machine does not have.
         """
         self.machine, self.form = machine, state_form(machine)
         self._free = [_column(machine, path) for path in free]
+        acts = [item.name for item in machine.model.inputs if item.actuator]
+        if acts:
+            said = "has an actuator, which a rollout does not hold; give what comes out of it"
+            raise InputError([Problem(said, f"inputs.{name}", machine.model.file) for name in acts])
         first = simulate(machine, scenario)
         if not first.complete:
             raise NumericsError(first.reason)

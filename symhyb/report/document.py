@@ -116,10 +116,10 @@ class ParameterEntry(TypedDict):
 
 
 class MeasurementEntry(TypedDict):
-    """A gain, offset or delay of a channel."""
+    """A gain, offset or delay of a channel, or a number of the actuator of an input."""
 
     channel: str
-    kind: Literal["gain", "offset", "delay"]
+    kind: Literal["gain", "offset", "delay", "dead_band", "limit", "rate_limit", "lag"]
     value: float
     sd: float
     unit: str

@@ -195,6 +195,14 @@ def test_a_delay_of_an_input_is_refused() -> None:
             spec_of(model, "late", **order)
 
 
+def test_an_actuator_of_an_input_is_refused() -> None:
+    slow = {"f": {"unit": "N", "lag": {"value": 0.1, "unit": "s"}, "rate_limit": 3.0}}
+    model = oscillator({"d": push("f")}, inputs=slow)
+    for order in ({"whole": True}, {"elements": ("d",)}):
+        with pytest.raises(InputError, match=r"an actuator \(rate limit, lag\).*let the host give"):
+            spec_of(model, "slow", **order)
+
+
 @pytest.mark.parametrize("name", ["", "2nd", "my-law", "int", "größe", "a b", "x" * 80])
 def test_names_that_c_does_not_know_are_refused(name: str) -> None:
     with pytest.raises(InputError, match="--name"):

@@ -119,7 +119,7 @@ def simulate_corrected(
     right = _right(form, [value_of(machine, law) for law in laws], formulation, scales)
     start = form.state(scenario.q, scenario.v, inner_start(machine, scenario, p))
     rows, reason = solve_system(form, scenario, right, start / scales, p)
-    d, t = drive_at(form, scenario), scenario.t
+    d, t = drive_at(form, scenario, p), scenario.t
     q, v = at_unit_length(machine.model, *form.motion(rows * scales, d))
     z = rows[:, 2 * len(form.free) :] * scales[2 * len(form.free) :]
     a = _accelerations(form, right, (rows, d, t, p), scales)

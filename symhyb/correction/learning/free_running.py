@@ -17,13 +17,13 @@ from symhyb.discrepancy.recorded.course import Course, course_of
 from symhyb.discrepancy.recorded.motion import motion_of
 from symhyb.discrepancy.recorded.residual import applied_force, discrepancy
 from symhyb.discrepancy.recorded.sampling import as_sampled
-from symhyb.discrepancy.recorded.signals import measured
+from symhyb.discrepancy.recorded.signals import driving, measured
 from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.discrepancy.results import Comparison, Score, Trace, Verdict
 from symhyb.discrepancy.words.wording import percent_text
 from symhyb.judgement import MARGIN
 from symhyb.model.types import Model
-from symhyb.numeric.kernels.buffers import Array
+from symhyb.numeric.kernels.buffers import Array, on_lines
 from symhyb.numeric.lowered.dynamics import state_form
 from symhyb.numeric.lowered.known import machine_with
 from symhyb.numeric.lowered.machine import Machine, build
@@ -90,15 +90,16 @@ def _trace(machine: Machine, correction: Correction, recording: Recording, role:
     machine = machine_with(machine, recording.parameters)
     course, form = course_of(recording, machine, motion_of(recording, machine)), state_form(machine)
     scales = np.abs(course.states).max(axis=0, initial=0.0)
+    t_u, u = driving(recording, machine)
     scenario = Scenario(
         recording.t,
         course.q[0],
         course.v[0],
-        recording.t,
-        course.u,
+        t_u,
+        u,
         np.where(scales > 0, scales, 1.0),
         z=course.z[0],
-        given=course.drive[:, form.inputs :] if form.given else None,
+        given=on_lines(recording.t, course.drive[:, form.inputs :], t_u) if form.given else None,
     )
     names = [s.name for s in machine.model.sensors if s.name in recording.sensors]
     columns = [s.name for s in machine.model.sensors]

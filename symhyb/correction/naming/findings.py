@@ -29,15 +29,12 @@ from symhyb.discrepancy.words.formula import law_text as law_text_of
 from symhyb.discrepancy.words.wording import alternative_phrase, effect_sentence, percent_text
 from symhyb.judgement import PROBABLE, SIGNIFICANT
 from symhyb.laws.sided import SKEW
+from symhyb.model.actuators import ACTUATOR_KEYS, FAULT_KEYS, ChannelKind
 from symhyb.model.expression import parse_expression
-from symhyb.model.types import At, Between, ChannelKind, Element, Model, On, Parameter, Place
+from symhyb.model.types import At, Between, Element, Model, On, Parameter, Place
 from symhyb.model.vocabulary import KINDS, expressed, key_of, key_unit, worded
 
-_CHANNEL_KINDS: Mapping[str, ChannelKind] = {
-    "gain": "gain",
-    "offset": "offset",
-    "delay": "delay",
-}
+_CHANNEL_KINDS: Mapping[str, ChannelKind] = {key: key for key in (*FAULT_KEYS, *ACTUATOR_KEYS)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -249,12 +246,12 @@ def reestimated(
 
 
 def channel_faults(final: Refined, doubt: Collection[Hypothesis] = ()) -> tuple[Measurement, ...]:
-    """Gains, offsets and delays among the causes, in the units of their channels, but those in
-    doubt."""
+    """Gains, offsets, delays and numbers of actuators among the causes, in the units of their
+    channels, but those in doubt."""
     declared = {item.path: item for item in final.machine.model.all_parameters()}
     rows = []
     for cause in final.causes:
-        if cause.kind in ("gain", "offset", "delay") and cause not in doubt:
+        if cause.kind in _CHANNEL_KINDS and cause not in doubt:
             item = declared[cause.path]
             value, sd = (number / item.unit.factor for number in final.value(cause.path))
             kind = _CHANNEL_KINDS[cause.kind]

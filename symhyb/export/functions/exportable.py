@@ -11,7 +11,7 @@ def require_force_elements(model: Model, names: Sequence[str]) -> None:
     """Refuse elements, by name, whose force a host cannot apply as one.
 
     Raises:
-        InputError: added masses, and elements that use an input with a delay.
+        InputError: added masses, and elements that use an input with a delay or an actuator.
     """
     problems = []
     for element in model.elements:
@@ -22,16 +22,16 @@ def require_force_elements(model: Model, names: Sequence[str]) -> None:
                 "the host, or export the whole model (--whole)"
             )
             problems.append(Problem(text, f"elements.{element.name}", model.file))
-    late = [i.name for i in model.inputs if i.delay is not None and i.delay.si != 0]
+    left_out = left_to_host(model)
     for element in model.elements:
         if element.name not in names:
             continue
         said = repr([value.tree for _, value in element.values]) + repr(element.network)
         if any(_named(state.name) in said for state in model.states):
             said += repr([state.rate.tree for state in model.states])
-        for name in late:
+        for name, (has, cure) in left_out.items():
             if _named(name) in said:
-                text = f"uses the input {name}, which has a delay; let the host delay the signal"
+                text = f"uses the input {name}, which {has}; {cure}"
                 problems.append(Problem(text, f"elements.{element.name}", model.file))
     if problems:
         raise InputError(problems)
@@ -40,6 +40,20 @@ def require_force_elements(model: Model, names: Sequence[str]) -> None:
 def _named(name: str) -> str:
     """How a tree that contains a name is written."""
     return f"Name(name={name!r}"
+
+
+def left_to_host(model: Model) -> dict[str, tuple[str, str]]:
+    """Of each input what a host has to do to the signal before it gives it: what it has, and the
+    cure, in words."""
+    found = {}
+    for item in model.inputs:
+        if item.delay is not None and item.delay.si != 0:
+            found[item.name] = "has a delay", "let the host delay the signal"
+        acts = [number.name.replace("_", " ") for number in item.actuator if number.si != 0]
+        if acts:
+            said = f"has an actuator ({', '.join(acts)})"
+            found[item.name] = said, "let the host give the signal that comes out of it"
+    return found
 
 
 def owners(model: Model) -> list[tuple[str, str]]:

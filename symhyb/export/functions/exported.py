@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symhyb.errors import InputError, Problem
-from symhyb.export.functions.exportable import owners, require_force_elements
+from symhyb.export.functions.exportable import left_to_host, owners, require_force_elements
 from symhyb.export.functions.holes import Hole, Parts, filled, parts_of
 from symhyb.export.functions.modes import Modes, Names, calmed
 from symhyb.model.bare import bare
@@ -164,13 +164,15 @@ def export_machine(model: Model, events: bool = False) -> Exported:
     :func:`export_elements`.
 
     Raises:
-        InputError: an input with a delay; or what
+        InputError: an input with a delay or an actuator; or what
             :func:`symhyb.numeric.lowered.machine.build` refuses.
     """
-    late = [i.name for i in model.inputs if i.delay is not None and i.delay.si != 0]
-    if late:
-        text = "has a delay, which the exported model does not hold; let the host delay the signal"
-        raise InputError([Problem(text, f"inputs.{name}", model.file) for name in late])
+    problems = [
+        Problem(f"{has}, which no exported model holds; {cure}", f"inputs.{name}", model.file)
+        for name, (has, cure) in left_to_host(model).items()
+    ]
+    if problems:
+        raise InputError(problems)
     machine = build(model)
     bare, among = _without_networks(machine)
     form = state_form(bare)

@@ -11,15 +11,21 @@ the recorded signals were already cleared of:
     u(t − τ) = u − (τ − cleared) u',   cleared = τ: exact, with the slope by τ
     q(t − τ) = q − δ q' + δ²/2 q'',   v(t − τ) = v − δ q''(t − δ/2),   δ = τ − cleared, of a sensor
     below half a sample
+
+Where numbers of actuators (:mod:`symhyb.model.actuators`) are to be differentiated, their slopes
+and the values that the inputs follow already stand at its end, number by number:
+
+    u(θ) = u + (θ − taken) ∂u/∂θ,   taken = θ: exact, with the slope by θ
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
 
 from symhyb.model.types import Input, Sensor
+from symhyb.numeric.kernels.actuators import Acted
 from symhyb.numeric.kernels.buffers import Array, held_at, resampled
 from symhyb.numeric.kernels.memory import kept
 from symhyb.numeric.lowered.machine import Machine, structure_of
@@ -29,11 +35,12 @@ from symhyb.numeric.lowered.manifold import placing
 @dataclass(frozen=True, slots=True)
 class StateForm:
     """A machine with ``given`` coordinates (their indices); ``late`` channels (by name) have a
-    delay that is differentiated."""
+    delay that is differentiated, and so are the numbers of actuators ``shaping`` (by path)."""
 
     machine: Machine
     given: tuple[int, ...]
     late: tuple[str, ...] = ()
+    shaping: tuple[str, ...] = ()
 
     @property
     def free(self) -> tuple[int, ...]:
@@ -61,24 +68,66 @@ class StateForm:
     def drive(self) -> int:
         """The length of the drive."""
         more = 2 * self.inputs + len(self.machine.model.sensors) if self.late else 0
-        return self.inputs + 3 * len(self.given) + more
+        return self.inputs + 3 * len(self.given) + more + 2 * len(self.shaping)
 
     def extended(
-        self, drive: Array, t: Array, record: tuple[Array, Array], p: Array, late: Sequence[float]
+        self,
+        drive: Array,
+        t: Array,
+        record: tuple[Array, Array],
+        p: Array,
+        late: Sequence[float],
+        acted: Mapping[int, Acted],
     ) -> Array:
         """The drive (W, L, …) with what delays need: late inputs taken anew, under the delays of
         ``p``, from the ``record`` (times (K,) and inputs (K, k) as recorded), the slopes of all
         inputs along ``t`` (W, L), and the delays that the signals are now cleared of: of a sensor
-        the one that the model states, and ``late`` (m,) beyond it, where given. SI."""
-        if not self.late:
+        the one that the model states, and ``late`` (m,) beyond it, where given; then the slopes by
+        numbers of actuators, and these. Inputs that have actuators are taken from what these pass
+        on (``acted``). SI."""
+        if not (self.late or acted):
             return drive
-        model, drive = self.machine.model, drive.copy()
+        drive = drive.copy()
+        for i, one in acted.items():
+            drive[..., i] = one.at(t - self.cleared(i, p))
+        if self.late:
+            drive = self._delayed(drive, t, record, p, late, acted)
+        if not self.shaping:
+            return drive
+        taken = [p[self.machine.column(path)] for path in self.shaping]
+        still = np.broadcast_to(np.array(taken), (*drive.shape[:-1], len(taken)))
+        slopes = np.empty_like(still)
+        for i, columns in self.shaped_columns(acted):
+            slopes[..., columns] = acted[i].by_at(t - self.cleared(i, p))
+        return np.concatenate([drive, slopes, still], axis=-1)
+
+    def shaped_columns(self, acted: Mapping[int, Acted]) -> list[tuple[int, list[int]]]:
+        """Of each input that has an actuator which of the differentiated numbers are its own."""
+        owners = [self._owner(path) for path in self.shaping]
+        return [(i, [j for j, owner in enumerate(owners) if owner == i]) for i in acted]
+
+    @property
+    def first_slope(self) -> int:
+        """Where the slopes by numbers of actuators begin in the drive."""
+        return self.drive - 2 * len(self.shaping)
+
+    def _delayed(
+        self,
+        drive: Array,
+        t: Array,
+        record: tuple[Array, Array],
+        p: Array,
+        late: Sequence[float],
+        acted: Mapping[int, Acted],
+    ) -> Array:
+        """The drive (W, L, …) with late inputs, their slopes, and what signals are cleared of."""
+        model = self.machine.model
         channels: tuple[Input | Sensor, ...] = (*model.inputs, *model.sensors)
         cleared = [c.delay.si if c.delay else 0.0 for c in channels]
         for i, item in enumerate(model.inputs):
             if item.name in self.late:
                 stated, cleared[i] = cleared[i], self.cleared(i, p)
-                if not (stated or cleared[i]):
+                if i in acted or not (stated or cleared[i]):
                     continue  # as it was recorded
                 follow = held_at if item.between == "held" else resampled
                 drive[..., i] = follow(record[0], record[1][:, i], t - cleared[i])
@@ -105,8 +154,18 @@ class StateForm:
         for i, where in enumerate(self.given):
             parts[0][where], parts[1][where] = d[k + i], d[k + g + i]
         q, v = (ca.vertcat(*part) for part in parts)
-        u = ca.vertcat(*(self._late(i.name, d[j], d, p, j) for j, i in self._channels(0)))
+        acts = [d[j] for j in range(k)]
+        for j, path in enumerate(self.shaping):
+            column, at = self.machine.column(path), self.first_slope + j
+            off = p[column] - d[at + len(self.shaping)]
+            acts[self._owner(path)] += off * d[at]
+        u = ca.vertcat(*(self._late(i.name, acts[j], d, p, j) for j, i in self._channels(0)))
         return q, v, x[2 * f :, 0], u if k else d[:0, 0], d[k + 2 * g : k + 3 * g, 0]
+
+    def _owner(self, path: str) -> int:
+        """The input to whose actuator a number belongs."""
+        inputs = self.machine.model.inputs
+        return next(i for i, one in enumerate(inputs) if path in [n.path for n in one.actuator])
 
     def _channels(self, which: int) -> list[tuple[int, Input | Sensor]]:
         model = self.machine.model
@@ -128,7 +187,7 @@ class StateForm:
     @property
     def key(self) -> tuple[object, ...]:
         """What the functions of a form depend on."""
-        return structure_of(self.machine.model), self.given, self.late
+        return structure_of(self.machine.model), self.given, self.late, self.shaping
 
     def rates(self) -> ca.Function:
         """(x, d, t, p, w) -> (n_free + z,) the rates of v_free and z; w (n) is a test force."""
@@ -206,9 +265,11 @@ class StateForm:
         return q, v
 
 
-def state_form(machine: Machine, late: tuple[str, ...] = ()) -> StateForm:
+def state_form(
+    machine: Machine, late: tuple[str, ...] = (), shaping: tuple[str, ...] = ()
+) -> StateForm:
     """The machine with the coordinates given that its model imposes."""
-    return StateForm(machine, machine.imposed, late)
+    return StateForm(machine, machine.imposed, late, shaping)
 
 
 def inner_form(machine: Machine) -> StateForm:

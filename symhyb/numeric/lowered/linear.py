@@ -68,6 +68,16 @@ def free_basis(form: StateForm, x: Array, d: Array, t: float, p: Array) -> Array
     )
 
 
+def linear(form: StateForm) -> bool:
+    """Whether rates and outputs of a machine are linear in its state and its drive, and do not
+    depend on time itself."""
+    symbols = form.symbols()
+    rates, both = form.rates()(*symbols), ca.vertcat(*symbols[:2])
+    shown = ca.vertcat(rates, form.outputs()(*symbols)[0])
+    bent = any(ca.which_depends(shown, both, 2, False))
+    return not (bent or depends_on_time(form.machine))
+
+
 def energy_depends_on_time(machine: Machine) -> bool:
     """Whether masses or energies depend on time itself, and not through the motion alone."""
     return _on_time((machine.M, 1), (machine.k_c, 2), (machine.energy, 3))

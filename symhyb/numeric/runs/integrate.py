@@ -2,14 +2,14 @@
 machine code where that can be had, and from where a run is stiff by CVODES; else by CVODES alone.
 
 Recorded inputs act by first-order hold; along a spline, or held from sample to sample, where the
-model says so. Where an input jumps, the integration ends and starts anew, so that no step reaches
-across. Failure is an outcome with its reason, never an exception.
+model says so, and then through its actuators. Where an input jumps, the integration ends and starts
+anew, so that no step reaches across. Failure is an outcome with its reason, never an exception.
 
 Source: Hindmarsh et al., SUNDIALS, ACM TOMS 31, 2005 (through ``casadi.integrator``).
 """
 
 import dataclasses
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -20,12 +20,14 @@ from symhyb.drawn import drawn
 from symhyb.framed import Signal, dataset_of, frame_of
 from symhyb.model.space import gimbal_lock
 from symhyb.model.types import Model
-from symhyb.numeric.kernels.buffers import Array, call, on_lines
+from symhyb.numeric.kernels.actuators import Acted
+from symhyb.numeric.kernels.buffers import Array, call, held_at, on_line, on_lines
 from symhyb.numeric.kernels.vector import along
+from symhyb.numeric.lowered.acting import acting_inputs
 from symhyb.numeric.lowered.dynamics import StateForm, state_form
 from symhyb.numeric.lowered.lengths import at_unit_length
 from symhyb.numeric.lowered.machine import Machine
-from symhyb.numeric.runs.between import finer, held_columns, smooth_columns, stepped
+from symhyb.numeric.runs.between import bent_columns, finer, stepped
 from symhyb.numeric.runs.closing import closed_rows, closed_start
 from symhyb.numeric.runs.cvodes import (
     RELATIVE_TOLERANCE,
@@ -172,7 +174,7 @@ def begun(
         ValueError: as :func:`simulate`.
     """
     _require_cover(scenario)
-    scenario, form = _bent(scenario, machine), state_form(machine)
+    scenario, form = bent(scenario, machine, p), state_form(machine)
     drive = _drive(form, scenario)
     start = form.state(scenario.q, scenario.v, inner_start(machine, scenario, p))
     return form, scenario, drive, *closed_start(form, start, drive, scenario, p)
@@ -193,17 +195,37 @@ def found_states(
     return x, reason, method, "; ".join(filter(None, (note, changed)))
 
 
-def _bent(scenario: Scenario, machine: Machine) -> Scenario:
-    """The scenario with inputs that are straight between its times: smooth ones on a finer grid,
-    held ones with a time more right before each jump."""
+def bent(scenario: Scenario, machine: Machine, p: Array) -> Scenario:
+    """The scenario with inputs as their actuators pass them on under ``p`` (P,), SI, straight
+    between its times: smooth ones on a finer grid, held ones with a time more right before each
+    jump."""
     inputs = machine.model.inputs
-    smooth, held = smooth_columns(inputs), held_columns(inputs)
-    if not smooth and not held:
+    smooth, held = bent_columns(inputs)
+    if not smooth and not held and not any(item.actuator for item in inputs):
         return scenario
-    t, u = stepped(*finer(scenario.t_u, scenario.u, smooth, held), held)
+    t, u = finer(scenario.t_u, scenario.u, smooth, held)
+    acted = acting_inputs(machine, p, t, u, bool(smooth))
+    still = [i for i in held if i not in acted or acted[i].held]
+    t, u = _together(t, u, acted, still) if acted else (t, u)
+    t, u = stepped(t, u, still)
     if scenario.given is None:
         return replace(scenario, t_u=t, u=u)
     return replace(scenario, t_u=t, u=u, given=on_lines(scenario.t_u, scenario.given, t))
+
+
+def _together(
+    t: Array, u: Array, acted: Mapping[int, Acted], held: Sequence[int]
+) -> tuple[Array, Array]:
+    """Signals (K, k) at ``t`` (K,), s, with those that actuators pass on, at the times of all; the
+    columns ``held`` hold."""
+    at = np.unique(np.concatenate([t, *(one.t for one in acted.values())]))
+    columns = []
+    for i, column in enumerate(u.T):
+        if i in acted:
+            columns.append(acted[i].at(at))
+        else:
+            columns.append(held_at(t, column, at) if i in held else on_line(t, column, at))
+    return at, np.column_stack(columns) if columns else np.empty((at.size, 0))
 
 
 def inner_start(machine: Machine, scenario: Scenario, p: Array) -> Array:
@@ -231,7 +253,7 @@ def solve_system(
 
     Returns y (N, Y), of order 1 and dimensionless, at the output times, and why it ends early.
     """
-    scenario = _bent(scenario, form.machine)
+    scenario = bent(scenario, form.machine, p)
     drive = _drive(form, scenario)
     rate = driven(right, scenario.t_u, drive)
     most = steps_of_output(scenario.t.size)
@@ -276,9 +298,9 @@ def _observe(
     return Trajectory(t, q, v, a, y, z, ended, method, model=model)
 
 
-def drive_at(form: StateForm, scenario: Scenario) -> Array:
-    """The drive (N, D) of a scenario at its output times, SI."""
-    scenario = _bent(scenario, form.machine)
+def drive_at(form: StateForm, scenario: Scenario, p: Array) -> Array:
+    """The drive (N, D) of a scenario at its output times under ``p`` (P,), SI."""
+    scenario = bent(scenario, form.machine, p)
     return on_lines(scenario.t_u, _drive(form, scenario), scenario.t)
 
 

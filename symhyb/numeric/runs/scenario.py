@@ -12,7 +12,7 @@ LEFT = "the motion left the bounds that were set for it"
 @dataclass(frozen=True, slots=True)
 class Scenario:
     """What to simulate, SI: output times ``t`` (N,), start ``q``, ``v`` (n,), and inputs ``u``
-    (K, k) at times ``t_u`` (K,).
+    (K, k), as actuators get them, at times ``t_u`` (K,).
 
     ``scales`` (X,) are typical sizes of the states (q, v, z), else found by a rough run; ``z`` the
     inner states at the start, else those of a machine at rest; ``given`` (K, 3·g) places, speeds

@@ -6,16 +6,18 @@ Sizes: W windows, L samples a window, n coordinates, m sensors, F free parameter
 states (of a machine without inner states 2n).
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
+from symhyb.numeric.kernels.actuators import Acted
 from symhyb.numeric.kernels.buffers import Array, held_at, held_mean
 from symhyb.numeric.kernels.memory import kept
 from symhyb.numeric.kernels.sweeps import joined, responses
 from symhyb.numeric.kernels.vector import along
+from symhyb.numeric.lowered.acting import acting_inputs, moves, shaping_paths
 from symhyb.numeric.lowered.dynamics import state_form
 from symhyb.numeric.lowered.known import Known, with_known
 from symhyb.numeric.lowered.machine import Machine
@@ -128,15 +130,19 @@ class WindowModel:
     """A machine prepared for sweeps; ``free`` are the columns of p that are differentiated.
 
     Signals are cleared of the delays that the model states; those of ``p`` count beside them for
-    the channels whose delay is free or that are named ``late``.
+    the channels whose delay is free or that are named ``late``. What actuators do to the inputs is
+    always that of ``p``.
     """
 
     def __init__(self, machine: Machine, free: tuple[int, ...] = (), late: tuple[str, ...] = ()):
         self.machine, self.free = machine, free
         paths = [item.path for item in machine.model.all_parameters()]
         moved = [paths[i].removesuffix(".delay") for i in free if paths[i].endswith(".delay")]
-        self.form = state_form(machine, tuple(dict.fromkeys((*moved, *late))))
+        shaping = shaping_paths(machine, free)
+        self.form = state_form(machine, tuple(dict.fromkeys((*moved, *late))), shaping)
         self._smooth, self._held = bent_columns(machine.model.inputs)
+        self._fine = bool(self._smooth)
+        self._held = tuple(i for i in self._held if not moves(machine.model.inputs[i]))
         self._steps = kept(("steps", self.form.key, free), lambda: Steps(self.form, list(free)))
 
     def simulate(self, block: Block, start: Array, p: Array) -> tuple[Array, Array]:
@@ -216,7 +222,8 @@ class WindowModel:
         Returns states at the ends (W, L − 1, X) and, unless ``what`` is plain, the slopes from
         sample to sample.
         """
-        drive = self.form.extended(block.d, block.t, block.record, p, block.late)
+        acted = self._acted(block, p)
+        drive = self.form.extended(block.d, block.t, block.record, p, block.late, acted)
         windows, length, inputs = drive.shape
         states, parts = starts.shape[2], block.substeps.reshape(-1)
         if states == 0:  # all motion is given, and nothing remembers
@@ -225,15 +232,15 @@ class WindowModel:
         part = np.arange(parts.sum()) - np.repeat(first, parts)
         h = np.repeat(np.diff(block.t, axis=1).reshape(-1) / parts, parts)
         rise = np.diff(drive, axis=1).reshape(parts.size, inputs) / parts[:, None]
-        rise[:, list(self._held)] = 0.0
+        rise[:, [*self._held, *self._slopes_of(acted, self._held)]] = 0.0
         rise = np.repeat(rise, parts, axis=0)
         d0 = np.repeat(drive[:, :-1].reshape(parts.size, inputs), parts, axis=0)
         d0 += part[:, None] * rise
         d1 = d0 + rise
         t = np.repeat(block.t[:, :-1].reshape(-1), parts) + part * h
-        self._bend(d0, t, block, p)
-        self._bend(d1, t + h, block, p)
-        self._hold(d0, d1, t, h, block, p)
+        self._bend(d0, t, block, p, acted)
+        self._bend(d1, t + h, block, p, acted)
+        self._hold(d0, d1, t, h, block, p, acted)
         begins = first.reshape(windows, length - 1)[:, : starts.shape[1]].reshape(-1)
         given = d0, d1, t[:, None], h[:, None]
         after, *slopes = self._chained(what, begins, starts.reshape(-1, states), given, p)
@@ -291,22 +298,50 @@ class WindowModel:
                 result[place] = output
         return results
 
-    def _bend(self, drive: Array, t: Array, block: Block, p: Array) -> None:
-        """Put the inputs that are smooth between samples into drives (S, …) at times (S,)."""
+    def _acted(self, block: Block, p: Array) -> dict[int, Acted]:
+        """What actuators pass on of the record; of a block without one they did already."""
         times, values = block.record
-        if times.size:
-            for i in self._smooth:
-                lag = self.form.cleared(i, p)
-                drive[:, i] = np.interp(t - lag, times, values[:, i])
+        if not times.size:
+            return {}
+        return acting_inputs(self.machine, p, times, values, self._fine, self.form.shaping)
 
-    def _hold(self, d0: Array, d1: Array, t: Array, h: Array, block: Block, p: Array) -> None:
+    def _slopes_of(self, acted: Mapping[int, Acted], inputs: Collection[int]) -> list[int]:
+        """Where the slopes of these inputs by numbers of actuators stand in the drive."""
+        first, columns = self.form.first_slope, self.form.shaped_columns(acted)
+        return [first + j for i, mine in columns if i in inputs for j in mine]
+
+    def _bend(
+        self, drive: Array, t: Array, block: Block, p: Array, acted: Mapping[int, Acted]
+    ) -> None:
+        """Put the inputs that are no lines between samples, smooth or by their actuators, into
+        drives (S, …) at times (S,)."""
+        times, values = block.record
+        for i in self._smooth if times.size else ():
+            if i not in acted:
+                drive[:, i] = np.interp(t - self.form.cleared(i, p), times, values[:, i])
+        for i, one in acted.items():
+            if i not in self._held:
+                at = t - self.form.cleared(i, p)
+                drive[:, i] = one.at(at)
+                drive[:, self._slopes_of(acted, (i,))] = one.by_at(at)
+
+    def _hold(
+        self,
+        d0: Array,
+        d1: Array,
+        t: Array,
+        h: Array,
+        block: Block,
+        p: Array,
+        acted: Mapping[int, Acted],
+    ) -> None:
         """Put inputs that hold each sample until the next, under a delay, into drives (S, …) at the
         begin and the end of steps at ``t`` (S,) of length ``h`` (S,): their mean over the step,
         whose impulse is exact, and its slope by time."""
         times, values = block.record
         first = self.form.inputs + 3 * len(self.form.given)  # of the slopes
         for i in self._held if times.size else ():
-            lag, signal = self.form.cleared(i, p), values[:, i]
+            lag, signal = self.form.cleared(i, p), acted[i].u if i in acted else values[:, i]
             begin, end = t - lag, t + h - lag
             if lag:
                 d0[:, i] = d1[:, i] = held_mean(times, signal, begin, end)
@@ -322,7 +357,8 @@ class WindowModel:
 
     def _outputs(self, block: Block, x: Array, p: Array) -> tuple[Array, ...]:
         windows, length, _ = x.shape
-        drive = self.form.extended(block.d, block.t, block.record, p, block.late)
+        acted = self._acted(block, p)
+        drive = self.form.extended(block.d, block.t, block.record, p, block.late, acted)
         total = windows * length
         given = x.reshape(total, -1), drive.reshape(total, -1), block.t.reshape(-1), p
         y, *slopes = along(self._steps.sense, given, (3,), total)

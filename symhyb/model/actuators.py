@@ -1,0 +1,49 @@
+"""What an actuator does to a recorded input before it acts, in this order.
+
+    recorded → delay → dead band → limit → lag, of limited rate → gain, offset → acting
+
+The names of the keys under ``[inputs]`` of a model file, their units and what is refused.
+"""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Literal
+
+from symhyb.units import ONE, Unit, parse_unit
+
+if TYPE_CHECKING:
+    from symhyb.model.types import Input, Parameter, Sensor
+
+ActuatorKey = Literal["dead_band", "limit", "rate_limit", "lag"]
+ACTUATOR_KEYS: tuple[ActuatorKey, ...] = ("dead_band", "limit", "rate_limit", "lag")  # in order
+
+FaultKey = Literal["gain", "offset", "delay"]
+FAULT_KEYS: tuple[FaultKey, ...] = ("gain", "offset", "delay")  # of inputs and of sensors
+
+ChannelKind = Literal["gain", "offset", "delay", "dead_band", "limit", "rate_limit", "lag"]
+
+
+def usual_unit(key: str, channel: Unit) -> Unit:
+    """The unit in which a number of a channel is read unless it states one; ``channel`` is the unit
+    of what is recorded."""
+    if key == "gain":
+        return ONE
+    if key in ("delay", "lag"):
+        return parse_unit("s")
+    return channel / parse_unit("s") if key == "rate_limit" else channel
+
+
+def refused(key: str, value: float) -> str:
+    """Why a number of a channel cannot be; empty if it can."""
+    if key == "gain" and value == 0:
+        return "must not be 0: such a channel says nothing"
+    if key in ("limit", "rate_limit") and value <= 0:
+        return "must be positive: such an actuator does nothing"
+    if key in ("dead_band", "lag") and value < 0:
+        return "must not be negative"
+    return ""
+
+
+def numbers_of(channel: "Input | Sensor") -> "Iterator[Parameter]":
+    """The numbers that a channel states: gain, offset, delay, then those of its actuator."""
+    yield from filter(None, (channel.gain, channel.offset, channel.delay))
+    yield from getattr(channel, "actuator", ())
