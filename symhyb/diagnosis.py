@@ -28,6 +28,7 @@ from symhyb.correction.search.setting import Setting, around
 from symhyb.correction.search.so_far import fits_best, if_interrupted
 from symhyb.correction.search.trajectory import Refined
 from symhyb.correction.search.wholes import at_level_of_forces
+from symhyb.correction.verdict.actuator import acts_so, with_actuator
 from symhyb.correction.verdict.choice import Choice, choose, chosen_again
 from symhyb.correction.verdict.conclusion import concluded
 from symhyb.correction.verdict.constants import with_constant
@@ -138,6 +139,13 @@ def _concluded(
             values, other = _judged(prepared, again, tell)
             if stands(other, judged):
                 choice, known, judged = again, values, other
+        behind = with_actuator(prepared, choice, judged, tell)
+        if behind is not None and behind.behind.trials:
+            choice = behind
+        elif behind is not None:
+            values, other = _judged(prepared, behind, tell)
+            if acts_so(behind, other, judged):
+                choice, known, judged = behind, values, other
         curved = with_curve(prepared, choice, judged, tell)
         if curved is not None:
             values, other = _judged(prepared, curved, tell)

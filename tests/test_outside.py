@@ -28,11 +28,15 @@ def test_a_second_mass_that_the_model_lacks_gets_no_name(
     assert not any((diagnosis.found, diagnosis.parameters, diagnosis.measurement))
 
 
-def test_an_input_that_acts_only_beyond_a_threshold_gets_no_name() -> None:
+def test_an_input_that_acts_only_beyond_a_threshold_has_a_dead_band() -> None:
     """With another excitation a gain of 0.86 took most of it, and was reported."""
     diagnosis = sh.diagnose(spring_model(), driven(dead_zone(1.5), 1))
-    assert diagnosis.verdict == "undecided"
-    assert not any((diagnosis.found, diagnosis.parameters, diagnosis.measurement))
+    assert diagnosis.verdict == "missing physics"
+    assert not any((diagnosis.found, diagnosis.parameters, diagnosis.classes))
+    (band,) = diagnosis.measurement
+    assert (band.channel, band.kind, band.unit) == ("f", "dead_band", "N")
+    assert band.value == pytest.approx(1.5, abs=3 * band.sd)
+    assert band.sd < 0.03
 
 
 def test_hysteresis_that_hardens_is_measured() -> None:

@@ -49,16 +49,17 @@ class Kind:
 
 d, f, i, s = kinds_drive, kinds_force, kinds_inner, kinds_sensor
 TABLE = (
-    Kind("dead band", ("input",), ALL, d.dead_band),
-    Kind("saturation", ("input",), ALL, d.saturation),
+    # what actuators do has a name by now: the right one is right too, with the right number
+    Kind("dead band", ("input",), ALL, d.dead_band, ("dead_band",)),
+    Kind("saturation", ("input",), ALL, d.saturation, ("limit",)),
     Kind("soft saturation", ("input",), ALL, d.soft_saturation),
     Kind("uneven input", ("input",), ALL, d.uneven),
-    Kind("slew rate", ("input", "lag"), ALL, d.slew),
+    Kind("slew rate", ("input", "lag"), ALL, d.slew, ("rate_limit", "lag")),
     Kind("held input", ("input",), ALL, d.held, ("held",), absorbed=False),
     Kind("noisy input", ("input",), OPEN, d.noisy),
     Kind("cross-talk", ("input", "coupling"), PLANE, d.cross_talk),
     Kind("fading input", ("time-varying", "input"), ALL, d.fading),
-    Kind("actuator lag", ("lag",), ALL, d.lag),
+    Kind("actuator lag", ("lag",), ALL, d.lag, ("lag",)),
     Kind("resonant actuator", ("lag", "hidden mode", "input"), ALL, d.resonant),
     Kind("hidden load", ("hidden mode",), STRAIGHT, i.load),
     Kind("flexible link", ("hidden mode",), STRAIGHT, i.link),

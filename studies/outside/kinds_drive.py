@@ -67,7 +67,7 @@ def uneven(bare: Bare, sizes: Generator, fresh: Generator) -> Change:
 
 
 def slew(bare: Bare, sizes: Generator, fresh: Generator) -> Change:
-    """The acting force changes no faster than it can."""
+    """The acting force changes no faster than it can; it follows by a lag of one sample."""
     k, name, _ = _input(bare, sizes)
     quickest = float(np.abs(np.gradient(bare.u[k], bare.t)).max())
     rate, late = sizes.uniform(0.3, 0.7) * quickest, 1 / bare.system.rate
@@ -86,7 +86,7 @@ def slew(bare: Bare, sizes: Generator, fresh: Generator) -> Change:
         act=act,
         step=_step(bare),
         place=name,
-        facts={"rate": rate},
+        facts={"rate": rate, "tau": late},
     )
 
 

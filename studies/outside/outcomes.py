@@ -14,6 +14,7 @@ LIKELY = 0.5  # probability from which a class counts as stated
 EMPIRICAL = ("law", "network", "curve")  # a fit without a name: it states the class "law"
 SOON = 0.5  # s; so near is the instant of a change right
 SHAPES = ("exponent", "critical")  # numbers of a listed law that the seal of an old kind holds
+ACTUATORS = {"dead_band": "band", "limit": "most", "rate_limit": "rate", "lag": "tau"}  # in seals
 NEUTRAL = {"gain": 1.0, "offset": 0.0, "delay": 0.0}  # what a channel without a fault has
 
 
@@ -142,11 +143,15 @@ def _covered(claim: Claim, answer: dict[str, Any]) -> bool:
 
 def _is_accepted(claim: Claim, answer: dict[str, Any]) -> bool:
     """Whether a claim of the vocabulary is a right answer for the kind, where it acts, and the
-    shape that it states, if the seal holds it, is the true one."""
+    shape that it states, if the seal holds it, is the true one; so is the number of an actuator."""
     empirical = "law" in answer["classes"] and claim.kind in EMPIRICAL
     if not (empirical or claim.kind in answer["accepted"]) or claim.where != answer["place"]:
         return False
     true = answer.get("facts", {})
+    if claim.kind in ACTUATORS:
+        value, sd = claim.values["value"]
+        fact = true.get(ACTUATORS[claim.kind])
+        return fact is not None and abs(value - fact) <= SPAN * sd
     stated = {key: pair for key, pair in claim.values.items() if key in SHAPES and key in true}
     return all(abs(value - true[key]) <= SPAN * sd for key, (value, sd) in stated.items())
 

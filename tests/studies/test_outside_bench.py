@@ -224,6 +224,14 @@ def number(name: str, value: float, sd: float) -> dict[str, Any]:
 FORCE, NULL = "missing physics", {"classes": ["noise"], "place": "", "kind": "noise heavy"}
 DELAY = {"channel": "f", "kind": "delay", "value": 0.0025, "sd": 1e-5, "unit": "s"}
 HELD = {"classes": ["input"], "accepted": ["held"], "place": "f", "kind": "held input"}
+SLEW = {
+    "classes": ["input", "lag"],
+    "accepted": ["rate_limit", "lag"],
+    "place": "f",
+    "facts": {"rate": 226.0, "tau": 0.005},
+}
+RATE = {"channel": "f", "kind": "rate_limit", "value": 225.0, "sd": 0.5, "unit": "N/s"}
+LAG = {"channel": "f", "kind": "lag", "value": 0.005, "sd": 1e-5, "unit": "s"}
 STEP = {"classes": ["time-varying"], "place": "k", "facts": {"at": 3.1, "after": 227.2}}
 BEGUN = {"verdict": "parameters", "places": [{"change": {"kind": "begins", "time_s": 3.2}}]}
 LISTED = {"law": LAW, "kind": "law, heavy"}
@@ -266,6 +274,11 @@ LISTED = {"law": LAW, "kind": "law, heavy"}
             {"verdict": "measurement", "measurement": [{**DELAY, "kind": "held"}]},
             "class right",
         ),
+        (SLEW, {"verdict": FORCE, "measurement": [RATE, LAG]}, "class right"),
+        (SLEW, {"verdict": FORCE, "measurement": [{**RATE, "sd": 0.2}, LAG]}, "wrong"),
+        (SLEW, {"verdict": FORCE, "measurement": [{**RATE, "channel": "g"}]}, "wrong"),
+        (SLEW, {"verdict": FORCE, "measurement": [{**RATE, "kind": "limit"}]}, "wrong"),
+        ({**SLEW, "facts": {}}, {"verdict": FORCE, "measurement": [RATE]}, "wrong"),
         (
             {"accepted": ["gap"]},
             {"verdict": FORCE, "found": [claim("gap", "clearance", 0.1, 0.01)]},

@@ -91,7 +91,10 @@ def priors(recorded: Recorded, trial: Fitted) -> tuple[Array, Array]:
     for cause in trial.all_causes:
         for key in keys_of(cause):
             value = float(trial.fit.values[i])
-            if cause.place is None:
+            if cause.place is None and cause.shape:  # the number of an actuator
+                means.append(value)
+                spreads.append((abs(value) or 1.0) * float(WIDEST) * UNIFORM)
+            elif cause.place is None:
                 item = declared[cause.path]
                 means.append(item.si)
                 spreads.append(_channel_sd(recorded, cause, item.si, item.si_sd))

@@ -13,13 +13,13 @@ import numpy as np
 
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.search.trajectory import (
-    element_name,
     gathered,
     keys_of,
     limits_of,
     own_key,
     paths_of,
     shared_out,
+    with_causes,
 )
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.likelihood.fit import Fit, Task, fit
@@ -28,7 +28,7 @@ from symhyb.discrepancy.likelihood.track import Extra, Track, track
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.places.standing import uncertain_beside
 from symhyb.discrepancy.results import ClassName
-from symhyb.model.types import Element, Place
+from symhyb.model.types import Place
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.lowered.known import with_known
 from symhyb.numeric.lowered.machine import Machine, build
@@ -179,14 +179,8 @@ def _with_columns(task: Task, extra: Generic) -> Task:
 
 
 def _machine(recorded: Recorded, causes: Sequence[Hypothesis], start: Sequence[Row]) -> Machine:
-    """The model with one more element for each force cause, lowered."""
-    model, elements = recorded.windows.machine.model, []
-    for i, cause in enumerate(causes):
-        if cause.place is not None:
-            shared = {key: value for key, value in start[i].items() if "@" not in key}
-            element: Element = cause.element(model, element_name(i), shared)
-            elements.append(element)
-    return build(replace(model, elements=(*model.elements, *elements)), keep=False)
+    """The model with the causes, lowered."""
+    return build(with_causes(recorded.windows.machine.model, causes, start), keep=False)
 
 
 def _beginning(

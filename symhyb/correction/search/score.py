@@ -29,6 +29,7 @@ from symhyb.correction.search.trajectory import (
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.words.formula import LAW
 from symhyb.judgement import ACCURACY, NEAR_NOISE, OUTSTANDING, PIECES
+from symhyb.model.actuators import ACTUATOR_KEYS
 from symhyb.model.vocabulary import key_of
 from symhyb.numeric.kernels.buffers import Array
 
@@ -87,8 +88,9 @@ def cost(trial: Refined) -> float:
 
 
 def prior_sd(trial: Refined, cause: Hypothesis) -> float:
-    """The sd that a parameter of the model states, SI; infinite for any other cause."""
-    if cause.kind != "parameter":
+    """The sd that a parameter of the model or of an actuator states, SI; infinite for any other
+    cause."""
+    if cause.kind not in ("parameter", *ACTUATOR_KEYS):
         return inf
     declared = {item.path: item.si_sd for item in trial.machine.model.all_parameters()}
     return declared.get(cause.path) or inf

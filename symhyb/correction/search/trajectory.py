@@ -14,17 +14,19 @@ import numpy as np
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.fitting.matching import TRIAL_DECREASE, TRIAL_ITERATIONS, fit
 from symhyb.discrepancy.fitting.task import Fit, Task
-from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.discrepancy.places.hypotheses import ASSUMED, Hypothesis
 from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.judgement import GAIN_REACH
 from symhyb.laws import LAWS
-from symhyb.model.types import Element, Model
+from symhyb.model.actuators import ACTUATOR_KEYS, usual_unit
+from symhyb.model.types import Element, Input, Model, Parameter
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.lowered.known import with_known
 from symhyb.numeric.lowered.machine import Machine, build
 from symhyb.numeric.runs.windows import WindowModel
 
 DELAY_REACH = 30  # samples, either way
+ACTUATOR_REACH = 30  # times the number of an actuator that was tried, either way
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +86,7 @@ class Refined:
 
 
 # what no gain can feign
-EXACT = frozenset({"delay", *(key.name for law in LAWS for key in law.keys if key.exact)})
+EXACT = frozenset({"delay", "lag", *(key.name for law in LAWS for key in law.keys if key.exact)})
 
 
 def element_name(index: int) -> str:
@@ -138,13 +140,26 @@ def refine(
 def with_causes(
     model: Model, causes: Sequence[Hypothesis], values: Sequence[Mapping[str, float]]
 ) -> Model:
-    """The model with the elements of the causes that are laws, of these ``values`` by key, SI."""
+    """The model with the elements of the causes that are laws, of these ``values`` by key, SI, and
+    with the numbers of actuators that it does not state, as nothing."""
     elements: list[Element] = []
     for i, cause in enumerate(causes):
         if cause.place is not None:
             shared = {key: value for key, value in values[i].items() if "@" not in key}
             elements.append(cause.element(model, element_name(i), shared))
-    return replace(model, elements=(*model.elements, *elements))
+    inputs = tuple(_with_actuator(item, causes) for item in model.inputs)
+    return replace(model, elements=(*model.elements, *elements), inputs=inputs)
+
+
+def _with_actuator(item: Input, causes: Sequence[Hypothesis]) -> Input:
+    """An input with the numbers of its actuator that are causes."""
+    known = {number.name: number for number in item.actuator}
+    for cause in causes:
+        if cause.kind in ACTUATOR_KEYS and cause.path == f"{item.name}.{cause.kind}":
+            unit = usual_unit(cause.kind, item.unit)
+            none = Parameter(cause.kind, 0.0, unit, about=ASSUMED, owner=item.name)
+            known.setdefault(cause.kind, none)
+    return replace(item, actuator=tuple(known[key] for key in ACTUATOR_KEYS if key in known))
 
 
 def shared_out(causes: Sequence[Hypothesis], recordings: int) -> tuple[tuple[int, ...], ...]:
@@ -308,6 +323,10 @@ def limits_of(
     for cause in causes:
         if cause.place is None:
             value, sd = declared[cause.path].si, declared[cause.path].si_sd
+            if cause.shape:  # the number of an actuator, which no file states
+                begins = dict(cause.shape)["value"]
+                rows.append((begins / ACTUATOR_REACH, begins * ACTUATOR_REACH, 0.0, np.inf))
+                continue
             low, high = 1e-6 * value if cause.positive[0] else -np.inf, np.inf
             if cause.kind == "gain":
                 reach = GAIN_REACH * abs(value)

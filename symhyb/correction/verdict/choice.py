@@ -6,6 +6,7 @@ fit the others is named, and does not choose with them.
 
 from dataclasses import dataclass, replace
 
+from symhyb.correction.adequacy.actuators import NOTHING_BEHIND, Behind
 from symhyb.correction.adequacy.finalists import settled
 from symhyb.correction.adequacy.followed import followed
 from symhyb.correction.adequacy.recorded import recorded
@@ -32,7 +33,8 @@ from symhyb.steps import Say
 class Choice:
     """A decision with the ``setting`` that it was made in, the map of ``places``, the ``change`` on
     the way that restricts it, and recordings that are ``misfits``; the selected structure
-    ``along`` whole recordings, where that was needed."""
+    ``along`` whole recordings, where that was needed; what may stand ``behind`` an input and is not
+    distinguished."""
 
     setting: Setting
     decision: Decision
@@ -40,6 +42,7 @@ class Choice:
     change: Change | None
     misfits: tuple[Misfit, ...]
     along: Fitted | None = None
+    behind: Behind = NOTHING_BEHIND
 
 
 def choose(prepared: Prepared, setting: Setting, forces: ForceScreen | None, say: Say) -> Choice:

@@ -8,6 +8,7 @@ import numpy as np
 from symhyb.correction.adequacy.beyond import Beyond
 from symhyb.correction.adequacy.judge import Adequacy
 from symhyb.correction.advice.advice import better_recording
+from symhyb.correction.naming.actuator_rivals import actuator_rivals
 from symhyb.correction.naming.classes import class_found, classes_said
 from symhyb.correction.naming.findings import (
     Named,
@@ -57,6 +58,7 @@ from symhyb.discrepancy.words.wording import (
     verdict_sentence,
 )
 from symhyb.judgement import NEGLIGIBLE
+from symhyb.model.actuators import ACTUATOR_KEYS
 from symhyb.model.types import Model, On, place_text
 from symhyb.model.vocabulary import force_unit
 from symhyb.numeric.kernels.buffers import Array
@@ -84,7 +86,9 @@ def concluded(
     )
     group = 1 + max((one.together for one in alternatives), default=0)
     alternatives += late_on_the_other_side(model, faults, group)
-    verdict = _verdict(known, judged, found, bool(faults), bool(parameters))
+    alternatives = (*actuator_rivals(choice.behind, group + 1), *alternatives)
+    acts = any(fault.kind in ACTUATOR_KEYS for fault in faults)
+    verdict = _verdict(known, judged, bool(found) or acts, bool(faults), bool(parameters))
     sentence = verdict_sentence(
         verdict, found, parameters, faults, alternatives, beyond=not judged.adequate
     )
@@ -198,7 +202,7 @@ def _title(cause: Hypothesis, found: Sequence[Found]) -> str:
 
 
 def _verdict(
-    known: Estimated, judged: Adequacy, found: Sequence[Found], faults: bool, parameters: bool
+    known: Estimated, judged: Adequacy, found: bool, faults: bool, parameters: bool
 ) -> VerdictName:
     if found:
         return "missing physics"

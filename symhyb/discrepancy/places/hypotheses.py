@@ -218,7 +218,8 @@ class Hypothesis:
 
 
 def parametric_hypotheses(model: Model) -> tuple[Hypothesis, ...]:
-    """Parameters that state an ``sd``, and gain, offset and delay of every channel.
+    """Parameters and numbers of actuators that state an ``sd``, and gain, offset and delay of every
+    channel.
 
     ``model`` must come from :func:`with_channels`.
     """
@@ -227,6 +228,9 @@ def parametric_hypotheses(model: Model) -> tuple[Hypothesis, ...]:
         for item in (*model.parameters, *(p for e in model.elements for p in e.parameters))
         if item.sd is not None
     ]
+    for number in (number for item in model.recorded_inputs for number in item.actuator):
+        if number.sd is not None:
+            found.append(Hypothesis(number.name, None, ("value",), (True,), path=number.path))
     channels: tuple[Input | Sensor, ...] = (*model.recorded_inputs, *model.sensors)
     for channel in channels:
         for kind in ("gain", "offset", "delay"):

@@ -34,6 +34,7 @@ from symhyb.discrepancy.words.effects import (
     words_of,
 )
 from symhyb.discrepancy.words.formula import LAW, law_text
+from symhyb.model.actuators import ACTUATOR_KEYS
 from symhyb.model.types import Place, place_text
 
 __all__ = [
@@ -94,10 +95,13 @@ def parameter_phrase(parameter: Reestimated) -> str:
 
 
 def measurement_phrase(fault: Measurement) -> str:
-    """Say a fault of a channel: ``laser has an offset of 2.1 ± 0.3 mm``, ``f arrives 12 ms late``.
+    """Say a fault of a channel: ``laser has an offset of 2.1 ± 0.3 mm``, ``f arrives 12 ms late``,
+    and what an actuator does: ``f saturates at 2.1 ± 0.1 N``.
 
     Late is right of both: an input acts, a sensor shows, by its delay later than it should.
     """
+    if fault.kind in ACTUATOR_KEYS:
+        return f"{fault.channel} {_acts(fault)}"
     if fault.kind == "delay":
         late = "early" if fault.value < 0.0 else "late"
         return (
@@ -106,6 +110,20 @@ def measurement_phrase(fault: Measurement) -> str:
     article = "an" if fault.kind == "offset" else "a"
     amount = quantity_text(fault.value, fault.unit, fault.sd)
     return f"{fault.channel} has {article} {fault.kind} of {amount}"
+
+
+def _acts(fault: Measurement) -> str:
+    """What an actuator does, behind the name of its input."""
+    amount = quantity_text(fault.value, fault.unit, fault.sd)
+    match fault.kind:
+        case "dead_band":
+            return f"acts only beyond a dead band of {amount}"
+        case "limit":
+            return f"saturates at {amount}"
+        case "rate_limit":
+            return f"changes by no more than {amount} (rate limit)"
+        case _:
+            return f"acts through a lag of {small_text(fault.value, fault.unit, fault.sd)}"
 
 
 def alternative_phrase(rival: Alternative, *others: Alternative) -> str:
@@ -119,7 +137,8 @@ def alternative_phrase(rival: Alternative, *others: Alternative) -> str:
     listed = joined([_channel_amount(estimate) for estimate in rival.estimates])
     if rival.channel is not None:
         article = "an" if rival.kind[:1] in "aeiou" else "a"
-        named = f"{article} {rival.kind} of {listed}" if listed else f"{article} {rival.kind}"
+        kind = rival.kind.replace("_", " ")
+        named = f"{article} {kind} of {listed}" if listed else f"{article} {kind}"
         return f"{named} in channel {rival.channel}"
     return f"parameter {rival.parameter} = {listed}" if listed else f"parameter {rival.parameter}"
 
@@ -134,11 +153,13 @@ def verdict_sentence(
 ) -> str:
     """Say the verdict with what it rests on; what else was found follows in a second sentence. That
     the physics holds is said only where nothing acts ``beyond`` what is named."""
-    channels = joined([measurement_phrase(fault) for fault in measurement])
+    acts = [measurement_phrase(one) for one in measurement if one.kind in ACTUATOR_KEYS]
+    wrong = [measurement_phrase(one) for one in measurement if one.kind not in ACTUATOR_KEYS]
+    channels = joined(wrong)
     values = joined([parameter_phrase(parameter) for parameter in parameters])
     match verdict:
         case "missing physics":
-            said, besides = f"{_lacking(found)}.", [channels, values]
+            said, besides = f"{_missing(found, acts)}.", [channels, values]
         case "measurement":
             said = f"The physics of the model holds, the measurement does not: {channels}."
             if beyond:
@@ -182,6 +203,14 @@ def grouped_alternatives(alternatives: Sequence[Alternative]) -> list[tuple[Alte
         key = rival.together or (i,)
         groups[key] = (*groups.get(key, ()), rival)
     return list(groups.values())
+
+
+def _missing(found: Sequence[Found], acts: Sequence[str]) -> str:
+    """What the model lacks: effects at their places, and what actuators do (``acts``)."""
+    actuators = f"the model lacks what the actuator does: {joined(acts)}"
+    if not found:
+        return _capital(actuators)
+    return "; ".join([_lacking(found), *([actuators] if acts else [])])
 
 
 def _lacking(found: Sequence[Found]) -> str:
