@@ -131,9 +131,10 @@ def current(bench: Bench) -> Model:
         return replace(item, value=values[item.path])
 
     def tuned(one: Channel) -> Channel:
-        return replace(
+        one = replace(
             one, gain=valued(one.gain), offset=valued(one.offset), delay=valued(one.delay)
         )
+        return replace(one, actuator=all_valued(one.actuator)) if isinstance(one, Input) else one
 
     def all_valued(items: Sequence[Parameter]) -> tuple[Parameter, ...]:
         return tuple(replace(item, value=values.get(item.path, item.value)) for item in items)
