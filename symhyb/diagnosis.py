@@ -33,6 +33,12 @@ from symhyb.correction.verdict.choice import Choice, choose, chosen_again
 from symhyb.correction.verdict.conclusion import concluded
 from symhyb.correction.verdict.constants import with_constant
 from symhyb.correction.verdict.estimate import Estimated, estimate
+from symhyb.correction.verdict.in_time import (
+    changing,
+    in_doubt,
+    with_changing,
+    without_numbers,
+)
 from symhyb.correction.verdict.leftover import leftover
 from symhyb.correction.verdict.own_curve import holds, with_curve
 from symhyb.correction.verdict.proof import prove
@@ -122,6 +128,45 @@ def _concluded(
 ) -> Concluded:
     if still(several(recordings)):
         return Concluded(Diagnosis("undecided", STILL, record_next=RECORD_NEXT))
+    first = _decided(model, recordings, holdout, own, tell)
+    prepared, choice = first.prepared, first.choice
+    with if_interrupted(lambda: fits_best(choice.decision.selected, len(choice.decision.trials))):
+        one = changing(model, prepared, first.setting, choice, first.judged, tell)
+        if one is None or one.others:
+            answer = _told(model, first, tell)
+            return Concluded(answer if one is None else in_doubt(answer, one), prepared, choice)
+    tell("deciding again, with the course of a number in the model")
+    again = _decided(one.model, recordings, holdout, own, tell)
+    doubt = without_numbers(again.judged, again.known.final.causes)
+    again = replace(
+        again,
+        known=replace(again.known, doubt=again.known.doubt | doubt),
+        judged=replace(again.judged, doubt=doubt),
+    )
+    answer = with_changing(_told(one.model, again, tell), one)
+    return Concluded(answer, again.prepared, again.choice)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Decided:
+    """The ``setting`` of a decision, its ``choice``, the values of that (``known``) and what acts
+    beyond it (``judged``)."""
+
+    prepared: Prepared
+    setting: Setting
+    choice: Choice
+    known: Estimated
+    judged: Adequacy
+
+
+def _decided(
+    model: Model,
+    recordings: Recording | Sequence[Recording],
+    holdout: Recording | Sequence[Recording],
+    own: Sequence[str],
+    tell: Say,
+) -> _Decided:
+    """The causes that the recordings choose."""
     tell("estimating motion and noise")
     prepared, setting = _prepared(model, recordings, holdout, own)
     tell("pushing every cause at the level of forces")
@@ -151,7 +196,7 @@ def _concluded(
             values, other = _judged(prepared, curved, tell)
             if holds(curved, other, judged):
                 choice, known, judged = curved, values, other
-        return Concluded(_told(model, prepared, choice, known, judged, tell), prepared, choice)
+        return _Decided(prepared, setting, choice, known, judged)
 
 
 def _judged(prepared: Prepared, choice: Choice, tell: Say) -> tuple[Estimated, Adequacy]:
@@ -165,10 +210,10 @@ def _judged(prepared: Prepared, choice: Choice, tell: Say) -> tuple[Estimated, A
     return replace(known, doubt=doubt), replace(judged, doubt=doubt)
 
 
-def _told(
-    model: Model, prepared: Prepared, choice: Choice, known: Estimated, judged: Adequacy, tell: Say
-) -> Diagnosis:
+def _told(model: Model, decided: _Decided, tell: Say) -> Diagnosis:
     """What follows from a choice: shares, words, what must not be claimed."""
+    prepared, choice = decided.prepared, decided.choice
+    known, judged = decided.known, decided.judged
     nothing, selected = choice.decision.nothing, choice.decision.selected
     final, setting = known.final, choice.setting
     tell("holding the diagnosis against unseen windows")

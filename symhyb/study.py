@@ -139,7 +139,13 @@ def carry_out(study: Study, say: Say | None = None, leave: Leave | None = None) 
     train, holdout = read_all(study, model)
     concluded = conclude(model, train, holdout, own=study.own, say=say)
     diagnosis = concluded.diagnosis
-    corrected = apply(model, diagnosis.found, diagnosis.parameters, diagnosis.measurement)
+    corrected = apply(
+        model,
+        diagnosis.found,
+        diagnosis.parameters,
+        diagnosis.measurement,
+        diagnosis.courses,
+    )
     seen = repaired([without_faults(one, model) for one in train], diagnosis.faults)
     corrected, reported = _finish(study, corrected, corrected != model, seen, say)
     diagnosis = replace(diagnosis, remainder_notes=(*diagnosis.remainder_notes, *reported))

@@ -28,6 +28,12 @@ OTHERS = {
     "correction/adequacy/recorded.py": {"SAMPLES_LEAST": "work"},
     "correction/adequacy/curves/fitted_curve.py": {"STANDS": "iteration"},
     "correction/adequacy/curves/points.py": {"POINTS_MOST": "work", "PATIENCE": "work"},
+    "correction/adequacy/in_time/placing.py": {
+        "POINTS_MOST": "work",
+        "PATIENCE": "work",
+        "SHORTEST": "numerics: of samples",
+    },
+    "correction/naming/course_words.py": {"SHORTEST": "display", "_SHORT": "display"},
     "correction/advice/advice.py": {"ODDS_SHOWN": "display"},
     "correction/learning/factor.py": {
         "CONDITION_MOST": "numerics",

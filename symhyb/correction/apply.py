@@ -3,7 +3,8 @@
 from collections.abc import Sequence
 
 from symhyb.asked import asked
-from symhyb.discrepancy.results import Found, Measurement, Reestimated
+from symhyb.correction.adequacy.in_time.stated_course import with_course
+from symhyb.discrepancy.results import CourseFound, Found, Measurement, Reestimated
 from symhyb.model.types import Model
 from symhyb.model.write import append_elements, replace_parameters
 
@@ -14,15 +15,19 @@ def apply(
     found: Sequence[Found],
     parameters: Sequence[Reestimated] = (),
     measurement: Sequence[Measurement] = (),
+    courses: Sequence[CourseFound] = (),
 ) -> Model:
     """Return the corrected model; its text is the old one with the elements appended.
 
     Re-estimated ``parameters`` and channel faults (``measurement``) change in place, values and sd
-    in the units that they carry. The result is an ordinary model.
+    in the units that they carry. A number with one of the ``courses`` has a factor of the time
+    wherever it is used. The result is an ordinary model.
 
     Raises:
         InputError: a name or a unit that does not fit this model.
     """
+    for course in courses:
+        model = with_course(model, course)
     changed: dict[str, tuple[float, float | None]] = {
         item.name: (item.value, item.sd) for item in parameters
     }

@@ -209,3 +209,58 @@ class ClassFound:
     place: Place | None = None
     channel: str | None = None
     parameter: str | None = None
+
+
+CourseName = Literal["step", "drift", "period", "free"]
+
+
+@dataclass(frozen=True, slots=True)
+class CourseNumber:
+    """One number of a course with one standard deviation, in its unit."""
+
+    name: str
+    value: float
+    sd: float
+    unit: str
+
+
+@dataclass(frozen=True, slots=True)
+class CourseFound:
+    """How a number of the model (``parameter``), or the factor of an input (``channel``), runs over
+    the time of the ``recordings``.
+
+    ``numbers`` describe the ``shape``: ``before`` and ``after`` of a step, its ``time`` and the
+    ``duration`` that it takes, ``begin`` and ``end`` of a drift, ``level``, ``amplitude``,
+    ``frequency`` and ``phase`` (at t = 0) of a period. Of a broken line, as which steps and drifts
+    count, ``points`` are times in s with value and one deviation in ``unit``; it holds its end
+    values. ``span`` is the first and the last time of the recordings, ``was`` what the model said.
+    ``rivals`` are shapes that are as likely, to 100 to 1.
+    ``factors`` are the values over ``was`` by which the corrected model states the course: those at
+    the points, of a period level, amplitude, frequency in Hz and phase in rad.
+    """
+
+    shape: CourseName
+    unit: str
+    was: float
+    numbers: tuple[CourseNumber, ...]
+    points: tuple[tuple[float, float, float], ...]
+    factors: tuple[float, ...]
+    recordings: tuple[str, ...]
+    span: tuple[float, float]
+    sentence: str
+    parameter: str | None = None
+    channel: str | None = None
+    rivals: tuple[CourseName, ...] = ()
+
+    @property
+    def path(self) -> str:
+        """The parameter or the input."""
+        return self.parameter or self.channel or ""
+
+    def number(self, name: str) -> CourseNumber:
+        """One of the numbers by its name.
+
+        Raises:
+            KeyError: the shape has no number of this name.
+        """
+        return {one.name: one for one in self.numbers}[name]

@@ -17,6 +17,9 @@ from symhyb.discrepancy.aside import (
     ClassFound,
     ClassName,
     Cloud,
+    CourseFound,
+    CourseName,
+    CourseNumber,
     Isolability,
     Manoeuvre,
     Memory,
@@ -45,6 +48,9 @@ __all__ = [
     "ClassName",
     "Cloud",
     "Comparison",
+    "CourseFound",
+    "CourseName",
+    "CourseNumber",
     "Diagnosis",
     "Estimate",
     "Found",
@@ -246,8 +252,9 @@ class Diagnosis:
     step; ``notes`` what was handled in the recordings. ``manoeuvre`` is ``record_next`` for a
     program, where it is one. ``found``, ``parameters`` and ``measurement`` are tuples that take a
     name, too: ``found["friction"]``, by kind where that is one alone, else by element. ``model`` is
-    the one that was given, ``posterior`` all claimed numbers together. ``rivals`` say where the
-    most probable other structures differ from the chosen one.
+    the one that was given, ``posterior`` all claimed numbers together. ``courses`` are numbers that
+    change along the recordings. ``rivals`` say where the most probable other structures differ from
+    the chosen one.
     """
 
     verdict: VerdictName
@@ -271,6 +278,7 @@ class Diagnosis:
     manoeuvre: Manoeuvre | None = None
     memory: Memory | None = None
     classes: tuple[ClassFound, ...] = ()
+    courses: tuple[CourseFound, ...] = ()
     rivals: tuple[RivalRun, ...] = field(default=(), compare=False)
     model: Model | None = field(default=None, compare=False)
     posterior: Posterior | None = field(default=None, compare=False)

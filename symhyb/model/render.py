@@ -187,10 +187,24 @@ def _lines(model: Model) -> Iterator[str]:
         lines = list(_aligned(_constraint_entries(constraint)))
         yield from ("", f"[constraints.{constraint.name}]", *lines)
     for curve in model.curves:
-        lines = list(_aligned([*_curve_entries(curve), ("about", _toml(curve.about))]))
-        yield from ("", f"[curves.{curve.name}]", *lines)
+        yield from ("", *curve_lines(curve))
     for element in model.elements:
         yield from ("", *element_lines(element))
+
+
+def curve_lines(curve: Curve) -> Iterator[str]:
+    """Write one curve of a model as its table."""
+    yield f"[curves.{curve.name}]"
+    yield from _aligned([*_curve_entries(curve), ("about", _toml(curve.about))])
+
+
+def parameter_lines(parameter: Parameter) -> Iterator[str]:
+    """Write one parameter of a model as a table of its own, which may stand at the end of a
+    file."""
+    yield f"[parameters.{parameter.name}]"
+    entries = (("value", parameter.value), ("unit", parameter.unit.text), ("sd", parameter.sd))
+    lines = [(key, _toml(value)) for key, value in entries if value is not None]
+    yield from _aligned([*lines, ("about", _toml(parameter.about))])
 
 
 def _fmu_lines(fmu: Fmu) -> Iterator[str]:

@@ -31,6 +31,7 @@ from symhyb.discrepancy.results import (
 from symhyb.errors import NumericsError
 from symhyb.model.types import At, Between, On, Place
 from symhyb.model.vocabulary import said_of
+from symhyb.report.course_entries import course_entry
 from symhyb.report.document import (
     ActivityEntry,
     AlternativeEntry,
@@ -112,6 +113,7 @@ def to_json(diagnosis: Diagnosis, verdict: Verdict) -> DiagnosisDocument:
         ],
         "memory": _memory(diagnosis.memory),
         "classes": [_class(one) for one in diagnosis.classes],
+        "courses": [course_entry(one) for one in diagnosis.courses],
         "correlations": correlations_entry(diagnosis.correlations),
         "whiteness": [whiteness_entry(one) for one in verdict.whiteness],
         "without": [

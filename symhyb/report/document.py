@@ -11,6 +11,7 @@ from typing import Annotated, Any, Literal, NotRequired
 from typing_extensions import TypedDict
 
 from symhyb.discrepancy.results import ClassName
+from symhyb.report.course_entries import CourseEntry
 
 
 @dataclass(frozen=True, slots=True)
@@ -378,6 +379,7 @@ class DiagnosisDocument(TypedDict):
     repeats: NotRequired[list[RepeatsEntry]]
     memory: NotRequired[MemoryEntry | None]
     classes: NotRequired[list[ClassEntry]]
+    courses: NotRequired[list[CourseEntry]]
     correlations: NotRequired[CorrelationsEntry | None]
     whiteness: NotRequired[list[WhitenessEntry]]
     without: NotRequired[list[WithoutEntry]]

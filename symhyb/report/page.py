@@ -80,6 +80,7 @@ def render_page(
         first_picture=first and pictures.first_picture(first),
         score_picture=pictures.score_picture(verdict),
         place_picture=pictures.place_picture(diagnosis),
+        courses=pictures.course_pictures(diagnosis),
         apart_picture=pictures.apart_picture(diagnosis),
         apart_sentence=diagnosis.isolability and apart_sentence(diagnosis.isolability),
         rivals_picture=pictures.rivals_picture(diagnosis, units),

@@ -20,6 +20,7 @@ from symhyb.report.apart import apart_figure
 from symhyb.report.bars import Pair, places_figure, score_figure
 from symhyb.report.coefficient_figure import coefficient_figure, coefficient_of
 from symhyb.report.contract import finite
+from symhyb.report.courses import course_figure
 from symhyb.report.doubts import correlations_figure, whiteness_figure
 from symhyb.report.live import Live, Signal, live_figures
 from symhyb.report.machine_figure import machine_figure
@@ -311,6 +312,18 @@ def occurrence_pictures(diagnosis: Diagnosis, model: Model | None) -> list[Pictu
             )
         )
     return drawn
+
+
+def course_pictures(diagnosis: Diagnosis) -> list[Picture]:
+    """Draw every number that changes with time."""
+    return [
+        Picture(
+            _image(course_figure(one)),
+            f"{one.path} over the time, with a band, beside what the model says of it.",
+            f"{one.sentence} Grey band: two standard deviations.",
+        )
+        for one in diagnosis.courses
+    ]
 
 
 def apart_picture(diagnosis: Diagnosis) -> Picture | None:

@@ -24,7 +24,7 @@ from symhyb.correction.adequacy.explained import Decided, remainder
 from symhyb.correction.adequacy.followed import Along, followed, likeliest, scored
 from symhyb.correction.adequacy.recorded import Recorded, recorded
 from symhyb.correction.adequacy.structure import Fitted, Generic, Likely, Row, fitted
-from symhyb.correction.adequacy.unnamed import parts_of_unnamed
+from symhyb.correction.adequacy.unnamed import changing_themselves, parts_of_unnamed
 from symhyb.correction.search.preparing import Prepared
 from symhyb.correction.search.selection import many
 from symhyb.correction.search.setting import Setting
@@ -282,7 +282,7 @@ def _doubted(
     the likeliest class explains what acts (is ``enough``) without the laws at its place, nor where
     structures without it, beside a class that explains or an unknown force, have a part of the
     probability; a parameter that states an sd is free in all of them, named or not. Nor is what may
-    be a part of a force without a name."""
+    be a part of a force without a name, nor a number that a class says to change."""
     doubt: set[Hypothesis] = set()
     spare: list[Fitted] = []
     if classes and classes[0].probability > LIKELY:
@@ -296,7 +296,8 @@ def _doubted(
         if any(cause not in trial.causes for trial in spare) or chance < PROBABLE:
             doubt.add(cause)
     certain = any(one.probability > PROBABLE and one.whole for one in classes)
-    return frozenset(doubt | parts_of_unnamed(trials[0].causes, certain))
+    changing = changing_themselves(trials[0].causes, [one.generic for one in classes])
+    return frozenset(doubt | changing | parts_of_unnamed(trials[0].causes, certain))
 
 
 def _alone(enough: Sequence[Fitted], generic: Generic, best: float) -> list[Fitted]:

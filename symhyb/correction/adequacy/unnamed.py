@@ -8,6 +8,7 @@ small remainder beside a law that is right, as it is along most real recordings.
 
 from collections.abc import Sequence
 
+from symhyb.correction.adequacy.structure import Generic
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.places.quantities import quantities, smooth
 from symhyb.discrepancy.words.formula import LAW
@@ -27,6 +28,22 @@ def parts_of_unnamed(causes: Sequence[Hypothesis], certain: bool) -> frozenset[H
         beside = {*numbers, *_smooth_laws(causes, cause.place, quantities(cause))}
         parts |= beside | ({cause} if beside and cause.kind == LAW else set())
     return frozenset(parts)
+
+
+def changing_themselves(
+    causes: Sequence[Hypothesis], classes: Sequence[Generic]
+) -> frozenset[Hypothesis]:
+    """The numbers that a class says to change along the recordings: a gain of a channel that acts
+    by a factor which changes, an offset of a sensor that drifts, a parameter that changes with
+    time. Such a number has no one value."""
+    kinds = {"fades": "gain", "drifts": "offset"}
+    moving = set()
+    for one in classes:
+        if one.kind == "time-varying":
+            moving.add(one.where)
+        elif one.does in kinds:
+            moving.add(f"{one.where}.{kinds[one.does]}")
+    return frozenset(one for one in causes if one.place is None and one.path in moving)
 
 
 def _smooth_laws(

@@ -1,8 +1,12 @@
 """Beside a force without a name its parts have none either; what is no part keeps its own."""
 
+from typing import Any
+
+import numpy as np
 import pytest
 
-from symhyb.correction.adequacy.unnamed import parts_of_unnamed
+from symhyb.correction.adequacy.structure import Generic
+from symhyb.correction.adequacy.unnamed import changing_themselves, parts_of_unnamed
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.model.types import On
 
@@ -55,3 +59,22 @@ def test_an_empirical_law_alone_stands_and_beside_its_parts_is_one() -> None:
     assert parts_of_unnamed((cubic, DRAG, SPRING), False) == {cubic, DRAG}
     assert parts_of_unnamed((cubic, NUMBER), False) == {cubic, NUMBER}
     assert parts_of_unnamed((mixed, DRAG, SPRING), False) == {mixed, DRAG, SPRING}
+
+
+@pytest.mark.parametrize(
+    ("kind", "where", "does", "gone"),
+    [
+        ("sensor", "laser", "fades", {GAIN}),
+        ("input", "laser", "fades", {GAIN}),
+        ("time-varying", "k", "", {NUMBER}),
+        ("sensor", "laser", "drifts", set()),  # of its offset, not of its gain
+        ("sensor", "laser", "bends", set()),
+        ("input", "f", "fades", set()),
+    ],
+)
+def test_a_number_that_a_class_says_to_change_has_no_one_value(
+    kind: Any, where: str, does: Any, gone: set[Hypothesis]
+) -> None:
+    one = Generic(kind, where, (), np.zeros(0), does=does)
+    assert changing_themselves(EVERY, [one]) == gone
+    assert changing_themselves(EVERY, []) == frozenset()

@@ -8,11 +8,13 @@ Sizes: G points of the fine line, P points of a curve.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
 from symhyb.correction.adequacy.classes.columns import LENGTHS
 from symhyb.correction.adequacy.curves.courses import Line
+from symhyb.correction.adequacy.curves.products import Products
 from symhyb.laws.cardinal import cardinals
 from symhyb.numeric.kernels.buffers import Array
 
@@ -49,7 +51,7 @@ class _Set:
 def placed(line: Line, level: bool = True) -> Points:
     """The points of the largest evidence. Beside another curve at its place the ``level`` of this
     one is no quantity, and no part of what its points cannot follow."""
-    smooth, covariance = _smoothed(line)
+    smooth, covariance = smoothed(line)
     now = best = _judged(line, _first(line), smooth)
     tried, since = 1, 0
     while len(now.chosen) < POINTS_MOST and since < PATIENCE:
@@ -137,12 +139,29 @@ def _judged(line: Line, chosen: Sequence[int], smooth: Array, again: int = AGAIN
     return _Set(tuple(chosen), y, worth)
 
 
-def worth_of(line: Line, columns: Array) -> tuple[float, Array]:
+class Weighed(Protocol):
+    """A fine line over ``x`` (G,) in the linear problem: the products of its values, and their
+    size, SI."""
+
+    @property
+    def x(self) -> Array:
+        """Where its values stand (G,), SI."""
+
+    @property
+    def products(self) -> tuple[Products, ...]:
+        """The products of its values, for every size of the unknown force."""
+
+    @property
+    def size(self) -> float:
+        """The prior deviation of a value, SI."""
+
+
+def worth_of(line: Weighed, columns: Array) -> tuple[float, Array]:
     """What columns (G, P) of the fine line are worth, and their coefficients (P,), SI."""
     return solved(line, columns)[:2]
 
 
-def solved(line: Line, columns: Array) -> tuple[float, Array, Array]:
+def solved(line: Weighed, columns: Array) -> tuple[float, Array, Array]:
     """What columns (G, P) of the fine line are worth, their coefficients (P,) and the covariance of
     these (P, P), SI, at the best size of the unknown force; each coefficient is of the size of what
     moves the place."""
@@ -158,7 +177,7 @@ def solved(line: Line, columns: Array) -> tuple[float, Array, Array]:
     return worth, np.asarray(line.size * values), np.asarray(line.size**2 * np.linalg.inv(seen))
 
 
-def _smoothed(line: Line) -> tuple[Array, Array]:
+def smoothed(line: Weighed) -> tuple[Array, Array]:
     """The fine line (G,) and its covariance (G, G), SI, as a Gaussian process (Matérn 5/2) of what
     moves the place, of the length of the largest evidence."""
     x = (2 * line.x - line.x[0] - line.x[-1]) / (line.x[-1] - line.x[0])

@@ -22,12 +22,18 @@ Products = tuple[Array, float]
 them, all in units of the noise; ln L without them, less that with all of the unknown force."""
 
 
-def products_of(recorded: Recorded, trial: Fitted, forces: Sequence[Array]) -> tuple[Products, ...]:
+def products_of(
+    recorded: Recorded, trial: Fitted, forces: Sequence[Array], held: Sequence[str] = ()
+) -> tuple[Products, ...]:
     """The products of forces (N, n, G), SI, of every stretch around a fitted structure, for every
-    size of the unknown force that may be left beside them."""
-    tracks = tracks_of(recorded, trial)
-    mean, spread = limits_of(trial.machine, trial.all_causes, recorded.step_s)[2:]
-    numbers = trial.fit.values[: mean.size]
+    size of the unknown force that may be left beside them. Numbers that are ``held``, by path, stay
+    as they are."""
+    rows = [i for i, path in enumerate(trial.paths) if path not in held]
+    columns = [trial.machine.column(trial.paths[i]) for i in rows]
+    tracks = tracks_of(recorded, trial, columns)
+    limits = limits_of(trial.machine, trial.all_causes, recorded.step_s)
+    mean, spread = (row[rows] for row in limits[2:])
+    numbers = trial.fit.values[rows]
     known = 1 / spread**2, (numbers - mean) / spread**2
     found = [_products(tracks, noise, forces, *known) for noise in less_of(trial.fit.noise)]
     return tuple((gram, likely - found[0][1]) for gram, likely in found)
