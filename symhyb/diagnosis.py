@@ -34,6 +34,7 @@ from symhyb.correction.verdict.conclusion import concluded
 from symhyb.correction.verdict.constants import with_constant
 from symhyb.correction.verdict.estimate import Estimated, estimate
 from symhyb.correction.verdict.in_time import (
+    Changing,
     changing,
     in_doubt,
     with_changing,
@@ -132,11 +133,21 @@ def _concluded(
     prepared, choice = first.prepared, first.choice
     with if_interrupted(lambda: fits_best(choice.decision.selected, len(choice.decision.trials))):
         one = changing(model, prepared, first.setting, choice, first.judged, tell)
-        if one is None or one.others:
-            answer = _told(model, first, tell)
-            return Concluded(answer if one is None else in_doubt(answer, one), prepared, choice)
-    tell("deciding again, with the course of a number in the model")
-    again = _decided(one.model, recordings, holdout, own, tell)
+    if one is not None and not one.others:
+        tell("deciding again, with the course of a number in the model")
+        try:
+            again = _decided(one.model, recordings, holdout, own, tell)
+        except NumericsError:  # along the course it cannot be simulated: what was decided stands
+            one = None
+        else:
+            return _with_course(again, one, tell)
+    with if_interrupted(lambda: fits_best(choice.decision.selected, len(choice.decision.trials))):
+        answer = _told(model, first, tell)
+    return Concluded(answer if one is None else in_doubt(answer, one), prepared, choice)
+
+
+def _with_course(again: "_Decided", one: Changing, tell: Say) -> Concluded:
+    """What is concluded of a model in which a number has its course."""
     doubt = without_numbers(again.judged, again.known.final.causes)
     again = replace(
         again,

@@ -348,6 +348,9 @@ class Diagnosis:
             yield (p.name, "parameter", "", p.name, p.value, p.sd, p.unit, p.was, None, None)
         for m in self.measurement:
             yield (m.channel, m.kind, m.channel, m.kind, m.value, m.sd, m.unit, None, None, None)
+        for c in self.courses:
+            for n in c.numbers:
+                yield (c.path, c.shape, "", n.name, n.value, n.sd, n.unit, c.was, None, None)
 
 
 _COLUMNS = (
