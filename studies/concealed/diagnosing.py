@@ -52,7 +52,10 @@ def diagnose(folder: Path) -> dict[str, Any]:
         begin, spent = time.perf_counter(), cpu()
         diagnosis = sh.diagnose(model, train, holdout)
         reported |= {"seconds": time.perf_counter() - begin, "cpu_seconds": cpu() - spent}
-        corrected = sh.apply(model, diagnosis.found, diagnosis.parameters, diagnosis.measurement)
+        claims = [diagnosis.found, diagnosis.parameters, diagnosis.measurement]
+        if courses := getattr(diagnosis, "courses", ()):  # which older packages do not have
+            claims.append(courses)
+        corrected = sh.apply(model, *claims)
         verdict = sh.judge(model, corrected, holdout, train=train)
         return {**reported, "diagnosis": to_json(diagnosis, verdict)}
     except Exception as error:  # a crash is a result too: it is reported, not lost

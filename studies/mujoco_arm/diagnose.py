@@ -31,7 +31,9 @@ def diagnosed(case: Case, folder: Path) -> Answer:
         for part in ("train", "unseen")
     )
     diagnosis = sh.diagnose(model, train, unseen)
-    corrected = sh.apply(model, diagnosis.found, diagnosis.parameters, diagnosis.measurement)
+    corrected = sh.apply(
+        model, diagnosis.found, diagnosis.parameters, diagnosis.measurement, diagnosis.courses
+    )
     sh.write_model(corrected, folder / "corrected.toml")
     return Answer(diagnosis, corrected, sh.judge(model, corrected, on=unseen))
 

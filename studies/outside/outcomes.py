@@ -66,6 +66,12 @@ def _judged(start: Row, reported: dict[str, Any], answer: dict[str, Any]) -> Row
         for one in reported.get("channels", ())
         if one["kind"] not in answer["accepted"]
     ]
+    wrong += [
+        f"course of {name}"
+        for one in reported.get("courses", ())
+        if (name := one.get("parameter") or one.get("channel")) != answer["place"]
+        or "time-varying" not in answer["classes"]
+    ]
     stated, where = _stated(reported)
     if not stated and _dated(reported, answer):
         stated = "time-varying"

@@ -75,7 +75,7 @@ def main() -> None:
         train,
         say=lambda line: print(f"{time.process_time() - begun:7.1f} {line}", flush=True),
     )
-    corrected = apply(model, found.found, found.parameters, found.measurement)
+    corrected = apply(model, found.found, found.parameters, found.measurement, found.courses)
     shown = {"sentence": found.sentence, "named": scores(corrected)}
     write_model(corrected, given.out / "corrected.toml")
     corrected = finished(corrected, train).model

@@ -70,7 +70,9 @@ def learn(folder: Path) -> sh.Diagnosis:
 def correct(diagnosis: sh.Diagnosis) -> sh.Model:
     """The model with all that was found."""
     model = sh.read_model(HERE / "machine.toml")
-    return sh.apply(model, diagnosis.found, diagnosis.parameters, diagnosis.measurement)
+    return sh.apply(
+        model, diagnosis.found, diagnosis.parameters, diagnosis.measurement, diagnosis.courses
+    )
 
 
 def planned(model: sh.Model) -> Plan:

@@ -234,6 +234,7 @@ RATE = {"channel": "f", "kind": "rate_limit", "value": 225.0, "sd": 0.5, "unit":
 LAG = {"channel": "f", "kind": "lag", "value": 0.005, "sd": 1e-5, "unit": "s"}
 STEP = {"classes": ["time-varying"], "place": "k", "facts": {"at": 3.1, "after": 227.2}}
 BEGUN = {"verdict": "parameters", "places": [{"change": {"kind": "begins", "time_s": 3.2}}]}
+RUNS = {"verdict": "parameters", "classes": [{"kind": "time-varying", "probability": 1.0}]}
 LISTED = {"law": LAW, "kind": "law, heavy"}
 
 
@@ -268,6 +269,9 @@ LISTED = {"law": LAW, "kind": "law, heavy"}
         (STEP, {"verdict": "parameters", "parameters": [number("k", 227.0, 0.5)]}, "false nothing"),
         (STEP, {**BEGUN, "parameters": [number("k", 227.0, 0.5)]}, "class right"),
         (STEP, {**BEGUN, "parameters": [number("k", 234.0, 0.5)]}, "wrong"),
+        (STEP, {**RUNS, "courses": [{"parameter": "k"}]}, "class right"),
+        (STEP, {**RUNS, "courses": [{"parameter": "d"}]}, "wrong"),
+        ({}, {**RUNS, "courses": [{"parameter": "x"}]}, "wrong"),
         ({}, {"verdict": FORCE, "found": [claim("law", "coefficient", 0.7, 0.1)]}, "class right"),
         (
             HELD,
