@@ -2,6 +2,7 @@
 page; and what is said where several numbers may be the one."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -59,11 +60,17 @@ def test_levels_are_named_as_a_line_through_points() -> None:
 
 
 @pytest.mark.slow
-def test_an_input_that_fades_is_a_matter_of_measurement() -> None:
-    model, run = pushed_model(), changing(5, one, lambda t: 1 - 0.02 * t)
-    diagnosis = sh.diagnose(model, run)
-    if diagnosis.courses:  # else its sensor may be what fades: no gain is claimed then
-        (course,) = diagnosis.courses
-        assert (course.channel, course.shape, diagnosis.verdict) == ("f", "drift", "measurement")
-        assert abs(course.number("end").value - 0.6) < 4 * course.number("end").sd
-    assert not diagnosis.measurement
+def test_an_input_that_fades_fast_is_a_matter_of_measurement() -> None:
+    diagnosis = sh.diagnose(pushed_model(), changing(5, one, lambda t: 1 - 0.02 * t))
+    (course,) = diagnosis.courses
+    assert (course.channel, course.shape, diagnosis.verdict) == ("f", "drift", "measurement")
+    assert abs(course.number("end").value - 0.6004) < 4 * course.number("end").sd
+    assert not diagnosis.measurement  # no one value
+
+
+@pytest.mark.slow
+def test_a_sensor_that_fades_is_no_number_and_no_input() -> None:
+    run = changing(5)
+    fading = run.sensors["laser"] * (1 - 0.004 * run.t)
+    diagnosis = sh.diagnose(pushed_model(), replace(run, sensors={"laser": fading}))
+    assert not any((diagnosis.courses, diagnosis.measurement, diagnosis.parameters))

@@ -52,6 +52,24 @@ def with_factor(
     return replace(model, **changed, parameters=more, curves=(*model.curves, *curves))
 
 
+def shown_with_factor(
+    model: Model, sensor: str, factor: str, parameters: Iterable[Parameter] = ()
+) -> Model:
+    """Return a model in which a sensor shows what it measures times a ``factor``, which may use
+    more ``parameters``.
+
+    Raises:
+        ExpressionError: a factor that is no expression.
+    """
+    sensors = tuple(
+        replace(item, measures=parse_expression(f"({item.measures.text})*{factor}"))
+        if item.name == sensor
+        else item
+        for item in model.sensors
+    )
+    return replace(model, sensors=sensors, parameters=(*model.parameters, *parameters))
+
+
 def written_with_factor(
     model: Model,
     path: str,

@@ -7,7 +7,7 @@ from symhyb.errors import InputError
 from symhyb.model.curves import Curve
 from symhyb.model.read import parse_model
 from symhyb.model.types import Parameter
-from symhyb.model.varied import with_factor, written_with_factor
+from symhyb.model.varied import shown_with_factor, with_factor, written_with_factor
 from symhyb.numeric.lowered.machine import build
 from symhyb.units import ONE, parse_unit
 from tests.builders import DRIVEN_MASS
@@ -77,6 +77,13 @@ def test_more_parameters_stand_at_the_end() -> None:
     model = written_with_factor(parse_model(DRIVEN_MASS), "k", "k_level", [more])
     assert model.parameters["k_level"] == more
     assert model.text.startswith(DRIVEN_MASS.replace('"k"', '"(k*k_level)"'))
+
+
+def test_a_sensor_shows_times_a_factor() -> None:
+    more = Parameter("c", 1.1, ONE)
+    model = shown_with_factor(parse_model(DRIVEN_MASS), "laser", "c", [more])
+    assert model.sensors["laser"].measures.text == "(x)*c"
+    assert model.parameters["c"] == more
 
 
 def test_a_mass_cannot_change_with_time() -> None:

@@ -57,11 +57,11 @@ def course_found(
         recordings,
         (float(min(t[0] for t in times)), float(max(t[-1] for t in times))),
         "",
-        parameter=None if course.number.is_input else path,
-        channel=path if course.number.is_input else None,
+        parameter=None if course.number.is_channel else path,
+        channel=path if course.number.is_channel else None,
         rivals=tuple(one.shape.name for one in rivals),
     )
-    said = f"{_subject(found)} {_does(found, ground.step_s)}, in {joined(recordings)}."
+    said = f"{_subject(course, found)} {_does(found, ground.step_s)}, in {joined(recordings)}."
     if found.rivals:
         others = joined([_RIVALS[name] for name in found.rivals], "or")
         said += f" {others[:1].upper()}{others[1:]} is as likely."
@@ -69,8 +69,8 @@ def course_found(
 
 
 def _stated(model: Model, course: Course) -> tuple[float, str]:
-    """What the model says of the number, with its unit; the factor of an input is 1."""
-    if course.number.is_input:
+    """What the model says of the number, with its unit; the factor of a channel is 1."""
+    if course.number.is_channel:
         return 1.0, "1"
     item = {one.path: one for one in model.all_parameters()}[course.number.path]
     return item.value, item.unit.text
@@ -102,8 +102,10 @@ def _numbers(course: Course, was: float, unit: str) -> tuple[CourseNumber, ...]:
     return tuple(found)
 
 
-def _subject(found: CourseFound) -> str:
-    return found.path if found.parameter else f"{found.path} acts by a factor that"
+def _subject(course: Course, found: CourseFound) -> str:
+    if found.parameter:
+        return found.path
+    return f"{found.path} {'shows' if course.number.is_sensor else 'acts'} by a factor that"
 
 
 def _does(found: CourseFound, step_s: float) -> str:

@@ -119,6 +119,7 @@ def in_doubt(answer: Diagnosis, one: Changing) -> Diagnosis:
     every = [(one.found, 0.0), *one.others]
     said = [found.sentence for found, _ in every]
     note = f"Several numbers may be the one that changes with time: {' Or: '.join(said)}"
+    known = {(one.channel, one.parameter) for one in answer.alternatives if one.place is None}
     rivals = tuple(
         Alternative(
             None,
@@ -129,6 +130,7 @@ def in_doubt(answer: Diagnosis, one: Changing) -> Diagnosis:
             parameter=found.parameter,
         )
         for found, behind in every
+        if (found.channel, found.parameter) not in known
     )
     return replace(
         answer,

@@ -20,13 +20,14 @@ from symhyb.correction.adequacy.in_time.changing_number import (
     input_at,
     number_at,
     number_of,
+    sensors_of,
 )
 from symhyb.correction.adequacy.in_time.fitted_course import (
     Course,
     fitted_course,
     free_course,
 )
-from symhyb.correction.adequacy.in_time.placing import POINTS_MOST, begun, worth_along
+from symhyb.correction.adequacy.in_time.placing import POINTS_MOST, Begun, begun, worth_along
 from symhyb.correction.adequacy.in_time.shapes import Shape
 from symhyb.correction.adequacy.judge import CLASSES_MOST, Adequacy
 from symhyb.correction.adequacy.recorded import Recorded
@@ -132,16 +133,21 @@ def course_of_any(ground: Recorded, judged: Adequacy) -> Answer | None:
 
 
 def alike(ground: Recorded, judged: Adequacy, answer: Answer) -> tuple[tuple[Course, float], ...]:
-    """The courses of other numbers that explain as much, to 100 to 1, with how much less likely
-    they are (ln of the odds)."""
+    """The courses of other numbers, and of what sensors show, that explain as much, to 100 to 1,
+    with how much less likely they are (ln of the odds)."""
     found, mine = [], answer.course
     reach = worth_along(ground, answer.base, mine.number, mine.shape) - HOPELESS
     for other in _others(ground, mine.number):
         if worth_along(ground, answer.base, other, mine.shape) > reach:
-            rival = course_of(ground, judged, other)
-            behind = mine.trial.evidence - rival.course.trial.evidence if rival else CERTAIN
-            if rival is not None and behind < CERTAIN:
-                found.append((rival.course, behind))
+            own = course_of(ground, judged, other)
+            behind = mine.trial.evidence - own.course.trial.evidence if own else CERTAIN
+            if own is not None and behind < CERTAIN:
+                found.append((own.course, behind))
+    for sensor in sensors_of(ground):
+        rival = fitted_course(ground, mine.trial, answer.base, sensor, Begun(mine.shape, 0.0))
+        behind = mine.trial.evidence - rival.trial.evidence
+        if behind < CERTAIN:
+            found.append((rival, behind))
     return tuple(found)
 
 

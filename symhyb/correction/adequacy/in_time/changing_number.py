@@ -18,15 +18,22 @@ from symhyb.numeric.kernels.buffers import Array
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Number:
-    """A number of the model or an input, by its ``path``; the generalized force (N, n), SI, of 1
-    more of its factor along every stretch (``slopes``), the change of the factor that makes 0.3 of
-    what moves the coordinates (``size``), and a frequency in Hz, or NaN, at which it may change."""
+    """A number of the model, an input or a sensor, by its ``path``; the generalized force (N, n),
+    SI, of 1 more of its factor along every stretch (``slopes``), the change of the factor that
+    makes 0.3 of what moves the coordinates (``size``), and a frequency in Hz, or NaN, at which it
+    may change."""
 
     path: str
     is_input: bool
     slopes: tuple[Array, ...]
     size: float
     frequency: float
+    is_sensor: bool = False
+
+    @property
+    def is_channel(self) -> bool:
+        """Whether it is the factor of an input or of a sensor."""
+        return self.is_input or self.is_sensor
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,6 +70,15 @@ def input_at(ground: Recorded, name: str) -> Number | None:
     which = [item.name for item in ground.windows.machine.model.inputs].index(name)
     slopes = tuple(push * u[:, None] for u, push in pushes(ground, which))
     return _number(ground, Number(name, True, slopes, 0.0, float("nan")))
+
+
+def sensors_of(ground: Recorded) -> tuple[Number, ...]:
+    """The factors by which the sensors may show what they measure; of a sensor that gives an
+    imposed motion, none."""
+    model = ground.windows.machine.model
+    given = {item.name for item in model.coordinates if item.imposed}
+    shown = [item.name for item in model.sensors if item.measures.text not in given]
+    return tuple(Number(name, False, (), SIZE, float("nan"), is_sensor=True) for name in shown)
 
 
 def _number(ground: Recorded, one: Number) -> Number | None:

@@ -27,7 +27,7 @@ from symhyb.correction.search.trajectory import grouped
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.judgement import ACCURACY
 from symhyb.model.types import Model, Parameter
-from symhyb.model.varied import with_factor
+from symhyb.model.varied import shown_with_factor, with_factor
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.lowered.machine import build
 from symhyb.numeric.runs.windows import WindowModel
@@ -84,7 +84,7 @@ def fitted_course(
         Hypothesis("parameter", None, ("value",), (key == "duration",), path=f"{NAME}_{key}")
         for key, _ in numbers_of(shape)
     ]
-    known = [item for item in ground.parametric if item.path != number.path]
+    known = [one for one in ground.parametric if number.is_channel or one.path != number.path]
     windows = WindowModel(build(model, keep=False))
     there = replace(ground, windows=windows, parametric=(*known, *more))
     noise, states = ground.revived(start.fit.noise), start.fit.states
@@ -144,6 +144,8 @@ def _free(model: Model, number: Number, shape: Shape, spreads: Sequence[float] |
         Parameter(f"{NAME}_{key}", value, _UNITS.get(key, ONE), float(sd))
         for (key, value), sd in pairs
     ]
+    if number.is_sensor:
+        return shown_with_factor(model, number.path, free_factor(shape, NAME), added)
     held = tuple(
         replace(item, sd=None) if item.path == number.path else item for item in model.parameters
     )
