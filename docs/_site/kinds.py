@@ -59,7 +59,7 @@ def section(law: Law) -> Iterator[str]:
     places = " · ".join(f"`{one}`" for one in law.placements)
     words, energy = law.words[0].upper() + law.words[1:], ENERGY[law.energy]
     yield f"{words}; {OWN_ENERGY.get(law.name, energy)}. Places: {places}."
-    yield f"```text\nF = {law.law}" + (f"\n{law.state}" if law.state else "") + "\n```"
+    yield "\n".join(["```text", f"F = {law.law}", *(state.text for state in law.states), "```"])
     sketches = "\n\n".join(sketch(law, place) for place in law.placements)
     yield f"```text\n{sketches}\n```"
     if law.keys:
@@ -157,8 +157,11 @@ def notes(law: Law) -> Iterator[str]:
         one = law.key(law.strengths[0])
         count = "Exactly" if one and one.signal else "At least"
         parts.insert(0, f"{count} one of {needed} is needed.")
-    if law.state:
-        parts.append("Its inner state z belongs to the state of the machine.")
+    if law.states:
+        names = " and ".join(state.name for state in law.states)
+        alone = len(law.states) == 1
+        said = f"inner state {names} belongs" if alone else f"inner states {names} belong"
+        parts.append(f"Its {said} to the state of the machine.")
     if law.switch == "holds":
         parts.append("In an exact simulation it holds still.")
     if law.switch == "touches":

@@ -1,6 +1,6 @@
 """What a kind of element does, computed with its own law: force over stretch, rate or time.
 
-The stretch goes as s = S sin(w t); laws with an inner state are integrated along it, and the last
+The stretch goes as s = S sin(w t); laws with inner states are integrated along it, and the last
 turn is shown, where the loop has closed.
 """
 
@@ -50,6 +50,7 @@ DRIVES: Mapping[str, Drive] = {
     "ripple": Drive(0.3),
     "added_mass": Drive(over="s″"),
     "payload": Drive(over="s″"),
+    "mode": Drive(pace=8.0),
     "curve": Drive(over="s′", options={"over": "rate"}, values={"scale": 1.0}),
 }
 CURVE = ((-1.0, -900.0), (-0.33, -620.0), (0.0, 0.0), (0.33, 260.0), (1.0, 400.0))
@@ -73,7 +74,7 @@ def shown(law: Law) -> Shown | None:
     values = {**law.example, **drive.values}
     columns, force = run(law, drive, values)
     x = columns[drive.over]
-    order = np.argsort(x, kind="stable") if not law.state else slice(None)
+    order = np.argsort(x, kind="stable") if not law.states else slice(None)
     x, force = x[order], force[order]
     across, up = axis(drive.over, UNITS[drive.over], list(x)), axis("F", "N", list(force))
     return Shown(
@@ -92,8 +93,7 @@ def run(
     given = dict(values)
     if law.name == "curve":
         given["curve"] = through("curve", *zip(*CURVE, strict=True))
-    z = states(law, drive, given, t) if law.state else np.zeros_like(t)
-    action = acting(law, drive, given, Motion(s, r, z, t))
+    action = acting(law, drive, given, Motion(s, r, states(law, drive, given, t), t))
     force = np.broadcast_to(action.force + action.mass * a, t.shape)
     last = slice(-STEPS - 1, None)
     columns = {"s": s, "s′": r, "s″": a, "t": t - t[last][0]}
@@ -108,17 +108,16 @@ def acting(law: Law, drive: Drive, values: Mapping[str, object], motion: Motion)
 
 def states(
     law: Law, drive: Drive, values: Mapping[str, object], t: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """The inner state (N,) at the times ``t`` (N,), s, from rest, by the midpoint rule."""
+) -> tuple[NDArray[np.float64], ...]:
+    """The inner states, each (N,), at the times ``t`` (N,), s, from rest, by the midpoint rule."""
 
-    def rate(time: float, z: float) -> float:
+    def rate(time: float, z: NDArray[np.float64]) -> NDArray[np.float64]:
         s = drive.stretch * np.sin(drive.pace * time)
         r = drive.stretch * drive.pace * np.cos(drive.pace * time)
-        return float(acting(law, drive, values, Motion(s, r, z, time)).inner or 0.0)
+        return np.array(acting(law, drive, values, Motion(s, r, tuple(z), time)).inner)
 
-    z, found = 0.0, np.zeros_like(t)
+    found = np.zeros((t.size, len(law.states)))
     for i, h in enumerate(np.diff(t)):
-        half = z + h / 2 * rate(t[i], z)
-        z += h * rate(t[i] + h / 2, half)
-        found[i + 1] = z
-    return found
+        half = found[i] + h / 2 * rate(t[i], found[i])
+        found[i + 1] = found[i] + h * rate(t[i] + h / 2, half)
+    return tuple(found.T)

@@ -54,7 +54,7 @@ def _require_plain(spec: Spec) -> None:
         what = "is a declared state" if kind == "s" else "has an inner state"
         text = f"{what}, which the Adams source does not hold; export an FMU (--to fmu)"
         section = "states" if kind == "s" else "elements"
-        problems.append(Problem(text, f"{section}.{name}", file))
+        problems.append(Problem(text, f"{section}.{name.partition('.')[0]}", file))
     for kind, name in exported.inputs:
         if kind == "u":
             text = "is a recorded input, which the Adams source cannot read; export an FMU"

@@ -127,6 +127,8 @@ def _law(model: Model, element: Element) -> Law:
     kind = KINDS[element.kind]
     if kind.action is None or kind.energy == "active":
         raise _NoTableError(f"a '{element.kind}' is no law of stretch or rate")
+    if kind.states:
+        raise _NoTableError("it has an inner state, which remembers")
     if isinstance(element.place, At):
         raise _NoTableError("it acts at a point, along more than one direction")
     numbers = numbers_of(model, element)
@@ -143,9 +145,7 @@ def _law(model: Model, element: Element) -> Law:
     act = kind.action
 
     def force(s: Array, r: Array) -> Array:
-        action = act(NUMPY, Motion(s, r, 0.0, 0.0), values, dict(element.options))
-        if action.inner is not None:
-            raise _NoTableError("it has an inner state, which remembers")
+        action = act(NUMPY, Motion(s, r, (), 0.0), values, dict(element.options))
         return np.broadcast_to(np.asarray(action.force, dtype=np.float64), np.shape(s + r))
 
     return force

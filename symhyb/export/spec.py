@@ -15,9 +15,10 @@ from fractions import Fraction
 from typing import Literal
 
 from symhyb.errors import InputError, Problem
+from symhyb.export.functions.exportable import name_of
 from symhyb.export.functions.exported import Exported, export_elements, export_machine
 from symhyb.model.types import Model, On
-from symhyb.model.vocabulary import stretch_unit
+from symhyb.model.vocabulary import memories, stretch_unit
 from symhyb.units import ONE, Unit, parse_unit
 
 Role = Literal["time", "input", "output", "indicator", "state", "rate", "parameter", "mode"]
@@ -250,20 +251,21 @@ def _said(model: Model, kind: str, name: str) -> tuple[Unit, str]:
             state = next(s for s in model.states if s.name == name)
             return si_unit(state.unit), state.about or name
         case "z":
-            return _inner_unit(model, name), f"inner state of {name}"
+            return _said_inner(model, name)
     if name == "smoothing":
         return ONE, "width, in SI, over which a jump of sgn is passed; 0: exact"
     parameter = next(p for p in model.all_parameters() if p.path == name)
     return si_unit(parameter.unit), parameter.about or name
 
 
-def _inner_unit(model: Model, name: str) -> Unit:
-    """An inner state is a stretch: of a coordinate or an expression, or between points in m."""
-    place = next(e for e in model.elements if e.name == name).place
-    units = {c.name: c.unit for c in model.coordinates}
-    if isinstance(place, On) and place.plain:
-        return si_unit(units[place.coordinate])
-    return si_unit(stretch_unit(model, place))
+def _said_inner(model: Model, name: str) -> tuple[Unit, str]:
+    """An inner state is a stretch, or the rate of one: of a coordinate or an expression, or between
+    points in m."""
+    element, state = next(one for one in memories(model) if name_of(*one) == name)
+    unit = stretch_unit(model, element.place)
+    if isinstance(element.place, On) and element.place.plain:
+        unit = next(c.unit for c in model.coordinates if c.name == element.place.coordinate)
+    return si_unit(unit * parse_unit("s") ** state.time), f"inner state of {name}"
 
 
 def si_unit(unit: Unit) -> Unit:

@@ -132,14 +132,29 @@ def as_fitted(values: Fitted) -> dict[str, tuple[float, float]]:
     return dict(values)
 
 
+@dataclass(frozen=True, slots=True)
+class State:
+    """An inner state: its ``name``, its ``rate`` for people, and its unit at the place:
+    that of the stretch (``time`` 0) or of its rate (−1)."""
+
+    name: str
+    rate: str
+    time: Literal[0, -1] = 0
+
+    @property
+    def text(self) -> str:
+        """The law of the state: ``z' = …``."""
+        return f"{self.name}' = {self.rate}"
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Law:
     """A force law, by sections: what a model file writes, mechanics, search, words, tests.
 
     ``law`` is F for people, ``words`` name the physics (``torque_words`` on an angle, where they
     differ), ``strengths`` are the keys of which at least one must be set (exactly one where they
-    are signals), ``needs`` the keys that have no sensible default. ``state`` is the law of its
-    inner state z, empty without one.
+    are signals), ``needs`` the keys that have no sensible default. ``states`` are the inner states
+    of one with a memory.
 
     ``action`` computes F and what goes with it; None of a force that is filled in at lowering.
     ``steep`` laws need finer steps near reversals, ``stiff`` ones an implicit method; ``dry`` is
@@ -171,7 +186,7 @@ class Law:
     strengths: tuple[str, ...]
     placements: tuple[Placement, ...] = STRETCHED
     needs: tuple[str, ...] = ()
-    state: str = ""
+    states: tuple[State, ...] = ()
 
     action: Callable[[Maths, Motion, Values, Options], Action] | None = None
     steep: bool = False
@@ -208,15 +223,16 @@ class Law:
 
     @property
     def inertial(self) -> bool:
-        """Whether the force belongs to a mass: it depends on the acceleration."""
-        return any(key.inertia for key in self.keys)
+        """Whether the force belongs to a mass that moves with the place: it depends on the
+        acceleration."""
+        return any(key.inertia for key in self.keys) and not self.states
 
     def key(self, name: str) -> Key | None:
         """The key of that name, None if the law has no such key."""
         return next((key for key in self.keys if key.name == name), None)
 
     def text(self, keys: Collection[str], options: Options) -> str:
-        """The law with the ``keys`` that are set and no others, and the rate of its state."""
+        """The law with the ``keys`` that are set and no others, and the rates of its states."""
         if self.formula is not None:
             return self.formula(keys, options)
-        return ", ".join(part for part in (self.law, self.state) if part)
+        return ", ".join([self.law, *(state.text for state in self.states)])

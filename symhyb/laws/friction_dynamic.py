@@ -6,7 +6,7 @@ Source: Canudas de Wit et al., IEEE Trans. Autom. Control 40, 1995.
 from collections.abc import Collection, Iterator
 from dataclasses import replace
 
-from symhyb.laws.base import LENGTH, Key, Law
+from symhyb.laws.base import LENGTH, Key, Law, State
 from symhyb.laws.hysteresis import imitated
 from symhyb.laws.levels import COULOMB, LEVEL, STATIC, STRIBECK, friction_level, level_phrase
 from symhyb.laws.maths import Action, Maths, Motion, Options, Values
@@ -22,8 +22,9 @@ STRIBECK_FIRST = 0.1  # of the largest rate
 
 def _action(m: Maths, at: Motion, values: Values, _: Options) -> Action:
     k, d = values.get("stiffness", 0), values.get("micro_damping", 0)
-    inner = at.r - k * m.abs(at.r) * at.z / friction_level(m, at.r, values)
-    return Action(k * at.z + d * inner, k * at.z**2 / 2, inner)
+    (z,) = at.z
+    inner = at.r - k * m.abs(at.r) * z / friction_level(m, at.r, values)
+    return Action(k * z + d * inner, k * z**2 / 2, (inner,), (0,))
 
 
 def _candidates(reach: Reach) -> Iterator[Candidate]:
@@ -84,7 +85,7 @@ LAW = Law(
     law="stiffness*z + micro_damping*z'",
     strengths=("coulomb", "static"),
     needs=("coulomb", "stiffness"),
-    state="z' = s' - stiffness*abs(s')*z/g, g as of friction",
+    states=(State("z", "s' - stiffness*abs(s')*z/g, g as of friction"),),
     action=_action,
     steep=True,
     stiff=True,

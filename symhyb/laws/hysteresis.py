@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterator
 from dataclasses import replace
 from fractions import Fraction
 
-from symhyb.laws.base import LENGTH, Key, Law
+from symhyb.laws.base import LENGTH, Key, Law, State
 from symhyb.laws.maths import Action, Maths, Motion, Options, Values
 from symhyb.laws.phrases import Numbers, Phrase
 from symhyb.laws.reach import Candidate, Reach
@@ -27,7 +27,7 @@ TINY = 1e-30  # m: keeps the slope of abs(z)^n finite at z = 0
 def _action(m: Maths, at: Motion, values: Values, _: Options) -> Action:
     beta, gamma, k = (values.get(key, 0) for key in ("beta", "gamma", "stiffness"))
     n = values.get("exponent", 1)
-    z, r = at.z, at.r
+    (z,), r = at.z, at.r
     size = m.abs(z) + (0 if n == 1 else TINY)
     grown, turned = size**n, z if n == 1 else size ** (n - 1) * z
     taut = z
@@ -35,7 +35,7 @@ def _action(m: Maths, at: Motion, values: Values, _: Options) -> Action:
         play = values["play"]
         taut = m.max(z - play, 0) + m.min(z + play, 0)
     inner = r - beta * m.abs(r) * turned - gamma * r * grown
-    return Action(k * taut, k * taut**2 / 2, inner)
+    return Action(k * taut, k * taut**2 / 2, (inner,), (0,))
 
 
 def _candidates(reach: Reach) -> Iterator[Candidate]:
@@ -136,7 +136,7 @@ LAW = Law(
     words="hysteresis (Bouc-Wen)",
     law="stiffness*dead(z, play)",
     strengths=("stiffness",),
-    state="z' = s' - beta*abs(s')*abs(z)^(n-1)*z - gamma*s'*abs(z)^n",
+    states=(State("z", "s' - beta*abs(s')*abs(z)^(n-1)*z - gamma*s'*abs(z)^n"),),
     action=_action,
     steep=True,
     stiff=True,

@@ -54,22 +54,22 @@ NUMPY = Maths(
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """What a law may depend on: stretch ``s``, rate ``r``, inner state ``z`` and time ``t``."""
+    """What a law may depend on: stretch ``s``, rate ``r``, inner states ``z`` and time ``t``."""
 
     s: Value
     r: Value
-    z: Value
+    z: tuple[Value, ...]
     t: Value
 
 
 @dataclass(frozen=True, slots=True)
 class Action:
     """What a law does: its ``force`` F, the energy ``stored`` (zero for dissipative and active
-    laws), the rate z' of the ``inner`` state (None without one) and where it comes to ``rest``, and
-    the ``mass`` that moves with the stretch."""
+    laws), the rates z' of the ``inner`` states and where these settle while the place moves on at
+    the same rate (``rest``), one each, and the ``mass`` that moves with the stretch."""
 
     force: Value
     stored: Value = 0
-    inner: Value | None = None
-    rest: Value = 0
+    inner: tuple[Value, ...] = ()
+    rest: tuple[Value, ...] = ()
     mass: Value = 0

@@ -4,7 +4,7 @@ from collections.abc import Collection, Iterator
 
 import numpy as np
 
-from symhyb.laws.base import LENGTH, Key, Law
+from symhyb.laws.base import LENGTH, Key, Law, State
 from symhyb.laws.hysteresis import imitated
 from symhyb.laws.maths import Action, Maths, Motion, Options, Values
 from symhyb.laws.phrases import Numbers, Phrase
@@ -16,8 +16,8 @@ HALF = 0.5
 
 
 def _action(_: Maths, at: Motion, values: Values, __: Options) -> Action:
-    k, d = values["stiffness"], values["damping"]
-    return Action(k * (at.s - at.z), k * (at.s - at.z) ** 2 / 2, (at.s - at.z) * k / d, at.s)
+    k, d, (z,) = values["stiffness"], values["damping"], at.z
+    return Action(k * (at.s - z), k * (at.s - z) ** 2 / 2, ((at.s - z) * k / d,), (at.s,))
 
 
 def _candidates(reach: Reach) -> Iterator[Candidate]:
@@ -58,7 +58,7 @@ LAW = Law(
     law="stiffness*(s - z)",
     strengths=("stiffness",),
     needs=("damping",),
-    state="z' = (s - z)*stiffness/damping",
+    states=(State("z", "(s - z)*stiffness/damping"),),
     action=_action,
     stiff=True,
     candidates=_candidates,

@@ -185,8 +185,7 @@ def _term(
     scope = symbols.within(element.name)
     values = {key: to_sympy(expression, scope) for key, expression in element.values}
     s, r = (sp.Symbol(f"{mark}({element.name})", real=True) for mark in ("s", "s'"))
-    inner = symbols.z.get(element.name, ZERO)
-    motion = Motion(s, r, inner, symbols.t)
+    motion = Motion(s, r, symbols.z.get(element.name, ()), symbols.t)
     if isinstance(element.place, At):
         where = places.points[element.place.point]
         if element.kind == "torque":

@@ -43,13 +43,13 @@ def action_of(element: Element, at: Motion, values: Values) -> Action:
     if element.parts:
         given["parts"] = element.parts
     does = law.action(SYMPY, at, {**values, **given}, dict(element.options))
-    inner = None if does.inner is None else ZERO + does.inner
-    return Action(ZERO + does.force, ZERO + does.stored, inner, ZERO + does.rest, ZERO + does.mass)
+    inner, rest = (tuple(ZERO + one for one in part) for part in (does.inner, does.rest))
+    return Action(ZERO + does.force, ZERO + does.stored, inner, rest, ZERO + does.mass)
 
 
 def acting(force: sp.Expr, stored: sp.Expr = ZERO) -> Action:
     """What a law without an inner state does."""
-    return Action(force, stored, None, ZERO, ZERO)
+    return Action(force, stored, mass=ZERO)
 
 
 def friction_level(rate: sp.Expr, values: Values) -> sp.Expr:

@@ -96,11 +96,12 @@ def force_rows(
 def inner_rates(
     model: Model, equations: Equations, slopes: Slopes, names: tuple[Named, ...]
 ) -> Iterator[tuple[sp.Symbol, sp.Expr]]:
-    """z' of every element with an inner state, by its symbol."""
+    """The rate of every inner state, by its symbol."""
     for element, term in zip(model.elements, equations.terms, strict=True):
-        if isinstance(term, Term) and term.law.inner is not None:
-            known = known_of(element, term, equations, slopes, names)
-            yield equations.symbols.z[element.name], term.law.inner.xreplace(known)
+        if isinstance(term, Term) and term.law.inner:
+            known, states = known_of(element, term, equations, slopes, names), equations.symbols.z
+            for state, rate in zip(states[element.name], term.law.inner, strict=True):
+                yield state, rate.xreplace(known)
 
 
 def known_of(

@@ -141,7 +141,11 @@ def _symbol_names(derived: Readable) -> dict[sp.Symbol, str]:
         stem, mark, index = names[q].partition("_")
         names[v] = rf"\dot{{{stem}}}{mark}{index}"
         names[a] = rf"\ddot{{{stem}}}{mark}{index}"
-    names |= {z: rf"z_{{\text{{{_escaped(name)}}}}}" for name, z in s.z.items()}
+    names |= {
+        z: rf"{z.name.partition('(')[0]}_{{\text{{{_escaped(name)}}}}}"
+        for name, states in s.z.items()
+        for z in states
+    }
     names |= {item.symbol: _name_of(item) for item in derived.names}
     for reading in derived.readings:
         inside = ", ".join(rf"\text{{{_escaped(name)}}}" for name in reading.names)

@@ -6,6 +6,7 @@ nothing is ever differentiated through time by SymPy; see docs/design.md.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import chain
 
 import sympy as sp
 
@@ -41,7 +42,7 @@ CURVE = -1  # in place of the order of a name: the function of a curve
 @dataclass(frozen=True, slots=True)
 class Symbols:
     """The symbols of one model: q, v = q', a = q'' (n each), declared ``states``, the inner states
-    z of elements that have one (by name of the element), u (k), p (P, in the order of
+    z of elements that have some (by name of the element), u (k), p (P, in the order of
     :meth:`Model.all_parameters`), time t; ``scope`` resolves names of the shared namespace and
     curves, ``owned`` the parameters of one element."""
 
@@ -49,7 +50,7 @@ class Symbols:
     v: tuple[sp.Symbol, ...]
     a: tuple[sp.Symbol, ...]
     states: tuple[sp.Symbol, ...]
-    z: Mapping[str, sp.Symbol]
+    z: Mapping[str, tuple[sp.Symbol, ...]]
     u: tuple[sp.Symbol, ...]
     p: tuple[sp.Symbol, ...]
     t: sp.Symbol
@@ -60,7 +61,7 @@ class Symbols:
     def remembered(self) -> tuple[sp.Symbol, ...]:
         """All that follows from a rate of first order, as in the state of a machine: declared
         states come first, so that an element more moves none."""
-        return (*self.states, *self.z.values())
+        return (*self.states, *chain.from_iterable(self.z.values()))
 
     def within(self, element: str) -> Mapping[tuple[str, int], sp.Expr]:
         """The names as an element sees them: its own parameters before the model's."""
@@ -73,7 +74,11 @@ def symbols_of(model: Model) -> Symbols:
     q = tuple(_real(c.name) for c in model.coordinates)
     v = tuple(_real(c.name + "'") for c in model.coordinates)
     a = tuple(_real(c.name + "''") for c in model.coordinates)
-    z = {e.name: _real(f"z({e.name})") for e in model.elements if KINDS[e.kind].state}
+    z = {
+        e.name: tuple(_real(f"{state.name}({e.name})") for state in KINDS[e.kind].states)
+        for e in model.elements
+        if KINDS[e.kind].states
+    }
     states = tuple(_real(state.name) for state in model.states)
     u = tuple(_real(i.name) for i in model.inputs)
     p = {parameter.path: _real(parameter.path) for parameter in model.all_parameters()}

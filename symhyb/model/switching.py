@@ -74,7 +74,7 @@ def left_smooth(model: Model) -> tuple[str, ...]:
             said.append(
                 f"{name} acts on an imposed motion, which it cannot hold: it stays smoothed"
             )
-        elif KINDS[element.kind].state and KINDS[element.kind].steep:
+        elif KINDS[element.kind].states and KINDS[element.kind].steep:
             said.append(f"{name} has an inner state and is smooth by itself: it stays as it is")
         elif word := next((w for _, text in element.values if (w := switching_word(text))), ""):
             said.append(

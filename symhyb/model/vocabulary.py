@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from fractions import Fraction
 
 from symhyb.laws import LAWS
-from symhyb.laws.base import Key, Law, Placement
+from symhyb.laws.base import Key, Law, Placement, State
 from symhyb.laws.curve import SPEED_POWERS
 from symhyb.model.expression import Expression, parse_expression
 from symhyb.model.scope import scope_of, unit_in
@@ -52,6 +52,11 @@ def said_of(element: Element) -> Words:
 def _signal(kind: str, key: str) -> bool:
     declared = key_of(kind, key.split(".")[0])
     return declared is not None and declared.signal
+
+
+def memories(model: Model) -> tuple[tuple[Element, State], ...]:
+    """Every inner state with the element that it belongs to, in the order of z."""
+    return tuple((one, state) for one in model.elements for state in KINDS[one.kind].states)
 
 
 def steep(model: Model) -> bool:

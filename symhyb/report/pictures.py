@@ -34,7 +34,7 @@ from symhyb.units import Unit
 # each picture costs a second and a hundred kilobytes
 _TRACES_SHOWN, _CLOUDS_SHOWN, _BARS_SHOWN, _PLACES_SHOWN = 12, 5, 24, 3
 
-_REMEMBERING = frozenset(kind.name for kind in KINDS.values() if kind.state)
+_REMEMBERING = frozenset(kind.name for kind in KINDS.values() if kind.states)
 _OF_TIME = frozenset(kind.name for kind in KINDS.values() if not kind.of_state)
 
 

@@ -71,7 +71,7 @@ def test_every_law_of_the_vocabulary_is_tried_at_every_place() -> None:
             BAND: reach(2.0, 0.35, force=0.3 * np.sin(40 * T)),
         },
     )
-    laws = set(KINDS) - {"curve", "force", "torque", "law", "network", "payload"}
+    laws = set(KINDS) - {"curve", "force", "torque", "law", "network", "payload", "mode"}
     for place in (On("x"), BAND):
         mine = [h for h in tried if h.place == place]
         assert laws - {h.kind for h in mine} <= {"ripple"}
@@ -180,7 +180,9 @@ def everything() -> tuple[Hypothesis, ...]:
     ripple = Hypothesis(
         "ripple", On("phi"), ("sine", "cosine"), (False, False), (("period", 0.21),), ("period",)
     )
-    return (*force_hypotheses(cart_pole(), places), ripple)
+    shape = (("frequency", 2.0), ("damping_ratio", 0.05))
+    mode = Hypothesis("mode", On("x"), ("mass",), (True,), shape, ("frequency", "damping_ratio"))
+    return (*force_hypotheses(cart_pole(), places), ripple, mode)
 
 
 def test_probes_are_the_law_in_its_unknown_numbers() -> None:

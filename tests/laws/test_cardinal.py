@@ -60,7 +60,7 @@ def test_each_is_made_of_few_pieces() -> None:
 def test_the_law_with_unknown_values_is_that_of_the_curve(over: str) -> None:
     x, y = RISING
     s = np.linspace(x[0] - 1.0, x[-1] + 1.0, 101)
-    at, options = Motion(s, s, 0.0, 0.0), {"over": over}
+    at, options = Motion(s, s, (), 0.0), {"over": over}
     values = {value_name(i): value for i, value in enumerate(y)}
     assert LAW.action is not None
     parts = cardinals("c", x.tolist(), y.tolist())

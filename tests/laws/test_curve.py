@@ -13,7 +13,7 @@ CURVE = through("c", X, F)
 
 def acts(over: str, s: np.ndarray, r: np.ndarray, **values: float) -> Action:
     assert LAW.action is not None
-    motion = Motion(s, r, 0.0, 0.0)
+    motion = Motion(s, r, (), 0.0)
     return LAW.action(NUMPY, motion, {"curve": CURVE, **values}, {"over": over})
 
 
@@ -41,7 +41,7 @@ def test_a_factor_of_the_speed_stores_nothing(times, factor) -> None:
     s, r = np.linspace(-3, 2, 101), np.linspace(2, -1, 101)
     assert LAW.action is not None
     options = {"over": "stretch", "times": times}
-    does = LAW.action(NUMPY, Motion(s, r, 0.0, 0.0), {"curve": CURVE, "scale": 2.0}, options)
+    does = LAW.action(NUMPY, Motion(s, r, (), 0.0), {"curve": CURVE, "scale": 2.0}, options)
     assert does.force == pytest.approx(2 * CURVE(s) * factor(r))
     assert does.stored == 0
 

@@ -31,6 +31,7 @@ from symhyb.units import ONE, parse_unit
 
 AMPLITUDE, PACE = 0.3, 5.0
 CYCLE = 2 * np.pi / PACE
+SETTLED = 30  # cycles, after which a mode swings as it is driven
 ACTING = [law for law in LAWS if law.action is not None]
 LAW_OF = {law.name: law for law in LAWS}
 PASSIVE = [law for law in ACTING if law.passive]
@@ -66,22 +67,25 @@ def acts(law: Law, motion: Motion, values: dict[str, Any] | None = None) -> Acti
 
 @cache
 def cycle(law: Law) -> tuple[Motion, Action]:
-    """The law along the third of three cycles, its inner state from rest."""
+    """The law along the third of three cycles, or of many where a memory is long to settle, its
+    inner states from rest."""
 
-    def motion(t: np.ndarray, z: np.ndarray) -> Motion:
+    def motion(t: np.ndarray, z: tuple[np.ndarray, ...]) -> Motion:
         s = AMPLITUDE * np.sin(PACE * t)
         return Motion(s, AMPLITUDE * PACE * np.cos(PACE * t), z, t)
 
-    t = np.linspace(2 * CYCLE, 3 * CYCLE, 4001)
-    z = np.zeros_like(t)
-    if law.state:
+    last = SETTLED if len(law.states) > 1 else 3
+    t = np.linspace((last - 1) * CYCLE, last * CYCLE, 4001)
+    z: tuple[np.ndarray, ...] = ()
+    if law.states:
 
         def rate(at: float, z: np.ndarray) -> np.ndarray:
-            return np.atleast_1d(acts(law, motion(np.array(at), z)).inner)
+            return np.array(acts(law, motion(np.array(at), tuple(z))).inner)
 
-        done = solve_ivp(rate, (0, t[-1]), [0.0], "LSODA", t, rtol=1e-8, atol=1e-12)
+        begun = np.zeros(len(law.states))
+        done = solve_ivp(rate, (0, t[-1]), begun, "LSODA", t, rtol=1e-8, atol=1e-12)
         assert done.success
-        z = done.y[0]
+        z = tuple(done.y)
     along = motion(t, z)
     return along, acts(law, along)
 
@@ -110,7 +114,7 @@ def test_what_is_stored_and_lost_is_the_power_that_goes_in(law: Law) -> None:
     ahead = Motion(
         motion.s + step * motion.r,
         motion.r,
-        motion.z if does.inner is None else motion.z + step * does.inner,
+        tuple(z + step * rate for z, rate in zip(motion.z, does.inner, strict=True)),
         motion.t,
     )
     grown = (acts(law, ahead).stored - does.stored) / step
@@ -143,31 +147,35 @@ def test_the_declared_units_are_those_of_the_law(law: Law) -> None:
         assert declared is not None
         length = metre ** (declared.stretch * (n if declared.exponent else 1.0))
         values[key] = value * newton**declared.force * length * second**declared.time
-    other = Motion(metre * motion.s, metre / second * motion.r, metre * motion.z, second * motion.t)
+    units = [metre * second**state.time for state in law.states]
+    z = tuple(unit * one for unit, one in zip(units, motion.z, strict=True))
+    other = Motion(metre * motion.s, metre / second * motion.r, z, second * motion.t)
     changed = acts(law, other, values)
     scale = np.max(np.abs(does.force))
     assert changed.force == pytest.approx(newton * does.force, rel=1e-9, abs=1e-9 * newton * scale)
     assert changed.stored == pytest.approx(newton * metre * does.stored, rel=1e-9, abs=1e-12)
     assert changed.mass == pytest.approx(newton / metre * second**2 * does.mass, rel=1e-9)
-    if does.inner is not None:
-        assert changed.inner == pytest.approx(metre / second * does.inner, rel=1e-6, abs=1e-6)
+    for unit, mine, its in zip(units, does.inner, changed.inner, strict=True):
+        assert its == pytest.approx(unit / second * mine, rel=1e-6, abs=1e-6)
 
 
 @pytest.mark.parametrize("law", ACTING, ids=named)
 def test_the_equations_hold_the_same_law(law: Law) -> None:
-    symbols = sp.symbols("s r z t", real=True)
+    symbols = s, r, *z, t = sp.symbols(
+        ["s", "r", *(state.name for state in law.states), "t"], real=True
+    )
     values = {key: sp.Float(value) for key, value in law.example.items()}
     curve = Curve("c", POINTS, (ONE, ONE)) if law.name == "curve" else None
     options = tuple(options_of(law).items())
     element = Element("it", law.name, On("x"), (), options=options, curve=curve)
-    built = action_of(element, Motion(*symbols), values)
+    built = action_of(element, Motion(s, r, tuple(z), t), values)
     motion, does = cycle(law)
-    given = (motion.s, motion.r, motion.z, motion.t)
+    given = (motion.s, motion.r, *motion.z, motion.t)
     force = sp.lambdify(symbols, built.force, [{"c": CURVE}, "numpy"])(*given)
     stored = sp.lambdify(symbols, built.stored, "numpy")(*given)
     assert force * np.ones_like(motion.t) == pytest.approx(does.force * np.ones_like(motion.t))
     assert stored * np.ones_like(motion.t) == pytest.approx(does.stored * np.ones_like(motion.t))
-    assert (built.inner is not None) == bool(law.state)
+    assert len(built.inner) == len(built.rest) == len(law.states)
     assert bool(built.mass != 0) == law.inertial
 
 
@@ -221,7 +229,8 @@ def test_what_is_tried_lies_within_its_bounds(law: Law) -> None:
 def test_the_force_of_what_is_tried_grows_with_its_coefficients(law: Law) -> None:
     """The screen is linear in the coefficients: twice of each is twice the force, and the mass."""
     place = reach()
-    motion = Motion(place.stretch, place.rate, 0.1 * place.stretch, place.t)
+    z = tuple(0.1 * place.stretch for _ in law.states)
+    motion = Motion(place.stretch, place.rate, z, place.t)
     for hypothesis in hypotheses(law):
         first = [1.3, 0.4][: len(hypothesis.terms)]
         sums = []

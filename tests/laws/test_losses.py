@@ -25,7 +25,7 @@ SPRUNG = (
 
 def force(law: Kind, **values: float) -> np.ndarray:
     assert law.action is not None
-    does = law.action(NUMPY, Motion(ZERO, RATE, ZERO, ZERO), values, {})
+    does = law.action(NUMPY, Motion(ZERO, RATE, (), ZERO), values, {})
     return np.asarray(does.force)
 
 
@@ -44,7 +44,7 @@ def test_the_coefficient_of_a_power_is_its_force_at_the_reference_speed() -> Non
 
 
 def test_a_root_of_the_speed_has_a_finite_slope_at_rest() -> None:
-    small = Motion(0.0, np.array([0.0, 1e-12]), 0.0, 0.0)
+    small = Motion(0.0, np.array([0.0, 1e-12]), (), 0.0)
     assert power.LAW.action is not None
     does = power.LAW.action(
         NUMPY, small, {"coefficient": 1.0, "exponent": 0.2, "speed": 1.0, "transition": 1e-3}, {}
@@ -110,7 +110,7 @@ def test_friction_by_a_weight_takes_the_same_share_of_every_swing() -> None:
         q, v = amplitude * np.cos(turn), -amplitude * np.sin(turn)
         assert law.action is not None
         load = {"load": 9.81 * np.sin(q)} if "load_coefficient" in values else {}
-        does = law.action(NUMPY, Motion(q, v, q, turn), {**values, **load}, {})
+        does = law.action(NUMPY, Motion(q, v, (), turn), {**values, **load}, {})
         return float(np.trapezoid(does.force * v, turn)) / amplitude**2
 
     loaded = {"load_coefficient": 0.1, "transition": 1e-4}

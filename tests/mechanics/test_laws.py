@@ -1,6 +1,7 @@
 """Force laws against their formulas, and their energy class."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,8 +15,8 @@ from symhyb.model.types import Element, On
 from symhyb.model.vocabulary import KINDS
 from symhyb.units import ONE
 
-S, RATE, Z, T = sp.symbols("s rate z t", real=True)
-AT = Motion(S, RATE, Z, T)
+S, RATE, Z, W, T = sp.symbols("s rate z w t", real=True)
+AT = Motion(S, RATE, (Z,), T)
 GRID = np.linspace(-0.8, 0.8, 33)
 
 
@@ -65,7 +66,7 @@ def test_what_a_spring_stores_is_the_integral_of_its_force() -> None:
     assert law.stored.subs(S, 0) == 0
 
 
-STORING = {"curve", "spring", "gap", "hysteresis", "friction_dynamic", "relaxation"}
+STORING = {"curve", "spring", "gap", "hysteresis", "friction_dynamic", "relaxation", "mode"}
 
 
 @pytest.mark.parametrize("kind", sorted(set(KINDS) - STORING - {"network"}))
@@ -80,13 +81,13 @@ def test_the_vocabulary_and_the_laws_agree_on_inner_states(kind: str) -> None:
     declared = KINDS[kind]
     one = {key: sp.Integer(1) for key in (*declared.strengths[:1], *declared.needs)}
     if kind == "network":  # its force is a hole that lowering fills
-        assert not declared.state
+        assert not declared.states
         return
     curve = Curve("c", ((0.0, 0.0), (1.0, 1.0)), (ONE, ONE)) if kind == "curve" else None
     options = tuple((key.name, key.choices[0]) for key in declared.keys if key.choices)
     element = Element("it", kind, On("x"), (), options=options, curve=curve)
-    law = action_of(element, AT, one)
-    assert (law.inner is not None) == bool(declared.state)
+    law = action_of(element, replace(AT, z=(Z, W)[: len(declared.states)]), one)
+    assert len(law.inner) == len(law.rest) == len(declared.states)
     assert (law.mass != 0) == (kind in ("added_mass", "payload"))
 
 
@@ -147,7 +148,7 @@ def test_play_is_free_travel_of_the_spring_of_a_hysteresis() -> None:
 @pytest.mark.parametrize("n", [1.0, 2.0, 1.5])
 def test_the_inner_law_of_a_hysteresis(n: float) -> None:
     """z' = s' − beta|s'||z|^(n−1) z − gamma s'|z|^n, at every sign of s' and z, and at z = 0."""
-    rate = numbers(law("hysteresis", stiffness=1.0, beta=3.0, gamma=2.0, exponent=n).inner)
+    rate = numbers(law("hysteresis", stiffness=1.0, beta=3.0, gamma=2.0, exponent=n).inner[0])
     for r in (-0.7, 0.0, 0.4):
         for z in (-0.3, 0.0, 0.2):
             expected = r - 3 * abs(r) * abs(z) ** (n - 1) * z - 2 * r * abs(z) ** n
@@ -158,7 +159,7 @@ def test_friction_with_presliding_slips_at_its_level() -> None:
     """In steady sliding z' = 0, so stiffness·z = g(s')·sgn s', falling from static to coulomb."""
     keys = {"coulomb": 2.0, "static": 3.0, "stribeck": 0.1, "stiffness": 1e4}
     lugre = law("friction_dynamic", **keys, micro_damping=5.0)
-    inner, force = numbers(lugre.inner), numbers(lugre.force)
+    inner, force = numbers(lugre.inner[0]), numbers(lugre.force)
     for r in (-0.2, 0.01, 0.5):
         level = 2 + np.exp(-((r / 0.1) ** 2))
         z = np.sign(r) * level / 1e4
@@ -169,9 +170,9 @@ def test_friction_with_presliding_slips_at_its_level() -> None:
 
 def test_a_relaxing_spring_rests_where_it_is() -> None:
     maxwell = law("relaxation", stiffness=200.0, damping=5.0)
-    assert maxwell.rest == S
+    assert maxwell.rest == (S,)
     assert numbers(maxwell.force)(0.3, 0, 0.1, 0) == pytest.approx(40)
-    assert numbers(maxwell.inner)(0.3, 0, 0.1, 0) == pytest.approx(0.2 * 200 / 5)
+    assert numbers(maxwell.inner[0])(0.3, 0, 0.1, 0) == pytest.approx(0.2 * 200 / 5)
     assert numbers(maxwell.stored)(0.3, 0, 0.1, 0) == pytest.approx(100 * 0.2**2)
 
 

@@ -79,6 +79,7 @@ shake = { kind = "harmonic", on = "y", amplitude = "c", frequency = "f0" }
 pull = { kind = "harmonic", at = "tip", amplitude = ["c", "2*c"], frequency = "f0" }
 drive = { kind = "force", at = "tip", force = ["u*x/l", "u"] }
 rope = { kind = "law", between = ["wall", "block"], tension = "c*cos(phi)" }
+load = { kind = "mode", on = "x - y", mass = "m/4", frequency = "f0", damping_ratio = "e" }
 water = { kind = "added_mass", on = "x", mass = "m/3" }
 cable = { kind = "added_mass", between = ["wall", "tip"], mass = "m/5" }
 pad = { kind = "curve", between = ["wall", "tip"], over = "rate", scale = "k*l/c", curve = "p" }
@@ -134,13 +135,14 @@ class Evaluated:
     def __init__(self, derived: Readable, machine: Machine, seed: int):
         s, rng = derived.symbols, np.random.default_rng(seed)
         self.q, self.v, self.a = rng.normal(size=(3, len(s.q)))
-        self.z, self.u = rng.normal(size=len(s.z)), rng.normal(size=len(s.u))
+        inner = tuple(z for states in s.z.values() for z in states)
+        self.z, self.u = rng.normal(size=len(inner)), rng.normal(size=len(s.u))
         self.t, self.p = rng.normal(), machine.values
         rows = (
             (s.q, self.q),
             (s.v, self.v),
             (s.a, self.a),
-            (tuple(s.z.values()), self.z),
+            (inner, self.z),
             (s.u, self.u),
             (s.p, self.p),
             ((s.t,), [self.t]),

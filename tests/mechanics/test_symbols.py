@@ -76,7 +76,13 @@ def test_elements_that_remember_have_an_inner_state_in_their_order() -> None:
     )
     symbols = symbols_of(model)
     assert list(symbols.z) == ["late", "bent"]
-    assert len({str(symbol) for symbol in symbols.z.values()}) == 2
+    assert [str(z) for states in symbols.z.values() for z in states] == ["z(late)", "z(bent)"]
+
+
+def test_the_inner_states_of_one_element_stand_side_by_side() -> None:
+    load = {"kind": "mode", "on": "x", "mass": "m_h", "frequency": "f_h"}
+    model = oscillator({"load": load}, {"m_h": (0.2, "kg"), "f_h": (7.0, "Hz")})
+    assert [str(z) for z in symbols_of(model).z["load"]] == ["e(load)", "w(load)"]
 
 
 def test_readings_of_instruments_are_symbols_until_they_are_lowered() -> None:

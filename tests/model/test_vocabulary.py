@@ -91,7 +91,7 @@ def test_every_kind_is_complete(kind) -> None:  # type: ignore[no-untyped-def]
     assert kind.law
     assert kind.strengths or kind.name in ("curve", "network")
     assert all(kind.key(name) is not None for name in (*kind.strengths, *kind.needs))
-    law = kind.law + kind.state.replace("^n", "exponent")
+    law = ", ".join([kind.law, *(state.text for state in kind.states)]).replace("^n", "exponent")
     if "g as of friction" in law:
         law += KINDS["friction"].law
     for key in kind.keys:
@@ -103,7 +103,8 @@ def test_every_kind_is_complete(kind) -> None:  # type: ignore[no-untyped-def]
             assert kind.key(str(key.default)) is not None
         if key.exponent:
             assert kind.key(key.exponent) is not None
-    assert ("z" in kind.state) == (kind.name in ("hysteresis", "friction_dynamic", "relaxation"))
+    remembers = {"hysteresis": 1, "friction_dynamic": 1, "relaxation": 1, "mode": 2}
+    assert len(kind.states) == remembers.get(kind.name, 0)
 
 
 def test_energy_says_whether_a_kind_resists() -> None:

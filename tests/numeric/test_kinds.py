@@ -224,7 +224,7 @@ def test_a_kind_is_its_law_in_the_equations_of_motion(case: Case, where: str) ->
     expected = by_hand(force, z0)
     found, z = simulated(element(sliders(), case.kind, where, {**case.keys, **length}, case.side))
     assert found == pytest.approx(expected[:, :4], abs=2e-5)
-    if KINDS[case.kind].state:
+    if KINDS[case.kind].states:
         assert np.ptp(z) > 1e-3
         assert z[:, 0] == pytest.approx(expected[:, 4], abs=2e-5)
     free = by_hand(lambda t, q, v, z: (np.zeros(2), 0.0), 0.0)

@@ -149,7 +149,7 @@ def natural_frequencies(prepared: Prepared, machine: Machine) -> tuple[float, ..
         return ()
     if machine.constraints:  # the median of a loop need not close, and its reactions hold it too
         return _swings_closed(prepared, machine)
-    z = call(machine.inner_rest, (q, 0.0, p))[0].reshape(-1)
+    z = call(machine.inner_rest, (q, np.zeros_like(q), 0.0, p))[0].reshape(-1)
     u = np.array([resting(prepared, item.name) for item in machine.model.inputs])
 
     def force(place: Array) -> Array:
@@ -172,7 +172,7 @@ def _swings_closed(prepared: Prepared, machine: Machine) -> tuple[float, ...]:
     places, form = np.concatenate([run.motion.q for run in prepared.runs]), state_form(machine)
     apart = np.abs(places - np.median(places, axis=0)) / np.maximum(np.ptp(places, axis=0), 1e-12)
     q, p = places[int(np.argmin(apart.sum(axis=1)))], machine.values
-    z = call(machine.inner_rest, (q, 0.0, p))[0].reshape(-1)
+    z = call(machine.inner_rest, (q, np.zeros_like(q), 0.0, p))[0].reshape(-1)
     u = np.array([resting(prepared, item.name) for item in machine.model.inputs])
     still = np.zeros_like(q)
     slope = free_slope(form, form.state(q, still, z), form.driven(u, q, still, still), 0.0, p)

@@ -75,8 +75,9 @@ def played(prepared: Prepared, truth: Refined, plan: Manoeuvre) -> tuple[Recordi
     rate = np.gradient(given, t, axis=0)
     form = state_form(machine)
     drive = form.driven(u, given, rate, np.gradient(rate, t, axis=0))
-    (z0,) = call(machine.inner_rest, (q0, 0.0, truth.p))
-    start = form.state(q0[None], np.zeros((1, q0.size)), z0.reshape(1, -1))
+    still = np.zeros_like(q0)
+    (z0,) = call(machine.inner_rest, (q0, still, 0.0, truth.p))
+    start = form.state(q0[None], still[None], z0.reshape(1, -1))
     x, y = _simulated(
         prepared,
         truth,

@@ -171,7 +171,7 @@ def _component(name: str, part: complex) -> str:
 
 def _resting(form: StateForm, q: Array, u: Array, t: float) -> tuple[Array, Array]:
     still = np.zeros_like(q)
-    (z,) = call(form.machine.inner_rest, (q, t, form.machine.values))
+    (z,) = call(form.machine.inner_rest, (q, still, t, form.machine.values))
     return form.state(q, still, z.reshape(-1)), form.driven(u, q, still, still)
 
 
@@ -179,7 +179,7 @@ def still_force(machine: Machine, q: Array, u: Array, t: float) -> Array:
     """k_e − k_c (n,) of a machine that stands still at q (n,) under inputs u (k,), SI: what would
     set it in motion, the reactions of constraints taken off."""
     p, v = machine.values, np.zeros_like(q)
-    (z,) = call(machine.inner_rest, (q, t, p))
+    (z,) = call(machine.inner_rest, (q, v, t, p))
     (pulls,) = call(machine.k_e, (q, v, z, u, t, p))
     (turns,) = call(machine.k_c, (q, v, t, p))
     return free_part(machine, q[None], np.array([t]), p, pulls - turns).reshape(-1)
@@ -198,7 +198,7 @@ def _held_open(machine: Machine, q: Array, t: float) -> Array:
 def _at_work(machine: Machine, q: Array, u: Array, t: float) -> float:
     """The size of the largest force at work at q, SI: the scale of a balance."""
     p, v = machine.values, np.zeros_like(q)
-    (z,) = call(machine.inner_rest, (q, t, p))
+    (z,) = call(machine.inner_rest, (q, v, t, p))
     (parts,) = call(machine.elements, (q, v, z, u, t, p))
     total = still_force(machine, q, u, t)
     return float(max(np.abs(parts).max(initial=0.0), np.abs(total).max(initial=0.0)))

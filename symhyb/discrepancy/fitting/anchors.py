@@ -17,6 +17,7 @@ import numpy as np
 
 from symhyb.discrepancy.recorded.watching import shown_states
 from symhyb.discrepancy.recorded.windows import Cut
+from symhyb.model.vocabulary import memories
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.lowered.inner import inner_along, settled
 from symhyb.numeric.lowered.known import with_known
@@ -47,12 +48,15 @@ def anchored(model: WindowModel, item: Cut, p: Array, slopes: bool = False) -> A
     sets[np.arange(1, 1 + len(asked)), [free[i] for i in asked]] += steps
     along, *moved = _along(model, item, sets)
     size = np.sqrt(np.mean(along**2, axis=0))
-    blur = float(np.max(item.source[1].q_sd, initial=0.0))
+    motion = item.source[1]
+    blurs = [float(np.max(sd, initial=0.0)) for sd in (motion.q_sd, motion.v_sd)]
+    declared = len(model.machine.model.states)
+    own = [blurs[-state.time] for _, state in memories(model.machine.model)]
+    blur = np.array([*(declared * [0.0]), *own])
     by_free = np.zeros((starts.size, along.shape[1], len(free)))
     for i, step, other in zip(asked, steps, moved, strict=True):
         by_free[:, :, i] = (other - along)[starts] / step
     spread = np.repeat(np.sqrt((SPREAD * size) ** 2 + blur**2)[None] + 1e-300, starts.size, axis=0)
-    declared = len(model.machine.model.states)
     if declared:
         spread[:, :declared] = _of_declared(model, item, p, along, size)[starts]
     return Anchor(along[starts], spread, by_free)

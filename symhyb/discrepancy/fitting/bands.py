@@ -103,7 +103,7 @@ def _less(machine: Machine, element: Element) -> Machine:
     is left out where it remembers or its strengths are no numbers of its own."""
     law, own = KINDS[element.kind], {item.name for item in element.parameters}
     texts = [str(text) for key in law.strengths if (text := element.value(key)) is not None]
-    if law.state or not texts or not {*texts} <= own:
+    if law.states or not texts or not {*texts} <= own:
         model = machine.model
         rest = tuple(one for one in model.elements if one.name != element.name)
         return build(replace(model, elements=rest), keep=False)

@@ -59,8 +59,8 @@ def memoryless(
     cuts = [item.suited(model.machine) for item in cuts]
     coordinates = len(model.machine.free) or model.machine.n
     bumps = _bumps([_variables(item, model) for item in cuts], coordinates, model.machine.n)
-    remembering = _columns(library, [k.name for k in KINDS.values() if k.state])
-    known = _columns(library, [k.name for k in KINDS.values() if not k.state and k.of_state])
+    remembering = _columns(library, [k.name for k in KINDS.values() if k.states])
+    known = _columns(library, [k.name for k in KINDS.values() if not k.states and k.of_state])
     sums = _Sums()
     for item in cuts:
         variables, laws = _variables(item, model), library.forces(item.course(library.machine))

@@ -34,4 +34,4 @@ def smooth(cause: Hypothesis) -> bool:
     law = KINDS.get(cause.kind)
     if law is None or cause.kind == LAW or cause.points:
         return False
-    return law.of_state and not (law.state or law.inertial or law.steep)
+    return law.of_state and not (law.states or law.inertial or law.steep)

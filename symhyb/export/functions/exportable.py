@@ -3,8 +3,9 @@
 from collections.abc import Sequence
 
 from symhyb.errors import InputError, Problem
-from symhyb.model.types import Model
-from symhyb.model.vocabulary import KINDS
+from symhyb.laws.base import State
+from symhyb.model.types import Element, Model
+from symhyb.model.vocabulary import KINDS, memories
 
 
 def require_force_elements(model: Model, names: Sequence[str]) -> None:
@@ -57,6 +58,12 @@ def left_to_host(model: Model) -> dict[str, tuple[str, str]]:
 
 
 def owners(model: Model) -> list[tuple[str, str]]:
-    """What each entry of z is: ("s", a declared state) or ("z", the element it belongs to)."""
-    remembering = [element.name for element in model.elements if KINDS[element.kind].state]
-    return [("s", state.name) for state in model.states] + [("z", name) for name in remembering]
+    """What each entry of z is: ("s", a declared state) or ("z", an inner one)."""
+    remembering = [("z", name_of(*one)) for one in memories(model)]
+    return [("s", state.name) for state in model.states] + remembering
+
+
+def name_of(element: Element, state: State) -> str:
+    """The name of an inner state outside: that of its element, and its own where that has more."""
+    alone = len(KINDS[element.kind].states) == 1
+    return element.name if alone else f"{element.name}.{state.name}"

@@ -147,7 +147,11 @@ def _remembered(
 ) -> list[int]:
     """Which entries of z go with elements: their own, and declared states on which their ``forces``
     or the rates of what goes with them depend."""
-    kept = {i for i, (kind, name) in enumerate(belongs) if kind == "z" and name in names}
+    kept = {
+        i
+        for i, (kind, name) in enumerate(belongs)
+        if kind == "z" and name.partition(".")[0] in names
+    }
     kept |= set(_columns(forces, parts.z))
     while more := set(_columns(parts.inner[sorted(kept)], parts.z)) - kept:
         kept |= more
@@ -206,7 +210,7 @@ def export_machine(model: Model, events: bool = False) -> Exported:
         d,
         rates,
         ca.vertcat(y, *(hole.trust() for hole in holes)),
-        bare.inner_rest(q, t, p[among]),
+        bare.inner_rest(q, v, t, p[among]),
         holes,
         (*at, *owners(model)),
         tuple(inputs),

@@ -75,7 +75,7 @@ def parts_of(machine: Machine, modes: bool = False) -> Parts:
     z, t, p = ca.SX.sym("z", machine.inner_states), ca.SX.sym("t"), ca.SX.sym("p", _count(machine))
     here = (q, v, z, u, t, p)
     return Parts(
-        *here, machine.elements(*here), machine.inner(*here), machine.inner_rest(q, t, p), ()
+        *here, machine.elements(*here), machine.inner(*here), machine.inner_rest(q, v, t, p), ()
     )
 
 

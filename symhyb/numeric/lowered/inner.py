@@ -27,7 +27,7 @@ def inner_along(
     p: Array,
     off: Array | float = 0.0,
 ) -> Array:
-    """Inner states (N, z) at times ``t`` (N,), begun at rest, SI; for several sets of parameters
+    """Inner states (N, z) at times ``t`` (N,), settled at first, SI; for several sets of parameters
     (C, N, z). Declared states begin at what they settle to (:func:`settled`).
 
     ``motion`` are q, v and a (N, n), ``u`` (N, k) the inputs, ``p`` (P,) or (C, P) the parameters;
@@ -61,7 +61,7 @@ def settled(
     decay, their eigenvalues left of the imaginary axis; the others, integrators for one, have no
     such value and begin at their start.
     """
-    z = call(machine.inner_rest, (q, t, p))[0].reshape(-1).copy()
+    z = call(machine.inner_rest, (q, v, t, p))[0].reshape(-1).copy()
     count, found = len(machine.model.states), np.zeros(z.size, dtype=bool)
     if not count:
         return z, found

@@ -49,8 +49,8 @@ class Machine:
             hold, and what they leave open is pulled closed
             (:mod:`symhyb.numeric.lowered.constrained`).
         inner: (q, v, z, u, t, p) -> (z,) rates of z.
-        inner_rest: (q, t, p) -> (z,) inner states of a machine that stood still at q, declared
-            states at their start.
+        inner_rest: (q, v, t, p) -> (z,) inner states settled at q, in a machine that moves on at v,
+            declared states at their start.
         outputs: (q, v, a, z, u, t, p) -> (m,) what the sensors record, without noise and delay.
         sensed: (q, v, a, z, u, t, p, w) -> the same under an extra generalized force w.
         output_slopes: the arguments of outputs -> (m, n) ∂y/∂q, ∂y/∂v and ∂y/∂a.
@@ -279,7 +279,7 @@ def _lowered(model: Model, opening: Opening = "closed") -> dict[str, ca.Function
             "q v z u t p w b",
         ),
         "inner": function("inner", here, [ca.densify(low.inner)], "q v z u t p"),
-        "inner_rest": function("inner_rest", [q, t, p], [ca.densify(low.rest)], "q t p"),
+        "inner_rest": function("inner_rest", [q, v, t, p], [ca.densify(low.rest)], "q v t p"),
         "outputs": function("outputs", moving, [outputs], "q v a z u t p"),
         "sensed": function("sensed", [*moving, w], [sensed]),
         "output_slopes": function(

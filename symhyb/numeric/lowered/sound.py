@@ -94,7 +94,7 @@ def _require_finite(
     model: Model, functions: Mapping[str, ca.Function], q: Array, v: Array, p: Array
 ) -> None:
     """Forces at the start; an input may stand in a denominator, so it is tried at 0 and at 1."""
-    (z,) = call(functions["inner_rest"], (q, 0.0, p))
+    (z,) = call(functions["inner_rest"], (q, v, 0.0, p))
     bad: list[bool] = []
     for level in (0.0, 1.0):
         u = np.full(len(model.inputs), level)

@@ -187,8 +187,8 @@ class Lowered:
         self.stored: list[ca.SX] = []
         self.pathways: list[tuple[ca.SX, ca.SX, ca.SX] | None] = []
         self.strengths: dict[str, ca.SX] = {}
-        inner: dict[str, ca.SX] = {}
-        rest: dict[str, ca.SX] = {}
+        inner: list[ca.SX] = []
+        rest: list[ca.SX] = []
         for term in equations.terms:
             if isinstance(term, Vectorial):
                 self._add_vector(term)
@@ -196,12 +196,10 @@ class Lowered:
                 self._add_couple(term)
             else:
                 self._add_term(term, (networks or {}).get(term.element))
-                if term.law.inner is not None:
-                    inner[term.element] = self._lower(term.law.inner)
-                    rest[term.element] = self._lower(term.law.rest)
+                inner += map(self._lower, term.law.inner)  # in the order of the elements, as z is
+                rest += map(self._lower, term.law.rest)
         rates, starts = (map(self._lower, part) for part in (equations.rates, equations.starts))
-        self.inner = _column([*rates, *(inner[name] for name in s.z)])
-        self.rest = _column([*starts, *(rest[name] for name in s.z)])
+        self.inner, self.rest = _column([*rates, *inner]), _column([*starts, *rest])
 
     def inputs(self) -> tuple[ca.SX, ...]:
         """What acts of every input: gain and offset applied."""

@@ -232,7 +232,7 @@ def inner_start(machine: Machine, scenario: Scenario, p: Array) -> Array:
     """The inner states (z,) with which a scenario begins, SI."""
     if scenario.z is not None:
         return scenario.z
-    (z,) = call(machine.inner_rest, (scenario.q, float(scenario.t[0]), p))
+    (z,) = call(machine.inner_rest, (scenario.q, scenario.v, float(scenario.t[0]), p))
     return z.reshape(-1)
 
 

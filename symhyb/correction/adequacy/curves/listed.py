@@ -81,7 +81,7 @@ def _laws(recorded: Recorded, line: Line) -> Iterator[_Law]:
         law = KINDS.get(cause.kind)
         if law is None or cause.place != place or cause.own:
             continue
-        if law.state or law.inertial or not law.of_state:
+        if law.states or law.inertial or not law.of_state:
             continue
         forces, *again = (_forces(cause, line, share) for share in OTHERS)
         largest = np.abs(forces).max(axis=0)
@@ -99,7 +99,7 @@ def _forces(cause: Hypothesis, line: Line, share: float) -> Array:
     over_rate = line.form.over == "rate"
     held = np.full_like(line.x, share * (OTHER if over_rate else line.rate))
     s, r = (held, line.x) if over_rate else (line.x, held)
-    at, columns = Motion(s, r, none, none), []
+    at, columns = Motion(s, r, (), none), []
     assert law.action is not None
     for unit in cause.units():
         values = {**dict(cause.shape), **unit}
