@@ -33,6 +33,7 @@ from symhyb.correction.verdict.choice import Choice, choose, chosen_again
 from symhyb.correction.verdict.conclusion import concluded
 from symhyb.correction.verdict.constants import with_constant
 from symhyb.correction.verdict.estimate import Estimated, estimate
+from symhyb.correction.verdict.in_place_of_class import holds, with_law
 from symhyb.correction.verdict.in_time import (
     Changing,
     changing,
@@ -41,7 +42,6 @@ from symhyb.correction.verdict.in_time import (
     without_numbers,
 )
 from symhyb.correction.verdict.leftover import leftover
-from symhyb.correction.verdict.own_curve import holds, with_curve
 from symhyb.correction.verdict.proof import prove
 from symhyb.correction.verdict.refusal import (
     if_apart,
@@ -202,11 +202,11 @@ def _decided(
             values, other = _judged(prepared, behind, tell)
             if acts_so(behind, other, judged):
                 choice, known, judged = behind, values, other
-        curved = with_curve(prepared, choice, judged, tell)
-        if curved is not None:
-            values, other = _judged(prepared, curved, tell)
-            if holds(curved, other, judged):
-                choice, known, judged = curved, values, other
+        named = with_law(prepared, choice, judged, tell)
+        if named is not None:
+            values, other = _judged(prepared, named, tell)
+            if holds(named, other, judged):
+                choice, known, judged = named, values, other
         return _Decided(prepared, setting, choice, known, judged)
 
 

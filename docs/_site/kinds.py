@@ -17,6 +17,10 @@ ENERGY = {
     "dissipative": "takes energy out of the motion",
     "active": "may feed energy in",
 }
+IN_PLACE_OF = {
+    "curve": "a force of stretch and rate without a name",
+    "mode": "a hidden mode",
+}
 OWN_ENERGY = {
     "curve": "stores energy over the stretch, and takes it out, or feeds it in, over the rate"
 }
@@ -152,6 +156,8 @@ def notes(law: Law) -> Iterator[str]:
     """How the kind is searched, and how it is simulated."""
     found = law.candidates is not nothing_tried
     parts = ["A diagnosis looks for it." if found else "A diagnosis does not look for it."]
+    if law.name in IN_PLACE_OF:
+        parts = [f"A diagnosis finds it in place of {IN_PLACE_OF[law.name]} that is certain."]
     if len(law.strengths) > 1 and not set(law.strengths) & set(law.needs):
         needed = ", ".join(f"`{name}`" for name in law.strengths)
         one = law.key(law.strengths[0])

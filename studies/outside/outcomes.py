@@ -13,7 +13,11 @@ SPAN = 3.0  # sd; a value within it claims nothing false
 LIKELY = 0.5  # probability from which a class counts as stated
 EMPIRICAL = ("law", "network", "curve")  # a fit without a name: it states the class "law"
 SOON = 0.5  # s; so near is the instant of a change right
-SHAPES = ("exponent", "critical")  # numbers of a listed law that the seal of an old kind holds
+SHAPES = (
+    "exponent",
+    "critical",
+    "frequency",
+)  # numbers of a law that the seal of an old kind holds
 ACTUATORS = {"dead_band": "band", "limit": "most", "rate_limit": "rate", "lag": "tau"}  # in seals
 NEUTRAL = {"gain": 1.0, "offset": 0.0, "delay": 0.0}  # what a channel without a fault has
 

@@ -31,12 +31,11 @@ def _action(m: Maths, at: Motion, values: Values, _: Options) -> Action:
 def _phrase(n: Numbers, _: Options) -> Phrase | None:
     if "mass" not in n or "frequency" not in n:
         return None
-    head = f"a mode of {n.amount('frequency')}"
+    parts = [n.amount("frequency")]
     if "damping_ratio" in n:
         loss = n.counted(PERCENT * n.value("damping_ratio"), PERCENT * n.sd("damping_ratio"))
-        head += f" with {loss} % damping"
-    noun = "inertia" if n.turns else "mass"
-    head += f", a {noun} of {n.amount('mass')} on a spring and a damper"
+        parts.append(f"{loss} % damping")
+    head = f"a mode of {n.listed([*parts, n.amount('mass')])}"
     return Phrase(head, terms=("mass", "frequency", "damping_ratio"))
 
 

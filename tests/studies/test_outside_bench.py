@@ -235,6 +235,12 @@ LAG = {"channel": "f", "kind": "lag", "value": 0.005, "sd": 1e-5, "unit": "s"}
 STEP = {"classes": ["time-varying"], "place": "k", "facts": {"at": 3.1, "after": 227.2}}
 BEGUN = {"verdict": "parameters", "places": [{"change": {"kind": "begins", "time_s": 3.2}}]}
 RUNS = {"verdict": "parameters", "classes": [{"kind": "time-varying", "probability": 1.0}]}
+RIDING = {
+    "classes": ["hidden mode"],
+    "accepted": ["mode"],
+    "kind": "hidden load",
+    "facts": {"mass": 0.2, "frequency": 2.5},
+}
 LISTED = {"law": LAW, "kind": "law, heavy"}
 
 
@@ -288,6 +294,13 @@ LISTED = {"law": LAW, "kind": "law, heavy"}
             {"verdict": FORCE, "found": [claim("gap", "clearance", 0.1, 0.01)]},
             "class right",
         ),
+        (
+            RIDING,
+            {"verdict": FORCE, "found": [claim("mode", "frequency", 2.51, 0.01)]},
+            "class right",
+        ),
+        (RIDING, {"verdict": FORCE, "found": [claim("mode", "frequency", 2.6, 0.01)]}, "wrong"),
+        (RIDING, {"verdict": FORCE, "found": [claim("added_mass", "mass", 0.2, 0.1)]}, "wrong"),
         (LISTED, {"verdict": FORCE, "found": [claim("drag", "drag", 0.7, 0.1)]}, "class right"),
         (LISTED, {"verdict": FORCE, "found": [claim("spring", "cubic", 0.7, 0.1)]}, "wrong"),
         (LISTED, {"verdict": "nothing missing"}, "false nothing"),

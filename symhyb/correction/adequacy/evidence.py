@@ -25,7 +25,7 @@ from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Fitted
 from symhyb.correction.search.trajectory import gathered, keys_of
 from symhyb.discrepancy.places.hypotheses import Hypothesis
-from symhyb.model.vocabulary import key_of
+from symhyb.model.vocabulary import KINDS, key_of
 from symhyb.numeric.kernels.buffers import Array
 
 GAIN_SD = 0.1  # of a channel's gain that is off
@@ -145,9 +145,11 @@ def _law_prior(
     strengths: Mapping[tuple[object, ...], float],
 ) -> tuple[float, float]:
     """Prior mean and deviation of a key of a law."""
-    size = strengths.get((cause.kind, cause.place, cause.path, key))
-    if size is not None:
-        return 0.0, size
+    law = KINDS.get(cause.kind)
+    for kind in (cause.kind, law.subject if law else ""):
+        size = strengths.get((kind, cause.place, cause.path, key))
+        if size is not None:
+            return 0.0, size
     if key in cause.added:
         declared = key_of(cause.kind, key)
         plain = declared.plain({}) if declared and key != "static" else None

@@ -19,6 +19,7 @@ from symhyb.correction.naming.findings import (
     reestimated,
 )
 from symhyb.correction.naming.fleet_words import with_own
+from symhyb.correction.naming.mode_words import sensors_of_modes
 from symhyb.correction.naming.other_side import late_on_the_other_side
 from symhyb.correction.naming.probability import probabilities
 from symhyb.correction.naming.stability import stabilities, weakest
@@ -120,7 +121,12 @@ def concluded(
         places=choice.places,
         clouds=tuple(cloud for run in prepared.runs for cloud in _clouds(prepared, final, run)),
         log=(*decision.log, *(known.completed.log if known.completed else ())),
-        notes=(*_run_notes(prepared), *noise_notes(model, noise), *_warnings(found)),
+        notes=(
+            *_run_notes(prepared),
+            *noise_notes(model, noise),
+            *_warnings(found),
+            *sensors_of_modes(found),
+        ),
         classes=classes,
     )
 

@@ -25,7 +25,7 @@ def hidden_mode(start: Around, which: int) -> Generic:
     damper; at rest or in motion when a stretch begins. On a motion of almost one frequency a mode
     does what these do, and only what it does besides shows it."""
     recorded = start.recorded
-    low, high = _band(recorded, which)
+    low, high = band(recorded, which)
     lines, ratio = np.geomspace(low, high, MODES), (high / low) ** (1 / (MODES - 1))
     _, line, damping = max(_likeliest(start, which, lines, one) for one in DAMPINGS)
     near, nearly = line * np.geomspace(1 / ratio, ratio, FINER), damping * HALVES
@@ -51,7 +51,7 @@ def _likeliest(
     return float(gains[i]), float(lines[i]), damping
 
 
-def _band(recorded: Recorded, which: int) -> tuple[float, float]:
+def band(recorded: Recorded, which: int) -> tuple[float, float]:
     """The frequencies, Hz, between which a mode could show at a place: up to an octave above where
     almost all power of its acceleration lies. A mode above only adds stiffness and mass."""
     low, high = 0.3 / recorded.period_s, 0.4 / recorded.step_s
@@ -68,8 +68,20 @@ def _band(recorded: Recorded, which: int) -> tuple[float, float]:
 def _forces(recorded: Recorded, which: int, lines: Array, damping: float) -> list[Array]:
     """Columns (N, n, 2 + 2L): of a spring and a damper, and two for each frequency (Hz), what a
     mode that the acceleration of the place drives presses and drags with besides."""
-    simple, modes, toward = [], [], []
-    for item, (s, r, directions) in zip(recorded.items, motions(recorded), strict=True):
+    simple, toward = [], []
+    for s, r, directions in motions(recorded):
+        simple.append(np.stack([s[:, which] - s[:, which].mean(), r[:, which]], axis=1))
+        toward.append(directions[:, :, which, None])
+    modes = swings(recorded, which, lines, damping)
+    parts = zip(toward, simple, without_span(modes, simple), strict=True)
+    return [d * np.concatenate([a, b], axis=1)[:, None] for d, a, b in parts]
+
+
+def swings(recorded: Recorded, which: int, lines: Array, damping: float) -> list[Array]:
+    """Of a mass that rides on a place, from rest and for each frequency (Hz), ω² e and ω e′ of its
+    elongation e, side by side (N, 2L), SI: e″ + 2ζω e′ + ω² e = s″."""
+    found = []
+    for item, (s, _, _) in zip(recorded.items, motions(recorded), strict=True):
         t, stretch = item.block.t[0], s[:, which] - s[:, which].mean()
         drive = np.gradient(np.gradient(stretch, t), t)
         columns = []
@@ -78,11 +90,8 @@ def _forces(recorded: Recorded, which: int, lines: Array, damping: float) -> lis
             A = np.array([[0.0, 1.0], [-(w**2), -2 * damping * w]])
             state = _driven(A, np.array([[0.0], [1.0]]), drive, recorded.step_s)
             columns += [w**2 * state[:, 0], w * state[:, 1]]
-        simple.append(np.stack([stretch, r[:, which]], axis=1))
-        modes.append(np.stack(columns, axis=1))
-        toward.append(directions[:, :, which, None])
-    parts = zip(toward, simple, without_span(modes, simple), strict=True)
-    return [d * np.concatenate([a, b], axis=1)[:, None] for d, a, b in parts]
+        found.append(np.stack(columns, axis=1))
+    return found
 
 
 def _free(recorded: Recorded, which: int, line: float, damping: float) -> list[Array]:

@@ -15,7 +15,7 @@ from symhyb.correction.adequacy.structure import Generic, Likely
 from symhyb.correction.search.preparing import prepare, settle
 from symhyb.correction.search.score import standing, weak, weak_together
 from symhyb.correction.search.trajectory import Refined, refine
-from symhyb.correction.verdict.own_curve import holds
+from symhyb.correction.verdict.in_place_of_class import holds
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.laws.curve import value_name
 from symhyb.model.types import On

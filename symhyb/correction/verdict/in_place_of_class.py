@@ -1,0 +1,55 @@
+"""A choice with a law in place of a class: an own curve for a force of stretch and rate without a
+name, a mode for a hidden mode.
+
+The innovations along whole recordings say that it is one; the windows, which every structure is
+decided by, fit its values and have the last word.
+"""
+
+from dataclasses import replace
+
+from symhyb.correction.adequacy.curves.answer import instead_of_class, is_law
+from symhyb.correction.adequacy.judge import Adequacy
+from symhyb.correction.adequacy.named_mode import is_mode, modes_instead
+from symhyb.correction.adequacy.recorded import recorded
+from symhyb.correction.search.decide import decide_with
+from symhyb.correction.search.preparing import Prepared
+from symhyb.correction.search.trajectory import grouped
+from symhyb.correction.verdict.choice import Choice
+from symhyb.model.types import Place
+from symhyb.steps import Say
+
+
+def with_law(prepared: Prepared, choice: Choice, judged: Adequacy, say: Say) -> Choice | None:
+    """The choice with what explains what was ``judged`` to be a force of stretch and rate, as a
+    curve or by listed laws that are as good, or to be a hidden mode, as a mode; None where nothing
+    does, or the windows do not agree."""
+    if _place(judged) is None or choice.misfits:
+        return None
+    curve = is_law(judged) is not None
+    say(f"fitting a {'curve' if curve else 'mode'} to a force without a name")
+    ground = recorded(prepared, choice.setting)
+    if ground is None:
+        return None
+    found = instead_of_class(ground, judged) if curve else modes_instead(ground, judged)
+    if found is None:
+        return None
+    decision = decide_with(choice.setting, choice.decision, found.causes, grouped(found), say)
+    before = {cause.family for cause in choice.decision.selected.causes}
+    fresh = [cause for cause in decision.selected.causes if cause.family not in before]
+    if not fresh:
+        return None
+    return replace(choice, decision=decision, along=None)
+
+
+def holds(choice: Choice, again: Adequacy, before: Adequacy) -> bool:
+    """Whether a choice with such a law stands when it is judged: nothing of it that is at the place
+    of the class is in doubt, and that class is no more the answer."""
+    place = _place(before)
+    mine = {cause for cause in choice.decision.selected.causes if cause.place == place}
+    return bool(mine) and not again.unjudged and not mine & again.doubt and _place(again) != place
+
+
+def _place(judged: Adequacy) -> Place | None:
+    """Where a class acts that a law may be fitted in place of."""
+    at = is_law(judged)
+    return is_mode(judged) if at is None else at
