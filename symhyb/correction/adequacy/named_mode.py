@@ -44,12 +44,13 @@ class _Offer(NamedTuple):
 
 
 def is_mode(judged: Adequacy) -> Place | None:
-    """The place at which a hidden mode is the most probable class, for certain; None where that is
-    not the answer."""
+    """The place at which a hidden mode explains all that acts, for certain; None where that is not
+    the answer."""
     best = judged.classes[0] if judged.classes else None
     if best is None or best.generic.kind != "hidden mode" or isinstance(best.generic.where, str):
         return None
-    return best.generic.where if best.probability > PROBABLE else None
+    certain = best.whole and best.probability > PROBABLE
+    return best.generic.where if certain else None
 
 
 def modes_instead(ground: Recorded, judged: Adequacy) -> Fitted | None:

@@ -104,14 +104,15 @@ def test_where_nothing_acts_there_is_no_mode() -> None:
     assert modes_instead(ground, found) is None
 
 
-def likely(kind: ClassName, where: Any = PLACE, probability: float = 0.99) -> Adequacy:
-    generic = Generic(kind, where, (), np.ones(1))
-    return Adequacy(NOTHING, (Likely(generic, probability),))
+def likely(kind: ClassName, probability: float = 0.99, whole: bool = True) -> Adequacy:
+    generic = Generic(kind, PLACE, (), np.ones(1))
+    return Adequacy(NOTHING, (Likely(generic, probability, whole),))
 
 
 def test_only_a_hidden_mode_that_is_certain_is_asked_for_one() -> None:
     assert is_mode(likely("hidden mode")) == PLACE
     assert is_mode(likely("hidden mode", probability=0.9)) is None
+    assert is_mode(likely("hidden mode", whole=False)) is None
     assert is_mode(likely("law")) is None
     assert is_mode(Adequacy(NOTHING)) is None
 
