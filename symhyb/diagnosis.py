@@ -33,7 +33,7 @@ from symhyb.correction.verdict.choice import Choice, choose, chosen_again
 from symhyb.correction.verdict.conclusion import concluded
 from symhyb.correction.verdict.constants import with_constant
 from symhyb.correction.verdict.estimate import Estimated, estimate
-from symhyb.correction.verdict.in_place_of_class import holds, with_law
+from symhyb.correction.verdict.in_place_of_class import holds, one_value, with_law
 from symhyb.correction.verdict.in_time import (
     Changing,
     changing,
@@ -205,7 +205,7 @@ def _decided(
         named = with_law(prepared, choice, judged, tell)
         if named is not None:
             values, other = _judged(prepared, named, tell)
-            if holds(named, other, judged):
+            if holds(named, other, judged) and one_value(values.final, other.structure):
                 choice, known, judged = named, values, other
         return _Decided(prepared, setting, choice, known, judged)
 

@@ -7,14 +7,19 @@ decided by, fit its values and have the last word.
 
 from dataclasses import replace
 
+import numpy as np
+
 from symhyb.correction.adequacy.curves.answer import instead_of_class, is_law
 from symhyb.correction.adequacy.judge import Adequacy
 from symhyb.correction.adequacy.named_mode import is_mode, modes_instead
 from symhyb.correction.adequacy.recorded import recorded
+from symhyb.correction.adequacy.structure import Fitted
 from symhyb.correction.search.decide import decide_with
 from symhyb.correction.search.preparing import Prepared
-from symhyb.correction.search.trajectory import grouped
+from symhyb.correction.search.trajectory import Refined, grouped, keys_of
 from symhyb.correction.verdict.choice import Choice
+from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.judgement import OUTSTANDING
 from symhyb.model.types import Place
 from symhyb.steps import Say
 
@@ -47,6 +52,30 @@ def holds(choice: Choice, again: Adequacy, before: Adequacy) -> bool:
     place = _place(before)
     mine = {cause for cause in choice.decision.selected.causes if cause.place == place}
     return bool(mine) and not again.unjudged and not mine & again.doubt and _place(again) != place
+
+
+def one_value(final: Refined, along: Fitted | None) -> bool:
+    """Whether windows (``final``) and innovations (``along``) give every number of a mode one
+    value, within three deviations of both: what two consistent estimators do not agree on is not
+    right (Hausman, Econometrica 46, 1978)."""
+    if along is None:
+        return False
+    theirs = _numbers(along)
+    return all(
+        key in theirs and abs(value - theirs[key][0]) <= OUTSTANDING * np.hypot(sd, theirs[key][1])
+        for key, (value, sd) in _numbers(final).items()
+    )
+
+
+def _numbers(trial: Refined | Fitted) -> dict[tuple[Hypothesis, str], tuple[float, float]]:
+    """Values and deviations of the numbers of modes, SI."""
+    spread = np.sqrt(np.diag(trial.fit.covariance))
+    keys = [(cause, key) for cause in trial.causes for key in keys_of(cause)]
+    return {
+        pair: (float(trial.fit.values[i]), float(spread[i]))
+        for i, pair in enumerate(keys)
+        if pair[0].kind == "mode"
+    }
 
 
 def _place(judged: Adequacy) -> Place | None:

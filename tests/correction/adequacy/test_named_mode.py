@@ -18,7 +18,7 @@ from symhyb.correction.adequacy.recorded import Recorded, recorded
 from symhyb.correction.adequacy.structure import Generic, Likely
 from symhyb.correction.search.preparing import prepare, settle
 from symhyb.correction.search.trajectory import grouped, refine
-from symhyb.correction.verdict.in_place_of_class import holds
+from symhyb.correction.verdict.in_place_of_class import holds, one_value
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.results import ClassName
@@ -102,6 +102,22 @@ def test_where_nothing_acts_there_is_no_mode() -> None:
     ground, found = judged(ridden([], 9))
     assert is_mode(found) is None
     assert modes_instead(ground, found) is None
+
+
+@pytest.mark.parametrize(("line", "same"), [(2.92, True), (2.99, False)])
+def test_windows_and_innovations_must_give_one_value(line: float, same: bool) -> None:
+    shape = (("frequency", 2.9), ("damping_ratio", 0.05))
+    mode = Hypothesis("mode", PLACE, ("mass",), (True,), shape, ("frequency", "damping_ratio"))
+
+    def fitted(line: float) -> Any:
+        spread = np.diag([0.01, 0.02, 0.01]) ** 2
+        return SimpleNamespace(
+            causes=(mode,),
+            fit=SimpleNamespace(values=np.array([0.2, line, 0.05]), covariance=spread),
+        )
+
+    assert one_value(fitted(2.9), fitted(line)) == same
+    assert not one_value(fitted(2.9), None)
 
 
 def likely(kind: ClassName, probability: float = 0.99, whole: bool = True) -> Adequacy:
