@@ -147,11 +147,8 @@ def _remembered(
 ) -> list[int]:
     """Which entries of z go with elements: their own, and declared states on which their ``forces``
     or the rates of what goes with them depend."""
-    kept = {
-        i
-        for i, (kind, name) in enumerate(belongs)
-        if kind == "z" and name.partition(".")[0] in names
-    }
+    own = (kind == "z" and name.split(".")[0] in names for kind, name in belongs)
+    kept = {i for i, mine in enumerate(own) if mine}
     kept |= set(_columns(forces, parts.z))
     while more := set(_columns(parts.inner[sorted(kept)], parts.z)) - kept:
         kept |= more
