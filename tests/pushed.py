@@ -9,8 +9,10 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 from scipy.signal import lfilter, lsim
 
+from symhyb.correction.adequacy.judge import Adequacy, adequacy
 from symhyb.correction.adequacy.recorded import Recorded, recorded
 from symhyb.correction.search.preparing import prepare, settle
+from symhyb.correction.search.trajectory import refine
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.likelihood.fit import Task
 from symhyb.discrepancy.places.hypotheses import with_channels
@@ -113,3 +115,14 @@ def setting_of(model: Model, *recordings: Recording, own: tuple[str, ...] = ()) 
     found = recorded(prepared, settle(prepared, own))
     assert found is not None
     return found
+
+
+def judged(recording: Recording) -> tuple[Recorded, Adequacy]:
+    """The judgement of the model as it is."""
+    prepared = prepare(pushed_model(), recording)
+    setting = settle(prepared)
+    cuts = setting.stages[-1].cuts
+    final = refine(prepared.model, (), (), cuts, setting.sd)
+    ground = recorded(prepared, setting)
+    assert ground is not None
+    return ground, adequacy(prepared, setting, final, (final, cuts))

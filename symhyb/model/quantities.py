@@ -10,6 +10,7 @@ parentheses is no unit: ``2 N*x'``.
 
 import keyword
 import re
+from collections.abc import Callable
 
 from symhyb.model.trees import ExpressionError, Quantity, brief
 from symhyb.units import UnitError, parse_unit
@@ -39,6 +40,15 @@ def quantities_out(text: str) -> tuple[str, tuple[Quantity, ...]]:
         return f"{MARK}{len(found) - 1}{MARK}"
 
     return _FOUND.sub(taken, text), tuple(found)
+
+
+def beside_quantities(text: str, change: Callable[[str], str]) -> str:
+    """A text in which what stands beside numbers with units is changed, and they are not."""
+    parts, last = [], 0
+    for match in _FOUND.finditer(text):
+        parts += [change(text[last : match.start()]), match[0]]
+        last = match.end()
+    return "".join((*parts, change(text[last:])))
 
 
 def factors_of(quantity: Quantity) -> frozenset[str]:

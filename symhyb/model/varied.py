@@ -13,13 +13,23 @@ from typing import Any
 from symhyb.errors import InputError
 from symhyb.model.curves import Curve
 from symhyb.model.expression import Expression, names, parse_expression
+from symhyb.model.quantities import beside_quantities
 from symhyb.model.read import parse_model
 from symhyb.model.render import curve_lines, newline_of, parameter_lines, render
 from symhyb.model.source import Source, scan
 from symhyb.model.types import Element, Model, On, Parameter
 from symhyb.model.write import text_of
 
-_SECTIONS = ("elements", "points", "bodies", "energy", "gravity", "constraints", "sensors")
+_SECTIONS = (
+    "elements",
+    "states",
+    "points",
+    "bodies",
+    "energy",
+    "gravity",
+    "constraints",
+    "sensors",
+)
 _WORDS = frozenset({"kind", "about", "unit", "units", "over", "side", "curve", "file", "found"})
 _DECLARED = (Parameter, Curve)
 
@@ -135,8 +145,9 @@ def _factored(value: Any, name: str, factor: str) -> Any:
 
 
 def _multiplied(text: str, name: str, factor: str) -> str:
-    """A text in which a name, not its derivative nor a function, has a factor."""
-    return re.sub(rf"(?<![\w.]){re.escape(name)}(?![\w'(])", f"({name}*{factor})", text)
+    """A text in which a name, not its derivative, a function, a curve or a unit, has a factor."""
+    meant = re.compile(rf"(?<![\w.])(?<!curve\(){re.escape(name)}(?![\w'(])")
+    return beside_quantities(text, lambda part: meant.sub(f"({name}*{factor})", part))
 
 
 def _edits(source: Source, model: Model, path: str, factor: str) -> list[tuple[int, int, str]]:

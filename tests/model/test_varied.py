@@ -89,3 +89,33 @@ def test_a_sensor_shows_times_a_factor() -> None:
 def test_a_mass_cannot_change_with_time() -> None:
     with pytest.raises(InputError):
         written_with_factor(parse_model(DRIVEN_MASS), "m", FACTOR, curves=[COURSE])
+
+
+def test_the_rate_of_a_state_has_it_too() -> None:
+    states = '[states]\nz = { unit = "N", rate = "(k*x - z)/(1 s)" }\n'
+    model = written_with_factor(parse_model(DRIVEN_MASS + states), "k", FACTOR, curves=[COURSE])
+    assert model.states[0].rate.text == f"((k*{FACTOR})*x - z)/(1 s)"
+    driven = written_with_factor(
+        parse_model(DRIVEN_MASS + states.replace("k*x", "f")), "f", FACTOR, curves=[COURSE]
+    )
+    assert driven.states[0].rate.text == f"((f*{FACTOR}) - z)/(1 s)"
+
+
+def test_units_and_curves_of_that_name_stay() -> None:
+    more = """[parameters.m_2]
+value = 1.0
+unit = "N/m"
+[curves.k]
+units = ["m", "1"]
+points = [[0, 1], [1, 2]]
+[elements.more]
+kind = "law"
+on = "x"
+force = "-m_2*curve(k, x)*2 m - k*x*curve(k, 1 m)"
+"""
+    model = with_factor(parse_model(DRIVEN_MASS + more), "k", FACTOR, curves=[COURSE])
+    assert model.elements["more"].value("force").text == (
+        f"-m_2*curve(k, x)*2 m - (k*{FACTOR})*x*curve(k, 1 m)"
+    )
+    mass = with_factor(parse_model(DRIVEN_MASS + more), "m", "2", curves=[])
+    assert mass.elements["more"].value("force").text == "-m_2*curve(k, x)*2 m - k*x*curve(k, 1 m)"

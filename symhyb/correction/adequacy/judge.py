@@ -31,7 +31,9 @@ from symhyb.correction.search.setting import Setting
 from symhyb.correction.search.strength import element_forces
 from symhyb.correction.search.trajectory import Refined, grouped
 from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.discrepancy.results import ClassName
 from symhyb.judgement import CERTAIN, HOPELESS, LARGE, LIKELY, MOST, NEGLIGIBLE, PROBABLE, SMALL
+from symhyb.model.types import Place
 from symhyb.numeric.kernels.buffers import Array
 
 CLASSES_MOST = 3  # that are fitted, the best of the linear problem
@@ -65,6 +67,14 @@ class Adequacy:
     def class_probability(self) -> float:
         """The posterior probability that one of the classes acts."""
         return sum(one.probability for one in self.classes)
+
+    def certain(self, kind: ClassName) -> Place | None:
+        """The place at which a class explains all that acts, for certain; None where that is not
+        the answer."""
+        best = self.classes[0] if self.classes else None
+        if best is None or best.generic.kind != kind or isinstance(best.generic.where, str):
+            return None
+        return best.generic.where if best.whole and best.probability > PROBABLE else None
 
 
 def adequacy(

@@ -23,7 +23,7 @@ from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Fitted, Row, fitted
 from symhyb.correction.search.trajectory import grouped
 from symhyb.discrepancy.places.hypotheses import Hypothesis
-from symhyb.judgement import CERTAIN, HOPELESS, PROBABLE, SMALL
+from symhyb.judgement import CERTAIN, HOPELESS, SMALL
 from symhyb.model.types import On, Place
 from symhyb.numeric.kernels.buffers import Array
 
@@ -43,20 +43,10 @@ class _Offer(NamedTuple):
     worth: float
 
 
-def is_mode(judged: Adequacy) -> Place | None:
-    """The place at which a hidden mode explains all that acts, for certain; None where that is not
-    the answer."""
-    best = judged.classes[0] if judged.classes else None
-    if best is None or best.generic.kind != "hidden mode" or isinstance(best.generic.where, str):
-        return None
-    certain = best.whole and best.probability > PROBABLE
-    return best.generic.where if certain else None
-
-
 def modes_instead(ground: Recorded, judged: Adequacy) -> Fitted | None:
     """The structure, along whole recordings, that explains by modes what was judged to be a hidden
     mode; None where none does as well."""
-    place, base, by_class = is_mode(judged), judged.structure, judged.by_class
+    place, base, by_class = judged.certain("hidden mode"), judged.structure, judged.by_class
     if place is None or base is None or by_class is None or place not in ground.library.places:
         return None
     decided = Decided(base, remainder(ground, base), judged.beyond.acts)

@@ -9,9 +9,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from symhyb.correction.adequacy.curves.answer import instead_of_class, is_law
+from symhyb.correction.adequacy.curves.answer import instead_of_class
 from symhyb.correction.adequacy.judge import Adequacy
-from symhyb.correction.adequacy.named_mode import is_mode, modes_instead
+from symhyb.correction.adequacy.named_mode import modes_instead
 from symhyb.correction.adequacy.recorded import recorded
 from symhyb.correction.adequacy.structure import Fitted
 from symhyb.correction.search.decide import decide_with
@@ -30,7 +30,7 @@ def with_law(prepared: Prepared, choice: Choice, judged: Adequacy, say: Say) -> 
     does, or the windows do not agree."""
     if _place(judged) is None or choice.misfits:
         return None
-    curve = is_law(judged) is not None
+    curve = judged.certain("law") is not None
     say(f"fitting a {'curve' if curve else 'mode'} to a force without a name")
     ground = recorded(prepared, choice.setting)
     if ground is None:
@@ -80,5 +80,5 @@ def _numbers(trial: Refined | Fitted) -> dict[tuple[Hypothesis, str], tuple[floa
 
 def _place(judged: Adequacy) -> Place | None:
     """Where a class acts that a law may be fitted in place of."""
-    at = is_law(judged)
-    return is_mode(judged) if at is None else at
+    at = judged.certain("law")
+    return judged.certain("hidden mode") if at is None else at

@@ -12,18 +12,16 @@ import pytest
 from scipy.signal import lsim
 
 from symhyb.correction.adequacy.beyond import NOTHING
-from symhyb.correction.adequacy.judge import Adequacy, adequacy
-from symhyb.correction.adequacy.named_mode import is_mode, modes_instead
-from symhyb.correction.adequacy.recorded import Recorded, recorded
+from symhyb.correction.adequacy.judge import Adequacy
+from symhyb.correction.adequacy.named_mode import modes_instead
 from symhyb.correction.adequacy.structure import Generic, Likely
-from symhyb.correction.search.preparing import prepare, settle
-from symhyb.correction.search.trajectory import grouped, refine
+from symhyb.correction.search.trajectory import grouped
 from symhyb.correction.verdict.in_place_of_class import holds, one_value
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.results import ClassName
 from symhyb.model.types import On
-from tests.pushed import DAMPING, NOISE, STEP, STIFFNESS, pushed_model, pushing
+from tests.pushed import DAMPING, NOISE, STEP, STIFFNESS, judged, pushing
 
 Mode = tuple[float, float, float]
 """Mass, kg, frequency, Hz, and damping ratio."""
@@ -53,21 +51,10 @@ def ridden(modes: Sequence[Mode], seed: int, link: bool = False, samples: int = 
     return Recording("made.csv", t, {"f": force}, {"laser": seen}, (), "")
 
 
-def judged(recording: Recording) -> tuple[Recorded, Adequacy]:
-    """The judgement of the model as it is."""
-    prepared = prepare(pushed_model(), recording)
-    setting = settle(prepared)
-    cuts = setting.stages[-1].cuts
-    final = refine(prepared.model, (), (), cuts, setting.sd)
-    ground = recorded(prepared, setting)
-    assert ground is not None
-    return ground, adequacy(prepared, setting, final, (final, cuts))
-
-
 def test_a_mass_on_a_spring_becomes_a_mode_with_its_numbers() -> None:
     true = 0.15, 2.9, 0.05
     ground, found = judged(ridden([true], 3))
-    assert is_mode(found) == PLACE
+    assert found.certain("hidden mode") == PLACE
     answer = modes_instead(ground, found)
     assert answer is not None
     (mode,) = answer.causes
@@ -100,7 +87,7 @@ def test_what_the_push_reaches_through_a_spring_is_no_mode_at_the_place() -> Non
 
 def test_where_nothing_acts_there_is_no_mode() -> None:
     ground, found = judged(ridden([], 9))
-    assert is_mode(found) is None
+    assert found.certain("hidden mode") is None
     assert modes_instead(ground, found) is None
 
 
@@ -126,11 +113,11 @@ def likely(kind: ClassName, probability: float = 0.99, whole: bool = True) -> Ad
 
 
 def test_only_a_hidden_mode_that_is_certain_is_asked_for_one() -> None:
-    assert is_mode(likely("hidden mode")) == PLACE
-    assert is_mode(likely("hidden mode", probability=0.9)) is None
-    assert is_mode(likely("hidden mode", whole=False)) is None
-    assert is_mode(likely("law")) is None
-    assert is_mode(Adequacy(NOTHING)) is None
+    assert likely("hidden mode").certain("hidden mode") == PLACE
+    assert likely("hidden mode", probability=0.9).certain("hidden mode") is None
+    assert likely("hidden mode", whole=False).certain("hidden mode") is None
+    assert likely("law").certain("hidden mode") is None
+    assert Adequacy(NOTHING).certain("hidden mode") is None
 
 
 def test_a_choice_with_a_mode_holds_where_the_class_is_gone() -> None:

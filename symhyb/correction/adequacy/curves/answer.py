@@ -23,26 +23,16 @@ from symhyb.correction.adequacy.judge import Adequacy
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Fitted, fitted
 from symhyb.correction.search.trajectory import grouped
-from symhyb.judgement import CERTAIN, HOPELESS, PROBABLE, SMALL
+from symhyb.judgement import CERTAIN, HOPELESS, SMALL
 from symhyb.model.types import Place
 
 TURNS = 4  # in which the points of two curves are chosen
 
 
-def is_law(judged: Adequacy) -> Place | None:
-    """The place at which a force of stretch and rate explains all that acts, for certain; None
-    where that is not the answer."""
-    best = judged.classes[0] if judged.classes else None
-    if best is None or best.generic.kind != "law" or isinstance(best.generic.where, str):
-        return None
-    certain = best.whole and best.probability > PROBABLE
-    return best.generic.where if certain else None
-
-
 def instead_of_class(ground: Recorded, judged: Adequacy) -> Fitted | None:
     """The structure, along whole recordings, that explains by a curve, or by listed laws that are
     as good, what was judged to be a force of stretch and rate; None where none does."""
-    place, base, by_class = is_law(judged), judged.structure, judged.by_class
+    place, base, by_class = judged.certain("law"), judged.structure, judged.by_class
     if place is None or base is None or by_class is None or place not in ground.library.places:
         return None
     every = zip(by_class.causes, grouped(by_class), strict=True)

@@ -5,28 +5,12 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from symhyb.correction.adequacy.curves.answer import instead_of_class, is_law
-from symhyb.correction.adequacy.judge import Adequacy, adequacy
-from symhyb.correction.adequacy.recorded import Recorded, recorded
-from symhyb.correction.search.preparing import prepare, settle
-from symhyb.correction.search.trajectory import refine
-from symhyb.data.recording import Recording
+from symhyb.correction.adequacy.curves.answer import instead_of_class
 from symhyb.laws.characteristic import through
 from symhyb.model.types import On
-from tests.pushed import pushed_model, resisted
+from tests.pushed import judged, resisted
 
 Force = Callable[[float, float], float]
-
-
-def judged(recording: Recording) -> tuple[Recorded, Adequacy]:
-    """The judgement of the model as it is."""
-    prepared = prepare(pushed_model(), recording)
-    setting = settle(prepared)
-    cuts = setting.stages[-1].cuts
-    final = refine(prepared.model, (), (), cuts, setting.sd)
-    ground = recorded(prepared, setting)
-    assert ground is not None
-    return ground, adequacy(prepared, setting, final, (final, cuts))
 
 
 def rubber(x: float, v: float) -> float:
@@ -35,7 +19,7 @@ def rubber(x: float, v: float) -> float:
 
 def test_a_force_without_a_name_becomes_a_curve() -> None:
     ground, found = judged(resisted(2, rubber))
-    assert is_law(found) == On("x")
+    assert found.certain("law") == On("x")
     answer = instead_of_class(ground, found)
     assert answer is not None
     (curve,) = answer.causes
@@ -64,7 +48,7 @@ def test_a_force_of_both_is_a_factor_or_a_sum(
     force: Force, kinds: dict[str, tuple[tuple[str, str], ...]]
 ) -> None:
     ground, found = judged(resisted(3, force))
-    assert is_law(found) == On("x")
+    assert found.certain("law") == On("x")
     answer = instead_of_class(ground, found)
     assert answer is not None
     assert {cause.kind: cause.options for cause in answer.causes} == kinds
@@ -73,18 +57,18 @@ def test_a_force_of_both_is_a_factor_or_a_sum(
 @pytest.mark.slow
 def test_a_force_that_is_no_product_and_no_sum_is_no_curve() -> None:
     ground, found = judged(resisted(3, lambda x, v: 0.5 * np.tanh(3 * (x + 0.3 * v))))
-    assert is_law(found) == On("x")
+    assert found.certain("law") == On("x")
     assert instead_of_class(ground, found) is None
 
 
 @pytest.mark.slow
 def test_a_listed_law_is_told_by_name() -> None:
     ground, found = judged(resisted(4, lambda x, v: 0.3 * abs(v) * v))
-    answer = instead_of_class(ground, found) if is_law(found) else None
+    answer = instead_of_class(ground, found) if found.certain("law") else None
     assert answer is None or [cause.kind for cause in answer.causes] == ["drag"]
 
 
 def test_where_nothing_acts_there_is_no_curve() -> None:
     ground, found = judged(resisted(5, lambda x, v: 0.0))
-    assert is_law(found) is None
+    assert found.certain("law") is None
     assert instead_of_class(ground, found) is None

@@ -14,27 +14,15 @@ from symhyb.correction.adequacy.in_time.changing_number import (
     number_at,
 )
 from symhyb.correction.adequacy.in_time.placing import _best_pair, _points
-from symhyb.correction.adequacy.judge import Adequacy, adequacy
-from symhyb.correction.adequacy.recorded import Recorded, recorded
+from symhyb.correction.adequacy.judge import adequacy
+from symhyb.correction.adequacy.recorded import recorded
 from symhyb.correction.search.preparing import prepare, settle
 from symhyb.correction.search.trajectory import refine
-from symhyb.data.recording import Recording
 from tests.changing import changing, drifted, one, pulsed, staged, stepped
-from tests.pushed import pushed_model
+from tests.pushed import judged, pushed_model
 
 T = np.arange(0.0, 20.0, 0.02)
 RANDOM = np.random.default_rng(3)
-
-
-def judged(recording: Recording) -> tuple[Recorded, Adequacy]:
-    """The judgement of the model as it is."""
-    prepared = prepare(pushed_model(), recording)
-    setting = settle(prepared)
-    cuts = setting.stages[-1].cuts
-    final = refine(prepared.model, (), (), cuts, setting.sd)
-    ground = recorded(prepared, setting)
-    assert ground is not None
-    return ground, adequacy(prepared, setting, final, (final, cuts))
 
 
 @cache
