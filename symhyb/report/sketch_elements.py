@@ -7,6 +7,7 @@ from symhyb.report.series import Array
 from symhyb.report.sketch_draft import BOX, Draft, mover_of
 from symhyb.report.symbols import across, arc, ground, symbol
 
+RIDING = frozenset({"added_mass", "mode"})  # on what moves, and not held by the ground
 PUSHING = frozenset({"force", "torque", "law", "constant", "harmonic", "ripple", "network"})
 
 
@@ -83,6 +84,10 @@ def _draw_sliding(draft: Draft, element: Element, body: str, along: Array) -> No
     wall = end - along * 3.6 * draft.size
     if element.kind in PUSHING:
         draft.add("arrow", [wall + 1.4 * along * draft.size, end], "input", element.name)
+    elif element.kind in RIDING:
+        wall = end - along * 1.8 * draft.size
+        for line in symbol(element, wall, end, 0.8 * draft.size):
+            draft.add("line", line, "element", element.name)
     else:
         wall = draft.held.setdefault(element.name, wall - along * draft.room(body, along))
         for line in symbol(element, wall, end, 0.8 * draft.size):

@@ -107,7 +107,29 @@ def _in_series(a: Array, b: Array, size: float) -> Lines:
     return [*_zigzag(a, middle, size), *_dashpot(middle, b, size)]
 
 
+def _carried(a: Array, b: Array, size: float) -> Lines:
+    """A box whose middle is at ``a`` on a rod."""
+    box, near = _box(a, b, size)
+    return [box, np.array([near, b])]
+
+
+def _sprung(a: Array, b: Array, size: float) -> Lines:
+    """A box whose middle is at ``a`` on a spring."""
+    box, near = _box(a, b, size)
+    return [box, *_zigzag(near, b, size, 0.1, 0.9)]
+
+
+def _box(a: Array, b: Array, size: float) -> tuple[Array, Array]:
+    """A square (5, 2) about ``a``, and the middle (2,) of its side towards ``b``."""
+    along, left = (0.5 * size * one for one in across(a, b))
+    corners = [a + along + left, a + along - left, a - along - left, a - along + left]
+    return np.array([*corners, corners[0]]), a + along
+
+
 _SYMBOLS: dict[str, Callable[[Array, Array, float], Lines]] = {
+    "added_mass": _carried,
+    "mode": _sprung,
+    "payload": _carried,
     "spring": _zigzag,
     "damper": _dashpot,
     "damper_kinked": _dashpot,

@@ -39,6 +39,15 @@ def test_a_curve_is_drawn_as_what_it_does(words: tuple[tuple[str, str], ...], ki
     assert all(np.array_equal(x, y) for x, y in zip(lines, others, strict=True))
 
 
+@pytest.mark.parametrize("kind", ["added_mass", "mode", "payload"])
+def test_what_rides_is_a_box_that_hangs_on_its_place(kind: str) -> None:
+    a, b = np.zeros(2), np.array([0.0, 3.0])
+    box, *rest = symbol(of_kind(kind), a, b, 0.5)
+    assert box.mean(axis=0) == pytest.approx(a, abs=0.06)
+    assert np.ptp(box, axis=0) == pytest.approx([0.5, 0.5])
+    assert rest[-1][-1] == pytest.approx(b)
+
+
 def test_two_places_that_are_one_give_finite_lines() -> None:
     a = np.zeros(2)
     assert np.isfinite(np.vstack(symbol(of_kind("spring"), a, a, 0.5))).all()
