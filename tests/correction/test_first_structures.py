@@ -8,8 +8,10 @@ import pytest
 from builders import model_of, recording
 from scipy.integrate import solve_ivp
 
+from symhyb.correction.search import first_structures
 from symhyb.correction.search.first_structures import begun_along
 from symhyb.correction.search.preparing import prepare, settle
+from symhyb.correction.search.selection import Problem, Subset
 from symhyb.correction.search.setting import Setting, along_motion
 from symhyb.correction.search.trials import Trials
 
@@ -93,3 +95,21 @@ def test_without_a_stated_sd_nothing_more_is_begun_with() -> None:
     trials = Trials(setting, lambda line: None)
     problems = [along_motion(setting, setting.stages[0])]
     assert not list(begun_along(trials, trials.refined(()), problems))
+
+
+def test_a_parameter_that_is_in_every_structure_is_in_none_twice(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """What is known to its sd can be told from itself, so that a screen may choose it once more."""
+    setting = geared()
+    trials = Trials(setting, lambda line: None)
+    problem = along_motion(setting, setting.stages[0])
+    first = next(i for i, one in enumerate(problem.hypotheses) if one.kind == "parameter")
+
+    def greedy(problem: Problem, largest: int) -> list[list[Subset]]:
+        nothing = Subset((), np.empty(0), 1e12, 0.0, 0)
+        return [[nothing], [Subset((first,), np.zeros(1), 1.0, 0.0, 1)]][: largest + 1]
+
+    monkeypatch.setattr(first_structures, "best_subsets", greedy)
+    for causes, _ in begun_along(trials, trials.refined(()), [problem]):
+        assert len({*causes}) == len(causes)

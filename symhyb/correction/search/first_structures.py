@@ -54,7 +54,7 @@ def begun_along(
     seen: set[frozenset[object]] = set()
     for many in range(1, LAWS_MOST + 1):
         for problem in free:
-            subset = _promised(trials, nothing, _with_parameters(problem, numbers), many)
+            subset = _promised(trials, nothing, problem, numbers, many)
             if subset is None:
                 continue
             family = frozenset(trials.known[cause].family for cause in subset.causes)
@@ -64,14 +64,23 @@ def begun_along(
                 yield whole.causes, first_guess(problem, whole)
 
 
-def _promised(trials: Trials, nothing: Refined, problem: Problem, many: int) -> Subset | None:
-    """The subset of so many causes that leaves least, if its screening gain is large enough."""
-    sizes = best_subsets(problem, many)
-    if len(sizes) <= many:
+def _promised(
+    trials: Trials, nothing: Refined, problem: Problem, numbers: Sequence[int], many: int
+) -> Subset | None:
+    """The subset of so many causes beside these parameters that leaves least, if its screening gain
+    is large enough."""
+    sizes = best_subsets(_with_parameters(problem, numbers), many)
+    more = [one for one in sizes[many] if _apart(one, numbers)] if len(sizes) > many else []
+    if not more:
         return None
-    (empty, *_), (best, *_) = sizes[0], sizes[many]
+    (empty, *_), (best, *_) = sizes[0], more
     promised = _gain(trials, nothing, empty, best, _unit(best, nothing), MOST) > 0
     return best if promised else None
+
+
+def _apart(subset: Subset, numbers: Sequence[int]) -> bool:
+    """Whether none of these parameters is chosen once more."""
+    return not {*subset.causes} & {*numbers}
 
 
 def _unit(best: Subset, nothing: Refined) -> float:
