@@ -48,7 +48,7 @@ class _Law(NamedTuple):
 def listed(recorded: Recorded, line: Line) -> list[Listed]:
     """The laws that are functions of the quantity of a line alone: one, two, and three of them, the
     set of each size that is worth most, of these the one that is worth most first; of each law the
-    shape that is worth most. Of bent laws, which stand between simpler ones, a set has one at most.
+    shape that is worth most. A bent law, which stands between simpler ones, is a set by itself.
     The evidence pays for their choice among all candidates."""
     count = len({cause.family for cause in recorded.hypotheses})
     best: dict[object, _Law] = {}
@@ -63,7 +63,7 @@ def listed(recorded: Recorded, line: Line) -> list[Listed]:
         for chosen in combinations(laws, size):
             if any(a.cause.extends(b.cause) for a, b in permutations(chosen, 2)):
                 continue
-            if sum(law.cause.bent for law in chosen) > 1:  # these are a curve by other names
+            if size > 1 and any(law.cause.bent for law in chosen):  # a curve by other names
                 continue
             worth, values = worth_of(line, np.concatenate([law.columns for law in chosen], axis=1))
             rows = _rows(chosen, values)

@@ -95,3 +95,10 @@ def test_a_force_of_the_rate_that_comes_and_goes_is_worth_more_as_a_curve() -> N
     force = np.sin(1.5 * SEEN)
     recorded, line = offered(RATE, force, noise=0.03)
     assert placed(line).worth > listed(recorded, line)[0].worth + 50
+
+
+def test_a_bent_law_is_a_set_by_itself() -> None:
+    recorded, line = offered(RATE, 2.0 * SEEN / (1 + SEEN**2) + 0.5 * np.sign(SEEN))
+    sets = [one.causes for one in listed(recorded, line)]
+    assert any(cause.bent for causes in sets for cause in causes)
+    assert all(len(causes) == 1 for causes in sets if any(cause.bent for cause in causes))
