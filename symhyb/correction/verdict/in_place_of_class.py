@@ -9,7 +9,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from symhyb.correction.adequacy.curves.answer import instead_of_class
+from symhyb.correction.adequacy.curves.answer import (
+    instead_of_class,
+    instead_of_many,
+    side_by_side,
+)
+from symhyb.correction.adequacy.curves.courses import Form
 from symhyb.correction.adequacy.judge import Adequacy
 from symhyb.correction.adequacy.named_mode import modes_instead
 from symhyb.correction.adequacy.recorded import recorded
@@ -26,16 +31,23 @@ from symhyb.steps import Say
 
 def with_law(prepared: Prepared, choice: Choice, judged: Adequacy, say: Say) -> Choice | None:
     """The choice with what explains what was ``judged`` to be a force of stretch and rate, as a
-    curve or by listed laws that are as good, or to be a hidden mode, as a mode; None where nothing
-    does, or the windows do not agree."""
+    curve or by listed laws that are as good, or to be a hidden mode, as a mode; or with a curve in
+    the place of more laws of one quantity than may stand for one. None where nothing does, or the
+    windows do not agree."""
     if _place(judged) is None or choice.misfits:
         return None
-    curve = judged.certain("law") is not None
-    say(f"fitting a {'curve' if curve else 'mode'} to a force without a name")
+    mode = judged.certain("hidden mode") is not None
+    say(f"fitting a {'mode' if mode else 'curve'} to a force without a name")
     ground = recorded(prepared, choice.setting)
     if ground is None:
         return None
-    found = instead_of_class(ground, judged) if curve else modes_instead(ground, judged)
+    found, many = None, _many(judged)
+    if judged.certain("law") is not None:
+        found = instead_of_class(ground, judged)
+    elif mode:
+        found = modes_instead(ground, judged)
+    elif many is not None:
+        found = instead_of_many(ground, judged, *many)
     if found is None:
         return None
     decision = decide_with(choice.setting, choice.decision, found.causes, grouped(found), say)
@@ -79,6 +91,13 @@ def _numbers(trial: Refined | Fitted) -> dict[tuple[Hypothesis, str], tuple[floa
 
 
 def _place(judged: Adequacy) -> Place | None:
-    """Where a class acts that a law may be fitted in place of."""
-    at = judged.certain("law")
-    return judged.certain("hidden mode") if at is None else at
+    """Where a class acts that a law may be fitted in place of, or so many laws of one quantity that
+    a curve may be."""
+    at = judged.certain("law") or judged.certain("hidden mode")
+    many = _many(judged)
+    return many[0] if at is None and many is not None else at
+
+
+def _many(judged: Adequacy) -> tuple[Place, Form] | None:
+    """The laws of one quantity at one place that are more than stand for a curve."""
+    return None if judged.structure is None else side_by_side(judged.structure.causes)

@@ -23,9 +23,19 @@ def quantities(cause: Hypothesis) -> frozenset[str]:
         }
         return frozenset(word for order, word in _ORDERS if order in orders)
     law = KINDS[cause.kind]
+    if law.switch == "touches":  # a stop, which may be damped
+        return frozenset(("stretch", *(("rate",) if "damping" in cause.keys else ())))
     if law.energy == "dissipative":
         return frozenset(("rate",))
     return frozenset() if law.steady and law.at_rest else frozenset(("stretch",))
+
+
+def memoryless(cause: Hypothesis) -> bool:
+    """Whether a force is a function of stretch and rate alone, with a name or without."""
+    law = KINDS.get(cause.kind)
+    if cause.kind == LAW or cause.points:
+        return True
+    return law is not None and law.of_state and not (law.states or law.inertial)
 
 
 def smooth(cause: Hypothesis) -> bool:

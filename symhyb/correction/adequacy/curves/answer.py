@@ -16,13 +16,15 @@ from dataclasses import replace
 
 from symhyb.correction.adequacy.curves.courses import ALONE, FORMS, Form
 from symhyb.correction.adequacy.curves.fitted_curve import Offer, beside, offered
-from symhyb.correction.adequacy.curves.listed import listed
+from symhyb.correction.adequacy.curves.listed import TOGETHER, listed
 from symhyb.correction.adequacy.explained import Decided, remainder
 from symhyb.correction.adequacy.followed import likeliest, scored
 from symhyb.correction.adequacy.judge import Adequacy
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Fitted, fitted
 from symhyb.correction.search.trajectory import grouped
+from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.discrepancy.places.quantities import memoryless, quantities
 from symhyb.judgement import CERTAIN, HOPELESS, SMALL
 from symhyb.model.types import Place
 
@@ -65,6 +67,40 @@ def instead_of_class(ground: Recorded, judged: Adequacy) -> Fitted | None:
         return None
     added = _side_by_side(ground, bare, place, offers)
     return added if added is not None and explains(added, None) else None
+
+
+def side_by_side(causes: Sequence[Hypothesis]) -> tuple[Place, Form] | None:
+    """The place and the quantity of more laws than may stand for a curve; None where no place has
+    so many."""
+    for place in dict.fromkeys(cause.place for cause in causes if cause.place is not None):
+        for form in ALONE:
+            if sum(_of_one(cause, place, form) for cause in causes) > TOGETHER:
+                return place, form
+    return None
+
+
+def _of_one(cause: Hypothesis, place: Place, form: Form) -> bool:
+    """Whether a law with a name is at a place and a function of one quantity alone."""
+    mine = cause.place == place and not cause.points and memoryless(cause)
+    return mine and quantities(cause) <= {form.over}
+
+
+def instead_of_many(ground: Recorded, judged: Adequacy, place: Place, form: Form) -> Fitted | None:
+    """The structure, along whole recordings, with a curve, or listed laws that are as good, in the
+    place of more laws than may stand for a curve; None where it is not more likely."""
+    base = judged.structure
+    if base is None or place not in ground.library.places:
+        return None
+    every = zip(base.causes, grouped(base), strict=True)
+    elsewhere = [(cause, row) for cause, row in every if not _of_one(cause, place, form)]
+    bare = likeliest(ground, [one for one, _ in elsewhere], [row for _, row in elsewhere])
+    offers = [] if bare.fit.reason else _offers(ground, bare, place, (form,))
+    if not offers:
+        return None
+    curve = beside(ground, bare, offers[0])
+    if curve.fit.reason or curve.evidence < base.evidence + CERTAIN:
+        return None
+    return _shorter(curve, _by_name(ground, bare, curve, offers[0]))
 
 
 def _offers(ground: Recorded, around: Fitted, place: Place, forms: Sequence[Form]) -> list[Offer]:
