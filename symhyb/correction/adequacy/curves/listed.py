@@ -48,7 +48,8 @@ class _Law(NamedTuple):
 def listed(recorded: Recorded, line: Line) -> list[Listed]:
     """The laws that are functions of the quantity of a line alone: one, two, and three of them, the
     set of each size that is worth most, of these the one that is worth most first; of each law the
-    shape that is worth most. A bent law, which stands between simpler ones, is a set by itself.
+    shape that is worth most. A bent law, which stands between simpler ones, is a set by
+    itself; each of them is given, for the keys by which it bends are fitted afterwards.
     The evidence pays for their choice among all candidates."""
     count = len({cause.family for cause in recorded.hypotheses})
     best: dict[object, _Law] = {}
@@ -70,7 +71,8 @@ def listed(recorded: Recorded, line: Line) -> list[Listed]:
             if rows is not None:
                 causes = tuple(law.cause for law in chosen)
                 sets.append(Listed(causes, rows, worth - size * float(np.log(max(count, 2)))))
-        found += sorted(sets, key=lambda one: -one.worth)[:1]
+        sets.sort(key=lambda one: -one.worth)
+        found += [one for i, one in enumerate(sets) if i == 0 or one.causes[0].bent]
     return sorted(found, key=lambda one: -one.worth)
 
 
