@@ -43,6 +43,20 @@ def _named(name: str) -> str:
     return f"Name(name={name!r}"
 
 
+def require_plain_inputs(model: Model) -> None:
+    """Refuse inputs to which something is done before they act, which no exported model holds.
+
+    Raises:
+        InputError: inputs with a delay or an actuator.
+    """
+    problems = [
+        Problem(f"{has}, which no exported model holds; {cure}", f"inputs.{name}", model.file)
+        for name, (has, cure) in left_to_host(model).items()
+    ]
+    if problems:
+        raise InputError(problems)
+
+
 def left_to_host(model: Model) -> dict[str, tuple[str, str]]:
     """Of each input what a host has to do to the signal before it gives it: what it has, and the
     cure, in words."""

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symhyb.errors import InputError, Problem
-from symhyb.export.functions.exportable import left_to_host, owners, require_force_elements
+from symhyb.export.functions.exportable import owners, require_force_elements, require_plain_inputs
 from symhyb.export.functions.holes import Hole, Parts, filled, parts_of
 from symhyb.export.functions.modes import Modes, Names, calmed
 from symhyb.model.bare import bare
@@ -168,12 +168,7 @@ def export_machine(model: Model, events: bool = False) -> Exported:
         InputError: an input with a delay or an actuator; or what
             :func:`symhyb.numeric.lowered.machine.build` refuses.
     """
-    problems = [
-        Problem(f"{has}, which no exported model holds; {cure}", f"inputs.{name}", model.file)
-        for name, (has, cure) in left_to_host(model).items()
-    ]
-    if problems:
-        raise InputError(problems)
+    require_plain_inputs(model)
     machine = build(model)
     bare, among = _without_networks(machine)
     form = state_form(bare)
