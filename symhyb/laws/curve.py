@@ -14,7 +14,7 @@ OVER = {"stretch": "s", "rate": "s'"}
 TIMES = {"rate": "s'", "square": "abs(s')*s'"}
 SPEED_POWERS = {"": 0, "rate": 1, "square": 2}  # in what a curve is a factor of
 SYMBOLS = {"": "F", "rate": "d", "square": "b"}  # of the values of a curve
-_NOUNS = {"rate": "damping", "square": "drag"}
+NOUNS = {"rate": "damping", "square": "drag"}
 _VALUE = "f"  # of the names of unknown values
 _TOLD = 5  # points whose values a sentence tells
 _DIGITS = 3  # of where they are
@@ -66,7 +66,7 @@ def _phrase(n: Numbers, options: Options) -> Phrase | None:
     if len(terms) < 2:
         return None
     over, times = options.get("over", "stretch"), options.get("times", "")
-    noun = _NOUNS.get(times) or ("torque" if n.turns else "force")
+    noun = NOUNS.get(times) or ("torque" if n.turns else "force")
     x = [n.place(term)[0] for term in terms]
     bent = _bent(x, [n.value(term) for term in terms], over)
     shown = _shown([n.value(term) for term in terms])

@@ -3,10 +3,10 @@
 import numpy as np
 
 from symhyb.discrepancy.results import Found
+from symhyb.laws.curve import NOUNS
 from symhyb.report.canvas import BAND, LAW, QUIET, bracketed, drawing, legend, svg
 
 FINE = 400  # points of the drawn line
-NOUNS = {"rate": "damping", "square": "drag"}
 
 
 def coefficient_figure(effect: Found) -> bytes:

@@ -12,7 +12,7 @@ import numpy as np
 from symhyb.correction.adequacy.curves.answer import (
     instead_of_class,
     instead_of_many,
-    side_by_side,
+    many_of_one,
 )
 from symhyb.correction.adequacy.curves.courses import Form
 from symhyb.correction.adequacy.judge import Adequacy
@@ -100,4 +100,4 @@ def _place(judged: Adequacy) -> Place | None:
 
 def _many(judged: Adequacy) -> tuple[Place, Form] | None:
     """The laws of one quantity at one place that are more than stand for a curve."""
-    return None if judged.structure is None else side_by_side(judged.structure.causes)
+    return None if judged.structure is None else many_of_one(judged.structure.causes)

@@ -41,7 +41,5 @@ def memoryless(cause: Hypothesis) -> bool:
 def smooth(cause: Hypothesis) -> bool:
     """Whether a force with a name is a smooth function of them: without memory, without a jump,
     which no smooth force has."""
-    law = KINDS.get(cause.kind)
-    if law is None or cause.kind == LAW or cause.points:
-        return False
-    return law.of_state and not (law.states or law.inertial or law.steep)
+    named = cause.kind != LAW and not cause.points
+    return named and memoryless(cause) and not KINDS[cause.kind].steep

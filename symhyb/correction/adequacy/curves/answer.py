@@ -11,7 +11,7 @@ Where laws by name are less likely than the curve, but not by 100 to 1, neither 
 stays. All are compared by the evidence of the innovations along whole recordings.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from symhyb.correction.adequacy.curves.courses import ALONE, FORMS, Form
@@ -58,18 +58,18 @@ def instead_of_class(ground: Recorded, judged: Adequacy) -> Fitted | None:
 
     offers = _offers(ground, bare, place, FORMS)
     promising = [one for one in offers if bare.evidence + one.worth > least(one.form) - HOPELESS]
-    found = [(beside(ground, bare, offer), offer) for offer in promising]
-    curves = [(trial, offer) for trial, offer in found if explains(trial, offer.form)]
+    fits = {offer.form: beside(ground, bare, offer) for offer in promising}
+    curves = [(fits[one.form], one) for one in promising if explains(fits[one.form], one.form)]
     if curves:
         curve, offer = max(curves, key=lambda pair: pair[0].evidence)
         return _shorter(curve, _by_name(ground, bare, curve, offer))
     if one_of:
         return None
-    added = _side_by_side(ground, bare, place, offers)
+    added = _curve_and_laws(ground, bare, place, offers, fits)
     return added if added is not None and explains(added, None) else None
 
 
-def side_by_side(causes: Sequence[Hypothesis]) -> tuple[Place, Form] | None:
+def many_of_one(causes: Sequence[Hypothesis]) -> tuple[Place, Form] | None:
     """The place and the quantity of more laws than may stand for a curve; None where no place has
     so many."""
     for place in dict.fromkeys(cause.place for cause in causes if cause.place is not None):
@@ -118,23 +118,25 @@ def _shorter(curve: Fitted, named: Fitted | None) -> Fitted | None:
     return named if named.evidence >= curve.evidence else None
 
 
-def _side_by_side(
+def _curve_and_laws(
     ground: Recorded,
     bare: Fitted,
     place: Place,
     offers: Sequence[Offer],
+    fits: Mapping[Form, Fitted],
 ) -> Fitted | None:
     """The structure with a curve over the stretch or the rate, and laws by name over the other one
     that are as good as a curve there; None where none are. Two curves have no levels of their
     own: a constant of one is as well one of the other. The points of each are chosen beside the
-    other one, in turn, as long as that is likelier (backfitting)."""
+    other one, in turn, as long as that is likelier (backfitting). Those ``offers`` that were fitted
+    already have their ``fits``."""
     fixed = next((one for one in offers if one.form in ALONE), None)
     pairs: list[Fitted] = []
     named: list[Fitted] = []
     for turn in range(TURNS):
         if fixed is None:
             break
-        first = beside(ground, bare, fixed)
+        first = (fits.get(fixed.form) if turn == 0 else None) or beside(ground, bare, fixed)
         others = [form for form in ALONE if form != fixed.form]
         more = next(iter(_offers(ground, first, place, others)), None)
         if first.fit.reason or more is None:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from symhyb.correction.adequacy.curves.answer import side_by_side
+from symhyb.correction.adequacy.curves.answer import many_of_one
 from symhyb.correction.adequacy.curves.courses import Form
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.model.types import On, Place
@@ -22,13 +22,13 @@ NUMBER = Hypothesis("parameter", None, ("value",), (True,), path="k")
 
 
 def test_four_laws_of_the_stretch_at_one_place_are_many() -> None:
-    assert side_by_side([NUMBER, *SPRINGS, STOP]) == (X, Form("stretch"))
-    assert side_by_side([*SPRINGS, RIPPLE, *LOSSES]) == (X, Form("stretch"))
+    assert many_of_one([NUMBER, *SPRINGS, STOP]) == (X, Form("stretch"))
+    assert many_of_one([*SPRINGS, RIPPLE, *LOSSES]) == (X, Form("stretch"))
 
 
 def test_so_are_four_of_the_rate() -> None:
     cube = Hypothesis("law", X, ("coefficient",), (False,), path="x'**3")
-    assert side_by_side([*LOSSES, cube]) == (X, Form("rate"))
+    assert many_of_one([*LOSSES, cube]) == (X, Form("rate"))
 
 
 @pytest.mark.parametrize(
@@ -43,4 +43,4 @@ def test_so_are_four_of_the_rate() -> None:
     ],
 )
 def test_what_is_no_function_of_that_quantity_there_does_not_count(more: Hypothesis) -> None:
-    assert side_by_side([*SPRINGS, more]) is None
+    assert many_of_one([*SPRINGS, more]) is None
