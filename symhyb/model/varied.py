@@ -30,7 +30,9 @@ _SECTIONS = (
     "constraints",
     "sensors",
 )
-_WORDS = frozenset({"kind", "about", "unit", "units", "over", "side", "curve", "file", "found"})
+_WORDS = frozenset(
+    {"kind", "about", "unit", "units", "over", "times", "side", "curve", "file", "found"}
+)
 _DECLARED = (Parameter, Curve)
 
 

@@ -156,11 +156,12 @@ def with_changing(answer: Diagnosis, one: Changing) -> Diagnosis:
         sentence, verdict = f"{answer.sentence} Besides, {said}", answer.verdict
     else:
         verdict = "parameters" if found.parameter else "measurement"
-        what = "one of its numbers" if found.parameter else "the factor of an input"
-        sentence = f"The model lacks no physics, but {what} changes with time: {said}"
-        if answer.verdict != "nothing missing":
-            what = what.replace("one of its numbers", "a number of the model")
-            sentence = f"{what[:1].upper()}{what[1:]} changes with time: {said} {answer.sentence}"
+        if answer.verdict == "nothing missing":
+            what = "one of its numbers" if found.parameter else "the factor of an input"
+            sentence = f"The model lacks no physics, but {what} changes with time: {said}"
+        else:
+            what = "A number of the model" if found.parameter else "The factor of an input"
+            sentence = f"{what} changes with time: {said} {answer.sentence}"
     return replace(
         answer,
         verdict=verdict,
