@@ -27,6 +27,7 @@ OTHERS = {
     "correction/adequacy/classes/columns.py": {"FINEST": "numerics", "PUSHED": "numerics"},
     "correction/adequacy/recorded.py": {"SAMPLES_LEAST": "work"},
     "correction/adequacy/curves/fitted_curve.py": {"STANDS": "iteration"},
+    "correction/adequacy/curves/product.py": {"STANDS": "iteration"},
     "correction/adequacy/named_mode.py": {"BEGINNINGS": "work"},
     "correction/adequacy/curves/points.py": {"POINTS_MOST": "work", "PATIENCE": "work"},
     "correction/adequacy/in_time/placing.py": {

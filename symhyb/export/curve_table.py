@@ -140,8 +140,7 @@ def _law(model: Model, element: Element) -> Law:
     except KeyError as error:
         text = f"its strength depends on {error}, which changes as the machine moves"
         raise _NoTableError(text) from None
-    if element.curve is not None:
-        values["curve"] = element.curve.characteristic
+    values |= element.given()
     act = kind.action
 
     def force(s: Array, r: Array) -> Array:

@@ -9,10 +9,42 @@ the points that it found.
 """
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
-from symhyb.laws.characteristic import Array, Characteristic, monotone_slopes
+from symhyb.laws.characteristic import Array, Characteristic, monotone_slopes, through
+
+
+class Part(NamedTuple):
+    """What the unknown value under a ``key`` multiplies: a ``curve`` over what the force is a
+    function of, and, ``by_stretch``, one over the stretch that this is multiplied by."""
+
+    key: str
+    curve: Characteristic
+    by_stretch: Characteristic | None = None
+
+
+def parts_of(
+    name: str,
+    values: Sequence[tuple[str, Sequence[float]]],
+    factors: Sequence[tuple[str, Sequence[float]]] = (),
+) -> tuple[Part, ...]:
+    """What each unknown of a curve through ``values``, keys with points (x, y, …), SI, multiplies.
+    With ``factors``, keys with points (s, w, …), it is multiplied by the curve through these,
+    F = y(x)·w(s): their unknowns are changes of w, and the force is that of a product to first
+    order. What has an empty key is as stated."""
+    (keys, points), names = zip(*values, strict=True), [key for key, _ in factors]
+    x, y, *_ = zip(*points, strict=True)
+    along = cardinals(name, x, y)
+    if not factors:
+        return tuple(Part(key, one) for key, one in zip(keys, along, strict=True) if key)
+    s, w, *_ = zip(*(point for _, point in factors), strict=True)
+    whole, by_stretch = through(name, x, y), through(f"{name} by stretch", s, w)
+    unknown = [Part(key, one, by_stretch) for key, one in zip(keys, along, strict=True) if key]
+    changed = cardinals(f"{name} by stretch", s, w)
+    unknown += [Part(key, whole, one) for key, one in zip(names, changed, strict=True) if key]
+    return tuple(unknown)
 
 
 def cardinals(name: str, x: Sequence[float], y: Sequence[float]) -> tuple[Characteristic, ...]:

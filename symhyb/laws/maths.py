@@ -15,8 +15,9 @@ from symhyb.laws.characteristic import Characteristic
 Value = Any
 """A SymPy expression, a NumPy array or a number, always in SI."""
 Values = Mapping[str, Value]
-"""The keys that are set, by name; of a ``curve`` its :class:`Characteristic` too, or the
-``parts`` of one whose values are unknown."""
+"""The keys that are set, by name; of a ``curve`` its :class:`Characteristic` too, and that of the
+stretch that it is multiplied by, or the :class:`~symhyb.laws.cardinal.Part` of each value that is
+unknown."""
 Options = Mapping[str, str]
 """The words of an element, by key: the ``side`` of a gap."""
 

@@ -39,9 +39,7 @@ def action_of(element: Element, at: Motion, values: Values) -> Action:
     law = KINDS.get(element.kind)
     if law is None or law.action is None:
         raise TypeError(f"no law for kind {element.kind!r}")
-    given: dict[str, object] = {"curve": element.curve.characteristic} if element.curve else {}
-    if element.parts:
-        given["parts"] = element.parts
+    given: dict[str, object] = element.given()
     does = law.action(SYMPY, at, {**values, **given}, dict(element.options))
     inner, rest = (tuple(ZERO + one for one in part) for part in (does.inner, does.rest))
     return Action(ZERO + does.force, ZERO + does.stored, inner, rest, ZERO + does.mass)

@@ -24,7 +24,7 @@ from symhyb.model.source import Path
 from symhyb.model.tables import Fault, shorten
 from symhyb.model.types import At, Between, Element, Model, On, Parameter
 from symhyb.model.vocabulary import KINDS, curve_units, key_unit, stretch_unit
-from symhyb.units import Unit
+from symhyb.units import ONE, Unit
 
 _HIGHEST = 20  # the highest power that a unit has
 
@@ -67,11 +67,22 @@ def _curve_faults(element: Element, curve: Curve, model: Model) -> Iterator[Faul
         text = "is for a curve over the stretch; one over the rate is a force by itself"
         yield ("elements", element.name, "times"), text
         return
-    key = "units" if curve.owned else "curve"
-    needed = curve_units(model, element.place, element.options)
+    path = ("elements", element.name, "units" if curve.owned else "curve")
+    yield from _unit_faults(path, curve, curve_units(model, element.place, element.options))
+    factor = element.by_stretch
+    if factor is None:
+        return
+    path = ("elements", element.name, "by_stretch")
+    if element.option("over", "") != "rate":
+        yield path, "is a factor of a curve over the rate; state over = 'rate', or leave it out"
+        return
+    yield from _unit_faults(path, factor, (stretch_unit(model, element.place), ONE))
+
+
+def _unit_faults(path: Path, curve: Curve, needed: tuple[Unit, Unit]) -> Iterator[Fault]:
     for axis, unit, wanted in zip("xy", curve.units, needed, strict=True):
         if not unit.same_dimension(wanted):
-            yield ("elements", element.name, key), f"{axis} of the curve is {unit}, needs {wanted}"
+            yield path, f"{axis} of the curve is {unit}, needs {wanted}"
 
 
 def _use(key: Key) -> Use:

@@ -191,6 +191,10 @@ def _element_facets(element: Element) -> Facets:
     if element.curve is not None:
         curve = element.curve
         facets |= _curve_facets(curve) if curve.owned else {"curve": curve.name}
+    if element.by_stretch is not None:
+        factor = element.by_stretch
+        said = _curve_facets(factor) if factor.owned else {"curve": factor.name}
+        facets |= {f"by_stretch {key}": text for key, text in said.items()}
     return {**facets, **{name: _quantity(own[name]) for name in own if name not in shown}}
 
 

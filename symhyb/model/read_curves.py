@@ -15,6 +15,7 @@ from symhyb.model.tables import Table, describe, shorten
 from symhyb.units import Unit, UnitError, parse_unit
 
 CURVE_KEYS = ("points", "file", "columns", "units", "interpolation", "extrapolation")
+BY_STRETCH = "by_stretch"  # of an element: what its curve over the rate is multiplied by
 ENDINGS = (".csv", ".tsv", ".txt", ".dat")
 RESULT = "simulation.csv"  # what a diagnosis leaves beside the corrected model and its files
 FAULTS_MOST = 10  # of points, that are told one by one
@@ -46,6 +47,30 @@ def read_own(table: Table, home: Path | None, curves: Mapping[str, Curve | None]
         known = did_you_mean(name, list(curves)) or "; state it under [curves]"
         table.fault(f"'{shorten(name)}' is not a known curve{known}", "curve")
     return curves.get(name)
+
+
+def read_factor(
+    table: Table, home: Path | None, curves: Mapping[str, Curve | None]
+) -> Curve | None:
+    """Read what a curve over the rate is multiplied by: a curve over the stretch in a table of its
+    own, or by its name one of ``curves``; None where nothing is stated, or a fault is noted."""
+    match table.entries.get(BY_STRETCH):
+        case None:
+            return None
+        case str(name) if name in curves:
+            return curves[name]
+        case str(name):
+            known = did_you_mean(name, list(curves)) or "; state it under [curves]"
+            table.fault(f"'{shorten(name)}' is not a known curve{known}", BY_STRETCH)
+        case dict():
+            own = table.table(BY_STRETCH)
+            assert own is not None
+            named = f"elements.{table.path[-1]}.{BY_STRETCH}"
+            return read_points(own.checked(CURVE_KEYS), home, named)
+        case other:
+            said = "must be a table with points and units, or the name of a curve"
+            table.fault(f"{said}, not {describe(other)}", BY_STRETCH)
+    return None
 
 
 def read_points(table: Table, home: Path | None, name: str) -> Curve | None:

@@ -7,7 +7,7 @@ from symhyb.errors import did_you_mean
 from symhyb.laws.base import Key, Law
 from symhyb.model.curves import Curve
 from symhyb.model.expression import Expression, Name
-from symhyb.model.read_curves import CURVE_KEYS, read_own
+from symhyb.model.read_curves import BY_STRETCH, CURVE_KEYS, read_factor, read_own
 from symhyb.model.read_network import NETWORK_KEYS, read_network
 from symhyb.model.read_space import kind_in, read_axes
 from symhyb.model.tables import Table, describe, shorten
@@ -42,7 +42,7 @@ def read_element(
         return None
     kind = kind_in(kind, dimension)
     trained, curved = kind.name == "network", kind.name == "curve"
-    more_keys = NETWORK_KEYS if trained else ("curve", *CURVE_KEYS) if curved else ()
+    more_keys = NETWORK_KEYS if trained else ("curve", BY_STRETCH, *CURVE_KEYS) if curved else ()
     vectorial = any(key.vector for key in kind.keys) and "at" in table.entries
     axes_keys = ("axes",) if vectorial and "axes" in table.entries else ()
     own_keys = (*(key.name for key in kind.keys), *more_keys, *axes_keys)
@@ -53,11 +53,13 @@ def read_element(
     about, found = table.about(), table.table("found")
     network = read_network(table) if trained else None
     curve = read_own(table, home, curves) if curved else None
+    by_stretch = read_factor(table, home, curves) if curved else None
     if place is None:
         return None
     values, options = _values(table, kind, place), _options(table, kind)
     options += read_axes(table, root.declared("bodies"), dimension) if axes_keys else ()
-    if (trained and network is None) or (curved and curve is None):
+    unread = by_stretch is None and BY_STRETCH in table.entries
+    if (trained and network is None) or (curved and (curve is None or unread)):
         return None
     if None in parameters:  # the fault is noted; without its unit the laws cannot be checked
         return None
@@ -72,6 +74,7 @@ def read_element(
         options=options,
         network=network,
         curve=curve,
+        by_stretch=by_stretch,
     )
 
 

@@ -140,6 +140,10 @@ def element_lines(element: Element) -> Iterator[str]:
     if element.curve is not None:
         own = element.curve.owned
         lines += _curve_entries(element.curve) if own else [("curve", _toml(element.curve.name))]
+    if element.by_stretch is not None:
+        factor = element.by_stretch
+        inner = ", ".join(f"{key} = {text}" for key, text in _curve_entries(factor))
+        lines.append(("by_stretch", f"{{ {inner} }}" if factor.owned else _toml(factor.name)))
     lines.append(("about", _toml(element.about)))
     if element.found:
         lines.append(("found", _inline(element.found)))

@@ -54,9 +54,9 @@ def curve_keys() -> dict[str, Schema]:
     }
 
 
-def curve() -> Schema:
-    """A curve of ``[curves]``."""
-    keys = {**curve_keys(), "about": text("text for people")}
+def curve(*, named: bool = True) -> Schema:
+    """A curve of ``[curves]``, or one inside an element, which is not ``named``."""
+    keys = {**curve_keys(), **({"about": text("text for people")} if named else {})}
     return table(keys, oneOf=one_given(("points", "file")), dependencies={"columns": ["file"]})
 
 
@@ -88,6 +88,10 @@ def _element(law: Law) -> Schema:
     rules = _rules(law)
     if law.name == "curve":
         keys |= {**curve_keys(), "curve": text("the name of a curve of the model")}
+        keys["by_stretch"] = {
+            "description": "what a curve over the rate is multiplied by: one over the stretch",
+            "oneOf": [curve(named=False), text("the name of a curve of the model")],
+        }
         rules["anyOf"] = one_given(("points", "file", "curve"))
     return table({**keys, **SURROUNDINGS}, needs, title=law.name, **rules)
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, fields
 from functools import lru_cache
 
 from symhyb.by_name import Items, name_items
+from symhyb.laws.cardinal import Part
 from symhyb.laws.characteristic import Characteristic
 from symhyb.model.actuators import numbers_of
 from symhyb.model.constraints import Assembly, Constraint
@@ -233,8 +234,9 @@ class Element:
 
     ``parameters`` are the element's own; its expressions see them before the model's.
     ``found`` is the provenance of a discovered element (a plain mapping as pairs), else empty.
-    ``curve`` is the characteristic of a curve, its own or one of the model; of a curve whose values
-    are unknown there are ``parts`` instead: the function that each of its parameters multiplies.
+    ``curve`` is the characteristic of a curve, its own or one of the model, and ``by_stretch`` the
+    one that it is multiplied by; of a curve whose values are unknown there are ``parts`` instead:
+    the function that each of its parameters multiplies.
     """
 
     name: str
@@ -247,7 +249,8 @@ class Element:
     options: tuple[tuple[str, str], ...] = ()
     network: Network | None = None
     curve: Curve | None = None
-    parts: tuple[Characteristic, ...] = ()
+    by_stretch: Curve | None = None
+    parts: tuple[Part, ...] = ()
 
     def __post_init__(self) -> None:
         name_items(self, "parameters")
@@ -263,6 +266,15 @@ class Element:
     def value(self, key: str) -> Expression | None:
         """The expression under ``key``, or None where the file leaves it unset."""
         return dict(self.values).get(key)
+
+    def given(self) -> dict[str, object]:
+        """What its law computes with that is no number, by name: curves, SI."""
+        entries = {
+            "curve": self.curve and self.curve.characteristic,
+            "by_stretch": self.by_stretch and self.by_stretch.characteristic,
+            "parts": self.parts,
+        }
+        return {key: value for key, value in entries.items() if value}
 
 
 @dataclass(frozen=True, slots=True)
@@ -349,8 +361,8 @@ class Model:
 
     def all_curves(self) -> tuple[Curve, ...]:
         """The curves of the file, then those of elements, each once."""
-        own = (element.curve for element in self.elements if element.curve is not None)
-        return tuple(dict.fromkeys((*self.curves, *own)))
+        own = (one for element in self.elements for one in (element.curve, element.by_stretch))
+        return tuple(dict.fromkeys((*self.curves, *filter(None, own))))
 
     def characteristics(self) -> dict[str, Characteristic]:
         """The curves of the file by name, SI."""

@@ -128,7 +128,7 @@ def cloud_pictures(diagnosis: Diagnosis, verdict: Verdict, model: Model | None) 
             f"The {coefficient_of(effect)} that was found {place_text(effect.element.place)}, over "
             "the stretch.",
             f"The {coefficient_of(effect)} {place_text(effect.element.place)}, which changes with "
-            "the stretch: points of the found curve, and a band of two of their standard "
+            "the stretch: points of what was found, and a band of two of their standard "
             "deviations.",
         )
         for effect in diagnosis.found
@@ -174,7 +174,7 @@ def _marks_at(cloud: Cloud, diagnosis: Diagnosis) -> list[figures.Marks]:
         if element.curve is not None and alone and element.place == cloud.place:
             along, up = (unit.factor for unit in element.curve.units)
             x, force = np.array(element.curve.points).T
-            sd = np.array([one.sd for one in effect.estimates])
+            sd = np.array(dict(element.found)["sd"])
             over = element.option("over", "stretch")
             found.append(figures.Marks(over, along * x, -up * force, up * sd))
     return found

@@ -4,6 +4,7 @@ import hashlib
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from symhyb.errors import InputError
@@ -13,6 +14,8 @@ from symhyb.model.read import parse_model, read_model
 from symhyb.model.render import render
 from symhyb.model.types import Model
 from symhyb.model.write import append_elements, write_model
+from symhyb.numeric.kernels.buffers import call
+from symhyb.numeric.lowered.machine import build
 from tests.builders import DRIVEN_MASS
 
 STRUT = """[elements.strut]
@@ -38,6 +41,21 @@ on = "x"
 over = "rate"
 curve = "valve"
 """
+
+
+BY_STRETCH = (
+    STRUT
+    + 'by_stretch = { points = [[-40, 3.0], [0, 1.0], [30, 2.0]], units = ["mm", "1"], '
+    + 'extrapolation = "hold" }\n'
+)
+BY_NAME = (
+    """[curves.zone]
+points = [[-40, 3.0], [0, 1.0], [30, 2.0]]
+units = ["mm", "1"]
+"""
+    + STRUT
+    + 'by_stretch = "zone"\n'
+)
 
 
 def problems(text: str, file: str = "m.toml") -> list[str]:
@@ -87,7 +105,11 @@ def test_units_may_stand_in_the_model_and_columns_be_named(tmp_path: Path) -> No
     assert curve.points == strut(parse_model(DRIVEN_MASS + STRUT)).points
 
 
-@pytest.mark.parametrize("text", [STRUT, NAMED, FROM_FILE], ids=["own", "named", "file"])
+@pytest.mark.parametrize(
+    "text",
+    [STRUT, NAMED, FROM_FILE, BY_STRETCH, BY_NAME],
+    ids=["own", "named", "file", "by stretch", "by the name of a curve"],
+)
 def test_what_is_written_reads_back(text: str, tmp_path: Path) -> None:
     text += 'about = "measured at 20 °C"\n'
     model = read_model(in_folder(tmp_path, text))
@@ -125,7 +147,55 @@ def test_a_difference_of_points_is_told() -> None:
     assert said.startswith("~ element strut: points 3 from -300 to 400 mm/s, in N, hash ")
 
 
+@pytest.mark.parametrize("text", [BY_STRETCH, BY_NAME], ids=["own", "named"])
+def test_a_curve_over_the_rate_is_multiplied_by_one_over_the_stretch(text: str) -> None:
+    machine = build(parse_model(DRIVEN_MASS + text))
+    factors = {-0.04: 3.0, 0.0: 1.0, 0.03: 2.0, **({-0.06: 3.0} if text is BY_STRETCH else {})}
+    for x, factor in factors.items():
+        given = np.array([x]), np.array([0.4]), np.zeros(0), np.zeros(1), 0.0, machine.values
+        (forces,) = call(machine.elements, given)
+        assert forces.ravel()[-1] == pytest.approx(-3.5 * factor)  # it resists
+
+
+def test_a_difference_of_what_it_is_multiplied_by_is_told() -> None:
+    first = parse_model(DRIVEN_MASS + BY_STRETCH)
+    second = parse_model(DRIVEN_MASS + BY_STRETCH.replace("[30, 2.0]", "[30, 2.5]"))
+    (said,) = changes(first, second)
+    assert said.startswith("~ element strut: by_stretch points 3 from -40 to 30 mm, in 1, hash ")
+
+
 FAULTS = {
+    "factor of a curve over the stretch": (
+        STRUT,
+        BY_STRETCH.replace("rate", "stretch").replace('"mm/s"', '"mm"'),
+        [
+            "elements.strut.by_stretch: is a factor of a curve over the rate; state over = 'rate', "
+            "or leave it out"
+        ],
+    ),
+    "factor with a unit": (
+        STRUT,
+        BY_STRETCH.replace('["mm", "1"]', '["mm/s", "N"]'),
+        [
+            "elements.strut.by_stretch: x of the curve is mm/s, needs m",
+            "elements.strut.by_stretch: y of the curve is N, needs 1",
+        ],
+    ),
+    "factor that is no curve": (
+        STRUT,
+        STRUT + "by_stretch = 2.0\n",
+        [
+            "elements.strut.by_stretch: must be a table with points and units, or the name of a "
+            "curve, not the number 2"
+        ],
+    ),
+    "factor of an unknown name": (
+        STRUT,
+        BY_NAME.replace('by_stretch = "zone"', 'by_stretch = "zoen"'),
+        [
+            "elements.strut.by_stretch: 'zoen' is not a known curve; did you mean 'zone'?",
+        ],
+    ),
     "no points": (
         "points = [[-300, -9], [0, 0], [400, 3.5]]",
         "",

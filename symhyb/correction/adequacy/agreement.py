@@ -70,11 +70,11 @@ def _strengths(trial: Refined | Fitted) -> Iterator[tuple[Hypothesis, tuple[floa
     spread = np.sqrt(np.abs(np.diag(trial.fit.covariance)))
     for cause, first in zip(trial.causes, firsts_of(trial.causes), strict=True):
         if cause.points:
-            own = slice(first, first + cause.numbers)
+            own = slice(first, first + len(cause.unknown))
             values = np.asarray(trial.fit.values[own])
             covariance = trial.fit.covariance[own, own]
             size = float(np.sqrt(np.mean(values**2))) or 1e-300
-            along = values / (size * cause.numbers)
+            along = values / (size * values.size)
             variance = float(along @ covariance @ along)
             yield cause, (size, float(np.sqrt(max(variance, 0.0))))
         elif keys_of(cause)[0] not in cause.own:

@@ -20,7 +20,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from symhyb.correction.adequacy.classes.catalogue import classes_of
-from symhyb.correction.adequacy.curves.courses import force_at
+from symhyb.correction.adequacy.curves.courses import form_of, size_at
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Fitted
 from symhyb.correction.search.trajectory import gathered, keys_of
@@ -98,9 +98,12 @@ def priors(recorded: Recorded, trial: Fitted) -> tuple[Array, Array]:
                 item = declared[cause.path]
                 means.append(item.si)
                 spreads.append(_channel_sd(recorded, cause, item.si, item.si_sd))
-            elif cause.points and cause.place is not None:  # a value of a curve
+            elif key in cause.factors:  # a change of what a curve is multiplied by
+                means.append(-cause.factors[key][1])
+                spreads.append(1.0)
+            elif cause.points:  # a value of a curve
                 means.append(0.0)
-                spreads.append(force_at(recorded, places.index(cause.place)))
+                spreads.append(size_at(recorded, places.index(cause.place), form_of(cause)))
             else:
                 middle, width = _law_prior(recorded, cause, key, value, strengths)
                 means.append(middle)

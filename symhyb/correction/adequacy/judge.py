@@ -186,7 +186,7 @@ def _raced(ground: Recorded, start: Fitted, rows: Sequence[Row], decided: Decide
         if not _may_take(ground, start, one.pushes):
             continue
         generic = one.make(here)
-        if _is_curve(generic, start.causes):
+        if _is_curve(generic, decided.structure.causes):
             continue
         gain = worth_of(here, generic) - np.log(len(classes) * generic.tried)
         if start.evidence + gain > decided.structure.evidence - CERTAIN:

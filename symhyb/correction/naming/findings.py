@@ -7,14 +7,20 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symhyb.by_name import ByName
-from symhyb.correction.naming.curve_points import BEYOND, curve_element, value_estimates
+from symhyb.correction.naming.curve_points import (
+    BEYOND,
+    Through,
+    curve_element,
+    curve_values,
+    value_estimates,
+)
 from symhyb.correction.naming.probability import probabilities
 from symhyb.correction.naming.textbook import critical_share
 from symhyb.correction.search.conventions import Exchange, exchange
 from symhyb.correction.search.decision import Decision
 from symhyb.correction.search.score import believable
 from symhyb.correction.search.trajectory import Refined
-from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.discrepancy.places.hypotheses import CurvePoint, Hypothesis
 from symhyb.discrepancy.results import (
     Activity,
     Alternative,
@@ -41,7 +47,7 @@ _CHANNEL_KINDS: Mapping[str, ChannelKind] = {key: key for key in (*FAULT_KEYS, *
 class Named:
     """Force causes of one kind at one place, one element to the reader: indices in the structure,
     SI values with sd by key (sd NaN for a key that was not fitted), and the words of its options;
-    of a curve the ``points`` of its values, SI.
+    of a curve its ``points`` and those of what it is multiplied by, ``by_stretch``, SI.
     """
 
     kind: str
@@ -50,7 +56,8 @@ class Named:
     values: Mapping[str, tuple[float, float]]
     options: tuple[tuple[str, str], ...] = ()
     formula: str = ""
-    points: tuple[float, ...] = ()
+    points: tuple[CurvePoint, ...] = ()
+    by_stretch: tuple[CurvePoint, ...] = ()
 
     @property
     def exponent(self) -> float:
@@ -74,7 +81,8 @@ def named(final: Refined) -> tuple[Named, ...]:
             _values(final, rows),
             final.causes[rows[0]].options,
             final.causes[rows[0]].path,
-            tuple(x for x, _, _ in final.causes[rows[0]].points),
+            final.causes[rows[0]].points,
+            final.causes[rows[0]].by_stretch,
         )
         for (kind, place, _), rows in groups.items()
     )
@@ -90,12 +98,7 @@ def _values(final: Refined, rows: Sequence[int]) -> dict[str, tuple[float, float
             values[key] = final.value(f"cause{i}.{key}")
     first = final.causes[rows[0]]
     if first.points:  # what its points cannot follow bends their values
-        each = zip(first.terms, first.points, strict=True)
-        more = {key: shift for key, (_, _, shift) in each}
-        return {
-            key: (value, max(sd, more[key]) if key in more else sd)
-            for key, (value, sd) in values.items()
-        }
+        return values | curve_values(first, values)
     if first.kind == LAW:
         return values
     law = KINDS[first.kind]
@@ -172,16 +175,17 @@ def _curve(
     active: Activity | None,
 ) -> Found:
     """Write a curve with its values at its points."""
-    fitted = [pair for pair in item.values.values() if np.isfinite(pair[1])]
-    values = value_estimates(model, item.place, item.options, item.points, fitted)
+    curve = Through(item.place, item.options, item.points, item.by_stretch)
+    values = value_estimates(model, curve, item.values)
     length = None
     if "length" in item.values:
         unit = key_unit(model, item.kind, "length", item.place)
         symbol = symbol_of(model, item.kind, "length")
         length = Parameter(symbol, item.values["length"][0] / unit.factor, unit, owner=name)
-    element = curve_element(model, name, item.place, item.options, values, length, provenance)
+    element = curve_element(model, name, curve, values, length, provenance)
     sentence = effect_sentence(item.kind, item.place, values, share, item.options, BEYOND)
-    law = KINDS[item.kind].text(() if length is None else ("length",), dict(item.options))
+    keys = (*(["length"] if length else []), *(["by_stretch"] if item.by_stretch else []))
+    law = KINDS[item.kind].text(keys, dict(item.options))
     return Found(element, law, ByName(values), share, sentence, active)
 
 
@@ -369,9 +373,8 @@ def _alternative(
     estimates: list[Estimate] = []
     exponent = values.get("exponent", (1.0, 0.0))[0]
     if cause.place is not None and cause.points and values:
-        fitted = [values[key] for key in cause.terms]
-        x = [x for x, _, _ in cause.points]
-        estimates += value_estimates(model, cause.place, cause.options, x, fitted)
+        curve = Through(cause.place, cause.options, cause.points, cause.by_stretch)
+        estimates += value_estimates(model, curve, values)
     elif cause.place is not None:
         for key, (value, sd) in values.items():
             unit = cause.unit(model, key, exponent)

@@ -220,7 +220,7 @@ def standing(trial: Refined, which: int) -> float:
 def _wald(trial: Refined, which: int, first: int) -> float:
     """Wald's statistic of all values of a curve, whose numbers begin at ``first``; the accuracy of
     the numerics is a part of their deviations."""
-    own = slice(first, first + trial.causes[which].numbers)
+    own = slice(first, first + len(trial.causes[which].unknown))
     values = trial.fit.values[own]
     spread = trial.fit.covariance[own, own] + np.diag((trial.accuracy * values) ** 2)
     if not np.isfinite(spread).all():
@@ -253,7 +253,7 @@ def _strong(trial: Refined, which: int, first: int, spread: Array) -> bool:
     largest of so many may be by chance: not every machine need show the cause."""
     cause, values = trial.causes[which], grouped(trial)[which]
     if cause.points:  # as far out by all its values as one number is by itself
-        least = chdtri(cause.numbers, 2 * ndtr(-OUTSTANDING))
+        least = chdtri(len(cause.unknown), 2 * ndtr(-OUTSTANDING))
         return bool(_wald(trial, which, first) > least)
     strengths = _strengths(trial, which, first, spread)
     if _by_recording(trial, which):

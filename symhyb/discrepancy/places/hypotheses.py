@@ -8,7 +8,7 @@ which laws are tried where, and in what shapes, is said by
 :mod:`symhyb.discrepancy.places.candidates`.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import inf, isfinite
@@ -21,7 +21,8 @@ from symhyb.discrepancy.places.placements import places_of as places_of
 from symhyb.discrepancy.recorded.course import Course
 from symhyb.discrepancy.words.formula import LAW, law_element, law_unit
 from symhyb.laws.base import Key, Terms
-from symhyb.laws.cardinal import cardinals
+from symhyb.laws.cardinal import parts_of
+from symhyb.laws.curve import factor_name, value_name
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import (
     Between,
@@ -47,6 +48,10 @@ _UNKNOWN = Key("", 0, 0, 0)  # of what is no key of a law: a parameter, a coeffi
 _AS_THEY_ARE = Terms()
 
 
+CurvePoint = tuple[float, float, float]
+"""Where it stands, its value there, and what a smooth line without points says otherwise, SI."""
+
+
 @dataclass(frozen=True, slots=True)
 class Hypothesis:
     """One cause: a law at a place, or (``place`` None) the parameter ``path`` of the model; of a
@@ -60,7 +65,8 @@ class Hypothesis:
     ``added`` are the refined keys that make a variant of a plain law (the play of a hysteresis).
     ``bounds`` (key, lower, upper), SI, hold at this place where those of the law are too wide. A
     curve's terms are its values at ``points``: place, value about which it is linear, and what a
-    smooth line without points says otherwise there, SI.
+    smooth line without points says otherwise there, SI; then the changes of what it is multiplied
+    by at points ``by_stretch``, which are alike. A point without a term is as it stands.
     """
 
     kind: str
@@ -75,7 +81,8 @@ class Hypothesis:
     own: tuple[str, ...] = ()
     added: tuple[str, ...] = ()
     bounds: tuple[tuple[str, float, float], ...] = ()
-    points: tuple[tuple[float, float, float], ...] = ()
+    points: tuple[CurvePoint, ...] = ()
+    by_stretch: tuple[CurvePoint, ...] = ()
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -102,7 +109,8 @@ class Hypothesis:
     @property
     def family(self) -> tuple[object, ...]:
         """What makes two hypotheses the same but for their shape."""
-        return self.kind, self.place, self.terms, self.refined, self.path, self.options
+        many = bool(self.by_stretch)
+        return self.kind, self.place, self.terms, self.refined, self.path, self.options, many
 
     @property
     def bent(self) -> bool:
@@ -128,6 +136,7 @@ class Hypothesis:
         if self.kind == LAW:
             return f"law ({self.path}) {place_text(self.place)}"
         keys = (f"{len(self.points)} points",) if self.points else self.keys
+        keys += (f"{len(self.by_stretch)} by stretch",) if self.by_stretch else ()
         said = ", ".join((*(f"{key} {word}" for key, word in self.options), *keys))
         return f"{self.kind} ({said}) {place_text(self.place)}"
 
@@ -180,7 +189,8 @@ class Hypothesis:
         if self.kind == LAW and isinstance(self.place, On):
             return law_unit(model, self.place, self.path, key)
         if key in self.terms and self.points:
-            return curve_units(model, self.place, self.options)[1]
+            changed = key in self.factors
+            return ONE if changed else curve_units(model, self.place, self.options)[1]
         return key_unit(model, self.kind, key, self.place, exponent)
 
     def element(self, model: Model, name: str, values: Mapping[str, float]) -> Element:
@@ -198,8 +208,29 @@ class Hypothesis:
         element = Element(name, self.kind, self.place, entries, tuple(own), options=words)
         if not self.points:
             return element
-        x, y, _ = zip(*self.points, strict=True)
-        return replace(element, parts=cardinals(name, x, y))
+        by_stretch = self._keyed(factor_name, self.by_stretch)
+        parts = parts_of(name, self._keyed(value_name, self.points), by_stretch)
+        return replace(element, parts=parts)
+
+    @property
+    def unknown(self) -> Mapping[str, CurvePoint]:
+        """The points of a curve whose values are unknown, by term."""
+        return {key: point for key, point in self._keyed(value_name, self.points) if key}
+
+    @property
+    def factors(self) -> Mapping[str, CurvePoint]:
+        """The points of what a curve is multiplied by whose changes are unknown, by term."""
+        return {key: point for key, point in self._keyed(factor_name, self.by_stretch) if key}
+
+    def _keyed(
+        self, named: Callable[[int], str], points: Sequence[CurvePoint]
+    ) -> list[tuple[str, CurvePoint]]:
+        """Points with their terms; of one that is as it stands the term is empty."""
+        keys = [named(i) for i in range(len(points))]
+        return [
+            (key if key in self.terms else "", point)
+            for key, point in zip(keys, points, strict=True)
+        ]
 
     def probes(self, model: Model, name: str) -> tuple[Element, ...]:
         """One element a term: this term 1, the others 0, the shape as set."""

@@ -343,8 +343,7 @@ def structure_of(model: Model) -> str:
             for e in model.elements
         ],
         model.characteristics(),
-        [e.curve.characteristic for e in model.elements if e.curve is not None],
-        [e.parts for e in model.elements],
+        [e.given() for e in model.elements],
         model.energy,
         model.gravity,
         model.local,

@@ -11,12 +11,13 @@ Where laws by name are less likely than the curve, but not by 100 to 1, neither 
 stays. All are compared by the evidence of the innovations along whole recordings.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 from symhyb.correction.adequacy.curves.courses import ALONE, FORMS, Form
 from symhyb.correction.adequacy.curves.fitted_curve import Offer, beside, offered
 from symhyb.correction.adequacy.curves.listed import TOGETHER, listed
+from symhyb.correction.adequacy.curves.product import product
 from symhyb.correction.adequacy.explained import Decided, remainder
 from symhyb.correction.adequacy.followed import likeliest, scored
 from symhyb.correction.adequacy.judge import Adequacy
@@ -65,8 +66,14 @@ def instead_of_class(ground: Recorded, judged: Adequacy) -> Fitted | None:
         return _shorter(curve, _by_name(ground, bare, curve, offer))
     if one_of:
         return None
-    added = _curve_and_laws(ground, bare, place, offers, fits)
-    return added if added is not None and explains(added, None) else None
+    added = _two_curves(ground, bare, place, offers)
+    if added is not None and explains(added, None):
+        return added
+    multiplied = product(ground, bare, offers)
+    if multiplied is None or bare.evidence + multiplied.worth <= most - HOPELESS:
+        return None
+    found = beside(ground, bare, multiplied)
+    return found if explains(found, None) else None
 
 
 def many_of_one(causes: Sequence[Hypothesis]) -> tuple[Place, Form] | None:
@@ -103,11 +110,14 @@ def instead_of_many(ground: Recorded, judged: Adequacy, place: Place, form: Form
     return _shorter(curve, _by_name(ground, bare, curve, offers[0]))
 
 
-def _offers(ground: Recorded, around: Fitted, place: Place, forms: Sequence[Form]) -> list[Offer]:
-    """Curves of some forms at a place around a structure, the one that is worth most first."""
+def _offers(
+    ground: Recorded, around: Fitted, place: Place, forms: Sequence[Form], level: bool = True
+) -> list[Offer]:
+    """Curves of some forms at a place around a structure, the one that is worth most first; one
+    over the rate without a ``level`` is no force at rest."""
     which = ground.library.places.index(place)
-    offers = [one for form in forms if (one := offered(ground, around, which, form)) is not None]
-    return sorted(offers, key=lambda one: -one.worth)
+    offers = [offered(ground, around, which, form, level) for form in forms]
+    return sorted((one for one in offers if one is not None), key=lambda one: -one.worth)
 
 
 def _shorter(curve: Fitted, named: Fitted | None) -> Fitted | None:
@@ -118,27 +128,21 @@ def _shorter(curve: Fitted, named: Fitted | None) -> Fitted | None:
     return named if named.evidence >= curve.evidence else None
 
 
-def _curve_and_laws(
-    ground: Recorded,
-    bare: Fitted,
-    place: Place,
-    offers: Sequence[Offer],
-    fits: Mapping[Form, Fitted],
+def _two_curves(
+    ground: Recorded, bare: Fitted, place: Place, offers: Sequence[Offer]
 ) -> Fitted | None:
-    """The structure with a curve over the stretch or the rate, and laws by name over the other one
-    that are as good as a curve there; None where none are. Two curves have no levels of their
-    own: a constant of one is as well one of the other. The points of each are chosen beside the
-    other one, in turn, as long as that is likelier (backfitting). Those ``offers`` that were fitted
-    already have their ``fits``."""
+    """The structure with a curve over the stretch and one over the rate, or with laws by name in
+    the place of one of them that are as good; None where neither is certain, or none can be. That
+    over the rate is no force at rest: a constant of one is as well one of the other. The points of
+    each are chosen beside the other one, in turn, as long as that is likelier (backfitting)."""
     fixed = next((one for one in offers if one.form in ALONE), None)
     pairs: list[Fitted] = []
     named: list[Fitted] = []
     for turn in range(TURNS):
         if fixed is None:
             break
-        first = (fits.get(fixed.form) if turn == 0 else None) or beside(ground, bare, fixed)
-        others = [form for form in ALONE if form != fixed.form]
-        more = next(iter(_offers(ground, first, place, others)), None)
+        first = beside(ground, bare, fixed)
+        more = next(iter(_offers(ground, first, place, [fixed.form.other], level=False)), None)
         if first.fit.reason or more is None:
             break
         if turn > 0:  # until then the points of one were chosen without the other
@@ -149,10 +153,9 @@ def _curve_and_laws(
             shorter = _by_name(ground, first, both, more)
             named += [] if shorter is None else [_paid(shorter, fixed)]
         fixed = more
-    if not pairs or not named:
+    if not pairs:
         return None
-    shorter, both = (max(those, key=_evidence) for those in (named, pairs))
-    return shorter if shorter.evidence >= both.evidence else None
+    return _shorter(max(pairs, key=_evidence), max(named, key=_evidence, default=None))
 
 
 def _paid(trial: Fitted, offer: Offer) -> Fitted:

@@ -19,7 +19,6 @@ from symhyb.correction.search.trajectory import grouped
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.laws.curve import value_name
 from symhyb.model.types import Place
-from symhyb.numeric.kernels.buffers import Array
 
 ROUNDS = 4
 STANDS = 0.1  # standard deviations: values that move by less stand
@@ -40,39 +39,54 @@ class Offer(NamedTuple):
         return self.line.form
 
 
-def offered(ground: Recorded, trial: Fitted, which: int, form: Form) -> Offer | None:
-    """A curve at the place of this number around a structure; None where nothing moves there."""
-    line = line_of(ground, trial, which, form)
+def offered(
+    ground: Recorded, trial: Fitted, which: int, form: Form, level: bool = True
+) -> Offer | None:
+    """A curve at the place of this number around a structure; None where nothing moves there. One
+    over the rate without a ``level`` is no force at rest."""
+    line = line_of(ground, trial, which, form, through_zero=form.over == "rate" and not level)
     if line is None:
         return None
-    place = ground.library.places[which]
-    points = placed(line, not any(one.points and one.place == place for one in trial.causes))
-    curve = _cause(line, points, place)
+    points = placed(line)
+    curve = _cause(line, points, ground.library.places[which])
     return Offer(curve, points.worth, float(np.log(len(FORMS) * points.tried)), line)
 
 
 def _cause(line: Line, points: Points, place: Place) -> Hypothesis:
-    count = points.x.size
+    terms = [value_name(i) for i, x in enumerate(points.x) if not line.stays(x)]
     return Hypothesis(
         "curve",
         place,
-        tuple(map(value_name, range(count))),
-        (False,) * count,
+        tuple(terms),
+        (False,) * len(terms),
         () if line.length is None else (("length", line.length),),
         options=line.form.options,
-        points=tuple(zip(points.x.tolist(), points.y.tolist(), points.shift.tolist(), strict=True)),
+        points=points.listed,
     )
 
 
 def values_of(cause: Hypothesis) -> Row:
-    """The values about which a curve is linear, by key, SI."""
-    return {key: y for key, (_, y, _) in zip(cause.terms, cause.points, strict=True)}
+    """The values about which a curve is linear, by key, SI; no change of what it is multiplied
+    by."""
+    return {
+        **{key: y for key, (_, y, _) in cause.unknown.items()},
+        **dict.fromkeys(cause.factors, 0.0),
+    }
 
 
-def restated(cause: Hypothesis, values: Array) -> Hypothesis:
-    """A curve that is linear about other values (P,), SI."""
-    x, _, shift = zip(*cause.points, strict=True)
-    return replace(cause, points=tuple(zip(x, values.tolist(), shift, strict=True)))
+def restated(cause: Hypothesis, values: Row) -> Hypothesis:
+    """A curve that is linear about other values, by key, SI."""
+    points, factors = dict(cause.unknown), dict(cause.factors)
+    moved = {points[key]: (points[key][0], values[key], points[key][2]) for key in points}
+    changed = {
+        factors[key]: (factors[key][0], factors[key][1] + values[key], factors[key][2])
+        for key in factors
+    }
+    return replace(
+        cause,
+        points=tuple(moved.get(point, point) for point in cause.points),
+        by_stretch=tuple(changed.get(point, point) for point in cause.by_stretch),
+    )
 
 
 def beside(ground: Recorded, start: Fitted, offer: Offer) -> Fitted:
@@ -89,7 +103,11 @@ def beside(ground: Recorded, start: Fitted, offer: Offer) -> Fitted:
         again = _restated(found)
         if again == causes:
             break
-        causes, rows = again, grouped(found)
+        causes = again
+        rows = [
+            values_of(cause) if cause.points else row
+            for cause, row in zip(causes, grouped(found), strict=True)
+        ]
         noise, states = found.fit.noise, found.fit.states
     return replace(found, evidence=found.evidence - offer.price)
 
@@ -99,9 +117,14 @@ def _restated(found: Fitted) -> tuple[Hypothesis, ...]:
     sd, first, causes = np.sqrt(np.diag(found.fit.covariance)), 0, []
     for cause in found.causes:
         own = slice(first, first + cause.numbers)
-        moved = found.fit.values[own] - np.array([y for _, y, _ in cause.points] or 0.0)
-        if cause.points and np.any(np.abs(moved) >= STANDS * sd[own]):
-            cause = restated(cause, found.fit.values[own])
+        if cause.points:
+            before, values = (
+                values_of(cause),
+                dict(zip(cause.keys, found.fit.values[own], strict=True)),
+            )
+            moved = [abs(values[key] - before[key]) for key in cause.keys]
+            if np.any(np.array(moved) >= STANDS * sd[own]):
+                cause = restated(cause, values)
         causes.append(cause)
         first += cause.numbers
     return tuple(causes)

@@ -15,6 +15,7 @@ import numpy as np
 from symhyb.correction.adequacy.classes.columns import LENGTHS
 from symhyb.correction.adequacy.curves.courses import Line
 from symhyb.correction.adequacy.curves.products import Products
+from symhyb.discrepancy.places.hypotheses import CurvePoint
 from symhyb.laws.cardinal import cardinals
 from symhyb.numeric.kernels.buffers import Array
 
@@ -37,6 +38,12 @@ class Points:
     tried: int
     shift: Array
 
+    @property
+    def listed(self) -> tuple[CurvePoint, ...]:
+        """The points as a cause has them."""
+        rows = zip(self.x.tolist(), self.y.tolist(), self.shift.tolist(), strict=True)
+        return tuple(rows)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Set:
@@ -48,10 +55,10 @@ class _Set:
     worth: float
 
 
-def placed(line: Line, level: bool = True) -> Points:
-    """The points of the largest evidence. Beside another curve at its place the ``level`` of this
-    one is no quantity, and no part of what its points cannot follow."""
-    smooth, covariance = smoothed(line)
+def placed(line: Line) -> Points:
+    """The points of the largest evidence."""
+    zero = int(np.flatnonzero(line.x == 0.0)[0]) if line.through_zero else None
+    smooth, covariance = smoothed(line, zero)
     now = best = _judged(line, _first(line), smooth)
     tried, since = 1, 0
     while len(now.chosen) < POINTS_MOST and since < PATIENCE:
@@ -63,16 +70,8 @@ def placed(line: Line, level: bool = True) -> Points:
         best = max(best, now, key=_worth)
     best = _put_right(line, best, smooth)
     at = list(best.chosen)
-    apart, sd = _apart(smooth[at] - best.y, covariance[np.ix_(at, at)], level)
-    return Points(line.x[at], best.y, best.worth, tried, np.hypot(apart, sd))
-
-
-def _apart(apart: Array, covariance: Array, level: bool) -> tuple[Array, Array]:
-    """What a smooth line says otherwise at points (P,), and one deviation of it (P,), SI."""
-    if not level:
-        centred = np.eye(apart.size) - 1 / apart.size
-        apart, covariance = centred @ apart, centred @ covariance @ centred
-    return apart, np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    shift = np.hypot(smooth[at] - best.y, np.sqrt(np.maximum(np.diag(covariance)[at], 0.0)))
+    return Points(line.x[at], best.y, best.worth, tried, shift)
 
 
 def _worth(one: _Set) -> float:
@@ -95,7 +94,10 @@ def _put_right(line: Line, best: _Set, smooth: Array) -> _Set:
         less = [
             _judged(line, [*best.chosen[:k], *best.chosen[k + 1 :]], smooth, again=0)
             for k in range(1, len(best.chosen) - 1)
+            if not line.stays(line.x[best.chosen[k]])
         ]
+        if not less:
+            break
         fewer = _moved(line, max(less, key=_worth), smooth)
         if fewer.worth <= best.worth:
             break
@@ -110,6 +112,8 @@ def _moved(line: Line, best: _Set, smooth: Array) -> _Set:
         before = best.worth
         for k in range(1, len(best.chosen) - 1):
             at = best.chosen
+            if line.stays(line.x[at[k]]):
+                continue
             offers = [
                 _judged(line, [*at[:k], i, *at[k + 1 :]], smooth, again=0)
                 for i in range(at[k - 1] + 1, at[k + 1])
@@ -135,7 +139,10 @@ def _judged(line: Line, chosen: Sequence[int], smooth: Array, again: int = AGAIN
     worth = -np.inf
     for _ in range(again + 1):
         curved = np.stack([part(line.x) for part in cardinals("", x.tolist(), y.tolist())], axis=1)
-        worth, y = worth_of(line, curved)
+        free = [k for k, i in enumerate(chosen) if not line.stays(line.x[i])]
+        worth, values = worth_of(line, curved[:, free])
+        y = np.zeros_like(x)
+        y[free] = values
     return _Set(tuple(chosen), y, worth)
 
 
@@ -177,14 +184,18 @@ def solved(line: Weighed, columns: Array) -> tuple[float, Array, Array]:
     return worth, np.asarray(line.size * values), np.asarray(line.size**2 * np.linalg.inv(seen))
 
 
-def smoothed(line: Weighed) -> tuple[Array, Array]:
+def smoothed(line: Weighed, zero: int | None = None) -> tuple[Array, Array]:
     """The fine line (G,) and its covariance (G, G), SI, as a Gaussian process (Matérn 5/2) of what
-    moves the place, of the length of the largest evidence."""
+    moves the place, of the length of the largest evidence; 0 at its point of the number ``zero``.
+    """
     x = (2 * line.x - line.x[0] - line.x[-1]) / (line.x[-1] - line.x[0])
     found = []
     for length in LENGTHS:
         far = np.sqrt(5.0) * np.abs(x[:, None] - x) / length
-        spread, along = np.linalg.eigh((1 + far + far**2 / 3) * np.exp(-far))
+        kernel = (1 + far + far**2 / 3) * np.exp(-far)
+        if zero is not None:
+            kernel = kernel - np.outer(kernel[:, zero], kernel[zero]) / kernel[zero, zero]
+        spread, along = np.linalg.eigh(kernel)
         columns = along * np.sqrt(np.maximum(spread, 0.0))
         worth, values, covariance = solved(line, columns)
         found.append((worth, columns @ values, columns @ covariance @ columns.T))
