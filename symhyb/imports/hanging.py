@@ -17,7 +17,7 @@ from symhyb.imports.reduction import Moved
 from symhyb.imports.rigid import SAME, from_rpy, to_rpy
 from symhyb.imports.robot import STRAIGHT, TURNED, Array
 from symhyb.model.expression import parse_expression
-from symhyb.model.types import Quaternion, Rotations
+from symhyb.model.turned import Quaternion, Rotations
 
 _RATIOS = {("m", "rad"): "m/rad", ("rad", "m"): "rad/m"}  # of a joint over the one it follows
 

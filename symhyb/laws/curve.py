@@ -87,8 +87,8 @@ def _phrase(n: Numbers, options: Options) -> Phrase | None:
     )
     if factors:
         tail += (
-            f"; multiplied by a curve over the stretch through {len(factors) + 1} points, 1 at the "
-            f"largest: {_values(n, factors)}"
+            f"; multiplied by a curve over the stretch through {len(factors) + 1} points, 1 at "
+            f"the one known best: {_values(n, factors)}"
         )
         head = f"a {noun} of the rate that changes with the stretch"
         pairs = zip(terms, x, strict=True)

@@ -24,7 +24,8 @@ from dataclasses import dataclass
 import sympy as sp
 
 from symhyb.mechanics.symbols import Symbols, to_sympy
-from symhyb.model.types import Body, Quaternion, Rotations
+from symhyb.model.turned import Quaternion, Rotations
+from symhyb.model.types import Body
 
 Vector = tuple[sp.Expr, ...]
 Matrix = tuple[Vector, ...]

@@ -20,7 +20,8 @@ from symhyb.mechanics.laws import ZERO, acting, action_of
 from symhyb.mechanics.symbols import Symbols, symbols_of, to_sympy
 from symhyb.model.expression import Expression, Reading, readings
 from symhyb.model.space import dimension
-from symhyb.model.types import At, Body, Element, Model, On, Quaternion
+from symhyb.model.turned import Quaternion
+from symhyb.model.types import At, Body, Element, Model, On
 from symhyb.model.vocabulary import KINDS
 
 

@@ -12,6 +12,7 @@ from symhyb.model.curves import Curve
 from symhyb.model.expression import Name
 from symhyb.model.limits import Limit
 from symhyb.model.states import State
+from symhyb.model.turned import Quaternion, Rotations
 from symhyb.model.types import (
     Body,
     Coordinate,
@@ -21,8 +22,6 @@ from symhyb.model.types import (
     Network,
     Parameter,
     Point,
-    Quaternion,
-    Rotations,
     Sensor,
     Vector,
     place_text,

@@ -11,7 +11,8 @@ from symhyb.errors import did_you_mean
 from symhyb.laws.base import Key, Law
 from symhyb.model.expression import Expression
 from symhyb.model.tables import Table, describe, shorten
-from symhyb.model.types import Quaternion, Rotations, Vector
+from symhyb.model.turned import Quaternion, Rotations
+from symhyb.model.types import Vector
 
 AXES = ("x", "y", "z")
 _STEP = 'a list of [axis, angle], as in [["z", "psi"], ["y", "theta"], ["x", "phi"]]'

@@ -11,6 +11,7 @@ from symhyb.model.expression import Expression
 from symhyb.model.fmu import PLACE_KEYS, Fmu
 from symhyb.model.limits import Limit
 from symhyb.model.states import State
+from symhyb.model.turned import Quaternion, Rotations
 from symhyb.model.types import (
     At,
     Between,
@@ -23,8 +24,6 @@ from symhyb.model.types import (
     On,
     Parameter,
     Point,
-    Quaternion,
-    Rotations,
     Sensor,
 )
 

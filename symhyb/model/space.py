@@ -20,7 +20,8 @@ from symhyb.model.expression import Expression, ExpressionError, Name, curves_in
 from symhyb.model.scope import MASS, POSITION, Scope, expression_faults
 from symhyb.model.source import Path
 from symhyb.model.tables import Fault, shorten
-from symhyb.model.types import At, Body, Element, Model, Quaternion, Rotations, Vector
+from symhyb.model.turned import Quaternion, Rotations
+from symhyb.model.types import At, Body, Element, Model, Vector
 from symhyb.units import ONE, Unit
 
 Values = dict[tuple[str, int] | str, NDArray[np.float64] | float]

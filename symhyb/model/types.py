@@ -19,6 +19,7 @@ from symhyb.model.expression import Expression, names, parse_expression
 from symhyb.model.fmu import Fmu, Local
 from symhyb.model.limits import Limit
 from symhyb.model.states import State
+from symhyb.model.turned import Quaternion, Rotations
 from symhyb.shown import card, counted
 from symhyb.units import ONE, Unit
 
@@ -123,23 +124,6 @@ class Point:
     at: Vector
     body: str = ""
     about: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class Rotations:
-    """How a body in space is turned against what it hangs on: one rotation after the other, each
-    about an axis ("x", "y", "z") of the body as the rotations before have turned it, by an angle
-    (rad, counter-clockwise)."""
-
-    steps: tuple[tuple[str, Expression], ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Quaternion:
-    """How a body in space is turned: four coordinates w, x, y, z of a quaternion, by name. Only
-    its direction counts, so that its length does not matter to the physics."""
-
-    parts: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)

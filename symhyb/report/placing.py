@@ -10,7 +10,8 @@ import numpy as np
 
 from symhyb.model.expression import Expression, evaluate
 from symhyb.model.space import dimension
-from symhyb.model.types import Body, Model, Quaternion, Rotations
+from symhyb.model.turned import Quaternion, Rotations
+from symhyb.model.types import Body, Model
 from symhyb.report.series import Array
 
 Values = dict[tuple[str, int] | str, Array | float]

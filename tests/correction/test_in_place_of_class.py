@@ -59,7 +59,7 @@ def test_without_a_force_its_values_do_not_stand_out() -> None:
 
 
 def test_a_curve_is_stated_again_at_its_points() -> None:
-    again = restated(curve(1.0), np.arange(5.0))
+    again = restated(curve(1.0), {value_name(i): float(i) for i in range(5)})
     assert [x for x, _, _ in again.points] == list(SPEEDS)
     assert values_of(again) == {value_name(i): float(i) for i in range(5)}
 

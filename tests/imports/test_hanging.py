@@ -10,7 +10,8 @@ from symhyb.imports.draft import drafted
 from symhyb.imports.hanging import across, hung, position
 from symhyb.imports.reduction import reduced
 from symhyb.imports.urdf import parse_urdf
-from symhyb.model.types import Body, Model, Rotations
+from symhyb.model.turned import Rotations
+from symhyb.model.types import Body, Model
 
 
 def model(text: str) -> Model:

@@ -10,7 +10,7 @@ from symhyb.model.diff import changes
 from symhyb.model.read import parse_model
 from symhyb.model.render import render
 from symhyb.model.space import dimension
-from symhyb.model.types import Quaternion, Rotations
+from symhyb.model.turned import Quaternion, Rotations
 from symhyb.numeric.lowered.machine import build
 
 TOP = """symhyb = 1

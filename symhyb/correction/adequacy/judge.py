@@ -9,7 +9,7 @@ it where a class that explains that does without.
 """
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -101,7 +101,9 @@ def adequacy(
     raced: list[Fitted] = []
     if left.acts or base.fit.noise.coloured:
         raced = _raced(ground, base, rows, decided)
-        trials += _answers(ground, raced, decided)
+        smooth = [trial for trial in raced if _is_curve(trial.extra, base.causes)]
+        raced = [trial for trial in raced if trial not in smooth]
+        trials += _answers(ground, [*raced, *(_as_curve(one, base) for one in smooth)], decided)
     disputes: tuple[Disputed, ...] = ()
     if left.acts:
         better = [trial for trial in raced if trial.evidence > base.evidence + CERTAIN]
@@ -180,13 +182,13 @@ def _raced(ground: Recorded, start: Fitted, rows: Sequence[Row], decided: Decide
     """A structure with each of the best generic classes beside it, in place of the causes at its
     place and of all; with the best of these in place of each cause too. Those that may be better
     than what was ``decided``."""
-    classes, offered = classes_of(ground), []
+    classes, offered, curves = classes_of(ground), [], decided.structure.causes
     here = around(ground, start)
     for one in classes:
         if not _may_take(ground, start, one.pushes):
             continue
         generic = one.make(here)
-        if _is_curve(generic, decided.structure.causes):
+        if _is_curve(generic, curves) and not _is_curve(generic, start.causes):
             continue
         gain = worth_of(here, generic) - np.log(len(classes) * generic.tried)
         if start.evidence + gain > decided.structure.evidence - CERTAIN:
@@ -204,6 +206,8 @@ def _raced(ground: Recorded, start: Fitted, rows: Sequence[Row], decided: Decide
             found += [tried(generic, kept) for kept in _kept(start.causes, generic)]
     answers = _answers(ground, found, decided)
     best = max(answers, key=lambda trial: trial.evidence, default=None)
+    if best is not None and _is_curve(best.extra, curves):
+        return found
     if best is None or best.extra is None or len(every) < 2:
         return found
     enough = [trial for trial in answers if _suffices(ground, trial, decided)]
@@ -221,9 +225,20 @@ def _may_take(ground: Recorded, start: Fitted, pushes: frozenset[int] | None) ->
     return bool(power[list(pushes)].sum() >= MOST * power.sum())
 
 
-def _is_curve(generic: Generic, causes: Sequence[Hypothesis]) -> bool:
+def _is_curve(generic: Generic | None, causes: Sequence[Hypothesis]) -> bool:
     """Whether a class is a force that a curve among the causes is: no rival of that."""
-    return generic.kind == "law" and any(c.points and c.place == generic.where for c in causes)
+    if generic is None or generic.kind != "law":
+        return False
+    return any(cause.points and cause.place == generic.where for cause in causes)
+
+
+def _as_curve(trial: Fitted, base: Fitted) -> Fitted:
+    """A structure in which a class is a force that a curve of the ``base`` is, as one that has the
+    curve: the same force, smoothly drawn. What few points cannot follow is no other cause."""
+    assert trial.extra is not None
+    curves = [one for one in base.causes if one.points and one.place == trial.extra.where]
+    causes = tuple(dict.fromkeys((*trial.causes, *curves)))
+    return replace(trial, causes=causes, extra=None)
 
 
 def _beside(
@@ -243,6 +258,9 @@ def _answers(ground: Recorded, trials: Sequence[Fitted], decided: Decided) -> li
 def _kept(causes: Sequence[Hypothesis], generic: Generic) -> list[tuple[int, ...]]:
     """Which of the causes are kept beside a class: all, those elsewhere, none."""
     every = tuple(range(len(causes)))
+    if _is_curve(generic, causes):
+        others = tuple(i for i in every if not _is_curve(generic, causes[i : i + 1]))
+        return [every, others]
     stay = tuple(i for i in every if _by_recording(causes[i]))
     elsewhere = tuple(i for i in every if i in stay or causes[i].place not in (None, generic.where))
     return list(dict.fromkeys([every, elsewhere, stay]))

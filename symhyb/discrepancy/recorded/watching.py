@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from symhyb.data.recording import Recording
 from symhyb.model.expression import names, parse_expression, readings
-from symhyb.model.types import Model, Quaternion, Sensor
+from symhyb.model.turned import Quaternion
+from symhyb.model.types import Model, Sensor
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.units import ONE
 

@@ -4,7 +4,8 @@ from symhyb.discrepancy.results import Change
 from symhyb.discrepancy.words.amounts import joined, number_text, quantity_text, small_text
 from symhyb.judgement import SMALL
 from symhyb.model.expression import Expression, names
-from symhyb.model.types import Body, Model, On, Place, Quaternion, Rotations, place_text
+from symhyb.model.turned import Quaternion, Rotations
+from symhyb.model.types import Body, Model, On, Place, place_text
 from symhyb.model.vocabulary import stretch_unit
 
 BURSTS_NAMED = 3

@@ -7,7 +7,8 @@ tolerance. What a run shows is divided by the length.
 
 import numpy as np
 
-from symhyb.model.types import Model, Quaternion
+from symhyb.model.turned import Quaternion
+from symhyb.model.types import Model
 from symhyb.numeric.kernels.buffers import Array
 
 

@@ -14,7 +14,7 @@ stays. All are compared by the evidence of the innovations along whole recording
 from collections.abc import Sequence
 from dataclasses import replace
 
-from symhyb.correction.adequacy.curves.courses import ALONE, FORMS, Form
+from symhyb.correction.adequacy.curves.courses import ALONE, FORMS, Form, form_of
 from symhyb.correction.adequacy.curves.fitted_curve import Offer, beside, offered
 from symhyb.correction.adequacy.curves.listed import TOGETHER, listed
 from symhyb.correction.adequacy.curves.product import product
@@ -66,11 +66,11 @@ def instead_of_class(ground: Recorded, judged: Adequacy) -> Fitted | None:
         return _shorter(curve, _by_name(ground, bare, curve, offer))
     if one_of:
         return None
-    added = _two_curves(ground, bare, place, offers)
+    added = _two_curves(ground, bare, place)
     if added is not None and explains(added, None):
         return added
     multiplied = product(ground, bare, offers)
-    if multiplied is None or bare.evidence + multiplied.worth <= most - HOPELESS:
+    if multiplied is None:
         return None
     found = beside(ground, bare, multiplied)
     return found if explains(found, None) else None
@@ -128,14 +128,12 @@ def _shorter(curve: Fitted, named: Fitted | None) -> Fitted | None:
     return named if named.evidence >= curve.evidence else None
 
 
-def _two_curves(
-    ground: Recorded, bare: Fitted, place: Place, offers: Sequence[Offer]
-) -> Fitted | None:
+def _two_curves(ground: Recorded, bare: Fitted, place: Place) -> Fitted | None:
     """The structure with a curve over the stretch and one over the rate, or with laws by name in
     the place of one of them that are as good; None where neither is certain, or none can be. That
     over the rate is no force at rest: a constant of one is as well one of the other. The points of
     each are chosen beside the other one, in turn, as long as that is likelier (backfitting)."""
-    fixed = next((one for one in offers if one.form in ALONE), None)
+    fixed = next(iter(_offers(ground, bare, place, ALONE, level=False)), None)
     pairs: list[Fitted] = []
     named: list[Fitted] = []
     for turn in range(TURNS):
@@ -155,7 +153,20 @@ def _two_curves(
         fixed = more
     if not pairs:
         return None
-    return _shorter(max(pairs, key=_evidence), max(named, key=_evidence, default=None))
+    shorter = max(named, key=_evidence, default=None)
+    return _shorter(max(pairs, key=_evidence), shorter and _again(ground, bare, place, shorter))
+
+
+def _again(ground: Recorded, bare: Fitted, place: Place, named: Fitted) -> Fitted:
+    """A structure with a curve and laws by name, the points of the curve chosen once more beside
+    these: it was chosen beside another curve."""
+    pairs = list(zip(named.causes, grouped(named), strict=True))
+    (curve,) = (cause for cause, _ in pairs if cause.points and cause.place == place)
+    kept = [pair for pair in pairs if pair[0] != curve]
+    beneath = likeliest(ground, [cause for cause, _ in kept], [row for _, row in kept])
+    offers = _offers(ground, beneath, place, [form_of(curve)])
+    found = [beside(ground, beneath, one) for one in offers]
+    return max([named, *found], key=_evidence)
 
 
 def _paid(trial: Fitted, offer: Offer) -> Fitted:

@@ -21,6 +21,7 @@ from symhyb.laws.curve import value_name
 from symhyb.model.types import Place
 
 ROUNDS = 4
+TURNS = 12  # of a product, which is linear in the changes of both of its curves alone
 STANDS = 0.1  # standard deviations: values that move by less stand
 
 
@@ -91,12 +92,14 @@ def restated(cause: Hypothesis, values: Row) -> Hypothesis:
 
 def beside(ground: Recorded, start: Fitted, offer: Offer) -> Fitted:
     """A structure with a curve behind its causes, fitted along whole recordings from where that
-    ended; its curves are made linear about what is found until that stands. The evidence pays for
-    the choice of the points of the new one."""
+    ended; its curves are made linear about what is found until that stands. A product that does not
+    is as little an answer as a fit that failed. The evidence pays for the choice of the points of
+    the new one."""
     causes = (*start.causes, offer.curve)
     rows: Sequence[Row] = [*grouped(start), values_of(offer.curve)]
     noise, states = ground.revived(start.fit.noise), start.fit.states
-    for _ in range(ROUNDS):
+    many = any(cause.by_stretch for cause in causes)
+    for _ in range(TURNS if many else ROUNDS):
         found = scored(ground, fitted(ground, causes, rows, noise, states))
         if found.fit.reason:
             break
@@ -109,6 +112,9 @@ def beside(ground: Recorded, start: Fitted, offer: Offer) -> Fitted:
             for cause, row in zip(causes, grouped(found), strict=True)
         ]
         noise, states = found.fit.noise, found.fit.states
+    else:
+        if many:
+            return replace(found, evidence=-np.inf)
     return replace(found, evidence=found.evidence - offer.price)
 
 

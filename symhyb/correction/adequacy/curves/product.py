@@ -5,7 +5,8 @@
 Each of the two is fitted while the other one is held, in turn, until both stand (alternating least
 squares), as smooth lines; at last each gets points of its own. It begins with the likeliest curve
 that is a part of such a product: one over the rate alone, or damping or drag that changes with the
-stretch. How large the whole is, is said by the curve over the rate: the factor is 1 at one point.
+stretch. How large the whole is, is said by the curve over the rate: the factor is 1 at the point
+where it is known best.
 """
 
 from collections.abc import Callable, Sequence
@@ -76,9 +77,7 @@ def _pointed(ground: Recorded, trial: Fitted, which: int, by_rate: Curve) -> Off
     if over_stretch is None:
         return None
     some = placed(over_stretch)
-    one = int(np.argmax(np.abs(some.y)))
-    if some.y[one] == 0.0:
-        return None
+    one = int(np.argmax(np.abs(some.y) / some.shift))  # the best known
     factors = tuple((x, y / some.y[one], shift / abs(some.y[one])) for x, y, shift in some.listed)
     over_rate = _line(ground, trial, which, RATE, _through(factors))
     if over_rate is None:
