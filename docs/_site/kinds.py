@@ -22,8 +22,18 @@ IN_PLACE_OF = {
     "mode": "a hidden mode",
 }
 OWN_ENERGY = {
-    "curve": "stores energy over the stretch, and takes it out, or feeds it in, over the rate"
+    "curve": "stores energy over the stretch, and takes it out, or feeds it in, over the rate",
+    "gyroscopic": "does no work",
+    "circulatory": "feeds energy into a motion that turns its way, and takes it out of others",
+    "skew_damper": "takes energy out of the motion beside dampers of at least its size on both",
 }
+PAIR = """\
+pair: F = (F_a, F_b) pushes along each of the two stretches
+
+      ^ b
+      │ ▲ F_b
+      │ └──▶ F_a
+      └────────▶ a"""
 SKETCHES: dict[tuple[bool, Placement], str] = {
     (True, "on"): """\
 on: F > 0 pulls back, Q = −F on the coordinate
@@ -50,6 +60,7 @@ at: the vector itself, at the point
     o──▶ F""",
 }
 SKETCHES[False, "between"] = SKETCHES[True, "between"]
+SKETCHES |= {(True, "pair"): PAIR, (False, "pair"): PAIR}
 
 
 def kinds_text() -> str:

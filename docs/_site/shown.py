@@ -18,7 +18,7 @@ from symhyb.laws.maths import NUMPY, Action, Motion
 
 STEPS = 2000  # of one turn
 TURNS = 2
-UNITS = {"s": "m", "s′": "m/s", "s″": "m/s²", "t": "s"}
+UNITS = {"s": "m", "s′": "m/s", "s″": "m/s²", "t": "s", "b": "m", "b′": "m/s"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,6 +52,10 @@ DRIVES: Mapping[str, Drive] = {
     "payload": Drive(over="s″"),
     "mode": Drive(pace=8.0),
     "curve": Drive(over="s′", options={"over": "rate"}, values={"scale": 1.0}),
+    "gyroscopic": Drive(over="b′"),
+    "circulatory": Drive(over="b"),
+    "skew_spring": Drive(over="b"),
+    "skew_damper": Drive(over="b′"),
 }
 CURVE = ((-1.0, -900.0), (-0.33, -620.0), (0.0, 0.0), (0.33, 260.0), (1.0, 400.0))
 
@@ -69,7 +73,7 @@ def shown(law: Law) -> Shown | None:
     """The drawing of a law; None of one that a model writes itself, or that nobody chose a motion
     for and that needs one."""
     drive = DRIVES.get(law.name)
-    if drive is None or law.action is None:
+    if drive is None or (law.action is None and law.coupling is None):
         return None
     values = {**law.example, **drive.values}
     columns, force = run(law, drive, values)
@@ -85,17 +89,22 @@ def shown(law: Law) -> Shown | None:
 def run(
     law: Law, drive: Drive, values: Mapping[str, float]
 ) -> tuple[dict[str, NDArray[np.float64]], NDArray[np.float64]]:
-    """Stretch, rate, acceleration and time of the last turn (N,), and the force there (N,), SI."""
+    """Stretch, rate, acceleration and time of the last turn (N,), and the force there (N,), SI; of
+    a pair those of its second stretch while the first stands still, and the force on that."""
     t = np.linspace(0.0, TURNS * 2 * pi / drive.pace, TURNS * STEPS + 1)
     s = drive.stretch * np.sin(drive.pace * t)
     r = drive.stretch * drive.pace * np.cos(drive.pace * t)
     a = -(drive.pace**2) * s
+    last = slice(-STEPS - 1, None)
+    if law.coupling is not None:
+        still, moving = Motion(0 * s, 0 * r, (), t), Motion(s, r, (), t)
+        push = law.coupling(still, moving, values).push[0]
+        return {"b": s[last], "b′": r[last]}, push[last]
     given = dict(values)
     if law.name == "curve":
         given["curve"] = through("curve", *zip(*CURVE, strict=True))
     action = acting(law, drive, given, Motion(s, r, states(law, drive, given, t), t))
     force = np.broadcast_to(action.force + action.mass * a, t.shape)
-    last = slice(-STEPS - 1, None)
     columns = {"s": s, "s′": r, "s″": a, "t": t - t[last][0]}
     return {name: column[last] for name, column in columns.items()}, force[last]
 

@@ -5,6 +5,7 @@ A new law is a new file and one name more in ``LAWS``; docs/add-a-law.md shows h
 
 from symhyb.laws import (
     added_mass,
+    circulatory,
     constant,
     curve,
     damper,
@@ -15,6 +16,7 @@ from symhyb.laws import (
     friction_dynamic,
     gap,
     given,
+    gyroscopic,
     harmonic,
     hysteresis,
     mode,
@@ -22,6 +24,8 @@ from symhyb.laws import (
     power,
     relaxation,
     ripple,
+    skew_damper,
+    skew_spring,
     spring,
 )
 from symhyb.laws.base import Law
@@ -45,6 +49,10 @@ LAWS: tuple[Law, ...] = (
     payload.LAW,
     mode.LAW,
     curve.LAW,
+    gyroscopic.LAW,
+    circulatory.LAW,
+    skew_spring.LAW,
+    skew_damper.LAW,
     given.FORCE,
     given.TORQUE,
     given.EXPRESSION,

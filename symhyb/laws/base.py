@@ -9,16 +9,17 @@ from dataclasses import dataclass, field
 from math import inf
 from typing import Literal
 
-from symhyb.laws.maths import Action, Maths, Motion, Options, Values
+from symhyb.laws.maths import Action, Coupling, Maths, Motion, Options, Values
 from symhyb.laws.phrases import Numbers, Phrase
 from symhyb.laws.reach import Candidate, Reach
 from symhyb.laws.variants import Variants, no_variants
 
 Energy = Literal["conservative", "dissipative", "active"]
-Placement = Literal["on", "between", "at"]
+Placement = Literal["on", "between", "at", "pair"]
 Switch = Literal["", "holds", "touches"]
 STRETCHED: tuple[Placement, ...] = ("on", "between")
 ANYWHERE: tuple[Placement, ...] = ("on", "between", "at")
+PAIRED: tuple[Placement, ...] = ("pair",)
 SHAPE_REACH = 30.0  # a refined key stays within this factor of where it was tried
 
 Fitted = Mapping[str, tuple[float, float]]
@@ -156,7 +157,8 @@ class Law:
     are signals), ``needs`` the keys that have no sensible default. ``states`` are the inner states
     of one with a memory.
 
-    ``action`` computes F and what goes with it; None of a force that is filled in at lowering.
+    ``action`` computes F and what goes with it; None of a force that is filled in at lowering, and
+    of a law of a pair, which has a ``coupling``: what two stretches do to each other.
     ``steep`` laws need finer steps near reversals, ``stiff`` ones an implicit method; ``dry`` is
     friction that can hold still, ``smoothed_over`` the key that says over which speed it turns
     over. ``switch`` says as what an exact simulation treats its corner:
@@ -189,6 +191,7 @@ class Law:
     states: tuple[State, ...] = ()
 
     action: Callable[[Maths, Motion, Values, Options], Action] | None = None
+    coupling: Callable[[Motion, Motion, Values], Coupling] | None = None
     steep: bool = False
     stiff: bool = False
     dry: bool = False

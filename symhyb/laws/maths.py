@@ -74,3 +74,12 @@ class Action:
     inner: tuple[Value, ...] = ()
     rest: tuple[Value, ...] = ()
     mass: Value = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Coupling:
+    """What a law does at a pair of stretches a and b: the ``push`` along each,
+    Q = (∂a/∂q)ᵀ·push[0] + (∂b/∂q)ᵀ·push[1], and the energy ``stored``."""
+
+    push: tuple[Value, Value]
+    stored: Value = 0

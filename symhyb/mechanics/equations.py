@@ -10,18 +10,19 @@ directions, M, k_c and k_e follow by differentiation: numerically in CasADi
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 
 import sympy as sp
 
-from symhyb.laws.maths import Action, Motion
+from symhyb.laws.maths import Action, Coupling, Motion
 from symhyb.mechanics.attitude import Turn, Vector, across, along, tensor_of, turns_of
 from symhyb.mechanics.kinematics import Geometry, geometry, located, stretch_of
-from symhyb.mechanics.laws import ZERO, acting, action_of
+from symhyb.mechanics.laws import ZERO, acting, action_of, coupling_of
 from symhyb.mechanics.symbols import Symbols, symbols_of, to_sympy
 from symhyb.model.expression import Expression, Reading, readings
 from symhyb.model.space import dimension
 from symhyb.model.turned import Quaternion
-from symhyb.model.types import At, Body, Element, Model, On
+from symhyb.model.types import At, Body, Element, Model, On, Pair
 from symhyb.model.vocabulary import KINDS
 
 
@@ -99,6 +100,23 @@ class Couple:
 
 
 @dataclass(frozen=True, slots=True)
+class Mutual:
+    """A law of a pair of stretches: the ``paths`` a and b by the coordinates, ``s`` and ``r`` the
+    symbols of each and of its rate in the ``law``.
+    Q = (∂a/∂q)ᵀ·push[0] + (∂b/∂q)ᵀ·push[1]."""
+
+    element: str
+    paths: tuple[sp.Expr, sp.Expr]
+    s: tuple[sp.Symbol, sp.Symbol]
+    r: tuple[sp.Symbol, sp.Symbol]
+    law: Coupling
+
+
+Acting = Term | Vectorial | Couple | Mutual
+"""What an element does, whatever its place."""
+
+
+@dataclass(frozen=True, slots=True)
 class Equations:
     """A model in SymPy, coherent SI: the masses, declared energies (``potential``
     without gravity, which acts on the masses), one term an element, one output a sensor (m), the
@@ -111,7 +129,7 @@ class Equations:
     kinetic: sp.Expr
     potential: sp.Expr
     gravity: Vector
-    terms: tuple[Term | Vectorial | Couple, ...]
+    terms: tuple[Acting, ...]
     outputs: tuple[sp.Expr, ...]
     readings: tuple[Reading, ...]
     networks: Mapping[str, tuple[sp.Expr, ...]]
@@ -182,9 +200,11 @@ def _link(body: Body, symbols: Symbols) -> Link:
 
 def _term(
     model: Model, element: Element, places: Geometry, symbols: Symbols, gravity: Vector
-) -> Term | Vectorial | Couple:
+) -> Acting:
     scope = symbols.within(element.name)
     values = {key: to_sympy(expression, scope) for key, expression in element.values}
+    if isinstance(element.place, Pair):
+        return _mutual(element, element.place, values, symbols)
     s, r = (sp.Symbol(f"{mark}({element.name})", real=True) for mark in ("s", "s'"))
     motion = Motion(s, r, symbols.z.get(element.name, ()), symbols.t)
     if isinstance(element.place, At):
@@ -199,6 +219,19 @@ def _term(
         hole = sp.Symbol(f"network({element.name})", real=True)
         return Term(element.name, path, s, r, acting(hole), sign, hole)
     return Term(element.name, path, s, r, action_of(element, motion, values), sign)
+
+
+def _mutual(element: Element, pair: Pair, values: dict[str, sp.Expr], symbols: Symbols) -> Mutual:
+    symbol = partial(sp.Symbol, real=True)
+    a, b = (to_sympy(on.expression, symbols.scope) for on in pair.each)
+    first, second = (
+        Motion(
+            symbol(f"s({element.name}.{side})"), symbol(f"s'({element.name}.{side})"), (), symbols.t
+        )
+        for side in "ab"
+    )
+    law = coupling_of(element, first, second, values)
+    return Mutual(element.name, (a, b), (first.s, second.s), (first.r, second.r), law)
 
 
 def _vectorial(

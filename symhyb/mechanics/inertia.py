@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from symhyb.mechanics.equations import Couple, Equations, Term, Vectorial
+from symhyb.mechanics.equations import Couple, Equations, Mutual, Term, Vectorial
 from symhyb.mechanics.rows import ONE, Named, Row, Short, Slopes, product
 from symhyb.mechanics.spinning import length, length_inertia
 from symhyb.mechanics.symbols import to_sympy
@@ -54,7 +54,9 @@ def _moving(equations: Equations) -> Iterator[Moving]:
             path = length(body.quaternion[0])
             yield Moving(f"length of {body.body}", "n", length_inertia(body.tensor), path)
     for term in equations.terms:
-        if not isinstance(term, Couple) and term.law is not None and term.law.mass != 0:
+        if isinstance(term, Couple | Mutual):
+            continue
+        if term.law is not None and term.law.mass != 0:
             vector = isinstance(term, Vectorial)
             for axis, path in zip("xyz" if vector else "s", _paths(term), strict=False):
                 yield Moving(f"elements.{term.element}", axis, term.law.mass, path)

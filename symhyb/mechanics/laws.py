@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import sympy as sp
 
 from symhyb.laws import friction, levels
-from symhyb.laws.maths import Action, Maths, Motion
+from symhyb.laws.maths import Action, Coupling, Maths, Motion
 from symhyb.mechanics.tabulated import tabulated
 from symhyb.model.types import Element
 from symhyb.model.vocabulary import KINDS
@@ -43,6 +43,20 @@ def action_of(element: Element, at: Motion, values: Values) -> Action:
     does = law.action(SYMPY, at, {**values, **given}, dict(element.options))
     inner, rest = (tuple(ZERO + one for one in part) for part in (does.inner, does.rest))
     return Action(ZERO + does.force, ZERO + does.stored, inner, rest, ZERO + does.mass)
+
+
+def coupling_of(element: Element, a: Motion, b: Motion, values: Values) -> Coupling:
+    """Return what the law of ``element`` does to a pair of stretches, as SymPy expressions.
+
+    Raises:
+        TypeError: a kind that is no law of a pair.
+    """
+    law = KINDS.get(element.kind)
+    if law is None or law.coupling is None:
+        raise TypeError(f"no law of a pair for kind {element.kind!r}")
+    does = law.coupling(a, b, values)
+    first, second = does.push
+    return Coupling((ZERO + first, ZERO + second), ZERO + does.stored)
 
 
 def acting(force: sp.Expr, stored: sp.Expr = ZERO) -> Action:

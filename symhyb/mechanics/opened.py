@@ -27,7 +27,7 @@ from dataclasses import replace
 
 import sympy as sp
 
-from symhyb.mechanics.equations import Couple, Equations, Term, Vectorial
+from symhyb.mechanics.equations import Acting, Equations, Term
 from symhyb.mechanics.laws import ZERO, Values, acting, friction_level, transition
 from symhyb.mechanics.symbols import to_sympy
 from symhyb.model.switching import Stop, frictions, rubbing, stops
@@ -94,7 +94,7 @@ def banded(model: Model, equations: Equations) -> Equations:
 def _with(
     equations: Equations,
     inputs: Sequence[sp.Symbol],
-    terms: Sequence[Term | Vectorial | Couple],
+    terms: Sequence[Acting],
     outputs: Sequence[sp.Expr],
 ) -> Equations:
     symbols = replace(equations.symbols, u=(*equations.symbols.u, *inputs))

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import sympy as sp
 
-from symhyb.mechanics.equations import Couple, Equations, Term, Vectorial
+from symhyb.mechanics.equations import Acting, Couple, Equations, Mutual, Term, Vectorial
 from symhyb.mechanics.kinematics import stretch_of
 from symhyb.mechanics.rows import Named, Row, Short, Slopes, product
 from symhyb.mechanics.spinning import couple_force
@@ -31,7 +31,7 @@ def named_pathways(model: Model, equations: Equations, slopes: Slopes) -> tuple[
 def _names_of(
     model: Model,
     element: Element,
-    term: Term | Vectorial | Couple,
+    term: Acting,
     equations: Equations,
     slopes: Slopes,
 ) -> Iterator[Named]:
@@ -67,7 +67,7 @@ def short_of(names: tuple[Named, ...]) -> Short:
 def force_rows(
     model: Model, equations: Equations, slopes: Slopes, names: tuple[Named, ...]
 ) -> Iterator[Row]:
-    """Q = ±(∂s/∂q) F of every element on every coordinate."""
+    """Q = ±(∂s/∂q) F of every element on every coordinate; of a pair the sum of both."""
     short = short_of(names)
     for element, term in zip(model.elements, equations.terms, strict=True):
         source = f"elements.{element.name}"
@@ -77,6 +77,9 @@ def force_rows(
             omega = tuple(part.xreplace(turning) for part in term.omega)
             for i, force in enumerate(couple_force(term.torque, omega, slopes)):
                 yield Row("k_e", (i,), source, _tidy(force))
+            continue
+        if isinstance(term, Mutual):
+            yield from _mutual_rows(source, term, equations, slopes)
             continue
         known = known_of(element, term, equations, slopes, names)
         if isinstance(term, Vectorial):
@@ -91,6 +94,16 @@ def force_rows(
             plain = isinstance(element.place, On) and element.place.plain
             lean = lean if plain else _tidy(lean, len(equations.gravity))
             yield Row("k_e", (i,), source, push * lean)
+
+
+def _mutual_rows(source: str, term: Mutual, equations: Equations, slopes: Slopes) -> Iterator[Row]:
+    """What a law of a pair does on every coordinate that moves one of its stretches."""
+    known = dict(zip(term.s, term.paths, strict=True))
+    known |= {r: slopes.rate(path) for r, path in zip(term.r, term.paths, strict=True)}
+    pushes = [push.xreplace(known) for push in term.law.push]
+    for i, by in enumerate(slopes.by):
+        leans = [_tidy(by(path), len(equations.gravity)) for path in term.paths]
+        yield Row("k_e", (i,), source, product(pushes, leans))
 
 
 def inner_rates(

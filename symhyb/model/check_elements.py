@@ -22,7 +22,7 @@ from symhyb.model.scope import (
 )
 from symhyb.model.source import Path
 from symhyb.model.tables import Fault, shorten
-from symhyb.model.types import At, Between, Element, Model, On, Parameter
+from symhyb.model.types import At, Between, Element, Model, On, Pair, Parameter
 from symhyb.model.vocabulary import KINDS, curve_units, key_unit, stretch_unit
 from symhyb.units import ONE, Unit
 
@@ -39,8 +39,8 @@ def element_faults(
     yield from faults
     own = {parameter.name: parameter.unit for parameter in element.parameters}
     local = replace(scope, units={**scope.units, **own})
-    on = element.place.expression if isinstance(element.place, On) else None
-    placed = not faults and (on is None or unit_in(on, scope) is not None)
+    stretches = _stretches(element)
+    placed = not faults and all(unit_in(one.expression, scope) is not None for one in stretches)
     known = replace(model, energy_unit=energy) if energy is not None and placed else None
     for key, value in element.values:
         declared = KINDS[element.kind].key(key.split(".")[0])
@@ -184,6 +184,20 @@ def _place_faults(
                 yield from point_faults((*path, "between"), name, model, scope, unreadable)
         case At(point):
             yield from point_faults((*path, "at"), point, model, scope, unreadable)
+        case Pair() as pair:
+            for on in pair.each:
+                yield from _on_faults((*path, "pair"), on, scope)
+
+
+def _stretches(element: Element) -> tuple[On, ...]:
+    """The stretches that the place of an element states."""
+    match element.place:
+        case On() as on:
+            return (on,)
+        case Pair() as pair:
+            return pair.each
+        case _:
+            return ()
 
 
 def _on_faults(path: Path, place: On, scope: Scope) -> Iterator[Fault]:

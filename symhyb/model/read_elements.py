@@ -11,11 +11,12 @@ from symhyb.model.read_curves import BY_STRETCH, CURVE_KEYS, read_factor, read_o
 from symhyb.model.read_network import NETWORK_KEYS, read_network
 from symhyb.model.read_space import kind_in, read_axes
 from symhyb.model.tables import Table, describe, shorten
-from symhyb.model.types import At, Between, Element, On, Parameter, Place
+from symhyb.model.types import At, Between, Element, On, Pair, Parameter, Place
 from symhyb.model.vocabulary import KINDS, placement_of
 
 NO_CURVES: Mapping[str, Curve | None] = {}
-_COMMON = ("kind", "on", "between", "at", "about", "found", "parameters")
+_PLACES = ("on", "between", "at", "pair")
+_COMMON = ("kind", *_PLACES, "about", "found", "parameters")
 
 
 def read_parameter(table: Table, owner: str = "") -> Parameter | None:
@@ -87,8 +88,9 @@ def _kind(table: Table) -> Law | None:
 
 
 def _place(table: Table, kind: Law) -> Place | None:
-    """Read ``on``, ``between`` or ``at``; exactly one of them, and one that the kind can have."""
-    given = [key for key in ("on", "between", "at") if key in table.entries]
+    """Read ``on``, ``between``, ``at`` or ``pair``; exactly one of them, and one that the kind can
+    have."""
+    given = [key for key in _PLACES if key in table.entries]
     allowed = " or ".join(f"'{key}'" for key in kind.placements)
     if len(given) > 1:
         listed = " and ".join(f"'{key}'" for key in given)
@@ -103,6 +105,8 @@ def _place(table: Table, kind: Law) -> Place | None:
         return None
     if given[0] == "between":
         return _between(table)
+    if given[0] == "pair":
+        return _pair(table)
     name = table.text(given[0])
     if name is None:
         return None
@@ -111,13 +115,34 @@ def _place(table: Table, kind: Law) -> Place | None:
 
 def _on(table: Table, text: str) -> On | None:
     """Read a coordinate or an expression of coordinates; which they are is checked later."""
-    expression = table.as_expression(text, "on")
+    stretch = _stretch(table, text, "on")
+    return None if stretch is None else On(stretch)
+
+
+def _stretch(table: Table, text: str, key: str) -> str | None:
+    """A stretch as it was written; of a coordinate alone its name."""
+    expression = table.as_expression(text, key)
     if expression is None:
         return None
     match expression.tree:
         case Name(name, 0):
-            return On(name)
-    return On(text)
+            return name
+    return text
+
+
+def _pair(table: Table) -> Pair | None:
+    """Read two stretches, each a coordinate or an expression of coordinates."""
+    given = table.entries.get("pair")
+    if not isinstance(given, list) or [type(one) for one in given] != [str, str]:
+        table.fault(f"must be a list of two coordinates, not {describe(given)}", "pair")
+        return None
+    first, second = (_stretch(table, text, "pair") for text in given)
+    if first is None or second is None:
+        return None
+    if first == second:
+        table.fault(f"couples '{shorten(first)}' with itself", "pair")
+        return None
+    return Pair(first, second)
 
 
 def _between(table: Table) -> Place | None:

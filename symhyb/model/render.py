@@ -22,6 +22,7 @@ from symhyb.model.types import (
     Model,
     Network,
     On,
+    Pair,
     Parameter,
     Point,
     Sensor,
@@ -128,6 +129,8 @@ def element_lines(element: Element) -> Iterator[str]:
             places = {"between": [first, second]}
         case At(point):
             places = {"at": point}
+        case Pair(first, second):
+            places = {"pair": [first, second]}
     values = dict(element.values)
     for key in dict.fromkeys(key.split(".")[0] for key in values if "." in key):
         parts = [values.pop(f"{key}.{axis}") for axis in "xyz" if f"{key}.{axis}" in values]

@@ -32,6 +32,9 @@ PLACES = {
     "on": text("a coordinate, or an expression of coordinates: the stretch s"),
     "between": listed("two points: s = |b − a| − length; a tension pulls", text("a point"), 2, 2),
     "at": text("a point, where a force vector acts"),
+    "pair": listed(
+        "two stretches that act on each other", text("a coordinate, or an expression"), 2, 2
+    ),
 }
 SURROUNDINGS = {
     "about": text("text for people"),

@@ -11,7 +11,7 @@ from symhyb.model.scope import MEASURED, Scope, expression_faults, scope_of
 from symhyb.model.source import Path
 from symhyb.model.space import dimension
 from symhyb.model.tables import Fault, shorten
-from symhyb.model.types import At, Model, On, Sensor
+from symhyb.model.types import At, Model, On, Pair, Sensor
 from symhyb.model.vocabulary import force_unit
 from symhyb.units import Unit, parse_unit
 
@@ -62,7 +62,7 @@ def reading_unit(model: Model, reading: Reading) -> Unit:
             raise LookupError(name)
         return force_unit(model, On(name))
     place = next((element.place for element in model.elements if element.name == name), None)
-    if place is None:
+    if place is None or isinstance(place, Pair):
         raise LookupError(name)
     return force_unit(model, place)
 
@@ -148,6 +148,9 @@ def _fit_faults(path: Path, reading: Reading, model: Model) -> Iterator[Fault]:
                 yield path, f"the body '{name}' does not turn; give it {cure}"
         case "force":
             element = next((item for item in model.elements if item.name == name), None)
+            if element is not None and isinstance(element.place, Pair):
+                text = f"'{name}' pushes two coordinates, each with a force of its own"
+                yield path, f"{text}; a force cell measures an element 'on' or 'between'"
             if element is not None and isinstance(element.place, At):
                 text = f"the force of '{name}' at a point is a vector"
                 yield path, f"{text}; a force cell measures an element 'on' or 'between'"

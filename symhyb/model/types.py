@@ -7,7 +7,6 @@ m sensors, P parameters.
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, fields
-from functools import lru_cache
 
 from symhyb.by_name import Items, name_items
 from symhyb.laws.cardinal import Part
@@ -15,9 +14,15 @@ from symhyb.laws.characteristic import Characteristic
 from symhyb.model.actuators import numbers_of
 from symhyb.model.constraints import Assembly, Constraint
 from symhyb.model.curves import Curve
-from symhyb.model.expression import Expression, names, parse_expression
+from symhyb.model.expression import Expression
 from symhyb.model.fmu import Fmu, Local
 from symhyb.model.limits import Limit
+from symhyb.model.places import At as At
+from symhyb.model.places import Between as Between
+from symhyb.model.places import On as On
+from symhyb.model.places import Pair as Pair
+from symhyb.model.places import Place as Place
+from symhyb.model.places import place_text as place_text
 from symhyb.model.states import State
 from symhyb.model.turned import Quaternion, Rotations
 from symhyb.shown import card, counted
@@ -153,50 +158,6 @@ class Body:
     joint: Vector | None = None
     turned: Rotations | Quaternion | None = None
     tensor: Vector = ()
-
-
-@dataclass(frozen=True, slots=True)
-class On:
-    """Placement on a coordinate, s = q, or on an expression of coordinates: On("q1 - q2")."""
-
-    coordinate: str
-
-    @property
-    def plain(self) -> bool:
-        """Whether the stretch is one coordinate itself."""
-        return self.coordinate.isidentifier()
-
-    @property
-    def expression(self) -> Expression:
-        """The stretch s.
-
-        Raises:
-            ExpressionError: a text that is no expression (a model that was read has none).
-        """
-        return _parsed(self.coordinate)
-
-    @property
-    def names(self) -> frozenset[str]:
-        """The names in the stretch, those of coordinates, parameters and t."""
-        return frozenset(name.name for name in names(self.expression))
-
-
-@dataclass(frozen=True, slots=True)
-class Between:
-    """Placement between two points: the stretch is ``s = |b − a| − length``, a tension pulls."""
-
-    first: str
-    second: str
-
-
-@dataclass(frozen=True, slots=True)
-class At:
-    """Placement at a point: a force vector acts there."""
-
-    point: str
-
-
-Place = On | Between | At
 
 
 @dataclass(frozen=True, slots=True)
@@ -377,19 +338,3 @@ def _said(item: Parameter) -> str:
     """A parameter with its deviation and unit, short."""
     spread = "" if item.sd is None else f" ± {item.sd:.3g}"
     return f"{item.value:.6g}{spread} {item.unit}".removesuffix(" 1")
-
-
-@lru_cache(maxsize=1024)
-def _parsed(text: str) -> Expression:
-    return parse_expression(text)
-
-
-def place_text(place: Place) -> str:
-    """Say a place as the model file does: ``on x − y``, ``between anchor and tip``, ``at tip``."""
-    match place:
-        case On(coordinate):
-            return f"on {coordinate}".replace("-", "−")
-        case Between(first, second):
-            return f"between {first} and {second}"
-        case At(point):
-            return f"at {point}"

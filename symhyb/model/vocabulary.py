@@ -17,7 +17,7 @@ from symhyb.laws.base import Key, Law, Placement, State
 from symhyb.laws.curve import SPEED_POWERS
 from symhyb.model.expression import Expression, parse_expression
 from symhyb.model.scope import scope_of, unit_in
-from symhyb.model.types import At, Between, Element, Model, On, Place
+from symhyb.model.types import At, Between, Element, Model, On, Pair, Place
 from symhyb.units import ONE, Unit, parse_unit
 
 KINDS: Mapping[str, Law] = {law.name: law for law in LAWS}
@@ -73,16 +73,21 @@ def placement_of(place: Place) -> Placement:
             return "between"
         case At():
             return "at"
+        case Pair():
+            return "pair"
 
 
 def stretch_unit(model: Model, place: Place) -> Unit:
-    """Return the unit of s: m along any length, rad on any angle, else the coordinate's own (V).
+    """Return the unit of s: m along any length, rad on any angle, else the coordinate's own (V); of
+    a pair that of its first stretch.
 
     An expression of angles that has no dimension is an angle: ``phi - ratio*psi``.
 
     Raises:
         LookupError: a place on unknown names, or of units that do not fit.
     """
+    if isinstance(place, Pair):
+        return stretch_unit(model, place.each[0])
     if not isinstance(place, On):
         return parse_unit("m")
     units = {c.name: c.unit for c in model.coordinates}
@@ -135,6 +140,8 @@ def key_unit(
     declared = KINDS[element_kind].key(key.split(".")[0])
     if declared is None:
         raise KeyError(f"{element_kind} has no key '{key}'")
+    if isinstance(place, Pair):
+        return _pair_unit(model, place, declared)
     force, stretch = force_unit(model, place), stretch_unit(model, place)
     if element_kind == "torque" and isinstance(place, At):
         return parse_unit("N*m")
@@ -143,6 +150,16 @@ def key_unit(
     n = Fraction(exponent).limit_denominator(12) if declared.exponent else Fraction(1)
     along = declared.stretch * n
     return _product((force, declared.force), (parse_unit("s"), declared.time), (stretch, along))
+
+
+def _pair_unit(model: Model, place: Pair, key: Key) -> Unit:
+    """The unit of a key of a coupling: the force on one over the stretch of the other, which is the
+    same both ways; N between a length and an angle."""
+    first, second = place.each
+    if stretch_unit(model, first).text == "rad":
+        first, second = second, first
+    force, stretch = force_unit(model, first), stretch_unit(model, second)
+    return _product((force, key.force), (parse_unit("s"), key.time), (stretch, key.stretch))
 
 
 def _product(*parts: tuple[Unit, Fraction | int]) -> Unit:

@@ -29,7 +29,7 @@ from symhyb.discrepancy.results import (
     Verdict,
 )
 from symhyb.errors import NumericsError
-from symhyb.model.types import At, Between, On, Place
+from symhyb.model.types import At, Between, On, Pair, Place
 from symhyb.model.vocabulary import said_of
 from symhyb.report.course_entries import course_entry
 from symhyb.report.document import (
@@ -360,6 +360,8 @@ def _place(place: Place) -> PlaceEntry:
             return {"between": [first, second]}
         case At(point):
             return {"at": point}
+        case Pair(first, second):
+            return {"pair": [first, second]}
 
 
 def _active(active: Activity) -> ActivityEntry:

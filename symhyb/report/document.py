@@ -31,10 +31,12 @@ Numbers = dict[str, float | None]
 
 
 class PlaceForm(TypedDict, total=False):
-    """A place: ``on`` a coordinate, ``between`` two points or ``at`` one."""
+    """A place: ``on`` a coordinate, ``between`` two points, ``at`` one, or a ``pair`` of
+    coordinates that act on each other."""
 
     on: str
     at: str
+    pair: Annotated[list[str], Says((("minItems", 2), ("maxItems", 2)))]
     between: Annotated[list[str], Says((("minItems", 2), ("maxItems", 2)))]
 
 

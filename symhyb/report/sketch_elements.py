@@ -1,8 +1,10 @@
 """Elements drawn where they act: between points, on coordinates, about pivots, at points."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from symhyb.model.types import At, Between, Element, On
+from symhyb.model.types import At, Between, Element, On, Pair, place_text
 from symhyb.report.series import Array
 from symhyb.report.sketch_draft import BOX, Draft, mover_of
 from symhyb.report.symbols import across, arc, ground, symbol
@@ -27,7 +29,15 @@ def draw_element(draft: Draft, element: Element) -> None:
                     draft.add("line", line, "element", element.name)
             _label(draft, element, tail, away)
         case On() as on:
-            _draw_on(draft, element, on)
+            _draw_on(draft, element, _used(draft, on))
+        case Pair() as pair:
+            _draw_on(draft, element, [j for on in pair.each for j in _used(draft, on)])
+
+
+def _used(draft: Draft, on: On) -> list[int]:
+    """The coordinates in a stretch, in the order in which it names them."""
+    names = [c.name for c in draft.model.coordinates]
+    return [names.index(name) for name in sorted(on.names, key=on.coordinate.find) if name in names]
 
 
 def _draw_between(draft: Draft, element: Element, a: Array, b: Array, key: str) -> None:
@@ -46,16 +56,13 @@ def _draw_between(draft: Draft, element: Element, a: Array, b: Array, key: str) 
     _label(draft, element, (a + b) / 2 + offset + side * left * 0.6 * draft.size, side * left)
 
 
-def _draw_on(draft: Draft, element: Element, on: On) -> None:
-    """An element on a coordinate, between the body that this moves and the ground; on a difference
-    of coordinates between the two bodies."""
-    names = [c.name for c in draft.model.coordinates]
-    used = [names.index(name) for name in sorted(on.names, key=on.coordinate.find) if name in names]
+def _draw_on(draft: Draft, element: Element, used: Sequence[int]) -> None:
+    """An element on a coordinate, between the body that this moves and the ground; on several
+    (``used``), as a difference or a pair has them, between the bodies of two."""
     ends = [mover for mover in (mover_of(draft, j) for j in used) if mover is not None]
     if not ends:
-        said = (
-            f"{element.name} ({element.kind} on {on.coordinate}) acts on nothing that has a place"
-        )
+        where = place_text(element.place)
+        said = f"{element.name} ({element.kind} {where}) acts on nothing that has a place"
         draft.left_out.append(said)
         return
     bodies = list(dict.fromkeys(body for body, _ in ends))

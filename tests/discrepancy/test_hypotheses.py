@@ -32,6 +32,7 @@ from symhyb.units import parse_unit
 
 BAND = Between("post", "tip")
 T = np.linspace(0, 4, 401)
+PAIRED = {kind for kind, law in KINDS.items() if law.coupling is not None}  # test_pair_laws.py
 
 
 def reach(speed: float, centre: float = 0.0, force: np.ndarray | None = None) -> Reach:
@@ -71,7 +72,7 @@ def test_every_law_of_the_vocabulary_is_tried_at_every_place() -> None:
             BAND: reach(2.0, 0.35, force=0.3 * np.sin(40 * T)),
         },
     )
-    laws = set(KINDS) - {"curve", "force", "torque", "law", "network", "payload", "mode"}
+    laws = set(KINDS) - PAIRED - {"curve", "force", "torque", "law", "network", "payload", "mode"}
     for place in (On("x"), BAND):
         mine = [h for h in tried if h.place == place]
         assert laws - {h.kind for h in mine} <= {"ripple"}
@@ -208,7 +209,7 @@ def test_probes_are_the_law_in_its_unknown_numbers() -> None:
         combined = forces[:, :, list(columns)] @ coefficients
         assert combined == pytest.approx(last, rel=1e-9, abs=1e-9 * (size + 1)), str(hypothesis)
         kinds.add(hypothesis.kind)
-    assert kinds == set(KINDS) - {"curve", "force", "torque", "law", "network", "payload"}
+    assert kinds == set(KINDS) - PAIRED - {"curve", "force", "torque", "law", "network", "payload"}
 
 
 def test_limits_keep_shapes_near_where_they_were_tried() -> None:

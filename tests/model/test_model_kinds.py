@@ -10,7 +10,7 @@ from symhyb.model.diff import changes
 from symhyb.model.expression import parse_expression
 from symhyb.model.read import parse_model
 from symhyb.model.render import render
-from symhyb.model.types import At, Between, Element, Model, Network, On, Parameter
+from symhyb.model.types import At, Between, Element, Model, Network, On, Pair, Parameter
 from symhyb.model.vocabulary import KINDS, Key, curve_units, key_unit
 from symhyb.model.write import append_elements, replace_parameters
 from symhyb.units import parse_unit
@@ -39,7 +39,8 @@ mass = "m"
 at = "b"
 """
 HASH = "0123456789abcdef" * 4
-PLACES = {"on": On("x"), "between": Between("a", "b"), "at": At("b")}
+PLACES = {"on": On("x"), "between": Between("a", "b"), "at": At("b"), "pair": Pair("x", "phi")}
+SAID = {"pair": "on x and phi"}  # a place in words, where they are not its key
 
 
 def problems(text: str) -> list[str]:
@@ -104,7 +105,7 @@ def test_every_kind_is_written_and_read_at_every_place(kind: str, where: str) ->
     bare = replace(corrected, text="")
     assert replace(parse_model(render(bare)), text="") == bare
     (sentence,) = changes(model, corrected)
-    assert sentence.startswith(f"+ element found_{kind}: {kind} {where} ")
+    assert sentence.startswith(f"+ element found_{kind}: {kind} {SAID.get(where, where)}")
     for _, word in element.options:
         assert word in sentence
 

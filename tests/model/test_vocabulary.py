@@ -110,6 +110,7 @@ def test_every_kind_is_complete(kind) -> None:  # type: ignore[no-untyped-def]
 def test_energy_says_whether_a_kind_resists() -> None:
     passive = {name for name, kind in KINDS.items() if kind.passive}
     assert set(KINDS) - passive == {
+        "circulatory",
         "constant",
         "harmonic",
         "ripple",

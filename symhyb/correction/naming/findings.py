@@ -37,7 +37,7 @@ from symhyb.judgement import PROBABLE, SIGNIFICANT
 from symhyb.laws.sided import SKEW
 from symhyb.model.actuators import ACTUATOR_KEYS, FAULT_KEYS, ChannelKind
 from symhyb.model.expression import parse_expression
-from symhyb.model.types import At, Between, Element, Model, On, Parameter, Place
+from symhyb.model.types import At, Between, Element, Model, On, Pair, Parameter, Place
 from symhyb.model.vocabulary import KINDS, expressed, key_of, key_unit, worded
 
 _CHANNEL_KINDS: Mapping[str, ChannelKind] = {key: key for key in (*FAULT_KEYS, *ACTUATOR_KEYS)}
@@ -233,6 +233,8 @@ def _place_word(place: Place) -> str:
             return f"{first}_{second}"
         case At(point):
             return point
+        case Pair() as pair:
+            return "_".join(_place_word(on) for on in pair.each)
 
 
 def reestimated(

@@ -13,7 +13,7 @@ import sympy as sp
 
 from symhyb.laws.characteristic import Characteristic
 from symhyb.mechanics.attitude import Vector, matrix_of
-from symhyb.mechanics.equations import Couple, Equations, Mass, Term, Vectorial
+from symhyb.mechanics.equations import Acting, Couple, Equations, Mass, Mutual, Term, Vectorial
 from symhyb.mechanics.symbols import reading_symbol
 from symhyb.mechanics.tabulated import TabulatedBase
 from symhyb.model.expression import Reading
@@ -149,9 +149,9 @@ class Lowered:
 
     Symbols q, v, a (n), z (declared states, then inner states), u (k), p (P), t; on them T, V, and
     a row an element: generalized forces (each (n, 1)), stored energies, pathways (stretch, rate,
-    direction; None at points), scalar forces F (by name; not at points), and of z (nz, 1) the rates
-    z' (``inner``) and the values at ``rest``, of declared states those at the start. ``guidance``
-    (n, 1) keeps quaternions at length 1.
+    direction; None at points and of pairs), scalar forces F (by name; of those with a pathway), and
+    of z (nz, 1) the rates z' (``inner``) and the values at ``rest``, of declared states those at
+    the start. ``guidance`` (n, 1) keeps quaternions at length 1.
     """
 
     def __init__(self, equations: Equations, networks: Mapping[str, Fill] | None = None):
@@ -194,6 +194,8 @@ class Lowered:
                 self._add_vector(term)
             elif isinstance(term, Couple):
                 self._add_couple(term)
+            elif isinstance(term, Mutual):
+                self._add_mutual(term)
             else:
                 self._add_term(term, (networks or {}).get(term.element))
                 inner += map(self._lower, term.law.inner)  # in the order of the elements, as z is
@@ -219,8 +221,7 @@ class Lowered:
         moving += chain.from_iterable(links.moving(equations.masses))
         moving += [angle for _, angle in _turns(equations)]
         for term in equations.terms:
-            if not isinstance(term, Couple):
-                moving += term.position if isinstance(term, Vectorial) else [term.path]
+            moving += _moved_by(term)
         moving = list(dict.fromkeys(moving))
         if not moving:
             return {}
@@ -313,6 +314,18 @@ class Lowered:
         self.pathways.append(None)
         self._carry(ca.SX(0))
 
+    def _add_mutual(self, term: Mutual) -> None:
+        """Two stretches that act on each other: Q = (∂a/∂q)ᵀ·push_a + (∂b/∂q)ᵀ·push_b."""
+        paths, rates = self._column_of(term.paths), self._rate(term.paths)
+        for i in range(2):
+            self._lower.define(term.s[i], paths[i])
+            self._lower.define(term.r[i], rates[i])
+        push = self._column_of(term.law.push)
+        self.forces.append(ca.jtimes(paths, self.q, push, True))
+        self.stored.append(self._lower(term.law.stored))
+        self.pathways.append(None)
+        self._carry(ca.SX(0))
+
     def _carry(self, energy: ca.SX) -> None:
         """Kinetic energy of the mass that an element adds."""
         self.carried.append(energy)
@@ -356,6 +369,19 @@ class Lowered:
         angle = self._lower(places.frames[body].angle)
         c, s = ca.cos(angle), ca.sin(angle)
         return c * felt[0] + s * felt[1] if axis == "x" else c * felt[1] - s * felt[0]
+
+
+def _moved_by(term: Acting) -> tuple[sp.Expr, ...]:
+    """The positions whose rates an element needs."""
+    match term:
+        case Term():
+            return (term.path,)
+        case Vectorial():
+            return tuple(term.position)
+        case Mutual():
+            return term.paths
+        case Couple():
+            return ()
 
 
 def _turns(equations: Equations) -> tuple[tuple[sp.Symbol, sp.Expr], ...]:
