@@ -3,7 +3,7 @@ integrator of a controller."""
 
 import numpy as np
 import pytest
-from motors import motor, recorded
+from motors import MOTOR, K, L, R, motor, recorded
 from scipy.integrate import solve_ivp
 
 import symhyb as sh
@@ -100,3 +100,16 @@ def test_missing_friction_is_found_and_nothing_else(ammeter: bool) -> None:
 def test_nothing_is_missing(ammeter: bool) -> None:
     diagnosis = sh.diagnose(motor(ammeter=ammeter), recorded(ammeter))
     assert diagnosis.verdict == "nothing missing"
+
+
+@pytest.mark.slow
+def test_a_missing_back_emf_is_named_as_what_it_does_to_the_shaft() -> None:
+    """L i' = u − R i lacks −k φ'. What is missing is the torque k i_2 of a current with
+    L i_2' = −R i_2 − k φ': a Maxwell element of stiffness k²/L and damping k²/R."""
+    text = MOTOR.replace("(u - R*i - k*phi')/L", "(u - R*i)/L").replace(", sd = 0.3 }", " }")
+    diagnosis = sh.diagnose(sh.parse_model(text, "motor.toml"), recorded(ammeter=False))
+    (found,) = diagnosis.found
+    assert found.element.kind == "relaxation"
+    value = {one.term: one for one in found.estimates}
+    for key, true in (("stiffness", K**2 / L), ("damping", K**2 / R)):
+        assert abs(value[key].value - true) < 3 * value[key].sd < 0.1 * true

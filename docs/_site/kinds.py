@@ -20,6 +20,10 @@ ENERGY = {
 IN_PLACE_OF = {
     "curve": "a force of stretch and rate without a name",
     "mode": "a hidden mode",
+    "gyroscopic": "a coupling",
+    "circulatory": "a coupling",
+    "skew_spring": "a coupling",
+    "skew_damper": "a coupling",
 }
 OWN_ENERGY = {
     "curve": "stores energy over the stretch, and takes it out, or feeds it in, over the rate",

@@ -68,9 +68,9 @@ TABLE = (
     Kind("pulsating", ("time-varying",), STIFF, i.pulsating),
     Kind("drifting", ("time-varying",), ALL, i.drifting),
     Kind("stepping", ("time-varying",), STIFF, i.stepping),
-    Kind("gyroscopic", ("coupling",), PLANE, i.gyroscopic),
-    Kind("circulatory", ("coupling",), PLANE, i.circulatory),
-    Kind("skew spring", ("coupling",), PLANE, i.skew),
+    Kind("gyroscopic", ("coupling",), PLANE, i.gyroscopic, ("gyroscopic",)),
+    Kind("circulatory", ("coupling",), PLANE, i.circulatory, ("circulatory",)),
+    Kind("skew spring", ("coupling",), PLANE, i.skew, ("skew_spring",)),
     # listed laws by now: the right one at its place is right, and so is the class
     Kind("digressive damper", ("law",), ALL, f.digressive, ("damper_kinked",)),
     Kind("eddy brake", ("law",), ALL, f.eddy, ("eddy_brake",)),

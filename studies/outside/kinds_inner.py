@@ -173,7 +173,8 @@ def stepping(bare: Bare, sizes: Generator, fresh: Generator) -> Change:
 
 
 def _coupled(bare: Bare, size: float, matrix: Array, rates: bool) -> Change:
-    """The force amount·matrix·q (or q'), with ``size`` of the known forces at its strongest."""
+    """The force amount·matrix·q (or q'), with ``size`` of the known forces at its strongest; its
+    entry on the first coordinate by the second is a fact of the seal."""
     motion = bare.v if rates else bare.q
     strong = np.sqrt(np.mean((matrix @ motion) ** 2, axis=1)) / bare.known
     amount = size / float(strong.max())
@@ -182,7 +183,8 @@ def _coupled(bare: Bare, size: float, matrix: Array, rates: bool) -> Change:
         return amount * matrix @ (v if rates else q)
 
     place = "-".join(bare.system.coordinates)
-    return Change(push=push, place=place, facts={"amount": amount, "share": size})
+    facts = {"amount": amount, "share": size, "across": amount * float(matrix[0, 1])}
+    return Change(push=push, place=place, facts=facts)
 
 
 TURN = np.array([[0.0, -1.0], [1.0, 0.0]])

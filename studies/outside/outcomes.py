@@ -19,6 +19,12 @@ SHAPES = (
     "frequency",
 )  # numbers of a law that the seal of an old kind holds
 ACTUATORS = {"dead_band": "band", "limit": "most", "rate_limit": "rate", "lag": "tau"}  # in seals
+COUPLINGS = {  # key and the sign of its push on the first coordinate by the second
+    "gyroscopic": ("coefficient", 1.0),
+    "circulatory": ("stiffness", 1.0),
+    "skew_spring": ("stiffness", -1.0),
+    "skew_damper": ("damping", -1.0),
+}
 NEUTRAL = {"gain": 1.0, "offset": 0.0, "delay": 0.0}  # what a channel without a fault has
 
 
@@ -153,7 +159,8 @@ def _covered(claim: Claim, answer: dict[str, Any]) -> bool:
 
 def _is_accepted(claim: Claim, answer: dict[str, Any]) -> bool:
     """Whether a claim of the vocabulary is a right answer for the kind, where it acts, and the
-    shape that it states, if the seal holds it, is the true one; so is the number of an actuator."""
+    shape that it states, if the seal holds it, is the true one; so is the number of an actuator,
+    and that of a coupling with its sign."""
     empirical = "law" in answer["classes"] and claim.kind in EMPIRICAL
     if not (empirical or claim.kind in answer["accepted"]) or claim.where != answer["place"]:
         return False
@@ -162,6 +169,10 @@ def _is_accepted(claim: Claim, answer: dict[str, Any]) -> bool:
         value, sd = claim.values["value"]
         fact = true.get(ACTUATORS[claim.kind])
         return fact is not None and abs(value - fact) <= SPAN * sd
+    if claim.kind in COUPLINGS:
+        key, sign = COUPLINGS[claim.kind]
+        value, sd = claim.values[key]
+        return "across" in true and abs(sign * value - true["across"]) <= SPAN * sd
     stated = {key: pair for key, pair in claim.values.items() if key in SHAPES and key in true}
     return all(abs(value - true[key]) <= SPAN * sd for key, (value, sd) in stated.items())
 

@@ -211,6 +211,11 @@ def claim(kind: str, term: str, value: float, sd: float) -> dict[str, Any]:
     return {"kind": kind, "place": {"on": "x"}, "parameters": {"b": number}}
 
 
+def paired(kind: str, term: str, value: float, sd: float) -> dict[str, Any]:
+    """An entry of ``found`` on the pair a and b."""
+    return {**claim(kind, term, value, sd), "place": {"pair": ["a", "b"]}}
+
+
 def stated(kind: str, probability: float = 0.9) -> list[dict[str, Any]]:
     """A class at x."""
     return [{"kind": kind, "place": {"on": "x"}, "probability": probability, "sentence": ""}]
@@ -240,6 +245,13 @@ RIDING = {
     "accepted": ["mode"],
     "kind": "hidden load",
     "facts": {"mass": 0.2, "frequency": 2.5},
+}
+SKEW = {
+    "classes": ["coupling"],
+    "accepted": ["skew_spring"],
+    "kind": "skew spring",
+    "place": "a-b",
+    "facts": {"amount": 0.4, "across": -0.4},
 }
 LISTED = {"law": LAW, "kind": "law, heavy"}
 
@@ -301,6 +313,26 @@ LISTED = {"law": LAW, "kind": "law, heavy"}
         ),
         (RIDING, {"verdict": FORCE, "found": [claim("mode", "frequency", 2.6, 0.01)]}, "wrong"),
         (RIDING, {"verdict": FORCE, "found": [claim("added_mass", "mass", 0.2, 0.1)]}, "wrong"),
+        (
+            SKEW,
+            {"verdict": FORCE, "found": [paired("skew_spring", "stiffness", 0.41, 0.01)]},
+            "class right",
+        ),
+        (
+            SKEW,
+            {"verdict": FORCE, "found": [paired("skew_spring", "stiffness", -0.41, 0.01)]},
+            "wrong",
+        ),
+        (
+            SKEW,
+            {"verdict": FORCE, "found": [paired("circulatory", "stiffness", -0.4, 0.01)]},
+            "wrong",
+        ),
+        (
+            SKEW,
+            {"verdict": FORCE, "found": [claim("skew_spring", "stiffness", 0.4, 0.01)]},
+            "wrong",
+        ),
         (LISTED, {"verdict": FORCE, "found": [claim("drag", "drag", 0.7, 0.1)]}, "class right"),
         (LISTED, {"verdict": FORCE, "found": [claim("spring", "cubic", 0.7, 0.1)]}, "wrong"),
         (LISTED, {"verdict": "nothing missing"}, "false nothing"),

@@ -21,6 +21,7 @@ import numpy as np
 
 from symhyb.correction.adequacy.classes.catalogue import classes_of
 from symhyb.correction.adequacy.curves.courses import form_of, size_at
+from symhyb.correction.adequacy.pairs import pair_size
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Fitted
 from symhyb.correction.search.trajectory import gathered, keys_of
@@ -149,6 +150,8 @@ def _law_prior(
 ) -> tuple[float, float]:
     """Prior mean and deviation of a key of a law."""
     law = KINDS.get(cause.kind)
+    if law is not None and law.coupling is not None:
+        return 0.0, pair_size(recorded, cause) or 1.0
     for kind in (cause.kind, law.subject if law else ""):
         size = strengths.get((kind, cause.place, cause.path, key))
         if size is not None:

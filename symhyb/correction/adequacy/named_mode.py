@@ -15,7 +15,7 @@ import numpy as np
 from symhyb.correction.adequacy.classes.columns import motions
 from symhyb.correction.adequacy.classes.hidden_mode import band, swings
 from symhyb.correction.adequacy.curves.courses import force_at
-from symhyb.correction.adequacy.curves.products import products_of
+from symhyb.correction.adequacy.curves.products import products_of, solved
 from symhyb.correction.adequacy.explained import Decided, remainder
 from symhyb.correction.adequacy.followed import likeliest, scored
 from symhyb.correction.adequacy.judge import Adequacy
@@ -100,7 +100,7 @@ def _offers(ground: Recorded, start: Fitted, place: Place) -> list[_Offer]:
     for loss in DAMPINGS:
         products = products_of(ground, start, _forces(ground, which, lines, loss))
         for i, line in enumerate(lines):
-            worth, mass = max(_solved(gram, more, i, size) for gram, more in products)
+            worth, mass = max(solved(gram, more, i, size) for gram, more in products)
             if mass > 0:
                 cause = _mode(place, float(line), loss)
                 row = {"mass": mass, "frequency": float(line), "damping_ratio": loss}
@@ -141,13 +141,6 @@ def _forces(ground: Recorded, which: int, lines: Array, loss: float) -> list[Arr
         pull = states[:, 0::2] + 2 * loss * states[:, 1::2]
         found.append(resists * directions[:, :, which, None] * pull[:, None])
     return found
-
-
-def _solved(gram: Array, more: float, i: int, size: float) -> tuple[float, float]:
-    """What the force of a mode is worth by itself in ln evidence, and its mass, kg."""
-    seen = 1 + size**2 * gram[i, i]
-    toward = -size * gram[i, -1]  # residual + force is left
-    return float(0.5 * toward**2 / seen - 0.5 * np.log(seen) + more), float(size * toward / seen)
 
 
 def _acceleration(ground: Recorded, which: int) -> float:

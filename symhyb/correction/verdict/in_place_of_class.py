@@ -1,5 +1,5 @@
 """A choice with a law in place of a class: an own curve for a force of stretch and rate without a
-name, a mode for a hidden mode.
+name, a mode for a hidden mode, laws of a pair for a coupling.
 
 The innovations along whole recordings say that it is one; the windows, which every structure is
 decided by, fit its values and have the last word.
@@ -16,7 +16,9 @@ from symhyb.correction.adequacy.curves.answer import (
 )
 from symhyb.correction.adequacy.curves.courses import Form
 from symhyb.correction.adequacy.judge import Adequacy
+from symhyb.correction.adequacy.named_coupling import couplings_instead, pair_of
 from symhyb.correction.adequacy.named_mode import modes_instead
+from symhyb.correction.adequacy.pairs import PAIR_LAWS
 from symhyb.correction.adequacy.recorded import recorded
 from symhyb.correction.adequacy.structure import Fitted
 from symhyb.correction.search.decide import decide_with
@@ -28,16 +30,20 @@ from symhyb.judgement import OUTSTANDING
 from symhyb.model.types import Place
 from symhyb.steps import Say
 
+_TWICE = frozenset({"mode", *(law.name for law in PAIR_LAWS)})
+"""Kinds whose numbers windows and innovations must agree on."""
+
 
 def with_law(prepared: Prepared, choice: Choice, judged: Adequacy, say: Say) -> Choice | None:
     """The choice with what explains what was ``judged`` to be a force of stretch and rate, as a
-    curve or by listed laws that are as good, or to be a hidden mode, as a mode; or with a curve in
-    the place of more laws of one quantity than may stand for one. None where nothing does, or the
-    windows do not agree."""
+    curve or by listed laws that are as good, or to be a hidden mode, as a mode, or a coupling, as
+    laws of the pair; or with a curve in the place of more laws of one quantity than may stand for
+    one. None where nothing does, or the windows do not agree."""
     if _place(judged) is None or choice.misfits:
         return None
-    mode = judged.certain("hidden mode") is not None
-    say(f"fitting a {'mode' if mode else 'curve'} to a force without a name")
+    mode, pair = judged.certain("hidden mode") is not None, pair_of(judged)
+    what = "a mode" if mode else "couplings" if pair is not None else "a curve"
+    say(f"fitting {what} to a force without a name")
     ground = recorded(prepared, choice.setting)
     if ground is None:
         return None
@@ -46,6 +52,8 @@ def with_law(prepared: Prepared, choice: Choice, judged: Adequacy, say: Say) -> 
         found = instead_of_class(ground, judged)
     elif mode:
         found = modes_instead(ground, judged)
+    elif pair is not None:
+        found = couplings_instead(ground, judged)
     elif many is not None:
         found = instead_of_many(ground, judged, *many)
     if found is None:
@@ -67,9 +75,9 @@ def holds(choice: Choice, again: Adequacy, before: Adequacy) -> bool:
 
 
 def one_value(final: Refined, along: Fitted | None) -> bool:
-    """Whether windows (``final``) and innovations (``along``) give every number of a mode one
-    value, within three deviations of both: what two consistent estimators do not agree on is not
-    right (Hausman, Econometrica 46, 1978)."""
+    """Whether windows (``final``) and innovations (``along``) give every number of a mode and of a
+    law of a pair one value, within three deviations of both: what two consistent estimators do not
+    agree on is not right (Hausman, Econometrica 46, 1978)."""
     if along is None:
         return False
     theirs = _numbers(along)
@@ -80,20 +88,20 @@ def one_value(final: Refined, along: Fitted | None) -> bool:
 
 
 def _numbers(trial: Refined | Fitted) -> dict[tuple[Hypothesis, str], tuple[float, float]]:
-    """Values and deviations of the numbers of modes, SI."""
+    """Values and deviations of the numbers of modes and of laws of a pair, SI."""
     spread = np.sqrt(np.diag(trial.fit.covariance))
     keys = [(cause, key) for cause in trial.causes for key in keys_of(cause)]
     return {
         pair: (float(trial.fit.values[i]), float(spread[i]))
         for i, pair in enumerate(keys)
-        if pair[0].kind == "mode"
+        if pair[0].kind in _TWICE
     }
 
 
 def _place(judged: Adequacy) -> Place | None:
     """Where a class acts that a law may be fitted in place of, or so many laws of one quantity that
     a curve may be."""
-    at = judged.certain("law") or judged.certain("hidden mode")
+    at = judged.certain("law") or judged.certain("hidden mode") or pair_of(judged)
     many = _many(judged)
     return many[0] if at is None and many is not None else at
 

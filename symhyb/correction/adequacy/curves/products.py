@@ -39,6 +39,14 @@ def products_of(
     return tuple((gram, likely - found[0][1]) for gram, likely in found)
 
 
+def solved(gram: Array, more: float, i: int, size: float) -> tuple[float, float]:
+    """What the i-th force of :data:`Products`, whose ``gram`` (G + 1, G + 1) has no unit, is worth
+    by itself in ln evidence, and its strength, SI, with a prior deviation of ``size``."""
+    seen = 1 + size**2 * gram[i, i]
+    toward = -size * gram[i, -1]  # residual + force is left
+    return float(0.5 * toward**2 / seen - 0.5 * np.log(seen) + more), float(size * toward / seen)
+
+
 def _products(
     tracks: Sequence[Track],
     noise: NoiseModel,
