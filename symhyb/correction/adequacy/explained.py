@@ -28,8 +28,11 @@ class Decided(NamedTuple):
 def remainder(ground: Recorded, trial: Fitted) -> float:
     """The power of the unknown force over that of what moves the coordinates, and of the colour of
     the sensors over that of what they show."""
-    noise = trial.fit.noise
     if trial.fit.reason:
         return np.inf
-    force = np.sum((noise.force / ground.scale_or_inf[:, 0]) ** 2)
-    return float(force + np.sum((noise.colour / ground.shown) ** 2))
+    return forces_left(ground, trial) + float(np.sum((trial.fit.noise.colour / ground.shown) ** 2))
+
+
+def forces_left(ground: Recorded, trial: Fitted) -> float:
+    """The power of the unknown force alone over that of what moves the coordinates."""
+    return float(np.sum((trial.fit.noise.force / ground.scale_or_inf[:, 0]) ** 2))

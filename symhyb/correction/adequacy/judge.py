@@ -20,7 +20,7 @@ from symhyb.correction.adequacy.classes.catalogue import classes_of
 from symhyb.correction.adequacy.classes.held_input import LONGEST, held_input
 from symhyb.correction.adequacy.classes.worth import around, worth_of
 from symhyb.correction.adequacy.clock_jitter import Jitter, jittering
-from symhyb.correction.adequacy.explained import Decided, remainder
+from symhyb.correction.adequacy.explained import Decided, forces_left, remainder
 from symhyb.correction.adequacy.followed import Along, followed, likeliest, scored
 from symhyb.correction.adequacy.recorded import Recorded, recorded
 from symhyb.correction.adequacy.structure import Fitted, Generic, Likely, Row, fitted
@@ -93,7 +93,7 @@ def adequacy(
     base = along or followed(ground, final, windows)
     if base.fit.reason:
         return Adequacy(NOTHING, unjudged=base.fit.reason)
-    left = beyond(ground, base)
+    left = here = beyond(ground, base)
     if left.alone is not None and left.evidence < 0:
         base = scored(ground, fitted(ground, final.causes, rows, left.alone, base.fit.states))
     decided = Decided(base, remainder(ground, base), left.acts)
@@ -104,6 +104,7 @@ def adequacy(
         smooth = [trial for trial in raced if _is_curve(trial.extra, base.causes)]
         raced = [trial for trial in raced if trial not in smooth]
         trials += _answers(ground, [*raced, *(_as_curve(one, base) for one in smooth)], decided)
+        left = _shown_by(ground, raced, left, max(trial.evidence for trial in trials))
     disputes: tuple[Disputed, ...] = ()
     if left.acts:
         better = [trial for trial in raced if trial.evidence > base.evidence + CERTAIN]
@@ -119,7 +120,7 @@ def adequacy(
     enough = [trial for trial in trials if trial.extra and _suffices(ground, trial, decided)]
     classes = _classes(trials, {trial.extra.key for trial in enough if trial.extra})
     doubt |= _doubted(trials, enough, classes)
-    noisy = () if classes else noisy_inputs(ground, base, left)
+    noisy = () if classes or left is not here else noisy_inputs(ground, base, left)
     doubt |= _small(final, ground, left, noise=bool(noisy) and not few)
     if not classes:
         faults = (*faulty_sensors(ground, base), *noisy)
@@ -128,6 +129,18 @@ def adequacy(
     first = [t for t in trials if t.extra and t.extra.key == classes[0].generic.key]
     likeliest_one = max(first, key=lambda trial: trial.evidence)
     return Adequacy(left, classes, doubt, disputes, structure=base, by_class=likeliest_one)
+
+
+def _shown_by(ground: Recorded, raced: Sequence[Fitted], left: Beyond, reached: float) -> Beyond:
+    """What acts beyond a structure. Sensors alone, in colour, may be likelier than an unknown force
+    beside it and still be wrong: a structure with a class and an unknown force that is no answer,
+    but likelier by 100 to 1 than all that explains (``reached``), shows that a force acts."""
+    forced = [one for one in raced if forces_left(ground, one) > NEGLIGIBLE**2]
+    best = max(forced, key=lambda one: one.evidence, default=None)
+    if left.acts or best is None or best.evidence <= reached + CERTAIN:
+        return left
+    size = left if np.any(left.share > NEGLIGIBLE) else beyond(ground, best)
+    return replace(size, evidence=best.evidence - reached)
 
 
 def _small(

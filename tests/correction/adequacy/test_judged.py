@@ -25,7 +25,7 @@ from symhyb.correction.search.trajectory import Refined, refine
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.results import Change
-from symhyb.judgement import PROBABLE
+from symhyb.judgement import CERTAIN, PROBABLE
 from symhyb.model.types import On
 from tests.pushed import (
     DAMPING,
@@ -209,6 +209,32 @@ def test_a_class_that_explains_too_little_speaks_against_no_law(
     )
     assert found.beyond.acts
     assert [one.cause for one in found.disputed] == ([DAMPER] if explains else [])
+
+
+@pytest.mark.parametrize(("ahead", "force"), [(50.0, 1.0), (50.0, 0.0), (3.0, 1.0)])
+def test_colour_of_a_sensor_hides_no_force_that_a_likelier_structure_shows(
+    ahead: float, force: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A class that explains too little to be the answer is likelier than all that explains, by 50
+    or 3 in ln, with an unknown force beside it or none."""
+
+    def raced(
+        ground: Recorded, start: Fitted, rows: Sequence[Row], decided: Decided
+    ) -> list[Fitted]:
+        extra = law(around(ground, start), ground.library.places.index(On("x")))
+        noise, wider = start.fit.noise, np.pad(start.fit.covariance, (0, extra.spread.size))
+        values = np.concatenate([start.fit.values, np.zeros(extra.spread.size)])
+        noise = replace(noise, force=force * ground.scale, colour=100 * noise.colour)
+        fit = replace(start.fit, values=values, covariance=wider, noise=noise)
+        return [replace(start, evidence=start.evidence + ahead, fit=fit, extra=extra)]
+
+    monkeypatch.setattr(judge, "_raced", raced)
+    made = pushed(24, samples=SAMPLES, damping=1.2, colour=(2 * NOISE, 0.1))
+    found = judged(made, (DAMPER, {"damping": 0.6}))
+    shown = ahead > CERTAIN and force > 0
+    assert found.beyond.acts == shown
+    assert found.adequate == (not shown)
+    assert not found.classes
 
 
 def test_what_a_class_may_leave_depends_on_what_it_replaces() -> None:
