@@ -168,7 +168,8 @@ class Law:
     them was found. ``at_rest``: candidates also where nothing moves.
     ``of_state`` is False of what is no function of stretch and rate; ``steady`` laws do not change
     on the way (one that seems to stands in for something else). ``joins``: what was found of it at
-    one place is one element. ``bent`` laws take on shapes between those of simpler ones, beside
+    one place is one element. ``several`` may act at one place, as the branches of a ladder
+    do. ``bent`` laws take on shapes between those of simpler ones, beside
     which they are tried only where these leave more than noise. ``subject`` names the law of which
     this is another form.
 
@@ -206,6 +207,7 @@ class Law:
     of_state: bool = True
     steady: bool = False
     joins: bool = False
+    several: bool = False
     bent: bool = False
     subject: str = ""
 

@@ -61,6 +61,7 @@ LAW = Law(
     states=(State("z", "(s - z)*stiffness/damping"),),
     action=_action,
     stiff=True,
+    several=True,
     candidates=_candidates,
     variants=_variants,
     phrase=_phrase,

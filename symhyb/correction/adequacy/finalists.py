@@ -21,6 +21,7 @@ from symhyb.correction.search.preparing import Prepared
 from symhyb.correction.search.score import believable, prior_sd
 from symhyb.correction.search.setting import Setting
 from symhyb.correction.search.trajectory import Refined
+from symhyb.discrepancy.places.hypotheses import families_of
 from symhyb.judgement import CLOSE
 from symhyb.model.vocabulary import steep
 from symhyb.steps import Say, counted, silent
@@ -97,7 +98,7 @@ def _finalists(setting: Setting, decision: Decision) -> list[Refined]:
         trial
         for trial in decision.near(CLOSE)
         if not exchange(trial.causes, selected.causes).conventional
-        and {cause.family for cause in trial.causes} != {cause.family for cause in selected.causes}
+        and families_of(trial.causes) != families_of(selected.causes)
         and believable(trial, length_s)
     ]
     return [selected, *near[: CLOSE_MOST - 1]]

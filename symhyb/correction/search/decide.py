@@ -14,6 +14,7 @@
 from collections.abc import Collection, Iterator, Sequence
 from itertools import islice
 
+from symhyb.correction.search.branches import branches_of
 from symhyb.correction.search.conventions import (
     exchange,
     indistinguishable,
@@ -174,6 +175,8 @@ def _decided(trials: Trials, problems: Sequence[Problem], pool: set[tuple[int, .
         if better is best and few:
             for shorter, values in instead_of_series(trials, best, problem):
                 _tried(trials, shorter, values)
+            for ladder, values in branches_of(trials, best):
+                _tried(trials, ladder, values)
             better = _best(trials)
         log.append(_sentence(trials, better, best))
         if better is best:

@@ -22,7 +22,7 @@ from symhyb.correction.search.selection import (
 from symhyb.correction.search.setting import effects, exchanged
 from symhyb.correction.search.trajectory import Refined, grouped
 from symhyb.correction.search.trials import Row, Trials, first_guess
-from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.discrepancy.places.hypotheses import Hypothesis, families_of
 from symhyb.judgement import CLOSE, MOST
 from symhyb.laws.friction_dynamic import STATIC_FIRST
 
@@ -62,7 +62,7 @@ def exchanges(trials: Trials, base: Refined, as_predicted: bool = False) -> Iter
     for offer in offered:
         if offer.gain <= (-max(MOST * offer.price, CLOSE) if lenient else 0.0):
             continue
-        families = frozenset(trials.known[cause].family for cause in offer.causes)
+        families = families_of([trials.known[cause] for cause in offer.causes])
         if families not in seen:
             seen.add(families)
             yield offer
@@ -104,12 +104,13 @@ def _open(
     trials: Trials, problem: Problem, kept: Sequence[Hypothesis], gone: Sequence[Hypothesis]
 ) -> Problem:
     """The problem in which what is ``gone``, and the terms of what is ``kept``, cannot come
-    again."""
-    held = {term for cause in kept for term in _terms(cause)}
+    again; but further branches of a ladder can."""
+    held = {term for cause in kept for term in _terms(cause) if not cause.several}
     barred = {
         c
         for c, cause in enumerate(problem.hypotheses)
         if cause in gone
+        or (cause.several and cause in kept)
         # the column of a parameter that is kept is its own
         or ((cause.place is not None or cause not in kept) and held.intersection(_terms(cause)))
     }

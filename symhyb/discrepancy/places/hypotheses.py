@@ -8,7 +8,8 @@ which laws are tried where, and in what shapes, is said by
 :mod:`symhyb.discrepancy.places.candidates`.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import inf, isfinite
@@ -117,6 +118,12 @@ class Hypothesis:
         """Whether its law takes on shapes between those of simpler ones."""
         law = KINDS.get(self.kind)
         return law is not None and law.bent
+
+    @property
+    def several(self) -> bool:
+        """Whether more than one of its law may act at one place."""
+        law = KINDS.get(self.kind)
+        return law is not None and law.several
 
     @property
     def subject(self) -> tuple[object, ...]:
@@ -246,6 +253,11 @@ class Hypothesis:
             apart.get(term) or self.values([float(i == j) for j in range(len(self.terms))])
             for i, term in enumerate(self.terms)
         )
+
+
+def families_of(causes: Iterable[Hypothesis]) -> frozenset[tuple[object, int]]:
+    """The families of causes with how many there are of each: two branches are more than one."""
+    return frozenset(Counter(cause.family for cause in causes).items())
 
 
 def parametric_hypotheses(model: Model) -> tuple[Hypothesis, ...]:
