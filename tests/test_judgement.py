@@ -62,6 +62,7 @@ OTHERS = {
         "UNSEEN": "numerics",
     },
     "correction/search/wholes.py": {"LARGEST": "work"},
+    "correction/search/branches.py": {"BRANCHES_MOST": "work", "APART": "where a search begins"},
     "correction/search/lines.py": {"NARROW": "bound of a key, which the laws state"},
     "correction/search/twins.py": {"PARALLEL": "numerics"},
     "correction/verdict/whole.py": {"SAMPLES_MOST": "work"},

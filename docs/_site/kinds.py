@@ -24,6 +24,7 @@ IN_PLACE_OF = {
     "circulatory": "a coupling",
     "skew_spring": "a coupling",
     "skew_damper": "a coupling",
+    "hydromount": "a hidden mode",
 }
 OWN_ENERGY = {
     "curve": "stores energy over the stretch, and takes it out, or feeds it in, over the rate",

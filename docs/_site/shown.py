@@ -51,6 +51,7 @@ DRIVES: Mapping[str, Drive] = {
     "added_mass": Drive(over="s″"),
     "payload": Drive(over="s″"),
     "mode": Drive(pace=8.0),
+    "hydromount": Drive(0.1, 25.0),
     "curve": Drive(over="s′", options={"over": "rate"}, values={"scale": 1.0}),
     "gyroscopic": Drive(over="b′"),
     "circulatory": Drive(over="b"),

@@ -141,4 +141,5 @@ _SYMBOLS: dict[str, Callable[[Array, Array, float], Lines]] = {
     "hysteresis": _rubbing,
     "gap": _stop,
     "relaxation": _in_series,
+    "hydromount": _in_series,
 }

@@ -72,7 +72,20 @@ def test_every_law_of_the_vocabulary_is_tried_at_every_place() -> None:
             BAND: reach(2.0, 0.35, force=0.3 * np.sin(40 * T)),
         },
     )
-    laws = set(KINDS) - PAIRED - {"curve", "force", "torque", "law", "network", "payload", "mode"}
+    laws = (
+        set(KINDS)
+        - PAIRED
+        - {
+            "curve",
+            "force",
+            "torque",
+            "law",
+            "network",
+            "payload",
+            "mode",
+            "hydromount",
+        }
+    )
     for place in (On("x"), BAND):
         mine = [h for h in tried if h.place == place]
         assert laws - {h.kind for h in mine} <= {"ripple"}
@@ -183,7 +196,17 @@ def everything() -> tuple[Hypothesis, ...]:
     )
     shape = (("frequency", 2.0), ("damping_ratio", 0.05))
     mode = Hypothesis("mode", On("x"), ("mass",), (True,), shape, ("frequency", "damping_ratio"))
-    return (*force_hypotheses(cart_pole(), places), ripple, mode)
+    keys = ("mass", "damping")
+    track = Hypothesis(
+        "hydromount",
+        On("x"),
+        ("stiffness",),
+        (True,),
+        (("mass", 0.01), ("damping", 0.03)),
+        keys,
+        tied=keys,
+    )
+    return (*force_hypotheses(cart_pole(), places), ripple, mode, track)
 
 
 def test_probes_are_the_law_in_its_unknown_numbers() -> None:

@@ -67,7 +67,16 @@ def test_what_a_spring_stores_is_the_integral_of_its_force() -> None:
 
 
 PAIRED = {kind for kind, law in KINDS.items() if law.coupling is not None}  # test_pair_laws.py
-STORING = {"curve", "spring", "gap", "hysteresis", "friction_dynamic", "relaxation", "mode"}
+STORING = {
+    "curve",
+    "spring",
+    "gap",
+    "hysteresis",
+    "friction_dynamic",
+    "relaxation",
+    "mode",
+    "hydromount",
+}
 
 
 @pytest.mark.parametrize("kind", sorted(set(KINDS) - STORING - PAIRED - {"network"}))

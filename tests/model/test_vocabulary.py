@@ -103,7 +103,13 @@ def test_every_kind_is_complete(kind) -> None:  # type: ignore[no-untyped-def]
             assert kind.key(str(key.default)) is not None
         if key.exponent:
             assert kind.key(key.exponent) is not None
-    remembers = {"hysteresis": 1, "friction_dynamic": 1, "relaxation": 1, "mode": 2}
+    remembers = {
+        "hysteresis": 1,
+        "friction_dynamic": 1,
+        "relaxation": 1,
+        "mode": 2,
+        "hydromount": 2,
+    }
     assert len(kind.states) == remembers.get(kind.name, 0)
 
 

@@ -30,7 +30,7 @@ from symhyb.judgement import OUTSTANDING
 from symhyb.model.types import Place
 from symhyb.steps import Say
 
-_TWICE = frozenset({"mode", *(law.name for law in PAIR_LAWS)})
+_TWICE = frozenset({"mode", "hydromount", *(law.name for law in PAIR_LAWS)})
 """Kinds whose numbers windows and innovations must agree on."""
 
 
@@ -88,7 +88,7 @@ def one_value(final: Refined, along: Fitted | None) -> bool:
 
 
 def _numbers(trial: Refined | Fitted) -> dict[tuple[Hypothesis, str], tuple[float, float]]:
-    """Values and deviations of the numbers of modes and of laws of a pair, SI."""
+    """Values and deviations of the numbers of modes, hydromounts and laws of a pair, SI."""
     spread = np.sqrt(np.diag(trial.fit.covariance))
     keys = [(cause, key) for cause in trial.causes for key in keys_of(cause)]
     return {
