@@ -17,7 +17,7 @@ from symhyb.report.files import write_diagnosis, write_simulation
 from symhyb.report.learned import learned_json, render_learned
 from symhyb.report.learned_document import LearnedDocument
 from symhyb.steps import Say, silent
-from symhyb.study import StudyResult, carry_out, curve_hashes, read_all, sha256_of, versions
+from symhyb.study import StudyResult, carry_out, read_all, sha256_of, table_hashes, versions
 from symhyb.study_file import Study
 from symhyb.writing import staged
 
@@ -118,7 +118,7 @@ def _manifest(outcome: Outcome) -> dict[str, Any]:
     settings = dict(outcome.learned.settings)
     return {
         "model": {"file": model.name, "sha256": sha256_of(model)},
-        **curve_hashes(outcome.learned.model),
+        **table_hashes(outcome.learned.model),
         "recordings": [
             {"role": role, "file": name, "sha256": digest}
             for role, name, digest in outcome.recordings

@@ -12,8 +12,9 @@ from symhyb.errors import InputError, Problem
 TEXT_BYTES = 1_000_000  # a model, a study or expectations: people write them
 WEIGHTS_BYTES = 50_000_000  # the weights of a network
 RECORDING_BYTES = 4 << 30
-CURVE_BYTES = 100_000  # a file with the points of a characteristic curve
+CURVE_BYTES = 100_000  # a file with the points of a characteristic curve, or of a map
 CURVE_POINTS = 100  # of it: each costs a dozen operations wherever the curve is evaluated
+MAP_PLACES = 50  # along each axis of a map: its points cost two operations each
 EXPRESSION_LETTERS = 2000
 EXPRESSION_DEPTH = 60  # levels of parentheses and functions
 UNIT_LETTERS = 100

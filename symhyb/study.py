@@ -274,7 +274,7 @@ def manifest(result: StudyResult) -> dict[str, Any]:
             for role, file in files.items()
             if file is not None
         },
-        **curve_hashes(result.model),
+        **table_hashes(result.model),
         "recordings": [
             {
                 "role": role,
@@ -379,10 +379,13 @@ def versions() -> dict[str, str]:
     return {"python": platform.python_version(), "symhyb": __version__, **libraries}
 
 
-def curve_hashes(model: Model) -> dict[str, list[dict[str, str]]]:
-    """The files of characteristic curves, which belong to a model; nothing where it has none."""
-    files = [{"file": curve.file, "sha256": curve.sha256} for curve in model.curve_files()]
-    return {"curves": files} if files else {}
+def table_hashes(model: Model) -> dict[str, list[dict[str, str]]]:
+    """The files of curves and of maps, which belong to a model; nothing where it has none."""
+    return {
+        word: [{"file": item.file, "sha256": item.sha256} for item in files]
+        for word, files in model.table_files().items()
+        if files
+    }
 
 
 def sha256_of(file: Path) -> str:

@@ -26,7 +26,7 @@ from symhyb.model.types import Between, On
 from symhyb.model.write import write_model
 from symhyb.published import Reference
 from symhyb.report.contract import to_json
-from symhyb.study import curve_hashes, manifest, run_study
+from symhyb.study import manifest, run_study, table_hashes
 from symhyb.study_file import Source, Study, read_study
 from symhyb.writing import staged
 
@@ -808,6 +808,6 @@ def test_files_of_curves_are_told_with_their_hashes(tmp_path: Path) -> None:
     text = DRIVEN_MASS + element.format("left") + element.format("right")
     (tmp_path / "model.toml").write_text(text)
     digest = hashlib.sha256(points).hexdigest()
-    told = curve_hashes(read_model(tmp_path / "model.toml"))
+    told = table_hashes(read_model(tmp_path / "model.toml"))
     assert told == {"curves": [{"file": "strut.csv", "sha256": digest}]}
-    assert curve_hashes(read_model(ROOT / "models" / "oscillator.toml")) == {}
+    assert table_hashes(read_model(ROOT / "models" / "oscillator.toml")) == {}

@@ -31,6 +31,7 @@ OWN_ENERGY = {
     "gyroscopic": "does no work",
     "circulatory": "feeds energy into a motion that turns its way, and takes it out of others",
     "skew_damper": "takes energy out of the motion beside dampers of at least its size on both",
+    "map": "stores no energy; takes it out, or feeds it in, as the table says",
 }
 PAIR = """\
 pair: F = (F_a, F_b) pushes along each of the two stretches

@@ -15,6 +15,7 @@ from _site.drawing import axis, drawn
 from symhyb.laws.base import Law
 from symhyb.laws.characteristic import through
 from symhyb.laws.maths import NUMPY, Action, Motion
+from symhyb.laws.surface import bilinear
 
 STEPS = 2000  # of one turn
 TURNS = 2
@@ -57,8 +58,15 @@ DRIVES: Mapping[str, Drive] = {
     "circulatory": Drive(over="b"),
     "skew_spring": Drive(over="b"),
     "skew_damper": Drive(over="b′"),
+    "map": Drive(over="s′", values={"scale": 1.0}),
 }
 CURVE = ((-1.0, -900.0), (-0.33, -620.0), (0.0, 0.0), (0.33, 260.0), (1.0, 400.0))
+
+GRID = (
+    (-1.0, -0.5, 0.5, 1.0),  # of the stretch, m: it brakes harder at both ends
+    (-1.0, -0.33, 0.0, 0.33, 1.0),  # of the rate, m/s
+    tuple(tuple(f * force for _, force in CURVE) for f in (2.0, 1.0, 1.0, 1.5)),
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,6 +112,8 @@ def run(
     given = dict(values)
     if law.name == "curve":
         given["curve"] = through("curve", *zip(*CURVE, strict=True))
+    if law.name == "map":
+        given["map"] = bilinear("map", *GRID)
     action = acting(law, drive, given, Motion(s, r, states(law, drive, given, t), t))
     force = np.broadcast_to(action.force + action.mass * a, t.shape)
     columns = {"s": s, "s′": r, "s″": a, "t": t - t[last][0]}

@@ -33,7 +33,8 @@ def expression(random: Random, depth: int = 0) -> str:
     if kind < 8:
         return f"({inner[0]})**{random.choice((*LITERALS, inner[1], '2', '3', '(1/2)', '500'))}"
     if random.random() < 0.05:
-        return f"curve({random.choice(NAMES)}, {inner[0]})"
+        word = random.choice(("curve", "map"))
+        return f"{word}({random.choice(NAMES)}, {', '.join(inner[: random.choice((1, 2))])})"
     name = random.choice(FUNCTIONS)
     return f"{name}({inner[0]}{', ' + inner[1] if random.random() < 0.2 else ''})"
 

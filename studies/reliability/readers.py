@@ -47,6 +47,7 @@ on = "x"
 over = "rate"
 file = "points.csv"
 """
+MAPPED = CURVED.replace('"curve"', '"map"').replace('over = "rate"', 'units = ["mm", "m/s", "N"]')
 Make = Callable[[Random, bytes, Sequence[bytes]], bytes]
 
 
@@ -120,6 +121,13 @@ def _curve(data: bytes) -> None:
         parse_model(CURVED, str(Path(folder) / "model.toml"))
 
 
+def _map(data: bytes) -> None:
+    """A file with the grid of a map beside a model that names it."""
+    with tempfile.TemporaryDirectory() as folder:
+        (Path(folder) / "points.csv").write_bytes(data)
+        parse_model(MAPPED, str(Path(folder) / "model.toml"))
+
+
 def _table(module: str, function: str, name: str) -> Callable[[bytes], None]:
     def take(data: bytes) -> None:
         getattr(import_module(f"symhyb.data.{module}"), function)(data, name)
@@ -173,6 +181,11 @@ def _csv() -> Sequence[bytes]:
 def _points() -> Sequence[bytes]:
     plain = "speed [m/s],force [N]\n-0.5,-610\n# at rest\n0,0\n.5,5.5e2\n1,700\n"
     return [plain.encode(), plain.replace(",", ";").encode(), *_kept("points*.csv")]
+
+
+def _grids() -> Sequence[bytes]:
+    plain = "mm,-0.5,0,.5\n-40,-610,0,5.5e2\n# at rest\n0,-9,0,7\n40,-1e3,2,700\n"
+    return [plain.encode(), plain.replace(",", ";").encode(), *_kept("grid*.csv")]
 
 
 def _json() -> Sequence[bytes]:
@@ -405,6 +418,7 @@ def readers() -> tuple[Reader, ...]:
         ),
         Reader("weights", _weights, lambda: _kept("weights.json"), of_json, SIGNS, refuses),
         Reader("curve", _curve, _points, of_bytes, SIGNS, refuses),
+        Reader("map", _map, _grids, of_bytes, SIGNS, refuses),
         Reader("csv", _table("csv_file", "read_csv", "sent.csv"), _csv, of_bytes, SIGNS, refuses),
         Reader(
             "json", _table("json_file", "read_json", "sent.json"), _json, of_json, SIGNS, refuses

@@ -16,6 +16,7 @@ def print_model(model: Model) -> None:
         "bodies": [body.name for body in model.bodies],
         "constraints": [_constraint(item) for item in model.constraints],
         "curves": [f"{c.name} ({len(c.points)} points)" for c in model.all_curves()],
+        "maps": [f"{m.name} ({len(m.x)} by {len(m.y)} places)" for m in model.all_maps()],
         "elements": [f"{e.name} ({e.kind} {place_text(e.place)})" for e in model.elements],
         "sensors": [f"{s.name} [{s.unit}] measures {s.measures}" for s in model.sensors],
     }
@@ -50,6 +51,10 @@ def model_facts(model: Model) -> dict[str, Any]:
         "curves": {
             c.name: {"points": len(c.points), "units": [unit.text for unit in c.units]}
             for c in model.all_curves()
+        },
+        "maps": {
+            m.name: {"places": [len(m.x), len(m.y)], "units": [unit.text for unit in m.units]}
+            for m in model.all_maps()
         },
         "elements": {
             e.name: {"kind": e.kind, "place": place_text(e.place)} for e in model.elements

@@ -20,11 +20,11 @@ from symhyb.model.expression import (
     Expression,
     ExpressionError,
     Name,
-    curves_in,
     evaluate,
     names,
     parse_expression,
     readings,
+    tables_in,
     unit_of,
 )
 from symhyb.units import ONE, Unit, UnitError, parse_unit
@@ -181,8 +181,8 @@ def _expression(flat: str, text: str, channel: Wanted, table: Table) -> Expressi
         expression = replace(parse_expression(flat), text=text)
         if readings(expression):
             raise ExpressionError(f"'{text}' asks for what a sensor of the model shows")
-        if curves_in(expression):
-            raise ExpressionError(f"'{text}' asks for a curve, which stands in a model file alone")
+        for word, _ in tables_in(expression):
+            raise ExpressionError(f"'{text}' asks for a {word}, which stands in a model file alone")
     except ExpressionError as error:
         hint = did_you_mean(text, table.names())
         sentence = f"'{text}' is no column{hint}; and as an expression in columns: {error}"

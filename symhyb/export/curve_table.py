@@ -131,6 +131,10 @@ def _law(model: Model, element: Element) -> Law:
         raise _NoTableError("it has an inner state, which remembers")
     if isinstance(element.place, At):
         raise _NoTableError("it acts at a point, along more than one direction")
+    if element.map is not None:
+        places = f"its map of {len(element.map.x)} by {len(element.map.y)} places"
+        text = f"it depends on stretch and rate together, as {places} does"
+        raise _NoTableError(f"{text}, which another program may read itself")
     numbers = numbers_of(model, element)
     try:
         values: dict[str, object] = {

@@ -11,13 +11,14 @@ from typing import Any
 import numpy as np
 
 from symhyb.laws.characteristic import Characteristic
+from symhyb.laws.surface import Surface
 
 Value = Any
 """A SymPy expression, a NumPy array or a number, always in SI."""
 Values = Mapping[str, Value]
 """The keys that are set, by name; of a ``curve`` its :class:`Characteristic` too, and that of the
 stretch that it is multiplied by, or the :class:`~symhyb.laws.cardinal.Part` of each value that is
-unknown."""
+unknown; of a ``map`` its :class:`~symhyb.laws.surface.Surface`."""
 Options = Mapping[str, str]
 """The words of an element, by key: the ``side`` of a gap."""
 
@@ -25,7 +26,7 @@ Options = Mapping[str, str]
 @dataclass(frozen=True, slots=True)
 class Maths:
     """The functions of one library; ``step`` is 1 above 0 and 0 at it and below, ``curve`` the
-    value of a characteristic."""
+    value of a characteristic, ``map`` that of a surface."""
 
     abs: Callable[[Value], Value]
     sign: Callable[[Value], Value]
@@ -36,6 +37,7 @@ class Maths:
     max: Callable[[Value, Value], Value]
     min: Callable[[Value, Value], Value]
     curve: Callable[[Characteristic, Value], Value]
+    map: Callable[[Surface, Value, Value], Value]
     pi: Value
 
 
@@ -49,6 +51,7 @@ NUMPY = Maths(
     np.maximum,
     np.minimum,
     lambda curve, x: curve(x),
+    lambda surface, x, y: surface(x, y),
     np.pi,
 )
 

@@ -9,7 +9,7 @@ import sympy as sp
 
 from symhyb.laws import friction, levels
 from symhyb.laws.maths import Action, Coupling, Maths, Motion
-from symhyb.mechanics.tabulated import tabulated
+from symhyb.mechanics.tabulated import mapped, tabulated
 from symhyb.model.types import Element
 from symhyb.model.vocabulary import KINDS
 
@@ -24,6 +24,7 @@ SYMPY = Maths(
     sp.Max,
     sp.Min,
     lambda curve, x: tabulated(curve)(x),
+    lambda surface, x, y: mapped(surface)(x, y),
     sp.pi,
 )
 

@@ -16,8 +16,14 @@ from sympy.printing.str import StrPrinter
 from symhyb.mechanics.readable import Readable, readable
 from symhyb.mechanics.rows import Row, Side
 from symhyb.mechanics.show_latex import as_latex
-from symhyb.mechanics.tabulated import TabulatedBase
-from symhyb.mechanics.words import curves_in_words, rates_title, reading_in_words, sensor_notes
+from symhyb.mechanics.tabulated import MappedBase, TabulatedBase
+from symhyb.mechanics.words import (
+    curves_in_words,
+    maps_in_words,
+    rates_title,
+    reading_in_words,
+    sensor_notes,
+)
 from symhyb.model.types import Model
 
 WIDTH = 100  # columns of text
@@ -59,6 +65,10 @@ class _Text(StrPrinter):  # type: ignore[misc]
         name, marks = expression.called
         return f"curve{marks}({name}, {self.stringify(expression.args, ', ')})"
 
+    def _print_MappedBase(self, expression: MappedBase) -> str:
+        name, by = expression.called
+        return f"map{by and '_'}{by}({name}, {self.stringify(expression.args, ', ')})"
+
     def _called(self, name: str, expression: sp.Expr) -> str:
         return f"{name}({self.stringify(expression.args, ', ')})"
 
@@ -73,6 +83,7 @@ def _as_text(model: Model, derived: Readable, matrices: bool) -> str:
         (rates_title(model), _inner(derived)),
         ("with", _names(derived)),
         ("curves", _table(curves_in_words(model))),
+        ("maps", _table(maps_in_words(model))),
         ("parameters", _parameters(model)),
         ("sensors", _sensors(model, derived)),
     ):

@@ -9,8 +9,14 @@ from sympy.printing.latex import LatexPrinter
 from symhyb.mechanics.readable import Readable
 from symhyb.mechanics.rows import Named, Row
 from symhyb.mechanics.symbols import reading_symbol
-from symhyb.mechanics.tabulated import TabulatedBase
-from symhyb.mechanics.words import curves_in_words, rates_title, reading_in_words, sensor_notes
+from symhyb.mechanics.tabulated import MappedBase, TabulatedBase
+from symhyb.mechanics.words import (
+    curves_in_words,
+    maps_in_words,
+    rates_title,
+    reading_in_words,
+    sensor_notes,
+)
 from symhyb.model.types import Model
 
 
@@ -28,6 +34,12 @@ class _Latex(LatexPrinter):  # type: ignore[misc]
         inside = ", ".join(self._print(item) for item in expression.args)
         power = f"^{{{marks}{exp or ''}}}".replace("'", r"\prime ") if marks or exp else ""
         return rf"\mathrm{{curve}}{power}\left(\text{{{_escaped(name)}}}, {inside}\right)"
+
+    def _print_MappedBase(self, expression: MappedBase, exp: str | None = None) -> str:
+        name, by = expression.called
+        inside = ", ".join(self._print(item) for item in expression.args)
+        marks = (f"_{{{by}}}" if by else "") + (f"^{{{exp}}}" if exp else "")
+        return rf"\mathrm{{map}}{marks}\left(\text{{{_escaped(name)}}}, {inside}\right)"
 
     def _called(self, name: str, arguments: tuple[sp.Expr, ...], exp: str | None) -> str:
         inside = ", ".join(self._print(item) for item in arguments)
@@ -50,7 +62,8 @@ def as_latex(model: Model, derived: Readable) -> str:
         for row in derived.gaps
         for held in (row.gap if row.slip is None else row.speed(derived.symbols),)
     ]
-    result += [_comment(f"{said}: {words}") for said, words in curves_in_words(model)]
+    tables = (*curves_in_words(model), *maps_in_words(model))
+    result += [_comment(f"{said}: {words}") for said, words in tables]
     used = [f"{names[item.symbol]} &= {printer.doprint(item.value)}" for item in derived.names]
     for title, rows in (
         ("constraints, held by forces J^T lambda beside k_e, J the slopes by q", held),

@@ -10,7 +10,7 @@ from itertools import chain
 
 import sympy as sp
 
-from symhyb.mechanics.tabulated import tabulated
+from symhyb.mechanics.tabulated import mapped, tabulated
 from symhyb.model.expression import Expression, Name, Node, Number, Operation, Quantity, Reading
 from symhyb.model.types import Model
 from symhyb.model.vocabulary import KINDS
@@ -36,15 +36,15 @@ _FUNCTIONS = {
 }
 
 
-CURVE = -1  # in place of the order of a name: the function of a curve
+CURVE, MAP = -1, -2  # in place of the order of a name: the function of a curve or a map
 
 
 @dataclass(frozen=True, slots=True)
 class Symbols:
     """The symbols of one model: q, v = q', a = q'' (n each), declared ``states``, the inner states
     z of elements that have some (by name of the element), u (k), p (P, in the order of
-    :meth:`Model.all_parameters`), time t; ``scope`` resolves names of the shared namespace and
-    curves, ``owned`` the parameters of one element."""
+    :meth:`Model.all_parameters`), time t; ``scope`` resolves names of the shared namespace,
+    curves and maps, ``owned`` the parameters of one element."""
 
     q: tuple[sp.Symbol, ...]
     v: tuple[sp.Symbol, ...]
@@ -93,6 +93,7 @@ def symbols_of(model: Model) -> Symbols:
         offset = p[item.offset.path] if item.offset else sp.Integer(0)
         scope[item.name, 0] = gain * recorded + offset
     scope.update({(curve.name, CURVE): tabulated(curve.characteristic) for curve in model.curves})
+    scope.update({(item.name, MAP): mapped(item.surface) for item in model.maps})
     owned = {
         element.name: {(own.name, 0): p[own.path] for own in element.parameters}
         for element in model.elements
@@ -115,8 +116,9 @@ def to_sympy(expression: Expression | Node, scope: Mapping[tuple[str, int], sp.E
             return sp.Float(value)
         case Name(name, order):
             return scope[name, order]
-        case Operation("curve", (argument,), name):
-            return scope[name, CURVE](to_sympy(argument, scope))
+        case Operation("curve" | "map" as word, arguments, name):
+            function = scope[name, CURVE if word == "curve" else MAP]
+            return function(*(to_sympy(argument, scope) for argument in arguments))
         case Operation(operator, arguments):
             return _operation(operator, [to_sympy(item, scope) for item in arguments])
         case Reading():

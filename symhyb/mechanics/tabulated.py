@@ -1,6 +1,8 @@
-"""Characteristic curves as SymPy functions of one variable, which differentiate exactly.
+"""Characteristic curves and maps as SymPy functions of one and two variables, which differentiate
+exactly.
 
-``tabulated(curve)(x)`` is left as it is by SymPy; the seam writes it as polynomials between breaks.
+``tabulated(curve)(x)`` and ``mapped(surface)(x, y)`` are left as they are by SymPy; the seam writes
+them as polynomials between breaks.
 """
 
 from functools import lru_cache
@@ -8,6 +10,7 @@ from functools import lru_cache
 import sympy as sp
 
 from symhyb.laws.characteristic import Characteristic
+from symhyb.laws.surface import Surface
 
 
 class TabulatedBase(sp.Function):  # type: ignore[misc]
@@ -42,4 +45,40 @@ def tabulated(curve: Characteristic) -> type[TabulatedBase]:
     """The SymPy function of a curve, named as the curve is."""
     entries = {"characteristic": curve}
     made: type[TabulatedBase] = type(sp.Function)(curve.name, (TabulatedBase,), entries)
+    return made
+
+
+class MappedBase(sp.Function):  # type: ignore[misc]
+    """A function that is given by a ``surface``, as :class:`TabulatedBase` is by a curve."""
+
+    nargs = 2
+    surface: Surface
+
+    @classmethod
+    def eval(cls, x: sp.Expr, y: sp.Expr) -> sp.Expr | None:
+        """Of two numbers the value."""
+        plain = all(one.is_number and one.is_real for one in (x, y))
+        return sp.Float(float(cls.surface(float(x), float(y)))) if plain else None
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        """The slope by the first or the second variable; at a place of the grid that of the cell
+        behind it. A second one by the same variable is 0."""
+        variable = "xy"[argindex - 1]
+        if variable in self.surface.slope_by:
+            return sp.Integer(0)
+        return mapped(self.surface.slope(variable))(*self.args)
+
+    @property
+    def called(self) -> tuple[str, str]:
+        """The name of the map, and a letter for each variable by which it was differentiated."""
+        return self.surface.name, self.surface.slope_by
+
+    def _eval_is_real(self) -> bool | None:
+        return all(one.is_real for one in self.args) or None
+
+
+@lru_cache(maxsize=1024)
+def mapped(surface: Surface) -> type[MappedBase]:
+    """The SymPy function of a map, named as the map is."""
+    made: type[MappedBase] = type(sp.Function)(surface.name, (MappedBase,), {"surface": surface})
     return made

@@ -1,9 +1,11 @@
-"""Sensors and curves in words: what an instrument shows, how a channel differs from the truth."""
+"""Sensors, curves and maps in words: what an instrument shows, how a channel differs from the
+truth."""
 
 from collections.abc import Collection
 
 from symhyb.model.curves import Curve
 from symhyb.model.expression import Reading
+from symhyb.model.maps import Map
 from symhyb.model.types import Model, Sensor
 
 
@@ -41,6 +43,9 @@ def rates_title(model: Model) -> str:
     return "rates of the states" if model.states else "rates of the inner states"
 
 
+_BEYOND = {"line": "the line of the end slope", "hold": "the last value"}
+
+
 def curves_in_words(model: Model) -> list[tuple[str, str]]:
     """The curves of the file and those of its elements, each with what it runs through, and how."""
     curves = model.all_curves()
@@ -51,10 +56,26 @@ def _curve_in_words(curve: Curve) -> str:
     (first, _), (last, _) = curve.points[0], curve.points[-1]
     along, up = curve.units
     between = {"monotone": "monotone cubics", "linear": "straight lines"}[curve.interpolation]
-    beyond = {"line": "the line of the end slope", "hold": "the last value"}[curve.extrapolation]
+    beyond = _BEYOND[curve.extrapolation]
     source = f" of {curve.file}" if curve.file else ""
     said = f"{len(curve.points)} points{source} from {first:g} to {last:g} {along}, in {up};"
     return f"{said} {between} between them, {beyond} beyond"
+
+
+def maps_in_words(model: Model) -> list[tuple[str, str]]:
+    """The maps of the file and those of its elements, each with its grid, and how it runs beyond.
+    A map that is differentiated has a letter of each of its variables: map_x, map_y, map_xy."""
+    return [(f"map({item.name}, x, y)", _map_in_words(item)) for item in model.all_maps()]
+
+
+def _map_in_words(item: Map) -> str:
+    over_x, over_y, up = item.units
+    source = f" of {item.file}" if item.file else ""
+    spans = [
+        f"{len(places)} places from {places[0]:g} to {places[-1]:g} {unit}"
+        for places, unit in ((item.x, over_x), (item.y, over_y))
+    ]
+    return f"{' by '.join(spans)}{source}, in {up}; bilinear, {_BEYOND[item.extrapolation]} beyond"
 
 
 def sensor_notes(sensor: Sensor) -> tuple[str]:

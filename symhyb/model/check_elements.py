@@ -1,6 +1,6 @@
 """Check the elements of a model: places, what their expressions may contain, and units."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
 
@@ -23,7 +23,7 @@ from symhyb.model.scope import (
 from symhyb.model.source import Path
 from symhyb.model.tables import Fault, shorten
 from symhyb.model.types import At, Between, Element, Model, On, Pair, Parameter
-from symhyb.model.vocabulary import KINDS, curve_units, key_unit, stretch_unit
+from symhyb.model.vocabulary import KINDS, curve_units, key_unit, map_units, stretch_unit
 from symhyb.units import ONE, Unit
 
 _HIGHEST = 20  # the highest power that a unit has
@@ -58,6 +58,10 @@ def element_faults(
         yield from expression_faults((*path, "inputs"), seen, local, SEEN, None)
     if element.curve is not None and known is not None:
         yield from _curve_faults(element, element.curve, known)
+    if element.map is not None and known is not None:
+        where, axes = (*path, "units" if element.map.owned else "map"), ("x", "y", "the value")
+        wanted = map_units(known, element.place)
+        yield from _unit_faults(where, "map", axes, element.map.units, wanted)
 
 
 def _curve_faults(element: Element, curve: Curve, model: Model) -> Iterator[Fault]:
@@ -68,7 +72,8 @@ def _curve_faults(element: Element, curve: Curve, model: Model) -> Iterator[Faul
         yield ("elements", element.name, "times"), text
         return
     path = ("elements", element.name, "units" if curve.owned else "curve")
-    yield from _unit_faults(path, curve, curve_units(model, element.place, element.options))
+    needed = curve_units(model, element.place, element.options)
+    yield from _unit_faults(path, "curve", "xy", curve.units, needed)
     factor = element.by_stretch
     if factor is None:
         return
@@ -76,13 +81,16 @@ def _curve_faults(element: Element, curve: Curve, model: Model) -> Iterator[Faul
     if element.option("over", "") != "rate":
         yield path, "is a factor of a curve over the rate; state over = 'rate', or leave it out"
         return
-    yield from _unit_faults(path, factor, (stretch_unit(model, element.place), ONE))
+    needed = stretch_unit(model, element.place), ONE
+    yield from _unit_faults(path, "curve", "xy", factor.units, needed)
 
 
-def _unit_faults(path: Path, curve: Curve, needed: tuple[Unit, Unit]) -> Iterator[Fault]:
-    for axis, unit, wanted in zip("xy", curve.units, needed, strict=True):
+def _unit_faults(
+    path: Path, word: str, axes: Sequence[str], units: Sequence[Unit], needed: Sequence[Unit]
+) -> Iterator[Fault]:
+    for axis, unit, wanted in zip(axes, units, needed, strict=True):
         if not unit.same_dimension(wanted):
-            yield path, f"{axis} of the curve is {unit}, needs {wanted}"
+            yield path, f"{axis} of the {word} is {unit}, needs {wanted}"
 
 
 def _use(key: Key) -> Use:

@@ -14,8 +14,8 @@ from dataclasses import dataclass, field
 from symhyb.errors import did_you_mean
 from symhyb.model.tables import shorten
 
-_DELIMITERS = (",", ";", "\t")
-_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
+DELIMITERS = (",", ";", "\t")
+NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 _HEADED = re.compile(r"([^\[\]]*?)\s*\[([^\[\]]*)\]")
 
 
@@ -32,14 +32,14 @@ class Points:
 
 def points_in(content: str, columns: Sequence[str] = ()) -> Points:
     """Read two columns: those named in ``columns``, else the only two that there are."""
-    lines = [(i, line) for i, line in enumerate(content.split("\n"), 1) if _holds(line)]
+    lines = lines_of(content)
     if not lines:
         return Points(faults=((0, "holds no line of numbers"),))
     (at, first), *rest = lines
-    delimiter = max(_DELIMITERS, key=first.count)
+    delimiter = max(DELIMITERS, key=first.count)
     header = [_named(cell) for cell in first.split(delimiter)]
     names = [name for name, _ in header]
-    if all(_NUMBER.fullmatch(name) for name in names):
+    if all(NUMBER.fullmatch(name) for name in names):
         return Points(faults=((at, "the first line must name the columns"),))
     where, faults = _columns(names, columns)
     if len(where) != 2:
@@ -51,7 +51,7 @@ def points_in(content: str, columns: Sequence[str] = ()) -> Points:
         if len(cells) != len(names):
             wrong.append((line, f"has {len(cells)} cells; the first line has {len(names)}"))
             continue
-        said = [_number_fault(cells[i]) for i in where]
+        said = [number_fault(cells[i]) for i in where]
         wrong += [(line, fault) for fault in said if fault]
         if not any(said):
             points.append((float(cells[where[0]]), float(cells[where[1]])))
@@ -59,8 +59,10 @@ def points_in(content: str, columns: Sequence[str] = ()) -> Points:
     return Points(tuple(points), tuple(numbers), units, tuple(wrong))
 
 
-def _holds(line: str) -> bool:
-    return bool(line.strip()) and not line.lstrip().startswith("#")
+def lines_of(content: str) -> list[tuple[int, str]]:
+    """The lines that hold something, with their numbers: neither blank ones nor remarks."""
+    numbered = enumerate(content.split("\n"), 1)
+    return [(i, line) for i, line in numbered if line.strip() and line.lstrip()[0] != "#"]
 
 
 def _named(cell: str) -> tuple[str, str | None]:
@@ -88,8 +90,9 @@ def _unclear(names: Sequence[str], wanted: Sequence[str]) -> Iterator[str]:
             yield f"has {names.count(one)} columns '{shorten(one)}'"
 
 
-def _number_fault(cell: str) -> str:
-    if not _NUMBER.fullmatch(cell):
+def number_fault(cell: str) -> str:
+    """What keeps a cell from being a finite number; empty of one."""
+    if not NUMBER.fullmatch(cell):
         cure = "; write a decimal point" if re.fullmatch(r"[-+]?\d+,\d+", cell) else ""
         return f"'{shorten(cell)}' is not a number{cure}" if cell else "a cell is empty"
     return "" if math.isfinite(float(cell)) else f"'{shorten(cell)}' is not finite"

@@ -11,6 +11,7 @@ from symhyb.model.constraints import Constraint
 from symhyb.model.curves import Curve
 from symhyb.model.expression import Name
 from symhyb.model.limits import Limit
+from symhyb.model.maps import Map
 from symhyb.model.states import State
 from symhyb.model.turned import Quaternion, Rotations
 from symhyb.model.types import (
@@ -38,6 +39,7 @@ Part = (
     | Body
     | Constraint
     | Curve
+    | Map
     | Element
     | Sensor
     | Limit
@@ -130,6 +132,7 @@ def _parts(model: Model) -> dict[str, Facets]:
         ("body", model.bodies),
         ("constraint", model.constraints),
         ("curve", model.curves),
+        ("map", model.maps),
         ("element", model.elements),
         ("sensor", model.sensors),
         ("limits of", model.limits),
@@ -164,6 +167,8 @@ def _facets(part: Part) -> Facets:
             return {"": " ".join((part.kind, ", ".join(part.names))).strip(), **held}
         case Curve():
             return _curve_facets(part)
+        case Map():
+            return _map_facets(part)
         case Element():
             return _element_facets(part)
         case Limit():
@@ -194,6 +199,9 @@ def _element_facets(element: Element) -> Facets:
         factor = element.by_stretch
         said = _curve_facets(factor) if factor.owned else {"curve": factor.name}
         facets |= {f"by_stretch {key}": text for key, text in said.items()}
+    if element.map is not None:
+        item = element.map
+        facets |= _map_facets(item) if item.owned else {"map": item.name}
     return {**facets, **{name: _quantity(own[name]) for name in own if name not in shown}}
 
 
@@ -218,6 +226,21 @@ def _curve_facets(curve: Curve) -> Facets:
         **source,
         "interpolation": curve.interpolation,
         "extrapolation": curve.extrapolation,
+    }
+
+
+def _map_facets(item: Map) -> Facets:
+    """How many places its grid has and how far they reach, with a hash of the whole; its file."""
+    over_x, over_y, up = item.units
+    digest = hashlib.sha256(repr((item.x, item.y, item.values)).encode()).hexdigest()[:8]
+    spans = [
+        f"{len(places)} from {places[0]:.6g} to {places[-1]:.6g} {unit}"
+        for places, unit in ((item.x, over_x), (item.y, over_y))
+    ]
+    return {
+        "grid": f"{' by '.join(spans)}, in {up}, hash {digest}",
+        **({"file": item.file} if item.file else {}),
+        "extrapolation": item.extrapolation,
     }
 
 

@@ -14,11 +14,11 @@ from symhyb.model.trees import (
     Quantity,
     Reading,
     brief,
-    curves_in,
     evaluate,
     names,
     readings,
     show,
+    tables_in,
 )
 from symhyb.units import ONE, Unit, UnitError
 
@@ -27,17 +27,17 @@ def unit_of(
     expression: Expression | Node,
     units: Callable[[Name], Unit],
     shown: Callable[[Reading], Unit] | None = None,
-    curves: Callable[[str], tuple[Unit, Unit]] | None = None,
+    tables: Callable[[str, str], tuple[Unit, ...]] | None = None,
 ) -> Unit | None:
     """Return the unit of an expression, None for a literal 0, which fits every unit.
 
-    ``units`` gives the unit of a name, ``shown`` that of a reading, ``curves`` those of the x and
-    the y of a curve.
+    ``units`` gives the unit of a name, ``shown`` that of a reading, ``tables`` those of
+    a curve or a map, by the word that calls it and its name: what it takes, then what it gives.
 
     Raises:
         ExpressionError: a sum of different dimensions, a function of a number with a unit, a power
-            that is not a plain number, a reading where ``shown`` is None, a curve of other units or
-            where ``curves`` is None.
+            that is not a plain number, a reading where ``shown`` is None, a curve or a map of other
+            units or where ``tables`` is None.
     """
     tree = expression.tree if isinstance(expression, Expression) else expression
     match tree:
@@ -52,9 +52,9 @@ def unit_of(
                 raise ExpressionError(f"only sensors may use {tree}")
             return shown(tree)
         case Operation(operator, arguments):
-            found = tuple(unit_of(argument, units, shown, curves) for argument in arguments)
-            if operator == "curve":
-                return _of_curve(tree, found[0], curves)
+            found = tuple(unit_of(argument, units, shown, tables) for argument in arguments)
+            if tree.table:
+                return _of_table(tree, found, tables)
             try:
                 return _combined(operator, arguments, found)
             except UnitError as error:
@@ -62,16 +62,19 @@ def unit_of(
                 raise ExpressionError(sentence) from None
 
 
-def _of_curve(
-    tree: Operation, found: Unit | None, curves: Callable[[str], tuple[Unit, Unit]] | None
+def _of_table(
+    tree: Operation,
+    found: tuple[Unit | None, ...],
+    tables: Callable[[str, str], tuple[Unit, ...]] | None,
 ) -> Unit:
-    if curves is None:
-        raise ExpressionError(f"curve({tree.curve}, …) stands in a model file alone")
-    x, y = curves(tree.curve)
-    if found is not None and not found.same_dimension(x):
-        value = brief(show(tree.arguments[0]))
-        raise ExpressionError(f"the curve '{tree.curve}' takes {x}, but '{value}' is in {found}")
-    return y
+    if tables is None:
+        raise ExpressionError(f"{tree.operator}({tree.table}, …) stands in a model file alone")
+    *wanted, result = tables(tree.operator, tree.table)
+    for argument, unit, needed in zip(tree.arguments, found, wanted, strict=True):
+        if unit is not None and not unit.same_dimension(needed):
+            said = f"takes {needed}, but '{brief(show(argument))}' is in {unit}"
+            raise ExpressionError(f"the {tree.operator} '{tree.table}' {said}")
+    return result
 
 
 def _combined(
@@ -120,7 +123,7 @@ def _power(arguments: tuple[Node, ...], found: tuple[Unit | None, ...]) -> Unit 
         )
     if base is None or base == ONE:
         return base
-    plain = not readings(arguments[1]) and not curves_in(arguments[1])
+    plain = not readings(arguments[1]) and not tables_in(arguments[1])
     constant = plain and not names(arguments[1])
     value = float(evaluate(arguments[1], {})) if constant else math.nan
     if constant and math.isfinite(value) and abs(value) <= 20:

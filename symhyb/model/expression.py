@@ -32,12 +32,12 @@ from symhyb.model.trees import (
     Quantity,
     Reading,
     brief,
-    curves_in,
     evaluate,
     names,
     quantities,
     readings,
     show,
+    tables_in,
 )
 
 __all__ = [
@@ -52,13 +52,13 @@ __all__ = [
     "Operation",
     "Quantity",
     "Reading",
-    "curves_in",
     "evaluate",
     "names",
     "parse_expression",
     "quantities",
     "readings",
     "show",
+    "tables_in",
     "unit_of",
 ]
 
@@ -156,8 +156,8 @@ def _convert(node: ast.expr, depth: int, found: Sequence[Quantity]) -> Node:
             return where(args, lambda part: _convert(part, depth + 1, found))
         case ast.Compare() | ast.BoolOp() | ast.UnaryOp(op=ast.Not()):
             raise misplaced(_source(node))
-        case ast.Call(func=ast.Name(id="curve"), args=args, keywords=[]):
-            return _curve(args, depth, found)
+        case ast.Call(func=ast.Name(id="curve" | "map" as word), args=args, keywords=[]):
+            return _table(word, args, depth, found)
         case ast.Call(func=ast.Name(id=name), args=args, keywords=[]):
             name = _known(name)
             return _call(name, [_convert(argument, depth + 1, found) for argument in args])
@@ -195,7 +195,7 @@ def _name(name: str) -> Node:
 def _known(name: str) -> str:
     name = _ALIASES.get(name, name)
     if name not in FUNCTIONS:
-        known = [*FUNCTIONS, "where", "curve", *READINGS]
+        known = [*FUNCTIONS, "where", "curve", "map", *READINGS]
         raise ExpressionError(
             f"'{_source(name)}' is not a known function{did_you_mean(name, known)}"
         )
@@ -213,12 +213,18 @@ def _call(name: str, arguments: list[Node]) -> Node:
     return Operation(name, tuple(arguments))
 
 
-def _curve(arguments: list[ast.expr], depth: int, found: Sequence[Quantity]) -> Operation:
-    """Read a curve of the model at a value; its name is no value itself."""
+def _table(
+    word: str, arguments: list[ast.expr], depth: int, found: Sequence[Quantity]
+) -> Operation:
+    """Read a curve of the model at a value, or a map at two; its name is no value itself."""
+    usage, count = {
+        "curve": ("the name of a curve and a value, as in curve(<name>, x)", 1),
+        "map": ("the name of a map and two values, as in map(<name>, x, y)", 2),
+    }[word]
     match arguments:
-        case [ast.Name(id=name), value] if _PRIME not in name:
-            return Operation("curve", (_convert(value, depth + 1, found),), name)
-    raise ExpressionError("'curve' takes the name of a curve and a value, as in curve(<name>, x)")
+        case [ast.Name(id=name), *values] if _PRIME not in name and len(values) == count:
+            return Operation(word, tuple(_convert(one, depth + 1, found) for one in values), name)
+    raise ExpressionError(f"'{word}' takes {usage}")
 
 
 def _reading(what: str, arguments: list[ast.expr]) -> Reading:

@@ -21,6 +21,7 @@ from symhyb.model.read_bodies import read_body, read_point
 from symhyb.model.read_constraints import read_constraint
 from symhyb.model.read_curves import read_curve
 from symhyb.model.read_elements import read_element, read_parameter
+from symhyb.model.read_maps import read_map
 from symhyb.model.read_space import dimension_of
 from symhyb.model.render import FORMAT
 from symhyb.model.source import Source, scan
@@ -44,6 +45,7 @@ SECTIONS = (
     "energy",
     "constraints",
     "curves",
+    "maps",
     "elements",
     "sensors",
     "limits",
@@ -134,7 +136,9 @@ def _draft(root: Table, text: str, file: str) -> tuple[Model, frozenset[str]]:
     points = _present(read_point(table, name) for table, name in root.pairs("points"))
     home = FilePath(file).parent if file else None
     curves = _present(read_curve(table, home) for table in root.tables("curves"))
+    maps = _present(read_map(table, home) for table in root.tables("maps"))
     known = {**dict.fromkeys(root.declared("curves")), **{curve.name: curve for curve in curves}}
+    mapped = {**dict.fromkeys(root.declared("maps")), **{item.name: item for item in maps}}
     size = dimension_of(root.entries)
     energy = root.table("energy")
     model = Model(
@@ -147,8 +151,10 @@ def _draft(root: Table, text: str, file: str) -> tuple[Model, frozenset[str]]:
         points=points,
         bodies=_present(read_body(table, root, points, size) for table in root.tables("bodies")),
         curves=curves,
+        maps=maps,
         elements=_present(
-            read_element(table, root, size, home, known) for table in root.tables("elements")
+            read_element(table, root, size, home, known, mapped)
+            for table in root.tables("elements")
         ),
         sensors=_present(map(_sensor, root.tables("sensors"))),
         energy=_energy(energy) if energy else Energy(),
@@ -172,9 +178,11 @@ def _draft(root: Table, text: str, file: str) -> tuple[Model, frozenset[str]]:
         *(f"bodies.{value.name}" for value in model.bodies),
         *(f"elements.{value.name}" for value in model.elements),
         *(f"curves.{value.name}" for value in model.curves),
+        *(f"maps.{value.name}" for value in model.maps),
     }
     moving = ("coordinates", "states")
-    sections = (*moving, "parameters", "inputs", "points", "bodies", "elements", "curves")
+    tables = ("curves", "maps")
+    sections = (*moving, "parameters", "inputs", "points", "bodies", "elements", *tables)
     for key in sections:
         most = COORDINATES if key in moving else DECLARED
         if (count := len(root.declared(key))) > most:

@@ -1,24 +1,20 @@
 """Read characteristic curves of a model file: points in the file itself, or in a CSV beside it."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from math import isfinite
 from pathlib import Path
 
-from symhyb.errors import InputError, did_you_mean
-from symhyb.limits import CURVE_BYTES, CURVE_POINTS, VALUE, content_of
-from symhyb.model.beside import inside, named_file
+from symhyb.errors import did_you_mean
+from symhyb.limits import CURVE_POINTS, VALUE
 from symhyb.model.curve_file import points_in
 from symhyb.model.curves import EXTRAPOLATIONS, INTERPOLATIONS, Curve
+from symhyb.model.read_beside import disorder, report, text_beside, word_of, wrong_number
 from symhyb.model.tables import Table, describe, shorten
 from symhyb.units import Unit, UnitError, parse_unit
 
 CURVE_KEYS = ("points", "file", "columns", "units", "interpolation", "extrapolation")
 BY_STRETCH = "by_stretch"  # of an element: what its curve over the rate is multiplied by
-ENDINGS = (".csv", ".tsv", ".txt", ".dat")
-RESULT = "simulation.csv"  # what a diagnosis leaves beside the corrected model and its files
-FAULTS_MOST = 10  # of points, that are told one by one
 
 Point = tuple[float, float]
 Pair = tuple[str, str]
@@ -76,8 +72,8 @@ def read_factor(
 def read_points(table: Table, home: Path | None, name: str) -> Curve | None:
     """Read the keys of a curve, None if one of them is missing or wrong."""
     before = len(table.faults)
-    interpolation = _word(table, "interpolation", INTERPOLATIONS)
-    extrapolation = _word(table, "extrapolation", EXTRAPOLATIONS)
+    interpolation = word_of(table, "interpolation", INTERPOLATIONS)
+    extrapolation = word_of(table, "extrapolation", EXTRAPOLATIONS)
     stated, columns = _pair(table, "units"), _pair(table, "columns") or ()
     source = _Source()
     match [key for key in ("points", "file") if key in table.entries]:
@@ -117,16 +113,6 @@ class _Source:
     headed: tuple[str | None, str | None] = (None, None)
 
 
-def _word(table: Table, key: str, words: Sequence[str]) -> int:
-    """The place of the word under a key, 0 where it is unset or none of them."""
-    word = table.text(key)
-    if word is None or word in words:
-        return 0 if word is None else words.index(word)
-    cure = did_you_mean(word, words)
-    table.fault(f"must be {' or '.join(words)}, not '{shorten(word)}'{cure}", key)
-    return 0
-
-
 def _pair(table: Table, key: str) -> Pair | None:
     """Read two texts, of x and of y."""
     match table.entries.get(key):
@@ -151,69 +137,35 @@ def _listed(table: Table) -> tuple[Point, ...]:
     pairs = [inner.numbers(item, "points", 2, "[x, y]") for item in given]
     wrong = [(i, item) for i, item in enumerate(given, 1) if pairs[i - 1] is None]
     if wrong:
-        _told(table, "points", [f"point {i} {_not_a_point(item)}" for i, item in wrong])
+        report(table, "points", [f"point {i} {_not_a_point(item)}" for i, item in wrong])
         return ()
     points = tuple((pair[0], pair[1]) for pair in pairs if pair)
-    _told(table, "points", list(_disorder(points, [f"point {i + 1}" for i in range(len(points))])))
+    places = [f"point {i + 1}" for i in range(len(points))]
+    report(table, "points", list(disorder("x", [x for x, _ in points], places)))
     return points
 
 
 def _not_a_point(item: object) -> str:
     if isinstance(item, list) and len(item) == 2:
-        other = next(part for part in item if not _is_number(part))
-        return f"holds {describe(other)}, not a finite number"
+        return f"holds {next(filter(None, map(wrong_number, item)))}"
     return f"must be [x, y], not {describe(item)}"
-
-
-def _is_number(value: object) -> bool:
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        return False
-    try:
-        return isfinite(float(value))
-    except OverflowError:
-        return False
 
 
 def _from_file(table: Table, home: Path | None, columns: Sequence[str]) -> _Source:
     """Read the points of the file beside the model file."""
-    file = named_file(table, "file")
-    if file is not None and (not file.lower().endswith(ENDINGS) or file.lower() == RESULT):
-        kinds = f"must end in {', '.join(ENDINGS)}; '{RESULT}' is a result of symhyb"
-        table.fault(f"'{shorten(file)}' is no name of a file of points: it {kinds}", "file")
+    beside = text_beside(table, home)
+    if beside is None:
         return _Source()
-    content = None if file is None else _content(table, file, home)
-    if file is None or content is None:
-        return _Source()
+    file, content = beside
     found = points_in(content.removeprefix("\ufeff"), columns)
     places = [f"{file}:{line}:" for line in found.lines]
     if found.faults:
         told = [f"{file}{f':{line}' if line else ''}: {text}" for line, text in found.faults]
-        _told(table, "file", told)
+        report(table, "file", told)
     elif _count_is_sound(table, "file", len(found.points)):
-        _told(table, "file", list(_disorder(found.points, places)))
+        report(table, "file", list(disorder("x", [x for x, _ in found.points], places)))
         return _Source(found.points, file, content, found.units)
     return _Source()
-
-
-def _content(table: Table, file: str, home: Path | None) -> str | None:
-    """The text of a file in the folder of the model file, None if it cannot be read."""
-    if home is None:
-        table.fault(f"'{shorten(file)}' lies beside a model file, and this text is none", "file")
-        return None
-    path = home / file
-    try:
-        if not inside(path, home):
-            sentence = f"'{shorten(file)}' leads out of the folder of the model file"
-            table.fault(f"{sentence}; put the file itself there", "file")
-            return None
-        return content_of(path, CURVE_BYTES).decode()
-    except UnicodeDecodeError:
-        table.fault(f"'{shorten(file)}' is not UTF-8 text; save the file as UTF-8", "file")
-    except InputError as error:
-        table.fault(f"'{shorten(file)}' {error.problems[0].text}", "file")
-    except (OSError, ValueError):
-        table.fault(f"'{shorten(file)}' cannot be a file", "file")
-    return None
 
 
 def _count_is_sound(table: Table, key: str, count: int) -> bool:
@@ -223,22 +175,6 @@ def _count_is_sound(table: Table, key: str, count: int) -> bool:
     elif count > CURVE_POINTS:
         table.fault(f"holds {count} points; a curve has at most {CURVE_POINTS}: thin it out", key)
     return 2 <= count <= CURVE_POINTS
-
-
-def _disorder(points: Sequence[Point], places: Sequence[str]) -> Iterator[str]:
-    """What keeps x from increasing from point to point."""
-    for ((before, _), (x, _)), place in zip(pairwise(points), places[1:], strict=True):
-        if x == before:
-            yield f"{place} x = {x:g} is stated twice"
-        elif x < before:
-            yield f"{place} x = {x:g} comes after {before:g}; x must increase"
-
-
-def _told(table: Table, key: str, faults: Sequence[str]) -> None:
-    for fault in faults[:FAULTS_MOST]:
-        table.fault(fault, key)
-    if len(faults) > FAULTS_MOST:
-        table.fault(f"and {len(faults) - FAULTS_MOST} more like these", key)
 
 
 def _units(table: Table, stated: Pair | None, source: _Source) -> tuple[Unit, Unit] | None:

@@ -1,13 +1,15 @@
 """Read the elements of a model file: kind, place, values and their own parameters."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from symhyb.errors import did_you_mean
 from symhyb.laws.base import Key, Law
 from symhyb.model.curves import Curve
 from symhyb.model.expression import Expression, Name
+from symhyb.model.maps import Map
 from symhyb.model.read_curves import BY_STRETCH, CURVE_KEYS, read_factor, read_own
+from symhyb.model.read_maps import MAP_KEYS, read_own_map
 from symhyb.model.read_network import NETWORK_KEYS, read_network
 from symhyb.model.read_space import kind_in, read_axes
 from symhyb.model.tables import Table, describe, shorten
@@ -15,6 +17,12 @@ from symhyb.model.types import At, Between, Element, On, Pair, Parameter, Place
 from symhyb.model.vocabulary import KINDS, placement_of
 
 NO_CURVES: Mapping[str, Curve | None] = {}
+NO_MAPS: Mapping[str, Map | None] = {}
+_MORE_KEYS: Mapping[str, Sequence[str]] = {
+    "network": NETWORK_KEYS,
+    "curve": ("curve", BY_STRETCH, *CURVE_KEYS),
+    "map": ("map", *MAP_KEYS),
+}
 _PLACES = ("on", "between", "at", "pair")
 _COMMON = ("kind", *_PLACES, "about", "found", "parameters")
 
@@ -35,18 +43,19 @@ def read_element(
     dimension: int = 2,
     home: Path | None = None,
     curves: Mapping[str, Curve | None] = NO_CURVES,
+    maps: Mapping[str, Map | None] = NO_MAPS,
 ) -> Element | None:
     """Read one element, None if its kind or place cannot be known; vectors have ``dimension``
-    components. Files lie in the folder ``home``; ``curves`` are those of the model by name."""
+    components. Files lie in the folder ``home``; ``curves`` and ``maps`` are those of the model by
+    name."""
     kind = _kind(table)
     if kind is None:
         return None
     kind = kind_in(kind, dimension)
-    trained, curved = kind.name == "network", kind.name == "curve"
-    more_keys = NETWORK_KEYS if trained else ("curve", BY_STRETCH, *CURVE_KEYS) if curved else ()
+    trained, curved, mapped = (kind.name == one for one in ("network", "curve", "map"))
     vectorial = any(key.vector for key in kind.keys) and "at" in table.entries
     axes_keys = ("axes",) if vectorial and "axes" in table.entries else ()
-    own_keys = (*(key.name for key in kind.keys), *more_keys, *axes_keys)
+    own_keys = (*(key.name for key in kind.keys), *_MORE_KEYS.get(kind.name, ()), *axes_keys)
     table = table.checked((*_COMMON, *own_keys))
     place = _place(table, kind)
     owner = table.path[-1]
@@ -55,12 +64,15 @@ def read_element(
     network = read_network(table) if trained else None
     curve = read_own(table, home, curves) if curved else None
     by_stretch = read_factor(table, home, curves) if curved else None
+    own_map = read_own_map(table, home, maps) if mapped else None
     if place is None:
         return None
     values, options = _values(table, kind, place), _options(table, kind)
     options += read_axes(table, root.declared("bodies"), dimension) if axes_keys else ()
     unread = by_stretch is None and BY_STRETCH in table.entries
     if (trained and network is None) or (curved and (curve is None or unread)):
+        return None
+    if mapped and own_map is None:
         return None
     if None in parameters:  # the fault is noted; without its unit the laws cannot be checked
         return None
@@ -76,6 +88,7 @@ def read_element(
         network=network,
         curve=curve,
         by_stretch=by_stretch,
+        map=own_map,
     )
 
 

@@ -10,6 +10,7 @@ from symhyb.model.curves import EXTRAPOLATIONS, INTERPOLATIONS, Curve
 from symhyb.model.expression import Expression
 from symhyb.model.fmu import PLACE_KEYS, Fmu
 from symhyb.model.limits import Limit
+from symhyb.model.maps import Map
 from symhyb.model.states import State
 from symhyb.model.turned import Quaternion, Rotations
 from symhyb.model.types import (
@@ -146,6 +147,9 @@ def element_lines(element: Element) -> Iterator[str]:
         factor = element.by_stretch
         inner = ", ".join(f"{key} = {text}" for key, text in _curve_entries(factor))
         lines.append(("by_stretch", f"{{ {inner} }}" if factor.owned else _toml(factor.name)))
+    if element.map is not None:
+        own = element.map.owned
+        lines += _map_entries(element.map) if own else [("map", _toml(element.map.name))]
     lines.append(("about", _toml(element.about)))
     if element.found:
         lines.append(("found", _inline(element.found)))
@@ -194,6 +198,9 @@ def _lines(model: Model) -> Iterator[str]:
         yield from ("", f"[constraints.{constraint.name}]", *lines)
     for curve in model.curves:
         yield from ("", *curve_lines(curve))
+    for item in model.maps:
+        lines = list(_aligned([*_map_entries(item), ("about", _toml(item.about))]))
+        yield from ("", f"[maps.{item.name}]", *lines)
     for element in model.elements:
         yield from ("", *element_lines(element))
 
@@ -250,6 +257,24 @@ def _curve_entries(curve: Curve) -> list[tuple[str, str]]:
     if curve.extrapolation != EXTRAPOLATIONS[0]:
         entries.append(("extrapolation", _toml(curve.extrapolation)))
     return entries
+
+
+def _map_entries(item: Map) -> list[tuple[str, str]]:
+    """The keys of a map; its grid keeps every digit."""
+    if item.file:
+        entries = [("file", _toml(item.file))]
+    else:
+        entries = [("x", _digits(item.x)), ("y", _digits(item.y))]
+        entries.append(("values", f"[{', '.join(map(_digits, item.values))}]"))
+    entries.append(("units", _toml([unit.text for unit in item.units])))
+    if item.extrapolation != EXTRAPOLATIONS[0]:
+        entries.append(("extrapolation", _toml(item.extrapolation)))
+    return entries
+
+
+def _digits(numbers: Iterable[float]) -> str:
+    """A list of numbers with every digit."""
+    return f"[{', '.join(map(repr, numbers))}]"
 
 
 def _coordinate(coordinate: Coordinate) -> str:

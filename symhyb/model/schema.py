@@ -13,7 +13,7 @@ from symhyb.model.limits import COORDINATE_KEYS, INPUT_KEYS
 from symhyb.model.read import BETWEEN
 from symhyb.model.read_space import AXES
 from symhyb.model.render import FORMAT
-from symhyb.model.schema_elements import constraints, curve, elements
+from symhyb.model.schema_elements import constraints, curve, elements, grid
 from symhyb.model.schema_parts import (
     DIALECT,
     Schema,
@@ -61,6 +61,7 @@ def model_schema() -> Schema:
             "point": _point(),
             "body": _body(),
             "curve": curve(),
+            "map": grid(),
             "limit": _limit(),
             **constraints(),
             **elements(),
@@ -86,6 +87,7 @@ def _sections() -> dict[str, Schema]:
         "energy": table(energies, description="what bodies and elements cannot say"),
         "constraints": named("what closes loops, or rolls", refer("constraint")),
         "curves": named("characteristics given by points", refer("curve")),
+        "maps": named("functions of two variables given by grids", refer("map")),
         "elements": named("force laws at places", refer("element")),
         "sensors": named("recorded signals that measure", refer("sensor")),
         "limits": named("how far and how fast the machine may be driven", refer("limit")),

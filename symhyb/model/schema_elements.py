@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 
 from symhyb.laws.base import Key, Law
-from symhyb.limits import CURVE_POINTS
+from symhyb.limits import CURVE_POINTS, MAP_PLACES
 from symhyb.model.constraints import CONSTRAINTS, ConstraintKind
 from symhyb.model.curves import EXTRAPOLATIONS, INTERPOLATIONS
 from symhyb.model.read_constraints import PLAIN
@@ -63,6 +63,27 @@ def curve(*, named: bool = True) -> Schema:
     return table(keys, oneOf=one_given(("points", "file")), dependencies={"columns": ["file"]})
 
 
+def map_keys() -> dict[str, Schema]:
+    """The keys of a map."""
+    number = {"type": "number"}
+    row = {"type": "array", "items": number, "minItems": 2, "maxItems": MAP_PLACES}
+    return {
+        "x": listed("increasing places along x: the stretch", number, 2, MAP_PLACES),
+        "y": listed("increasing places along y: the rate", number, 2, MAP_PLACES),
+        "values": listed("a row of values for each x", row, 2, MAP_PLACES),
+        "file": text("a CSV file beside the model file, with the whole grid"),
+        "units": listed("the units of x, y and the value", text("a unit"), 3, 3),
+        "extrapolation": word("beyond the grid", EXTRAPOLATIONS),
+    }
+
+
+def grid() -> Schema:
+    """A map of ``[maps]``."""
+    keys = {**map_keys(), "about": text("text for people")}
+    return table(keys, ("units",), oneOf=one_given(("values", "file")), dependencies=_WHOLE)
+
+
+_WHOLE = {"x": ["values"], "y": ["values"], "values": ["x", "y"]}  # a grid is stated whole
 NETWORK: dict[str, Schema] = {
     "weights": text("the file with the weights, beside the model file"),
     "sha256": text("the hash of that file", pattern="^[0-9a-fA-F]{64}$"),
@@ -96,6 +117,10 @@ def _element(law: Law) -> Schema:
             "oneOf": [curve(named=False), text("the name of a curve of the model")],
         }
         rules["anyOf"] = one_given(("points", "file", "curve"))
+    if law.name == "map":
+        keys |= {**map_keys(), "map": text("the name of a map of the model")}
+        rules["anyOf"] = one_given(("values", "file", "map"))
+        rules["dependencies"] = {**rules.get("dependencies", {}), **_WHOLE}
     return table({**keys, **SURROUNDINGS}, needs, title=law.name, **rules)
 
 

@@ -12,13 +12,14 @@ from symhyb.model.expression import (
     Node,
     Operation,
     Reading,
-    curves_in,
     names,
     quantities,
     readings,
     show,
+    tables_in,
     unit_of,
 )
+from symhyb.model.maps import Map
 from symhyb.model.quantities import factors_of
 from symhyb.model.source import Path
 from symhyb.model.states import State
@@ -61,14 +62,15 @@ _ROUGH = ("min", "max", "sign", "abs")
 @dataclass(frozen=True, slots=True)
 class Scope:
     """What the names mean: units by name (None: unreadable), and which are what; ``shown`` gives
-    the unit of a reading (LookupError: unknown), ``curves`` are by name (None: unreadable)."""
+    the unit of a reading (LookupError: unknown), ``tables`` are curves and maps by the word that
+    calls them and their name (None: unreadable)."""
 
     units: Mapping[str, Unit | None]
     coordinates: frozenset[str]
     inputs: frozenset[str]
     states: frozenset[str] = frozenset()
     shown: Callable[[Reading], Unit] | None = None
-    curves: Mapping[str, Curve | None] = field(default_factory=dict)
+    tables: Mapping[tuple[str, str], Curve | Map | None] = field(default_factory=dict)
 
 
 def scope_of(model: Model, unreadable: frozenset[str] = frozenset()) -> Scope:
@@ -76,7 +78,10 @@ def scope_of(model: Model, unreadable: frozenset[str] = frozenset()) -> Scope:
     units: dict[str, Unit | None] = {"t": parse_unit("s")}
     sections = ("coordinates", "states", "parameters", "inputs")
     kinds: dict[str, set[str]] = {section: set() for section in sections}
-    curves: dict[str, Curve | None] = {curve.name: curve for curve in model.curves}
+    tables: dict[tuple[str, str], Curve | Map | None] = {
+        **{("curve", curve.name): curve for curve in model.curves},
+        **{("map", item.name): item for item in model.maps},
+    }
     named: list[tuple[str, str, Unit | None]] = [
         (section, value.name, value.unit)
         for section, values in shared_names(model)
@@ -86,14 +91,14 @@ def scope_of(model: Model, unreadable: frozenset[str] = frozenset()) -> Scope:
         section, name = dotted.split(".", 1)
         if section in kinds:
             named.append((section, name, None))
-        elif section == "curves":
-            curves[name] = None
+        elif section in ("curves", "maps"):
+            tables[section.removesuffix("s"), name] = None
     for section, name, unit in named:
         if name not in units:  # a name declared twice is a fault of its own; the first one counts
             kinds[section].add(name)
             units[name] = unit
     coordinates, states, _, inputs = (frozenset(kinds[section]) for section in sections)
-    return Scope(units, coordinates, inputs, states, curves=curves)
+    return Scope(units, coordinates, inputs, states, tables=tables)
 
 
 def numbers_of(model: Model, element: Element) -> dict[tuple[str, int] | str, float]:
@@ -139,13 +144,13 @@ def unit_in(expression: Expression, scope: Scope) -> Unit | None:
 
 
 def _unit_of(expression: Expression, scope: Scope) -> Unit | None:
-    def curve(name: str) -> tuple[Unit, Unit]:
-        found = scope.curves[name]
+    def table(word: str, name: str) -> tuple[Unit, ...]:
+        found = scope.tables[word, name]
         if found is None:
             raise LookupError(name)
         return found.units
 
-    return unit_of(expression, lambda name: _unit_of_name(name, scope), scope.shown, curve)
+    return unit_of(expression, lambda name: _unit_of_name(name, scope), scope.shown, table)
 
 
 def _unit_of_name(name: Name, scope: Scope) -> Unit:
@@ -183,14 +188,16 @@ def _use_faults(path: Path, expression: Expression, scope: Scope, use: Use) -> I
     rough = None if use.rough else _rough(expression.tree, scope)
     if rough is not None:
         text = shorten(show(rough))
-        cure = "use tanh or sqrt"
-        if rough.curve:
-            cure = "let the curve be monotone, and a line beyond its points"
+        cure = {
+            "curve": "let the curve be monotone, and a line beyond its points",
+            "map": "a map has a kink at each place of its grid; use curves, which may be smooth",
+        }.get(rough.operator, "use tanh or sqrt")
         yield path, f"'{text}' has no smooth speed, which {use.words} needs; {cure}"
-    for curve in curves_in(expression):
-        if curve not in scope.curves:
-            cure = did_you_mean(curve, list(scope.curves)) or "; state it under [curves]"
-            yield path, f"'{shorten(curve)}' is not a known curve{cure}"
+    for word, table in tables_in(expression):
+        if (word, table) not in scope.tables:
+            known = [name for kind, name in scope.tables if kind == word]
+            cure = did_you_mean(table, known) or f"; state it under [{word}s]"
+            yield path, f"'{shorten(table)}' is not a known {word}{cure}"
     for name in sorted(names(expression), key=str):
         moving = name.name in scope.coordinates
         if name.name not in scope.units:
@@ -230,7 +237,7 @@ def _rough(tree: Node, scope: Scope) -> Operation | None:
     if not isinstance(tree, Operation):
         return None
     moving = {name.name for name in names(tree)} & (scope.coordinates | {"t"})
-    curve = scope.curves.get(tree.curve)
-    if moving and (tree.operator in _ROUGH or (curve is not None and not curve.smooth)):
+    table = scope.tables.get((tree.operator, tree.table))
+    if moving and (tree.operator in _ROUGH or (table is not None and not table.smooth)):
         return tree
     return next((found for part in tree.arguments if (found := _rough(part, scope))), None)

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symhyb.limits import HANGING_DEEP
-from symhyb.model.expression import Expression, ExpressionError, Name, curves_in, evaluate, names
+from symhyb.model.expression import Expression, ExpressionError, Name, evaluate, names, tables_in
 from symhyb.model.scope import MASS, POSITION, Scope, expression_faults
 from symhyb.model.source import Path
 from symhyb.model.tables import Fault, shorten
@@ -181,9 +181,9 @@ def _value(expression: Expression, model: Model) -> float | None:
     values: Values = {parameter.name: parameter.si for parameter in model.parameters}
     if any(name.order or name.name not in values for name in names(expression)):
         return None
-    curves = model.characteristics()
-    known = all(name in curves for name in curves_in(expression))
-    return float(evaluate(expression, values, curves)) if known else None
+    tables = model.characteristics()
+    known = all(one in tables for one in tables_in(expression))
+    return float(evaluate(expression, values, tables)) if known else None
 
 
 def _element_faults(element: Element, model: Model, size: int) -> Iterator[Fault]:

@@ -84,11 +84,12 @@ class Name:
 @dataclass(frozen=True, slots=True)
 class Operation:
     """``+ - * / **`` with two arguments, ``neg`` with one, a function of ``FUNCTIONS``, or
-    ``curve`` with one: the characteristic ``curve`` of the model, by its name, at that value."""
+    ``curve`` with one and ``map`` with two: the ``table`` of the model that has this name, a curve
+    or a map, at that value or those."""
 
     operator: str
     arguments: tuple["Node", ...]
-    curve: str = ""
+    table: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,13 +142,15 @@ def readings(expression: Expression | Node) -> tuple[Reading, ...]:
     return ()
 
 
-def curves_in(expression: Expression | Node) -> tuple[str, ...]:
-    """Return the name of every curve that occurs, in the order of the text, each once."""
+def tables_in(expression: Expression | Node) -> tuple[tuple[str, str], ...]:
+    """Return the word (curve or map) and the name of every curve and map that occurs, in the order
+    of the text, each once."""
     tree = expression.tree if isinstance(expression, Expression) else expression
     if not isinstance(tree, Operation):
         return ()
-    inner = (name for argument in tree.arguments for name in curves_in(argument))
-    return tuple(dict.fromkeys([*([tree.curve] if tree.curve else []), *inner]))
+    inner = (found for argument in tree.arguments for found in tables_in(argument))
+    own = [(tree.operator, tree.table)] if tree.table else []
+    return tuple(dict.fromkeys([*own, *inner]))
 
 
 _NUMPY: Mapping[str, Callable[..., NDArray[np.float64]]] = {
@@ -177,22 +180,24 @@ _NUMPY: Mapping[str, Callable[..., NDArray[np.float64]]] = {
 }
 
 
-NO_CURVES: Mapping[str, Callable[[NDArray[np.float64]], NDArray[np.float64]]] = {}
+Tables = Mapping[tuple[str, str], Callable[..., NDArray[np.float64]]]
+"""Curves and maps as functions of arrays, SI, by the word that calls them and their name."""
+NO_TABLES: Tables = {}
 
 
 def evaluate(
     expression: Expression | Node,
     values: Mapping[tuple[str, int] | str, NDArray[np.float64] | float],
-    curves: Mapping[str, Callable[[NDArray[np.float64]], NDArray[np.float64]]] = NO_CURVES,
+    tables: Tables = NO_TABLES,
 ) -> NDArray[np.float64]:
     """Compute an expression with NumPy; ``x'`` is looked up as ``("x", 1)``.
 
     ``values`` are numbers or arrays of one shape, (N,), in SI units; the result has that shape and
-    is in SI, too. ``curves`` are those of the model. What has no value (log of −1, overflow)
-    becomes NaN or infinity, without a warning.
+    is in SI, too. ``tables`` are the curves and maps of the model. What has no value
+    (log of −1, overflow) becomes NaN or infinity, without a warning.
 
     Raises:
-        KeyError: a name without a value, or a curve that is not there.
+        KeyError: a name without a value, or a curve or a map that is not there.
         ExpressionError: a reading, which only the equations of a machine can give.
     """
     tree = expression.tree if isinstance(expression, Expression) else expression
@@ -202,11 +207,11 @@ def evaluate(
         case Name(name, order):
             key: tuple[str, int] | str = (name, order)
             return np.asarray(values[name if order == 0 and name in values else key], np.float64)
-        case Operation("curve", (argument,), name):
-            return curves[name](evaluate(argument, values, curves))
+        case Operation("curve" | "map" as word, arguments, name):
+            return tables[word, name](*(evaluate(part, values, tables) for part in arguments))
         case Operation(operator, arguments):
             with np.errstate(all="ignore"):
-                return _NUMPY[operator](*(evaluate(part, values, curves) for part in arguments))
+                return _NUMPY[operator](*(evaluate(part, values, tables) for part in arguments))
         case Reading():
             raise ExpressionError(f"'{tree}' is what a sensor shows; it has no value here")
 
@@ -221,8 +226,8 @@ def show(tree: Node) -> str:
             return _digits(value)
         case Name() | Reading() | Quantity():
             return str(tree)
-        case Operation("curve", (argument,), name):
-            return f"curve({name}, {show(argument)})"
+        case Operation("curve" | "map" as word, arguments, name):
+            return f"{word}({', '.join((name, *map(show, arguments)))})"
         case Operation("neg", (argument,)):
             return "-" + _inside(argument, 3)
         case Operation("**", (base, power)):

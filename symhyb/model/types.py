@@ -11,12 +11,14 @@ from dataclasses import dataclass, field, fields
 from symhyb.by_name import Items, name_items
 from symhyb.laws.cardinal import Part
 from symhyb.laws.characteristic import Characteristic
+from symhyb.laws.surface import Surface
 from symhyb.model.actuators import numbers_of
 from symhyb.model.constraints import Assembly, Constraint
 from symhyb.model.curves import Curve
 from symhyb.model.expression import Expression
 from symhyb.model.fmu import Fmu, Local
 from symhyb.model.limits import Limit
+from symhyb.model.maps import Map
 from symhyb.model.places import At as At
 from symhyb.model.places import Between as Between
 from symhyb.model.places import On as On
@@ -181,7 +183,8 @@ class Element:
     ``found`` is the provenance of a discovered element (a plain mapping as pairs), else empty.
     ``curve`` is the characteristic of a curve, its own or one of the model, and ``by_stretch`` the
     one that it is multiplied by; of a curve whose values are unknown there are ``parts`` instead:
-    the function that each of its parameters multiplies.
+    the function that each of its parameters multiplies. ``map`` is the map of an element of that
+    kind, its own or one of the model.
     """
 
     name: str
@@ -196,6 +199,7 @@ class Element:
     curve: Curve | None = None
     by_stretch: Curve | None = None
     parts: tuple[Part, ...] = ()
+    map: Map | None = None
 
     def __post_init__(self) -> None:
         name_items(self, "parameters")
@@ -213,11 +217,12 @@ class Element:
         return dict(self.values).get(key)
 
     def given(self) -> dict[str, object]:
-        """What its law computes with that is no number, by name: curves, SI."""
+        """What its law computes with that is no number, by name: curves and a map, SI."""
         entries = {
             "curve": self.curve and self.curve.characteristic,
             "by_stretch": self.by_stretch and self.by_stretch.characteristic,
             "parts": self.parts,
+            "map": self.map and self.map.surface,
         }
         return {key: value for key, value in entries.items() if value}
 
@@ -254,6 +259,7 @@ class Model:
     constraints: Items[Constraint] = Items()
     limits: Items[Limit] = Items()
     curves: Items[Curve] = Items()
+    maps: Items[Map] = Items()
     states: Items[State] = Items()
     fmu: Fmu | None = None
     local: Local | None = None
@@ -309,13 +315,24 @@ class Model:
         own = (one for element in self.elements for one in (element.curve, element.by_stretch))
         return tuple(dict.fromkeys((*self.curves, *filter(None, own))))
 
-    def characteristics(self) -> dict[str, Characteristic]:
-        """The curves of the file by name, SI."""
-        return {curve.name: curve.characteristic for curve in self.curves}
+    def all_maps(self) -> tuple[Map, ...]:
+        """The maps of the file, then those of elements, each once."""
+        own = (element.map for element in self.elements)
+        return tuple(dict.fromkeys((*self.maps, *filter(None, own))))
 
-    def curve_files(self) -> tuple[Curve, ...]:
-        """The curves whose points stand in files of their own, one a file."""
-        return tuple({curve.file: curve for curve in self.all_curves() if curve.file}.values())
+    def characteristics(self) -> dict[tuple[str, str], Characteristic | Surface]:
+        """The curves and maps of the file, SI, by the word that calls them and their name."""
+        curves = {("curve", curve.name): curve.characteristic for curve in self.curves}
+        return {**curves, **{("map", item.name): item.surface for item in self.maps}}
+
+    def table_files(self) -> dict[str, tuple[Curve | Map, ...]]:
+        """The ``curves`` and the ``maps`` whose numbers stand in files of their own, one a file."""
+        found: dict[str, tuple[Curve | Map, ...]]
+        found = {"curves": self.all_curves(), "maps": self.all_maps()}
+        return {
+            word: tuple({item.file: item for item in items if item.file}.values())
+            for word, items in found.items()
+        }
 
     def all_parameters(self) -> tuple[Parameter, ...]:
         """Every parameter in the order of the machine's vector p: the model's own, the elements',

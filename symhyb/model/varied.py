@@ -13,6 +13,7 @@ from typing import Any
 from symhyb.errors import InputError
 from symhyb.model.curves import Curve
 from symhyb.model.expression import Expression, names, parse_expression
+from symhyb.model.maps import Map
 from symhyb.model.quantities import beside_quantities
 from symhyb.model.read import parse_model
 from symhyb.model.render import curve_lines, newline_of, parameter_lines, render
@@ -31,9 +32,9 @@ _SECTIONS = (
     "sensors",
 )
 _WORDS = frozenset(
-    {"kind", "about", "unit", "units", "over", "times", "side", "curve", "file", "found"}
+    {"kind", "about", "unit", "units", "over", "times", "side", "curve", "map", "file", "found"}
 )
-_DECLARED = (Parameter, Curve)
+_DECLARED = (Parameter, Curve, Map)
 
 
 def with_factor(
@@ -147,8 +148,9 @@ def _factored(value: Any, name: str, factor: str) -> Any:
 
 
 def _multiplied(text: str, name: str, factor: str) -> str:
-    """A text in which a name, not its derivative, a function, a curve or a unit, has a factor."""
-    meant = re.compile(rf"(?<![\w.])(?<!curve\(){re.escape(name)}(?![\w'(])")
+    """A text in which a name, not its derivative, a function, a curve or a map, or a unit, has a
+    factor."""
+    meant = re.compile(rf"(?<![\w.])(?<!curve\()(?<!map\(){re.escape(name)}(?![\w'(])")
     return beside_quantities(text, lambda part: meant.sub(f"({name}*{factor})", part))
 
 

@@ -124,6 +124,16 @@ def curve_units(model: Model, place: Place, options: Words) -> tuple[Unit, Unit]
     return along, _product((force, 1), (parse_unit("s"), power), (stretch, -power))
 
 
+def map_units(model: Model, place: Place) -> tuple[Unit, Unit, Unit]:
+    """The units of stretch, rate and F of a ``map`` at a place.
+
+    Raises:
+        LookupError: as :func:`stretch_unit`.
+    """
+    stretch = stretch_unit(model, place)
+    return stretch, stretch / parse_unit("s"), force_unit(model, place)
+
+
 def key_unit(
     model: Model, element_kind: str, key: str, place: Place, exponent: float = 1.0
 ) -> Unit:

@@ -62,7 +62,7 @@ def replace_parameters(model: Model, values: Mapping[str, tuple[float, float | N
 @asked
 def write_model(model: Model, path: str | FilePath) -> None:
     """Write a model file whole or not at all. The weights of its networks, the points of its
-    curves and its FMU go where the file says that they are.
+    curves, the grids of its maps and its FMU go where the file says that they are.
 
     Raises:
         InputError: a file cannot be written, or other weights, points or another FMU have the name
@@ -75,16 +75,17 @@ def write_model(model: Model, path: str | FilePath) -> None:
 
 
 def _write_points(model: Model, folder: FilePath) -> None:
-    """Put the files of curves beside a model file; one that is there already stays as it is."""
-    for curve in model.curve_files():
-        place, data = folder / curve.file, curve.content.encode()
+    """Put the files of curves and maps beside a model file; one that is there already stays as it
+    is."""
+    for word, item in ((word, one) for word, files in model.table_files().items() for one in files):
+        place, data = folder / item.file, item.content.encode()
         try:
             there = place.read_bytes()
         except OSError:
             write_file(place, data)
             continue
         if there != data:
-            said = "holds other points than the curve; write the model into another folder"
+            said = f"holds other points than the {word[:-1]}; write the model into another folder"
             raise InputError(Problem(said, file=str(place)))
 
 

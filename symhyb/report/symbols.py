@@ -24,7 +24,9 @@ def symbol(element: Element, a: Array, b: Array, size: float) -> Lines:
 
 
 def _drawn_as(element: Element) -> str:
-    """The kind whose symbol an element has: a curve is a spring, or a damper."""
+    """The kind whose symbol an element has: a curve is a spring, or a damper; a map a damper."""
+    if element.kind == "map":
+        return "damper"
     if element.kind != "curve":
         return element.kind
     lost = element.option("over", "") == "rate" or element.option("times", "")

@@ -77,6 +77,7 @@ def test_every_law_of_the_vocabulary_is_tried_at_every_place() -> None:
         - PAIRED
         - {
             "curve",
+            "map",
             "force",
             "torque",
             "law",
@@ -232,7 +233,15 @@ def test_probes_are_the_law_in_its_unknown_numbers() -> None:
         combined = forces[:, :, list(columns)] @ coefficients
         assert combined == pytest.approx(last, rel=1e-9, abs=1e-9 * (size + 1)), str(hypothesis)
         kinds.add(hypothesis.kind)
-    assert kinds == set(KINDS) - PAIRED - {"curve", "force", "torque", "law", "network", "payload"}
+    assert kinds == set(KINDS) - PAIRED - {
+        "curve",
+        "map",
+        "force",
+        "torque",
+        "law",
+        "network",
+        "payload",
+    }
 
 
 def test_limits_keep_shapes_near_where_they_were_tried() -> None:

@@ -22,9 +22,11 @@ from symhyb.laws.base import Key, Law
 from symhyb.laws.characteristic import Characteristic, through
 from symhyb.laws.maths import NUMPY, Action, Motion
 from symhyb.laws.reach import Reach
+from symhyb.laws.surface import Surface, bilinear
 from symhyb.laws.variants import Pace
 from symhyb.mechanics.laws import action_of
 from symhyb.model.curves import Curve
+from symhyb.model.maps import Map
 from symhyb.model.types import Coordinate, Element, Model, On
 from symhyb.model.vocabulary import key_unit
 from symhyb.units import ONE, parse_unit
@@ -38,6 +40,8 @@ PASSIVE = [law for law in ACTING if law.passive]
 WORDED = [law for law in ACTING if law.strengths and any(not key.signal for key in law.keys)]
 POINTS = ((-2.0, -3.0), (-1.0, -2.5), (-0.2, -1.0), (0.0, 0.0), (0.3, 0.5), (1.2, 0.7))
 CURVE = through("c", *zip(*POINTS, strict=True))
+GRID = ((-0.3, 0.0, 0.2), (-2.0, 0.0, 1.0), ((-3.0, 0.2, 2.0), (-2.0, 0.0, 1.0), (-4.0, 0.1, 3.0)))
+MAP = Map("m", *GRID, (ONE, ONE, ONE))
 MODEL = Model("", (Coordinate("x", parse_unit("m")),), energy_unit=parse_unit("J"))
 
 
@@ -50,9 +54,9 @@ def numeric(law: Law) -> list[Key]:
     return [key for key in law.keys if not key.choices and not key.signal and key.name != "length"]
 
 
-def curve_of(law: Law) -> dict[str, Characteristic]:
-    """What a curve runs through beside the values of its keys."""
-    return {"curve": CURVE} if law.name == "curve" else {}
+def table_of(law: Law) -> dict[str, Characteristic | Surface]:
+    """What a curve or a map runs through beside the values of its keys."""
+    return {"curve": {"curve": CURVE}, "map": {"map": MAP.surface}}.get(law.name, {})
 
 
 def options_of(law: Law) -> dict[str, str]:
@@ -61,7 +65,7 @@ def options_of(law: Law) -> dict[str, str]:
 
 def acts(law: Law, motion: Motion, values: dict[str, Any] | None = None) -> Action:
     assert law.action is not None
-    given = {**law.example, **curve_of(law)} if values is None else values
+    given = {**law.example, **table_of(law)} if values is None else values
     return law.action(NUMPY, motion, given, options_of(law))
 
 
@@ -142,6 +146,9 @@ def test_the_declared_units_are_those_of_the_law(law: Law) -> None:
     if law.name == "curve":
         x, y = np.array(POINTS).T
         values["curve"] = through("other", x * metre / second, y * newton)
+    if law.name == "map":
+        s, r, rows = map(np.array, GRID)
+        values["map"] = bilinear("other", s * metre, r * metre / second, rows * newton)
     for key, value in law.example.items():
         declared = law.key(key)
         assert declared is not None
@@ -166,12 +173,13 @@ def test_the_equations_hold_the_same_law(law: Law) -> None:
     )
     values = {key: sp.Float(value) for key, value in law.example.items()}
     curve = Curve("c", POINTS, (ONE, ONE)) if law.name == "curve" else None
+    grid = MAP if law.name == "map" else None
     options = tuple(options_of(law).items())
-    element = Element("it", law.name, On("x"), (), options=options, curve=curve)
+    element = Element("it", law.name, On("x"), (), options=options, curve=curve, map=grid)
     built = action_of(element, Motion(s, r, tuple(z), t), values)
     motion, does = cycle(law)
     given = (motion.s, motion.r, *motion.z, motion.t)
-    force = sp.lambdify(symbols, built.force, [{"c": CURVE}, "numpy"])(*given)
+    force = sp.lambdify(symbols, built.force, [{"c": CURVE, "m": MAP.surface}, "numpy"])(*given)
     stored = sp.lambdify(symbols, built.stored, "numpy")(*given)
     assert force * np.ones_like(motion.t) == pytest.approx(does.force * np.ones_like(motion.t))
     assert stored * np.ones_like(motion.t) == pytest.approx(does.stored * np.ones_like(motion.t))

@@ -11,6 +11,7 @@ from symhyb.laws.friction import DEFAULT_TRANSITION
 from symhyb.laws.maths import Action, Motion
 from symhyb.mechanics.laws import action_of
 from symhyb.model.curves import Curve
+from symhyb.model.maps import Map
 from symhyb.model.types import Element, On
 from symhyb.model.vocabulary import KINDS
 from symhyb.units import ONE
@@ -67,6 +68,7 @@ def test_what_a_spring_stores_is_the_integral_of_its_force() -> None:
 
 
 PAIRED = {kind for kind, law in KINDS.items() if law.coupling is not None}  # test_pair_laws.py
+MAP = Map("m", (0.0, 1.0), (0.0, 1.0), ((0.0, 1.0), (2.0, 3.0)), (ONE, ONE, ONE))
 STORING = {
     "curve",
     "spring",
@@ -83,7 +85,8 @@ STORING = {
 def test_other_kinds_store_nothing(kind: str) -> None:
     declared = KINDS[kind]
     one = {key: sp.Integer(1) for key in (*declared.strengths[:1], *declared.needs)}
-    assert action_of(Element("it", kind, On("x"), ()), AT, one).stored == 0
+    grid = MAP if kind == "map" else None
+    assert action_of(Element("it", kind, On("x"), (), map=grid), AT, one).stored == 0
 
 
 @pytest.mark.parametrize("kind", sorted(set(KINDS) - PAIRED))
@@ -94,8 +97,9 @@ def test_the_vocabulary_and_the_laws_agree_on_inner_states(kind: str) -> None:
         assert not declared.states
         return
     curve = Curve("c", ((0.0, 0.0), (1.0, 1.0)), (ONE, ONE)) if kind == "curve" else None
+    grid = MAP if kind == "map" else None
     options = tuple((key.name, key.choices[0]) for key in declared.keys if key.choices)
-    element = Element("it", kind, On("x"), (), options=options, curve=curve)
+    element = Element("it", kind, On("x"), (), options=options, curve=curve, map=grid)
     law = action_of(element, replace(AT, z=(Z, W)[: len(declared.states)]), one)
     assert len(law.inner) == len(law.rest) == len(declared.states)
     assert (law.mass != 0) == (kind in ("added_mass", "payload"))

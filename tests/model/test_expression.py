@@ -12,12 +12,12 @@ from symhyb.model.expression import (
     Number,
     Operation,
     Reading,
-    curves_in,
     evaluate,
     names,
     parse_expression,
     readings,
     show,
+    tables_in,
     unit_of,
 )
 from symhyb.units import ONE, Unit, parse_unit
@@ -330,8 +330,8 @@ def test_a_curve_is_a_name_and_a_value() -> None:
     assert show(tree) == "2*curve(valve, x' - curve(cam, phi))"
     assert parse_expression(show(tree)).tree == tree
     assert names(tree) == {Name("x", 1), Name("phi")}
-    assert curves_in(tree) == ("valve", "cam")
-    assert curves_in(Name("curve")) == ()
+    assert tables_in(tree) == (("curve", "valve"), ("curve", "cam"))
+    assert tables_in(Name("curve")) == ()
     assert names(parse_expression("curve*curve(curve, curve)")) == {Name("curve")}
 
 
@@ -346,17 +346,19 @@ def test_a_curve_without_its_name_or_value_is_refused(text: str) -> None:
 def test_a_curve_has_a_value_where_it_is_known() -> None:
     expression = parse_expression("1 + curve(c, 2*x)")
     x = np.array([0.0, 1.0, 3.0])
-    assert evaluate(expression, {"x": x}, {"c": np.square}) == pytest.approx(1 + 4 * x**2)
+    assert evaluate(expression, {"x": x}, {("curve", "c"): np.square}) == pytest.approx(
+        1 + 4 * x**2
+    )
     with pytest.raises(KeyError):
         evaluate(expression, {"x": x})
 
 
 def test_a_curve_takes_one_unit_and_gives_another() -> None:
-    units = {"valve": (parse_unit("mm/s"), parse_unit("N"))}
+    units = {("curve", "valve"): (parse_unit("mm/s"), parse_unit("N"))}
 
     def unit(text: str) -> Unit | None:
         speed = parse_unit("m/s")
-        return unit_of(parse_expression(text), lambda name: speed, None, units.__getitem__)
+        return unit_of(parse_expression(text), lambda name: speed, None, lambda *at: units[at])
 
     assert unit("2*curve(valve, v)") == parse_unit("N")
     assert unit("curve(valve, 0)") == parse_unit("N")
@@ -368,3 +370,52 @@ def test_a_curve_takes_one_unit_and_gives_another() -> None:
         unit("curve(other, v)")
     with pytest.raises(ExpressionError, match="stands in a model file alone"):
         unit_of(parse_expression("curve(valve, v)"), lambda name: ONE)
+
+
+def test_a_map_is_a_name_and_two_values() -> None:
+    tree = parse_expression("-map(strut, x, curve(valve, x'))").tree
+    inner = Operation("curve", (Name("x", 1),), "valve")
+    assert tree == Operation("neg", (Operation("map", (Name("x"), inner), "strut"),))
+    assert show(tree) == "-map(strut, x, curve(valve, x'))"
+    assert parse_expression(show(tree)).tree == tree
+    assert tables_in(tree) == (("map", "strut"), ("curve", "valve"))
+    assert names(parse_expression("map*map(map, map, 2)")) == {Name("map")}
+
+
+@pytest.mark.parametrize(
+    "text", ["map(a)", "map()", "map(a, x)", "map(a, x, y, z)", "map(x', x, y)", "map(2, x, y)"]
+)
+def test_a_map_without_its_name_or_values_is_refused(text: str) -> None:
+    with pytest.raises(ExpressionError, match=r"as in map\(<name>, x, y\)"):
+        parse_expression(text)
+
+
+def test_a_map_has_a_value_where_it_is_known() -> None:
+    expression = parse_expression("1 + map(c, 2*x, y)")
+    x, y = np.array([0.0, 1.0, 3.0]), np.array([2.0, -1.0, 0.5])
+    made = evaluate(expression, {"x": x, "y": y}, {("map", "c"): np.subtract})
+    assert made == pytest.approx(1 + 2 * x - y)
+    with pytest.raises(KeyError):
+        evaluate(expression, {"x": x, "y": y}, {("curve", "c"): np.square})
+
+
+def test_a_map_takes_two_units_and_gives_a_third() -> None:
+    given = {("map", "strut"): (parse_unit("mm"), parse_unit("m/s"), parse_unit("kN"))}
+    metre, speed = parse_unit("m"), parse_unit("m/s")
+
+    def unit(text: str) -> Unit | None:
+        known = {"x": metre, "v": speed}
+        return unit_of(
+            parse_expression(text), lambda name: known[name.name], None, lambda *at: given[at]
+        )
+
+    assert unit("2*map(strut, x, v)") == parse_unit("kN")
+    assert unit("map(strut, 0, 2*v)") == parse_unit("kN")
+    with pytest.raises(ExpressionError, match="the map 'strut' takes m/s, but 'x' is in m"):
+        unit("map(strut, x, x)")
+    with pytest.raises(ExpressionError, match="the map 'strut' takes mm, but 'v' is in m/s"):
+        unit("map(strut, v, x)")
+    with pytest.raises(LookupError):
+        unit("curve(strut, x)")
+    with pytest.raises(ExpressionError, match=r"map\(strut, …\) stands in a model file alone"):
+        unit_of(parse_expression("map(strut, x, v)"), lambda name: metre)

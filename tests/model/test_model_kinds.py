@@ -8,10 +8,11 @@ from symhyb.errors import InputError
 from symhyb.model.curves import Curve
 from symhyb.model.diff import changes
 from symhyb.model.expression import parse_expression
+from symhyb.model.maps import Map
 from symhyb.model.read import parse_model
 from symhyb.model.render import render
 from symhyb.model.types import At, Between, Element, Model, Network, On, Pair, Parameter
-from symhyb.model.vocabulary import KINDS, Key, curve_units, key_unit
+from symhyb.model.vocabulary import KINDS, Key, curve_units, key_unit, map_units
 from symhyb.model.write import append_elements, replace_parameters
 from symhyb.units import parse_unit
 
@@ -72,10 +73,14 @@ def full_element(model: Model, name: str, kind: str, where: str) -> Element:
         points = ((-0.1, -1 / 3), (0.0, 1e-300), (2 / 3, 7.0))
         units = curve_units(model, place, options)
         curve = Curve(f"elements.{name}", points, units, "linear", "hold")
+    grid = None
+    if kind == "map":
+        rows = ((-1 / 3, 1e-300), (7.0, 2 / 3), (0.1, 0.0))
+        places = (-0.1, 0.0, 2 / 3), (-1.0, 1 / 3)
+        grid = Map(f"elements.{name}", *places, rows, map_units(model, place), "hold")
     found = (("by", "test"),)
-    return Element(
-        name, kind, place, tuple(values), tuple(own), found, "all", options, network, curve
-    )
+    more = (tuple(values), tuple(own), found, "all", options, network, curve)
+    return Element(name, kind, place, *more, map=grid)
 
 
 def parts(key: Key, where: str) -> list[str]:

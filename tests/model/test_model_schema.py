@@ -64,6 +64,18 @@ on = "x"
 over = "rate"
 units = ["m/s", "N"]
 points = [[-1, -5], [1, 3]]
+[elements.bush]
+kind = "map"
+on = "x"
+units = ["mm", "m/s", "N"]
+x = [-1, 1]
+y = [-2, 2]
+values = [[-9, 5], [-6, 8]]
+[maps.other]
+units = ["mm", "m/s", "N"]
+y = [0, 2]
+x = [0, 1]
+values = [[0, 1], [2, 3]]
 [sensors]
 laser = { measures = "x", unit = "m", sd = 2e-5 }
 [limits]
@@ -106,6 +118,14 @@ MISTAKES = [
     ('["wall", "tip"]', '["wall"]'),
     ('force = ["f", "0"]', 'force = "f"'),
     ('force = ["f", "0"]', 'force = ["f", "0"]\ntension = "f"'),
+    ("x = [-1, 1]\n", ""),
+    ("x = [-1, 1]", "x = [1]"),
+    ("values = [[-9, 5], [-6, 8]]", "values = [[-9, 5], [-6]]"),
+    ("values = [[-9, 5], [-6, 8]]", 'file = "other.csv"'),
+    ("values = [[-9, 5], [-6, 8]]", 'map = "bush"'),
+    ("y = [0, 2]", 'file = "other.csv"'),
+    ("y = [0, 2]", 'y = "other"'),
+    ('["mm", "m/s", "N"]\nx', '["m/s", "N"]\nx'),
     ('over = "rate"', ""),
     ('over = "rate"', 'over = "speed"'),
     ("points = [[-1, -5], [1, 3]]", ""),

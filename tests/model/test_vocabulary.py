@@ -89,7 +89,7 @@ def test_the_exponent_of_a_hysteresis_sets_units(n: float, text: str) -> None:
 def test_every_kind_is_complete(kind) -> None:  # type: ignore[no-untyped-def]
     assert kind.words
     assert kind.law
-    assert kind.strengths or kind.name in ("curve", "network")
+    assert kind.strengths or kind.name in ("curve", "map", "network")
     assert all(kind.key(name) is not None for name in (*kind.strengths, *kind.needs))
     law = ", ".join([kind.law, *(state.text for state in kind.states)]).replace("^n", "exponent")
     if "g as of friction" in law:

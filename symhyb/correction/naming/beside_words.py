@@ -50,12 +50,12 @@ def _strength(final: Refined, element: Element, key: str) -> tuple[float, float]
     values: dict[tuple[str, int] | str, Array | float] = {
         name: float(value) for name, value in (known | own).items()
     }
-    curves = machine.model.characteristics()
+    tables = machine.model.characteristics()
     strength, asymmetry = (element.value(name) for name in (key, "asymmetry"))
     said = [name for text in (strength, asymmetry) if text is not None for name in names(text)]
     if not {name.name for name in said} <= values.keys():
         return None
     return (
-        0.0 if strength is None else float(evaluate(strength, values, curves)),
-        0.0 if asymmetry is None else float(evaluate(asymmetry, values, curves)),
+        0.0 if strength is None else float(evaluate(strength, values, tables)),
+        0.0 if asymmetry is None else float(evaluate(asymmetry, values, tables)),
     )

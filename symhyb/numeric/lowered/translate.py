@@ -12,10 +12,11 @@ import casadi as ca
 import sympy as sp
 
 from symhyb.laws.characteristic import Characteristic
+from symhyb.laws.surface import Surface
 from symhyb.mechanics.attitude import Vector, matrix_of
 from symhyb.mechanics.equations import Acting, Couple, Equations, Mass, Mutual, Term, Vectorial
 from symhyb.mechanics.symbols import reading_symbol
-from symhyb.mechanics.tabulated import TabulatedBase
+from symhyb.mechanics.tabulated import MappedBase, TabulatedBase
 from symhyb.model.expression import Reading
 from symhyb.numeric.lowered import links
 
@@ -87,6 +88,8 @@ class Lowering:
             return ca.atan2(parts[0], parts[1])
         if isinstance(expression, TabulatedBase):
             return picked(expression.characteristic, parts[0])
+        if isinstance(expression, MappedBase):
+            return on_surface(expression.surface, *parts)
         function = _UNARY.get(expression.func)
         if function is None:
             raise TypeError(f"no CasADi counterpart for {expression.func}")
@@ -120,6 +123,18 @@ def picked(curve: Characteristic, x: ca.SX) -> ca.SX:
     for c in reversed(coefficients[:-1]):
         total = total * (x - origin) + c
     return total
+
+
+def on_surface(surface: Surface, x: ca.SX, y: ca.SX) -> ca.SX:
+    """The value at x and y: each hat once, whatever the number of points."""
+    along = [picked(hat, x) for hat in surface.over_x]
+    across = [picked(hat, y) for hat in surface.over_y]
+    rows = (
+        _fold([z * one for z, one in zip(row, across, strict=True)], lambda a, b: a + b)
+        for row in surface.values
+    )
+    terms = [one * row for one, row in zip(along, rows, strict=True)]
+    return _fold(terms, lambda a, b: a + b)
 
 
 def _fold(parts: list[ca.SX], join: Callable[[ca.SX, ca.SX], ca.SX]) -> ca.SX:

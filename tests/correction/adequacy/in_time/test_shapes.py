@@ -29,7 +29,7 @@ def test_the_expression_with_its_numbers_is_the_course(shape: Shape) -> None:
 def test_what_a_file_states_is_the_course(shape: Shape) -> None:
     one = stated(shape, parse_model(DRIVEN_MASS), "k")
     values = {item.name: item.si for item in one.parameters}
-    curves = {curve.name: curve.characteristic for curve in one.curves}
+    curves = {("curve", curve.name): curve.characteristic for curve in one.curves}
     found = evaluate(parse_expression(one.factor), {**values, "t": T}, curves)
     assert found == pytest.approx(shape.at(T), abs=1e-12)
 
