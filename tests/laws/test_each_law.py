@@ -40,7 +40,7 @@ PASSIVE = [law for law in ACTING if law.passive]
 WORDED = [law for law in ACTING if law.strengths and any(not key.signal for key in law.keys)]
 POINTS = ((-2.0, -3.0), (-1.0, -2.5), (-0.2, -1.0), (0.0, 0.0), (0.3, 0.5), (1.2, 0.7))
 CURVE = through("c", *zip(*POINTS, strict=True))
-GRID = ((-0.3, 0.0, 0.2), (-2.0, 0.0, 1.0), ((-3.0, 0.2, 2.0), (-2.0, 0.0, 1.0), (-4.0, 0.1, 3.0)))
+GRID = ((-0.3, 0.0, 0.2), (-2.0, 0.0, 1.0), ((-3.0, 0.0, 2.0), (-2.0, 0.0, 1.0), (-4.0, 0.0, 3.0)))
 MAP = Map("m", *GRID, (ONE, ONE, ONE))
 MODEL = Model("", (Coordinate("x", parse_unit("m")),), energy_unit=parse_unit("J"))
 
