@@ -35,7 +35,7 @@ class Map:
 
     @property
     def smooth(self) -> bool:
-        """Whether its slopes are continuous everywhere: never, as they jump at each place of the
+        """Whether its slopes are continuous everywhere, which they are not at places of its
         grid."""
         return False
 
