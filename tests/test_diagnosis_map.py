@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from law_rigs import driven
+from law_rigs import driven, numbers
 from rigs import spring_model
 from scipy.interpolate import RegularGridInterpolator
 
@@ -33,6 +33,15 @@ values = {FORCE.tolist()}
         own = "\n[elements.strut.parameters]\nn = " + scale + "\n"
         element += 'scale = "n"' + own
     return parse_model(spring_model().text + element, "rig.toml")
+
+
+@pytest.mark.slow
+def test_beside_a_known_map_what_is_missing_is_found() -> None:
+    run = driven(lambda x, v, z, f: (strut(x, v) + 1500.0 * x**3, 0.0), seed=3)
+    found = numbers(sh.diagnose(knowing(), run))
+    assert set(found) == {"spring.cubic"}
+    cubic, sd = found["spring.cubic"]
+    assert abs(cubic - 1500.0) < 4 * sd
 
 
 def test_with_the_map_nothing_is_missing() -> None:
