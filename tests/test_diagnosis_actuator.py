@@ -2,9 +2,11 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from actuated import actuated, behind_play, in_steps, slewing
 from law_rigs import driven
 from rigs import spring_model
 
@@ -54,3 +56,27 @@ def test_a_lag_of_a_linear_machine_may_be_that_of_its_sensor() -> None:
     assert lags.keys() == {"f", *(s.name for s in spring_model().sensors)}
     (number,) = lags["f"].estimates
     assert number.value == pytest.approx(0.03, abs=max(3 * number.sd, 1e-3))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("acts", "seed", "kind", "number", "said"),
+    [
+        (behind_play(1.0), 2, "backlash", 1.0, "f acts behind a play (backlash) of "),
+        (in_steps(4.0), 2, "quantum", 4.0, "f acts in steps of "),
+        (slewing(150.0), 3, "rate_limit", 150.0, "f changes by no more than "),
+    ],
+    ids=["backlash", "quantum", "rate limit"],
+)
+def test_what_an_actuator_remembers_is_named_with_its_number(
+    acts: Any, seed: int, kind: str, number: float, said: str
+) -> None:
+    """They were an unmeasured force, the noise of an input, or a delay."""
+    diagnosis = sh.diagnose(spring_model(), actuated(acts, seed))
+    assert diagnosis.verdict == "missing physics"
+    assert diagnosis.sentence.startswith(f"The model lacks what the actuator does: {said}")
+    assert not any((diagnosis.found, diagnosis.parameters, diagnosis.classes))
+    (one,) = diagnosis.measurement
+    assert (one.channel, one.kind) == ("f", kind)
+    assert one.value == pytest.approx(number, abs=3 * one.sd)
+    assert one.sd < 0.01 * number

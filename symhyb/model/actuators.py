@@ -1,6 +1,7 @@
 """What an actuator does to a recorded input before it acts, in this order.
 
-    recorded → delay → dead band → limit → lag, of limited rate → gain, offset → acting
+    recorded → delay → quantum → dead band → backlash → limit → lag, of limited rate
+             → gain, offset → acting
 
 The names of the keys under ``[inputs]`` of a model file, their units and what is refused.
 """
@@ -13,13 +14,21 @@ from symhyb.units import ONE, Unit, parse_unit
 if TYPE_CHECKING:
     from symhyb.model.types import Input, Parameter, Sensor
 
-ActuatorKey = Literal["dead_band", "limit", "rate_limit", "lag"]
-ACTUATOR_KEYS: tuple[ActuatorKey, ...] = ("dead_band", "limit", "rate_limit", "lag")  # in order
+ActuatorKey = Literal["quantum", "dead_band", "backlash", "limit", "rate_limit", "lag"]
+ACTUATOR_KEYS: tuple[ActuatorKey, ...] = (  # in the order in which they act
+    "quantum",
+    "dead_band",
+    "backlash",
+    "limit",
+    "rate_limit",
+    "lag",
+)
+MAY_BE_ZERO: tuple[ActuatorKey, ...] = ("quantum", "dead_band", "backlash", "lag")  # as if unset
 
 FaultKey = Literal["gain", "offset", "delay"]
 FAULT_KEYS: tuple[FaultKey, ...] = ("gain", "offset", "delay")  # of inputs and of sensors
 
-ChannelKind = Literal["gain", "offset", "delay", "dead_band", "limit", "rate_limit", "lag"]
+ChannelKind = Literal[FaultKey, ActuatorKey]
 
 
 def usual_unit(key: str, channel: Unit) -> Unit:
@@ -36,10 +45,10 @@ def refused(key: str, value: float) -> str:
     """Why a number of a channel cannot be; empty if it can."""
     if key == "gain" and value == 0:
         return "must not be 0: such a channel says nothing"
-    if key in ("limit", "rate_limit") and value <= 0:
-        return "must be positive: such an actuator does nothing"
-    if key in ("dead_band", "lag") and value < 0:
+    if key in MAY_BE_ZERO and value < 0:
         return "must not be negative"
+    if key in ACTUATOR_KEYS and key not in MAY_BE_ZERO and value <= 0:
+        return "must be positive: such an actuator does nothing"
     return ""
 
 

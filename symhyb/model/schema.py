@@ -7,7 +7,7 @@ vocabulary; a test makes the file anew, and holds its keys against those that th
 import sys
 from pathlib import Path
 
-from symhyb.model.actuators import ACTUATOR_KEYS
+from symhyb.model.actuators import ACTUATOR_KEYS, MAY_BE_ZERO
 from symhyb.model.fmu import PLACE_KEYS
 from symhyb.model.limits import COORDINATE_KEYS, INPUT_KEYS
 from symhyb.model.read import BETWEEN
@@ -156,7 +156,7 @@ def _channel(
     }
     stated["gain"]["not"] = {"const": 0}
     for key in actuator:
-        size = {"minimum": 0} if key in ("dead_band", "lag") else {"exclusiveMinimum": 0}
+        size = {"minimum": 0} if key in MAY_BE_ZERO else {"exclusiveMinimum": 0}
         sized = {**value, "value": number("in its unit", **size)}
         plain = number(f"{key.replace('_', ' ')} of the actuator, unset: none", **size)
         stated[key] = {"anyOf": [plain, table(sized, ("value",))]}

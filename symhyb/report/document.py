@@ -11,6 +11,7 @@ from typing import Annotated, Any, Literal, NotRequired
 from typing_extensions import TypedDict
 
 from symhyb.discrepancy.results import ClassName
+from symhyb.model.actuators import ChannelKind
 from symhyb.report.course_entries import CourseEntry
 
 
@@ -122,7 +123,7 @@ class MeasurementEntry(TypedDict):
     """A gain, offset or delay of a channel, or a number of the actuator of an input."""
 
     channel: str
-    kind: Literal["gain", "offset", "delay", "dead_band", "limit", "rate_limit", "lag"]
+    kind: ChannelKind
     value: float
     sd: float
     unit: str

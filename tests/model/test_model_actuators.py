@@ -11,7 +11,8 @@ from symhyb.model.types import Model
 from symhyb.model.write import replace_parameters, text_of
 
 SAID = (
-    'gain = 1.1, lag = { value = 20, sd = 4, unit = "ms" }, limit = 2.5, rate_limit = 40, '
+    'gain = 1.1, backlash = 0.3, quantum = { value = 50, unit = "mN" }, '
+    'lag = { value = 20, sd = 4, unit = "ms" }, limit = 2.5, rate_limit = 40, '
     'dead_band = { value = 100, unit = "mN" }'
 )
 
@@ -22,12 +23,13 @@ def model(said: str = SAID) -> Model:
 
 def test_numbers_are_parameters_in_the_order_in_which_they_act() -> None:
     f = model().inputs["f"]
-    assert [number.name for number in f.actuator] == ["dead_band", "limit", "rate_limit", "lag"]
-    assert [number.si for number in f.actuator] == pytest.approx([0.1, 2.5, 40.0, 0.02])
-    assert [number.unit.text for number in f.actuator] == ["mN", "N", "N/s", "ms"]
+    keys = ["quantum", "dead_band", "backlash", "limit", "rate_limit", "lag"]
+    assert [number.name for number in f.actuator] == keys
+    assert [number.si for number in f.actuator] == pytest.approx([0.05, 0.1, 0.3, 2.5, 40.0, 0.02])
+    assert [number.unit.text for number in f.actuator] == ["mN", "mN", "N", "N", "N/s", "ms"]
     assert f.actuator[-1].si_sd == pytest.approx(0.004)
     paths = [one.path for one in model().all_parameters() if one.owner == "f"]
-    assert paths == ["f.gain", "f.dead_band", "f.limit", "f.rate_limit", "f.lag"]
+    assert paths == ["f.gain", *(f"f.{key}" for key in keys)]
 
 
 @pytest.mark.parametrize(
@@ -37,6 +39,9 @@ def test_numbers_are_parameters_in_the_order_in_which_they_act() -> None:
         ("limit = { value = -1.0 }", "inputs.f.limit: must be positive"),
         ("rate_limit = 0.0", "inputs.f.rate_limit: must be positive"),
         ("lag = -0.1", "inputs.f.lag: must not be negative"),
+        ("backlash = -0.1", "inputs.f.backlash: must not be negative"),
+        ("quantum = -0.1", "inputs.f.quantum: must not be negative"),
+        ('backlash = { value = 1.0, unit = "m" }', "is in m, needs N"),
         ("dead_band = -0.1", "inputs.f.dead_band: must not be negative"),
         ('rate_limit = { value = 1.0, unit = "N" }', "is in N, needs N/s"),
         ('lag = { value = 1.0, unit = "N" }', "is in N, needs s"),

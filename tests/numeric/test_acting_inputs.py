@@ -26,7 +26,7 @@ from symhyb.optimisation.rollout import Rollout
 from symhyb.simulation import run_model
 
 STIFFNESS, DAMPING = 25.0, 0.6  # of a mass of 1 kg
-NUMBERS = {"dead_band": 0.2, "limit": 1.8, "rate_limit": 9.0, "lag": 0.04}
+NUMBERS = {"dead_band": 0.2, "backlash": 0.4, "limit": 1.8, "rate_limit": 9.0, "lag": 0.04}
 BETWEEN = ("line", "smooth", "held")
 
 
@@ -80,6 +80,29 @@ def test_a_run_of_other_numbers_takes_them_from_the_parameters() -> None:
     scenario = Scenario(t, np.zeros(1), np.zeros(1), t, drive()[1][:, None])
     run = simulate(machine, scenario, p)
     assert run.q[:, 0] == pytest.approx(expected[:, 0], abs=2e-3 * np.ptp(expected[:, 0]))
+
+
+@pytest.mark.parametrize("exact", [False, True])
+@pytest.mark.parametrize("between", BETWEEN)
+def test_a_run_follows_the_steps_of_a_converter(between: str, exact: bool) -> None:
+    """Against SciPy with steps at their very instants."""
+    t, u = drive()
+    fine, raw = finer(t, u[:, None], (0,) if between == "smooth" else ())
+    at = np.linspace(0.0, 6.0, 60_001)
+    signal = held_at(t, u, at) if between == "held" else np.interp(at, fine, raw[:, 0])
+    force = 0.7 * np.round(signal / 0.7)
+
+    def rates(s: float, x: Array) -> list[float]:
+        now = force[min(int(s * 1e4 + 1e-6), force.size - 1)]
+        return [x[1], now - STIFFNESS * x[0] - DAMPING * x[1]]
+
+    run = solve_ivp(rates, (0, 6), [0, 0], t_eval=t, rtol=1e-8, atol=1e-10, max_step=2e-3)
+    scenario = Scenario(t, np.zeros(1), np.zeros(1), t, u[:, None])
+    found = simulate(build(model(between, {"quantum": 0.7})), scenario, exact=exact)
+    bare = simulate(build(model(between, {})), scenario, exact=exact)
+    off = np.abs(found.q[:, 0] - run.y[0]).max()
+    assert off < 2e-3 * np.ptp(run.y[0])
+    assert np.abs(bare.q[:, 0] - run.y[0]).max() > 20 * off
 
 
 def recorded(between: str, delay: float) -> tuple[Recording, Array]:
@@ -136,6 +159,42 @@ def test_slopes_of_windows_are_those_of_differences(between: str, delay: float) 
             assert slopes[..., j] == pytest.approx(expected, abs=0.1 * reach)
         else:
             assert slopes[..., j] == pytest.approx(expected, abs=0.01 * reach), paths[j]
+
+
+@pytest.mark.parametrize("between", BETWEEN)
+def test_windows_follow_the_steps_that_a_run_follows(between: str) -> None:
+    t, u = drive()
+    machine = build(model(between, {"quantum": 0.7}))
+    scenario = Scenario(t, np.zeros(1), np.zeros(1), t, u[:, None])
+    run = simulate(machine, scenario)
+    states = np.column_stack([run.q[:, 0], run.v[:, 0]])
+    recording = Recording("r", t, {"f": u}, {"laser": states[:, 0]}, (), "")
+    item = cut(recording, machine, 4)
+    x, _ = WindowModel(machine).simulate(item.block, states[item.rows[:, 0]], machine.values)
+    off = np.abs(x - states[item.rows]).max(axis=(0, 1)) / np.ptp(states, axis=0)
+    assert off == pytest.approx(0.0, abs=5e-3)
+
+
+@pytest.mark.parametrize("between", ["line", "smooth"])
+def test_slopes_of_windows_by_the_size_of_steps(between: str) -> None:
+    """Of a held input the slope is that of the mean: single samples step at single values."""
+    t, u = drive()
+    machine = build(model(between, {"quantum": 0.7}))
+    recording = Recording("r", t, {"f": u}, {"laser": np.sin(t)}, (), "")
+    column = machine.column("f.quantum")
+    window, item = WindowModel(machine, (column,)), cut(recording, machine, 4)
+    start, p = np.zeros((item.rows.shape[0], 2)), machine.values.copy()
+    slopes = window.differentiate(item.block, start, p).from_free()
+
+    def shown(off: float) -> Array:
+        moved = p.copy()
+        moved[column] += off
+        return window.simulate(item.block, start, moved)[1]
+
+    expected = (shown(1e-6) - shown(-1e-6)) / 2e-6
+    reach = np.abs(expected).max()
+    assert slopes[..., 0] == pytest.approx(expected, abs=0.01 * reach)
+    assert reach > 1e-3
 
 
 def test_a_course_has_the_numbers_of_its_machine() -> None:

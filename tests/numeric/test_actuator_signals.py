@@ -7,7 +7,7 @@ from blocks import slope
 from symhyb.numeric.kernels.actuators import acted
 from symhyb.numeric.kernels.buffers import Array, held_at
 
-NUMBERS = {"dead_band": 0.2, "limit": 1.8, "rate_limit": 6.0, "lag": 0.05}
+NUMBERS = {"dead_band": 0.2, "backlash": 0.5, "limit": 1.8, "rate_limit": 6.0, "lag": 0.05}
 EACH = [{key: value} for key, value in NUMBERS.items()]
 FINE = np.linspace(0.0, 5.0, 100_001)
 
@@ -22,7 +22,10 @@ def by_hand(u: Array, numbers: dict[str, float]) -> Array:
     band, limit = numbers.get("dead_band", 0.0), numbers.get("limit", np.inf)
     rate, lag, h = numbers.get("rate_limit", np.inf), numbers.get("lag", 0.0), FINE[1]
     y = np.where(np.abs(u) > band, u - band * np.sign(u), 0.0)
-    y = np.minimum(np.maximum(y, -limit), limit)
+    half, rests = numbers.get("backlash", 0.0) / 2, [float(y[0])]
+    for one in y[1:]:
+        rests.append(max(min(rests[-1], one + half), one - half))
+    y = np.minimum(np.maximum(np.array(rests), -limit), limit)
     z = y.copy()
     for i in range(1, y.size):
         wanted = y[i] if not lag else z[i - 1] + h * ((y[i] + y[i - 1]) / 2 - z[i - 1]) / lag
@@ -92,3 +95,52 @@ def test_the_order_matters() -> None:
     assert np.abs(both.u).max() == pytest.approx(1.0)  # the limit comes behind the dead band
     slow = acted(t, u, {"rate_limit": 4.0, "lag": 0.05}).at(FINE)
     assert np.abs(np.diff(slow) / FINE[1]).max() < 4.0 + 1e-6
+
+
+def test_a_play_rests_after_each_turn() -> None:
+    t, u = np.array([0.0, 1.0, 2.0, 3.0, 4.0]), np.array([0.0, 3.0, -3.0, -2.5, 2.0])
+    made = acted(t, u, {"backlash": 2.0}, asked=("backlash",))
+    assert made.at(t) == pytest.approx([0.0, 2.0, -2.0, -2.0, 1.0])
+    # up from a third of the first second on; back from 2 at 3 − 2 on, a third of the next one
+    assert made.at(np.array([1 / 3, 2 / 3, 4 / 3, 5 / 3])) == pytest.approx([0, 1, 2, 0])
+    by = made.by_at(np.array([0.1, 0.5, 1.2, 1.5, 2.5, 3.9]))[:, 0]
+    assert by == pytest.approx([0.0, -0.5, -0.5, 0.5, 0.5, -0.5])
+    held = acted(t, u, {"backlash": 2.0}, held=True)
+    assert held.at(np.array([0.5, 1.5, 2.5])) == pytest.approx([0.0, 2.0, -2.0])
+
+
+def test_a_held_signal_steps_at_its_samples() -> None:
+    t, u = recorded()
+    assert acted(t, u, {"quantum": 0.3}, held=True).u == pytest.approx(0.3 * np.round(u / 0.3))
+
+
+@pytest.mark.parametrize("fine", [False, True])
+def test_steps_of_a_line_have_their_exact_impulse(fine: bool) -> None:
+    t, u = recorded()
+    if fine:
+        t, u = np.linspace(0.0, 5.0, 2001), np.interp(np.linspace(0.0, 5.0, 2001), t, u)
+    made = acted(t, u, {"quantum": 0.3}, fine=fine)
+    stepped = 0.3 * np.round(np.interp(FINE, t, u) / 0.3)
+    # from the middle of a sample on, which no mean reaches over
+    area = np.cumsum(np.append(0.0, 0.5 * (stepped[1:] + stepped[:-1]) * FINE[1]))
+    mine = made.at(FINE)
+    off = np.cumsum(np.append(0.0, 0.5 * (mine[1:] + mine[:-1]) * FINE[1])) - area
+    assert np.abs(off).max() < 0.3 * 0.02  # a step is off by as much as half of itself, a sample
+    assert abs(off[-1]) < 0.1 * 0.3 * 0.02
+
+
+@pytest.mark.parametrize("fine", [False, True])
+def test_the_slope_by_the_size_of_steps_holds_that_they_move(fine: bool) -> None:
+    t, u = recorded()
+    if fine:
+        t, u = np.linspace(0.0, 5.0, 2001), np.interp(np.linspace(0.0, 5.0, 2001), t, u)
+
+    def moved(change: float) -> Array:
+        return acted(t, u, {"quantum": 0.3 + change}, fine=fine).u
+
+    expected = slope(moved, 1e-7)
+    found = acted(t, u, {"quantum": 0.3}, fine=fine, asked=("quantum",)).by[:, 0]
+    assert found == pytest.approx(expected, abs=1e-4 * np.abs(expected).max())
+    assert np.abs(expected).max() > 6.0  # more than the seven steps of the largest value
+    held = acted(t, u, {"quantum": 0.3}, held=True, fine=fine, asked=("quantum",)).by[:, 0]
+    assert held == pytest.approx(found)

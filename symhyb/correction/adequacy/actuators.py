@@ -13,10 +13,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from symhyb.correction.adequacy.classes.columns import pushes, pushing
+from symhyb.correction.adequacy.classes.input_actuated import likeliest_number
 from symhyb.correction.adequacy.classes.input_lag import input_lag
 from symhyb.correction.adequacy.classes.sensor_lag import sensor_lag
-from symhyb.correction.adequacy.classes.worth import Around, around, joined, worths_of
+from symhyb.correction.adequacy.classes.worth import Around, around
 from symhyb.correction.adequacy.explained import Decided, remainder
 from symhyb.correction.adequacy.followed import likeliest, scored
 from symhyb.correction.adequacy.judge import Adequacy
@@ -26,15 +26,10 @@ from symhyb.correction.search.trajectory import grouped
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.judgement import CERTAIN, HOPELESS, NEGLIGIBLE, PROBABLE, SMALL
 from symhyb.model.actuators import ACTUATOR_KEYS, ActuatorKey
-from symhyb.numeric.kernels.actuators import acted
-from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.lowered.dynamics import state_form
 from symhyb.numeric.lowered.linear import linear
 
 TOGETHER = 2  # numbers of an actuator at most, that stand for a class
-TRIED = 16  # values of each number, of which the best begins a fit
-FIRST, LAST = 0.02, 0.98  # of the largest value or rate of an input: between them it is tried
-KNOWN = 0.02  # of what a value does: how well its size is known
 
 
 class Behind(NamedTuple):
@@ -61,15 +56,20 @@ def deviating_input(judged: Adequacy) -> str | None:
     """The input that acts, most likely, by a function of itself or through a lag; None where that
     is not the answer."""
     best = judged.classes[0].generic if judged.classes else None
-    if best is None or best.kind not in ("input", "lag") or best.does:
+    if best is None or not _acts_otherwise(best):
         return None
     return best.where if isinstance(best.where, str) else None
+
+
+def _acts_otherwise(generic: Generic) -> bool:
+    """Whether a class says that an input acts by a function of itself, or as behind an actuator."""
+    return generic.kind in ("input", "lag") and generic.does in ("", *ACTUATOR_KEYS)
 
 
 def _certain(judged: Adequacy, name: str) -> bool:
     """Whether it is certain that an input acts so, and that this explains all."""
     ways = [one for one in judged.classes if one.generic.where == name]
-    ways = [one for one in ways if one.generic.kind in ("input", "lag") and not one.generic.does]
+    ways = [one for one in ways if _acts_otherwise(one.generic)]
     return ways[0].whole and sum(one.probability for one in ways) > PROBABLE
 
 
@@ -200,12 +200,9 @@ def offered(ground: Recorded, here: Around, name: str, beside: Fitted) -> list[O
     for key in ACTUATOR_KEYS:
         if key in stated:
             continue
-        values = _tried(ground, which, key)
-        columns = joined([_changed(ground, which, stated, {key: value}) for value in values])
-        worths = worths_of(here, columns, [[i] for i in range(len(values))])
-        best = int(np.argmax(worths))
-        value = float(values[best])
-        found.append(Offer(_cause(name, key, value), value, float(worths[best])))
+        generic, worth = likeliest_number(here, which, key, stated)
+        value = generic.figure
+        found.append(Offer(_cause(name, key, value), value, worth))
     return found
 
 
@@ -213,34 +210,3 @@ def _cause(name: str, key: ActuatorKey, value: float) -> Hypothesis:
     return Hypothesis(
         key, None, ("value",), (True,), shape=(("value", value),), path=f"{name}.{key}"
     )
-
-
-def _tried(ground: Recorded, which: int, key: ActuatorKey) -> Array:
-    """The values (T,) of a number that are tried, SI."""
-    if key == "lag":
-        return np.geomspace(ground.step_s, ground.period_s, TRIED)
-    largest = 0.0
-    for item, (u, _) in zip(ground.items, pushes(ground, which), strict=True):
-        size = np.abs(np.gradient(u, item.block.t[0]) if key == "rate_limit" else u)
-        largest = max(largest, float(size.max()))
-    if key == "dead_band":
-        return np.geomspace(FIRST, LAST, TRIED) * largest
-    return np.linspace(1.0 / TRIED, LAST, TRIED) * largest
-
-
-def _changed(
-    ground: Recorded, which: int, stated: dict[str, float], more: dict[str, float]
-) -> Generic:
-    """What an input pushes with more or less behind an actuator that has ``more`` numbers than are
-    ``stated``, SI, as it stands."""
-    channel = ground.windows.machine.model.inputs[which]
-    forces = []
-    for item, (_, push) in zip(ground.items, pushes(ground, which), strict=True):
-        times, values = item.block.record
-        t, held = item.block.t[0], channel.between == "held"
-        fine = times.size > item.source[0].t.size
-        each = (stated, {**stated, **more})
-        was, made = (acted(times, values[:, which], one, held, fine).at(t) for one in each)
-        forces.append(push[:, :, None] * (made - was)[:, None, None])
-    found = pushing(ground, "input", channel.name, forces)
-    return Generic("input", channel.name, found.each, np.array([KNOWN]), mean=np.array([1 / KNOWN]))

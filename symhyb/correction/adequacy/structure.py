@@ -28,6 +28,7 @@ from symhyb.discrepancy.likelihood.track import Extra, Track, track
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.places.standing import uncertain_beside
 from symhyb.discrepancy.results import ClassName
+from symhyb.model.actuators import ActuatorKey
 from symhyb.model.types import Place
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.lowered.known import with_known
@@ -36,6 +37,7 @@ from symhyb.numeric.runs.windows import WindowModel
 
 NOISE_FLOOR = 1e-2  # of the noise that smoothing measured: no sensor is better
 
+Does = Literal["", "drifts", "bends", "lags", "jumps", "holds", "fades", "noisy", ActuatorKey]
 Row = Mapping[str, float]
 
 
@@ -44,7 +46,7 @@ class Generic:
     """A class of effects: its ``kind``, ``where`` it acts (a place, or the name of a channel or of
     a number), its columns for ``each`` stretch with the prior deviation ``spread`` (K,) of their
     coefficients and the prior ``mean`` (K,) in such deviations, what describes the one that fits
-    best (a ``figure`` in Hz or s, or NaN), what a channel ``does``, the ``other`` coordinate of a
+    best (a ``figure`` in SI, or NaN), what a channel ``does``, the ``other`` coordinate of a
     coupling or inputs that are held too, and out of how many sets of columns these were the best
     (``tried``). A force of stretch and rate is a function of one of them alone (``over``) where
     that is the likeliest."""
@@ -54,7 +56,7 @@ class Generic:
     each: tuple[Extra, ...]
     spread: Array
     figure: float = float("nan")
-    does: Literal["", "drifts", "bends", "lags", "jumps", "holds", "fades", "noisy"] = ""
+    does: Does = ""
     other: str = ""
     over: Literal["", "stretch", "rate"] = ""
     tried: int = 1

@@ -18,6 +18,12 @@ _DOES = {
     "": "it deviates",
 }
 
+_BEHIND = {
+    "rate_limit": "acts with a rate that is limited: it does not follow fast changes",
+    "backlash": "acts behind a play (backlash): it rests after each turn",
+    "quantum": "acts in steps of one size (quantisation)",
+}
+
 
 def class_found(one: Likely) -> ClassFound:
     """A class as a result, with its sentence."""
@@ -77,6 +83,8 @@ def _said(generic: Generic) -> str:
                 both = f"{at} and {generic.other}"
                 return f"The inputs {both} act as staircases, each value held for {hold}"
             return f"The input {at} acts as a staircase, each value held for {hold}"
+        case "input" if generic.does in _BEHIND:
+            return f"The input {at} {_BEHIND[generic.does]}"
         case "input":
             return f"The input {at} does not act in proportion to what was recorded of it"
         case "lag":

@@ -116,6 +116,10 @@ def _acts(fault: Measurement) -> str:
     """What an actuator does, behind the name of its input."""
     amount = quantity_text(fault.value, fault.unit, fault.sd)
     match fault.kind:
+        case "quantum":
+            return f"acts in steps of {amount} (quantisation)"
+        case "backlash":
+            return f"acts behind a play (backlash) of {amount}"
         case "dead_band":
             return f"acts only beyond a dead band of {amount}"
         case "limit":

@@ -1,6 +1,8 @@
 """A recorded signal as an actuator passes it on, with its slopes by the numbers of the actuator.
 
+    y = quantum·round(u/quantum)                   steps (:mod:`.quantised`)
     y = u − min(max(u, −dead_band), dead_band)     nothing acts below, and it is missing above
+    y = min(max(y, u − backlash/2), u + backlash/2), from y before (:mod:`.backlash`)
     y = min(max(u, −limit), limit)
     lag·y' = u − y, but |y'| ≤ rate_limit          without a lag y = u, but for its rate
 
@@ -10,13 +12,16 @@ value had acted for long. A number of 0 does nothing. Between its times a signal
 times are added where a line gets a kink. Sizes: K times, B numbers by which slopes are asked for.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from symhyb.numeric.kernels.backlash import with_backlash
 from symhyb.numeric.kernels.buffers import Array, held_at
+from symhyb.numeric.kernels.jit import jitted
+from symhyb.numeric.kernels.quantised import quantised
 
 Mask = NDArray[np.bool_]
 Rows = NDArray[np.int64]
@@ -24,6 +29,7 @@ Rows = NDArray[np.int64]
 PARTS = 8  # of the time between two samples: a lag or a rate limit bends the line between them
 JUMP = 1e-9  # of a sample: how long a jump takes, of a held signal or of slopes at a kink
 TWICE = 1e-6  # of a sample: times that are so near are those of a jump
+_Shape = Callable[[Array, Mask, float, int | None], Array]
 MOVING = ("rate_limit", "lag")  # what makes a held signal one that moves between its samples
 
 
@@ -65,14 +71,19 @@ def acted(
     moves = any(key in given for key in MOVING)
     columns = np.column_stack([u, np.zeros((u.size, len(asked)))])  # the signal, then its slopes
     keys = {key: 1 + i for i, key in enumerate(asked)}
+    if "quantum" in given:
+        over = PARTS if fine else 1
+        columns[:, 0], by_quantum = quantised(t, u, given["quantum"], held, over)
+        if "quantum" in keys:
+            columns[:, keys["quantum"]] = by_quantum
     if moves and not (fine or held):
         t, columns = _parted(t, columns)
-    for key, make in (("dead_band", _banded), ("limit", _limited)):
-        if key in given:
-            beyond = np.abs(columns[:, 0]) > given[key]
-            if not held:
-                t, columns, beyond = _with_crossings(t, columns, beyond, given[key])
-            columns = make(columns, beyond, given[key], keys.get(key))
+    if "dead_band" in given:
+        t, columns = _shaped(t, columns, _banded, given["dead_band"], held, keys.get("dead_band"))
+    if "backlash" in given:
+        t, columns = with_backlash(t, columns, given["backlash"], held, keys.get("backlash"))
+    if "limit" in given:
+        t, columns = _shaped(t, columns, _limited, given["limit"], held, keys.get("limit"))
     if moves and held:
         t, columns = _ramps(t, columns)
         t, columns = (t, columns) if fine else _parted(t, columns)
@@ -82,6 +93,16 @@ def acted(
     elif "rate_limit" in given:
         columns = _slewed(t, columns, rate, by_rate, not held)
     return Acted(t, columns[:, 0].copy(), columns[:, 1:].copy(), held and not moves)
+
+
+def _shaped(
+    t: Array, columns: Array, make: _Shape, level: float, held: bool, own: int | None
+) -> tuple[Array, Array]:
+    """Times and columns (K, 1 + B) behind what acts otherwise beyond ± a ``level``."""
+    beyond = np.abs(columns[:, 0]) > level
+    if not held:
+        t, columns, beyond = _with_crossings(t, columns, beyond, level)
+    return t, make(columns, beyond, level, own)
 
 
 def _banded(columns: Array, beyond: Mask, band: float, own: int | None) -> Array:
@@ -106,27 +127,29 @@ def _slewed(t: Array, columns: Array, rate: float, own: int | None, kinks: bool)
     """Columns (K, 1 + B) of a signal that moves no faster than a ``rate``, and where it does not
     catch up the slopes of where it last did. At a kink that moves in time, where the signal is L
     before and R behind, that is the share (L' − rate)/(L' − R') of those of R."""
-    u, steps = columns[:, 0].tolist(), np.diff(t)
-    y, source, side = [u[0]], [0], [0.0]  # since when it runs at its rate, and in which direction
-    for i, (most, wanted) in enumerate(zip((rate * steps).tolist(), u[1:], strict=True), 1):
-        away = wanted - y[-1]
-        if abs(away) <= most:
-            y.append(wanted)
-            source.append(i)
-            side.append(0.0)
-        else:
-            way = 1.0 if away > 0 else -1.0
-            y.append(y[-1] + way * most)
-            source.append(source[-1])
-            side.append(way)
+    steps = np.diff(t)
+    y, side, source = columns[:, 0].copy(), np.zeros(t.size), np.arange(t.size)
+    _slew(rate * steps, y, side, source)
     made = columns[source]
     if kinks and columns.shape[1] > 1:
-        made[:, 1:] += _at_kinks(t, columns, np.array(source), rate * np.array(side))
+        made[:, 1:] += _at_kinks(t, columns, source, rate * side)
     made[:, 0] = y
     if own is not None:
-        ran = np.concatenate([[0.0], np.cumsum(np.array(side[1:]) * steps)])
+        ran = np.concatenate([[0.0], np.cumsum(side[1:] * steps)])
         made[:, own] += ran - ran[source]
     return made
+
+
+@jitted
+def _slew(most: Array, y: Array, side: Array, source: Rows) -> None:
+    """Write what follows ``y`` (K,) by no more than ``most`` (K − 1,) from one time to the next in
+    its place, in which direction it runs at its rate, and since when."""
+    for i in range(1, y.size):
+        away = y[i] - y[i - 1]
+        if abs(away) > most[i - 1]:
+            side[i] = 1.0 if away > 0 else -1.0
+            y[i] = y[i - 1] + side[i] * most[i - 1]
+            source[i] = source[i - 1]
 
 
 def _at_kinks(t: Array, columns: Array, source: Rows, rates: Array) -> Array:
@@ -169,29 +192,35 @@ def _lagged(
     if by_rate is not None:
         comes[:, by_rate] += ways * steps
     slopes = [
-        _kept(column[0], keeps, come) for column, come in zip(columns.T, comes.T, strict=True)
+        _kept(column[0], keeps, come.copy())
+        for column, come in zip(columns.T, comes.T, strict=True)
     ]
     return np.column_stack([y, *slopes[1:]])
 
 
+@jitted
 def _followed(first: float, keeps: Array, comes: Array, most: Array) -> tuple[Array, Array]:
     """z(i + 1) = keeps(i)·z(i) + comes(i) from z(0) on, (K,), but never by more than ``most`` from
     one to the next, and in which direction it went by as much (K − 1,), else 0."""
-    z, ways = [first], []
-    for keep, come, far in zip(keeps.tolist(), comes.tolist(), most.tolist(), strict=True):
-        change = keep * z[-1] + come - z[-1]
-        way = 0.0 if abs(change) <= far else 1.0 if change > 0 else -1.0
-        z.append(z[-1] + (way * far if way else change))
-        ways.append(way)
-    return np.array(z), np.array(ways)
+    z, ways = np.empty(keeps.size + 1), np.zeros(keeps.size)
+    z[0] = first
+    for i in range(keeps.size):
+        change = keeps[i] * z[i] + comes[i] - z[i]
+        if abs(change) > most[i]:
+            ways[i] = 1.0 if change > 0 else -1.0
+            change = ways[i] * most[i]
+        z[i + 1] = z[i] + change
+    return z, ways
 
 
+@jitted
 def _kept(first: float, keeps: Array, comes: Array) -> Array:
     """z(i + 1) = keeps(i)·z(i) + comes(i) from z(0) on, (K,) in the unit of what comes."""
-    z = [float(first)]
-    for keep, come in zip(keeps.tolist(), comes.tolist(), strict=True):
-        z.append(keep * z[-1] + come)
-    return np.array(z)
+    z = np.empty(keeps.size + 1)
+    z[0] = first
+    for i in range(keeps.size):
+        z[i + 1] = keeps[i] * z[i] + comes[i]
+    return z
 
 
 def _with_crossings(

@@ -130,6 +130,8 @@ def test_what_is_not_distinguished_stands_among_the_alternatives() -> None:
     ("kind", "value", "sd", "unit", "said"),
     [
         ("dead_band", 0.47, 0.01, "N", "f acts only beyond a dead band of 0.470 ± 0.010 N"),
+        ("quantum", 0.5, 0.01, "N", "f acts in steps of 0.500 ± 0.010 N (quantisation)"),
+        ("backlash", 2.0, 0.1, "N", "f acts behind a play (backlash) of 2.00 ± 0.10 N"),
         ("limit", 14.5, 0.2, "N", "f saturates at 14.5 ± 0.2 N"),
         ("lag", 0.021, 0.001, "s", "f acts through a lag of 21.0 ± 1.0 ms"),
     ],

@@ -14,6 +14,11 @@ from symhyb.correction.adequacy.classes.crossing_input import crossing_input
 from symhyb.correction.adequacy.classes.erring_input import spared_by
 from symhyb.correction.adequacy.classes.held_input import held_input
 from symhyb.correction.adequacy.classes.hidden_mode import hidden_mode
+from symhyb.correction.adequacy.classes.input_actuated import (
+    REMEMBERING,
+    input_actuated,
+    stated_of,
+)
 from symhyb.correction.adequacy.classes.input_curve import input_curve
 from symhyb.correction.adequacy.classes.input_fading import input_fading
 from symhyb.correction.adequacy.classes.input_lag import input_lag
@@ -52,6 +57,8 @@ def classes_of(recorded: Recorded) -> list[Offered]:
             Offered(partial(maker, which=j), at) for maker in (input_curve, input_lag, input_fading)
         ]
         found.append(Offered(partial(held_input, inputs=(j,)), at))
+        free = (key for key in REMEMBERING if key not in stated_of(recorded, j))
+        found += [Offered(partial(input_actuated, which=j, key=key), at) for key in free]
         if spared:
             found.append(Offered(partial(crossing_input, which=j), frozenset(spared)))
     uncertain = [item.path for item in model.parameters if item.sd is not None]
