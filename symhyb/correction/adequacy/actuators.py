@@ -28,16 +28,19 @@ from symhyb.judgement import CERTAIN, HOPELESS, NEGLIGIBLE, PROBABLE, SMALL
 from symhyb.model.actuators import ACTUATOR_KEYS, ActuatorKey
 from symhyb.numeric.lowered.dynamics import state_form
 from symhyb.numeric.lowered.linear import linear
+from symhyb.numeric.lowered.machine import Machine
 
 TOGETHER = 2  # numbers of an actuator at most, that stand for a class
 
 
 class Behind(NamedTuple):
     """Structures with an actuator behind an input that explain as well as each other, the likeliest
-    first, and ``sensors`` that may lag instead of it."""
+    first, and ``sensors`` that may lag instead of it; ``always`` where no recording of the machine
+    shows which of them does."""
 
     trials: tuple[Fitted, ...] = ()
     sensors: tuple[str, ...] = ()
+    always: bool = False
 
 
 NOTHING_BEHIND = Behind()
@@ -61,6 +64,19 @@ def deviating_input(judged: Adequacy) -> str | None:
     return best.where if isinstance(best.where, str) else None
 
 
+def late_input(judged: Adequacy, machine: Machine) -> str | None:
+    """The input that may lag as well as the sensor that is the answer: of a linear machine with one
+    input the two are the same, also where a controller drives it, for its output was recorded."""
+    best = judged.classes[0].generic if judged.classes else None
+    lags = best is not None and best.kind == "sensor" and best.does == "lags"
+    return machine.model.recorded_inputs[0].name if lags and _one_path(machine) else None
+
+
+def _one_path(machine: Machine) -> bool:
+    """Whether a lag on the way in shows as the same lag on the way out."""
+    return len(machine.model.recorded_inputs) == 1 and linear(state_form(machine))
+
+
 def _acts_otherwise(generic: Generic) -> bool:
     """Whether a class says that an input acts by a function of itself, or as behind an actuator."""
     return generic.kind in ("input", "lag") and generic.does in ("", *ACTUATOR_KEYS)
@@ -68,8 +84,11 @@ def _acts_otherwise(generic: Generic) -> bool:
 
 def _certain(judged: Adequacy, name: str) -> bool:
     """Whether it is certain that an input acts so, and that this explains all."""
-    ways = [one for one in judged.classes if one.generic.where == name]
-    ways = [one for one in ways if _acts_otherwise(one.generic)]
+    first = judged.classes[0].generic
+    here = [one for one in judged.classes if one.generic.where == name]
+    ways = [one for one in here if _acts_otherwise(one.generic)]
+    if first.kind == "sensor":
+        ways = [one for one in judged.classes if one.generic.key == first.key]
     return ways[0].whole and sum(one.probability for one in ways) > PROBABLE
 
 
@@ -77,7 +96,8 @@ def instead_of_class(ground: Recorded, judged: Adequacy) -> Behind:
     """The structures, along whole recordings, that explain by an actuator what was judged to be an
     input that acts otherwise than recorded: one, or those that are as likely; none where none
     does."""
-    name, base, by_class = deviating_input(judged), judged.structure, judged.by_class
+    name = deviating_input(judged) or late_input(judged, ground.windows.machine)
+    base, by_class = judged.structure, judged.by_class
     if name is None or base is None or by_class is None:
         return NOTHING_BEHIND
     decided = Decided(base, remainder(ground, base), judged.beyond.acts)
@@ -99,25 +119,29 @@ def instead_of_class(ground: Recorded, judged: Adequacy) -> Behind:
             break
         bases = best[:1]
     good = tuple(filter(explains, best))
-    return Behind(good, _lagging(ground, begin[-1], good[0], name) if good else ())
+    if not good:
+        return NOTHING_BEHIND
+    return Behind(good, *_lagging(ground, begin[-1], good[0], name))
 
 
-def _lagging(ground: Recorded, bare: Fitted, best: Fitted, name: str) -> tuple[str, ...]:
-    """The sensors that may lag instead of the input, where a lag is all that its actuator does: of
-    a linear machine with one input the two are the same, of others the classes of both may be as
-    likely."""
+def _lagging(
+    ground: Recorded, bare: Fitted, best: Fitted, name: str
+) -> tuple[tuple[str, ...], bool]:
+    """The sensors that may lag instead of the input, where a lag is all that its actuator does, and
+    whether always: of a linear machine with one input the two are the same, of others the classes
+    of both may be as likely."""
     model = ground.windows.machine.model
     if _keys(best) != {f"{name}.lag"}:
-        return ()
+        return (), False
     shown = [
         j
         for j in range(len(model.sensors))
         if any(np.isfinite(item.block.y[0][:, j]).any() for item in ground.items)
     ]
     if len(shown) > 1 and len(model.recorded_inputs) > 1:
-        return ()
-    if len(model.recorded_inputs) == 1 and linear(state_form(best.machine)):
-        return tuple(model.sensors[j].name for j in shown)
+        return (), False
+    if _one_path(best.machine):
+        return tuple(model.sensors[j].name for j in shown), True
     here = around(ground, bare)
 
     def reached(generic: Generic) -> float:
@@ -128,7 +152,7 @@ def _lagging(ground: Recorded, bare: Fitted, best: Fitted, name: str) -> tuple[s
 
     least = reached(input_lag(here, model.inputs.names().index(name))) - CERTAIN
     alike = [j for j in shown if reached(sensor_lag(here, j)) > least]
-    return tuple(model.sensors[j].name for j in alike)
+    return tuple(model.sensors[j].name for j in alike), False
 
 
 def _as_likely(found: Sequence[Fitted]) -> list[Fitted]:

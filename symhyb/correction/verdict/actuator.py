@@ -6,7 +6,12 @@ decided by, fit its number and have the last word.
 
 from dataclasses import replace
 
-from symhyb.correction.adequacy.actuators import NOTHING_BEHIND, deviating_input, instead_of_class
+from symhyb.correction.adequacy.actuators import (
+    NOTHING_BEHIND,
+    deviating_input,
+    instead_of_class,
+    late_input,
+)
 from symhyb.correction.adequacy.judge import Adequacy
 from symhyb.correction.adequacy.recorded import recorded
 from symhyb.correction.search.decide import decide_with
@@ -21,7 +26,8 @@ def with_actuator(prepared: Prepared, choice: Choice, judged: Adequacy, say: Say
     """The choice with what explains, as numbers of an actuator, what was ``judged`` to be an input
     that acts otherwise than recorded; None where nothing does, or the windows do not agree. Where
     several explain as well, the choice as it is, with these beside it."""
-    if deviating_input(judged) is None or choice.misfits:
+    machine = prepared.machine
+    if choice.misfits or not (deviating_input(judged) or late_input(judged, machine)):
         return None
     say("fitting an actuator to an input that acts otherwise than recorded")
     ground = recorded(prepared, choice.setting)

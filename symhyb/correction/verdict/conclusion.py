@@ -8,7 +8,12 @@ import numpy as np
 from symhyb.correction.adequacy.beyond import Beyond
 from symhyb.correction.adequacy.judge import Adequacy
 from symhyb.correction.advice.advice import better_recording
-from symhyb.correction.naming.actuator_rivals import actuator_rivals
+from symhyb.correction.naming.actuator_rivals import (
+    LagDoubt,
+    actuator_rivals,
+    lag_doubt,
+    named_for_input,
+)
 from symhyb.correction.naming.classes import class_found, classes_said
 from symhyb.correction.naming.findings import (
     Named,
@@ -77,6 +82,7 @@ def concluded(
     """The diagnosis of one choice, and what acts beyond it (``judged``); ``left`` are sentences on
     what is visible in the rest."""
     decision, final = choice.decision, known.final
+    judged = named_for_input(judged, choice.behind)
     found = _found(model, prepared, decision, known, shown)
     parameters = reestimated(model, final, known.doubt)
     faults = channel_faults(final, known.doubt)
@@ -97,6 +103,8 @@ def concluded(
     beyond = "fits best" if final.causes else ""
     beyond = "is named" if found or parameters or faults else beyond
     rest = _rest(model, judged, beyond)
+    lag = lag_doubt(choice.behind)
+    rest = f"{lag.said} {rest}".rstrip() if lag else rest
     poor = too_poor(prepared.runs, [sensor.name for sensor in model.sensors])
     if verdict == "nothing missing" and poor:
         verdict = "undecided"
@@ -114,7 +122,7 @@ def concluded(
         parameters,
         faults,
         alternatives,
-        record_next=better_recording(prepared) if poor and verdict == "undecided" else None,
+        record_next=_record_next(prepared, bool(poor) and verdict == "undecided", lag),
         remainder=1.0 if verdict == "undecided" and not poor else shown.remainder,
         remainder_notes=(rest, *left) if rest else left,
         noise=noise,
@@ -129,6 +137,13 @@ def concluded(
         ),
         classes=classes,
     )
+
+
+def _record_next(prepared: Prepared, poor: bool, lag: LagDoubt | None) -> str | None:
+    """What to record next where that does not depend on the causes that compete."""
+    if poor:
+        return better_recording(prepared)
+    return lag.record_next if lag else None
 
 
 def _run_notes(prepared: Prepared) -> tuple[str, ...]:

@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 from builders import DRIVEN_MASS
 
-from symhyb.correction.adequacy.actuators import Behind, _as_likely, deviating_input
+from symhyb.correction.adequacy.actuators import Behind, _as_likely, deviating_input, late_input
+from symhyb.correction.adequacy.beyond import Beyond
+from symhyb.correction.adequacy.judge import Adequacy
 from symhyb.correction.adequacy.structure import Fitted, Generic, Likely
-from symhyb.correction.naming.actuator_rivals import actuator_rivals
+from symhyb.correction.naming.actuator_rivals import actuator_rivals, lag_doubt, named_for_input
 from symhyb.correction.search.trajectory import limits_of, with_causes
 from symhyb.discrepancy.places.hypotheses import Hypothesis, parametric_hypotheses, with_channels
 from symhyb.discrepancy.results import Measurement
@@ -24,6 +26,15 @@ from symhyb.model.types import On
 from symhyb.numeric.lowered.dynamics import state_form
 from symhyb.numeric.lowered.linear import linear
 from symhyb.numeric.lowered.machine import build
+
+AIR = """
+[elements.air]
+kind = "drag"
+on = "x"
+drag = "b"
+[elements.air.parameters]
+b = { value = 0.1, unit = "N*s^2/m^2" }
+"""
 
 
 def cause(key: str, value: float) -> Hypothesis:
@@ -94,18 +105,7 @@ def test_a_number_that_states_its_sd_is_a_cause() -> None:
 def test_drag_makes_a_machine_nonlinear() -> None:
     """Where it is linear, a lag of its input and of its sensor are the same."""
     assert linear(state_form(build(parse_model(DRIVEN_MASS))))
-    air = (
-        DRIVEN_MASS
-        + """
-[elements.air]
-kind = "drag"
-on = "x"
-drag = "b"
-[elements.air.parameters]
-b = { value = 0.1, unit = "N*s^2/m^2" }
-"""
-    )
-    assert not linear(state_form(build(parse_model(air))))
+    assert not linear(state_form(build(parse_model(DRIVEN_MASS + AIR))))
 
 
 def test_what_is_not_distinguished_stands_among_the_alternatives() -> None:
@@ -124,6 +124,38 @@ def test_what_is_not_distinguished_stands_among_the_alternatives() -> None:
     assert (number.value, number.sd, number.unit) == pytest.approx((2.0, 0.1, "N/s"))
     assert alternative_phrase(limit) == "a limit of 2.00 ± 0.10 N in channel f"
     assert alternative_phrase(rate).startswith("a rate limit of 2.00 ± 0.10 N/s")
+
+
+@pytest.mark.parametrize("always", [True, False])
+def test_a_lag_that_may_be_of_a_sensor_is_said_with_what_to_record(always: bool) -> None:
+    behind = Behind((trial(100.0, "lag"),), ("laser",), always)
+    doubt = lag_doubt(behind)
+    assert doubt is not None
+    assert doubt.said.startswith("A lag of the input f shows as one of laser would: ")
+    assert ("linear" in doubt.said) == always
+    assert ("in these recordings" in doubt.said) == (not always)
+    assert "one of laser no other sensor" in doubt.record_next
+    assert lag_doubt(Behind((trial(100.0, "lag"),))) is None
+    late = Generic("sensor", "laser", (), np.zeros(0), does="lags")
+    nothing = Beyond(np.ones(1), np.ones(1), 1.0, 99.0)
+    judged = named_for_input(Adequacy(nothing, (Likely(late, 0.99),)), behind)
+    (one,) = judged.classes
+    named = ("lag", "f", 2.0) if always else ("sensor", "laser", pytest.approx(np.nan, nan_ok=True))
+    assert (one.generic.kind, one.generic.where, one.generic.figure) == named
+    assert one.probability == 0.99
+
+
+@pytest.mark.parametrize(
+    ("does", "text", "input_"),
+    [("lags", "", "f"), ("drifts", "", None), ("lags", AIR, None)],
+    ids=["linear", "it drifts", "air"],
+)
+def test_the_lag_of_a_sensor_of_a_linear_machine_asks_for_that_of_the_input(
+    does: Any, text: str, input_: str | None
+) -> None:
+    sensor = Generic("sensor", "laser", (), np.zeros(0), does=does)
+    judged = cast(Any, SimpleNamespace(classes=(Likely(sensor, 0.9),)))
+    assert late_input(judged, build(parse_model(DRIVEN_MASS + text))) == input_
 
 
 @pytest.mark.parametrize(
