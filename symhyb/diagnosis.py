@@ -33,6 +33,7 @@ from symhyb.correction.verdict.choice import Choice, choose, chosen_again
 from symhyb.correction.verdict.conclusion import concluded
 from symhyb.correction.verdict.constants import with_constant
 from symhyb.correction.verdict.estimate import Estimated, estimate
+from symhyb.correction.verdict.hold import held_inputs, with_held, with_holds
 from symhyb.correction.verdict.in_place_of_class import holds, one_value, with_law
 from symhyb.correction.verdict.in_time import (
     Changing,
@@ -131,6 +132,15 @@ def _concluded(
         return Concluded(Diagnosis("undecided", STILL, record_next=RECORD_NEXT))
     first = _decided(model, recordings, holdout, own, tell)
     prepared, choice = first.prepared, first.choice
+    held = held_inputs(model, several(recordings), first.judged)
+    if held:
+        tell("deciding again, with an input that is held from sample to sample")
+        stated = with_holds(model, held)
+        again = _decided(stated, recordings, holdout, own, tell)
+        if again.judged.adequate:
+            answer = _told(stated, again, tell)
+            if answer.verdict != "undecided":
+                return Concluded(with_held(answer, held), again.prepared, again.choice)
     with if_interrupted(lambda: fits_best(choice.decision.selected, len(choice.decision.trials))):
         one = changing(model, prepared, first.setting, choice, first.judged, tell)
     if one is not None and not one.others:

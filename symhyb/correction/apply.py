@@ -6,7 +6,7 @@ from symhyb.asked import asked
 from symhyb.correction.adequacy.in_time.stated_course import with_course
 from symhyb.discrepancy.results import CourseFound, Found, Measurement, Reestimated
 from symhyb.model.types import Model
-from symhyb.model.write import append_elements, replace_parameters
+from symhyb.model.write import append_elements, hold_inputs, replace_parameters
 
 
 @asked
@@ -20,8 +20,9 @@ def apply(
     """Return the corrected model; its text is the old one with the elements appended.
 
     Re-estimated ``parameters`` and channel faults (``measurement``) change in place, values and sd
-    in the units that they carry. A number with one of the ``courses`` has a factor of the time
-    wherever it is used. The result is an ordinary model.
+    in the units that they carry; of an input that is held the file states that. A number with one
+    of the ``courses`` has a factor of the time wherever it is used. The result is an ordinary
+    model.
 
     Raises:
         InputError: a name or a unit that does not fit this model.
@@ -31,8 +32,10 @@ def apply(
     changed: dict[str, tuple[float, float | None]] = {
         item.name: (item.value, item.sd) for item in parameters
     }
-    for m in measurement:  # the factor between two units has no deviation
-        changed[f"{m.channel}.{m.kind}"] = (m.value, m.sd or None)
+    model = hold_inputs(model, [m.channel for m in measurement if m.kind == "held"])
+    for m in measurement:
+        if m.kind != "held":  # the factor between two units has no deviation
+            changed[f"{m.channel}.{m.kind}"] = (m.value, m.sd or None)
     corrected = replace_parameters(model, changed) if changed else model
     elements = [item.element for item in found]
     return append_elements(corrected, elements) if elements else corrected

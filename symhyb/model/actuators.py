@@ -28,7 +28,7 @@ MAY_BE_ZERO: tuple[ActuatorKey, ...] = ("quantum", "dead_band", "backlash", "lag
 FaultKey = Literal["gain", "offset", "delay"]
 FAULT_KEYS: tuple[FaultKey, ...] = ("gain", "offset", "delay")  # of inputs and of sensors
 
-ChannelKind = Literal[FaultKey, ActuatorKey]
+ChannelKind = Literal[FaultKey, ActuatorKey, "held"]  # an input that is held has no number
 
 
 def usual_unit(key: str, channel: Unit) -> Unit:

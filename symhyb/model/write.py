@@ -3,7 +3,7 @@
 Every other byte of what a person wrote stays as it was, so a diff shows only the correction.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path as FilePath
 
 from symhyb.asked import asked
@@ -54,6 +54,32 @@ def replace_parameters(model: Model, values: Mapping[str, tuple[float, float | N
     edits: list[Edit] = []
     for path, (value, sd) in values.items():
         edits += _edits(source, _path_of(model, path), value, sd)
+    for start, end, new in sorted(edits, reverse=True):
+        text = text[:start] + new + text[end:]
+    return parse_model(text, model.file)
+
+
+def hold_inputs(model: Model, names: Sequence[str]) -> Model:
+    """Return the model with these inputs held from each sample to the next, stated in place.
+
+    Raises:
+        InputError: a name that is no input of the model.
+    """
+    if not names:
+        return model
+    text = text_of(model)
+    source = scan(text)
+    edits: list[Edit] = []
+    for name in names:
+        if name not in model.inputs.names():
+            said = f"there is no input '{name}'{did_you_mean(name, model.inputs.names())}"
+            raise InputError(Problem(said, file=model.file))
+        stated = source.entries.get(("inputs", name, "between"))
+        if stated is None:
+            unit = source.entries[("inputs", name, "unit")]
+            edits.append(_insertion(source, unit, {"between": '"held"'}))
+        else:
+            edits.append((stated.start, stated.end, '"held"'))
     for start, end, new in sorted(edits, reverse=True):
         text = text[:start] + new + text[end:]
     return parse_model(text, model.file)

@@ -102,6 +102,9 @@ def measurement_phrase(fault: Measurement) -> str:
     """
     if fault.kind in ACTUATOR_KEYS:
         return f"{fault.channel} {_acts(fault)}"
+    if fault.kind == "held":
+        hold = small_text(fault.value, fault.unit, digits=3)
+        return f"{fault.channel} is held from each sample to the next, for {hold}"
     if fault.kind == "delay":
         late = "early" if fault.value < 0.0 else "late"
         return (

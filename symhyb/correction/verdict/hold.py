@@ -1,0 +1,58 @@
+"""An input that is held from sample to sample, where that explains all that a model lacks.
+
+A staircase of one sample is what `between = "held"` states in a model file. Everything is decided
+once more with that; it is named where nothing acts beyond what is decided then. A staircase of
+several samples is none of the recording's, and stays a class.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from symhyb.correction.adequacy.judge import Adequacy
+from symhyb.data.recording import Recording
+from symhyb.discrepancy.results import Diagnosis, Measurement
+from symhyb.discrepancy.words.wording import verdict_sentence
+from symhyb.judgement import NOTABLE, PROBABLE
+from symhyb.model.types import Model
+
+
+def held_inputs(
+    model: Model, recordings: Sequence[Recording], judged: Adequacy
+) -> tuple[Measurement, ...]:
+    """The inputs that are held for one sample, most certainly, as what is wrong with the record of
+    each; none where that is not the answer."""
+    best = judged.classes[0] if judged.classes else None
+    if best is None or best.generic.does != "holds":
+        return ()
+    steps = np.array([float(np.median(np.diff(one.t))) for one in recordings])
+    hold = best.generic.figure
+    one_sample = bool(np.all(np.abs(steps - hold) < NOTABLE * hold))
+    if not (best.whole and best.probability > PROBABLE and one_sample):
+        return ()
+    names = [str(best.generic.where), *filter(None, best.generic.other.split(" and "))]
+    known = [model.inputs[name] for name in names]
+    if any(item.between == "held" for item in known):
+        return ()
+    return tuple(Measurement(item.name, "held", float(steps[0]), 0.0, "s") for item in known)
+
+
+def with_holds(model: Model, held: Sequence[Measurement]) -> Model:
+    """The model with these inputs held from each sample to the next."""
+    names = {one.channel for one in held}
+    inputs = [replace(i, between="held") if i.name in names else i for i in model.inputs]
+    return replace(model, inputs=tuple(inputs))
+
+
+def with_held(answer: Diagnosis, held: Sequence[Measurement]) -> Diagnosis:
+    """The diagnosis of the model with held inputs as that of the model as it was given."""
+    measurement = (*held, *answer.measurement)
+    verdict = "measurement" if answer.verdict == "nothing missing" else answer.verdict
+    parts = answer.found, answer.parameters, measurement
+    return replace(
+        answer,
+        verdict=verdict,
+        sentence=verdict_sentence(verdict, *parts, answer.alternatives),
+        measurement=measurement,
+    )
