@@ -1,1 +1,1 @@
-"""Exact runs: dry friction that holds, stops that touch, every transition located."""
+"""Exact runs: friction that holds, stops that touch, jumps, every transition located."""

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
+from symhyb.exact.switched import TINY
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.runs.explicit_source import DIPS, LOOKS
 
@@ -83,8 +84,8 @@ def _crossing(watch: Watch, dense: Any, times: Array, values: Array, k: int) -> 
     if below.size == 0:
         return 0.0, False
     later = int(above[0] + below[0])
-    if values[later] == 0.0:
-        return float(times[later]), True
+    if values[later] == 0.0 or values[later - 1] <= TINY:  # flat at 0, to or from there
+        return _edge(lambda t: watch(t, dense(t))[k], times[later - 1], times[later]), True
     found = brentq(
         lambda t: watch(t, dense(t))[k],
         times[later - 1],
@@ -93,3 +94,13 @@ def _crossing(watch: Watch, dense: Any, times: Array, values: Array, k: int) -> 
         rtol=4 * np.finfo(float).eps,
     )
     return float(found), True
+
+
+def _edge(value: Callable[[float], float], above: float, below: float) -> float:
+    """The first time from which on ``value`` is not positive, by halving, s: it is where this time
+    says, not a rounding before."""
+    middle = (above + below) / 2
+    while above < middle < below:
+        above, below = (middle, below) if value(middle) > 0 else (above, middle)
+        middle = (above + below) / 2
+    return float(below)

@@ -1,4 +1,5 @@
-"""Exact simulation: dry friction that holds and stops that touch, every transition located.
+"""Exact simulation: dry friction that holds, stops that touch and jumps that the model file writes,
+every transition located.
 
 Between two events the equations are smooth. They are integrated by DOP853 (in machine code where
 there is a C compiler; Radau IIA where the machine is stiff), and what may switch is watched inside
@@ -129,9 +130,9 @@ class _Run:
 
     def ready(self, name: str) -> Ready:
         modes = self.modes[-1]
-        key = name, modes.held
+        key = name, modes.solved
         if key not in self.functions:
-            function = getattr(self.machine, name)(modes.held)
+            function = getattr(self.machine, name)(modes.solved)
             self.functions[key] = Ready(function, self.drive, self.p)
         return self.functions[key].mode(modes.vector())
 
@@ -146,7 +147,7 @@ def is_stiff(machine: Switched, t: Array, start: Array, drive: Drive, p: Array) 
         return True
     total, sides, least = len(machine.frictions), len(machine.stops), 1 / float(t[-1] - t[0])
     for pressing in (0.0, 1.0) if sides else (0.0,):
-        mode = np.zeros(2 * total + 2 * sides)
+        mode = np.zeros(2 * total + 2 * sides + len(machine.jumps))
         mode[2 * total : 2 * total + sides] = pressing
         given = (start, drive.at(t[0]), float(t[0]), p, mode)
         slopes = call(machine.slopes(()), given)[0][:, : start.size]
@@ -230,10 +231,11 @@ def _between_jumps(run: _Run, now: float, end: float, y: Array, most: int) -> tu
 
 def _chatters(recent: deque[tuple[float, tuple[str, ...]]]) -> str:
     names = dict.fromkeys(name for _, changed in recent for name in changed)
-    elements = ", ".join(f"elements.{name}" for name in names)
+    owners = ("states.", "gravity")
+    places = ", ".join(n if n.startswith(owners) else f"elements.{n}" for n in names)
     return (
-        f"{elements} changed between sliding, holding or touching {len(recent)} times between "
-        f"{recent[0][0]:.9g} and {recent[-1][0]:.9g} s and would do so without end (Zeno): "
+        f"{places} changed between sliding, holding, touching or jumping {len(recent)} times "
+        f"between {recent[0][0]:.9g} and {recent[-1][0]:.9g} s and would do so without end (Zeno): "
         "simulate it smoothed, or with a damper or a stiffness that ends the chatter"
     )
 
@@ -308,7 +310,7 @@ def _leap(run: _Run) -> Leap | None:
     if run.stiff or run.curved:
         return None
     if modes not in run.leaps:
-        both = fields(run.machine, modes.held)
+        both = fields(run.machine, modes.solved)
         p, outputs = np.concatenate([run.p, modes.vector()]), (run.t, run.x)
         steps = 10 * (STEPS_MOST + 1)  # a tenth of them at once
         given = (run.nodes, p, outputs, RELATIVE_TOLERANCE, run.longest, steps)
@@ -376,7 +378,7 @@ def _seen(run: _Run) -> tuple[Array, Array]:
     a, y = np.full((total, machine.n), np.nan), np.full((total, len(machine.model.sensors)), np.nan)
     d = on_lines(run.drive.t, run.drive.d, run.t)
     rows = np.arange(run.row if run.modes else 0)
-    held = [modes.held for modes in run.modes]
+    held = [modes.solved for modes in run.modes]
     kinds = list(dict.fromkeys(held))
     kind = np.array([kinds.index(h) for h in held], dtype=int)
     modes = np.array([modes.vector() for modes in run.modes])

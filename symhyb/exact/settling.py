@@ -33,18 +33,27 @@ Integers = NDArray[np.int64]
 class Modes:
     """Directions ``sigma`` (F,) of frictions, 0 at rest; the forces ``fixed`` (F,), N, of those
     that rest because others hold; the indices of those that are ``held``; the states of ``stops``
-    (S,)."""
+    (S,); the ``sides`` (J,) of jumps, 0 on one, and the indices of those on which the motion
+    ``stays``."""
 
     sigma: tuple[int, ...]
     fixed: tuple[float, ...]
     held: tuple[int, ...]
     stops: tuple[int, ...]
+    sides: tuple[int, ...] = ()
+    stays: tuple[int, ...] = ()
+
+    @property
+    def solved(self) -> tuple[int, ...]:
+        """What the functions of :class:`Switched` solve for: indices of frictions that hold, and
+        from F on of jumps on which the motion stays."""
+        return (*self.held, *(len(self.sigma) + j for j in self.stays))
 
     def vector(self) -> Array:
-        """What the functions of :class:`Switched` take as ``mode`` (2F + 2S,), SI."""
+        """What the functions of :class:`Switched` take as ``mode`` (2F + 2S + J,), SI."""
         pressing = [float(stop == PRESSING) for stop in self.stops]
         entered = [float(stop == ENTERED) for stop in self.stops]
-        return np.array([*self.sigma, *self.fixed, *pressing, *entered])
+        return np.array([*self.sigma, *self.fixed, *pressing, *entered, *self.sides])
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +72,12 @@ class Instant:
         s, rate, b, G, A, levels, depths = found
         return s[0], rate[0], b[0], G, A, levels.reshape(-1, 2), depths.reshape(-1, 2)
 
+    def leaning(self, modes: Modes) -> tuple[Array, Array]:
+        """What decides jumps (J,), SI, and its slopes by time (J, 2) on either side."""
+        function = self.machine.leaning(modes.solved)
+        decides, slopes = call(function, (self.x, self.d, self.t, self.p, modes.vector()))
+        return decides.reshape(-1), slopes.T.reshape(-1, 2)
+
 
 def first_modes(at: Instant) -> tuple[Array, Modes]:
     """The state (X,), SI, and the modes that a run begins with.
@@ -71,7 +86,8 @@ def first_modes(at: Instant) -> tuple[Array, Modes]:
         ValueError: a friction at a place that no coordinate moves.
     """
     total, sides = len(at.machine.frictions), len(at.machine.stops)
-    modes = Modes((0,) * total, (0.0,) * total, (), (FREE,) * sides)
+    jumps = (0,) * len(at.machine.jumps)
+    modes = _begun_sides(at, Modes((0,) * total, (0.0,) * total, (), (FREE,) * sides, jumps))
     _, rate, _, G, _, _, depths = at.contact(modes)
     for i in range(total):
         if not G[i, i] > 0:
@@ -82,12 +98,64 @@ def first_modes(at: Instant) -> tuple[Array, Modes]:
         FREE if depth <= 0 else PRESSING if press > 0 else ENTERED for depth, press in depths
     )
     modes = replace(modes, sigma=sigma, stops=touching)
-    return settled(at, modes, [i for i in range(total) if sigma[i] == 0])
+    x, modes = settled(at, modes, [i for i in range(total) if sigma[i] == 0])
+    return _leaned(replace(at, x=x), modes, [j for j, s in enumerate(modes.sides) if s == 0])
+
+
+def _begun_sides(at: Instant, modes: Modes) -> Modes:
+    """The modes with every jump on the side on which what decides it is."""
+    for _ in modes.sides:  # one may decide another
+        sides = tuple(int(s) for s in np.sign(at.leaning(modes)[0]))
+        if sides == modes.sides:
+            break
+        modes = replace(modes, sides=sides)
+    return modes
+
+
+def _leaned(at: Instant, modes: Modes, which: list[int]) -> tuple[Array, Modes]:
+    """The state (X,), SI, and the modes with the jumps ``which``, whose arguments are 0, on the
+    side to which the motion leads, or on the jump where both sides lead back to it."""
+    x = at.x
+    for j in which:
+        ahead, behind = at.leaning(modes)[1][j]
+        if ahead < 0 < behind:
+            modes = replace(modes, stays=(*modes.stays, j), sides=_put(modes.sides, j, 0))
+        elif ahead > 0 or behind < 0:
+            modes = replace(modes, sides=_put(modes.sides, j, 1 if ahead > 0 else -1))
+        resting = [i for i, s in enumerate(modes.sigma) if s == 0]
+        x, modes = settled(replace(at, x=x), modes, resting)
+    return x, modes
+
+
+def _put(sides: tuple[int, ...], j: int, side: int) -> tuple[int, ...]:
+    return (*sides[:j], side, *sides[j + 1 :])
+
+
+def _beyond(at: Instant, modes: Modes, j: int, second: int) -> tuple[Array, Modes]:
+    """The state (X,), SI, and the modes after jump ``j`` was crossed or left; ``second``: below."""
+    sides, resting = modes.sides, [i for i, s in enumerate(modes.sigma) if s == 0]
+    if j in modes.stays:
+        others = tuple(k for k in modes.stays if k != j)
+        left = replace(modes, stays=others, sides=_put(sides, j, -1 if second else 1))
+        return settled(at, left, resting)
+    decides = at.leaning(modes)[0][j]
+    if sides[j] == 0 and decides != 0:
+        return settled(at, replace(modes, sides=_put(sides, j, int(np.sign(decides)))), resting)
+    over = 0 if decides == 0 else -sides[j]
+    x, modes = settled(at, replace(modes, sides=_put(sides, j, over)), resting)
+    return _leaned(replace(at, x=x), modes, [j])
 
 
 def after(at: Instant, modes: Modes, fired: list[int]) -> tuple[Array, Modes]:
     """The state (X,), SI, and the modes after ``fired`` (rows of ``watch``) fell through zero."""
     total = len(modes.sigma)
+    first = 2 * (total + len(modes.stops))
+    crossed, fired = [row - first for row in fired if row >= first], [r for r in fired if r < first]
+    if not fired:
+        x = at.x
+        for row in crossed:
+            x, modes = _beyond(replace(at, x=x), modes, row // 2, row % 2)
+        return x, modes
     if any(s == 0 and i not in modes.held for i, s in enumerate(modes.sigma)):
         x, shared = _settled_again(at, modes)  # others may carry what one of them cannot
         if _has_reserve(replace(at, x=x), shared, fired):
@@ -115,7 +183,7 @@ def _has_reserve(at: Instant, modes: Modes, fired: list[int]) -> bool:
     """Whether all that fired holds, and nothing that holds is at its level."""
     if not all(row // 2 < len(modes.sigma) and modes.sigma[row // 2] == 0 for row in fired):
         return False
-    watch = at.machine.watch(modes.held)
+    watch = at.machine.watch(modes.solved)
     (seen,) = call(watch, (at.x, at.d, at.t, at.p, modes.vector()))
     levels = at.contact(modes)[5]
     pairs = seen[0][: levels.size].reshape(-1, 2)
@@ -238,4 +306,9 @@ def transitions(names: tuple[str, ...], t: float, before: Modes, now: Modes) -> 
             again = "presses again" if a == ENTERED else "touches"
             word = {FREE: "leaves", PRESSING: again, ENTERED: "lets go"}[b]
             found.append(Event(t, names[total + i], word))
+    total += len(before.stops)
+    words = {0: "stays on it", 1: "switches +", -1: "switches -"}
+    for i, (a, b) in enumerate(zip(before.sides, now.sides, strict=True)):
+        if a != b:
+            found.append(Event(t, names[total + i], words[b]))
     return found

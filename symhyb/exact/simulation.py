@@ -19,8 +19,9 @@ def simulate(
     the model's, as :func:`symhyb.numeric.runs.integrate.simulate`. Inputs must cover the output
     times.
 
-    ``exact``: dry friction holds instead of creeping, and stops touch; every transition is located
-    and listed in ``events`` (:mod:`symhyb.exact.events`).
+    ``exact``: dry friction holds instead of creeping, stops touch, and what the file writes as a
+    jump switches at its time; every transition is located and listed in ``events``
+    (:mod:`symhyb.exact.events`).
 
     Raises:
         InputError: an exact run of a machine with constraints.

@@ -5,12 +5,15 @@ Behind the inputs u of the model come the *switches*, one after the other:
     sigma (F)   direction of each friction: +1, −1, or 0 where it holds
     hold  (F)   its force where it holds, N
     on    (S)   whether a stop presses: 0 or 1
+    side  (J)   on which side of a jump that is written: +1, −1, or between where it stays on it
 
     friction    F = hold + sigma·g(s')·(1 + sigma·asymmetry)          no tanh: exact
     stop        F = ±on·(stiffness·depth + damping·depth')            no max: one branch
+    sign(g)     side
 
 Behind the sensors come the *watches*: the levels at which a friction breaks away forwards and
-backwards (F pairs), and the depth of each stop and the force it would press with (S pairs).
+backwards (F pairs), the depth of each stop and the force it would press with (S pairs), and the
+argument g of each jump (J).
 
 *Banded* equations are for solvers of other programs, which know neither forces that hold nor jumps:
 a friction turns within its ``transition`` w along a straight line, and what is an input is the
@@ -30,6 +33,8 @@ import sympy as sp
 from symhyb.mechanics.equations import Acting, Equations, Term
 from symhyb.mechanics.laws import ZERO, Values, acting, friction_level, transition
 from symhyb.mechanics.symbols import to_sympy
+from symhyb.model.expression import Operation
+from symhyb.model.jumps import jumps, written_jumps
 from symhyb.model.switching import Stop, frictions, rubbing, stops
 from symhyb.model.types import Model
 
@@ -57,7 +62,8 @@ def opened(model: Model, equations: Equations) -> Equations:
         force = sum((stop.sign * mark * press for stop, mark, _, press in parts), ZERO)
         terms[i] = replace(term, law=acting(force, term.law.stored))
         watches += [value for _, _, depth, press in parts for value in (depth, press)]
-    return _with(equations, [*sigma, *hold, *on], terms, watches)
+    whole = _with(equations, [*sigma, *hold, *on], terms, watches)
+    return _on_sides(model, whole)
 
 
 def banded(model: Model, equations: Equations) -> Equations:
@@ -89,6 +95,36 @@ def banded(model: Model, equations: Equations) -> Equations:
         pressed[i] = pressed.get(i, ZERO) + stop.sign * on * press
         terms[i] = replace(term, law=acting(pressed[i], term.law.stored))
     return _with(equations, marks, terms, arguments)
+
+
+def _on_sides(model: Model, equations: Equations) -> Equations:
+    """The same with every jump that is written on the side that an input says."""
+    found, symbols = jumps(model), equations.symbols
+    side = [sp.Symbol(f"side({i})", real=True) for i in range(len(found))]
+    instead: dict[sp.Basic, sp.Expr] = {}
+    for one in written_jumps(model):
+        tree = Operation("sign", (one.argument,))
+        for atom in to_sympy(tree, symbols.within(one.element)).atoms(sp.sign):
+            way = one.way * to_sympy(tree, symbols.within(one.element)).coeff(atom)
+            instead.setdefault(atom, way * side[one.jump])
+    watches = [to_sympy(one.argument, symbols.within(one.element)) for one in found]
+
+    def inside(parts: tuple[sp.Expr, ...]) -> tuple[sp.Expr, ...]:
+        return tuple((ZERO + part).xreplace(instead) for part in parts)
+
+    def on_side(term: Term | Vectorial | Couple) -> Term | Vectorial | Couple:
+        if isinstance(term, Couple):
+            return replace(term, torque=inside(term.torque))
+        if isinstance(term, Vectorial):
+            return replace(term, force=inside(term.force))
+        law = term.law
+        (force, stored), inner = inside((law.force, law.stored)), inside(law.inner)
+        return replace(term, law=replace(law, force=force, stored=stored, inner=inner))
+
+    networks = {name: inside(seen) for name, seen in equations.networks.items()}
+    rates, gravity = inside(equations.rates), inside(equations.gravity)
+    whole = replace(equations, rates=rates, gravity=gravity, networks=networks)
+    return _with(whole, side, [on_side(term) for term in equations.terms], inside(tuple(watches)))
 
 
 def _with(

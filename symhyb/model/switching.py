@@ -1,7 +1,8 @@
 """What switches in a model: dry friction that can hold, stops that touch, and laws left as written.
 
-Exact simulation (:mod:`symhyb.exact.events`) turns friction on a coordinate or between
-points, and every side of a gap, into an automaton. Other laws with a corner stay what they are.
+Exact simulation (:mod:`symhyb.exact.events`) turns friction on a coordinate or between points,
+every side of a gap, and every jump that a model file writes (:mod:`symhyb.model.jumps`) into an
+automaton. Other laws with a corner stay what they are.
 """
 
 from dataclasses import dataclass
@@ -76,16 +77,6 @@ def left_smooth(model: Model) -> tuple[str, ...]:
             )
         elif KINDS[element.kind].states and KINDS[element.kind].steep:
             said.append(f"{name} has an inner state and is smooth by itself: it stays as it is")
-        elif word := next((w for _, text in element.values if (w := switching_word(text))), ""):
-            said.append(
-                f"{name} is written with {word}, whose jumps are not located: write it as kind "
-                "'friction' to have it stick exactly"
-            )
-    said += [
-        f"states.{state.name} has a rate with {word}, whose jumps are not located"
-        for state in model.states
-        if (word := switching_word(state.rate))
-    ]
     return tuple(said)
 
 

@@ -449,7 +449,7 @@ def test_chatter_ends_with_a_reason(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("symhyb.exact.events.AT_ONCE", 6)
     run = free(rig(Oscillator()), np.linspace(0, 8, 81), [0.0], [0.0])
     assert not run.complete
-    assert run.reason.startswith("elements.rail changed between sliding, holding or touching 6 ")
+    assert run.reason.startswith("elements.rail changed between sliding, holding, touching ")
     assert "Zeno" in run.reason
     assert np.isnan(run.q[-1]).all()
     assert np.isfinite(run.q[0]).all()
@@ -471,7 +471,8 @@ def test_growth_without_bound_is_reported() -> None:
 
 
 def test_laws_that_stay_as_written_are_reported() -> None:
-    """sign(...) by hand, hysteresis, LuGre, friction at a point and on an imposed motion."""
+    """Hysteresis, LuGre, friction at a point and on an imposed motion; sign(...) by hand is
+    located."""
     model = model_of(
         coordinates={"x": {"unit": "m"}, "b": {"unit": "m", "imposed": True}},
         parameters={"m": (1.0, "kg"), "R": (0.1, "N"), "k": (1e3, "N/m")},
@@ -488,10 +489,8 @@ def test_laws_that_stay_as_written_are_reported() -> None:
     )
     reported = left_smooth(model)
     assert [sentence.split(" ")[0] for sentence in reported] == [
-        "elements.hand",
         "elements.wire",
         "elements.bristle",
         "elements.floor",
         "elements.belt",
     ]
-    assert "kind 'friction'" in reported[0]
