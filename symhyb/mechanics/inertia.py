@@ -3,9 +3,11 @@ r"""The rows of M, k_c and gravity: what bodies, added masses and declared energ
 Every body, and every element that carries mass along, has kinetic energy of the form Σ mass·w'²/2
 in positions (or angles) w(q,t), so that
 
-    M_ij = Σ mass·(∂w/∂q_i)(∂w/∂q_j),    k_c,i = Σ (∂w/∂q_i)·(mass·w''|_{q''=0} + mass'·w')
+    M_ij = Σ mass·(∂w/∂q_i)(∂w/∂q_j)
+    k_c,i = Σ (∂w/∂q_i)·(mass·w''|_{q''=0} + mass'·w') − (∂mass/∂q_i)·w'²/2
 
-which are Lagrange's equations term by term. What declared energies add follows from p = ∂T/∂v.
+which are Lagrange's equations term by term. mass' is by places alone: what leaves in time takes its
+momentum along. What declared energies add follows from p = ∂T/∂v.
 """
 
 from collections.abc import Callable, Iterator
@@ -115,9 +117,10 @@ def kinetic_rows(
         pulls = [called(slopes.pull(part.path)) for part in own]
         biases = [
             part.mass * called(slopes.bias(part.path))
-            + slopes.in_time(part.mass) * called(slopes.rate(part.path))
+            + slopes.moved(part.mass) * called(slopes.rate(part.path))
             for part in own
         ]
+        swings = [called(slopes.rate(part.path)) ** 2 / 2 for part in own]
         for i, row in enumerate(lean):
             if matrices:
                 for j in range(i, len(lean)):
@@ -127,7 +130,9 @@ def kinetic_rows(
             else:
                 entries = [tidy(product(masses, row, other)) for other in lean]
                 yield Row("M", (i,), source, product(entries, slopes.symbols.a))
-            yield Row("k_c", (i,), source, tidy(product(row, biases)))
+            swelling = map(slopes.by[i], masses)
+            force = product(row, biases) - product(swelling, swings)
+            yield Row("k_c", (i,), source, tidy(force))
 
 
 def declared_rows(

@@ -45,7 +45,7 @@ class Named:
 
 class Slopes:
     """The derivatives of what depends on q and t: ``by`` each q (n), along q'' (``pull``), along
-    q' with time (``rate``) and by time alone (``in_time``)."""
+    q' with time (``rate``), by time alone (``in_time``) and along q' alone (``moved``)."""
 
     def __init__(self, symbols: Symbols):
         self.symbols = symbols
@@ -53,6 +53,7 @@ class Slopes:
             along({q: ONE}) for q in symbols.q
         )
         self.pull = along(dict(zip(symbols.q, symbols.a, strict=True)))
+        self.moved = along(dict(zip(symbols.q, symbols.v, strict=True)))
         self.rate = along({**dict(zip(symbols.q, symbols.v, strict=True)), symbols.t: ONE})
         self.in_time = along({symbols.t: ONE})
 

@@ -2,9 +2,11 @@ r"""The rows of M and k_c that the turning of bodies in space gives, and what ke
 
 The energy ½ ωᵀJω by the angular velocity ω(q, q', t) in the axes of the body gives
 
-    M_i q'' = (∂ω/∂q_i')·J ω'|_M,    k_c,i = (∂ω/∂q_i')·(J ω'|_{q''=0} + ω × J ω)
+    M_i q'' = (∂ω/∂q_i')·J ω'|_M
+    k_c,i = (∂ω/∂q_i')·(J ω'|_{q''=0} + J' ω + ω × J ω) − ½ ωᵀ(∂J/∂q_i)ω
 
-which are Lagrange's equations written with ω (Kane's equations of a rigid body).
+which are Lagrange's equations written with ω (Kane's equations of a rigid body); J' is by places
+alone, and 0 unless J depends on one.
 
 Source: T. R. Kane, D. A. Levinson, Dynamics: Theory and Applications, McGraw-Hill 1985, ch. 6.
 """
@@ -26,11 +28,14 @@ GUIDED, GUIDED_LEAST = sp.Integer(3), ONE  # as in symhyb.numeric.lowered.transl
 
 @dataclass(frozen=True, slots=True)
 class Spinning:
-    """A body in space: the tensor J (6,), and of ω (3,) in its axes the ``slopes`` by each q'
-    (n, 3), the part of ω' that goes with q'' (``pull``) and the rest (``bias``)."""
+    """A body in space: the tensor J (6,), its rate by places (``swelling``, 6) and its slopes by
+    each of them (``by``, n, 6), and of ω (3,) in its axes the ``slopes`` by each q' (n, 3), the
+    part of ω' that goes with q'' (``pull``) and the rest (``bias``)."""
 
     body: str
     tensor: Vector
+    swelling: Vector
+    by: tuple[Vector, ...]
     omega: Vector
     slopes: tuple[Vector, ...]
     pull: Vector
@@ -52,6 +57,8 @@ def spinning_bodies(equations: Equations, slopes: Slopes) -> tuple[Spinning, ...
             Spinning(
                 mass.body,
                 mass.tensor,
+                tuple(map(slopes.moved, mass.tensor)),
+                tuple(tuple(map(by, mass.tensor)) for by in slopes.by),
                 omega,
                 tuple(tuple(map(by, omega)) for by in by_rate),
                 tuple(map(with_pull, omega)),
@@ -112,7 +119,8 @@ def spin_rows(
         omega, lean = called(body.omega), [called(slope) for slope in body.slopes]
         gyroscopic = crossed(omega, spun(body.tensor, omega))
         bias = spun(body.tensor, called(body.bias))
-        force = tuple(a + b for a, b in zip(bias, gyroscopic, strict=True))
+        swelling = spun(body.swelling, omega)
+        force = tuple(map(sp.Add, bias, gyroscopic, swelling))
         compact = spun(body.tensor, called(body.pull)) if short else None
         for i, row in enumerate(lean):
             entries = [dotted(row, spun(body.tensor, other)) for other in lean]
@@ -123,7 +131,8 @@ def spin_rows(
                 yield Row("M", (i,), source, dotted(row, compact))
             else:
                 yield Row("M", (i,), source, dotted([tidy(x) for x in entries], symbols_a))
-            yield Row("k_c", (i,), source, tidy(dotted(row, force)))
+            lost = dotted(omega, spun(body.by[i], omega)) / 2
+            yield Row("k_c", (i,), source, tidy(dotted(row, force) - lost))
 
 
 def couple_force(torque: Vector, omega: Vector, slopes: Slopes) -> Iterator[sp.Expr]:

@@ -6,7 +6,7 @@ from symhyb.model.actuators import numbers_of
 from symhyb.model.check_constraints import constraint_faults
 from symhyb.model.check_elements import element_faults
 from symhyb.model.check_states import state_faults
-from symhyb.model.expression import RESERVED, Expression, Name, Number, Quantity
+from symhyb.model.expression import RESERVED, Expression, Name, Number, Quantity, names
 from symhyb.model.fmu import fmu_faults
 from symhyb.model.frames import frame_faults, place_unit
 from symhyb.model.limits import limit_faults
@@ -27,7 +27,7 @@ from symhyb.model.scope import (
 from symhyb.model.sensing import sensor_faults
 from symhyb.model.source import Path
 from symhyb.model.space import dimension, space_faults
-from symhyb.model.tables import Fault
+from symhyb.model.tables import Fault, shorten
 from symhyb.model.types import Body, Energy, Model
 from symhyb.model.vocabulary import KINDS
 from symhyb.units import ONE, Unit, UnitError, parse_unit
@@ -167,6 +167,11 @@ def _body_faults(body: Body, model: Model, scope: Scope, energy: Unit | None) ->
     yield from expression_faults((*place, "mass"), body.mass, scope, MASS, needed)
     if not (_is_zero(body.mass) and _acts_without_mass(body, model)):
         yield from _sign_faults((*place, "mass"), body.mass, model)
+    moving = sorted({name.name for name in names(body.mass)} & scope.coordinates)
+    if moving and model.gravity is not None:
+        text = f"'{shorten(body.mass.text)}' depends on the place {moving[0]}, and gravity acts"
+        cure = "write kinetic and potential energy under [energy], which say it"
+        yield (*place, "mass"), f"{text}: at which height is what comes and goes? {cure}"
     if body.angle is not None:
         yield from expression_faults((*place, "angle"), body.angle, scope, POSITION, ONE)
     if body.inertia is not None:

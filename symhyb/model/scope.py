@@ -32,8 +32,8 @@ from symhyb.units import Unit, parse_unit
 class Use:
     """What an expression may contain: derivatives up to ``order`` (−1: no coordinates at all),
     ``inputs``, the time (``time``), declared ``states``, what instruments show (``readings``), and
-    functions with a kink (``rough``: min, max, sign, abs of what moves). ``words`` name the place
-    in sentences."""
+    functions with a kink (``rough``: min, max, sign, abs of what moves; ``steady``: the time alone
+    moves nothing). ``words`` name the place in sentences."""
 
     words: str
     order: int
@@ -42,9 +42,10 @@ class Use:
     states: bool = False
     readings: bool = False
     rough: bool = True
+    steady: bool = False
 
 
-MASS = Use("a mass or inertia", -1, False, False)
+MASS = Use("a mass or inertia", 0, False, True, rough=False, steady=True)
 GRAVITY = Use("gravity", -1, False, True)
 POSITION = Use("a position", 0, False, True, rough=False)
 PLACE = Use("a place", 0, False, True, rough=False)
@@ -185,7 +186,8 @@ def _use_faults(path: Path, expression: Expression, scope: Scope, use: Use) -> I
         for reading in readings(expression):
             yield path, f"only sensors may use {reading.what}(...), not {use.words}"
     yield from _misleading(path, expression, scope)
-    rough = None if use.rough else _rough(expression.tree, scope)
+    moving = scope.coordinates if use.steady else scope.coordinates | {"t"}
+    rough = None if use.rough else _rough(expression.tree, scope, moving)
     if rough is not None:
         text = shorten(show(rough))
         cure = {
@@ -215,7 +217,8 @@ def _use_faults(path: Path, expression: Expression, scope: Scope, use: Use) -> I
         elif name.name in scope.states and not use.states:
             yield path, f"{name} is a state, on which {use.words} cannot depend"
         elif name.name in scope.inputs and not use.inputs:
-            yield path, f"{name} is an input, on which {use.words} cannot depend"
+            cure = "; write its course as a curve over the time t" if use is MASS else ""
+            yield path, f"{name} is an input, on which {use.words} cannot depend{cure}"
         elif name.name == "t" and not use.time:
             yield path, f"{use.words} cannot depend on the time"
 
@@ -232,12 +235,12 @@ def _misleading(path: Path, expression: Expression, scope: Scope) -> Iterator[Fa
                 yield path, f"{text}; {cure}"
 
 
-def _rough(tree: Node, scope: Scope) -> Operation | None:
-    """Find a function with a kink in what moves: its speed would jump."""
+def _rough(tree: Node, scope: Scope, moving: frozenset[str]) -> Operation | None:
+    """Find a function with a kink in what is ``moving``: its speed would jump."""
     if not isinstance(tree, Operation):
         return None
-    moving = {name.name for name in names(tree)} & (scope.coordinates | {"t"})
+    used = {name.name for name in names(tree)} & moving
     table = scope.tables.get((tree.operator, tree.table))
-    if moving and (tree.operator in _ROUGH or (table is not None and not table.smooth)):
+    if used and (tree.operator in _ROUGH or (table is not None and not table.smooth)):
         return tree
-    return next((found for part in tree.arguments if (found := _rough(part, scope))), None)
+    return next((found for part in tree.arguments if (found := _rough(part, scope, moving))), None)

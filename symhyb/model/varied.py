@@ -94,7 +94,7 @@ def written_with_factor(
     parameters and curves are appended.
 
     Raises:
-        InputError: the model may not state this: a mass cannot change with time, for example.
+        InputError: the model may not state this: an added mass, for example, is constant.
     """
     parameters, curves = tuple(parameters), tuple(curves)
     wanted = with_factor(model, path, factor, parameters, curves)

@@ -232,7 +232,12 @@ ONE_FAULT = {
     "mass negative": ("m = { value = 2", "m = { value = -2", "'m' is -2 kg; it must be positive"),
     "mass zero": ('mass = "m"', 'mass = "0"', "is 0; it must be positive"),
     "mass unit": ('mass = "m"', 'mass = "k"', "'k' is N/mm, needs kg"),
-    "mass moving": ('mass = "m"', 'mass = "m*x"', "cannot depend on the coordinate x"),
+    "mass moving": ('mass = "m"', 'mass = "m*x"', "'m*x' is kg*m, needs kg"),
+    "mass of a speed": (
+        'mass = "m"',
+        'mass = "m*x\'"',
+        "x' is a speed, on which a mass or inertia",
+    ),
     "inertia unit": ('inertia = "J"', 'inertia = "m"', "'m' is kg, needs kg*m^2"),
     "inertia alone": ('angle = "phi"\n', "", "has 'inertia' but no 'angle'"),
     "angle alone": ('inertia = "J"\n', "", "has 'angle' but no 'inertia'"),

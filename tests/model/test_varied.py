@@ -86,9 +86,12 @@ def test_a_sensor_shows_times_a_factor() -> None:
     assert model.parameters["c"] == more
 
 
-def test_a_mass_cannot_change_with_time() -> None:
-    with pytest.raises(InputError):
-        written_with_factor(parse_model(DRIVEN_MASS), "m", FACTOR, curves=[COURSE])
+def test_a_mass_of_a_body_may_change_with_time_that_of_an_element_not() -> None:
+    model = written_with_factor(parse_model(DRIVEN_MASS), "m", FACTOR, curves=[COURSE])
+    assert model.bodies[0].mass.text == f"(m*{FACTOR})"
+    more = '[elements.more]\nkind = "added_mass"\non = "x"\nmass = "m"\n'
+    with pytest.raises(InputError, match="an added mass cannot depend on the time"):
+        written_with_factor(parse_model(DRIVEN_MASS + more), "m", FACTOR, curves=[COURSE])
 
 
 def test_the_rate_of_a_state_has_it_too() -> None:

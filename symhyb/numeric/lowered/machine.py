@@ -227,8 +227,14 @@ def _lowered(model: Model, opening: Opening = "closed") -> dict[str, ca.Function
     momentum = ca.cse(ca.gradient(low.kinetic, v))
     mass = ca.cse(ca.jacobian(momentum, v))
     k_c = ca.jtimes(momentum, q, v) + ca.jacobian(momentum, t) - ca.gradient(low.kinetic, q)
+    gained, guidance = ca.gradient(low.kinetic, q), low.guidance
+    if ca.depends_on(low.kinetic, low.when):
+        gained += ca.jacobian(momentum, low.when)  # which what leaves takes along
+        parts = [low.kinetic, momentum, mass, k_c, gained, guidance]
+        parts = ca.substitute(parts, [low.when], [t])
+        low.kinetic, momentum, mass, k_c, gained, guidance = parts
     forces = ca.horzcat(*low.forces) if low.forces else ca.SX(n, 0)
-    k_e = -ca.gradient(low.potential, q) + ca.sum2(forces) + low.guidance
+    k_e = -ca.gradient(low.potential, q) + ca.sum2(forces) + guidance
     if local is not None:
         k_e += local.force
     w, b = ca.SX.sym("w", n), ca.SX.sym("b", len(imposed))
@@ -247,7 +253,7 @@ def _lowered(model: Model, opening: Opening = "closed") -> dict[str, ca.Function
         held = loops.signs * carried
         sensed = low.outputs(ca.vertcat(lacking, held), [*names, *loops.labels])
     rest, outputs = (ca.cse(ca.substitute(part, w, ca.SX.zeros(n))) for part in (lacking, sensed))
-    gained = ca.gradient(low.kinetic, q) + k_e
+    gained += k_e
     fixed_mass, fixed_kinetic = mass, low.kinetic
     if local is not None:
         gained += local.swelling

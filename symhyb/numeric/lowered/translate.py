@@ -166,7 +166,8 @@ class Lowered:
     a row an element: generalized forces (each (n, 1)), stored energies, pathways (stretch, rate,
     direction; None at points and of pairs), scalar forces F (by name; of those with a pathway), and
     of z (nz, 1) the rates z' (``inner``) and the values at ``rest``, of declared states those at
-    the start. ``guidance`` (n, 1) keeps quaternions at length 1.
+    the start. ``guidance`` (n, 1) keeps quaternions at length 1. In T the masses are those at the
+    time ``when``: mass that leaves takes its momentum along, so that T is not differentiated by it.
     """
 
     def __init__(self, equations: Equations, networks: Mapping[str, Fill] | None = None):
@@ -174,7 +175,7 @@ class Lowered:
         self.q, self.v, self.a = (ca.SX.sym(name, len(s.q)) for name in ("q", "v", "a"))
         self.z = ca.SX.sym("z", len(s.remembered))
         self.u, self.p = ca.SX.sym("u", len(s.u)), ca.SX.sym("p", len(s.p))
-        self.t = ca.SX.sym("t")
+        self.t, self.when = ca.SX.sym("t"), ca.SX.sym("when")
         pairs: dict[sp.Symbol, ca.SX] = {s.t: self.t}
         rows = (
             (s.q, self.q),
@@ -186,7 +187,7 @@ class Lowered:
         )
         for names, column in rows:
             pairs.update({name: column[i] for i, name in enumerate(names)})
-        self._lower = Lowering(pairs)
+        self._lower, self._weigh = Lowering(pairs), Lowering({**pairs, s.t: self.when})
         self._equations = equations
         self.kinetic = self._lower(equations.kinetic)
         self.potential = self._lower(equations.potential)
@@ -253,6 +254,10 @@ class Lowered:
     def _column_of(self, expressions: Iterable[sp.Expr]) -> ca.SX:
         return ca.vertcat(*(self._lower(expression) for expression in expressions))
 
+    def _weighed(self, expressions: Iterable[sp.Expr]) -> ca.SX:
+        """Inertia as a column, at the time ``when``."""
+        return ca.vertcat(*map(self._weigh, expressions))
+
     def outputs(self, reaction: ca.SX, coordinates: Sequence[str]) -> ca.SX:
         """What the sensors read (m, 1); ``reaction`` (n, 1) drives the ``coordinates``."""
         for reading in self._equations.readings:
@@ -261,18 +266,18 @@ class Lowered:
         return _column([self._lower(output) for output in self._equations.outputs])
 
     def _add_mass(self, body: Mass) -> None:
-        mass, centre = self._lower(body.mass), self._column_of(body.centre)
-        self.potential -= mass * ca.dot(self._column_of(self._equations.gravity), centre)
+        mass, centre = self._weigh(body.mass), self._column_of(body.centre)
+        gravity = self._column_of(self._equations.gravity)
+        self.potential -= self._lower(body.mass) * ca.dot(gravity, centre)
         if body.link is None:
             self.kinetic += mass * ca.sumsqr(self._rate(body.centre)) / 2
             if body.inertia != 0:
-                self.kinetic += self._lower(body.inertia) * self._rate([body.angle]) ** 2 / 2
+                self.kinetic += self._weigh(body.inertia) * self._rate([body.angle]) ** 2 / 2
             return
         velocity, omega = self._velocities[body.body]
         self.kinetic += mass * ca.sumsqr(velocity) / 2
         if body.tensor:
-            columns = map(self._column_of, matrix_of(body.tensor))  # it is symmetric
-            tensor = ca.sparsify(ca.horzcat(*columns))
+            tensor = ca.sparsify(ca.horzcat(*map(self._weighed, matrix_of(body.tensor))))
             self.kinetic += ca.dot(omega, ca.mtimes(tensor, omega)) / 2
         if body.quaternion is not None:
             self._guide(body, *body.quaternion)
@@ -286,7 +291,7 @@ class Lowered:
         q, v = self._column_of(parts), self._column_of(rates)
         size = ca.sumsqr(q)
         n, rate = ca.log(size) / 2, ca.dot(q, v) / size
-        inertia = 4 * sum((self._lower(part) for part in body.tensor[:3]), ca.SX(0)) / 3
+        inertia = 4 * sum((self._weigh(part) for part in body.tensor[:3]), ca.SX(0)) / 3
         self.kinetic += inertia * rate**2 / 2
         quick = GUIDED**2 * 4 * (ca.sumsqr(v) / size - rate**2) + GUIDED_LEAST**2
         pull = -inertia * (2 * ca.sqrt(quick) * rate + quick * n)

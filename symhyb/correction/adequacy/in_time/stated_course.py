@@ -10,7 +10,7 @@ def with_course(model: Model, found: CourseFound) -> Model:
     """The model in which a number has its course.
 
     Raises:
-        InputError: the model may not state it, as that of a mass.
+        InputError: the model may not state it, as that of an added mass.
     """
     shape = Shape(found.shape, tuple(t for t, _, _ in found.points), found.factors)
     one = stated(shape, model, found.path, found.sentence)
