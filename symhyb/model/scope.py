@@ -186,8 +186,8 @@ def _use_faults(path: Path, expression: Expression, scope: Scope, use: Use) -> I
         for reading in readings(expression):
             yield path, f"only sensors may use {reading.what}(...), not {use.words}"
     yield from _misleading(path, expression, scope)
-    moving = scope.coordinates if use.steady else scope.coordinates | {"t"}
-    rough = None if use.rough else _rough(expression.tree, scope, moving)
+    at_speed = scope.coordinates if use.steady else scope.coordinates | {"t"}
+    rough = None if use.rough else _rough(expression.tree, scope, at_speed)
     if rough is not None:
         text = shorten(show(rough))
         cure = {
