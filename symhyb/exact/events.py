@@ -23,11 +23,13 @@ from scipy.integrate import DOP853, Radau
 from symhyb.exact.crossings import ROUNDING, first_crossing
 from symhyb.exact.driven import Drive, Ready
 from symhyb.exact.leaping import Leap, fields
+from symhyb.exact.reasons import GROWN, chatters, failure, tired
 from symhyb.exact.settling import (
     Instant,
     Modes,
     after,
     first_modes,
+    resampled,
     returned,
     transitions,
 )
@@ -36,6 +38,7 @@ from symhyb.model.vocabulary import KINDS
 from symhyb.numeric.kernels.buffers import Array, call, on_lines
 from symhyb.numeric.kernels.vector import along
 from symhyb.numeric.runs.explicit import bends
+from symhyb.numeric.runs.sampled import Samples
 from symhyb.numeric.runs.scenario import Event
 
 RELATIVE_TOLERANCE = 1e-9
@@ -46,7 +49,6 @@ LOOSER = 1e6  # for the integrals of forces that hold: they only see that no loa
 AT_ONCE, APART = 64, 1e-12  # events in a row that lie closer (of the run) never end
 STEPS_MOST = 400_000
 EVENTS_MOST = 100_000
-GROWN = 1e100  # SI
 MODES_MOST = 50  # whose solvers are kept
 DAMPED = 10.0  # a decay this many times faster than it swings is stiff,
 DECAYS = 2e4  # if a run lasts so many of its times: stability then asks for 3000 explicit steps
@@ -170,10 +172,12 @@ def locate_events(
     jumps: Array,
     stiff: bool,
     longest: float,
+    samples: Samples,
     most: int = STEPS_MOST,
 ) -> Located:
-    """Integrate from ``start`` (X,) over output times ``t`` (N,) s, restarting at ``jumps`` (J,) s,
-    with no step longer than ``longest`` s and at most ``most`` steps; all SI."""
+    """Integrate from ``start`` (X,) over output times ``t`` (N,) s, restarting at ``jumps`` (J,) s
+    and where states are sampled, with no step longer than ``longest`` s and at most ``most`` steps;
+    all SI."""
     wide = start.size + len(machine.frictions)
     run = _Run(
         machine,
@@ -189,15 +193,17 @@ def locate_events(
     run.which, run.nodes = np.zeros(t.size, dtype=int), bends(drive.t, drive.d)
     reason, y = "", start
     try:
+        start = samples.after(float(t[0]), start, drive.at(float(t[0])))
         here = run.instant(float(t[0]), start)
         x, modes = first_modes(here)
         run.enter(replace(here, x=x), modes)
         y = np.concatenate([x, np.zeros(len(machine.frictions))])
         run.x[0] = y
-        for now, end in pairwise(np.unique([t[0], *jumps, t[-1]]).tolist()):
+        for now, end in pairwise(np.unique([t[0], *jumps, *samples.times, t[-1]]).tolist()):
             y, reason = _between_jumps(run, now, end, y, most)
             if reason:
                 break
+            y = _sampled(run, samples, end, y)
     except ValueError as error:
         reason = str(error)
     a, seen = _seen(run)
@@ -222,22 +228,27 @@ def _between_jumps(run: _Run, now: float, end: float, y: Array, most: int) -> tu
         recent.append((now, known))
         closely = len(recent) == AT_ONCE and now - recent[0][0] <= APART * (span + abs(now))
         if closely or len(run.events) > EVENTS_MOST:
-            return y, _chatters(recent)
+            return y, chatters(recent)
     while run.row < run.t.size and run.t[run.row] <= end:  # an event at the very end
         run.x[run.row], run.which[run.row] = y, len(run.modes) - 1
         run.row += 1
     return y, ""
 
 
-def _chatters(recent: deque[tuple[float, tuple[str, ...]]]) -> str:
-    names = dict.fromkeys(name for _, changed in recent for name in changed)
-    owners = ("states.", "gravity")
-    places = ", ".join(n if n.startswith(owners) else f"elements.{n}" for n in names)
-    return (
-        f"{places} changed between sliding, holding, touching or jumping {len(recent)} times "
-        f"between {recent[0][0]:.9g} and {recent[-1][0]:.9g} s and would do so without end (Zeno): "
-        "simulate it smoothed, or with a damper or a stiffness that ends the chatter"
-    )
+def _sampled(run: _Run, samples: Samples, t: float, y: Array) -> Array:
+    """The state at ``t`` s after what is sampled then, under the modes that follow from it."""
+    x = samples.after(t, y[: run.states], run.drive.at(t))
+    if np.array_equal(x, y[: run.states]):
+        return y
+    before, here = run.instant(t, y), run.instant(t, x)
+    x, modes = resampled(before, here, run.modes[-1])
+    if modes != run.modes[-1]:
+        run.tell(t, modes, APART * (float(run.t[-1] - run.t[0]) + abs(t)))
+        run.enter(replace(here, x=x), modes)
+    y = np.concatenate([x, y[run.states :]])
+    if run.t[run.row - 1] == t:
+        run.x[run.row - 1], run.which[run.row - 1] = y, len(run.modes) - 1
+    return y
 
 
 def _until_event(
@@ -256,9 +267,9 @@ def _until_event(
         else:
             run.steps += 1
         if solver.status == "failed" or not np.all(np.abs(solver.y) < GROWN):
-            return solver.t, solver.y, [], _failure(solver, failed)
+            return solver.t, solver.y, [], failure(solver, failed)
         if run.steps > most:
-            return solver.t, solver.y, [], _tired(solver.t, most)
+            return solver.t, solver.y, [], tired(solver.t, most)
         stop, fired = solver.t, list[int]()
         if not isinstance(solver, Leap) or solver.undecided:
             if isinstance(solver, Leap):
@@ -355,21 +366,6 @@ def _fill(run: _Run, dense: Any, stop: float) -> None:
         for i in range(run.row, last) if run.curved else ():
             run.x[i] = run.returned(float(run.t[i]), run.x[i])
         run.written(last - run.row)
-
-
-def _failure(solver: Any, message: str | None) -> str:
-    if not np.all(np.abs(solver.y) < GROWN) or "spacing" not in (message or ""):
-        return f"the motion grew without bound at {solver.t:.6g} s"
-    return (
-        f"no step at {solver.t:.6g} s was small enough for the tolerance: the motion grows without "
-        "bound or a force jumps"
-    )
-
-
-def _tired(t: float, most: int) -> str:
-    return (
-        f"more than {most} steps were needed to reach {t:.6g} s: the equations are stiff or chatter"
-    )
 
 
 def _seen(run: _Run) -> tuple[Array, Array]:

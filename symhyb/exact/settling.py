@@ -179,6 +179,19 @@ def _settled_again(at: Instant, modes: Modes) -> tuple[Array, Modes]:
     return settled(at, modes, [i for i, s in enumerate(modes.sigma) if s == 0])
 
 
+def resampled(before: Instant, at: Instant, modes: Modes) -> tuple[Array, Modes]:
+    """The state (X,), SI, and the modes after states were sampled: what rests may be pushed by
+    another force, and what decides a jump may be another value."""
+    was, now = before.leaning(modes)[0], at.leaning(modes)[0]
+    moved = [j for j in range(len(modes.sides)) if was[j] != now[j]]
+    stays = tuple(j for j in modes.stays if j not in moved)
+    sides = tuple(
+        int(np.sign(now[j])) if j in moved else side for j, side in enumerate(modes.sides)
+    )
+    modes = replace(modes, sides=sides, stays=stays)
+    return _settled_again(at, modes)
+
+
 def _has_reserve(at: Instant, modes: Modes, fired: list[int]) -> bool:
     """Whether all that fired holds, and nothing that holds is at its level."""
     if not all(row // 2 < len(modes.sigma) and modes.sigma[row // 2] == 0 for row in fired):

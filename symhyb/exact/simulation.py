@@ -9,6 +9,7 @@ from symhyb.numeric.lowered.machine import Machine
 from symhyb.numeric.runs import integrate
 from symhyb.numeric.runs.cvodes import culprits, cvodes_options, jumps_of
 from symhyb.numeric.runs.integrate import Trajectory, begun
+from symhyb.numeric.runs.sampled import samples_of
 from symhyb.numeric.runs.scenario import Scenario
 
 
@@ -43,9 +44,10 @@ def simulate(
     opened = switched(form)
     longest = float(cvodes_options(scenario.t_u, drive, 0, "bdf", 1.0)["max_step_size"]) or np.inf
     jumps = jumps_of(scenario.t_u, drive, scenario.t)
+    samples = samples_of(form, scenario.t, values)
     held = Drive(scenario.t_u, drive)
     stiff = is_stiff(opened, scenario.t, start, held, values)
-    run = locate_events(opened, scenario.t, start, held, values, jumps, stiff, longest)
+    run = locate_events(opened, scenario.t, start, held, values, jumps, stiff, longest, samples)
     f = len(form.free)
     motion = form.motion(run.x, on_lines(scenario.t_u, drive, scenario.t))
     q, v = at_unit_length(model, *motion)

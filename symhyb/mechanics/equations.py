@@ -120,8 +120,8 @@ Acting = Term | Vectorial | Couple | Mutual
 class Equations:
     """A model in SymPy, coherent SI: the masses, declared energies (``potential``
     without gravity, which acts on the masses), one term an element, one output a sensor (m), the
-    ``readings`` that outputs name by a symbol and lowering fills in, and the ``rates`` and
-    ``starts`` of declared states."""
+    ``readings`` that outputs name by a symbol and lowering fills in, and the ``rates``, the
+    ``starts`` and the values at the next sample (``nexts``) of declared states."""
 
     symbols: Symbols
     places: Geometry
@@ -135,6 +135,7 @@ class Equations:
     networks: Mapping[str, tuple[sp.Expr, ...]]
     rates: tuple[sp.Expr, ...] = ()
     starts: tuple[sp.Expr, ...] = ()
+    nexts: tuple[sp.Expr, ...] = ()
 
 
 def derive(model: Model) -> Equations:
@@ -179,6 +180,10 @@ def derive(model: Model) -> Equations:
         },
         rates=tuple(to_sympy(state.rate, symbols.scope) for state in model.states),
         starts=tuple(sp.Float(state.si_start) for state in model.states),
+        nexts=tuple(
+            symbol if state.next is None else to_sympy(state.next, symbols.scope)
+            for state, symbol in zip(model.states, symbols.states, strict=True)
+        ),
     )
 
 

@@ -45,7 +45,8 @@ LONGEST = 2_500  # operations of a whole model without names for what recurs
 class Readable:
     """The equations of a model as they are printed, coherent SI. ``inner`` holds the rate of each
     declared state and each inner state by its symbol; ``names`` come after those they use; ``gaps``
-    are what constraints hold at zero, by forces Jᵀλ beside k_e."""
+    are what constraints hold at zero, by forces Jᵀλ beside k_e. ``sampled`` holds the next value of
+    each declared state that is sampled, and the time between two samples, s."""
 
     symbols: Symbols
     rows: tuple[Row, ...]
@@ -54,6 +55,7 @@ class Readable:
     readings: tuple[Reading, ...]
     names: tuple[Named, ...]
     gaps: tuple[Closure, ...] = ()
+    sampled: tuple[tuple[sp.Symbol, sp.Expr, float], ...] = ()
 
     def of(self, side: Side, *index: int) -> tuple[Row, ...]:
         """The rows of one side of one coordinate, or of one entry of M."""
@@ -97,14 +99,33 @@ def readable(model: Model, matrices: bool = False) -> Readable:
     )
     rows = _summed(rows, tidy) if matrices else rows
     shown = tuple(row for row in rows if row.value != 0)
-    states = zip(equations.symbols.states, equations.rates, strict=True)
+    declared = tuple(
+        zip(
+            model.states,
+            equations.symbols.states,
+            equations.rates,
+            equations.nexts,
+            strict=True,
+        )
+    )
+    states = ((symbol, rate) for one, symbol, rate, _ in declared if one.next is None)
+    sampled = tuple(
+        (symbol, after, one.every) for one, symbol, _, after in declared if one.next is not None
+    )
     inner = (*states, *inner_rates(model, equations, slopes, pathways))
     values = [*(row.value for row in shown), *(rate for _, rate in inner)]
     names = _needed((*motion, *turns, *pathways), values)
     gaps = exact(closures(model, equations.places, equations.symbols))
     return _shortened(
         Readable(
-            equations.symbols, shown, inner, equations.outputs, equations.readings, names, gaps
+            equations.symbols,
+            shown,
+            inner,
+            equations.outputs,
+            equations.readings,
+            names,
+            gaps,
+            sampled,
         )
     )
 

@@ -81,6 +81,7 @@ def _as_text(model: Model, derived: Readable, matrices: bool) -> str:
         ("constraints, held by forces J^T lambda beside k_e, J the slopes by q", _held(derived)),
         ("declared states", _states(model)),
         (rates_title(model), _inner(derived)),
+        ("sampled, and held in between", _sampled(derived)),
         ("with", _names(derived)),
         ("curves", _table(curves_in_words(model))),
         ("maps", _table(maps_in_words(model))),
@@ -137,6 +138,12 @@ def _inner(derived: Readable) -> Iterator[str]:
     text = _Text({"full_prec": False}).doprint
     for symbol, rate in derived.inner:
         yield from _wrapped(f"  {symbol.name}' = ", text(rate))
+
+
+def _sampled(derived: Readable) -> Iterator[str]:
+    text = _Text({"full_prec": False}).doprint
+    for symbol, after, every in derived.sampled:
+        yield from _wrapped(f"  every {every:.10g} s  {symbol.name} becomes ", text(after))
 
 
 def _states(model: Model) -> Iterator[str]:

@@ -57,6 +57,10 @@ def as_latex(model: Model, derived: Readable) -> str:
     inner = [
         rf"\dot{{{names[symbol]}}} &= {printer.doprint(rate)}" for symbol, rate in derived.inner
     ]
+    sampled = [
+        rf"{names[symbol]} &\leftarrow {printer.doprint(after)} && \text{{every {every:.10g} s}}"
+        for symbol, after, every in derived.sampled
+    ]
     held = [
         rf"0 &= {printer.doprint(held)} && \text{{{_escaped(row.label)}}}"
         for row in derived.gaps
@@ -68,6 +72,7 @@ def as_latex(model: Model, derived: Readable) -> str:
     for title, rows in (
         ("constraints, held by forces J^T lambda beside k_e, J the slopes by q", held),
         (rates_title(model), inner),
+        ("sampled, and held in between", sampled),
         ("with", used),
         ("parameters", list(_parameters(model, derived, printer))),
         ("sensors", list(_sensors(model, derived, printer))),

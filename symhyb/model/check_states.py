@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from symhyb.model.scope import RATE, Scope, expression_faults
+from symhyb.model.scope import NEXT, RATE, Scope, expression_faults
 from symhyb.model.states import State
 from symhyb.model.tables import Fault
 from symhyb.units import UnitError, parse_unit
@@ -17,3 +17,5 @@ def state_faults(state: State, scope: Scope) -> Iterator[Fault]:
         yield (*path, "unit"), f"has no readable rate: {error}"
         return
     yield from expression_faults((*path, "rate"), state.rate, scope, RATE, needed)
+    if state.next is not None:
+        yield from expression_faults((*path, "next"), state.next, scope, NEXT, state.unit)

@@ -151,7 +151,11 @@ def _facets(part: Part) -> Facets:
             facets["start_rate"] = f"{part.start_rate:.6g}"
             return {**facets, "imposed": "true"} if part.imposed else facets
         case State():
-            return {"unit": part.unit.text, "start": f"{part.start:.6g}", "rate": part.rate.text}
+            facets = {"unit": part.unit.text, "start": f"{part.start:.6g}"}
+            if part.next is None:
+                return {**facets, "rate": part.rate.text}
+            every = {"every": f"{part.every:.6g}", "first": f"{part.first:.6g}"}
+            return {**facets, **every, "next": part.next.text}
         case Point():
             return {"": _pair(part.at), **({"body": part.body} if part.body else {})}
         case Body():

@@ -23,9 +23,9 @@ from symhyb.model.read_curves import read_curve
 from symhyb.model.read_elements import read_element, read_parameter
 from symhyb.model.read_maps import read_map
 from symhyb.model.read_space import dimension_of
+from symhyb.model.read_states import read_state
 from symhyb.model.render import FORMAT
 from symhyb.model.source import Source, scan
-from symhyb.model.states import State
 from symhyb.model.tables import Fault, Table, describe
 from symhyb.model.types import Coordinate, Energy, Input, Model, Parameter, Sensor
 from symhyb.units import Unit
@@ -145,7 +145,7 @@ def _draft(root: Table, text: str, file: str) -> tuple[Model, frozenset[str]]:
         title=root.text("title") or "",
         about=root.about(),
         coordinates=_present(map(_coordinate, root.tables("coordinates"))),
-        states=_present(map(_state, root.tables("states"))),
+        states=_present(map(read_state, root.tables("states"))),
         parameters=_present(read_parameter(table) for table in root.tables("parameters")),
         inputs=_present(map(_input, root.tables("inputs"))),
         points=points,
@@ -207,15 +207,6 @@ def _coordinate(table: Table) -> Coordinate | None:
         return None
     stated = tuple(key for key in ("start", "start_rate") if key in table.entries)
     return Coordinate(table.path[-1], unit, start or 0.0, rate or 0.0, about, imposed, stated)
-
-
-def _state(table: Table) -> State | None:
-    table = table.checked(("unit", "start", "rate", "about"))
-    unit, rate = table.unit(), table.expression("rate", required=True)
-    start, about = table.number("start"), table.about()
-    if unit is None or rate is None:
-        return None
-    return State(table.path[-1], unit, rate, start or 0.0, about)
 
 
 def _input(table: Table) -> Input | None:

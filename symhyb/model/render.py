@@ -299,7 +299,10 @@ def _state(state: State) -> str:
         (
             ("unit", state.unit.text),
             ("start", state.start or None),
-            ("rate", state.rate),
+            ("rate", None if state.next else state.rate),
+            ("every", state.every or None),
+            ("first", state.first or None),
+            ("next", state.next),
             ("about", state.about),
         )
     )

@@ -79,7 +79,7 @@ def _sections() -> dict[str, Schema]:
         "fmu": _fmu(),
         "gravity": vector("acts on every body, in the inertial axes"),
         "coordinates": named("what moves", refer("coordinate"), minProperties=1),
-        "states": named("what follows from a rate of first order", refer("state")),
+        "states": named("what follows from a rate of first order, or is sampled", refer("state")),
         "parameters": named("numbers with units", refer("parameter")),
         "inputs": named("recorded signals that act", refer("input")),
         "points": named("named places", refer("point")),
@@ -133,9 +133,13 @@ def _state() -> Schema:
         "unit": UNIT,
         "start": number("initial value of simulations, in its unit"),
         "rate": expression("its rate, in its unit per s"),
+        "every": expression("sampled: from one sample to the next, in s or as in '10 ms'"),
+        "first": expression("sampled: the time of a sample, in s or as in '3 ms'; default 0"),
+        "next": expression("sampled: the value that it takes at each sample, in its unit"),
         "about": ABOUT,
     }
-    return table(keys, ("unit", "rate"))
+    either: list[Schema] = [{"required": ["rate"]}, {"required": ["every", "next"]}]
+    return {**table(keys, ("unit",)), "oneOf": either}
 
 
 def _channel(

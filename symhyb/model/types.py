@@ -283,7 +283,7 @@ class Model:
         for q in self.coordinates:
             yield "coordinate", q.name, f"[{q.unit}]" + ", imposed" * q.imposed, q.about
         for state in self.states:
-            yield "state", state.name, f"{state.name}' = {state.rate} [{state.unit}/s]", state.about
+            yield "state", state.name, state.words, state.about
         for item in self.parameters:
             yield "parameter", item.name, _said(item), item.about
         for driver in self.inputs:

@@ -19,6 +19,7 @@ import casadi as ca
 import numpy as np
 
 from symhyb.errors import InputError, NumericsError, Problem
+from symhyb.model.unsampled import require_unsampled
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.kernels.memory import kept
 from symhyb.numeric.lowered.dynamics import StateForm, state_form
@@ -95,6 +96,7 @@ class Rollout:
             NumericsError: no C compiler, or a nominal run that fails; the message says why.
             ValueError: a parameter that the machine does not have.
         """
+        require_unsampled(machine.model, "a rollout", "simulate it")
         self.machine, self.form = machine, state_form(machine)
         self._free = [_column(machine, path) for path in free]
         acts = [item.name for item in machine.model.inputs if item.actuator]

@@ -18,7 +18,7 @@ WHOLE = [dedent(text) for text in (*FENCED, *INDENTED)]
 
 
 def test_the_page_has_whole_examples() -> None:
-    assert len(WHOLE) == 5
+    assert len(WHOLE) == 6
 
 
 @pytest.mark.parametrize("text", WHOLE, ids=range(len(WHOLE)))

@@ -25,6 +25,7 @@ from symhyb.model.bare import bare
 from symhyb.model.expression import readings
 from symhyb.model.switching import modes as modes_of
 from symhyb.model.types import Model
+from symhyb.model.unsampled import HOST, require_unsampled
 from symhyb.numeric.kernels.buffers import Array, call
 from symhyb.numeric.lowered.dynamics import StateForm, state_form
 from symhyb.numeric.lowered.machine import Machine, build, functions_of
@@ -169,6 +170,7 @@ def export_machine(model: Model, events: bool = False) -> Exported:
             :func:`symhyb.numeric.lowered.machine.build` refuses.
     """
     require_plain_inputs(model)
+    require_unsampled(model, "an exported unit", HOST)
     machine = build(model)
     bare, among = _without_networks(machine)
     form = state_form(bare)

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
+from symhyb.model.unsampled import require_unsampled
 from symhyb.numeric.kernels.buffers import Array, call
 from symhyb.numeric.kernels.chains import Chains
 from symhyb.numeric.kernels.memory import kept
@@ -33,6 +34,7 @@ def inner_along(
     ``motion`` are q, v and a (N, n), ``u`` (N, k) the inputs, ``p`` (P,) or (C, P) the parameters;
     between two samples they run linearly. ``off`` (z,) or (C, z) is added to where they begin.
     """
+    require_unsampled(machine.model, "an estimation from recordings")
     sets, inner = np.atleast_2d(p), machine.inner_states
     if inner == 0 or t.size == 0:
         return np.zeros((*p.shape[:-1], t.size, inner))

@@ -68,6 +68,8 @@ class Machine:
             derivative by time, (m, n) its slopes J by q and those of its rate; None without
             constraints, as the next.
         closure_slopes: (q, v, t, p) -> (m, P) slopes of what is open and of its rate by p.
+        sampled: (q, v, z, u, t, p) -> (S,) declared states after a sample, those that are not
+            sampled as they are; None where none is.
         shared: (q, t, p) -> (n, n) what constraints leave of a generalized force, as in
             ``discrepancy``.
         values: (P,) parameter values in the order of ``model.all_parameters()``.
@@ -94,6 +96,7 @@ class Machine:
     closure: ca.Function | None = None
     closure_slopes: ca.Function | None = None
     shared: ca.Function | None = None
+    sampled: ca.Function | None = None
 
     def __repr__(self) -> str:
         title = self.model.title or self.model.file
@@ -271,6 +274,8 @@ def _lowered(model: Model, opening: Opening = "closed") -> dict[str, ca.Function
 
     here, moving = [q, v, z, u, t, p], [q, v, a, z, u, t, p]
     optional = {"input_matrix": function("input_matrix", [q, v, t, p], [slope])} if linear else {}
+    if any(state.next for state in model.states):
+        optional["sampled"] = function("sampled", here, [low.column(equations.nexts)])
     if loops is not None:
         optional |= lowered_closure(low, loops)
         optional["shared"] = function("shared", [q, t, p], [-ca.jacobian(lacking, w)])
@@ -338,7 +343,7 @@ def structure_of(model: Model) -> str:
     parameters, and what is said about things."""
     parts = (
         [(c.name, c.imposed) for c in model.coordinates],
-        [(s.name, s.rate.tree, s.si_start) for s in model.states],
+        [(s.name, s.rate.tree, s.si_start, s.next and s.next.tree) for s in model.states],
         [p.path for p in model.all_parameters()],
         [(i.name, i.gain is None, i.offset is None) for i in model.inputs],
         [(s.measures.tree, s.gain is None, s.offset is None) for s in model.sensors],

@@ -20,6 +20,7 @@ from symhyb.drawn import drawn
 from symhyb.framed import Signal, dataset_of, frame_of
 from symhyb.model.space import gimbal_lock
 from symhyb.model.types import Model
+from symhyb.model.unsampled import require_unsampled
 from symhyb.numeric.kernels.actuators import Acted
 from symhyb.numeric.kernels.buffers import Array, call, held_at, on_line, on_lines
 from symhyb.numeric.kernels.vector import along
@@ -39,6 +40,7 @@ from symhyb.numeric.runs.cvodes import (
 )
 from symhyb.numeric.runs.explicit import compiler_fails, field
 from symhyb.numeric.runs.implicit_run import implicit_run
+from symhyb.numeric.runs.sampled import sampled_run, samples_of
 from symhyb.numeric.runs.scenario import Event, Scenario
 from symhyb.numeric.runs.turns import in_turns
 from symhyb.shown import card
@@ -184,7 +186,19 @@ def found_states(
     form: StateForm, scenario: Scenario, drive: Array, start: Array, p: Array
 ) -> tuple[Array, str, str, str]:
     """States (N, X), SI, by the method that a run asks for, why they end early, the method at the
-    end, and a note."""
+    end, and a note; of a machine with sampled states from one sample to the next."""
+    if form.machine.sampled is None:
+        return _unsampled(form, scenario, drive, start, p)
+
+    def advance(part: Scenario, drive: Array, start: Array) -> tuple[Array, str, str, str]:
+        return _unsampled(form, part, drive, start, p)
+
+    return sampled_run(samples_of(form, scenario.t, p), scenario, drive, start, advance)
+
+
+def _unsampled(
+    form: StateForm, scenario: Scenario, drive: Array, start: Array, p: Array
+) -> tuple[Array, str, str, str]:
     rates = None if culprits(form.machine.model) else field(form)
     if rates is not None and scenario.t.size > 1 and np.isfinite(start).all():
         x, reason, method, changed = in_turns(form, rates, scenario, drive, start, p)
@@ -253,6 +267,7 @@ def solve_system(
 
     Returns y (N, Y), of order 1 and dimensionless, at the output times, and why it ends early.
     """
+    require_unsampled(form.machine.model, "an integration of slopes or of what was learned")
     scenario = bent(scenario, form.machine, p)
     drive = _drive(form, scenario)
     rate = driven(right, scenario.t_u, drive)

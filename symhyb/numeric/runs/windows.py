@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from symhyb.model.unsampled import require_unsampled
 from symhyb.numeric.kernels.actuators import Acted
 from symhyb.numeric.kernels.buffers import Array, held_at, held_mean
 from symhyb.numeric.kernels.memory import kept
@@ -135,6 +136,7 @@ class WindowModel:
     """
 
     def __init__(self, machine: Machine, free: tuple[int, ...] = (), late: tuple[str, ...] = ()):
+        require_unsampled(machine.model, "an estimation from recordings")
         self.machine, self.free = machine, free
         paths = [item.path for item in machine.model.all_parameters()]
         moved = [paths[i].removesuffix(".delay") for i in free if paths[i].endswith(".delay")]
