@@ -187,6 +187,34 @@ def test_states_of_two_rates_are_sampled_from_the_values_before() -> None:
     np.testing.assert_array_equal(made.z[1:, 1], 2 * (np.arange(10) // 2))
 
 
+@EACH
+def test_a_chain_is_a_dead_time_of_whole_samples(exact: bool) -> None:
+    """A spring whose force acts 20 ms late, by a controller that measures every 10 ms."""
+    model = model_of(
+        coordinates={"x": {"unit": "m"}},
+        parameters={"m": (1.0, "kg"), "k": (40.0, "N/m"), "d": (2.0, "N*s/m")},
+        states={
+            "x0": {"unit": "m", "every": "10 ms", "next": "x"},
+            "x1": {"unit": "m", "every": "10 ms", "next": "x0"},
+            "x2": {"unit": "m", "every": "10 ms", "next": "x1"},
+        },
+        bodies={"b": {"mass": "m", "at": ["x", "0"]}},
+        elements={"motor": push("-k*x2 - d*x'")},
+        sensors={"place": {"measures": "x", "unit": "m"}},
+    )
+    t = 0.01 * np.arange(401)
+    made = run(model, t, 0.1, 0.0, exact=exact)
+    np.testing.assert_allclose(made.z[2:, 2], made.q[:-2, 0], atol=1e-12)
+    x, v, late = 0.1, 0.0, [0.0, 0.0]
+    decay, places = np.exp(-2 * 0.01), []
+    for _ in range(401):
+        places.append(x)
+        force, late = -40 * late[0], [late[1], x]
+        v_end = force / 2 + (v - force / 2) * decay
+        x, v = x + 0.01 * force / 2 + (v - force / 2) * (1 - decay) / 2, v_end
+    np.testing.assert_allclose(made.q[:, 0], places, atol=1e-8)
+
+
 def test_what_cannot_sample_says_so_with_the_cure() -> None:
     model = relay()
     machine = build(model)
