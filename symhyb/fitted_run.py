@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from symhyb.correction.calibration import Calibrated, calibrated, chosen
 from symhyb.correction.search.so_far import if_interrupted
-from symhyb.data.cleaning import without_faults
+from symhyb.data.cleaning import cleaned
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.checks.suspicion import repaired
 from symhyb.discrepancy.fitting.judge import judge
@@ -51,8 +51,5 @@ def _judged(
     model: Model, found: Calibrated, train: Sequence[Recording], holdout: Sequence[Recording]
 ) -> Verdict:
     """Errors before and after, on recordings with their faults put right."""
-    seen, unseen = (
-        repaired([without_faults(one, model) for one in group], found.faults)
-        for group in (train, holdout)
-    )
+    seen, unseen = (repaired(cleaned(group, model), found.faults) for group in (train, holdout))
     return judge(model, found.model, unseen, train=seen)

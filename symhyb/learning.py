@@ -47,7 +47,7 @@ from symhyb.correction.learning.sparse import OptimizerName
 from symhyb.correction.learning.terms import learn_terms
 from symhyb.correction.learning.written import Chosen, Written, term_unit
 from symhyb.correction.search.preparing import prepare
-from symhyb.data.cleaning import still, without_faults
+from symhyb.data.cleaning import cleaned, still
 from symhyb.data.recording import Recording, several
 from symhyb.discrepancy.checks.suspicion import repaired
 from symhyb.discrepancy.fitting.judge import judge
@@ -210,10 +210,7 @@ def learn(
             ("seed", seed),
         )
     tell("judging the correction")
-    clean = [
-        repaired([without_faults(one, model) for one in group], prepared.faults)
-        for group in (unseen, train)
-    ]
+    clean = [repaired(cleaned(group, model), prepared.faults) for group in (unseen, train)]
     if correction is not None:
         corrected = None
         verdict = judge_rates(model, correction, *clean)

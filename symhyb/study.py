@@ -26,7 +26,7 @@ from symhyb.correction.finish import finished
 from symhyb.correction.learning.network import NO_NETWORK, train_network
 from symhyb.correction.learning.remainder import NO_REMAINDER, remainder
 from symhyb.correction.search.so_far import if_interrupted
-from symhyb.data.cleaning import still, without_faults
+from symhyb.data.cleaning import cleaned, still
 from symhyb.data.datasets import fetch
 from symhyb.data.known import require_known
 from symhyb.data.known_table import table_of_known
@@ -146,14 +146,14 @@ def carry_out(study: Study, say: Say | None = None, leave: Leave | None = None) 
         diagnosis.measurement,
         diagnosis.courses,
     )
-    seen = repaired([without_faults(one, model) for one in train], diagnosis.faults)
+    seen = repaired(cleaned(train, model), diagnosis.faults)
     corrected, reported = _finish(study, corrected, corrected != model, seen, say)
     diagnosis = replace(diagnosis, remainder_notes=(*diagnosis.remainder_notes, *reported))
     say("judging the correction")
     verdict = judge(  # on what the diagnosis put right: exchanged columns, times, wrong samples
         model,
         corrected,
-        repaired([without_faults(one, model) for one in holdout], diagnosis.faults),
+        repaired(cleaned(holdout, model), diagnosis.faults),
         train=seen,
         window_s=study.window_s,
         force_band_hz=study.force_band_hz,

@@ -1,4 +1,4 @@
-"""A recording without the samples that its sensors got wrong."""
+"""Recordings without the samples that their sensors got wrong."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symhyb.data.faults import faulty
+from symhyb.data.own_clock import on_stamps
 from symhyb.data.recording import Recording
 from symhyb.data.rows import SHORTEST, blocks
 from symhyb.errors import InputError, Problem
@@ -15,6 +16,17 @@ from symhyb.model.expression import names, readings
 from symhyb.model.types import Model, Sensor
 
 SUDDEN = ("accelerometer_x", "accelerometer_y", "accelerometer_z", "force", "reaction")
+
+
+def cleaned(recordings: Sequence[Recording], model: Model) -> tuple[Recording, ...]:
+    """Recordings of one machine :func:`without_faults`, and with the samples of sensors that are
+    refreshed by a clock of their own at the times that they are stamped with.
+
+    Raises:
+        InputError: as :func:`without_faults`.
+    """
+    names = [sensor.name for sensor in model.sensors if not _sudden(sensor)]
+    return on_stamps([without_faults(one, model) for one in recordings], names)
 
 
 def without_faults(recording: Recording, model: Model) -> Recording:

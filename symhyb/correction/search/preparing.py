@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from symhyb.correction.search.fleet import check_own, owning
 from symhyb.correction.search.setting import Setting, Stage
-from symhyb.data.cleaning import without_faults
+from symhyb.data.cleaning import cleaned
 from symhyb.data.known import require_known
 from symhyb.data.recording import Recording, several
 from symhyb.data.thin import thinned
@@ -89,8 +89,7 @@ def prepare(
     if not recordings:
         raise InputError(Problem("no recording was given; a diagnosis needs at least one"))
     require_known(model, (*recordings, *holdout), own)
-    recordings = tuple(without_faults(r, model) for r in recordings)
-    holdout = tuple(without_faults(r, model) for r in holdout)
+    recordings, holdout = cleaned(recordings, model), cleaned(holdout, model)
     model, (recordings, holdout) = along_recordings(model, recordings, holdout)
     extended = with_channels(as_sampled(model, recordings))
     machine = build(extended)
