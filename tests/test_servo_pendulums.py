@@ -8,11 +8,18 @@ import numpy as np
 import pytest
 
 import symhyb as sh
+from symhyb.data.refresh import refresh
 from tests.absent import absent
 from tests.scripts import scripts
 
 NAMES = ("falls", "by_hand", "diagnose")
 BY_HAND = np.array([0.00677, 0.00827, 0.01721, 0.4389])  # J, c, F, mu of both losses with load
+BY_MOUNT = np.array(  # c and F of every mount, beside J 0.0095 and mu 0.2447
+    [
+        [0.0188, 0.0324, 0.0155, 0.0437, 0.0103, 0.0377, 0.0321, 0.0287],
+        [0.0183, 0.0128, 0.0285, 0.0367, 0.0388, 0.0303, 0.0442, 0.0910],
+    ]
+)
 LOAD = "m*g*l*sin(q)"
 
 
@@ -88,6 +95,28 @@ def test_the_errors_by_hand_are_those_that_the_page_says(study, falls):
     _, unseen = study.split(falls)
     assert 1e3 * study.error(np.zeros(4), unseen) == pytest.approx(1081, abs=1)
     assert 1e3 * study.error(BY_HAND, unseen) == pytest.approx(59.7, abs=0.2)
+
+
+def test_friction_of_each_mount_halves_the_errors_on_unseen_falls(study, falls):
+    _, unseen = study.split(falls)
+    ones = np.ones(8)
+    numbers = np.array([0.0095 * ones, *BY_MOUNT, 0.2447 * ones])
+    assert 1e3 * study.error(numbers[:, study.mounts(unseen)], unseen) == pytest.approx(
+        26.4, abs=0.3
+    )
+    swapped = numbers[:, study.mounts(unseen)[::-1]]
+    assert 1e3 * study.error(swapped, unseen) > 60
+
+
+def test_the_encoder_is_refreshed_every_eight_milliseconds(study, falls):
+    """The sentence of the page on the clock of the encoder."""
+    learned, _ = study.split(falls)
+    found = refresh([(fall.t, fall.q) for fall in study.chosen(learned, 1)])
+    assert found is not None
+    assert found.period == pytest.approx(8.0e-3, rel=3e-3)
+    explained = [one for one in found.each if one is not None]
+    assert len(explained) >= 6
+    assert all(one.after < (2e-3) ** 2 for one in explained)
 
 
 def test_the_model_falls_with_the_weight_that_each_recording_knows(study, falls, with_losses):

@@ -4,7 +4,8 @@
 
 python studies/servo_pendulums/by_hand.py    # prints the errors on falls that were not fitted
 
-Every fall starts at rest from its first angle; errors of all angles count alike.
+Every fall starts at rest from its first angle; errors of all angles count alike. c and F are those
+of all falls, or those of each mount: the falls of one weight and length.
 """
 
 from collections.abc import Sequence
@@ -43,7 +44,7 @@ def _measured(falls: Sequence[Fall]) -> tuple[Array, Array, Array, Array]:
 
 
 def simulated(numbers: Array, mass: Array, length: Array, start: Array, count: int) -> Array:
-    """Angles (S, ``count``) of falls side by side, for (J, c, F, mu), SI."""
+    """Angles (S, ``count``) of falls side by side, for (J, c, F, mu), each (1,) or (S,), SI."""
     inertia, damping, dry, loaded = numbers
     whole = mass * length**2 + inertia
 
@@ -78,6 +79,31 @@ def fitted(falls: Sequence[Fall], free: Sequence[int]) -> Array:
     return full(least_squares(left, begin, bounds=(0, np.inf), diff_step=1e-4).x)
 
 
+def mounts(falls: Sequence[Fall]) -> NDArray[np.int64]:
+    """The mount (S,) of each fall, by weight and length."""
+    pairs = [(fall.mass, fall.length) for fall in falls]
+    return np.array([sorted(set(pairs)).index(pair) for pair in pairs])
+
+
+def fitted_by_mount(falls: Sequence[Fall]) -> Array:
+    """The numbers (J, c, F, mu), SI, of every mount, (4, mounts): c and F are its own."""
+    mass, length, start, angles = _measured(falls)
+    which = mounts(falls)
+    count = int(which.max()) + 1
+
+    def full(shares: Array) -> Array:
+        own = shares[2:].reshape(2, count)
+        ones = np.ones(count)
+        return SIZES[:, None] * np.array([shares[0] * ones, *own, shares[1] * ones])
+
+    def left(shares: Array) -> Array:
+        numbers = full(shares)[:, which]
+        return (simulated(numbers, mass, length, start, angles.shape[1]) - angles).ravel()
+
+    begin = np.full(2 + 2 * count, 1.0)
+    return full(least_squares(left, begin, bounds=(0, np.inf), diff_step=1e-4, ftol=1e-5).x)
+
+
 def error(numbers: Array, falls: Sequence[Fall]) -> float:
     """RMS of the angles, in rad."""
     mass, length, start, angles = _measured(falls)
@@ -96,6 +122,11 @@ def main() -> None:
         values = ", ".join(f"{NAMES[i]} {numbers[i]:.4g}" for i in free)
         mrad = [1e3 * error(numbers, falls) for falls in (learned, unseen)]
         print(f"{name}: {mrad[0]:.1f} mrad, unseen {mrad[1]:.1f} mrad ({values})", flush=True)
+    own = fitted_by_mount(learned)
+    mrad = [1e3 * error(own[:, mounts(falls)], falls) for falls in (learned, unseen)]
+    print(f"c and F of each mount: {mrad[0]:.1f} mrad, unseen {mrad[1]:.1f} mrad")
+    for name, values in zip(NAMES, own, strict=True):
+        print(f"  {name}: {', '.join(f'{value:.4g}' for value in values)}")
 
 
 if __name__ == "__main__":

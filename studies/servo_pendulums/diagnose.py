@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from by_hand import STRUCTURES, error, fitted
+from by_hand import STRUCTURES, error, fitted, fitted_by_mount, mounts
 from falls import MODEL, Fall, folder_of_runs, read_falls, split
 
 import symhyb as sh
@@ -55,6 +55,8 @@ def main() -> None:
     for name, free in STRUCTURES.items():
         by_hand = 1e3 * error(fitted(learned, free), unseen)
         print(f"by hand, {name}: {by_hand:.1f} mrad", flush=True)
+    by_mount = 1e3 * error(fitted_by_mount(learned)[:, mounts(unseen)], unseen)
+    print(f"by hand, c and F of each mount: {by_mount:.1f} mrad", flush=True)
 
 
 if __name__ == "__main__":

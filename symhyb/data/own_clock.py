@@ -30,9 +30,8 @@ def _moved(recording: Recording, name: str, aged: Aged, period: float) -> Record
     rest = f", {aged.wrong.sum()} that fit neither are left out" if aged.wrong.any() else ""
     note = (
         f"{recording.name}: sensor {name} is refreshed every {1e3 * period:.3g} ms by a clock of "
-        f"its own, so that its samples are up to {1e3 * np.max(aged.ages):.2g} ms old when they "
-        f"are read; this is {100 * (1 - after / before):.0f} % of what a smooth motion leaves of "
-        f"them. They are moved to one age{rest}"
+        f"its own and read at other times, which is {100 * (1 - after / before):.0f} % of what a "
+        f"smooth motion leaves of its samples; they are moved to one age{rest}"
     )
     sensors = {**recording.sensors, name: values}
     return replace(recording, sensors=sensors, notes=(*recording.notes, note))
