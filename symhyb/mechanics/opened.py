@@ -30,7 +30,7 @@ from dataclasses import replace
 
 import sympy as sp
 
-from symhyb.mechanics.equations import Acting, Equations, Term
+from symhyb.mechanics.equations import Acting, Couple, Equations, Mutual, Term, Vectorial
 from symhyb.mechanics.laws import ZERO, Values, acting, friction_level, transition
 from symhyb.mechanics.symbols import to_sympy
 from symhyb.model.expression import Operation
@@ -112,9 +112,12 @@ def _on_sides(model: Model, equations: Equations) -> Equations:
     def inside(parts: tuple[sp.Expr, ...]) -> tuple[sp.Expr, ...]:
         return tuple((ZERO + part).xreplace(instead) for part in parts)
 
-    def on_side(term: Term | Vectorial | Couple) -> Term | Vectorial | Couple:
+    def on_side(term: Acting) -> Acting:
         if isinstance(term, Couple):
             return replace(term, torque=inside(term.torque))
+        if isinstance(term, Mutual):
+            first, second = inside(term.law.push)
+            return replace(term, law=replace(term.law, push=(first, second)))
         if isinstance(term, Vectorial):
             return replace(term, force=inside(term.force))
         law = term.law
