@@ -111,11 +111,11 @@ def _judged(start: Row, reported: dict[str, Any], answer: dict[str, Any]) -> Row
         start.seconds,
         start.cpu,
         reported["sentence"],
-        _missed(reported),
+        missed(reported),
     )
 
 
-def _missed(reported: dict[str, Any]) -> tuple[float, float] | None:
+def missed(reported: dict[str, Any]) -> tuple[float, float] | None:
     """The error of free runs along the unseen recording before and after, over the range."""
     scores = (reported.get("scores") or {}).get("holdout") or {}
     each = [

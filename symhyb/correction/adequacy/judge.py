@@ -120,7 +120,9 @@ def adequacy(
     enough = [trial for trial in trials if trial.extra and _suffices(ground, trial, decided)]
     classes = _classes(trials, {trial.extra.key for trial in enough if trial.extra})
     doubt |= _doubted(trials, enough, classes)
-    noisy = () if classes or left is not here else noisy_inputs(ground, base, left)
+    drawn = any(cause.points for cause in base.causes)  # as exactly as few points can
+    unasked = classes or drawn or left is not here
+    noisy = () if unasked else noisy_inputs(ground, base, left)
     doubt |= _small(final, ground, left, noise=bool(noisy) and not few)
     if not classes:
         faults = (*faulty_sensors(ground, base), *noisy)
