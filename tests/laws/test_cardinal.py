@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from symhyb.laws.cardinal import cardinals
+from symhyb.laws.cardinal import cardinals, parts_of
 from symhyb.laws.characteristic import through
 from symhyb.laws.curve import LAW, value_name
 from symhyb.laws.maths import NUMPY, Motion
@@ -63,7 +63,8 @@ def test_the_law_with_unknown_values_is_that_of_the_curve(over: str) -> None:
     at, options = Motion(s, s, (), 0.0), {"over": over}
     values = {value_name(i): value for i, value in enumerate(y)}
     assert LAW.action is not None
-    parts = cardinals("c", x.tolist(), y.tolist())
+    points = zip(x.tolist(), y.tolist(), strict=True)
+    parts = parts_of("c", [(value_name(i), point) for i, point in enumerate(points)])
     does = LAW.action(NUMPY, at, {**values, "parts": parts}, options)
     known = LAW.action(NUMPY, at, {"curve": through("c", x.tolist(), y.tolist())}, options)
     assert does.force == pytest.approx(known.force, abs=1e-9)

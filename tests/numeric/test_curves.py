@@ -15,7 +15,7 @@ from symhyb.model.read import parse_model
 from symhyb.model.types import Model
 from symhyb.numeric.kernels.buffers import call
 from symhyb.numeric.lowered.machine import build
-from symhyb.numeric.lowered.translate import picked
+from symhyb.numeric.lowered.tables import picked
 from symhyb.numeric.runs.windows import WindowModel
 
 X = np.array([-0.6, -0.2, -0.05, 0.0, 0.1, 0.3, 0.8])

@@ -14,7 +14,7 @@ from symhyb.laws.surface import Surface, bilinear
 from symhyb.model.read import parse_model
 from symhyb.model.types import Model
 from symhyb.numeric.lowered.machine import build
-from symhyb.numeric.lowered.translate import on_surface, picked
+from symhyb.numeric.lowered.tables import on_surface, picked
 from symhyb.numeric.runs.scenario import Scenario
 from symhyb.numeric.runs.windows import WindowModel
 

@@ -6,19 +6,18 @@ separate common-subexpression pass (measured 14–60 times faster than ``lambdif
 
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from itertools import chain, pairwise
+from itertools import chain
 
 import casadi as ca
 import sympy as sp
 
-from symhyb.laws.characteristic import Characteristic
-from symhyb.laws.surface import Surface
 from symhyb.mechanics.attitude import Vector, matrix_of
 from symhyb.mechanics.equations import Acting, Couple, Equations, Mass, Mutual, Term, Vectorial
 from symhyb.mechanics.symbols import reading_symbol
 from symhyb.mechanics.tabulated import MappedBase, TabulatedBase
 from symhyb.model.expression import Reading
 from symhyb.numeric.lowered import links
+from symhyb.numeric.lowered.tables import fold, on_surface, picked
 
 SUMS_KEPT = 16  # enough for the few sums that a link of a chain adds
 STILL = 1e-9  # m/s: below, the direction of a point's velocity fades
@@ -77,13 +76,13 @@ class Lowering:
             return self._sum(expression)
         parts = [self(argument) for argument in expression.args]
         if expression.is_Mul:
-            return _fold(parts, lambda x, y: x * y)
+            return fold(parts, lambda x, y: x * y)
         if expression.is_Pow:
             return _power(parts[0], expression.args[1], parts[1])
         if isinstance(expression, sp.Max):
-            return _fold(parts, ca.fmax)
+            return fold(parts, ca.fmax)
         if isinstance(expression, sp.Min):
-            return _fold(parts, ca.fmin)
+            return fold(parts, ca.fmin)
         if isinstance(expression, sp.atan2):
             return ca.atan2(parts[0], parts[1])
         if isinstance(expression, TabulatedBase):
@@ -104,44 +103,9 @@ class Lowering:
             if len(earlier) > len(known) and earlier < terms:
                 known, start = earlier, value
         parts = [self(argument) for argument in expression.args if argument not in known]
-        total = _fold(parts if start is None else [start, *parts], lambda x, y: x + y)
+        total = fold(parts if start is None else [start, *parts], lambda x, y: x + y)
         self._sums.append((terms, total))
         return total
-
-
-def picked(curve: Characteristic, x: ca.SX) -> ca.SX:
-    """The piece in which x lies: its coefficients are picked by comparisons, which have no slope,
-    so that derivatives cost no more than those of one polynomial."""
-    steps: list[ca.SX] = [ca.SX(1), *(x >= at for at in curve.breaks), ca.SX(0)]
-    here = [begun - over for begun, over in pairwise(steps)]
-    columns = zip(*curve.pieces, strict=True)
-    origin, *coefficients = (
-        _fold([mark * c for mark, c in zip(here, column, strict=True)], lambda a, b: a + b)
-        for column in columns
-    )
-    total = coefficients[-1]
-    for c in reversed(coefficients[:-1]):
-        total = total * (x - origin) + c
-    return total
-
-
-def on_surface(surface: Surface, x: ca.SX, y: ca.SX) -> ca.SX:
-    """The value at x and y: each hat once, whatever the number of points."""
-    along = [picked(hat, x) for hat in surface.over_x]
-    across = [picked(hat, y) for hat in surface.over_y]
-    rows = (
-        _fold([z * one for z, one in zip(row, across, strict=True)], lambda a, b: a + b)
-        for row in surface.values
-    )
-    terms = [one * row for one, row in zip(along, rows, strict=True)]
-    return _fold(terms, lambda a, b: a + b)
-
-
-def _fold(parts: list[ca.SX], join: Callable[[ca.SX, ca.SX], ca.SX]) -> ca.SX:
-    total = parts[0]
-    for part in parts[1:]:
-        total = join(total, part)
-    return total
 
 
 def _power(base: ca.SX, exponent: sp.Expr, lowered: ca.SX) -> ca.SX:
