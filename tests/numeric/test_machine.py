@@ -6,6 +6,7 @@ import casadi as ca
 import numpy as np
 import pytest
 from builders import (
+    DRIVEN_MASS,
     Entries,
     cart_pole,
     damper,
@@ -358,3 +359,26 @@ def test_damping_of_all_elements_adds_up() -> None:
     each = value(machine.elements, 0.5, 0.5, [], [], 0, machine.values).ravel()
     assert each == pytest.approx([-1.0, -3.0, -2.5])
     assert value(machine.k_e, 0.5, 0.5, [], [], 0, machine.values) == pytest.approx([each.sum()])
+
+
+def test_a_stiffness_that_an_input_changes_pushes_and_is_counted_in_no_energy() -> None:
+    text = (
+        DRIVEN_MASS
+        + """
+[elements.magnet]
+kind = "spring"
+on = "x"
+stiffness = "k*f/F0"
+[parameters.F0]
+value = 2.0
+unit = "N"
+"""
+    )
+    machine = build(parse_model(text))
+    forces = value(machine.elements, 0.5, 0.0, [], [3.0], 0, machine.values).ravel()
+    assert forces[-1] == pytest.approx(-25.0 * 3.0 / 2.0 * 0.5)
+    _, _, stored = call(
+        machine.energy, (np.array([0.5]), np.zeros(1), np.zeros(0), 0.0, machine.values)
+    )
+    assert stored.ravel()[-1] == 0.0
+    assert stored.ravel()[0] == pytest.approx(0.5 * 25.0 * 0.25)

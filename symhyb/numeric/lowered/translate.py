@@ -272,7 +272,7 @@ class Lowered:
         force, mass = self._lower(term.law.force), self._lower(term.law.mass)
         self.forces.append(term.sign * direction * force)
         self._carry(mass * rate**2 / 2)
-        self.stored.append(self._lower(term.law.stored))
+        self._store(term.law.stored)
         self.pathways.append((stretch, rate, direction))
         pull = ca.jtimes(rate, self.v, self.a) + ca.jtimes(rate, self.q, self.v)
         self.strengths[term.element] = force + mass * pull
@@ -285,10 +285,16 @@ class Lowered:
             self._lower.define(symbol, part / speed)
         force = ca.vertcat(*(self._lower(part) for part in term.force))
         self.forces.append(ca.jtimes(position, self.q, force, True))
-        self.stored.append(self._lower(term.stored))
+        self._store(term.stored)
         self.pathways.append(None)
         mass = ca.SX(0) if term.law is None else self._lower(term.law.mass)
         self._carry(mass * ca.sumsqr(velocity) / 2)
+
+    def _store(self, energy: sp.Expr) -> None:
+        """What an element stores; nothing is counted where an input changes it, and does work."""
+        stored = self._lower(energy)
+        moved = bool(self.u.numel()) and ca.depends_on(stored, self.u)
+        self.stored.append(ca.SX(0) if moved else stored)
 
     def _add_couple(self, term: Couple) -> None:
         """A torque does the work torque·ω."""
@@ -306,7 +312,7 @@ class Lowered:
             self._lower.define(term.r[i], rates[i])
         push = self._column_of(term.law.push)
         self.forces.append(ca.jtimes(paths, self.q, push, True))
-        self.stored.append(self._lower(term.law.stored))
+        self._store(term.law.stored)
         self.pathways.append(None)
         self._carry(ca.SX(0))
 
