@@ -32,7 +32,17 @@ from symhyb.correction.search.strength import element_forces
 from symhyb.correction.search.trajectory import Refined, grouped
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.results import ClassName
-from symhyb.judgement import CERTAIN, HOPELESS, LARGE, LIKELY, MOST, NEGLIGIBLE, PROBABLE, SMALL
+from symhyb.judgement import (
+    CERTAIN,
+    HOPELESS,
+    LARGE,
+    LIKELY,
+    MOST,
+    NEGLIGIBLE,
+    OUTSTANDING,
+    PROBABLE,
+    SMALL,
+)
 from symhyb.model.types import Place
 from symhyb.numeric.kernels.buffers import Array
 
@@ -333,7 +343,7 @@ def _doubted(
     plain = [trial for trial in trials if trial.extra is None]
     for cause in trials[0].causes:
         having = [trial for trial in trials if cause in trial.causes]
-        lacking = [trial for trial in enough if cause not in trial.causes]
+        lacking = [trial for trial in enough if not _stands_in(cause, trial, trials[0])]
         lacking += [trial for trial in plain if cause not in trial.all_causes]
         chance = float(_weights([*having, *lacking])[: len(having)].sum())
         if any(cause not in trial.causes for trial in spare) or chance < PROBABLE:
@@ -341,6 +351,21 @@ def _doubted(
     certain = any(one.probability > PROBABLE and one.whole for one in classes)
     changing = changing_themselves(trials[0].causes, [one.generic for one in classes])
     return frozenset(doubt | changing | parts_of_unnamed(trials[0].causes, certain))
+
+
+def _stands_in(cause: Hypothesis, trial: Fitted, base: Fitted) -> bool:
+    """Whether a structure has a cause of the base: also a number that is free in it, named or not,
+    and has there the value that it has in the base, within three deviations."""
+    if cause in trial.causes or cause not in trial.all_causes or trial.owned or base.owned:
+        return cause in trial.causes
+    (value, sd), (other, spread) = (_number(one, cause.path) for one in (base, trial))
+    return abs(value - other) <= OUTSTANDING * float(np.hypot(sd, spread))
+
+
+def _number(trial: Fitted, path: str) -> tuple[float, float]:
+    """The value of a number of the model or of a channel, SI, and its deviation."""
+    i = trial.paths.index(path)
+    return float(trial.fit.values[i]), float(np.sqrt(max(trial.fit.covariance[i, i], 0.0)))
 
 
 def _alone(enough: Sequence[Fitted], generic: Generic, best: float) -> list[Fitted]:

@@ -86,8 +86,10 @@ def _all(trials: Trials, base: Refined) -> Iterator[Offer]:
             problem = _open(
                 trials, exchanged(along, parts, out), [base.causes[i] for i in stay], gone
             )
+            kept = {own[i] for i in stay}
             for sized in best_subsets(problem, IN if leaving < OUT else 1)[1:]:
-                for subset in distinct(problem, sized)[:TRIED]:
+                apart = [subset for subset in sized if not kept & {*subset.causes}]
+                for subset in distinct(problem, apart)[:TRIED]:
                     more = subset.numbers - sum(cause.numbers for cause in gone)
                     price = more * number + (len(subset.causes) - leaving) * choice
                     taken = still.chi2 + still.held - subset.chi2 - subset.held
