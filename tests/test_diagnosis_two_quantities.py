@@ -22,7 +22,7 @@ def held(x: float) -> float:
 
 @pytest.mark.slow
 def test_a_loss_that_changes_with_place_is_a_product() -> None:
-    model, run = pushed_model(), resisted(2, lambda x, v: loss(v) * more_there(x))
+    model, run = pushed_model(), resisted(2, lambda x, v: 0.4 * loss(v) * more_there(x), 2000)
     diagnosis = sh.diagnose(model, run)
     (found,) = diagnosis.found
     assert found.element.by_stretch is not None

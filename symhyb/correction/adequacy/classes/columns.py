@@ -32,13 +32,13 @@ GRID = 80  # points of a smooth function
 FINEST = 1e-5  # of the largest variance of a direction of a smooth function
 
 
-_Motions = tuple[tuple[Array, Array, Array], ...]
+Motions = tuple[tuple[Array, Array, Array], ...]
 _Pushes = tuple[tuple[Array, Array], ...]
-_motions: WeakKeyDictionary[Recorded, _Motions] = WeakKeyDictionary()
+_motions: WeakKeyDictionary[Recorded, Motions] = WeakKeyDictionary()
 _pushes: WeakKeyDictionary[Recorded, dict[int, _Pushes]] = WeakKeyDictionary()
 
 
-def motions(recorded: Recorded) -> _Motions:
+def motions(recorded: Recorded) -> Motions:
     """Stretch and rate (N, places) and directions (N, n, places) along every stretch, SI."""
     if recorded not in _motions:
         _motions[recorded] = tuple(_moved(recorded, item) for item in recorded.items)

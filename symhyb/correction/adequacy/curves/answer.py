@@ -1,10 +1,10 @@
 """Whether a force of stretch and rate, that no listed law is, is a curve over one of the two, or a
-curve over the stretch that is a factor of the speed, or a curve over one of them beside laws by
-name over the other.
+curve over the stretch that is a factor of the speed, or one over each: their sum, or their product.
 
     class > listed laws         it is the answer: a force of stretch and rate at a place
     curve ≥ class               one curve explains as much: it is an own curve
-    curve + listed ≥ class      no one curve does, and two would
+    curve + curve ≥ class       no one curve does, and the sum of one over each does
+    curve · curve ≥ class       nor does a sum, and a product does
     listed ≥ curve              laws by name do as well in its place: they are the answer
 
 Where laws by name are less likely than the curve, but not by 100 to 1, neither is, and the class
@@ -17,7 +17,7 @@ from dataclasses import replace
 from symhyb.correction.adequacy.curves.courses import ALONE, FORMS, Form, form_of
 from symhyb.correction.adequacy.curves.fitted_curve import Offer, beside, offered
 from symhyb.correction.adequacy.curves.listed import TOGETHER, listed
-from symhyb.correction.adequacy.curves.product import product
+from symhyb.correction.adequacy.curves.product import product, product_again
 from symhyb.correction.adequacy.explained import Decided, remainder
 from symhyb.correction.adequacy.followed import likeliest, scored
 from symhyb.correction.adequacy.judge import Adequacy
@@ -59,8 +59,11 @@ def instead_of_class(ground: Recorded, judged: Adequacy) -> Fitted | None:
 
     offers = _offers(ground, bare, place, FORMS)
     promising = [one for one in offers if bare.evidence + one.worth > least(one.form) - HOPELESS]
-    fits = {offer.form: beside(ground, bare, offer) for offer in promising}
-    curves = [(fits[one.form], one) for one in promising if explains(fits[one.form], one.form)]
+    curves = [
+        (curve, offer)
+        for offer in promising
+        if explains(curve := beside(ground, bare, offer), offer.form)
+    ]
     if curves:
         curve, offer = max(curves, key=lambda pair: pair[0].evidence)
         return _shorter(curve, _by_name(ground, bare, curve, offer))
@@ -69,11 +72,8 @@ def instead_of_class(ground: Recorded, judged: Adequacy) -> Fitted | None:
     added = _two_curves(ground, bare, place)
     if added is not None and explains(added, None):
         return added
-    multiplied = product(ground, bare, offers)
-    if multiplied is None:
-        return None
-    found = beside(ground, bare, multiplied)
-    return found if explains(found, None) else None
+    found = _product(ground, bare, offers)
+    return found if found is not None and explains(found, None) else None
 
 
 def many_of_one(causes: Sequence[Hypothesis]) -> tuple[Place, Form] | None:
@@ -155,6 +155,29 @@ def _two_curves(ground: Recorded, bare: Fitted, place: Place) -> Fitted | None:
         return None
     shorter = max(named, key=_evidence, default=None)
     return _shorter(max(pairs, key=_evidence), shorter and _again(ground, bare, place, shorter))
+
+
+def _product(ground: Recorded, bare: Fitted, offers: Sequence[Offer]) -> Fitted | None:
+    """The structure with a curve over the rate that is multiplied by one over the stretch. The
+    points of both are chosen once more along the motion of that, a few times, and the likeliest is
+    taken. None where no such curve can be."""
+    found: list[Fitted] = []
+    offer = product(ground, bare, offers)
+    for _ in range(TURNS):
+        if offer is None:
+            break
+        one = beside(ground, _along(bare, found[-1]) if found else bare, offer)
+        if one.fit.reason:
+            break
+        found.append(one)
+        offer = product_again(ground, one, one.causes[-1])
+    return max(found, key=_evidence, default=None)
+
+
+def _along(bare: Fitted, found: Fitted) -> Fitted:
+    """A structure whose fit begins along the motion, and with the noise, of another one."""
+    fit = replace(bare.fit, states=found.fit.states, noise=found.fit.noise)
+    return replace(bare, fit=fit)
 
 
 def _again(ground: Recorded, bare: Fitted, place: Place, named: Fitted) -> Fitted:

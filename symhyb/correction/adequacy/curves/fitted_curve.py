@@ -17,6 +17,7 @@ from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Fitted, Row, fitted
 from symhyb.correction.search.trajectory import grouped
 from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.judgement import CERTAIN
 from symhyb.laws.curve import value_name
 from symhyb.model.types import Place
 
@@ -92,15 +93,17 @@ def restated(cause: Hypothesis, values: Row) -> Hypothesis:
 
 def beside(ground: Recorded, start: Fitted, offer: Offer) -> Fitted:
     """A structure with a curve behind its causes, fitted along whole recordings from where that
-    ended; its curves are made linear about what is found until that stands. A product that does not
-    is as little an answer as a fit that failed. The evidence pays for the choice of the points of
-    the new one."""
+    ended; its curves are made linear about what is found until that stands. A product may end going
+    to and fro between statements that are as likely; one that does not end is as little an answer
+    as a fit that failed. The evidence pays for the choice of the points of the new one."""
     causes = (*start.causes, offer.curve)
     rows: Sequence[Row] = [*grouped(start), values_of(offer.curve)]
     noise, states = ground.revived(start.fit.noise), start.fit.states
     many = any(cause.by_stretch for cause in causes)
+    done: list[Fitted] = []
     for _ in range(TURNS if many else ROUNDS):
         found = scored(ground, fitted(ground, causes, rows, noise, states))
+        done.append(found)
         if found.fit.reason:
             break
         again = _restated(found)
@@ -114,8 +117,16 @@ def beside(ground: Recorded, start: Fitted, offer: Offer) -> Fitted:
         noise, states = found.fit.noise, found.fit.states
     else:
         if many:
-            return replace(found, evidence=-np.inf)
+            found = _settled(done[-ROUNDS:])
     return replace(found, evidence=found.evidence - offer.price)
+
+
+def _settled(last: Sequence[Fitted]) -> Fitted:
+    """The likeliest of the last statements of a product; of no evidence where they are not as
+    likely, to 100 to 1."""
+    best = max(last, key=lambda one: one.evidence)
+    apart = best.evidence - min(one.evidence for one in last)
+    return best if apart <= CERTAIN else replace(best, evidence=-np.inf)
 
 
 def _restated(found: Fitted) -> tuple[Hypothesis, ...]:
@@ -124,13 +135,10 @@ def _restated(found: Fitted) -> tuple[Hypothesis, ...]:
     for cause in found.causes:
         own = slice(first, first + cause.numbers)
         if cause.points:
-            before, values = (
-                values_of(cause),
-                dict(zip(cause.keys, found.fit.values[own], strict=True)),
-            )
-            moved = [abs(values[key] - before[key]) for key in cause.keys]
-            if np.any(np.array(moved) >= STANDS * sd[own]):
-                cause = restated(cause, values)
+            before = values_of(cause)
+            moved = found.fit.values[own] - np.array([before[key] for key in cause.keys])
+            if np.any(np.abs(moved) >= STANDS * sd[own]):
+                cause = restated(cause, dict(zip(cause.keys, found.fit.values[own], strict=True)))
         causes.append(cause)
         first += cause.numbers
     return tuple(causes)

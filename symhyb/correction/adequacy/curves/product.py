@@ -10,15 +10,17 @@ where it is known best.
 """
 
 from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
+from symhyb.correction.adequacy.curves.along import curve_through
 from symhyb.correction.adequacy.curves.courses import FORMS, Form, Line, line_of
 from symhyb.correction.adequacy.curves.fitted_curve import Offer
 from symhyb.correction.adequacy.curves.points import placed, smoothed
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Fitted
-from symhyb.discrepancy.places.hypotheses import CurvePoint, Hypothesis
+from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.laws.characteristic import Characteristic, through
 from symhyb.laws.curve import factor_name, value_name
 from symhyb.numeric.kernels.buffers import Array
@@ -36,25 +38,47 @@ def product(ground: Recorded, trial: Fitted, offers: Sequence[Offer]) -> Offer |
     start = next((one for one in offers if one.form == RATE or one.form.times), None)
     if start is None:
         return None
-    which, before = start.line.which, np.zeros(0)
-    by_rate: Curve = start.form.factor if start.form.times else _through(start.curve.points)
+    by_rate: Curve = start.form.factor if start.form.times else curve_through(start.curve.points)
+    return _product(_Problem(ground, trial, start.line.which), by_rate)
+
+
+def product_again(ground: Recorded, found: Fitted, curve: Hypothesis) -> Offer | None:
+    """The product in place of one, ``curve``, that a structure has, along the motion of that."""
+    assert curve.place is not None
+    which = ground.library.places.index(curve.place)
+    return _product(_Problem(ground, found, which, curve), curve_through(curve.points))
+
+
+class _Problem(NamedTuple):
+    """The linear problem at a place around a structure, in place of a product ``instead``."""
+
+    ground: Recorded
+    trial: Fitted
+    which: int
+    instead: Hypothesis | None = None
+
+    def line(self, form: Form, by: Curve) -> Line | None:
+        """The fine line of a form as a factor of a function of the other quantity."""
+        zero = form == RATE
+        return line_of(self.ground, self.trial, self.which, form, by, zero, self.instead)
+
+
+def _product(problem: _Problem, by_rate: Curve) -> Offer | None:
+    """The product that begins with a curve over the rate."""
+    before = np.zeros(0)
     for _ in range(TURNS):
-        over_stretch = _line(ground, trial, which, STRETCH, by_rate)
+        over_stretch = problem.line(STRETCH, by_rate)
         if over_stretch is None:
             return None
         by_stretch, values = _smooth(over_stretch)
-        over_rate = _line(ground, trial, which, RATE, by_stretch)
+        over_rate = problem.line(RATE, by_stretch)
         if over_rate is None:
             return None
         by_rate, _ = _smooth(over_rate)
         if before.size and np.abs(values - before).max() < STANDS * np.abs(values).max():
             break
         before = values
-    return _pointed(ground, trial, which, by_rate)
-
-
-def _line(ground: Recorded, trial: Fitted, which: int, form: Form, by: Curve) -> Line | None:
-    return line_of(ground, trial, which, form, by, through_zero=form == RATE)
+    return _pointed(problem, by_rate)
 
 
 def _smooth(line: Line) -> tuple[Characteristic, Array]:
@@ -65,21 +89,16 @@ def _smooth(line: Line) -> tuple[Characteristic, Array]:
     return through("smooth", line.x.tolist(), values.tolist(), "linear"), values
 
 
-def _through(points: Sequence[CurvePoint]) -> Characteristic:
-    x, y, _ = zip(*points, strict=True)
-    return through("curve", x, y)
-
-
-def _pointed(ground: Recorded, trial: Fitted, which: int, by_rate: Curve) -> Offer | None:
+def _pointed(problem: _Problem, by_rate: Curve) -> Offer | None:
     """Both curves through points: those over the stretch beside the smooth line over the rate,
     those over the rate beside the curve through these."""
-    over_stretch = _line(ground, trial, which, STRETCH, by_rate)
+    over_stretch = problem.line(STRETCH, by_rate)
     if over_stretch is None:
         return None
     some = placed(over_stretch)
     one = int(np.argmax(np.abs(some.y) / some.shift))  # the best known
     factors = tuple((x, y / some.y[one], shift / abs(some.y[one])) for x, y, shift in some.listed)
-    over_rate = _line(ground, trial, which, RATE, _through(factors))
+    over_rate = problem.line(RATE, curve_through(factors))
     if over_rate is None:
         return None
     points = placed(over_rate)
@@ -87,7 +106,7 @@ def _pointed(ground: Recorded, trial: Fitted, which: int, by_rate: Curve) -> Off
     terms += [factor_name(i) for i in range(len(factors)) if i != one]
     curve = Hypothesis(
         "curve",
-        ground.library.places[which],
+        problem.ground.library.places[problem.which],
         tuple(terms),
         (False,) * len(terms),
         () if over_rate.length is None else (("length", over_rate.length),),

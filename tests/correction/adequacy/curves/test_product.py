@@ -31,7 +31,7 @@ def started(monkeypatch: pytest.MonkeyPatch, force: Array, noise: float = 0.02) 
     """The product that stands for a force along a motion, with white noise."""
     left = force + noise * np.random.default_rng(3).normal(size=T.size)
 
-    def line(ground: Any, trial: Any, which: int, form: Form, by: Curve) -> Line:
+    def line(ground: Any, trial: Any, which: int, form: Form, by: Curve, *_: Any) -> Line:
         over, other = (R, S) if form.over == "rate" else (S, R)
         x = fine_points(over)
         assert x is not None
@@ -42,7 +42,7 @@ def started(monkeypatch: pytest.MonkeyPatch, force: Array, noise: float = 0.02) 
         gram = columns.T @ columns
         return Line(which, form, x, ((gram, 0.0),), size, 3.0, through_zero=form == RATE)
 
-    monkeypatch.setattr(module, "_line", line)
+    monkeypatch.setattr(module, "line_of", line)
     ground: Any = SimpleNamespace(library=SimpleNamespace(places=(On("x"),)))
     points = tuple((float(x), float(x), 0.0) for x in np.linspace(-3, 3, 5))
     curve = Hypothesis("curve", On("x"), ("f1",), (False,), options=RATE.options, points=points)
