@@ -9,6 +9,7 @@ from typing import Any
 from shared import Claim, claimed
 
 OUTCOMES = ("wrong", "refused", "class right", "false nothing", "failed")
+NEARLY = 0.01  # relative, of a period of samples
 SPAN = 3.0  # sd; a value within it claims nothing false
 LIKELY = 0.5  # probability from which a class counts as stated
 EMPIRICAL = ("law", "network", "curve")  # a fit without a name: it states the class "law"
@@ -162,6 +163,9 @@ def _is_accepted(claim: Claim, answer: dict[str, Any]) -> bool:
     shape that it states, if the seal holds it, is the true one; so is the number of an actuator,
     and that of a coupling with its sign."""
     empirical = "law" in answer["classes"] and claim.kind in EMPIRICAL
+    if claim.kind == "held" and "held" in answer["accepted"]:  # one clock holds all inputs
+        value, _ = claim.values["value"]
+        return abs(value - answer["facts"]["hold"]) <= NEARLY * answer["facts"]["hold"]
     if not (empirical or claim.kind in answer["accepted"]) or claim.where != answer["place"]:
         return False
     true = answer.get("facts", {})

@@ -228,7 +228,13 @@ def number(name: str, value: float, sd: float) -> dict[str, Any]:
 
 FORCE, NULL = "missing physics", {"classes": ["noise"], "place": "", "kind": "noise heavy"}
 DELAY = {"channel": "f", "kind": "delay", "value": 0.0025, "sd": 1e-5, "unit": "s"}
-HELD = {"classes": ["input"], "accepted": ["held"], "place": "f", "kind": "held input"}
+HELD = {
+    "classes": ["input"],
+    "accepted": ["held"],
+    "place": "f",
+    "kind": "held input",
+    "facts": {"hold": 0.0025},
+}
 SLEW = {
     "classes": ["input", "lag"],
     "accepted": ["rate_limit", "lag"],
@@ -295,6 +301,16 @@ LISTED = {"law": LAW, "kind": "law, heavy"}
             HELD,
             {"verdict": "measurement", "measurement": [{**DELAY, "kind": "held"}]},
             "class right",
+        ),
+        (
+            HELD,
+            {"verdict": "measurement", "measurement": [{**DELAY, "kind": "held", "channel": "g"}]},
+            "class right",  # one clock holds all inputs
+        ),
+        (
+            HELD,
+            {"verdict": "measurement", "measurement": [{**DELAY, "kind": "held", "value": 0.005}]},
+            "wrong",
         ),
         (SLEW, {"verdict": FORCE, "measurement": [RATE, LAG]}, "class right"),
         (SLEW, {"verdict": FORCE, "measurement": [{**RATE, "sd": 0.2}, LAG]}, "wrong"),
