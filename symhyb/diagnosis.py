@@ -8,6 +8,7 @@ recordings prove; they never choose. docs/method.md has the statistics and what 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache
+from typing import NamedTuple
 
 from symhyb.asked import asked
 from symhyb.correction.adequacy.input_noise import stands, with_input_noise
@@ -180,6 +181,14 @@ class _Decided:
     judged: Adequacy
 
 
+class _Chosen(NamedTuple):
+    """A choice, the values of its numbers, and what acts beyond it."""
+
+    choice: Choice
+    known: Estimated
+    judged: Adequacy
+
+
 def _decided(
     model: Model,
     recordings: Recording | Sequence[Recording],
@@ -197,38 +206,36 @@ def _decided(
     if nothing.fit.reason and not selected.causes:
         raise NumericsError(f"the model cannot be simulated: {nothing.fit.reason}")
     with if_interrupted(lambda: fits_best(selected, len(choice.decision.trials))):
-        known, judged = _judged(prepared, choice, tell)
-        louder = with_input_noise(prepared, choice.setting, judged)
+        now = _judged(prepared, choice, tell)
+        louder = with_input_noise(prepared, choice.setting, now.judged)
         if louder is not None:
             tell("deciding again, for noise of an input goes through the machine")
-            again = chosen_again(prepared, louder, choice, tell)
-            values, other = _judged(prepared, again, tell)
-            if stands(other, judged):
-                choice, known, judged = again, values, other
-        behind = with_actuator(prepared, choice, judged, tell)
+            again = _judged(prepared, chosen_again(prepared, louder, choice, tell), tell)
+            now = again if stands(again.judged, now.judged) else now
+        behind = with_actuator(prepared, now.choice, now.judged, tell)
         if behind is not None and behind.behind.trials:
-            choice = behind
+            now = now._replace(choice=behind)
         elif behind is not None:
-            values, other = _judged(prepared, behind, tell)
-            if acts_so(behind, other, judged):
-                choice, known, judged = behind, values, other
-        named = with_law(prepared, choice, judged, tell)
+            again = _judged(prepared, behind, tell)
+            now = again if acts_so(behind, again.judged, now.judged) else now
+        named = with_law(prepared, now.choice, now.judged, tell)
         if named is not None:
-            values, other = _judged(prepared, named, tell)
-            if holds(named, other, judged) and one_value(values.final, other.structure):
-                choice, known, judged = named, values, other
-        return _Decided(prepared, setting, choice, known, judged)
+            again = _judged(prepared, named, tell)
+            stays = holds(named, again.judged, now.judged)
+            stays = stays and one_value(again.known.final, again.judged.structure)
+            now = again if stays else now
+        return _Decided(prepared, setting, *now)
 
 
-def _judged(prepared: Prepared, choice: Choice, tell: Say) -> tuple[Estimated, Adequacy]:
-    """The values of a choice, and what acts beyond it; either knows what both doubt."""
+def _judged(prepared: Prepared, choice: Choice, tell: Say) -> _Chosen:
+    """A choice with its values, and what acts beyond it; either knows what both doubt."""
     tell("estimating values")
     known = estimate(prepared, choice, tell)
     tell("looking for what acts beyond")
     along = choice.along if choice.along and choice.along.causes == known.final.causes else None
     judged = adequacy(prepared, choice.setting, known.final, known.windows, along)
     doubt = known.doubt | judged.doubt
-    return replace(known, doubt=doubt), replace(judged, doubt=doubt)
+    return _Chosen(choice, replace(known, doubt=doubt), replace(judged, doubt=doubt))
 
 
 def _told(model: Model, decided: _Decided, tell: Say) -> Diagnosis:
