@@ -6,7 +6,7 @@ over, so that it shows neither when a place sticks nor which way it slides. The 
 search, simulated from their fitted initial states, do.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -47,6 +47,12 @@ def likeliest(
         return scored(ground, fitted(ground, causes, rows, quick, states, others=[slow]))
     found = [scored(ground, fitted(ground, causes, rows, one, states)) for one in (quick, slow)]
     return max(found, key=lambda one: one.evidence)
+
+
+def part_of(ground: Recorded, trial: Fitted, stays: Callable[[Hypothesis], bool]) -> Fitted:
+    """What is left of a fitted structure with the causes that stay, fitted again."""
+    kept = [pair for pair in zip(trial.causes, grouped(trial), strict=True) if stays(pair[0])]
+    return likeliest(ground, [cause for cause, _ in kept], [row for _, row in kept])
 
 
 def _steep(ground: Recorded, causes: Sequence[Hypothesis]) -> bool:

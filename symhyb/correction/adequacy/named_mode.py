@@ -20,7 +20,7 @@ from symhyb.correction.adequacy.classes.hidden_mode import band, swings
 from symhyb.correction.adequacy.curves.courses import force_at
 from symhyb.correction.adequacy.curves.products import products_of, solved
 from symhyb.correction.adequacy.explained import Decided, remainder
-from symhyb.correction.adequacy.followed import likeliest, scored
+from symhyb.correction.adequacy.followed import part_of, scored
 from symhyb.correction.adequacy.judge import Adequacy
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Fitted, Row, fitted
@@ -86,10 +86,8 @@ def _class_alone(ground: Recorded, by_class: Fitted, place: Place, decided: Deci
 
 def _starts(ground: Recorded, base: Fitted, by_class: Fitted, place: Place) -> list[Fitted]:
     """What modes are tried beside: the causes elsewhere, and all that were decided."""
-    every = list(zip(by_class.causes, grouped(by_class), strict=True))
-    elsewhere = [(cause, row) for cause, row in every if cause.place != place]
-    starts = [likeliest(ground, [one for one, _ in elsewhere], [row for _, row in elsewhere])]
-    if len(elsewhere) < len(base.causes):
+    starts = [part_of(ground, by_class, lambda cause: cause.place != place)]
+    if len(starts[0].causes) < len(base.causes):
         starts.append(base)
     return [start for start in starts if not start.fit.reason]
 

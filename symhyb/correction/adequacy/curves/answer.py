@@ -19,7 +19,7 @@ from symhyb.correction.adequacy.curves.fitted_curve import Offer, beside, offere
 from symhyb.correction.adequacy.curves.listed import TOGETHER, listed
 from symhyb.correction.adequacy.curves.product import product, product_again
 from symhyb.correction.adequacy.explained import Decided, remainder
-from symhyb.correction.adequacy.followed import likeliest, scored
+from symhyb.correction.adequacy.followed import part_of, scored
 from symhyb.correction.adequacy.judge import Adequacy
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Fitted, fitted
@@ -38,9 +38,7 @@ def instead_of_class(ground: Recorded, judged: Adequacy) -> Fitted | None:
     place, base, by_class = judged.certain("law"), judged.structure, judged.by_class
     if place is None or base is None or by_class is None or place not in ground.library.places:
         return None
-    every = zip(by_class.causes, grouped(by_class), strict=True)
-    elsewhere = [(cause, row) for cause, row in every if cause.place != place]
-    bare = likeliest(ground, [one for one, _ in elsewhere], [row for _, row in elsewhere])
+    bare = part_of(ground, by_class, lambda cause: cause.place != place)
     if bare.fit.reason:
         return None
     decided = Decided(base, remainder(ground, base), judged.beyond.acts)
@@ -98,9 +96,7 @@ def instead_of_many(ground: Recorded, judged: Adequacy, place: Place, form: Form
     base = judged.structure
     if base is None or place not in ground.library.places:
         return None
-    every = zip(base.causes, grouped(base), strict=True)
-    elsewhere = [(cause, row) for cause, row in every if not _of_one(cause, place, form)]
-    bare = likeliest(ground, [one for one, _ in elsewhere], [row for _, row in elsewhere])
+    bare = part_of(ground, base, lambda cause: not _of_one(cause, place, form))
     offers = [] if bare.fit.reason else _offers(ground, bare, place, (form,))
     if not offers:
         return None
@@ -183,10 +179,8 @@ def _along(bare: Fitted, found: Fitted) -> Fitted:
 def _again(ground: Recorded, bare: Fitted, place: Place, named: Fitted) -> Fitted:
     """A structure with a curve and laws by name, the points of the curve chosen once more beside
     these: it was chosen beside another curve."""
-    pairs = list(zip(named.causes, grouped(named), strict=True))
-    (curve,) = (cause for cause, _ in pairs if cause.points and cause.place == place)
-    kept = [pair for pair in pairs if pair[0] != curve]
-    beneath = likeliest(ground, [cause for cause, _ in kept], [row for _, row in kept])
+    (curve,) = (cause for cause in named.causes if cause.points and cause.place == place)
+    beneath = part_of(ground, named, lambda cause: cause != curve)
     offers = _offers(ground, beneath, place, [form_of(curve)])
     found = [beside(ground, beneath, one) for one in offers]
     return max([named, *found], key=_evidence)
