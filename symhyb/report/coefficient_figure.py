@@ -29,10 +29,11 @@ def coefficient_figure(effect: Found) -> bytes:
     by, through their points, with a band of two of their deviations, all in the units of the model
     file. The bytes are an SVG."""
     panels = _panels(effect)
-    with drawing(2.6) as figure:
-        axes = np.atleast_1d(figure.subplots(1, len(panels)))
+    with drawing(2.6 * len(panels)) as figure:
+        axes = np.atleast_1d(figure.subplots(len(panels), 1))
         for panel, one in zip(axes, panels, strict=True):
             _draw(panel, one)
+        legend(axes[-1])
         return svg(figure)
 
 
@@ -69,7 +70,6 @@ def _draw(panel: Any, one: _Panel) -> None:
     panel.errorbar(x, y, sd, fmt="s", color=LAW, ms=4, label="points, ± one sd")
     panel.set_xlabel(f"{one.over}{bracketed(along.text)}")
     panel.set_title(f"{one.title}{bracketed(up.text)}")
-    legend(panel)
 
 
 def coefficient_of(effect: Found) -> str:
