@@ -235,9 +235,10 @@ def _spread(left: Signal) -> float:
 
 def _smooth(t: Signal, y: Signal) -> BSpline | None:
     """A spline through values (N,) at times (N,) of which some may be the same, in any order."""
-    order = np.argsort(t, kind="stable")
+    times, which, counts = np.unique(t, return_inverse=True, return_counts=True)
+    means = np.bincount(which, y) / counts  # a time that is there twice has twice the weight
     try:
-        return make_lsq_spline(t[order], y[order], _knots(t[order]), DEGREE)
+        return make_lsq_spline(times, means, _knots(np.sort(t)), DEGREE, np.sqrt(counts))
     except (ValueError, np.linalg.LinAlgError):
         return None
 
