@@ -1,14 +1,17 @@
 """What curves and maps are read with: the text of a file beside the model file, words, faults."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 from math import isfinite
 from pathlib import Path
+from typing import TypeVar
 
 from symhyb.errors import InputError, did_you_mean
 from symhyb.limits import CURVE_BYTES, content_of
 from symhyb.model.beside import inside, named_file
 from symhyb.model.tables import Table, describe, shorten
+
+T = TypeVar("T")
 
 ENDINGS = (".csv", ".tsv", ".txt", ".dat")
 RESULT = "simulation.csv"  # what a diagnosis leaves beside the corrected model and its files
@@ -46,6 +49,23 @@ def _content(table: Table, file: str, home: Path | None) -> str | None:
     except (OSError, ValueError):
         table.fault(f"'{shorten(file)}' cannot be a file", "file")
     return None
+
+
+def by_name(
+    table: Table, key: str, word: str, known: Mapping[str, T | None], keys: Sequence[str] = ()
+) -> T | None:
+    """One of the ``known`` curves or maps of the model (``word``), whose name stands under a key;
+    None (one that could not be read) with a fault if there is none, or if ``keys`` of its own stand
+    beside the name."""
+    name, own = table.text(key), [one for one in keys if one in table.entries]
+    for one in own:
+        table.fault(f"'{one}' belongs to the {word}, which [{word}s] states by '{key}'", one)
+    if name is None or own:
+        return None
+    if name not in known:
+        cure = did_you_mean(name, list(known)) or f"; state it under [{word}s]"
+        table.fault(f"'{shorten(name)}' is not a known {word}{cure}", key)
+    return known.get(name)
 
 
 def word_of(table: Table, key: str, words: Sequence[str]) -> int:

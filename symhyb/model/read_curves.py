@@ -5,11 +5,10 @@ from dataclasses import dataclass, replace
 from math import isfinite
 from pathlib import Path
 
-from symhyb.errors import did_you_mean
 from symhyb.limits import CURVE_POINTS, VALUE
 from symhyb.model.curve_file import points_in
 from symhyb.model.curves import EXTRAPOLATIONS, INTERPOLATIONS, Curve
-from symhyb.model.read_beside import disorder, report, text_beside, word_of, wrong_number
+from symhyb.model.read_beside import by_name, disorder, report, text_beside, word_of, wrong_number
 from symhyb.model.tables import Table, describe, shorten
 from symhyb.units import Unit, UnitError, parse_unit
 
@@ -32,17 +31,7 @@ def read_own(table: Table, home: Path | None, curves: Mapping[str, Curve | None]
     could not be read)."""
     if "curve" not in table.entries:
         return read_points(table, home, f"elements.{table.path[-1]}")
-    name = table.text("curve")
-    for key in CURVE_KEYS:
-        if key in table.entries:
-            table.fault(f"'{key}' belongs to the curve, which [curves] states by 'curve'", key)
-            name = None
-    if name is None:
-        return None
-    if name not in curves:
-        known = did_you_mean(name, list(curves)) or "; state it under [curves]"
-        table.fault(f"'{shorten(name)}' is not a known curve{known}", "curve")
-    return curves.get(name)
+    return by_name(table, "curve", "curve", curves, CURVE_KEYS)
 
 
 def read_factor(
@@ -53,11 +42,8 @@ def read_factor(
     match table.entries.get(BY_STRETCH):
         case None:
             return None
-        case str(name) if name in curves:
-            return curves[name]
-        case str(name):
-            known = did_you_mean(name, list(curves)) or "; state it under [curves]"
-            table.fault(f"'{shorten(name)}' is not a known curve{known}", BY_STRETCH)
+        case str():
+            return by_name(table, BY_STRETCH, "curve", curves)
         case dict():
             own = table.table(BY_STRETCH)
             assert own is not None

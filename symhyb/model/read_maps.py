@@ -5,13 +5,12 @@ from dataclasses import replace
 from math import isfinite
 from pathlib import Path
 
-from symhyb.errors import did_you_mean
 from symhyb.limits import MAP_PLACES, VALUE
 from symhyb.model.curves import EXTRAPOLATIONS
 from symhyb.model.map_file import Gridded, grid_in
 from symhyb.model.maps import Map
-from symhyb.model.read_beside import disorder, report, text_beside, word_of, wrong_number
-from symhyb.model.tables import Table, describe, shorten
+from symhyb.model.read_beside import by_name, disorder, report, text_beside, word_of, wrong_number
+from symhyb.model.tables import Table, describe
 from symhyb.units import Unit, UnitError, parse_unit
 
 GRID_KEYS = ("x", "y", "values")
@@ -30,17 +29,7 @@ def read_own_map(table: Table, home: Path | None, maps: Mapping[str, Map | None]
     be read)."""
     if "map" not in table.entries:
         return _read(table, home, f"elements.{table.path[-1]}")
-    name = table.text("map")
-    for key in MAP_KEYS:
-        if key in table.entries:
-            table.fault(f"'{key}' belongs to the map, which [maps] states by 'map'", key)
-            name = None
-    if name is None:
-        return None
-    if name not in maps:
-        known = did_you_mean(name, list(maps)) or "; state it under [maps]"
-        table.fault(f"'{shorten(name)}' is not a known map{known}", "map")
-    return maps.get(name)
+    return by_name(table, "map", "map", maps, MAP_KEYS)
 
 
 def _read(table: Table, home: Path | None, name: str) -> Map | None:

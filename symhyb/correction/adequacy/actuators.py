@@ -18,10 +18,10 @@ from symhyb.correction.adequacy.classes.input_lag import input_lag
 from symhyb.correction.adequacy.classes.sensor_lag import sensor_lag
 from symhyb.correction.adequacy.classes.worth import Around, around
 from symhyb.correction.adequacy.explained import Decided, remainder
-from symhyb.correction.adequacy.followed import likeliest, scored
+from symhyb.correction.adequacy.followed import fitted_on, likeliest
 from symhyb.correction.adequacy.judge import Adequacy
 from symhyb.correction.adequacy.recorded import Recorded
-from symhyb.correction.adequacy.structure import Fitted, Generic, fitted
+from symhyb.correction.adequacy.structure import Fitted, Generic
 from symhyb.correction.search.trajectory import grouped
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.judgement import CERTAIN, HOPELESS, NEGLIGIBLE, PROBABLE, SMALL
@@ -145,10 +145,7 @@ def _lagging(
     here = around(ground, bare)
 
     def reached(generic: Generic) -> float:
-        noise = ground.revived(bare.fit.noise)
-        rows, states = grouped(bare), bare.fit.states
-        found = fitted(ground, bare.causes, rows, noise, states, extra=generic)
-        return scored(ground, found).evidence
+        return fitted_on(ground, bare, bare.causes, grouped(bare), generic).evidence
 
     least = reached(input_lag(here, model.inputs.names().index(name))) - CERTAIN
     alike = [j for j in shown if reached(sensor_lag(here, j)) > least]
@@ -209,8 +206,7 @@ def beside(ground: Recorded, start: Fitted, offer: Offer) -> Fitted:
     from where that ended."""
     causes = (*start.causes, offer.cause)
     rows = [*grouped(start), {"value": offer.value}]
-    noise = ground.revived(start.fit.noise)
-    return scored(ground, fitted(ground, causes, rows, noise, start.fit.states))
+    return fitted_on(ground, start, causes, rows)
 
 
 def offered(ground: Recorded, here: Around, name: str, beside: Fitted) -> list[Offer]:

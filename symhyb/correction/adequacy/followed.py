@@ -13,7 +13,7 @@ import numpy as np
 
 from symhyb.correction.adequacy.evidence import evidence
 from symhyb.correction.adequacy.recorded import Recorded
-from symhyb.correction.adequacy.structure import Fitted, Row, fitted
+from symhyb.correction.adequacy.structure import Fitted, Generic, Row, fitted
 from symhyb.correction.search.trajectory import Refined, grouped
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.recorded.windows import Cut
@@ -53,6 +53,19 @@ def part_of(ground: Recorded, trial: Fitted, stays: Callable[[Hypothesis], bool]
     """What is left of a fitted structure with the causes that stay, fitted again."""
     kept = [pair for pair in zip(trial.causes, grouped(trial), strict=True) if stays(pair[0])]
     return likeliest(ground, [cause for cause, _ in kept], [row for _, row in kept])
+
+
+def fitted_on(
+    ground: Recorded,
+    start: Fitted,
+    causes: Sequence[Hypothesis],
+    rows: Sequence[Row],
+    extra: Generic | None = None,
+) -> Fitted:
+    """Causes, and a class beside them, fitted from where the noise and the trajectories of another
+    structure ended, with the evidence; ``rows`` begin the numbers, SI."""
+    noise = ground.revived(start.fit.noise)
+    return scored(ground, fitted(ground, causes, rows, noise, start.fit.states, extra=extra))
 
 
 def _steep(ground: Recorded, causes: Sequence[Hypothesis]) -> bool:

@@ -21,7 +21,7 @@ from symhyb.correction.adequacy.classes.held_input import LONGEST, held_input
 from symhyb.correction.adequacy.classes.worth import around, worth_of
 from symhyb.correction.adequacy.clock_jitter import Jitter, jittering
 from symhyb.correction.adequacy.explained import Decided, forces_left, remainder
-from symhyb.correction.adequacy.followed import Along, followed, likeliest, scored
+from symhyb.correction.adequacy.followed import Along, fitted_on, followed, likeliest, scored
 from symhyb.correction.adequacy.recorded import Recorded, recorded
 from symhyb.correction.adequacy.structure import Fitted, Generic, Likely, Row, fitted
 from symhyb.correction.adequacy.unnamed import changing_themselves, parts_of_unnamed
@@ -271,8 +271,7 @@ def _beside(
 ) -> Fitted:
     """A class fitted beside the ``kept`` causes of a structure, from where that ended."""
     causes, begin = [start.causes[i] for i in kept], [rows[i] for i in kept]
-    noise = ground.revived(start.fit.noise)
-    return scored(ground, fitted(ground, causes, begin, noise, start.fit.states, extra=generic))
+    return fitted_on(ground, start, causes, begin, generic)
 
 
 def _answers(ground: Recorded, trials: Sequence[Fitted], decided: Decided) -> list[Fitted]:

@@ -11,18 +11,18 @@ that are as large as each other within three deviations are no pair of laws, and
 All are compared by the evidence of the innovations along whole recordings.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 
 from symhyb.correction.adequacy.curves.products import products_of, solved
 from symhyb.correction.adequacy.explained import Decided, remainder
-from symhyb.correction.adequacy.followed import likeliest, scored
+from symhyb.correction.adequacy.followed import fitted_on, part_of
 from symhyb.correction.adequacy.judge import Adequacy
 from symhyb.correction.adequacy.pairs import PAIR_LAWS, coupled, pair_forces, pair_size
 from symhyb.correction.adequacy.recorded import Recorded
-from symhyb.correction.adequacy.structure import Fitted, Row, fitted
+from symhyb.correction.adequacy.structure import Fitted, Row
 from symhyb.correction.search.trajectory import firsts_of, grouped
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.judgement import CERTAIN, HOPELESS, OUTSTANDING, SMALL
@@ -74,12 +74,10 @@ def _starts(ground: Recorded, base: Fitted, by_class: Fitted, pair: Pair) -> Ite
     decided, without laws of this pair."""
     known: set[frozenset[Hypothesis]] = set()
     for structure in (by_class, base):
-        every = zip(structure.causes, grouped(structure), strict=True)
-        kept = [(cause, row) for cause, row in every if cause.place != pair]
-        causes = frozenset(cause for cause, _ in kept)
+        causes = frozenset(cause for cause in structure.causes if cause.place != pair)
         if causes not in known:
             known.add(causes)
-            start = likeliest(ground, [one for one, _ in kept], [row for _, row in kept])
+            start = part_of(ground, structure, causes.__contains__)
             yield from () if start.fit.reason else (start,)
 
 
@@ -103,7 +101,7 @@ def _needed(ground: Recorded, trial: Fitted, pair: Pair) -> Fitted:
         rest = [j for j in range(len(trial.causes)) if j != i]
         rows = grouped(trial)
         causes = [trial.causes[j] for j in rest]
-        less = _fitted(ground, trial, causes, [rows[j] for j in rest])
+        less = fitted_on(ground, trial, causes, [rows[j] for j in rest])
         if less.evidence >= trial.evidence - CERTAIN:
             return _needed(ground, less, pair)
     return trial
@@ -111,14 +109,7 @@ def _needed(ground: Recorded, trial: Fitted, pair: Pair) -> Fitted:
 
 def _beside(ground: Recorded, start: Fitted, offer: _Offer) -> Fitted:
     causes, rows = (*start.causes, offer.cause), [*grouped(start), offer.row]
-    return _fitted(ground, start, causes, rows)
-
-
-def _fitted(
-    ground: Recorded, start: Fitted, causes: Sequence[Hypothesis], rows: Sequence[Row]
-) -> Fitted:
-    noise = ground.revived(start.fit.noise)
-    return scored(ground, fitted(ground, causes, rows, noise, start.fit.states))
+    return fitted_on(ground, start, causes, rows)
 
 
 def _offers(ground: Recorded, start: Fitted, pair: Pair) -> list[_Offer]:

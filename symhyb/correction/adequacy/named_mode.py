@@ -20,7 +20,7 @@ from symhyb.correction.adequacy.classes.hidden_mode import band, swings
 from symhyb.correction.adequacy.curves.courses import force_at
 from symhyb.correction.adequacy.curves.products import products_of, solved
 from symhyb.correction.adequacy.explained import Decided, remainder
-from symhyb.correction.adequacy.followed import part_of, scored
+from symhyb.correction.adequacy.followed import fitted_on, part_of, scored
 from symhyb.correction.adequacy.judge import Adequacy
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Fitted, Row, fitted
@@ -146,8 +146,7 @@ def _quadratic(ground: Recorded, offer: _Offer, row: Row) -> Iterator[_Offer]:
 
 def _beside(ground: Recorded, start: Fitted, offer: _Offer) -> Fitted:
     causes, rows = (*start.causes, offer.cause), [*grouped(start), offer.row]
-    noise = ground.revived(start.fit.noise)
-    return scored(ground, fitted(ground, causes, rows, noise, start.fit.states))
+    return fitted_on(ground, start, causes, rows)
 
 
 def _offers(ground: Recorded, start: Fitted, place: Place, form: "_Form") -> list[_Offer]:

@@ -292,11 +292,17 @@ def test_a_law_whose_force_is_an_error_of_the_numerics_is_in_doubt() -> None:
 def test_no_class_takes_the_place_of_a_strength_of_each_recording(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    tried, as_it_is = [], judge.fitted
+    tried, first, others = [], judge.fitted, judge.fitted_on
 
     def fitted(ground: Recorded, causes: Sequence[Hypothesis], *rest: Any, **more: Any) -> Fitted:
         tried.append(set(causes))
-        return as_it_is(ground, causes, *rest, **more)
+        return first(ground, causes, *rest, **more)
+
+    def fitted_on(
+        ground: Recorded, start: Fitted, causes: Sequence[Hypothesis], *rest: Any
+    ) -> Fitted:
+        tried.append(set(causes))
+        return others(ground, start, causes, *rest)
 
     recordings = [replace(saturated(seed), name=f"{seed}.csv") for seed in (21, 22)]
     prepared = prepare(pushed_model(), recordings, own=("damping",))
@@ -306,6 +312,7 @@ def test_no_class_takes_the_place_of_a_strength_of_each_recording(
     cuts = setting.stages[-1].cuts
     final = refine(prepared.model, [damper], [{"damping": 0.1}], cuts, setting.sd)
     monkeypatch.setattr(judge, "fitted", fitted)
+    monkeypatch.setattr(judge, "fitted_on", fitted_on)
     found = adequacy(prepared, setting, final, (final, cuts))
     assert [one.generic.kind for one in found.classes] == ["input"]
     assert tried

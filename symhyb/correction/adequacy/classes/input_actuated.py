@@ -23,10 +23,7 @@ from symhyb.numeric.kernels.buffers import Array
 
 REMEMBERING: tuple[ActuatorKey, ...] = ("rate_limit", "backlash", "quantum")
 TRIED = 16  # values of each number
-FIRST, LAST = (
-    0.02,
-    0.98,
-)  # of the largest value, width or rate of an input: between them it is tried
+FIRST, LAST = 0.02, 0.98  # of the largest value, width or rate of an input: tried between them
 FINEST, APART = 20.0, 0.5  # steps up to the largest value: most that are tried, and how far apart
 BETWEEN = 9  # values more, between the neighbours of the best
 KNOWN = 0.02  # of what a value does: how well its size is known

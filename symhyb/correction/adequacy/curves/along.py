@@ -8,6 +8,7 @@ Sizes: N samples, n coordinates, G forces.
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,6 +21,14 @@ from symhyb.discrepancy.places.hypotheses import CurvePoint, Hypothesis
 from symhyb.laws.characteristic import Characteristic, through
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.lowered.dynamics import state_form
+
+
+class Instead(NamedTuple):
+    """A product that a structure has, ``cause``, and stretch and rate (N, places) and directions
+    (N, n, places) as the structure moves (``motions``), SI."""
+
+    cause: Hypothesis
+    motions: Motions
 
 
 def motions_along(recorded: Recorded, trial: Fitted) -> Motions:

@@ -19,10 +19,10 @@ from symhyb.correction.adequacy.curves.fitted_curve import Offer, beside, offere
 from symhyb.correction.adequacy.curves.listed import TOGETHER, listed
 from symhyb.correction.adequacy.curves.product import product, product_again
 from symhyb.correction.adequacy.explained import Decided, remainder
-from symhyb.correction.adequacy.followed import part_of, scored
+from symhyb.correction.adequacy.followed import fitted_on, part_of
 from symhyb.correction.adequacy.judge import Adequacy
 from symhyb.correction.adequacy.recorded import Recorded
-from symhyb.correction.adequacy.structure import Fitted, fitted
+from symhyb.correction.adequacy.structure import Fitted
 from symhyb.correction.search.trajectory import grouped
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.places.quantities import memoryless, quantities
@@ -200,6 +200,5 @@ def _by_name(ground: Recorded, bare: Fitted, curve: Fitted, offer: Offer) -> Fit
     trials = []
     for one in listed(ground, offer.line):
         causes, rows = (*bare.causes, *one.causes), [*grouped(bare), *one.rows]
-        noise = ground.revived(curve.fit.noise)
-        trials.append(scored(ground, fitted(ground, causes, rows, noise, curve.fit.states)))
+        trials.append(fitted_on(ground, curve, causes, rows))
     return max(trials, key=_evidence, default=None)

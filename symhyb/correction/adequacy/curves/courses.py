@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 
 from symhyb.correction.adequacy.classes.columns import motions
-from symhyb.correction.adequacy.curves.along import force_of, motions_along, products_instead
+from symhyb.correction.adequacy.curves.along import Instead, force_of, products_instead
 from symhyb.correction.adequacy.curves.products import Products, products_of
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Fitted
@@ -92,14 +92,14 @@ def line_of(
     form: Form,
     by: Callable[[Array], Array] | None = None,
     through_zero: bool = False,
-    instead: Hypothesis | None = None,
+    instead: Instead | None = None,
 ) -> Line | None:
     """The fine line at a place around a fitted structure, as a factor of the function ``by``, (N,)
     of (N,) of the other one of stretch and rate, SI; None where nothing moves there, or moves
-    it. In place of the curve ``instead`` of the structure, along its motion."""
+    it. In place of a product that the structure has (``instead``), along its motion."""
     place = recorded.library.places[which]
     length = natural_length_at(recorded, place)
-    parts = motions(recorded) if instead is None else motions_along(recorded, trial)
+    parts = motions(recorded) if instead is None else instead.motions
     states = [(s[:, which] - (length or 0.0), r[:, which]) for s, r, _ in parts]
     moved = [form.of(s, r) for s, r in states]
     factors = [form.factor(r) if by is None else by(form.other.of(s, r)) for s, r in states]
@@ -119,10 +119,10 @@ def line_of(
         products = products_of(recorded, trial, forces)
     else:
         old = [
-            toward[:, :, which, None] * (resists * force_of(instead, s, r))[:, None, None]
+            toward[:, :, which, None] * (resists * force_of(instead.cause, s, r))[:, None, None]
             for (_, _, toward), (s, r) in zip(parts, states, strict=True)
         ]
-        products = products_instead(recorded, trial, forces, old, instead)
+        products = products_instead(recorded, trial, forces, old, instead.cause)
     fastest = max(float(np.abs(r[:, which]).max()) for _, r, _ in parts)
     return Line(which, form, x, products, size / usual, fastest, length, through_zero)
 

@@ -18,7 +18,7 @@ from symhyb.correction.adequacy.structure import Fitted, Row, fitted
 from symhyb.correction.search.trajectory import grouped
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.judgement import CERTAIN
-from symhyb.laws.curve import value_name
+from symhyb.laws.curve import factor_name, value_name
 from symhyb.model.types import Place
 
 ROUNDS = 4
@@ -78,17 +78,14 @@ def values_of(cause: Hypothesis) -> Row:
 
 def restated(cause: Hypothesis, values: Row) -> Hypothesis:
     """A curve that is linear about other values, by key, SI."""
-    points, factors = dict(cause.unknown), dict(cause.factors)
-    moved = {points[key]: (points[key][0], values[key], points[key][2]) for key in points}
-    changed = {
-        factors[key]: (factors[key][0], factors[key][1] + values[key], factors[key][2])
-        for key in factors
-    }
-    return replace(
-        cause,
-        points=tuple(moved.get(point, point) for point in cause.points),
-        by_stretch=tuple(changed.get(point, point) for point in cause.by_stretch),
-    )
+    points = [
+        (x, values.get(value_name(i), y), shift) for i, (x, y, shift) in enumerate(cause.points)
+    ]
+    factors = [
+        (x, w + values.get(factor_name(i), 0.0), shift)
+        for i, (x, w, shift) in enumerate(cause.by_stretch)
+    ]
+    return replace(cause, points=tuple(points), by_stretch=tuple(factors))
 
 
 def beside(ground: Recorded, start: Fitted, offer: Offer) -> Fitted:

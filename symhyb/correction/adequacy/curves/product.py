@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from symhyb.correction.adequacy.curves.along import curve_through
+from symhyb.correction.adequacy.curves.along import Instead, curve_through, motions_along
 from symhyb.correction.adequacy.curves.courses import FORMS, Form, Line, line_of
 from symhyb.correction.adequacy.curves.fitted_curve import Offer
 from symhyb.correction.adequacy.curves.points import placed, smoothed
@@ -46,7 +46,8 @@ def product_again(ground: Recorded, found: Fitted, curve: Hypothesis) -> Offer |
     """The product in place of one, ``curve``, that a structure has, along the motion of that."""
     assert curve.place is not None
     which = ground.library.places.index(curve.place)
-    return _product(_Problem(ground, found, which, curve), curve_through(curve.points))
+    instead = Instead(curve, motions_along(ground, found))
+    return _product(_Problem(ground, found, which, instead), curve_through(curve.points))
 
 
 class _Problem(NamedTuple):
@@ -55,7 +56,7 @@ class _Problem(NamedTuple):
     ground: Recorded
     trial: Fitted
     which: int
-    instead: Hypothesis | None = None
+    instead: Instead | None = None
 
     def line(self, form: Form, by: Curve) -> Line | None:
         """The fine line of a form as a factor of a function of the other quantity."""
