@@ -19,7 +19,7 @@ from symhyb.errors import did_you_mean
 from symhyb.limits import EXPRESSION_DEPTH, EXPRESSION_LETTERS
 from symhyb.model.conditions import misplaced, where
 from symhyb.model.dimensions import unit_of
-from symhyb.model.quantities import MARK, quantities_out
+from symhyb.model.quantities import MARK, quantities_back, quantities_out
 from symhyb.model.trees import (
     FUNCTIONS,
     READINGS,
@@ -96,7 +96,11 @@ def parse_expression(text: str | float | int) -> Expression:
     _refuse_characters(text, text, "^")  # which stands in units alone
     plain, found = quantities_out(" ".join(text.split()))
     _refuse_characters(plain, text, MARK)
-    return Expression(text, _convert(_python_tree(plain), 1, found))
+    tree = _python_tree(plain, text)
+    try:
+        return Expression(text, _convert(tree, 1, found))
+    except ExpressionError as error:
+        raise ExpressionError(quantities_back(str(error), found)) from None
 
 
 def _refuse_characters(some: str, text: str, also: str) -> None:
@@ -106,9 +110,10 @@ def _refuse_characters(some: str, text: str, also: str) -> None:
             raise ExpressionError(f"'{character}' is not allowed in '{brief(text)}'{cure}")
 
 
-def _python_tree(text: str) -> ast.expr:
-    """Let Python's parser (not its compiler) group the text; the whitelist comes after."""
-    marked = re.sub(r"([A-Za-z_][A-Za-z0-9_]*)('+)", lambda m: m[1] + _PRIME * len(m[2]), text)
+def _python_tree(plain: str, text: str) -> ast.expr:
+    """Let Python's parser (not its compiler) group what is ``plain``; the whitelist comes after.
+    ``text`` is what the person wrote, for the sentences."""
+    marked = re.sub(r"([A-Za-z_][A-Za-z0-9_]*)('+)", lambda m: m[1] + _PRIME * len(m[2]), plain)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")

@@ -10,9 +10,9 @@ parentheses is no unit: ``2 N*x'``.
 
 import keyword
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
-from symhyb.model.trees import ExpressionError, Quantity, brief
+from symhyb.model.trees import ExpressionError, Quantity, brief, show
 from symhyb.units import UnitError, parse_unit
 
 MARK = "\u02bc"  # a letter for Python's parser, and outside the characters a file may use
@@ -42,6 +42,11 @@ def quantities_out(text: str) -> tuple[str, tuple[Quantity, ...]]:
     return _FOUND.sub(taken, text), tuple(found)
 
 
+def quantities_back(sentence: str, found: Sequence[Quantity]) -> str:
+    """A sentence on a marked text with the numbers in place of their marks."""
+    return re.sub(f"{MARK}(\\d+){MARK}", lambda match: show(found[int(match[1])]), sentence)
+
+
 def beside_quantities(text: str, change: Callable[[str], str]) -> str:
     """A text in which what stands beside numbers with units is changed, and they are not."""
     parts, last = [], 0
@@ -60,6 +65,11 @@ def _read(number: str, said: str, after: str) -> Quantity:
     whole = brief(f"{number} {said}")
     if after.startswith(("**", "^")):
         raise ExpressionError(f"'{brief(whole + after)}': in a unit the power is '^', as in m^2")
+    if re.match(r"[\w.']|\s*\(", after):  # only behind a power: a name takes all its letters
+        raise ExpressionError(
+            f"'{brief(whole + after)}': a power in a unit is a whole number, as in m^2, and what "
+            "it is multiplied by stands behind '*'"
+        )
     names = re.findall(r"[A-Za-z_]\w*", said)
     try:
         if any(not _FACTOR.fullmatch(name) for name in names):
