@@ -12,7 +12,7 @@ export PIP_NO_INPUT := 1
 export OMP_NUM_THREADS := 1
 export OPENBLAS_NUM_THREADS := 1
 
-.PHONY: test demo slow thorough fuzz oldest package windows masters lint types layers docs all install clean
+.PHONY: test demo slow thorough fuzz oldest package browser windows masters lint types layers docs all install clean
 
 test: $(READY)
 	$(BIN)/python -m pytest -q -n 2
@@ -55,6 +55,10 @@ package: $(READY)
 	rm -rf build/package
 	$(BIN)/python -m build --outdir build/package .
 	$(BIN)/python -m pytest -q -m package
+
+# page and workbench in a browser; needs a Chromium on the PATH (Debian's chromium)
+browser: $(READY)
+	$(BIN)/python -m pytest -q -m browser
 
 # needs mingw and wine
 windows: $(READY)

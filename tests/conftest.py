@@ -47,12 +47,13 @@ def symhyb(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
     """A Chromium without a window."""
-    api = pytest.importorskip("playwright.sync_api", reason="needs Playwright (the extra dev)")
+    from playwright import sync_api
+
     names = ("chromium", "chromium-browser", "chrome")
     program = next(filter(None, map(shutil.which, names)), None)
     if program is None:
-        pytest.skip("needs a Chromium on the PATH")
-    with api.sync_playwright() as driver:
+        pytest.fail("needs a Chromium on the PATH, such as Debian's")
+    with sync_api.sync_playwright() as driver:
         running = driver.chromium.launch(executable_path=program, args=["--no-sandbox"])
         yield running
         running.close()

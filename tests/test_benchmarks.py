@@ -26,6 +26,7 @@ NAMES = (
     "growth",
     "links",
     "oscillators",
+    "pages",
     "regression",
     "runs",
     "starting",
@@ -309,3 +310,11 @@ def test_a_run_is_held_against_each_method(study: Study) -> None:
     assert all(f"{method} " in row.note for method in ("explicit", "bdf", "adams"))
     assert "early" not in row.note
     assert runs.row("rig_alone", 1.0) is None
+
+
+@pytest.mark.browser
+def test_a_page_counts_as_open_once_its_scripts_have_run(study: Study, tmp_path: Path) -> None:
+    page = tmp_path / "busy.html"
+    wait = "const end = performance.now() + 400; while (performance.now() < end) {}"
+    page.write_text(f"<script>addEventListener('load', () => {{ {wait} }})</script>")
+    assert study["pages"].opened(page, 1) >= 0.4

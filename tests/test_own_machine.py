@@ -20,7 +20,7 @@ CASE = Path(os.environ.get("SYMHYB_EXAMPLES", BESIDE)) / "quarter_car"
 WITHIN = 0.05  # of a concealed value
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.skipif(not (CASE / "train.csv").is_file(), reason="the recording is not here")
 def test_the_model_and_the_commands_of_the_page_find_what_a_rig_conceals(tmp_path: Path) -> None:
     blocks = snippets(PAGE)

@@ -30,6 +30,7 @@ PARTS = (
     "forces",
     "sweep",
     "starting",
+    "pages",
     "regression",
     "matching",
     "compiled",
@@ -47,6 +48,7 @@ def measure(part: str) -> list[Row]:
     import growth
     import links
     import oscillators
+    import pages
     import regression
     import runs
     import starting
@@ -60,6 +62,7 @@ def measure(part: str) -> list[Row]:
         "forces": forces.rows,
         "sweep": oscillators.sweep_rows,
         "starting": starting.rows,
+        "pages": pages.rows,
         "regression": regression.rows,
         "matching": trajectories.rows,
         "compiled": compiled.rows,

@@ -34,10 +34,10 @@ def begin_from(work: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Compile as soon as so many instructions were run, whatever is in the cache."""
     monkeypatch.setattr(chains_native, "BEGIN_FROM", work)
     monkeypatch.setattr(chains_native, "BEGIN_FROM_EACH", 0)
-    made = compiled.library_of
+    made = compiled.file_of
     monkeypatch.setattr(
         chains_native,
-        "library_of",
+        "file_of",
         lambda code, level, ready=False: None if ready else made(code, level),
     )
 
@@ -48,7 +48,7 @@ def built(run: Chains) -> chains_native.Run | None:
     native = run._engine.native
     assert native.thread is not None
     native.thread.join()
-    return native.run
+    return native.after(0)
 
 
 @pytest.mark.parametrize("count", [1, LANES - 1, LANES, 2 * LANES + 3])
@@ -138,7 +138,7 @@ def test_without_it_the_machine_goes_on(monkeypatch: pytest.MonkeyPatch) -> None
     given = np.ones((2, 1)), [np.full((2, 3, 1), 0.9)], np.ones(1)
     (expected,) = Chains(simple())(*given)
     begin_from(0, monkeypatch)
-    monkeypatch.setattr(chains_native, "library_of", lambda *task, ready=False: None)
+    monkeypatch.setattr(chains_native, "file_of", lambda *task, ready=False: None)
     run = Chains(simple())
     np.testing.assert_array_equal(run(*given)[0], expected)
     assert built(run) is None

@@ -80,10 +80,10 @@ def test_what_the_code_depends_on_is_in_its_name(
 
 @needs_compiler
 def test_what_is_not_ready_is_not_built(cache: Path) -> None:
-    assert module.library_of(CODE, ready=True) is None
+    assert module.file_of(CODE, ready=True) is None
     assert not list(cache.iterdir())
     assert module.library_of(CODE) is not None
-    assert module.library_of(CODE, ready=True) is not None
+    assert module.file_of(CODE, ready=True) is not None
 
 
 @needs_compiler

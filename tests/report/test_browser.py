@@ -1,7 +1,7 @@
 """The page in a browser: it draws, zooms, switches, follows the scheme, prints, runs nothing else.
 
-Needs Playwright and a Chromium; without either of them these tests are skipped. They are thorough
-ones: a browser beside other tests keeps no time.
+Needs Playwright and a Chromium. `make browser` runs these alone: a browser beside other tests keeps
+no time.
 """
 
 import re
@@ -18,7 +18,7 @@ from moved import moved
 from symhyb.discrepancy.results import Diagnosis, Verdict
 from symhyb.report import render_page
 
-pytestmark = pytest.mark.thorough
+pytestmark = pytest.mark.browser
 
 SIZE_MOST = 6_000_000  # bytes of a page
 PHONE, DESK = {"width": 390, "height": 844}, {"width": 1000, "height": 900}

@@ -1,6 +1,6 @@
 """The workbench in a browser: moved, brushed, diagnosed; dark, narrow, and with hostile names.
 
-Needs Playwright and a Chromium; without either of them these tests are skipped.
+Needs Playwright and a Chromium; `make browser` runs these.
 """
 
 import subprocess
@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-pytestmark = pytest.mark.thorough
+pytestmark = pytest.mark.browser
 
 DESK, PHONE = {"width": 1300, "height": 900}, {"width": 390, "height": 844}
 SAID = (

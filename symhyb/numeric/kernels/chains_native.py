@@ -11,13 +11,14 @@ import ctypes
 import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
 from symhyb.numeric.kernels.buffers import Array, aligned
 from symhyb.numeric.kernels.chains_source import LANES
 from symhyb.numeric.kernels.chains_text import source
-from symhyb.numeric.kernels.compiled import library_of
+from symhyb.numeric.kernels.compiled import file_of, loaded
 from symhyb.numeric.kernels.instructions import Program
 
 LEVEL = "-O1"  # of the compiler
@@ -41,17 +42,21 @@ class Native:
     run: Run | None = None
     thread: threading.Thread | None = None
     _steps: int = 0
+    _file: Path | None = None  # compiled, and not loaded yet
 
     def after(self, steps: int) -> Run | None:
         """The machine code, if it is there, where so many more steps of eight lanes are asked for.
         Compiling begins when enough of them have been."""
+        if self._file is not None:  # loaded by who runs it: never beside what it does
+            self.run, self._file = _bound(loaded(self._file)), None
         if self.run is not None or self.thread is not None:
             return self.run
         size = len(self.code.steps)
         if size > INSTRUCTIONS_MOST:
             return None
         if not self._steps:
-            self.run = _bound(library_of(source(self.code), LEVEL, ready=True))
+            ready = file_of(source(self.code), LEVEL, ready=True)
+            self.run = None if ready is None else _bound(loaded(ready))
         self._steps += steps
         worth = self._steps * size >= BEGIN_FROM + BEGIN_FROM_EACH * size
         if self.run is None and worth and _compiler.acquire(blocking=False):
@@ -61,7 +66,7 @@ class Native:
 
     def _compile(self) -> None:
         try:
-            self.run = _bound(library_of(source(self.code), LEVEL))
+            self._file = file_of(source(self.code), LEVEL)
         finally:
             _compiler.release()
 

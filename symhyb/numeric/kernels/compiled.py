@@ -12,6 +12,7 @@ import os
 import shutil
 import subprocess
 import tempfile
+import threading
 from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
@@ -21,6 +22,11 @@ FILES_MOST = 300  # kept in a cache folder
 # Special values occur, and products and sums are not fused: what cancels by one way to evaluate a
 # function cancels by all others.
 FLAGS = ("-fno-math-errno", "-fno-trapping-math", "-ffp-contract=off")
+
+LOADING = threading.Lock()
+"""Held while a library is loaded, and while those that are loaded are listed. Both lock the list
+of the operating system, which calls Python for each library that it lists: a thread that waits for
+that list and lets no other thread run Python would wait for ever."""
 
 
 @lru_cache(maxsize=1)
@@ -51,9 +57,25 @@ def processor() -> str:
     return hashlib.sha256("\n".join(sorted(set(traits))).encode()).hexdigest() if traits else ""
 
 
-def library_of(code: str, level: str = "-O2", ready: bool = False) -> ctypes.CDLL | None:
-    """The compiled ``code``, loaded: from the cache, compiled first if need be unless only what is
-    ``ready`` is wanted; None where that is impossible. ``level`` is how far to optimise."""
+def library_of(code: str, level: str = "-O2") -> ctypes.CDLL | None:
+    """The compiled ``code``, loaded; None where that is impossible. ``level`` is how far to
+    optimise."""
+    file = file_of(code, level)
+    return None if file is None else loaded(file)
+
+
+def loaded(file: Path) -> ctypes.CDLL | None:
+    """A compiled file as a library of this process; None where nothing may be run from there."""
+    try:
+        with LOADING:
+            return ctypes.CDLL(str(file))
+    except OSError:
+        return None
+
+
+def file_of(code: str, level: str = "-O2", ready: bool = False) -> Path | None:
+    """The file with the compiled ``code``: from the cache, compiled first if need be unless only
+    what is ``ready`` is wanted; None where that is impossible."""
     compiler, folder = find_compiler(), cache_folder("compiled")
     if compiler is None or folder is None:
         return None
@@ -62,11 +84,10 @@ def library_of(code: str, level: str = "-O2", ready: bool = False) -> ctypes.CDL
     what = "\0".join((code, compiler[1], *flags, about))
     library = folder / f"{hashlib.sha256(what.encode()).hexdigest()}.so"
     try:
-        if not _intact(library) and (ready or not _build(library, code, compiler[0], flags)):
-            return None
-        return ctypes.CDLL(str(library))
-    except OSError:  # a full disk, or a folder that went away or from which nothing may be run
+        there = _intact(library) or (not ready and _build(library, code, compiler[0], flags))
+    except OSError:  # a full disk, or a folder that went away
         return None
+    return library if there else None
 
 
 def _build(library: Path, code: str, compiler: str, flags: Sequence[str]) -> bool:
