@@ -1,17 +1,20 @@
 """What a checked model declares, printed and as plain values."""
 
+from collections.abc import Sequence
 from typing import Any
 
 from symhyb.discrepancy.words.amounts import quantity_text
 from symhyb.model.constraints import Constraint
 from symhyb.model.types import Model, Parameter, place_text
 
+HELD_SHOWN = 30  # parameters without an sd
+
 
 def print_model(model: Model) -> None:
     """Print what a checked model declares."""
     said = {
         "coordinates": [f"{q.name} [{q.unit}]" for q in model.coordinates],
-        "parameters": [_parameter(parameter) for parameter in model.all_parameters()],
+        "parameters": _parameters(model.all_parameters()),
         "inputs": [f"{item.name} [{item.unit}]" for item in model.inputs],
         "bodies": [body.name for body in model.bodies],
         "constraints": [_constraint(item) for item in model.constraints],
@@ -63,6 +66,17 @@ def model_facts(model: Model) -> dict[str, Any]:
             s.name: {"unit": s.unit.text, "measures": s.measures.text} for s in model.sensors
         },
     }
+
+
+def _parameters(all_of_them: Sequence[Parameter]) -> list[str]:
+    """Each with its value; of a machine with many those that may be off, and how many are held."""
+    held = sum(one.sd is None for one in all_of_them)
+    if held <= HELD_SHOWN:
+        return [_parameter(one) for one in all_of_them]
+    return [
+        *(_parameter(one) for one in all_of_them if one.sd is not None),
+        f"{held} that are held (--json lists them)",
+    ]
 
 
 def _parameter(parameter: Parameter) -> str:
