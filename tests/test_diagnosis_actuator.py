@@ -53,7 +53,7 @@ def test_a_lag_of_a_linear_machine_may_be_that_of_its_sensor() -> None:
     diagnosis = sh.diagnose(spring_model(), driven(missing, 1))
     assert diagnosis.verdict == "undecided"
     assert not diagnosis.measurement
-    lags = {one.channel: one for one in diagnosis.alternatives if one.kind == "lag"}
+    lags = {one.channel: one for one in diagnosis.alternatives if one.kind in ("lag", "sensor_lag")}
     assert lags.keys() == {"f", *(s.name for s in spring_model().sensors)}
     (number,) = lags["f"].estimates
     assert number.value == pytest.approx(0.03, abs=max(3 * number.sd, 1e-3))

@@ -26,6 +26,7 @@ OTHERS = {
     "correction/calibration.py": {"FAR": "iteration"},
     "correction/adequacy/classes/columns.py": {"FINEST": "numerics", "PUSHED": "numerics"},
     "correction/adequacy/recorded.py": {"SAMPLES_LEAST": "work"},
+    "correction/adequacy/ways.py": {"SAMPLES_LEAST": "work"},
     "correction/adequacy/curves/fitted_curve.py": {"STANDS": "iteration"},
     "correction/adequacy/curves/product.py": {"STANDS": "iteration"},
     "correction/adequacy/named_mode.py": {"BEGINNINGS": "work"},

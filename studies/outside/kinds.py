@@ -92,7 +92,7 @@ TABLE = (
     Kind("sensor clips", ("sensor",), ALL, s.clips),
     Kind("curved sensor", ("sensor",), ALL, s.curved),
     Kind("gain drifts", ("sensor", "time-varying"), ALL, s.gain_drifts),
-    Kind("sensor lag", ("lag", "sensor"), ALL, s.lag),
+    Kind("sensor lag", ("lag", "sensor"), ALL, s.lag, ("sensor_lag",)),
     Kind("sensor freezes", ("sensor",), ALL, s.freezes),
     Kind("noise coloured", ("noise",), ALL, s.coloured),
     Kind("noise growing", ("noise",), ALL, s.growing),

@@ -19,7 +19,13 @@ SHAPES = (
     "critical",
     "frequency",
 )  # numbers of a law that the seal of an old kind holds
-ACTUATORS = {"dead_band": "band", "limit": "most", "rate_limit": "rate", "lag": "tau"}  # in seals
+ACTUATORS = {  # and what else has one number, in seals
+    "dead_band": "band",
+    "limit": "most",
+    "rate_limit": "rate",
+    "lag": "tau",
+    "sensor_lag": "tau",
+}
 COUPLINGS = {  # key and the sign of its push on the first coordinate by the second
     "gyroscopic": ("coefficient", 1.0),
     "circulatory": ("stiffness", 1.0),

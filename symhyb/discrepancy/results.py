@@ -191,7 +191,8 @@ class Repeats:
 
 @dataclass(frozen=True, slots=True)
 class Measurement:
-    """A fault of a channel: its gain, offset or delay, or what its actuator does to an input."""
+    """A fault of a channel: its gain, offset or delay, what its actuator does to an input, or the
+    time constant of a sensor that lags."""
 
     channel: str
     kind: ChannelKind

@@ -6,7 +6,7 @@
 The names of the keys under ``[inputs]`` of a model file, their units and what is refused.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Literal
 
 from symhyb.units import ONE, Unit, parse_unit
@@ -28,7 +28,13 @@ MAY_BE_ZERO: tuple[ActuatorKey, ...] = ("quantum", "dead_band", "backlash", "lag
 FaultKey = Literal["gain", "offset", "delay"]
 FAULT_KEYS: tuple[FaultKey, ...] = ("gain", "offset", "delay")  # of inputs and of sensors
 
-ChannelKind = Literal[FaultKey, ActuatorKey, "held"]  # an input that is held has no number
+SENSOR_LAG: Literal["sensor_lag"] = "sensor_lag"  # the time constant of a sensor that lags
+
+# an input that is held has no number
+ChannelKind = Literal[FaultKey, ActuatorKey, "held", "sensor_lag"]
+CHANNEL_KINDS: Mapping[str, ChannelKind] = {  # those with a number
+    key: key for key in (*FAULT_KEYS, *ACTUATOR_KEYS, SENSOR_LAG)
+}
 
 
 def usual_unit(key: str, channel: Unit) -> Unit:

@@ -220,6 +220,12 @@ def parameter_lines(parameter: Parameter) -> Iterator[str]:
     yield from _aligned([*lines, ("about", _toml(parameter.about))])
 
 
+def state_lines(state: State) -> Iterator[str]:
+    """Write one state of a model as a table of its own, which may stand at the end of a file."""
+    yield f"[states.{state.name}]"
+    yield from _aligned((key, _toml(value)) for key, value in _stated_of(state))
+
+
 def _fmu_lines(fmu: Fmu) -> Iterator[str]:
     yield from ("[fmu]", f"file = {_toml(fmu.file)}", "[fmu.coordinates]")
     yield from _aligned(
@@ -295,17 +301,21 @@ def _stated(coordinate: Coordinate, key: str, value: float) -> float | None:
 
 
 def _state(state: State) -> str:
-    return _inline(
-        (
-            ("unit", state.unit.text),
-            ("start", state.start or None),
-            ("rate", None if state.next else state.rate),
-            ("every", state.every or None),
-            ("first", state.first or None),
-            ("next", state.next),
-            ("about", state.about),
-        )
+    return _inline(_stated_of(state))
+
+
+def _stated_of(state: State) -> Iterator[tuple[str, object]]:
+    """The keys of a state that have values."""
+    entries = (
+        ("unit", state.unit.text),
+        ("start", state.start or None),
+        ("rate", None if state.next else state.rate),
+        ("every", state.every or None),
+        ("first", state.first or None),
+        ("next", state.next),
+        ("about", state.about or None),
     )
+    return ((key, value) for key, value in entries if value is not None)
 
 
 def _limit(limit: Limit, model: Model) -> str:

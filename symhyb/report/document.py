@@ -120,7 +120,8 @@ class ParameterEntry(TypedDict):
 
 
 class MeasurementEntry(TypedDict):
-    """A gain, offset or delay of a channel, or a number of the actuator of an input."""
+    """A gain, offset or delay of a channel, a number of the actuator of an input, or the time
+    constant of a sensor that lags."""
 
     channel: str
     kind: ChannelKind

@@ -8,7 +8,7 @@ where it is more probable and takes at least half of what acts beyond; a cause i
 it where a class that explains that does without.
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,9 +22,12 @@ from symhyb.correction.adequacy.classes.worth import around, worth_of
 from symhyb.correction.adequacy.clock_jitter import Jitter, jittering
 from symhyb.correction.adequacy.explained import Decided, forces_left, remainder
 from symhyb.correction.adequacy.followed import Along, fitted_on, followed, likeliest, scored
+from symhyb.correction.adequacy.late import with_lags
+from symhyb.correction.adequacy.ranking import is_lag, ranked, weights
 from symhyb.correction.adequacy.recorded import Recorded, recorded
 from symhyb.correction.adequacy.structure import Fitted, Generic, Likely, Row, fitted
 from symhyb.correction.adequacy.unnamed import changing_themselves, parts_of_unnamed
+from symhyb.correction.adequacy.ways import on_ways
 from symhyb.correction.search.preparing import Prepared
 from symhyb.correction.search.selection import many
 from symhyb.correction.search.setting import Setting
@@ -44,7 +47,6 @@ from symhyb.judgement import (
     SMALL,
 )
 from symhyb.model.types import Place
-from symhyb.numeric.kernels.buffers import Array
 
 CLASSES_MOST = 3  # that are fitted, the best of the linear problem
 HARMONICS = 5  # of the motion, below which dry friction, a square wave, has 93 % of its power
@@ -128,7 +130,7 @@ def adequacy(
         bare = likeliest(ground, [base.causes[i] for i in stay], own)
         trials += [bare, *_answers(ground, _raced(ground, bare, own, decided), decided)]
     enough = [trial for trial in trials if trial.extra and _suffices(ground, trial, decided)]
-    classes = _classes(trials, {trial.extra.key for trial in enough if trial.extra})
+    classes = ranked(trials, {trial.extra.key for trial in enough if trial.extra})
     doubt |= _doubted(trials, enough, classes)
     drawn = any(cause.points for cause in base.causes)  # as exactly as few points can
     unasked = classes or drawn or left is not here
@@ -140,7 +142,8 @@ def adequacy(
         return Adequacy(left, faults, doubt, disputes, jitter=jitter, structure=base)
     first = [t for t in trials if t.extra and t.extra.key == classes[0].generic.key]
     likeliest_one = max(first, key=lambda trial: trial.evidence)
-    return Adequacy(left, classes, doubt, disputes, structure=base, by_class=likeliest_one)
+    found = on_ways(ground, classes)
+    return Adequacy(left, found, doubt, disputes, structure=base, by_class=likeliest_one)
 
 
 def _shown_by(ground: Recorded, raced: Sequence[Fitted], left: Beyond, reached: float) -> Beyond:
@@ -206,9 +209,10 @@ def _staircases(ground: Recorded, base: Fitted, rows: Sequence[Row]) -> list[Fit
 def _raced(ground: Recorded, start: Fitted, rows: Sequence[Row], decided: Decided) -> list[Fitted]:
     """A structure with each of the best generic classes beside it, in place of the causes at its
     place and of all; with the best of these in place of each cause too. Those that may be better
-    than what was ``decided``."""
+    than what was ``decided``. Where a lag is what the linear problem favours most, what lags is
+    fitted as it is, too, whatever that predicts."""
     classes, offered, curves = classes_of(ground), [], decided.structure.causes
-    here = around(ground, start)
+    here, first = around(ground, start), (-np.inf, False)
     for one in classes:
         if not _may_take(ground, start, one.pushes):
             continue
@@ -216,6 +220,7 @@ def _raced(ground: Recorded, start: Fitted, rows: Sequence[Row], decided: Decide
         if _is_curve(generic, curves) and not _is_curve(generic, start.causes):
             continue
         gain = worth_of(here, generic) - np.log(len(classes) * generic.tried)
+        first = max(first, (float(gain), is_lag(generic)))
         if start.evidence + gain > decided.structure.evidence - CERTAIN:
             offered.append((gain, generic))
     offered.sort(key=lambda pair: -pair[0])
@@ -224,6 +229,7 @@ def _raced(ground: Recorded, start: Fitted, rows: Sequence[Row], decided: Decide
         return _beside(ground, start, rows, generic, kept)
 
     every = tuple(range(len(start.causes)))
+    lags = with_lags(ground, here, start, curves) if first[1] else []
     found: list[Fitted] = []
     for gain, generic in offered[:CLASSES_MOST]:  # a promise that was not kept rules nothing out
         reached = max((trial.evidence for trial in found), default=-np.inf)
@@ -231,6 +237,7 @@ def _raced(ground: Recorded, start: Fitted, rows: Sequence[Row], decided: Decide
             found += [tried(generic, kept) for kept in _kept(start.causes, generic)]
     answers = _answers(ground, found, decided)
     best = max(answers, key=lambda trial: trial.evidence, default=None)
+    found += lags
     if best is not None and _is_curve(best.extra, curves):
         return found
     if best is None or best.extra is None or len(every) < 2:
@@ -296,35 +303,6 @@ def _by_recording(cause: Hypothesis) -> bool:
     return cause.place is not None and cause.keys[0] in cause.own
 
 
-def _weights(trials: Sequence[Fitted]) -> Array:
-    """Posterior probabilities (T,)."""
-    scores = np.array([trial.evidence for trial in trials])
-    weight = np.exp(np.maximum(scores - scores.max(), -700.0))
-    return np.asarray(weight / weight.sum())
-
-
-def _classes(trials: Sequence[Fitted], enough: Collection[object]) -> tuple[Likely, ...]:
-    """The classes with their probabilities, the likeliest first; ``enough`` are those that explain
-    all. What a sensor does may be what its input does: where the two cannot be distinguished, the
-    input is named for both."""
-    found: dict[object, Likely] = {}
-    for trial, weight in zip(trials, _weights(trials), strict=True):
-        if trial.extra is not None:
-            key = trial.extra.key
-            known = found.get(key, Likely(trial.extra, 0.0, key in enough))
-            found[key] = known._replace(probability=known.probability + float(weight))
-    ranked = sorted(found.values(), key=lambda one: -one.probability)
-    for i, one in enumerate(ranked[1:], 1):
-        first = ranked[0]
-        if first.generic.kind == "sensor" and one.generic.kind in ("input", "lag"):
-            if one.probability > first.probability * np.exp(-CERTAIN):
-                both = one._replace(probability=one.probability + first.probability)
-                ranked = [both, *ranked[1:i], *ranked[i + 1 :]]
-            break
-    rounded = (one._replace(probability=min(one.probability, 1.0)) for one in ranked)
-    return tuple(one for one in rounded if one.probability > 1 - PROBABLE)
-
-
 def _doubted(
     trials: Sequence[Fitted],
     enough: Sequence[Fitted],
@@ -344,7 +322,7 @@ def _doubted(
         having = [trial for trial in trials if cause in trial.causes]
         lacking = [trial for trial in enough if not _stands_in(cause, trial, trials[0])]
         lacking += [trial for trial in plain if cause not in trial.all_causes]
-        chance = float(_weights([*having, *lacking])[: len(having)].sum())
+        chance = float(weights([*having, *lacking])[: len(having)].sum())
         if any(cause not in trial.causes for trial in spare) or chance < PROBABLE:
             doubt.add(cause)
     certain = any(one.probability > PROBABLE and one.whole for one in classes)

@@ -47,9 +47,9 @@ class Generic:
     a number), its columns for ``each`` stretch with the prior deviation ``spread`` (K,) of their
     coefficients and the prior ``mean`` (K,) in such deviations, what describes the one that fits
     best (a ``figure`` in SI, or NaN), what a channel ``does``, the ``other`` coordinate of a
-    coupling or inputs that are held too, and out of how many sets of columns these were the best
-    (``tried``). A force of stretch and rate is a function of one of them alone (``over``) where
-    that is the likeliest."""
+    coupling or inputs that are held too, ``sensors`` that together would lag as an input does, and
+    out of how many sets of columns these were the best (``tried``). A force of stretch and rate is
+    a function of one of them alone (``over``) where that is the likeliest."""
 
     kind: ClassName
     where: Place | str
@@ -58,6 +58,7 @@ class Generic:
     figure: float = float("nan")
     does: Does = ""
     other: str = ""
+    sensors: tuple[str, ...] = ()
     over: Literal["", "stretch", "rate"] = ""
     tried: int = 1
     mean: Array = field(default_factory=lambda: np.zeros(0))

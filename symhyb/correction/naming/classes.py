@@ -87,6 +87,12 @@ def _said(generic: Generic) -> str:
             return f"The input {at} {_BEHIND[generic.does]}"
         case "input":
             return f"The input {at} does not act in proportion to what was recorded of it"
+        case "lag" if generic.sensors:
+            amount = f", of the order of {quantity_text(figure, 's', digits=2)}"
+            order = amount if isfinite(figure) else ""
+            return (
+                f"Something lags on the way from the input {at} to {joined(generic.sensors)}{order}"
+            )
         case "lag":
             time = quantity_text(figure, "s", digits=2)
             return f"The input {at} acts through a lag, of the order of {time}"

@@ -9,7 +9,7 @@ from symhyb.model.types import Model
 _BESIDE = {
     "coupling": "a coupling",
     "input": "another effect of the input",
-    "lag": "a lag of the input",
+    "lag": "a lag",
     "hidden mode": "a hidden mode",
     "law": "a smooth force of stretch and rate",
     "time-varying": "a number that changes",

@@ -19,7 +19,7 @@ from symhyb.correction.naming.textbook import critical_share
 from symhyb.correction.search.conventions import Exchange, exchange
 from symhyb.correction.search.decision import Decision
 from symhyb.correction.search.score import believable
-from symhyb.correction.search.trajectory import Refined
+from symhyb.correction.search.trajectory import Refined, late_sensors
 from symhyb.discrepancy.places.hypotheses import CurvePoint, Hypothesis
 from symhyb.discrepancy.results import (
     Activity,
@@ -29,18 +29,17 @@ from symhyb.discrepancy.results import (
     Measurement,
     Reestimated,
 )
+from symhyb.discrepancy.words.amounts import joined
 from symhyb.discrepancy.words.effects import words_of
 from symhyb.discrepancy.words.formula import LAW, SYMBOLS, WARNING, law_element, law_unit
 from symhyb.discrepancy.words.formula import law_text as law_text_of
 from symhyb.discrepancy.words.wording import alternative_phrase, effect_sentence, percent_text
 from symhyb.judgement import PROBABLE, SIGNIFICANT
 from symhyb.laws.sided import SKEW
-from symhyb.model.actuators import ACTUATOR_KEYS, FAULT_KEYS, ChannelKind
+from symhyb.model.actuators import CHANNEL_KINDS, SENSOR_LAG
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import At, Between, Element, Model, On, Pair, Parameter, Place
 from symhyb.model.vocabulary import KINDS, expressed, key_of, key_unit, worded
-
-_CHANNEL_KINDS: Mapping[str, ChannelKind] = {key: key for key in (*FAULT_KEYS, *ACTUATOR_KEYS)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -252,16 +251,17 @@ def reestimated(
 
 
 def channel_faults(final: Refined, doubt: Collection[Hypothesis] = ()) -> tuple[Measurement, ...]:
-    """Gains, offsets, delays and numbers of actuators among the causes, in the units of their
-    channels, but those in doubt."""
+    """Gains, offsets, delays, numbers of actuators and lags of sensors among the causes, in the
+    units of their channels, but those in doubt."""
     declared = {item.path: item for item in final.machine.model.all_parameters()}
     rows = []
     for cause in final.causes:
-        if cause.kind in _CHANNEL_KINDS and cause not in doubt:
+        if cause.kind in CHANNEL_KINDS and cause not in doubt:
             item = declared[cause.path]
             value, sd = (number / item.unit.factor for number in final.value(cause.path))
-            kind = _CHANNEL_KINDS[cause.kind]
-            rows.append(Measurement(item.owner, kind, value, sd, item.unit.text))
+            kind = CHANNEL_KINDS[cause.kind]
+            for name in late_sensors(cause) or (item.owner,):
+                rows.append(Measurement(name, kind, value, sd, item.unit.text))
     return tuple(rows)
 
 
@@ -276,6 +276,8 @@ def cause_phrase(cause: Hypothesis) -> str:
         return said
     if cause.kind == "parameter":
         return alternative_phrase(replace(plain, parameter=cause.path))
+    if cause.kind == SENSOR_LAG:
+        return alternative_phrase(replace(plain, channel=joined(late_sensors(cause))))
     return alternative_phrase(replace(plain, channel=cause.path.split(".")[0]))
 
 

@@ -5,9 +5,10 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from symhyb.correction.naming.findings import Named, element_names
-from symhyb.correction.search.trajectory import Refined
+from symhyb.correction.search.trajectory import Refined, late_sensors
 from symhyb.discrepancy.posterior import Posterior
 from symhyb.discrepancy.results import Diagnosis
+from symhyb.model.actuators import SENSOR_LAG
 from symhyb.model.types import Model
 
 Row = tuple[str, str, float, float, str, str]
@@ -58,7 +59,9 @@ def _claimed(
         yield p.name, p.name, p.value, p.sd, p.unit, p.name
     for m in answer.measurement:
         name = f"{m.channel}.{m.kind}"
-        yield name, name, m.value, m.sd, m.unit, name
+        late = (cause.path for cause in final.causes if m.channel in late_sensors(cause))
+        path = next(late, "") if m.kind == SENSOR_LAG else name
+        yield name, path, m.value, m.sd, m.unit, name
 
 
 def _path(final: Refined, item: Named, term: str) -> str:

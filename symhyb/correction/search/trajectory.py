@@ -18,7 +18,8 @@ from symhyb.discrepancy.places.hypotheses import ASSUMED, Hypothesis
 from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.judgement import GAIN_REACH
 from symhyb.laws import LAWS
-from symhyb.model.actuators import ACTUATOR_KEYS, usual_unit
+from symhyb.model.actuators import ACTUATOR_KEYS, SENSOR_LAG, usual_unit
+from symhyb.model.late import with_lag
 from symhyb.model.types import Element, Input, Model, Parameter
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.lowered.known import with_known
@@ -141,14 +142,24 @@ def with_causes(
     model: Model, causes: Sequence[Hypothesis], values: Sequence[Mapping[str, float]]
 ) -> Model:
     """The model with the elements of the causes that are laws, of these ``values`` by key, SI, and
-    with the numbers of actuators that it does not state, as nothing."""
+    with the numbers of actuators that it does not state, as nothing, and with the sensors that lag,
+    by what was tried first."""
     elements: list[Element] = []
     for i, cause in enumerate(causes):
         if cause.place is not None:
             shared = {key: value for key, value in values[i].items() if "@" not in key}
             elements.append(cause.element(model, element_name(i), shared))
     inputs = tuple(_with_actuator(item, causes) for item in model.inputs)
-    return replace(model, elements=(*model.elements, *elements), inputs=inputs)
+    found = replace(model, elements=(*model.elements, *elements), inputs=inputs)
+    for cause in causes:
+        if cause.kind == SENSOR_LAG:
+            found = with_lag(found, late_sensors(cause), dict(cause.shape)["value"])
+    return found
+
+
+def late_sensors(cause: Hypothesis) -> tuple[str, ...]:
+    """The sensors that lag by the one time constant of a cause."""
+    return tuple(name for key, name in cause.options if key == "sensor")
 
 
 def _with_actuator(item: Input, causes: Sequence[Hypothesis]) -> Input:

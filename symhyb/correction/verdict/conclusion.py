@@ -12,7 +12,7 @@ from symhyb.correction.naming.actuator_rivals import (
     LagDoubt,
     actuator_rivals,
     lag_doubt,
-    named_for_input,
+    named_on_the_way,
 )
 from symhyb.correction.naming.classes import class_found, classes_said
 from symhyb.correction.naming.findings import (
@@ -82,7 +82,7 @@ def concluded(
     """The diagnosis of one choice, and what acts beyond it (``judged``); ``left`` are sentences on
     what is visible in the rest."""
     decision, final = choice.decision, known.final
-    judged = named_for_input(judged, choice.behind)
+    judged = named_on_the_way(judged, choice.behind)
     found = _found(model, prepared, decision, known, shown)
     parameters = reestimated(model, final, known.doubt)
     faults = channel_faults(final, known.doubt)

@@ -102,6 +102,9 @@ def measurement_phrase(fault: Measurement) -> str:
     """
     if fault.kind in ACTUATOR_KEYS:
         return f"{fault.channel} {_acts(fault)}"
+    if fault.kind == "sensor_lag":
+        time = small_text(fault.value, fault.unit, fault.sd)
+        return f"{fault.channel} shows what it measures through a lag of {time}"
     if fault.kind == "held":
         hold = small_text(fault.value, fault.unit, digits=3)
         return f"{fault.channel} is held from each sample to the next, for {hold}"
@@ -144,7 +147,7 @@ def alternative_phrase(rival: Alternative, *others: Alternative) -> str:
     listed = joined([_channel_amount(estimate) for estimate in rival.estimates])
     if rival.channel is not None:
         article = "an" if rival.kind[:1] in "aeiou" else "a"
-        kind = rival.kind.replace("_", " ")
+        kind = rival.kind.removeprefix("sensor_").replace("_", " ")
         named = f"{article} {kind} of {listed}" if listed else f"{article} {kind}"
         return f"{named} in channel {rival.channel}"
     return f"parameter {rival.parameter} = {listed}" if listed else f"parameter {rival.parameter}"

@@ -8,12 +8,15 @@ from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
+from numpy.typing import NDArray
 
 from symhyb.numeric.kernels.buffers import Array, call
 from symhyb.numeric.kernels.memory import kept
 from symhyb.numeric.lowered.dynamics import StateForm
 from symhyb.numeric.lowered.machine import Machine
 from symhyb.numeric.lowered.manifold import tangent
+
+Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -76,6 +79,21 @@ def linear(form: StateForm) -> bool:
     shown = ca.vertcat(rates, form.outputs()(*symbols)[0])
     bent = any(ca.which_depends(shown, both, 2, False))
     return not (bent or depends_on_time(form.machine))
+
+
+def reached(form: StateForm) -> Mask:
+    """Which sensor follows which drive (m, D), through the states or at once."""
+    symbols, rates = _rates(form)
+    x, d = symbols[:2]
+    shown = form.outputs()(*symbols)[0]
+    inner, pushed = _depends(rates, x), _depends(rates, d)
+    for _ in range(x.numel()):
+        pushed = pushed | (inner @ pushed)
+    return np.asarray((_depends(shown, x) @ pushed) | _depends(shown, d))
+
+
+def _depends(values: ca.SX, by: ca.SX) -> Mask:
+    return np.asarray(ca.DM(ca.jacobian_sparsity(values, by), 1).full() != 0)
 
 
 def energy_depends_on_time(machine: Machine) -> bool:

@@ -7,11 +7,22 @@ import numpy as np
 import pytest
 from builders import DRIVEN_MASS
 
-from symhyb.correction.adequacy.actuators import Behind, _as_likely, deviating_input, late_input
+from symhyb.correction.adequacy.actuators import (
+    Behind,
+    _as_likely,
+    deviating_input,
+    lagging_sensor,
+)
 from symhyb.correction.adequacy.beyond import Beyond
 from symhyb.correction.adequacy.judge import Adequacy
+from symhyb.correction.adequacy.late import sensor_lag_cause
 from symhyb.correction.adequacy.structure import Fitted, Generic, Likely
-from symhyb.correction.naming.actuator_rivals import actuator_rivals, lag_doubt, named_for_input
+from symhyb.correction.naming.actuator_rivals import (
+    actuator_rivals,
+    lag_doubt,
+    named_on_the_way,
+)
+from symhyb.correction.naming.classes import class_found
 from symhyb.correction.search.trajectory import limits_of, with_causes
 from symhyb.discrepancy.places.hypotheses import Hypothesis, parametric_hypotheses, with_channels
 from symhyb.discrepancy.results import Measurement
@@ -50,6 +61,19 @@ def trial(evidence: float, *keys: str) -> Fitted:
         causes=causes, evidence=evidence, machine=SimpleNamespace(model=model), fit=fit
     )
     return cast(Fitted, made)
+
+
+LATE = Generic("sensor", "laser", (), np.zeros(0), does="lags")
+NOTHING = Beyond(np.ones(1), np.ones(1), 1.0, 99.0)
+
+
+def late_trial(evidence: float) -> Fitted:
+    """A structure in which the laser lags, by 2 ± 0.1 s."""
+    model = parse_model(DRIVEN_MASS)
+    causes = (sensor_lag_cause(model, ("laser",), 1.0),)
+    fit = SimpleNamespace(values=np.array([2.0]), covariance=np.eye(1) * 0.01)
+    made = SimpleNamespace(model=with_causes(model, causes, [{"value": 0.0}]))
+    return cast(Fitted, SimpleNamespace(causes=causes, evidence=evidence, machine=made, fit=fit))
 
 
 def test_structures_that_are_as_likely_stand_together_once_each() -> None:
@@ -109,53 +133,91 @@ def test_drag_makes_a_machine_nonlinear() -> None:
 
 
 def test_what_is_not_distinguished_stands_among_the_alternatives() -> None:
-    both = Behind((trial(100.0, "rate_limit", "lag"), trial(98.0, "limit")), ("laser",))
-    rate, lag, limit, sensor = actuator_rivals(both, 4)
-    assert [one.kind for one in (rate, lag, limit, sensor)] == [
-        "rate_limit",
-        "lag",
-        "limit",
-        "lag",
-    ]
-    assert [one.together for one in (rate, lag, limit, sensor)] == [4, 4, 0, 0]
+    both = Behind((trial(100.0, "rate_limit", "lag"), trial(98.0, "limit")))
+    rate, lag, limit = actuator_rivals(both, 4)
+    assert [one.kind for one in (rate, lag, limit)] == ["rate_limit", "lag", "limit"]
+    assert [one.together for one in (rate, lag, limit)] == [4, 4, 0]
     assert [one.evidence for one in (rate, limit)] == pytest.approx([0.0, 4.0])
-    assert (sensor.channel, sensor.estimates) == ("laser", ())
     (number,) = rate.estimates
     assert (number.value, number.sd, number.unit) == pytest.approx((2.0, 0.1, "N/s"))
     assert alternative_phrase(limit) == "a limit of 2.00 ± 0.10 N in channel f"
     assert alternative_phrase(rate).startswith("a rate limit of 2.00 ± 0.10 N/s")
 
 
-@pytest.mark.parametrize("always", [True, False])
-def test_a_lag_that_may_be_of_a_sensor_is_said_with_what_to_record(always: bool) -> None:
-    behind = Behind((trial(100.0, "lag"),), ("laser",), always)
+def test_a_lag_that_may_be_of_its_sensor_is_one_of_both() -> None:
+    """Of a linear machine with one way no motion distinguishes them: one number for both."""
+    behind = Behind((trial(100.0, "lag"),), ("laser",), "f")
     doubt = lag_doubt(behind)
     assert doubt is not None
     assert doubt.said.startswith("A lag of the input f shows as one of laser would: ")
-    assert ("linear" in doubt.said) == always
-    assert ("in these recordings" in doubt.said) == (not always)
+    assert "this machine is linear and nothing else drives what laser shows" in doubt.said
     assert "one of laser no other sensor" in doubt.record_next
     assert lag_doubt(Behind((trial(100.0, "lag"),))) is None
-    late = Generic("sensor", "laser", (), np.zeros(0), does="lags")
-    nothing = Beyond(np.ones(1), np.ones(1), 1.0, 99.0)
-    judged = named_for_input(Adequacy(nothing, (Likely(late, 0.99),)), behind)
-    (one,) = judged.classes
-    named = ("lag", "f", 2.0) if always else ("sensor", "laser", pytest.approx(np.nan, nan_ok=True))
-    assert (one.generic.kind, one.generic.where, one.generic.figure) == named
-    assert one.probability == 0.99
+    lag, sensor = actuator_rivals(behind, 4)
+    assert (lag.channel, sensor.channel, sensor.together) == ("f", "laser", 0)
+    assert lag.estimates[0].value == sensor.estimates[0].value == 2.0
+    assert alternative_phrase(sensor) == "a lag of 2.00 ± 0.10 s in channel laser"
 
 
-@pytest.mark.parametrize(
-    ("does", "text", "input_"),
-    [("lags", "", "f"), ("drifts", "", None), ("lags", AIR, None)],
-    ids=["linear", "it drifts", "air"],
-)
-def test_the_lag_of_a_sensor_of_a_linear_machine_asks_for_that_of_the_input(
-    does: Any, text: str, input_: str | None
+def test_what_fits_best_may_be_the_sensor_where_no_recording_distinguishes_them() -> None:
+    """An actuator begins as if the first value had acted for long, so that its fit may be worse."""
+    behind = Behind((late_trial(100.0),), ("laser",), "f")
+    doubt = lag_doubt(behind)
+    assert doubt is not None
+    assert doubt.said.startswith("A lag of the input f shows as one of laser would: this machine ")
+    sensor, lag = actuator_rivals(behind, 4)
+    assert [(one.kind, one.channel) for one in (sensor, lag)] == [
+        ("sensor_lag", "laser"),
+        ("lag", "f"),
+    ]
+    assert lag.estimates[0].term == "lag"
+
+
+def test_what_is_as_likely_in_these_recordings_is_said_otherwise() -> None:
+    behind = Behind((trial(100.0, "lag"), late_trial(99.0)), ("laser",))
+    doubt = lag_doubt(behind)
+    assert doubt is not None
+    assert doubt.said.endswith("both are as likely in these recordings.")
+    lag, sensor = actuator_rivals(behind, 4)
+    assert (lag.channel, sensor.channel, sensor.kind) == ("f", "laser", "sensor_lag")
+    assert (lag.evidence, sensor.evidence) == pytest.approx((0.0, 2.0))
+
+
+def test_sensors_alone_that_may_lag_are_no_class_of_an_input() -> None:
+    behind = Behind((late_trial(100.0), late_trial(99.0)), ("laser", "encoder"))
+    doubt = lag_doubt(behind)
+    assert doubt is not None
+    assert doubt.said.startswith("Which of the sensors laser and encoder lags is not known")
+    judged = Adequacy(NOTHING, (Likely(LATE, 0.99),))
+    assert named_on_the_way(judged, behind) == judged
+
+
+@pytest.mark.parametrize("always", ["f", ""])
+@pytest.mark.parametrize("first", ["sensor", "input"])
+def test_the_class_of_a_lag_is_that_of_the_way_and_names_no_input_alone(
+    first: str, always: str
 ) -> None:
-    sensor = Generic("sensor", "laser", (), np.zeros(0), does=does)
-    judged = cast(Any, SimpleNamespace(classes=(Likely(sensor, 0.9),)))
-    assert late_input(judged, build(parse_model(DRIVEN_MASS + text))) == input_
+    lag = Generic("lag", "f", (), np.zeros(0))
+    drift = Generic("sensor", "laser", (), np.zeros(0), does="drifts")
+    ways = (LATE, lag) if first == "sensor" else (lag, LATE)
+    likely = (Likely(ways[0], 0.7), Likely(drift, 0.1), Likely(ways[1], 0.2))
+    behind = Behind((trial(100.0, "lag"),), ("laser",), always)
+    one, other = named_on_the_way(Adequacy(NOTHING, likely), behind).classes
+    assert (one.probability, other.generic.does) == (pytest.approx(0.9), "drifts")
+    assert class_found(one).sentence == (
+        "Something lags on the way from the input f to laser, of the order of 2 s "
+        "(probability 90 %)."
+    )
+
+
+def test_only_a_sensor_that_lags_asks_for_its_lag() -> None:
+    def judged(does: Any) -> Any:
+        sensor = Generic("sensor", "laser", (), np.zeros(0), does=does)
+        return SimpleNamespace(classes=(Likely(sensor, 0.9),))
+
+    assert lagging_sensor(judged("lags")) == "laser"
+    assert lagging_sensor(judged("drifts")) is None
+    assert lagging_sensor(cast(Any, SimpleNamespace(classes=()))) is None
 
 
 @pytest.mark.parametrize(
