@@ -34,6 +34,7 @@ from symhyb.cli_options import (
 from symhyb.cli_recording import compare, fit, look
 from symhyb.cli_view import view
 from symhyb.cli_watch import watch
+from symhyb.data.groups import by_name
 from symhyb.export.verb import export
 from symhyb.imports.verb import import_
 from symhyb.interruption import is_interruption, listen
@@ -88,7 +89,16 @@ def diagnose(
         typer.Option(
             metavar="NAME",
             help="What every recording has its own value of, all else being shared: a parameter of"
-            " the model ('m') or a key of a law ('drag'). Repeat it.",
+            " the model ('m') or a key of a law ('drag'); 'drag=mount' shares it within the groups"
+            " of a column of --groups. Repeat it.",
+        ),
+    ] = None,
+    groups: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="TABLE",
+            help="Groups of recordings that share numbers: CSV with a column 'recording' and one"
+            " for each grouping ('mount').",
         ),
     ] = None,
     finish: Annotated[
@@ -139,11 +149,12 @@ def diagnose(
         tuple(Source(path, span=(start, end)) for path in recordings),
         tuple(Source(path) for path in holdout or ()),
         read_map(columns),
-        own=tuple(own or ()),
+        own=by_name(dict(_grouping(name) for name in own or ())),
         last_values=finish,
         remainder=remainder,
         network=network,
         known=known,
+        groups=groups,
     )
     require_folder(output)
     with printed_if_interrupted(output, as_json) as keep, progress() as say:
@@ -158,6 +169,12 @@ def diagnose(
     else:
         print_result(result, output)
     raise typer.Exit(result.exit_status)
+
+
+def _grouping(text: str) -> tuple[str, str]:
+    """The name and the grouping of an entry of --own."""
+    name, _, by = text.partition("=")
+    return name.strip(), by.strip()
 
 
 @app.command()

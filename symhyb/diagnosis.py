@@ -54,6 +54,7 @@ from symhyb.correction.verdict.refusal import (
     with_faults,
 )
 from symhyb.data.cleaning import still
+from symhyb.data.groups import Own
 from symhyb.data.recording import Recording, several
 from symhyb.discrepancy.places.memoryless import memoryless
 from symhyb.discrepancy.results import Diagnosis, Misfit, Repeats
@@ -91,18 +92,20 @@ def diagnose(
     recordings: Recording | Sequence[Recording],
     holdout: Recording | Sequence[Recording] = (),
     *,
-    own: Sequence[str] = (),
+    own: Sequence[str] | Own = (),
     say: Say | None = None,
 ) -> Diagnosis:
     """Say what the model lacks, from recordings of the machine.
 
     ``holdout`` are unseen recordings: they prove (shares and scores) and never choose. ``own``
     names what every recording has its own value of: parameters of the model, or keys of laws that
-    may be found (``drag``); the phase of a harmonic force always. ``say`` gets a short line at
-    every step.
+    may be found (``drag``); the phase of a harmonic force always. As a mapping, ``{"drag":
+    "mount"}``, it says within which groups of recordings a number is shared. ``say`` gets a short
+    line at every step.
 
     Raises:
-        InputError: recordings that cannot be used with this model, or an unknown name in ``own``.
+        InputError: recordings that cannot be used with this model, an unknown name in ``own``, or
+            a group that recordings do not state.
         NumericsError: the model cannot be simulated along the recordings at all.
     """
     return advised(conclude(model_of(model), recordings, holdout, own=own, say=say), say)
@@ -113,7 +116,7 @@ def conclude(
     recordings: Recording | Sequence[Recording],
     holdout: Recording | Sequence[Recording] = (),
     *,
-    own: Sequence[str] = (),
+    own: Sequence[str] | Own = (),
     say: Say | None = None,
 ) -> Concluded:
     """:func:`diagnose` up to the advice on what to record next, which :func:`advised` adds."""
@@ -126,7 +129,7 @@ def _concluded(
     model: Model,
     recordings: Recording | Sequence[Recording],
     holdout: Recording | Sequence[Recording],
-    own: Sequence[str],
+    own: Sequence[str] | Own,
     tell: Say,
 ) -> Concluded:
     if still(several(recordings)):
@@ -193,7 +196,7 @@ def _decided(
     model: Model,
     recordings: Recording | Sequence[Recording],
     holdout: Recording | Sequence[Recording],
-    own: Sequence[str],
+    own: Sequence[str] | Own,
     tell: Say,
 ) -> _Decided:
     """The causes that the recordings choose."""
@@ -274,7 +277,7 @@ def _prepared(
     model: Model,
     recordings: Recording | Sequence[Recording],
     holdout: Recording | Sequence[Recording],
-    own: Sequence[str],
+    own: Sequence[str] | Own,
 ) -> tuple[Prepared, Setting]:
     """Motion, noise, windows and hypotheses, with a clock that drifts put right."""
     prepared = prepare(model, recordings, holdout, own=own)

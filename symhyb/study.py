@@ -12,12 +12,8 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from importlib import metadata
-from itertools import product
 from pathlib import Path
 from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
 
 from symhyb import __version__
 from symhyb.asked import asked
@@ -28,6 +24,8 @@ from symhyb.correction.learning.remainder import NO_REMAINDER, remainder
 from symhyb.correction.search.so_far import if_interrupted
 from symhyb.data.cleaning import cleaned, still
 from symhyb.data.datasets import fetch
+from symhyb.data.group_table import read_groups
+from symhyb.data.groups import require_groups
 from symhyb.data.known import require_known
 from symhyb.data.known_table import table_of_known
 from symhyb.data.recording import Recording, read_recording
@@ -50,6 +48,7 @@ from symhyb.report.contract import exit_status, to_json
 from symhyb.report.files import write_diagnosis, write_report, write_simulation
 from symhyb.steps import Say, silent
 from symhyb.study_file import Source, Study, read_study
+from symhyb.study_unseen import require_unseen
 from symhyb.writing import require_folder, staged
 
 COMPLETE = "the diagnosis, which is written; only what to record next is not worked out"
@@ -158,6 +157,7 @@ def carry_out(study: Study, say: Say | None = None, leave: Leave | None = None) 
         window_s=study.window_s,
         force_band_hz=study.force_band_hz,
         correlations=diagnosis.correlations,
+        own={one.name: diagnosis.values_of(one) for one in (*train, *holdout)},
     )
     say("first checks")
     first = _first_checks(model, corrected, seen, verdict)
@@ -283,11 +283,12 @@ def manifest(result: StudyResult) -> dict[str, Any]:
                 "span": list(source.span),
                 **({"map": dict(source.columns)} if source.columns else {}),
                 **({"parameters": dict(recording.parameters)} if recording.parameters else {}),
+                **({"groups": dict(recording.groups)} if recording.groups else {}),
             }
             for role, recording, source in _runs(result)
         ],
         "map": dict(study.columns or {}),
-        **({"own": list(study.own)} if study.own else {}),
+        **({"own": study.stated_own} if study.own else {}),
         "finish": {
             "values": study.last_values,
             "remainder": study.remainder,
@@ -313,12 +314,18 @@ def read_all(study: Study, model: Model) -> tuple[tuple[Recording, ...], tuple[R
     problems: list[Problem] = []
     read: dict[Source, Recording] = {}
     table = table_of_known(study.known, model)
+    grouped = read_groups(study.groups) if study.groups else None
     for source in (*study.train, *study.holdout):
         try:
             path = source.file or fetch(*source.data.split("/", 1))
             known = dict(source.parameters) if table is None else table.of(path)
             read[source] = read_recording(
-                path, model, study.columns_of(source), span=source.span, parameters=known
+                path,
+                model,
+                study.columns_of(source),
+                span=source.span,
+                parameters=known,
+                groups=dict(source.groups) if grouped is None else grouped.of(path),
             )
         except InputError as error:
             problems.extend(error.problems)
@@ -326,31 +333,10 @@ def read_all(study: Study, model: Model) -> tuple[tuple[Recording, ...], tuple[R
         raise InputError(dict.fromkeys(problems))
     train = tuple(read[source] for source in study.train)
     holdout = tuple(read[source] for source in study.holdout)
-    require_known(model, (*train, *holdout), study.own)
-    for seen, unseen in product(train, holdout):
-        common = seen.common(unseen)
-        if common.size:
-            raise InputError(Problem(_seen_before(common, unseen), "holdout", unseen.name))
+    require_known(model, (*train, *holdout), tuple(study.own))
+    require_groups(train, holdout, study.own)
+    require_unseen(train, holdout)
     return train, holdout
-
-
-def _seen_before(common: NDArray[np.float64], unseen: Recording) -> str:
-    """Say that ``common`` times (K,) of an unseen recording are in a training recording, and the
-    cure: a span includes the samples at both its ends."""
-    why = "what is learned from cannot prove anything"
-    if common.size == unseen.t.size:
-        return f"is a training recording too; {why}"
-    if common.size > 1:
-        stretch = f"{common[0]:g} … {common[-1]:g} s"
-        return f"{stretch} of it are in a training recording too; {why}; let the spans not overlap"
-    behind = unseen.t[unseen.t > common[0]]
-    cure = "let one span end before it"
-    if behind.size and common[0] == unseen.t[0]:
-        cure = f"begin this span behind it, as in [{(common[0] + behind[0]) / 2:.9g}, …]"
-    return (
-        f"its sample at {common[0]:.9g} s is in a training recording too, for a span includes the"
-        f" samples at both its ends; {cure}"
-    )
 
 
 def _runs(result: StudyResult) -> Iterator[tuple[str, Recording, Source]]:

@@ -28,12 +28,14 @@ import os
 import re
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import islice, takewhile
 from pathlib import Path
+from typing import Any
 
 from symhyb.data.catalogue import named, unknown
 from symhyb.data.formats import split_part
+from symhyb.data.groups import EACH, Own, by_name
 from symhyb.data.rows import Span
 from symhyb.errors import InputError, Problem, did_you_mean
 from symhyb.limits import text_of
@@ -63,13 +65,14 @@ class Source:
     """Where a recording comes from: the path ``file``, or ``data`` = ``"emps/DATA_EMPS.mat"``, a
     file of a known public recording. ``span`` (start, end) in s drops the rest. ``columns`` are the
     entries of the map that this recording has for itself, ``parameters`` the known values of
-    parameters in it, in the units of the model."""
+    parameters in it, in the units of the model, ``groups`` those of which it is, by grouping."""
 
     file: Path | None = None
     data: str = ""
     span: Span = (None, None)
     columns: tuple[tuple[str, str], ...] = ()
     parameters: tuple[tuple[str, float], ...] = ()
+    groups: tuple[tuple[str, str], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,8 +81,9 @@ class Study:
     :func:`symhyb.read_recording`, for all recordings; ``file`` is None for a study that no
     file states. ``last_values``: whether every uncertain number of the corrected model is fitted
     once more to all training recordings; ``remainder`` the coordinate that then gets a smooth
-    remainder, ``network`` the one that gets a trained network, None for none. ``known`` is a table
-    of known values of parameters in each recording."""
+    remainder, ``network`` the one that gets a trained network, None for none. ``own`` has for each
+    name of what not all recordings share the grouping of those that do, empty for none. ``known``
+    is a table of known values of parameters in each recording, ``groups`` one of their groups."""
 
     model: Path
     train: tuple[Source, ...]
@@ -90,15 +94,23 @@ class Study:
     window_s: float | None = None
     force_band_hz: float | None = None
     file: Path | None = None
-    own: tuple[str, ...] = ()
+    own: Own = field(default_factory=dict)
     last_values: bool = False
     remainder: str | None = None
     network: str | None = None
     known: Path | None = None
+    groups: Path | None = None
 
     def columns_of(self, source: Source) -> Mapping[str, str]:
         """The map of one recording: its own entries before those of all recordings."""
         return {**(self.columns or {}), **dict(source.columns)}
+
+    @property
+    def stated_own(self) -> list[str] | dict[str, str]:
+        """What not all recordings share, as a study file says it."""
+        if not any(self.own.values()):
+            return list(self.own)
+        return {name: by or EACH for name, by in self.own.items()}
 
 
 def read_study(
@@ -172,13 +184,18 @@ def _flag(table: Table, key: str) -> bool:
     return value is True
 
 
-def _own(root: Table) -> tuple[str, ...]:
-    """The names of what every recording has its own value of."""
-    listed = root.entries.get("own", [])
+def _own(root: Table) -> dict[str, str]:
+    """The names of what not all recordings share, each with the grouping of those that do."""
+    stated: Any = root.entries.get("own", [])
+    listed = list(stated.values()) if isinstance(stated, dict) else stated
     if not isinstance(listed, list) or not all(isinstance(name, str) for name in listed):
-        root.fault(f'must be a list of names, like ["m", "drag"], not {describe(listed)}', "own")
-        return ()
-    return tuple(listed)
+        text = (
+            'must be a list of names, like ["m", "drag"], or say within which groups each is '
+            f'shared, like {{ drag = "mount" }}, not {describe(stated)}'
+        )
+        root.fault(text, "own")
+        return {}
+    return by_name(stated)
 
 
 def _sources(root: Table, key: str, folders: Folders) -> Iterator[Source]:
@@ -191,14 +208,22 @@ def _sources(root: Table, key: str, folders: Folders) -> Iterator[Source]:
         root.fault("name at least one recording to learn from", key)
     for number, entries in enumerate(listed, 1):
         table = Table((f"{key}[{number}]",), entries, root.faults)
-        table = table.checked(("file", "data", "span", "map", "parameters"))
+        table = table.checked(("file", "data", "span", "map", "parameters", "groups"))
         if sum(not table.lacks(name) for name in ("file", "data")) != 1:
             table.fault("state exactly one of file and data")
         file, data = table.text("file"), table.text("data") or ""
         if data:
             _check_data(table, data)
         own = tuple((_map(table) or {}).items())
-        yield Source(_file(table, "file", file, folders), data, _span(table), own, _known(table))
+        found, groups = _file(table, "file", file, folders), _groups(table)
+        yield Source(found, data, _span(table), own, _known(table), groups)
+
+
+def _groups(table: Table) -> tuple[tuple[str, str], ...]:
+    """The groups of one recording: grouping and label."""
+    groups = table.table("groups")
+    found = [(by, groups.text(by)) for by in groups.entries] if groups else []
+    return tuple((by, label) for by, label in found if label is not None)
 
 
 def _known(table: Table) -> tuple[tuple[str, float], ...]:

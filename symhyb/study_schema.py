@@ -33,7 +33,7 @@ def study_schema() -> Schema:
         "about": text("text for people"),
         "model": text("the model file, relative to this file"),
         "map": _map("channel = column, for all recordings"),
-        "own": listed("what every recording has its own value of", text("a parameter or a key"), 0),
+        "own": _own(),
         "train": listed("recordings to learn from", source, 1),
         "holdout": listed("unseen recordings, for the proof alone", source, 0),
         "score": _score(),
@@ -52,6 +52,12 @@ def _map(about: str) -> Schema:
     return named(about, column)
 
 
+def _own() -> Schema:
+    each = listed("what every recording has its own value of", text("a parameter or a key"), 0)
+    within = named("by parameter or key, within which groups it is shared", text("a grouping"))
+    return {"anyOf": [each, within]}
+
+
 def _recording() -> Schema:
     keys = {
         "file": text("a file, relative to this file"),
@@ -62,6 +68,7 @@ def _recording() -> Schema:
             "known values in this recording, in the units of the model",
             number("of a parameter of the model"),
         ),
+        "groups": named("of which groups this recording is, by grouping", text("a group")),
     }
     return table(keys, oneOf=one_given(("file", "data")))
 

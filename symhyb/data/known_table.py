@@ -8,23 +8,18 @@ A column a parameter, in the unit of its header, else in that of the model; a ro
 recording whose path ends with its name.
 """
 
-import csv
 import math
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from io import StringIO
-from pathlib import Path, PurePath
+from pathlib import Path
 
+from symhyb.data.by_recording import NAMES, cells_of, row_of
 from symhyb.data.known import unit_text, unusable
 from symhyb.data.table import split_unit
 from symhyb.errors import InputError, Problem
-from symhyb.limits import text_of
 from symhyb.model.types import Model, Parameter
 from symhyb.units import UnitError, parse_unit
-
-NAMES = "recording"
-"""The column that names the recordings."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,16 +37,7 @@ class KnownTable:
         Raises:
             InputError: no row for it.
         """
-        path = PurePath(recording).parts
-        fitting = [
-            (len(parts), values)
-            for name, values in self.rows
-            if path[-len(parts := PurePath(name).parts) :] == parts
-        ]
-        if not fitting:
-            text = f"has no row for the recording '{recording}'"
-            raise InputError(Problem(text, NAMES, self.file))
-        return max(fitting, key=lambda row: row[0])[1]
+        return row_of(self.rows, recording, self.file)
 
 
 def read_known(path: str | os.PathLike[str], model: Model) -> KnownTable:
@@ -62,7 +48,7 @@ def read_known(path: str | os.PathLike[str], model: Model) -> KnownTable:
             hold no finite number, or recordings that are named twice: all problems at once.
     """
     file = Path(path)
-    rows = _cells(file)
+    rows = cells_of(file)
     if not rows:
         raise InputError(Problem("the file is empty", file=str(file)))
     (line, head), *body = rows
@@ -115,19 +101,6 @@ def values_in(
         InputError: the table has no row for it.
     """
     return None if table is None else table.of(recording)
-
-
-def _cells(file: Path) -> list[tuple[int, list[str]]]:
-    """The rows of a table with the numbers of their lines, without those that are empty."""
-    text = text_of(file)
-    lines = [line for line in text.splitlines() if line.strip()]
-    delimiter = max(",;\t", key=lines[0].count) if lines else ","
-    reader = csv.reader(StringIO(text), delimiter=delimiter, skipinitialspace=True)
-    try:
-        rows = [(reader.line_num, [cell.strip() for cell in row]) for row in reader]
-    except csv.Error as error:
-        raise InputError(Problem(f"is no table: {error}", file=str(file))) from None
-    return [(number, row) for number, row in rows if any(row)]
 
 
 def _columns(

@@ -14,6 +14,7 @@ from symhyb.data.channels import Channels, take
 from symhyb.data.columns import map_columns
 from symhyb.data.formats import read_table
 from symhyb.data.frames import table_of_dataset, table_of_frame
+from symhyb.data.groups import group_note, groups_in
 from symhyb.data.inspection import input_notes, sampling_notes, sensor_notes
 from symhyb.data.known import known_in, known_note
 from symhyb.data.rows import SHORTEST, Span, tidy, without_silent_sensors
@@ -49,6 +50,8 @@ class Recording:
         units: by channel the unit of the model file, in which frames and pictures show it.
         parameters: by path what is known of parameters in this recording, in place of the values
             of the model.
+        groups: by grouping (``mount``) the group of which this recording is, whose recordings share
+            numbers that others have other values of.
     """
 
     name: str
@@ -59,6 +62,7 @@ class Recording:
     sha256: str = ""
     units: Mapping[str, Unit] = field(default_factory=dict)
     parameters: Mapping[str, float] = field(default_factory=dict)
+    groups: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         require_samples(self)
@@ -151,6 +155,7 @@ class Recording:
         name: str = "frame",
         span: Span = (None, None),
         parameters: Mapping[str, float] | None = None,
+        groups: Mapping[str, str] | None = None,
     ) -> "Recording":
         """A recording from a frame of pandas, or from a mapping of names to columns.
 
@@ -158,15 +163,17 @@ class Recording:
         rest is as for files (:func:`read_recording`): channels are found by name or through the map
         ``columns``, and cleaned with notes. The unit of a column is that in ``units`` = {"laser":
         "mm"}, else that behind its name (``laser [mm]``), else that in ``frame.attrs["units"]``,
-        else that of the model. ``span`` = (start, end) in s; ``parameters`` as for files.
+        else that of the model. ``span`` = (start, end) in s; ``parameters`` and
+        ``groups`` as for files.
 
         Raises:
             InputError: as :func:`read_recording`.
         """
         table = table_of_frame(frame, units, visible(name))
         known = known_in(model, parameters, visible(name))
+        within = groups_in(groups, visible(name))
         channels = map_columns(table, model, columns)
-        return recorded(table, channels, model, span, visible(name), known)
+        return recorded(table, channels, model, span, visible(name), known, within)
 
     def to_frame(self) -> "pd.DataFrame":
         """The channels in the units of the model file, as columns over the index ``t`` in s;
@@ -185,6 +192,7 @@ class Recording:
         name: str = "dataset",
         span: Span = (None, None),
         parameters: Mapping[str, float] | None = None,
+        groups: Mapping[str, str] | None = None,
     ) -> "Recording":
         """A recording from a dataset of xarray along one dimension, the time (in s, dates or
         durations); as :meth:`from_frame`, with the units in ``attrs["units"]`` of each variable.
@@ -194,8 +202,9 @@ class Recording:
         """
         table = table_of_dataset(dataset, units, visible(name))
         known = known_in(model, parameters, visible(name))
+        within = groups_in(groups, visible(name))
         channels = map_columns(table, model, columns)
-        return recorded(table, channels, model, span, visible(name), known)
+        return recorded(table, channels, model, span, visible(name), known, within)
 
     def to_xarray(self) -> "xr.Dataset":
         """The channels in the units of the model file along ``t`` in s, as a dataset of xarray.
@@ -249,7 +258,7 @@ class Recording:
             raise InputError(Problem(text, file=self.name))
         whole = Channels(self.t, self.inputs, self.sensors, self.notes)
         part = without_silent_sensors(take(whole, keep, note))
-        return _recording(self.name, part, self.sha256, self.units, self.parameters)
+        return _recording(self.name, part, self.sha256, self.units, self.parameters, self.groups)
 
     def _outside(self, verb: str, limit: float) -> InputError:
         text = f"cannot {verb} at {limit:g} s: the recording is {self.t[0]:g} … {self.t[-1]:g} s"
@@ -264,6 +273,7 @@ def read_recording(
     *,
     span: Span = (None, None),
     parameters: Mapping[str, float] | None = None,
+    groups: Mapping[str, str] | None = None,
 ) -> Recording:
     """Read a recording of the machine that ``model`` describes: CSV, MAT, JSON, Parquet,
     Excel, MDF, TDMS, RPC III, ULog or a bag of ROS, by its suffix; ``FILE#PART`` is one sheet,
@@ -275,7 +285,9 @@ def read_recording(
     that of the model. Channels sampled at different times are put on the union of their times,
     which ``"accel": "acc @ t_acc"`` names where they do not stand beside the channel. ``span`` =
     (start, end) in s drops the rest of the file before it is judged. ``parameters`` = {"m": 0.5}
-    are those of which this recording has a known value of its own, in the units of the model.
+    are those of which this recording has a known value of its own, in the units of the model;
+    ``groups`` = {"mount": "A"} are those of recordings that share numbers with it
+    (``own={"coulomb": "mount"}`` of :func:`symhyb.diagnose`).
 
     Raises:
         InputError: the file, the map or a known value is wrong, a needed channel is missing, time
@@ -283,9 +295,10 @@ def read_recording(
             left.
     """
     known = known_in(model, parameters, visible(os.fspath(path)))
+    within = groups_in(groups, visible(os.fspath(path)))
     table = read_table(path)
     channels = map_columns(table, model, columns)
-    return recorded(table, channels, model, span, known=known)
+    return recorded(table, channels, model, span, known=known, groups=within)
 
 
 def recorded(
@@ -295,9 +308,11 @@ def recorded(
     span: Span = (None, None),
     name: str = "",
     known: Mapping[str, float] | None = None,
+    groups: Mapping[str, str] | None = None,
 ) -> Recording:
     """The recording that the ``channels`` of a ``table`` are, with notes on them; its ``name`` is
-    that of the table's file unless given; ``known`` are values of parameters, SI.
+    that of the table's file unless given; ``known`` are values of parameters, SI, ``groups`` those
+    of which it is.
 
     Raises:
         InputError: as :func:`read_recording`, but for the map.
@@ -319,7 +334,9 @@ def recorded(
     called = name or visible(Path(table.file).name)
     if known:
         noted = replace(noted, notes=(*noted.notes, known_note(model, known)))
-    return _recording(called, noted, table.sha256, used, known or {})
+    if groups:
+        noted = replace(noted, notes=(*noted.notes, group_note(groups)))
+    return _recording(called, noted, table.sha256, used, known or {}, groups or {})
 
 
 def _recording(
@@ -328,6 +345,7 @@ def _recording(
     sha256: str,
     units: Mapping[str, Unit],
     parameters: Mapping[str, float],
+    groups: Mapping[str, str],
 ) -> Recording:
     """Freeze what was read: the arrays of a value must not change under its feet."""
     recording = Recording(
@@ -339,6 +357,7 @@ def _recording(
         sha256,
         units,
         parameters,
+        groups,
     )
     for array in (recording.t, *recording.inputs.values(), *recording.sensors.values()):
         array.setflags(write=False)

@@ -29,6 +29,7 @@ from symhyb.discrepancy.aside import (
     SignalName,
 )
 from symhyb.discrepancy.evidence import Correlations, Worth
+from symhyb.discrepancy.owned import values_of
 from symhyb.discrepancy.posterior import CHAINS, DRAWS, Posterior
 from symhyb.discrepancy.scored import Comparison, Score, Trace, Verdict
 from symhyb.drawn import drawn
@@ -39,6 +40,8 @@ from symhyb.shown import card, counted
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from symhyb.data.recording import Recording
 
 __all__ = [
     "Activity",
@@ -107,6 +110,9 @@ class Found:
     its causes stay chosen; None where there are too few windows. ``probability`` is the posterior
     one; None of what only whole recordings added. ``own`` are the values that are each recording's
     own, by the name of the recording; ``element`` and ``estimates`` hold those of the first.
+    ``groups`` are the values that recordings of a group share, by the name of the grouping and of
+    the group; ``element`` and ``estimates`` hold their mean, with the deviation that a group which
+    was not recorded has from it.
     ``worth`` is what it amounts to along the training recordings.
 
     An estimate is an attribute by its term or name: ``found.coulomb.value``.
@@ -121,6 +127,7 @@ class Found:
     stability: float | None = None
     probability: float | None = None
     own: tuple[tuple[str, tuple[Estimate, ...]], ...] = ()
+    groups: tuple[tuple[str, str, tuple[Estimate, ...]], ...] = ()
     worth: Worth | None = None
 
     def __post_init__(self) -> None:
@@ -151,7 +158,9 @@ class Found:
 @dataclass(frozen=True, slots=True)
 class Reestimated:
     """A parameter of the model that the recordings contradict; ``own`` has (recording, value, sd)
-    where every recording has its own, ``value`` that of the first."""
+    where every recording has its own, ``value`` that of the first; ``groups`` (grouping, group,
+    value, sd) where groups of recordings do, ``value`` their mean and ``sd`` the deviation that a
+    group which was not recorded has from it."""
 
     name: str
     was: float
@@ -159,6 +168,7 @@ class Reestimated:
     sd: float
     unit: str
     own: tuple[tuple[str, float, float], ...] = ()
+    groups: tuple[tuple[str, str, float, float], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -321,6 +331,12 @@ class Diagnosis:
         ``causes`` (elements or kinds), by default of all: returns the axes of matplotlib, two a
         place; what is given as ``ax`` is drawn on (:mod:`symhyb.report.axes`)."""
         return drawn("diagnosis", self, ax, causes=causes)
+
+    def values_of(self, recording: "Recording") -> dict[str, float]:
+        """What a ``recording`` does not share with all others, by path in the corrected model and
+        in its units: its own values and those of its groups. Of a group that is not known there is
+        none, and the model has the mean."""
+        return values_of(self.found, self.parameters, recording)
 
     @property
     def correlations(self) -> Correlations | None:

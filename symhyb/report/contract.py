@@ -54,6 +54,7 @@ from symhyb.report.document import (
     PlaceShareEntry,
     ScoreEntry,
     Somewhere,
+    ValueEntry,
 )
 from symhyb.report.doubt_entries import correlations_entry, rival_entry, whiteness_entry
 
@@ -157,6 +158,11 @@ def _found(effect: Found) -> FoundEntry:
         entry["active"] = _active(effect.active)
     if effect.own:
         entry["own"] = {name: _estimates(own) for name, own in effect.own}
+    if effect.groups:
+        grouped: dict[str, dict[str, Estimates]] = {}
+        for by, label, own in effect.groups:
+            grouped.setdefault(by, {})[label] = _estimates(own)
+        entry["groups"] = grouped
     return entry
 
 
@@ -172,6 +178,11 @@ def _parameter(parameter: Reestimated) -> ParameterEntry:
         entry["own"] = {
             name: {"value": value, "sd": _bounded(sd)} for name, value, sd in parameter.own
         }
+    if parameter.groups:
+        grouped: dict[str, dict[str, ValueEntry]] = {}
+        for by, label, value, sd in parameter.groups:
+            grouped.setdefault(by, {})[label] = {"value": value, "sd": _bounded(sd)}
+        entry["groups"] = grouped
     return entry
 
 

@@ -98,6 +98,7 @@ class FoundEntry(TypedDict):
     probability: NotRequired[Share | None]
     worth: NotRequired[WorthEntry | None]
     own: NotRequired[dict[str, Estimates]]
+    groups: NotRequired[dict[str, dict[str, Estimates]]]
     options: NotRequired[dict[str, str]]
 
 
@@ -109,7 +110,8 @@ class ValueEntry(TypedDict):
 
 
 class ParameterEntry(TypedDict):
-    """A parameter of the model that is off; ``own`` by recording."""
+    """A parameter of the model that is off; ``own`` by recording, ``groups`` by grouping and
+    group."""
 
     name: str
     was: float
@@ -117,6 +119,7 @@ class ParameterEntry(TypedDict):
     sd: float
     unit: str
     own: NotRequired[dict[str, ValueEntry]]
+    groups: NotRequired[dict[str, dict[str, ValueEntry]]]
 
 
 class MeasurementEntry(TypedDict):

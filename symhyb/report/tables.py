@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from symhyb.discrepancy.results import Activity, Diagnosis, Score, Verdict
+from symhyb.discrepancy.results import Activity, Diagnosis, Estimate, Found, Score, Verdict
 from symhyb.discrepancy.words.effects import amount_text
 from symhyb.discrepancy.words.occurrence_words import place_words
 from symhyb.discrepancy.words.wording import number_text, percent_text, quantity_text, unit_text
@@ -132,20 +132,26 @@ def _score_text(
 
 
 def fleet_table(diagnosis: Diagnosis) -> Table:
-    """Give the values that are each recording's own."""
+    """Give the values that are each recording's own, or that a group of recordings shares."""
     rows = [
         (name, effect.element.name, amount_text(number))
         for effect in diagnosis.found
-        for name, numbers in effect.own
+        for name, numbers in (*effect.own, *_of_groups(effect))
         for number in numbers
     ]
-    rows += [
-        (name, parameter.name, quantity_text(value, parameter.unit, sd))
-        for parameter in diagnosis.parameters
-        for name, value, sd in parameter.own
-    ]
-    heading = ("recording", "of", "value")
-    return Table("What is each recording's own", heading, tuple(rows), (2,))
+    for parameter in diagnosis.parameters:
+        own = [*parameter.own, *((f"{by} {one}", v, sd) for by, one, v, sd in parameter.groups)]
+        rows += [
+            (name, parameter.name, quantity_text(value, parameter.unit, sd))
+            for name, value, sd in own
+        ]
+    heading = ("recording or group", "of", "value")
+    return Table("What not all recordings share", heading, tuple(rows), (2,))
+
+
+def _of_groups(effect: Found) -> list[tuple[str, tuple[Estimate, ...]]]:
+    """The values that groups of recordings share, by grouping and group."""
+    return [(f"{by} {label}", numbers) for by, label, numbers in effect.groups]
 
 
 def place_table(diagnosis: Diagnosis, model: Model | None) -> Table:

@@ -7,6 +7,7 @@ import numpy as np
 
 from symhyb.correction.search.preparing import SAMPLES_MOST, Prepared
 from symhyb.correction.search.setting import Setting
+from symhyb.data.recording import Recording
 from symhyb.discrepancy.likelihood.noise import NoiseModel
 from symhyb.discrepancy.likelihood.track import track
 from symhyb.discrepancy.places.hypotheses import Hypothesis, Library
@@ -66,9 +67,12 @@ class Recorded:
         return np.where(size > 0, size, np.inf)
 
     @property
-    def recordings(self) -> int:
-        """How many recordings there are."""
-        return 1 + max(self.recording)
+    def each(self) -> tuple[Recording, ...]:
+        """The recordings."""
+        return tuple(
+            self.items[self.recording.index(which)].source[0]
+            for which in range(1 + max(self.recording))
+        )
 
     @property
     def step_s(self) -> float:

@@ -143,7 +143,7 @@ def fitted(
         if cause.place is None:
             p[machine.column(cause.path)] += row["value"]
     items = tuple(item.suited(machine) for item in recorded.items)
-    owned = shared_out(every, recorded.recordings)
+    owned = shared_out(every, recorded.each)
     first = _beginning(recorded, machine, every, rows, p[list(free)])
     lower, upper, mean, spread = (
         gathered(row, owned) for row in limits_of(machine, every, recorded.step_s)
@@ -159,9 +159,8 @@ def fitted(
         begun = [_begun(item.states[0], x) for item, x in zip(items, states, strict=True)]
     done = fit(WindowModel(machine, free), task, p, noise, first, begun, known_noise, others)
     each = []
-    for which in range(recorded.recordings):
-        item = recorded.items[recorded.recording.index(which)]
-        each.append((item.source[0], task.filled(which, p, free, done.values)))
+    for which, one in enumerate(recorded.each):
+        each.append((one, task.filled(which, p, free, done.values)))
     p[list(free)] = done.values[: len(free)]
     found = Fitted(tuple(causes), beside, machine, paths, p, done, extra=extra)
     found = replace(found, accuracy=recorded.accuracy)
@@ -194,12 +193,11 @@ def _beginning(
     p: Array,
 ) -> Array | None:
     """Where all numbers begin, SI; None if all are shared."""
-    owned = shared_out(causes, recorded.recordings)
+    owned = shared_out(causes, recorded.each)
     if not owned:
         return None
     full = gathered(p, owned)
-    for which, columns in enumerate(owned):
-        recording = recorded.items[recorded.recording.index(which)].source[0]
+    for recording, columns in zip(recorded.each, owned, strict=True):
         i = 0
         for cause, row in zip(causes, start, strict=True):
             base = machine.values[machine.column(cause.path)] if cause.place is None else 0.0

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from symhyb.by_name import ByName
 from symhyb.correction.naming.findings import Named, symbol_of
 from symhyb.correction.search.fleet import Outlier
 from symhyb.correction.search.preparing import Prepared
@@ -108,18 +109,42 @@ def repeats_said(prepared: Prepared) -> tuple[Repeats, ...]:
 
 def with_own(model: Model, final: Refined, item: Named, found: Found) -> Found:
     """A found effect with the values that are each recording's own, said behind its sentence."""
-    keys = [(i, key) for i in item.causes for key in final.causes[i].own]
+    keys = [
+        (i, key)
+        for i in item.causes
+        for key in final.causes[i].own
+        if not final.causes[i].grouping(key)
+    ]
     if not final.owned or not keys:
         return found
-    rows = []
-    for which, (recording, _) in enumerate(final.each):
-        numbers = []
-        for i, key in keys:
-            unit = unit_of_key(model, final.causes[i], key)
-            value, sd = final.value_of(f"cause{i}.{key}", which)
-            symbol = symbol_of(model, final.causes[i].kind, key)
-            numbers.append(Estimate(symbol, value / unit.factor, sd / unit.factor, unit.text, key))
-        rows.append((recording.name, tuple(numbers)))
+    rows = [
+        (recording.name, estimates_in(model, final, keys, which))
+        for which, (recording, _) in enumerate(final.each)
+    ]
+    said = _each_said(item.kind, keys, rows, "Each recording")
+    return replace(found, own=tuple(rows), sentence=f"{found.sentence}{said}")
+
+
+def estimates_in(
+    model: Model, final: Refined, keys: Sequence[tuple[int, str]], which: int
+) -> tuple[Estimate, ...]:
+    """The values of keys, each with the index of its cause, in one recording."""
+    numbers = []
+    for i, key in keys:
+        unit = unit_of_key(model, final.causes[i], key)
+        value, sd = final.value_of(f"cause{i}.{key}", which)
+        symbol = symbol_of(model, final.causes[i].kind, key)
+        numbers.append(Estimate(symbol, value / unit.factor, sd / unit.factor, unit.text, key))
+    return tuple(numbers)
+
+
+def _each_said(
+    kind: str,
+    keys: Sequence[tuple[int, str]],
+    rows: Sequence[tuple[str, Sequence[Estimate]]],
+    owner: str,
+) -> str:
+    """The values of each ``owner``, by its name, as sentences behind one."""
     named = [key for _, key in keys if key != "phase"]  # a phase says nothing of the machine
     said = "; ".join(
         f"{name} {joined([_amount(number) for number in numbers if number.term in named])}"
@@ -127,13 +152,75 @@ def with_own(model: Model, final: Refined, item: Named, found: Found) -> Found:
         if _stands(numbers)
     )
     silent = joined([name for name, numbers in rows if not _stands(numbers)])
-    words = joined([noun_of(item.kind, key) for key in named])
-    sentence = found.sentence
+    words = joined([noun_of(kind, key) for key in named])
+    sentence = ""
     if named and said:
-        sentence += f" Each recording has its own {words}: {said}."
+        sentence += f" {owner} has its own {words}: {said}."
     if named and silent:
         sentence += f" Of {silent} it does not stand out of its own deviation and may be none."
-    return replace(found, own=tuple(rows), sentence=sentence)
+    return sentence
+
+
+def with_groups(model: Model, final: Refined, item: Named, found: Found) -> Found:
+    """A found effect with the values that recordings share within groups, said behind its sentence.
+    Its element has their mean."""
+    keys = [
+        (i, key, by)
+        for i in item.causes
+        for key in final.causes[i].own
+        if (by := final.causes[i].grouping(key))
+    ]
+    if not final.owned or not keys:
+        return found
+    rows: list[tuple[str, str, tuple[Estimate, ...]]] = []
+    means: dict[str, tuple[float, float]] = {}
+    sentence = found.sentence
+    for by in dict.fromkeys(by for *_, by in keys):
+        mine = [(i, key) for i, key, one in keys if one == by]
+        each = {
+            label: estimates_in(model, final, mine, which)
+            for label, which in first_of_groups(final, by).items()
+        }
+        rows += [(by, label, numbers) for label, numbers in each.items()]
+        for number in zip(*each.values(), strict=True):
+            means[number[0].term] = of_a_group([one.value for one in number])
+        sentence += _each_said(item.kind, mine, list(each.items()), f"Each {by}")
+    estimates = [
+        replace(one, value=means[one.term][0], sd=means[one.term][1]) if one.term in means else one
+        for one in found.estimates
+    ]
+    by_symbol = {one.name: one for one in estimates if one.term in means}
+    parameters = tuple(
+        replace(p, value=by_symbol[p.name].value, sd=by_symbol[p.name].sd)
+        if p.name in by_symbol
+        else p
+        for p in found.element.parameters
+    )
+    said = joined([f"{noun_of(item.kind, one.term)} {_amount(one)}" for one in by_symbol.values()])
+    sentence += f" For a group that was not recorded: {said}, their mean and spread."
+    element = replace(found.element, parameters=parameters)
+    return replace(
+        found,
+        element=element,
+        estimates=ByName(estimates),
+        groups=tuple(rows),
+        sentence=sentence,
+    )
+
+
+def first_of_groups(final: Refined, by: str) -> dict[str, int]:
+    """The first recording, by its place, of each group of a grouping."""
+    found: dict[str, int] = {}
+    for which, (recording, _) in enumerate(final.each):
+        found.setdefault(recording.groups[by], which)
+    return found
+
+
+def of_a_group(values: Sequence[float]) -> tuple[float, float]:
+    """What is foretold of a group that is not known, from the values of G others: their mean, and
+    the deviation s·sqrt(1 + 1/G) of one more, s that of the others among themselves."""
+    spread = float(np.std(values, ddof=1)) if len(values) > 1 else float("inf")
+    return float(np.mean(values)), spread * float(np.sqrt(1 + 1 / len(values)))
 
 
 def _stands(numbers: Sequence[Estimate]) -> bool:
@@ -144,20 +231,28 @@ def _stands(numbers: Sequence[Estimate]) -> bool:
 def parameters_with_own(
     final: Refined, parameters: Sequence[Reestimated]
 ) -> tuple[Reestimated, ...]:
-    """Re-estimated parameters with the values that are each recording's own."""
-    owned = {cause.path for cause in final.causes if cause.place is None and cause.own}
+    """Re-estimated parameters with the values that are each recording's own, or each group's."""
+    owned = {cause.path: cause for cause in final.causes if cause.place is None and cause.own}
     if not final.owned:
         return tuple(parameters)
     units = {item.path: item.unit for item in final.machine.model.all_parameters()}
     rows = []
     for parameter in parameters:
+        if parameter.name not in owned:
+            rows.append(parameter)
+            continue
+        by, factor = owned[parameter.name].grouping("value"), units[parameter.name].factor
+        whose = {one.name: which for which, (one, _) in enumerate(final.each)}
         own = []
-        for which, (recording, _) in enumerate(final.each if parameter.name in owned else ()):
-            value, sd = (
-                x / units[parameter.name].factor for x in final.value_of(parameter.name, which)
-            )
-            own.append((recording.name, value, sd))
-        rows.append(replace(parameter, own=tuple(own)))
+        for name, which in (first_of_groups(final, by) if by else whose).items():
+            value, sd = final.value_of(parameter.name, which)
+            own.append((name, value / factor, sd / factor))
+        if by:
+            value, sd = of_a_group([value for _, value, _ in own])
+            groups = tuple((by, *row) for row in own)
+            rows.append(replace(parameter, value=value, sd=sd, groups=groups))
+        else:
+            rows.append(replace(parameter, own=tuple(own)))
     return tuple(rows)
 
 

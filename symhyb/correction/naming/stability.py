@@ -58,8 +58,8 @@ def weakest(
     shares: Mapping[Hypothesis, float | None], causes: Sequence[Hypothesis]
 ) -> float | None:
     """The smallest share of the causes that are reported as one effect."""
-    bare = {replace(cause, own=()): share for cause, share in shares.items()}
-    known = [bare.get(replace(cause, own=())) for cause in causes]
+    bare = {replace(cause, own=(), by=()): share for cause, share in shares.items()}
+    known = [bare.get(replace(cause, own=(), by=())) for cause in causes]
     return min((share for share in known if share is not None), default=None)
 
 

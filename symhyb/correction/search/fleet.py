@@ -16,6 +16,7 @@ from scipy.special import chdtrc
 
 from symhyb.correction.search.setting import Setting, Stage
 from symhyb.correction.search.trajectory import Refined, element_name, grouped, keys_of, refine
+from symhyb.data.groups import Own
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.errors import InputError, Problem, did_you_mean
@@ -25,7 +26,7 @@ from symhyb.model.vocabulary import KINDS
 from symhyb.numeric.kernels.buffers import Array
 
 
-def check_own(model: Model, own: Sequence[str]) -> None:
+def check_own(model: Model, own: Own) -> None:
     """See that each name is a parameter of the model or a key of a law.
 
     Raises:
@@ -46,10 +47,8 @@ def check_own(model: Model, own: Sequence[str]) -> None:
         )
 
 
-def owning(
-    model: Model, causes: Sequence[Hypothesis], own: Sequence[str]
-) -> tuple[Hypothesis, ...]:
-    """The causes with the keys that each recording has its own value of.
+def owning(model: Model, causes: Sequence[Hypothesis], own: Own) -> tuple[Hypothesis, ...]:
+    """The causes with the keys that each recording, or each group of them, has its own value of.
 
     A name of the model means its parameter, which then competes whether it states an sd or not.
     """
@@ -61,13 +60,24 @@ def owning(
             mine: tuple[str, ...] = ("value",) if cause.path in own else ()
         else:
             mine = tuple(key for key in cause.keys if key in own and key not in parameters)
-        result.append(replace(cause, own=tuple(dict.fromkeys((*cause.own, *mine)))))
+        by = [(key, own[cause.path if cause.place is None else key]) for key in mine]
+        grouped = tuple((key, grouping) for key, grouping in by if grouping)
+        both = tuple(dict.fromkeys((*cause.own, *mine)))
+        result.append(replace(cause, own=both, by=grouped))
     chosen = {cause.path for cause in causes}
     if not any(cause.place is None for cause in causes):
         return tuple(result)
     return (
         *(
-            Hypothesis("parameter", None, ("value",), (item.value > 0,), path=path, own=("value",))
+            Hypothesis(
+                "parameter",
+                None,
+                ("value",),
+                (item.value > 0,),
+                path=path,
+                own=("value",),
+                by=(("value", own[path]),) if own[path] else (),
+            )
             for path, item in parameters.items()
             if path in own and path not in chosen
         ),

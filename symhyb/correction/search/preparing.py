@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from symhyb.correction.search.fleet import check_own, owning
 from symhyb.correction.search.setting import Setting, Stage
 from symhyb.data.cleaning import cleaned
+from symhyb.data.groups import Own, by_name, require_groups
 from symhyb.data.known import require_known
 from symhyb.data.recording import Recording, several
 from symhyb.data.thin import thinned
@@ -75,20 +76,21 @@ def prepare(
     recordings: Recording | Sequence[Recording],
     holdout: Recording | Sequence[Recording] = (),
     clocks: tuple[RecordingFault, ...] = (),
-    own: Sequence[str] = (),
+    own: Sequence[str] | Own = (),
 ) -> Prepared:
     """Lower the model, thin the recordings and estimate motion and noise.
 
     Recording faults are put right first, those whose ``clocks`` are known to drift among them.
 
     Raises:
-        InputError: no recording, a coordinate that no sensor sees, or known values of parameters
-            that not all recordings state or that are to be fitted.
+        InputError: no recording, a coordinate that no sensor sees, known values of parameters that
+            not all recordings state or that are to be fitted, or groups that are not stated.
     """
     recordings, holdout = several(recordings), several(holdout)
     if not recordings:
         raise InputError(Problem("no recording was given; a diagnosis needs at least one"))
-    require_known(model, (*recordings, *holdout), own)
+    require_known(model, (*recordings, *holdout), tuple(own))
+    require_groups(recordings, holdout, by_name(own))
     recordings, holdout = cleaned(recordings, model), cleaned(holdout, model)
     model, (recordings, holdout) = along_recordings(model, recordings, holdout)
     extended = with_channels(as_sampled(model, recordings))
@@ -124,13 +126,15 @@ def _recorded(runs: Sequence[Run]) -> NDArray[np.bool_]:
     return np.asarray(np.isfinite([run.motion.sd for run in runs]).any(axis=0))
 
 
-def settle(prepared: Prepared, own: Sequence[str] = (), more: Sequence[On] = ()) -> Setting:
+def settle(prepared: Prepared, own: Sequence[str] | Own = (), more: Sequence[On] = ()) -> Setting:
     """Lower all hypotheses, also at ``more`` places, and make windows of growing lengths; ``own``
-    names what each recording has its own value of.
+    names what each recording has its own value of, or maps it to the grouping of those that share
+    one.
 
     Raises:
         InputError: ``own`` names neither a parameter of the model nor a key of a law.
     """
+    own = by_name(own)
     check_own(prepared.model, own)
     model, machine = prepared.model, prepared.machine
     places = (*places_of(model), *more)

@@ -73,18 +73,25 @@ def samples(trial: Refined) -> float:
 
 
 def cost(trial: Refined) -> float:
-    """What the numbers of a structure cost: ln N each, of a number that every recording has of its
-    own ln of the samples of that recording, from which alone it is known; of a parameter that
-    states an sd by how much the recordings narrow that, if it is less (Laplace's approximation)."""
-    size, recordings = samples(trial), max(len(trial.owned), 1)
+    """What the numbers of a structure cost: ln N each, of a number that a recording or a group of
+    them has of its own ln of the samples of these, from which alone it is known; of a parameter
+    that states an sd by how much the recordings narrow that, if it is less (Laplace's
+    approximation)."""
     keys = [(cause, key) for cause in trial.causes for key in keys_of(cause)]
-    each = np.array([np.log(max(size / (recordings if key in c.own else 1), 2)) for c, key in keys])
     known = np.array([prior_sd(trial, cause) for cause, _ in keys])
-    price = gathered(each, trial.owned)
+    price = np.log(np.maximum(samples(trial) * _parts(trial, len(keys)), 2))
     spread = np.sqrt(np.diag(trial.fit.covariance))
     with np.errstate(divide="ignore", invalid="ignore"):
         narrowed = 2 * np.log(np.maximum(gathered(known, trial.owned) / spread, 1.0))
     return float(np.sum(np.fmin(price, narrowed)))
+
+
+def _parts(trial: Refined, numbers: int) -> Array:
+    """The share of the recordings (F,) that has each number; ``numbers`` are those of one."""
+    if not trial.owned:
+        return np.ones(numbers)
+    having = np.bincount(np.ravel(trial.owned), minlength=trial.numbers)
+    return np.asarray(having / len(trial.owned))
 
 
 def prior_sd(trial: Refined, cause: Hypothesis) -> float:
@@ -208,8 +215,8 @@ def plain(trial: Refined) -> tuple[int, ...]:
 
 def standing(trial: Refined, which: int) -> float:
     """By how many units χ² grows without a cause, as its own deviation says: its strength over its
-    deviation, squared (Wald's statistic), summed over the recordings that have one of their own; of
-    a curve by all its values together."""
+    deviation, squared (Wald's statistic), summed over the recordings or groups that have their own;
+    of a curve by all its values together."""
     first, spread = firsts_of(trial.causes)[which], np.sqrt(np.diag(trial.fit.covariance))
     if trial.causes[which].points:
         return _wald(trial, which, first)
@@ -230,18 +237,20 @@ def _wald(trial: Refined, which: int, first: int) -> float:
 
 def _strengths(trial: Refined, which: int, first: int, spread: Array) -> list[tuple[float, float]]:
     """The strength of a cause, whose numbers begin at ``first``, with its deviation, of which the
-    accuracy of the numerics is a part; where every recording has its own, each with that of the
-    fit (``spread`` of all numbers, SI)."""
+    accuracy of the numerics is a part; where every recording or group has its own, each with that
+    of the fit (``spread`` of all numbers, SI)."""
     values = grouped(trial)[which]
     key, strength = next(iter(values.items()))
     if _by_recording(trial, which):
-        each = zip(trial.each, trial.owned, strict=True)
-        return [(values[own_key(key, one)], spread[columns[first]]) for (one, _), columns in each]
+        owners = {
+            columns[first]: one for (one, _), columns in zip(trial.each, trial.owned, strict=True)
+        }
+        return [(values[own_key(key, one)], spread[i]) for i, one in owners.items()]
     return [(strength, trial.value(trial.paths[first])[1])]
 
 
 def _by_recording(trial: Refined, which: int) -> bool:
-    """Whether every recording has its own strength of a cause."""
+    """Whether not all recordings share the strength of a cause."""
     cause = trial.causes[which]
     return bool(trial.owned) and keys_of(cause)[0] in cause.own
 
@@ -249,8 +258,8 @@ def _by_recording(trial: Refined, which: int) -> bool:
 def _strong(trial: Refined, which: int, first: int, spread: Array) -> bool:
     """Whether the strength of a cause, whose numbers begin at ``first``, stands out of the
     deviation that is reported of it, of which the accuracy of the numerics is a part; where every
-    recording has its own (``spread`` of all numbers, SI), that of any one, as far out as the
-    largest of so many may be by chance: not every machine need show the cause."""
+    recording or group has its own (``spread`` of all numbers, SI), that of any one, as far out as
+    the largest of so many may be by chance: not every machine need show the cause."""
     cause, values = trial.causes[which], grouped(trial)[which]
     if cause.points:  # as far out by all its values as one number is by itself
         least = chdtri(len(cause.unknown), 2 * ndtr(-OUTSTANDING))

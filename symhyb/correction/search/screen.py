@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from symhyb.correction.search.owners import Layout, layout, own_terms
 from symhyb.correction.search.selection import Problem
 from symhyb.discrepancy.places.hypotheses import Hypothesis, Library
 from symhyb.discrepancy.recorded.course import Course
@@ -30,7 +31,7 @@ def screen(
     starts: Sequence[Array] | None = None,
     gain_floor: float = 0.0,
     each: Sequence[Array] | None = None,
-    own: Sequence[int] = (),
+    own: Mapping[int, str] | None = None,
 ) -> Problem:
     """Reduce windows to a linear problem in the forces of ``library`` and the free parameters.
 
@@ -38,18 +39,23 @@ def screen(
     every subset. With ``starts`` (one (W, X) a recording) the linearisation is along the simulation
     from there instead of the motion. A gain closer to 1 than ``gain_floor`` is none. ``p`` (P,),
     ``sd`` (m,) in SI; with ``each``, a vector of parameters for every recording instead of ``p``.
-    The free parameters ``own`` (their columns in p) have a value in each recording, as causes may.
+    The free parameters ``own`` (their columns in p) have a value in each recording, as causes may,
+    or in each group of a grouping.
     """
     parts = []
     forces, free = sum(map(len, library.columns)), len(model.free)
     given = (*library.columns, *((forces + i,) for i in range(len(parametric))))
     always = tuple(range(forces + len(parametric), forces + free))
     causes = (*library.hypotheses, *parametric)
-    mine = [c for cause, columns in zip(causes, given, strict=True) if cause.own for c in columns]
-    mine += [
-        forces + i for i, column in enumerate(model.free) if column in own and i >= len(parametric)
-    ]
-    extra = copies(mine, forces + free, len(cuts))
+    mine = {
+        columns[i]: by
+        for cause, columns in zip(causes, given, strict=True)
+        for i, by in own_terms(cause)
+    }
+    for i, column in enumerate(model.free):
+        if column in (own or {}) and i >= len(parametric):
+            mine[forces + i] = (own or {})[column]
+    places = layout(mine, forces + free, [item.source[0] for item in cuts])
     for i, fine in enumerate(cuts):
         now = p if each is None else each[i]
         item = fine.suited(model.machine).in_time(model, now)
@@ -65,12 +71,11 @@ def screen(
                 item,
                 residual,
                 linear.from_start()[..., : model.form.moving],
-                apart(np.concatenate(columns, axis=3), mine, i, len(cuts)),
+                apart(np.concatenate(columns, axis=3), places, i),
                 sd,
             )
         )
-    forces, free = sum(map(len, library.columns)), len(model.free)
-    source = [*range(forces + free), *(mine * (len(cuts) - 1))]
+    source = list(places.source)
     declared = {item.path: item.si for item in model.machine.model.all_parameters()}
     lower, upper = _bounds(library, parametric, free, declared)
     prior = np.concatenate(
@@ -82,41 +87,25 @@ def screen(
         gram=np.sum([fitted for fitted, _ in parts], axis=0),
         held=np.sum([held for _, held in parts], axis=0),
         hypotheses=causes,
-        columns=tuple(widened(one, mine, extra) for one in given),
-        always=widened(always, mine, extra),
+        columns=tuple(places.widened(one) for one in given),
+        always=places.widened(always),
         prior=prior[source],
         lower=lower[source],
         upper=upper[source],
         least=least[source],
         recordings=tuple(item.source[0].name for item in cuts),
+        places=places,
     )
 
 
-def copies(mine: Sequence[int], size: int, recordings: int) -> list[dict[int, int]]:
-    """Where the columns ``mine`` of every recording but the first stand, behind ``size`` others."""
-    count = len(mine)
-    return [{c: size + r * count + j for j, c in enumerate(mine)} for r in range(recordings - 1)]
-
-
-def apart(columns: Array, mine: Sequence[int], which: int, recordings: int) -> Array:
-    """Columns (W, L, m, F) of one recording, in units of the noise, with those that are its own
-    moved behind the rest."""
-    if not mine or recordings < 2:
+def apart(columns: Array, places: Layout, which: int) -> Array:
+    """Columns (W, L, m, F) of one recording, in units of the noise, at their ``places`` among those
+    of all."""
+    if not places.apart:
         return columns
-    wide = np.zeros((*columns.shape[:3], columns.shape[3] + (recordings - 1) * len(mine)))
-    wide[..., : columns.shape[3]] = columns
-    if which:
-        first = columns.shape[3] + (which - 1) * len(mine)
-        wide[..., first : first + len(mine)] = columns[..., list(mine)]
-        wide[..., list(mine)] = 0.0
+    wide = np.zeros((*columns.shape[:3], len(places.source)))
+    wide[..., list(places.rows[which])] = columns
     return wide
-
-
-def widened(
-    columns: Sequence[int], mine: Sequence[int], extra: Sequence[Mapping[int, int]]
-) -> tuple[int, ...]:
-    """``columns`` of one recording with those of every other recording, recording by recording."""
-    return (*columns, *(row[c] for row in extra for c in columns if c in mine))
 
 
 def _least(

@@ -12,6 +12,7 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
+from symhyb.correction.search.owners import Layout
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.numeric.kernels.buffers import Array
 
@@ -44,8 +45,8 @@ class Problem:
     """The reduced problem: Gram matrices (F + 1, F + 1) of the fitted and the held windows,
     ``columns`` of each cause, columns that are ``always`` in, priors 1/sd² (F,), bounds of the
     coefficients (F,) in SI, beyond which a subset is not physics, and the ``least`` size (F,) of a
-    coefficient that is worth a name. A cause with numbers of its own in every one of the
-    ``recordings`` (their names) has as many columns for each, recording by recording."""
+    coefficient that is worth a name. A cause with numbers that not all ``recordings`` (their names)
+    share has a column for each of them, at the ``places`` that say whose it is."""
 
     gram: Array
     held: Array
@@ -57,6 +58,7 @@ class Problem:
     upper: Array
     least: Array
     recordings: tuple[str, ...] = ()
+    places: Layout | None = None
 
 
 def many(causes: Sequence[object]) -> bool:
@@ -102,7 +104,7 @@ def solve(problem: Problem, causes: Sequence[int]) -> Subset | None:
     """Least squares for one set of causes; None if a coefficient is out of its bounds or the data
     do not determine it."""
     columns = [c for cause in causes for c in problem.columns[cause]]
-    own = [c for cause in causes if _apart(problem, cause) for c in problem.columns[cause]]
+    own = [c for cause in causes if _apart(problem, cause) for c in _own(problem, cause)]
     none: set[int] = set()
     while True:  # own values that physics forbids are none, and the others fitted anew
         joined = [c for c in (*columns, *problem.always) if c not in none]
@@ -209,6 +211,15 @@ def _apart(problem: Problem, cause: int) -> bool:
     """Whether every recording has its own number of a cause. Of a fleet in which one machine lacks
     the cause, noise alone gives that one the wrong sign in half of all cases."""
     return len(problem.columns[cause]) > len(problem.hypotheses[cause].terms)
+
+
+def _own(problem: Problem, cause: int) -> tuple[int, ...]:
+    """The columns of a cause that not all recordings share."""
+    columns = problem.columns[cause]
+    if problem.places is None:
+        return columns
+    source = [problem.places.source[c] for c in columns]
+    return tuple(c for c, one in zip(columns, source, strict=True) if source.count(one) > 1)
 
 
 def _sized(problem: Problem, values: Mapping[int, float], cause: int) -> bool:

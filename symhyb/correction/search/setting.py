@@ -102,16 +102,11 @@ def effects(setting: Setting, selected: Refined, problem: Problem) -> tuple[Part
     first = len(problem.columns) - len(setting.parametric)
     of_path = {cause.path: problem.columns[first + i] for i, cause in enumerate(setting.parametric)}
     rest = [path for path in selected.paths if path not in of_path]
-    own = {*selected.own_columns}
-    each: dict[str, list[int]] = {
-        path: [column] for path, column in zip(rest, problem.always, strict=False)
+    places, cuts = problem.places, setting.stages[-1].cuts
+    assert places is not None
+    each = {
+        path: places.widened((column,)) for path, column in zip(rest, problem.always, strict=False)
     }
-    more = iter(problem.always[len(rest) :])
-    cuts = setting.stages[-1].cuts
-    for _ in cuts[1:]:
-        for path in rest:
-            if selected.machine.column(path) in own:
-                each[path].append(next(more))
     found, row = [], 0
     for cause in selected.causes:
         paths = selected.paths[row : row + cause.numbers]
@@ -123,10 +118,10 @@ def effects(setting: Setting, selected: Refined, problem: Problem) -> tuple[Part
         for path, key in zip(paths, keys, strict=True):
             column = selected.machine.column(path)
             base = selected.machine.values[column] if cause.place is None else 0.0
-            mine = of_path.get(path) or tuple(each[path])
+            mine = of_path.get(path) or each[path]
             columns += mine
-            for which, target in enumerate(mine):
-                value = selected.of(cuts[which].source[0])[column] - base
+            for target in mine:
+                value = selected.of(cuts[places.first[target]].source[0])[column] - base
                 effect[target] = value if key in grows else 0.0
         found.append(Part(tuple(columns), effect))
     return tuple(found)

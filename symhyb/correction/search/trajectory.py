@@ -11,6 +11,7 @@ from typing import Protocol
 
 import numpy as np
 
+from symhyb.correction.search.owners import layout
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.fitting.matching import TRIAL_DECREASE, TRIAL_ITERATIONS, fit
 from symhyb.discrepancy.fitting.task import Fit, Task
@@ -57,16 +58,21 @@ class Refined:
         return " + ".join(map(str, self.causes)) or "the model as it is"
 
     @property
-    def own_columns(self) -> tuple[int, ...]:
-        """Columns in p of the numbers that each recording has its own value of."""
-        own = [key in cause.own for cause in self.causes for key in keys_of(cause)]
-        paths = [path for path, mine in zip(self.paths, own, strict=True) if mine]
-        return tuple(self.machine.column(path) for path in paths)
+    def own_columns(self) -> dict[int, str]:
+        """Columns in p of the numbers that not all recordings share, each with the grouping of
+        those that do."""
+        keys = [(cause, key) for cause in self.causes for key in keys_of(cause)]
+        return {
+            self.machine.column(path): cause.grouping(key)
+            for path, (cause, key) in zip(self.paths, keys, strict=True)
+            if key in cause.own
+        }
 
     def of(self, recording: Recording) -> Array:
         """The parameter vector (P,) of a recording, SI, with what it knows; of one that was not
-        fitted ``p``."""
-        p = next((p for known, p in self.each if known is recording), self.p)
+        fitted what its groups have, the mean over all groups for one that is not known."""
+        p = next((p for known, p in self.each if known is recording), None)
+        p = foreseen(self, recording) if p is None else p
         return with_known(self.machine, p, recording.parameters)
 
     def value_of(self, path: str, which: int) -> tuple[float, float]:
@@ -120,7 +126,7 @@ def refine(
         if cause.place is None:
             p[machine.column(cause.path)] += start[i]["value"]
     cuts = [item.suited(machine) for item in cuts]
-    owned = shared_out(causes, len(cuts))
+    owned = shared_out(causes, [item.source[0] for item in cuts])
     step = float(np.median(np.diff(cuts[0].block.t, axis=1)))
     begin = _beginning(machine, causes, start, cuts, p[list(free)])
     bounds = [gathered(row, owned) for row in limits_of(machine, causes, step)]
@@ -173,18 +179,17 @@ def _with_actuator(item: Input, causes: Sequence[Hypothesis]) -> Input:
     return replace(item, actuator=tuple(known[key] for key in ACTUATOR_KEYS if key in known))
 
 
-def shared_out(causes: Sequence[Hypothesis], recordings: int) -> tuple[tuple[int, ...], ...]:
+def shared_out(
+    causes: Sequence[Hypothesis], recordings: Sequence[Recording]
+) -> tuple[tuple[int, ...], ...]:
     """For each recording, which of all fitted numbers its free parameters are: those of the first
-    come first, then the own ones of every other. Empty where all numbers are shared."""
-    mine = [key in cause.own for cause in causes for key in keys_of(cause)]
-    if recordings < 2 or not any(mine):
+    come first, then those that each other one is the first to have. Empty where all are shared."""
+    keys = [(cause, key) for cause in causes for key in keys_of(cause)]
+    own = {i: cause.grouping(key) for i, (cause, key) in enumerate(keys) if key in cause.own}
+    if len(recordings) < 2 or not own:
         return ()
-    rows, size = [tuple(range(len(mine)))], len(mine)
-    for _ in range(1, recordings):
-        taken = iter(range(size, size + sum(mine)))
-        rows.append(tuple(next(taken) if own else i for i, own in enumerate(mine)))
-        size += sum(mine)
-    return tuple(rows)
+    found = layout(own, len(keys), recordings)
+    return found.rows if found.apart else ()
 
 
 def gathered(row: Array, owned: Sequence[Sequence[int]]) -> Array:
@@ -220,7 +225,7 @@ def _beginning(
     first: Array,
 ) -> Array | None:
     """Where all numbers begin, SI; None if all are shared."""
-    owned = shared_out(causes, len(cuts))
+    owned = shared_out(causes, [item.source[0] for item in cuts])
     if not owned:
         return None
     full = gathered(first, owned)
@@ -247,8 +252,10 @@ def _begun(item: Cut, start: Array) -> Array:
 
 def own_values(trial: Refined, item: Cut, sd: Array) -> Array:
     """The parameters (P,), SI, of a recording that was not fitted: its own numbers are fitted to
-    its windows as initial states are, all others stay. A phase is tried all around."""
-    own, given = trial.own_columns, with_known(trial.machine, trial.p, item.block.known)
+    its windows as initial states are, all others stay, also those of its groups. A phase is tried
+    all around."""
+    own = tuple(column for column, by in trial.own_columns.items() if not by)
+    given = with_known(trial.machine, foreseen(trial, item.source[0]), item.block.known)
     if not own:
         return given
     step = float(np.median(np.diff(item.block.t, axis=1)))
@@ -273,6 +280,24 @@ def own_values(trial: Refined, item: Cut, sd: Array) -> Array:
             best = float(found.chi2.sum()), p
     assert best is not None
     return best[1]
+
+
+def foreseen(trial: Refined, recording: Recording) -> Array:
+    """The parameters (P,), SI, of a recording that was not fitted: what the others of its group
+    have of what is shared within groups, the mean over the groups if none of them is its own;
+    else those of the first recording."""
+    p = trial.p.copy()
+    for column, by in trial.own_columns.items():
+        if by and trial.each:
+            known = by_group(trial, column, by)
+            mean = float(np.mean(list(known.values())))
+            p[column] = known.get(recording.groups.get(by, ""), mean)
+    return p
+
+
+def by_group(trial: Refined, column: int, by: str) -> dict[str, float]:
+    """The value of a parameter of the machine, SI, in each group of a grouping."""
+    return {recording.groups[by]: float(p[column]) for recording, p in trial.each}
 
 
 class _Values(Protocol):

@@ -157,16 +157,20 @@ def first_guess(problem: Problem, subset: Subset) -> list[dict[str, float]]:
     rows, rest = [], list(subset.values)
     for index in subset.causes:
         count = len(problem.columns[index])
-        rows.append(_begin(problem, problem.hypotheses[index], rest[:count]))
+        rows.append(_begin(problem, index, rest[:count]))
         rest = rest[count:]
     return rows
 
 
-def _begin(problem: Problem, cause: Hypothesis, values: Sequence[float]) -> dict[str, float]:
+def _begin(problem: Problem, index: int, values: Sequence[float]) -> dict[str, float]:
     """The first guess of a cause: shared keys at their mean over the recordings that have numbers
     of their own."""
-    size = len(cause.terms)
-    numbers = np.reshape(values, (-1, size))
+    cause, columns = problem.hypotheses[index], problem.columns[index]
+    numbers = np.reshape(values[: len(cause.terms)], (1, -1))
+    if problem.places is not None and len(columns) > len(cause.terms):
+        known = dict(zip(columns, values, strict=True))
+        first = columns[: len(cause.terms)]
+        numbers = np.array([[known[row[c]] for c in first] for row in problem.places.rows])
     # where one recording shows nothing of a cause the law still stands: it may divide by its key
     numbers = np.where(numbers == 0, NEXT_TO_NONE * np.mean(numbers, axis=0), numbers)
     each = [cause.values(list(row)) for row in numbers]

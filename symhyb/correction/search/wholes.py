@@ -12,6 +12,7 @@ from symhyb.correction.search.selection import Subset
 from symhyb.correction.search.setting import Setting, Stage
 from symhyb.correction.search.trajectory import with_causes
 from symhyb.correction.search.trials import Row, first_guess
+from symhyb.data.groups import Own
 from symhyb.discrepancy.recorded.runs import Run, cut_within, fine_for, fine_needed, has_many
 from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.numeric.lowered.machine import build
@@ -26,7 +27,7 @@ class Whole:
 
 
 def at_level_of_forces(
-    prepared: Prepared, setting: Setting, own: Sequence[str]
+    prepared: Prepared, setting: Setting, own: Sequence[str] | Own
 ) -> tuple[Prepared, Setting, ForceScreen | None]:
     """What the forces of all causes show, with places of two joints where these share a loss, and
     windows as fine as that asks for; ``own`` as in :func:`.settle`."""

@@ -23,7 +23,7 @@ from symhyb.correction.naming.findings import (
     found_of,
     reestimated,
 )
-from symhyb.correction.naming.fleet_words import with_own
+from symhyb.correction.naming.fleet_words import with_groups, with_own
 from symhyb.correction.naming.mode_words import sensors_of_modes
 from symhyb.correction.naming.other_side import late_on_the_other_side
 from symhyb.correction.naming.probability import probabilities
@@ -186,7 +186,7 @@ def _found(
         active = _active(prepared, final, item)
         one = found_of(model, item, name, provenance, share, active)
         mine = [final.causes[i] for i in item.causes]
-        one = with_own(model, final, item, one)
+        one = with_groups(model, final, item, with_own(model, final, item, one))
         stable, chance = weakest(firm, mine), weakest(sure, mine)
         found.append(replace(one, stability=stable, probability=chance, worth=worth))
     return tuple(sorted(found, key=lambda item: -(item.share or 0.0)))

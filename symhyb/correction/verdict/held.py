@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from symhyb.correction.search.setting import Setting, Stage
-from symhyb.correction.search.trajectory import Refined, grouped, keys_of, refine
+from symhyb.correction.search.trajectory import Refined, grouped, refine
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.places.standing import taken_over, uncertain_beside
 from symhyb.model.types import Model
@@ -52,12 +52,7 @@ def _rows(final: Refined, held: Sequence[Hypothesis], freed: Refined) -> list[in
     """Where the numbers of a structure stand among those with ``held`` ones behind the causes."""
     if not freed.owned:
         return list(range(final.numbers))
-    mine = [key in cause.own for cause in final.causes for key in keys_of(cause)]
-    rows = list(range(len(mine)))
-    if not final.owned:
-        return rows
-    own = sum(mine)
-    for columns in freed.owned[1:]:
-        fresh = [c for c in columns if c >= len(mine) + len(held)]
-        rows += fresh[:own]
-    return rows
+    rows = np.arange(final.numbers)
+    for columns, wider in zip(final.owned, freed.owned, strict=bool(final.owned)):
+        rows[list(columns)] = wider[: len(columns)]
+    return list(rows)

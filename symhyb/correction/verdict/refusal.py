@@ -192,9 +192,8 @@ def if_bounded(
     """
     if not final.causes:
         return diagnosis
-    before, after = (replace(one.machine, values=one.p) for one in (nothing, final))
     for run in runs:
-        when = _runs_away_alone(after, before, run)
+        when = _runs_away_alone(final, nothing, run)
         if when is None:
             continue
         reason = (
@@ -204,7 +203,7 @@ def if_bounded(
         )
         return withdrawn(diagnosis, reason)
     for run in unseen if diagnosis.found else ():
-        when = _runs_away_alone(after, before, run)
+        when = _runs_away_alone(final, nothing, run)
         if when is not None:
             said = (
                 f"Simulated along {run.recording.name}, which it has not seen, the corrected model "
@@ -216,9 +215,10 @@ def if_bounded(
     return diagnosis
 
 
-def _runs_away_alone(after: Machine, before: Machine, run: Run) -> float | None:
+def _runs_away_alone(final: Refined, nothing: Refined, run: Run) -> float | None:
     """The time in s after which the corrected machine runs away; None if it or the one before does
     not."""
+    after, before = (replace(one.machine, values=one.of(run.recording)) for one in (final, nothing))
     when = runs_away(after, run)
     return None if when is None or runs_away(before, run) is not None else when
 

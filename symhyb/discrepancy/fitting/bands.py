@@ -1,6 +1,6 @@
 """How far free runs of a corrected model may be off, and how far without each found element."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -86,16 +86,22 @@ def without_each(
     whole = build(as_sampled(corrected, [run.recording for run, _ in used]))
     found = []
     for element in added[:ELEMENTS_MOST]:
-        machine = _less(whole, element)
+        machine, gone = _less(whole, element), {item.path for item in element.parameters}
         window = WindowModel(machine)
         same = machine.inner_states == whole.inner_states
         left = [
             measured(run.recording, machine)
             - free_run(machine, run, begun if same else free_scenario(window, run)).y
-            for run, begun in used
+            for run, begun in ((_not_knowing(run, gone), begun) for run, begun in used)
         ]
         found.append(Without(element.name, _rmse(machine, np.concatenate(left))))
     return tuple(found)
+
+
+def _not_knowing(run: Run, gone: Collection[str]) -> Run:
+    """A run of whose recording nothing is known of parameters that are ``gone``."""
+    known = {path: x for path, x in run.recording.parameters.items() if path not in gone}
+    return replace(run, recording=replace(run.recording, parameters=known))
 
 
 def _less(machine: Machine, element: Element) -> Machine:

@@ -1,6 +1,7 @@
 """Before against after, on training and unseen recordings, and which score decides."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -40,13 +41,15 @@ def judge(
     window_s: float | None = None,
     force_band_hz: float | None = None,
     correlations: Correlations | None = None,
+    own: Mapping[str, Mapping[str, float]] | None = None,
 ) -> Verdict:
     """Score a model and its correction on unseen recordings ``on`` and on those of the training.
 
     ``window_s`` is the length of the short windows in s (default: half the shortest period of the
     motion), ``force_band_hz`` the upper end of the band in Hz in which forces are compared
     (default: 20 of those periods). With the ``correlations`` of the numbers of the correction its
-    free runs get bands.
+    free runs get bands. ``own`` has by the name of a recording the values, in the units of the
+    corrected model, that it does not share with all others (:meth:`.Diagnosis.values_of`).
 
     Raises:
         InputError: known values of parameters that not all recordings state.
@@ -75,15 +78,16 @@ def judge(
             continue
         by = yardstick(machines[0], group, band)
         before = errors(machines[0], group, window, band)
-        after = before if same else errors(machines[1], group, window, band)
+        mine = group if same else _with_own(machines[1], group, own or {})
+        after = before if same else errors(machines[1], mine, window, band)
         comparisons[role] = Comparison(
-            score(machines[0], before, group, by), score(machines[1], after, group, by)
+            score(machines[0], before, group, by), score(machines[1], after, mine, by)
         )
-        bands = bands_of(machines[1], group, after, None if same else correlations)
+        bands = bands_of(machines[1], mine, after, None if same else correlations)
         traces += _traces(machines[0], group, role, before, after, bands)
         if group is proof:
-            white = _whiteness(machines[1], group, after)
-            without = without_each(model, corrected, group, after.scenarios)
+            white = _whiteness(machines[1], mine, after)
+            without = without_each(model, corrected, mine, after.scenarios)
     carries = _carries(comparisons["holdout"] or comparisons["train"], window, bool(unseen), same)
     empty = Comparison(*(Score({}, {}, {}, {}, {}, {}) for _ in range(2)))
     return Verdict(
@@ -97,6 +101,21 @@ def judge(
         white,
         without,
     )
+
+
+def _with_own(
+    machine: Machine, runs: Sequence[Run], own: Mapping[str, Mapping[str, float]]
+) -> tuple[Run, ...]:
+    """The runs with the values that their recordings do not share with all others (``own``, in the
+    units of the model) among what is known of them."""
+    declared = {item.path: item for item in machine.model.all_parameters()}
+    found = []
+    for run in runs:
+        values = own.get(run.recording.name, {})
+        mine = {path: value * declared[path].unit.factor for path, value in values.items()}
+        known = {**run.recording.parameters, **mine}
+        found.append(replace(run, recording=replace(run.recording, parameters=known)))
+    return tuple(found)
 
 
 def _whiteness(machine: Machine, runs: Sequence[Run], found: Errors) -> tuple[Whiteness, ...]:

@@ -62,9 +62,9 @@ class Hypothesis:
     beforehand (SI), ``refined`` those of them that are fitted afterwards and so cost a number each,
     ``tied`` those that grow with the first coefficient (the damping of a relaxation of a given
     time). ``positive`` says which terms physics forbids to be negative; ``options`` are words, or
-    expressions (a ``load``); ``own`` are fitted keys that every recording has its own value of;
-    ``added`` are the refined keys that make a variant of a plain law (the play of a hysteresis).
-    ``bounds`` (key, lower, upper), SI, hold at this place where those of the law are too wide. A
+    expressions (a ``load``); ``own`` are fitted keys that every recording has its own value of, or
+    every group (``by``: key and grouping); ``added`` are the refined keys that make a variant of a
+    plain law (the play of a hysteresis). ``bounds`` (key, lower, upper), SI, hold at this place where those of the law are too wide. A
     curve's terms are its values at ``points``: place, value about which it is linear, and what a
     smooth line without points says otherwise there, SI; then the changes of what it is multiplied
     by at points ``by_stretch``, which are alike. A point without a term is as it stands.
@@ -80,6 +80,7 @@ class Hypothesis:
     tied: tuple[str, ...] = ()
     options: tuple[tuple[str, str], ...] = ()
     own: tuple[str, ...] = ()
+    by: tuple[tuple[str, str], ...] = ()
     added: tuple[str, ...] = ()
     bounds: tuple[tuple[str, float, float], ...] = ()
     points: tuple[CurvePoint, ...] = ()
@@ -95,6 +96,10 @@ class Hypothesis:
     def _read(self) -> Terms:
         """How the terms become keys."""
         return KINDS[self.kind].terms if self.kind in KINDS else _AS_THEY_ARE
+
+    def grouping(self, key: str) -> str:
+        """The grouping of the recordings that share an own key; empty where each has its own."""
+        return dict(self.by).get(key, "")
 
     @property
     def numbers(self) -> int:
