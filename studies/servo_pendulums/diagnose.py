@@ -1,13 +1,14 @@
 """What the model of a falling arm lacks, beside fits by hand, on falls that neither has seen.
 
-python studies/servo_pendulums/diagnose.py EACH [OUT]
+python studies/servo_pendulums/diagnose.py EACH shared|mounts [OUT]
 
 The first EACH falls of every weight and length are learned from, in the order of their runs (at
-most 12); the model with what was found is written to OUT, as corrected.toml.
+most 12). All of them share what is found, or the falls of each mount share their damping and dry
+friction. The model with what was found is written to OUT, as corrected.toml.
 """
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -25,18 +26,29 @@ def chosen(learned: Sequence[Fall], each: int) -> list[Fall]:
     return [fall for group in groups.values() for fall in group[:each]]
 
 
-def diagnosed(falls: Sequence[Fall]) -> tuple[sh.Diagnosis, sh.Model]:
-    """What the model lacks in some falls, and the model with it."""
+OWN = {"shared": {}, "mounts": {"damping": "mount", "coulomb": "mount"}}
+
+
+def diagnosed(
+    falls: Sequence[Fall], own: Mapping[str, str] | None = None
+) -> tuple[sh.Diagnosis, sh.Model]:
+    """What the model lacks in some falls, and the model with it; ``own`` has what is shared within
+    groups alone."""
     model = sh.read_model(MODEL)
-    diagnosis = sh.diagnose(model, [fall.recording(model) for fall in falls])
+    diagnosis = sh.diagnose(model, [fall.recording(model) for fall in falls], own=own or {})
     return diagnosis, sh.apply(model, diagnosis.found)
 
 
-def open_loop(model: sh.Model, falls: Sequence[Fall]) -> float:
-    """RMS of the angles of falls, in rad, where each is simulated from rest at its first angle."""
+def open_loop(
+    model: sh.Model, falls: Sequence[Fall], diagnosis: sh.Diagnosis | None = None
+) -> float:
+    """RMS of the angles of falls, in rad, where each is simulated from rest at its first angle,
+    with the numbers that the ``diagnosis`` has for its mount."""
     squares = []
     for fall in falls:
-        run = sh.simulate(model, fall.recording(model), start={"q": float(fall.q[0])})
+        recording = fall.recording(model)
+        own = diagnosis.values_of(recording) if diagnosis else {}
+        run = sh.simulate(model, recording, start={"q": float(fall.q[0])}, parameters=own)
         squares.append((run.y[:, 0] - fall.q) ** 2)
     return float(np.sqrt(np.nanmean(np.concatenate(squares))))
 
@@ -47,11 +59,12 @@ def main() -> None:
     if folder is None:
         raise SystemExit("the recordings are not on this machine")
     learned, unseen = split(read_falls(folder))
-    diagnosis, corrected = diagnosed(chosen(learned, int(sys.argv[1])))
+    diagnosis, corrected = diagnosed(chosen(learned, int(sys.argv[1])), OWN[sys.argv[2]])
     print(diagnosis.sentence)
-    print(f"unseen falls: {1e3 * open_loop(corrected, unseen):.1f} mrad", flush=True)
-    if len(sys.argv) > 2:
-        sh.write_model(corrected, Path(sys.argv[2]) / "corrected.toml")
+    mrad = 1e3 * open_loop(corrected, unseen, diagnosis)
+    print(f"unseen falls: {mrad:.1f} mrad", flush=True)
+    if len(sys.argv) > 3:
+        sh.write_model(corrected, Path(sys.argv[3]) / "corrected.toml")
     for name, free in STRUCTURES.items():
         by_hand = 1e3 * error(fitted(learned, free), unseen)
         print(f"by hand, {name}: {by_hand:.1f} mrad", flush=True)

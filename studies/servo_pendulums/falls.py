@@ -1,6 +1,7 @@
 """The free falls among the recordings of a hobby servo, and how they are split.
 
-python studies/servo_pendulums/falls.py OUT    # a CSV a fall and known.csv, for the command line
+python studies/servo_pendulums/falls.py OUT    # for the command line: a CSV a fall, known.csv with
+                                               # weights and lengths, mounts.csv with the mounts
 
 The runs are looked for in the folder servo_pendulums of the folder that SYMHYB_DATA names.
 """
@@ -42,10 +43,20 @@ class Fall:
         """What is known of this run, in the units of the model."""
         return {"m": self.mass, "l": self.length}
 
+    @property
+    def mount(self) -> str:
+        """How the weight was mounted: falls of one weight and length repeat each other."""
+        return f"{self.mass:g} kg, {self.length:g} m"
+
     def recording(self, model: sh.Model) -> sh.Recording:
-        """The fall as a recording that knows its weight and length."""
-        frame = {"t": self.t, "encoder": self.q}
-        return sh.Recording.from_frame(frame, model, name=self.name, parameters=self.known)
+        """The fall as a recording that knows its weight and length, in the group of its mount."""
+        return sh.Recording.from_frame(
+            {"t": self.t, "encoder": self.q},
+            model,
+            name=self.name,
+            parameters=self.known,
+            groups={"mount": self.mount},
+        )
 
     @property
     def name(self) -> str:
@@ -92,14 +103,16 @@ def main() -> None:
     if folder is None:
         raise SystemExit(f"no {FOLDER} in the folder that SYMHYB_DATA names")
     out.mkdir(parents=True, exist_ok=True)
-    rows = ["recording,m [kg],l [m]"]
+    rows, mounts = ["recording,m [kg],l [m]"], ["recording;mount"]
     for part, falls in zip(("learn", "unseen"), split(read_falls(folder)), strict=True):
         (out / part).mkdir(exist_ok=True)
         for fall in falls:
             frame = pd.DataFrame({"t": fall.t, "encoder": fall.q})
             frame.to_csv(out / part / fall.name, index=False)
             rows.append(f"{fall.name},{fall.mass},{fall.length}")
+            mounts.append(f"{fall.name};{fall.mount}")
     (out / "known.csv").write_text("\n".join(rows) + "\n", encoding="utf-8")
+    (out / "mounts.csv").write_text("\n".join(mounts) + "\n", encoding="utf-8")
     print(f"{out}: {len(rows) - 1} falls")
 
 

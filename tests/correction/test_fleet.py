@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from symhyb.correction.search.fleet import Outlier, _against, _Estimate, widened
-from symhyb.correction.search.trajectory import Refined
+from symhyb.correction.search.fleet import Outlier, _against, _Estimate, _Number, _numbers, widened
+from symhyb.correction.search.trajectory import Refined, shared_out
+from symhyb.data.recording import Recording
 from symhyb.discrepancy.fitting.task import Fit
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.model.types import On
@@ -19,8 +20,21 @@ def estimate(*numbers: tuple[float, float]) -> _Estimate:
     )
 
 
+def test_numbers_that_recordings_have_of_their_own_are_compared_too_but_no_phases() -> None:
+    """Two recordings: drag of each, a phase of each, and an amplitude that both share."""
+    drag = Hypothesis("drag", On("x"), ("drag",), (True,), own=("drag",))
+    tone = Hypothesis("harmonic", On("x"), ("sine", "cosine"), (False, False), own=("phase",))
+    machine, t, nothing = build(spring_model()), np.linspace(0, 1, 5), np.zeros(0)
+    runs = [Recording(name, t, {}, {}, (), "") for name in ("a", "b")]
+    fit = Fit(np.zeros(5), np.eye(5), nothing, nothing.astype(int), nothing > 0, 1.0, ())
+    owned = shared_out([drag, tone], runs)
+    each = tuple((run, machine.values) for run in runs)
+    final = Refined((drag, tone), machine, ("", "", ""), machine.values, fit, 0.0, each, owned)
+    assert [*_numbers(final)] == [(1, 1, "amplitude", ""), (0, 0, "drag", "a"), (3, 0, "drag", "b")]
+
+
 def test_a_number_that_differs_is_told_with_both_values() -> None:
-    keys = [(0, 0, "stiffness"), (1, 1, "damping")]
+    keys = [_Number(0, 0, "stiffness"), _Number(1, 1, "damping")]
     known = {0: estimate((2.0, 0.1), (5.0, 0.1)), 1: estimate((2.1, 0.1), (9.0, 0.1))}
     found = _against(1, known, keys, 1)
     assert found is not None
@@ -31,25 +45,25 @@ def test_a_number_that_differs_is_told_with_both_values() -> None:
 
 def test_what_differs_by_less_than_a_tenth_is_one_number() -> None:
     known = {0: estimate((5.0, 0.01)), 1: estimate((5.4, 0.01))}
-    assert _against(1, known, [(0, 0, "damping")], 1) is None
+    assert _against(1, known, [_Number(0, 0, "damping")], 1) is None
 
 
 @pytest.mark.parametrize("other", [0.4 + 2 * np.pi, 0.4 - 4 * np.pi])
 def test_whole_turns_of_a_phase_do_not_count(other: float) -> None:
     known = {0: estimate((0.4, 0.01)), 1: estimate((other, 0.01))}
-    assert _against(1, known, [(0, 0, "phase")], 1) is None
-    assert _against(1, known, [(0, 0, "stiffness")], 1) is not None
+    assert _against(1, known, [_Number(0, 0, "phase")], 1) is None
+    assert _against(1, known, [_Number(0, 0, "stiffness")], 1) is not None
 
 
 def test_a_phase_that_nothing_held_is_no_change() -> None:
     """A wave that does not act in one half has any phase there, as a fit left it."""
     known = {0: estimate((-5.2e138, 1e137)), 1: estimate((1.91, 0.05))}
-    assert _against(1, known, [(0, 0, "phase")], 1) is None
+    assert _against(1, known, [_Number(0, 0, "phase")], 1) is None
 
 
 def test_a_phase_that_differs_is_told() -> None:
     known = {0: estimate((3.0, 0.01)), 1: estimate((-2.0, 0.01))}
-    found = _against(1, known, [(0, 0, "phase")], 1)
+    found = _against(1, known, [_Number(0, 0, "phase")], 1)
     assert found is not None
     assert found.value[0] - found.others[0] == pytest.approx(2 * np.pi - 5.0)
 
@@ -74,5 +88,5 @@ def test_a_number_that_changes_is_as_uncertain_as_its_halves_lie_apart(
         np.array([5.0]), np.array([[0.25]]), nothing, nothing.astype(int), nothing > 0, 1.0, ()
     )
     final = Refined((drag,), machine, ("cause0.drag",), machine.values, fit)
-    found = widened(final, Outlier(1, 0, "drag", second, first, 30.0, 1e-6))
+    found = widened(final, Outlier(1, 0, "drag", second, first, 30.0, 1e-6, 0))
     assert np.sqrt(found.fit.covariance[0, 0]) == pytest.approx(sd, rel=1e-3)

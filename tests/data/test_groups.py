@@ -95,9 +95,7 @@ def written(folder: Path, text: str) -> Path:
 
 
 def test_a_table_has_the_groups_of_recordings(tmp_path):
-    table = read_groups(
-        written(tmp_path, "recording;mount;day\na.csv;light;1\nb.csv;heavy;\n")
-    )
+    table = read_groups(written(tmp_path, "recording;mount;day\na.csv;light;1\nb.csv;heavy;\n"))
     assert table.of("runs/a.csv") == {"mount": "light", "day": "1"}
     assert table.of("b.csv") == {"mount": "heavy"}
     with pytest.raises(sh.InputError, match=r"has no row for the recording 'c.csv'"):

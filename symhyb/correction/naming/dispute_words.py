@@ -26,7 +26,8 @@ def dispute_sentence(model: Model, one: Disputed) -> str:
         for value, sd in (one.claimed, one.another)
     )
     beside = _BESIDE[one.beside.kind] if one.beside else "an unknown force"
+    where = f" in {one.recording}" if one.recording else ""
     return (
-        f"{opening_of(one.cause, key)} would be {claimed}, and {another} beside {beside}: it "
-        "only stands in for something else, and is not claimed."
+        f"{opening_of(one.cause, key)}{where} would be {claimed}, and {another} beside {beside}: "
+        "it only stands in for something else, and is not claimed."
     )

@@ -62,9 +62,10 @@ def drift_sentence(
         small_text(value / unit.factor, unit.text, sd / unit.factor)
         for value, sd in (odd.others, odd.value)
     )
+    where = f" in {odd.owner}" if odd.owner else ""
     return (
-        f"{opening_of(cause, odd.key)} is not constant: {first} in the first half of the time, "
-        f"{second} in the second; {so}."
+        f"{opening_of(cause, odd.key)}{where} is not constant: {first} in the first half of the "
+        f"time, {second} in the second; {so}."
     )
 
 
@@ -173,7 +174,7 @@ def with_groups(model: Model, final: Refined, item: Named, found: Found) -> Foun
     if not final.owned or not keys:
         return found
     rows: list[tuple[str, str, tuple[Estimate, ...]]] = []
-    means: dict[str, tuple[float, float]] = {}
+    means: dict[str, tuple[float, float, str]] = {}
     sentence = found.sentence
     for by in dict.fromkeys(by for *_, by in keys):
         mine = [(i, key) for i, key, one in keys if one == by]
@@ -183,7 +184,8 @@ def with_groups(model: Model, final: Refined, item: Named, found: Found) -> Foun
         }
         rows += [(by, label, numbers) for label, numbers in each.items()]
         for number in zip(*each.values(), strict=True):
-            means[number[0].term] = of_a_group([one.value for one in number])
+            about = f"mean of {len(number)} groups ({by}), with the sd of one more"
+            means[number[0].term] = (*of_a_group([one.value for one in number]), about)
         sentence += _each_said(item.kind, mine, list(each.items()), f"Each {by}")
     estimates = [
         replace(one, value=means[one.term][0], sd=means[one.term][1]) if one.term in means else one
@@ -191,8 +193,8 @@ def with_groups(model: Model, final: Refined, item: Named, found: Found) -> Foun
     ]
     by_symbol = {one.name: one for one in estimates if one.term in means}
     parameters = tuple(
-        replace(p, value=by_symbol[p.name].value, sd=by_symbol[p.name].sd)
-        if p.name in by_symbol
+        replace(p, value=one.value, sd=one.sd, about=means[one.term][2])
+        if (one := by_symbol.get(p.name))
         else p
         for p in found.element.parameters
     )

@@ -9,6 +9,7 @@ covariances (what a fit without it would say, to first order).
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -91,7 +92,8 @@ class Outlier:
     (index of the cause, key), its own value and that of the others, each with one sd, SI;
     ``distance`` is (x − y)ᵀ(C + D)⁻¹(x − y) over the shared numbers, ``chance`` how often a
     recording that belongs to the others would be as far. Where no number separates them, the
-    cause is −1 and the values are χ² per sample."""
+    cause is −1 and the values are χ² per sample. ``number`` is its place among those of the fit,
+    ``owner`` the recording that is the first to have it, empty where all share it."""
 
     recording: int
     cause: int
@@ -100,6 +102,8 @@ class Outlier:
     others: tuple[float, float]
     distance: float
     chance: float
+    number: int = -1
+    owner: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,7 +119,7 @@ def outliers(model: Model, final: Refined, stage: Stage, sd: Array) -> tuple[Out
     that differ neither is the outlier: the second is given, beside the first. ``sd`` (m,) is the
     noise of the sensors, SI."""
     keys = _shared(final)
-    known = _each(model, final, stage, sd, [n for n, _, _ in keys]) if keys else {}
+    known = _each(model, final, stage, sd, [one.place for one in keys]) if keys else {}
     found: list[Outlier] = []
     while len(known) > 1 and len(found) < max((len(stage.cuts) - 1) // 2, 1):
         apart = [_against(i, known, keys, len(stage.cuts)) for i in known]
@@ -130,10 +134,31 @@ def outliers(model: Model, final: Refined, stage: Stage, sd: Array) -> tuple[Out
     return () if left is None else (left,)
 
 
-def _shared(final: Refined) -> list[tuple[int, int, str]]:
-    """The numbers that all recordings share: their index, cause and key."""
+class _Number(NamedTuple):
+    """A number of a structure: its place among those of the fit, its cause and key, and the
+    recording that is the first to have it where not all share it."""
+
+    place: int
+    cause: int
+    key: str
+    owner: str = ""
+
+
+def _shared(final: Refined) -> list[_Number]:
+    """The numbers that all recordings share."""
     numbers = [(i, cause, key) for i, cause in enumerate(final.causes) for key in keys_of(cause)]
-    return [(n, i, key) for n, (i, cause, key) in enumerate(numbers) if key not in cause.own]
+    return [_Number(n, i, key) for n, (i, cause, key) in enumerate(numbers) if key not in cause.own]
+
+
+def _numbers(final: Refined) -> list[_Number]:
+    """All numbers but the phases that each recording has of its own."""
+    numbers = [(i, key) for i, cause in enumerate(final.causes) for key in keys_of(cause)]
+    found = {number.place: number for number in _shared(final)}
+    for (recording, _), columns in zip(final.each, final.owned, strict=True):
+        for n, (i, key) in zip(columns, numbers, strict=True):
+            if key != "phase":
+                found.setdefault(n, _Number(n, i, key, recording.name))
+    return list(found.values())
 
 
 def _each(
@@ -154,14 +179,14 @@ def _each(
 def _against(
     which: int,
     known: Mapping[int, _Estimate],
-    keys: Sequence[tuple[int, int, str]],
+    keys: Sequence[_Number],
     recordings: int,
 ) -> Outlier | None:
     """One recording against the others, if it differs beyond chance and by more than a tenth; of
     phases whole turns do not count."""
     mine, rest = known[which], _joined([other for i, other in known.items() if i != which])
     offset, spread = mine.value - rest.value, mine.covariance + rest.covariance
-    turning = [key == "phase" for *_, key in keys]
+    turning = [one.key == "phase" for one in keys]
     offset = np.where(turning, np.remainder(offset + np.pi, 2 * np.pi) - np.pi, offset)
     rest = _Estimate(np.where(turning, mine.value - offset, rest.value), rest.covariance)
     distance = float(offset @ np.linalg.pinv(spread, hermitian=True) @ offset)
@@ -174,7 +199,10 @@ def _against(
     own, others = (
         (float(one.value[n]), float(np.sqrt(one.covariance[n, n]))) for one in (mine, rest)
     )
-    return Outlier(which, *keys[n][1:], own, others, distance, chance)
+    number = keys[n]
+    return Outlier(
+        which, number.cause, number.key, own, others, distance, chance, number.place, number.owner
+    )
 
 
 def _unexplained(final: Refined, stage: Stage) -> Outlier | None:
@@ -211,13 +239,14 @@ def _unexplained(final: Refined, stage: Stage) -> Outlier | None:
 
 
 def drifting(model: Model, final: Refined, stage: Stage, sd: Array) -> Outlier | None:
-    """The shared number that differs most between the first halves of the recordings (``others``)
-    and the second (``value``), if one does beyond chance and by more than a tenth: a law that
-    changes on the way is not the constant one that was fitted. ``sd`` (m,) is the noise, SI."""
-    keys = _shared(final)
+    """The number that differs most between the first halves of the recordings (``others``) and the
+    second (``value``), if one does beyond chance and by more than a tenth: a law that changes on
+    the way is not the constant one that was fitted, whoever has it of its own. ``sd`` (m,) is the
+    noise, SI."""
+    keys = _numbers(final)
     if not keys or any(len(item.start) // 2 < 2 for item in stage.cuts):
         return None
-    rows = [n for n, _, _ in keys]
+    rows = [one.place for one in keys]
     known = {}
     for half in (0, 1):
         cuts = [item.chosen(_half(item, half)) for item in stage.cuts]
@@ -240,8 +269,7 @@ def widened(final: Refined, odd: Outlier) -> Refined:
     """The structure with the deviation of the drifting number as wide as its two values lie apart,
     each weighed by its precision: half of that where both are known alike, and little where one
     half hardly determines it."""
-    numbers = [(i, key) for i, cause in enumerate(final.causes) for key in keys_of(cause)]
-    n = numbers.index((odd.cause, odd.key))
+    n = odd.number
     covariance = final.fit.covariance.copy()
     precise = np.array([1 / odd.value[1] ** 2, 1 / odd.others[1] ** 2])
     weight = precise / precise.sum()

@@ -64,10 +64,11 @@ class Hypothesis:
     time). ``positive`` says which terms physics forbids to be negative; ``options`` are words, or
     expressions (a ``load``); ``own`` are fitted keys that every recording has its own value of, or
     every group (``by``: key and grouping); ``added`` are the refined keys that make a variant of a
-    plain law (the play of a hysteresis). ``bounds`` (key, lower, upper), SI, hold at this place where those of the law are too wide. A
-    curve's terms are its values at ``points``: place, value about which it is linear, and what a
-    smooth line without points says otherwise there, SI; then the changes of what it is multiplied
-    by at points ``by_stretch``, which are alike. A point without a term is as it stands.
+    plain law (the play of a hysteresis). ``bounds`` (key, lower, upper), SI, hold at this place
+    where those of the law are too wide. A curve's terms are its values at ``points``: place, value
+    about which it is linear, and what a smooth line without points says otherwise there, SI; then
+    the changes of what it is multiplied by at points ``by_stretch``, which are alike. A point
+    without a term is as it stands.
     """
 
     kind: str

@@ -15,7 +15,7 @@ from symhyb.correction.adequacy.structure import Fitted, fitted
 from symhyb.correction.naming.dispute_words import dispute_sentence
 from symhyb.correction.search.preparing import prepare, settle
 from symhyb.correction.search.trajectory import Refined, grouped, refine
-from symhyb.data.recording import Recording
+from symhyb.data.recording import Recording, several
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.model.types import On
 from tests.pushed import (
@@ -31,6 +31,7 @@ from tests.pushed import (
 )
 
 SAMPLES = 1000
+HALVES = {"first": (0.0, 0.5 * SAMPLES * STEP), "second": (0.5 * SAMPLES * STEP, SAMPLES * STEP)}
 MASS = Hypothesis("added_mass", On("x"), ("mass",), (True,))
 DAMPER = Hypothesis("damper", On("x"), ("damping",), (True,))
 
@@ -53,13 +54,16 @@ def with_hidden_mode() -> Recording:
 
 
 def estimated(
-    recording: Recording, causes: Sequence[Hypothesis], rows: Sequence[Mapping[str, float]]
+    runs: Recording | Sequence[Recording],
+    causes: Sequence[Hypothesis],
+    rows: Sequence[Mapping[str, float]],
 ) -> tuple[Refined, list[Fitted]]:
     """A structure by windows; by innovations, and so with a hidden mode and a force of any law."""
-    prepared = prepare(pushed_model(), recording)
+    recordings = several(runs)
+    prepared = prepare(pushed_model(), recordings)
     setting = settle(prepared)
     final = refine(prepared.model, causes, rows, setting.stages[-1].cuts, setting.sd)
-    ground = setting_of(pushed_model(), recording)
+    ground = setting_of(pushed_model(), *recordings)
     base = fitted(ground, causes, grouped(final), ground.first_noise())
     noise, start = ground.revived(base.fit.noise), around(ground, base)
     which = ground.library.places.index(On("x"))
@@ -81,6 +85,44 @@ def test_an_added_mass_that_is_a_hidden_mode_is_disputed() -> None:
     said = dispute_sentence(pushed_model(), one)
     assert said.startswith("Added mass on x would be ")
     assert "kg beside a hidden mode: it only stands in for something else" in said
+
+
+@pytest.mark.slow
+def test_a_mass_that_is_a_hidden_mode_is_disputed_though_each_recording_has_its_own() -> None:
+    """What stands in for a mode does so in each recording."""
+    own = replace(MASS, own=("mass",))
+    whole = with_hidden_mode()
+    runs = [replace(whole.crop(*span), name=name) for name, span in HALVES.items()]
+    final, trials = estimated(runs, [own], [{"mass": 0.1}])
+    assert len(final.owned) == 2
+    (one,) = disputed(final, trials)
+    assert one.cause == own
+    assert one.recording in HALVES
+    which = [*HALVES].index(one.recording)
+    assert one.claimed[0] == final.fit.values[final.owned[which][0]]
+    assert abs(one.another[0] - one.claimed[0]) > 0.5 * abs(one.claimed[0])
+    assert f"on x in {one.recording} would be" in dispute_sentence(pushed_model(), one)
+
+
+def test_of_own_strengths_each_is_compared_with_that_of_its_recording() -> None:
+    own = replace(DAMPER, own=("damping",))
+    runs = [pushed(5, damping=1.6), replace(pushed(6, damping=2.4), name="other")]
+    final, (base, *_) = estimated(runs, [own], [{"damping": 0.8}])
+    assert len({*final.fit.values}) == 2
+    assert not disputed(final, [base])
+
+    def with_second(value: float) -> Fitted:
+        values = base.fit.values.copy()
+        values[1] = value
+        return replace(base, fit=replace(base.fit, values=values))
+
+    assert not disputed(final, [with_second(0.6 * base.fit.values[1])])
+    (one,) = disputed(final, [with_second(0.1 * base.fit.values[1])])
+    assert one.recording == "other"
+    small = final.fit.values.copy()  # of a machine that hardly shows it a typical size counts
+    small[1] = 0.01
+    hardly = replace(final, fit=replace(final.fit, values=small))
+    assert not disputed(hardly, [with_second(0.05)])
 
 
 def test_the_name_of_a_parameter_stays_as_the_model_writes_it() -> None:
