@@ -24,6 +24,7 @@ from symhyb.correction.adequacy.explained import Decided, forces_left, remainder
 from symhyb.correction.adequacy.followed import Along, fitted_on, followed, likeliest, scored
 from symhyb.correction.adequacy.late import with_lags
 from symhyb.correction.adequacy.ranking import is_lag, ranked, weights
+from symhyb.correction.adequacy.own_strengths import by_recording, without_own
 from symhyb.correction.adequacy.recorded import Recorded, recorded
 from symhyb.correction.adequacy.structure import Fitted, Generic, Likely, Row, fitted
 from symhyb.correction.adequacy.unnamed import changing_themselves, parts_of_unnamed
@@ -123,8 +124,10 @@ def adequacy(
         asked = [one for one in better if not may_hold(one) or _answers(ground, [one], decided)]
         disputes = disputed(final, [base, *asked])
     doubt = frozenset(one.cause for one in disputes)
-    stay = [i for i, cause in enumerate(base.causes) if _by_recording(cause)]
+    stay = [i for i, cause in enumerate(base.causes) if by_recording(cause)]
     few = not many(base.causes)  # no class at one place stands for more
+    if few and left.acts:
+        trials += without_own(ground, base, rows)
     if few and len(stay) < len(base.causes) and not _explained_alone(ground, trials, decided):
         own = [rows[i] for i in stay]  # all other laws may only imitate a class
         bare = likeliest(ground, [base.causes[i] for i in stay], own)
@@ -292,15 +295,9 @@ def _kept(causes: Sequence[Hypothesis], generic: Generic) -> list[tuple[int, ...
     if _is_curve(generic, causes):
         others = tuple(i for i in every if not _is_curve(generic, causes[i : i + 1]))
         return [every, others]
-    stay = tuple(i for i in every if _by_recording(causes[i]))
+    stay = tuple(i for i in every if by_recording(causes[i]))
     elsewhere = tuple(i for i in every if i in stay or causes[i].place not in (None, generic.where))
     return list(dict.fromkeys([every, elsewhere, stay]))
-
-
-def _by_recording(cause: Hypothesis) -> bool:
-    """Whether each recording has its own strength of a cause. A class, whose columns are of one
-    size in all recordings, does not take the place of it."""
-    return cause.place is not None and cause.keys[0] in cause.own
 
 
 def _doubted(

@@ -110,17 +110,18 @@ def test_of_own_strengths_each_is_compared_with_that_of_its_recording() -> None:
     final, (base, *_) = estimated(runs, [own], [{"damping": 0.8}])
     assert len({*final.fit.values}) == 2
     assert not disputed(final, [base])
+    second = base.owned[1][0]
 
     def with_second(value: float) -> Fitted:
         values = base.fit.values.copy()
-        values[1] = value
+        values[second] = value
         return replace(base, fit=replace(base.fit, values=values))
 
-    assert not disputed(final, [with_second(0.6 * base.fit.values[1])])
-    (one,) = disputed(final, [with_second(0.1 * base.fit.values[1])])
+    assert not disputed(final, [with_second(0.6 * base.fit.values[second])])
+    (one,) = disputed(final, [with_second(0.1 * base.fit.values[second])])
     assert one.recording == "other"
     small = final.fit.values.copy()  # of a machine that hardly shows it a typical size counts
-    small[1] = 0.01
+    small[final.owned[1][0]] = 0.01
     hardly = replace(final, fit=replace(final.fit, values=small))
     assert not disputed(hardly, [with_second(0.05)])
 
