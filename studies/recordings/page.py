@@ -39,7 +39,7 @@ diagnosis sees it. The unseen recordings choose nothing.
 - Times are of the processors, on a machine with two cores, and on the clock. With other processes
   beside it both are longer than alone.
 - The [free falls of a servo](../studies/servo_pendulums/README.md), each with a known weight of its
-  own, have a page of their own.
+  own, have a page of their own. They are development data, also for numbers shared within groups.
 """
 
 
