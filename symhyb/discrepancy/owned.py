@@ -1,25 +1,51 @@
 """The values of a correction that not all recordings share, for one of them."""
 
-from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Protocol
+
+from symhyb.model.types import Element
 
 if TYPE_CHECKING:
     from symhyb.data.recording import Recording
-    from symhyb.discrepancy.results import Found, Reestimated
+
+
+class _Number(Protocol):
+    @property
+    def name(self) -> str: ...
+    @property
+    def value(self) -> float: ...
+
+
+class _Effect(Protocol):
+    @property
+    def element(self) -> Element: ...
+    @property
+    def own(self) -> Sequence[tuple[str, Sequence[_Number]]]: ...
+    @property
+    def groups(self) -> Sequence[tuple[str, str, Sequence[_Number]]]: ...
+
+
+class _Parameter(Protocol):
+    @property
+    def name(self) -> str: ...
+    @property
+    def own(self) -> Sequence[tuple[str, float, float]]: ...
+    @property
+    def groups(self) -> Sequence[tuple[str, str, float, float]]: ...
 
 
 def values_of(
-    found: Iterable["Found"], parameters: Iterable["Reestimated"], recording: "Recording"
+    found: Iterable[_Effect], parameters: Iterable[_Parameter], recording: "Recording"
 ) -> dict[str, float]:
     """By path in the corrected model, in its units, what a recording has of its own and what its
     groups have; nothing of a group that is not known."""
     values: dict[str, float] = {}
     for effect in found:
-        mine = [*(one for name, one in effect.own if name == recording.name)]
+        mine = [one for name, one in effect.own if name == recording.name]
         mine += [one for by, name, one in effect.groups if recording.groups.get(by) == name]
         values |= {f"{effect.element.name}.{one.name}": one.value for row in mine for one in row}
     for item in parameters:
-        mine_too = [value for name, value, _ in item.own if name == recording.name]
-        mine_too += [v for by, name, v, _ in item.groups if recording.groups.get(by) == name]
-        values |= dict.fromkeys((item.name,), mine_too[0]) if mine_too else {}
+        known = [value for name, value, _ in item.own if name == recording.name]
+        known += [x for by, name, x, _ in item.groups if recording.groups.get(by) == name]
+        values |= {item.name: value for value in known[:1]}
     return values

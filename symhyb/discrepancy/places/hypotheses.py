@@ -67,8 +67,7 @@ class Hypothesis:
     plain law (the play of a hysteresis). ``bounds`` (key, lower, upper), SI, hold at this place
     where those of the law are too wide. A curve's terms are its values at ``points``: place, value
     about which it is linear, and what a smooth line without points says otherwise there, SI; then
-    the changes of what it is multiplied by at points ``by_stretch``, which are alike. A point
-    without a term is as it stands.
+    the changes of what it is multiplied by at points ``by_stretch``. A point without a term stands.
     """
 
     kind: str
