@@ -47,5 +47,6 @@ def values_of(
     for item in parameters:
         known = [value for name, value, _ in item.own if name == recording.name]
         known += [x for by, name, x, _ in item.groups if recording.groups.get(by) == name]
-        values |= {item.name: value for value in known[:1]}
+        if known:
+            values[item.name] = known[0]
     return values
