@@ -23,8 +23,8 @@ from symhyb.correction.adequacy.clock_jitter import Jitter, jittering
 from symhyb.correction.adequacy.explained import Decided, forces_left, remainder
 from symhyb.correction.adequacy.followed import Along, fitted_on, followed, likeliest, scored
 from symhyb.correction.adequacy.late import with_lags
-from symhyb.correction.adequacy.ranking import is_lag, ranked, weights
 from symhyb.correction.adequacy.own_strengths import by_recording, without_own
+from symhyb.correction.adequacy.ranking import is_lag, ranked, weights
 from symhyb.correction.adequacy.recorded import Recorded, recorded
 from symhyb.correction.adequacy.structure import Fitted, Generic, Likely, Row, fitted
 from symhyb.correction.adequacy.unnamed import changing_themselves, parts_of_unnamed
