@@ -10,6 +10,13 @@ from symhyb.numeric.kernels import compiled as module
 
 needs_compiler = pytest.mark.skipif(module.find_compiler() is None, reason="no C compiler")
 
+
+def processor_flags() -> list[str]:
+    """What this processor has; nothing where that cannot be known."""
+    file = Path("/proc/cpuinfo")
+    return file.read_text(encoding="utf-8").split() if file.exists() else []
+
+
 CODE = "int answer(void) { return 42; }"
 
 
@@ -160,3 +167,16 @@ def test_a_link_in_place_of_a_library_is_built_anew(cache: Path, tmp_path: Path)
 def test_a_file_in_place_of_the_folder_is_no_error(home: Path) -> None:
     (home / "symhyb").write_text("")
     assert module.cache_folder("compiled") is None
+
+
+@needs_compiler
+@pytest.mark.skipif("avx" not in processor_flags(), reason="has no wide vector registers")
+def test_functions_are_called_with_the_upper_halves_of_registers_cleared(cache: Path) -> None:
+    """Else each call of a function of the mathematical library takes ten times as long."""
+    code = """
+    #include <math.h>
+    typedef double vec __attribute__((vector_size(32), may_alias));
+    int answer(void) { return 42; }
+    void run(vec *x) { vec y = *x + 1.0; for (int l = 0; l < 4; l++) y[l] = exp(y[l]); *x = y; }
+    """
+    assert b"\xc5\xf8\x77" in file_of(cache, code).read_bytes()  # vzeroupper

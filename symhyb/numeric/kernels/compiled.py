@@ -20,8 +20,14 @@ from stat import S_ISDIR
 
 FILES_MOST = 300  # kept in a cache folder
 # Special values occur, and products and sums are not fused: what cancels by one way to evaluate a
-# function cancels by all others.
-FLAGS = ("-fno-math-errno", "-fno-trapping-math", "-ffp-contract=off")
+# function cancels by all others. Without the last one GCC leaves the upper halves of vector
+# registers in use at -O1, and each call of exp or pow then takes ten times as long.
+FLAGS = (
+    "-fno-math-errno",
+    "-fno-trapping-math",
+    "-ffp-contract=off",
+    "-fexpensive-optimizations",
+)
 
 LOADING = threading.Lock()
 """Held while a library is loaded, and while those that are loaded are listed. Both lock the list
