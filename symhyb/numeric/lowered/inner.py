@@ -41,12 +41,13 @@ def inner_along(
     form = inner_form(machine)
     drive = form.driven(u, *motion)
     here = motion[0][0], motion[1][0], u[0], float(t[0])
+    run, acting = kept(("inner", form.key), lambda: _chains(form))
     first = np.array([settled(machine, *here, row)[0] for row in sets]) + off
-    state = np.concatenate([first, sets], axis=1)
+    state = np.concatenate([first, sets[:, acting]], axis=1)
     parts = [state[:, None, :inner]]
     for begin in range(0, t.size - 1, CHUNK):
         rows = slice(begin, begin + CHUNK + 1)
-        states = _stepped(form, t[rows], drive[rows], state)
+        states = _stepped(run, t[rows], drive[rows], state)
         state = states[:, -1]
         parts.append(states[:, SUBSTEPS - 1 :: SUBSTEPS, :inner].copy())
     z = np.concatenate(parts, axis=1)
@@ -105,8 +106,8 @@ def _slope(machine: Machine) -> ca.Function:
     return ca.Function("slope_of_states", given, [ca.densify(rates), slopes])
 
 
-def _stepped(form: StateForm, t: Array, drive: Array, start: Array) -> Array:
-    """Inner states with their parameters (C, steps, z + P) from ``start`` (C, z + P) along times
+def _stepped(run: Chains, t: Array, drive: Array, start: Array) -> Array:
+    """Inner states with their parameters (C, steps, z + A) from ``start`` (C, z + A) along times
     (N,) and what drives them (N, d), SI."""
     parts = np.linspace(0, 1, SUBSTEPS, endpoint=False)
     begin = (t[:-1, None] + parts * np.diff(t)[:, None]).reshape(-1)
@@ -114,7 +115,6 @@ def _stepped(form: StateForm, t: Array, drive: Array, start: Array) -> Array:
     d0 = (drive[:-1, None] + np.arange(SUBSTEPS)[:, None] * rise).reshape(begin.size, -1)
     d1 = d0 + np.repeat(rise[:, 0], SUBSTEPS, axis=0)
     h = np.repeat(np.diff(t) / SUBSTEPS, SUBSTEPS)
-    run = kept(("inner", form.key), lambda: Chains(_step(form)))
     varying = [
         np.broadcast_to(row, (len(start), *row.shape))
         for row in (d0, d1, begin[:, None], h[:, None])
@@ -123,13 +123,15 @@ def _stepped(form: StateForm, t: Array, drive: Array, start: Array) -> Array:
     return np.asarray(states)
 
 
-def _step(form: StateForm) -> ca.Function:
-    """((z, p), d0, d1, t, h, nothing) -> (z, p) after h seconds: every chain has parameters of its
-    own."""
+def _chains(form: StateForm) -> tuple[Chains, list[int]]:
+    """((z, p), d0, d1, t, h, nothing) -> (z, p) after h seconds along chains, each of which has
+    parameters of its own: those that act on inner states, by their columns (A,)."""
     x, d0, t, p, _ = form.symbols()
     d1, h, nothing = ca.SX.sym("d1", form.drive), ca.SX.sym("h"), ca.SX.sym("nothing", 0)
     after = rosenbrock_step(form)(x, d0, d1, t, h, p)
-    both = ca.densify(ca.vertcat(after, p))
-    return ca.Function(
-        "inner_step", [ca.vertcat(x, p), d0, d1, t, h, nothing], [both], {"cse": True}
-    )
+    met = {symbol.element_hash() for symbol in ca.symvar(after)}
+    acting = [i for i in range(form.machine.values.size) if p[i].element_hash() in met]
+    own = p[acting]
+    both = ca.densify(ca.vertcat(after, own))
+    given = [ca.vertcat(x, own), d0, d1, t, h, nothing]
+    return Chains(ca.Function("inner_step", given, [both], {"cse": True})), acting
