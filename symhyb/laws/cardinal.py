@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from symhyb.laws.characteristic import Array, Characteristic, monotone_slopes, through
+from symhyb.laws.characteristic import Array, Characteristic, through
 
 
 class Part(NamedTuple):
@@ -58,29 +58,55 @@ def cardinals(name: str, x: Sequence[float], y: Sequence[float]) -> tuple[Charac
     )
 
 
+def cardinal_values(x: Array, y: Array, at: Array) -> Array:
+    """The functions φ_i of :func:`cardinals`, without a unit, at places ``at`` (G,), of many curves
+    at once: (…, G, P), of curves through points ``x`` and ``y`` (…, P), SI."""
+    by_value, last = _slopes_by_value(x, y), x.shape[-1] - 1
+    first = np.clip(np.sum(x[..., None, :] <= at[:, None], axis=-1) - 1, 0, last - 1)
+    ends = np.take_along_axis(x, first, -1), np.take_along_axis(x, first + 1, -1)
+    h, begun = ends[1] - ends[0], at - ends[0]
+    u = np.clip(begun / h, 0.0, 1.0)
+    bump = u * (1 - u)  # of the two slopes; beyond the ends curves run on along lines
+    before = np.where(begun < 0, begun, h * bump * (1 - u))
+    behind = np.where(begun > h, begun - h, -h * bump * u)
+    each = np.arange(last + 1)
+    found = np.where(each == first[..., None], ((1 - u) ** 2 * (1 + 2 * u))[..., None], 0.0)
+    found += np.where(each == first[..., None] + 1, (u**2 * (3 - 2 * u))[..., None], 0.0)
+    found += before[..., None] * np.take_along_axis(by_value, first[..., None], -2)
+    found += behind[..., None] * np.take_along_axis(by_value, first[..., None] + 1, -2)
+    return np.asarray(found)
+
+
 def _slopes_by_value(x: Array, y: Array) -> Array:
-    """How much the slope at every point (P, P) changes with each value, 1 over the unit of x."""
-    h = np.diff(x)
+    """How much the slope at every point (…, P, P) changes with each value, 1 over the unit of x, of
+    curves through points ``x`` and ``y`` (…, P)."""
+    h, unit = np.diff(x), np.eye(x.shape[-1])
     secants = np.diff(y) / h
-    by_value = (np.eye(x.size)[1:] - np.eye(x.size)[:-1]) / h[:, None]  # of the secants
-    if h.size == 1:
-        return np.repeat(by_value, 2, axis=0)
-    rows = np.zeros((x.size, x.size))
-    for j in range(1, x.size - 1):
-        left, right = secants[j - 1], secants[j]
-        if left * right > 0:
-            w1, w2 = 2 * h[j] + h[j - 1], h[j] + 2 * h[j - 1]
-            whole = (w1 + w2) / (w1 / left + w2 / right) ** 2
-            rows[j] = whole * (w1 / left**2 * by_value[j - 1] + w2 / right**2 * by_value[j])
-    slopes = monotone_slopes(h, secants)
-    for j, (a, b) in ((0, (0, 1)), (-1, (-1, -2))):
-        near, far = secants[a], secants[b]
-        plain = ((2 * h[a] + h[b]) * by_value[a] - h[a] * by_value[b]) / (h[a] + h[b])
-        if slopes[j] == 0.0 and near != 0.0:
-            continue
-        steepest = np.sign(near) != np.sign(far) and slopes[j] == 3 * near and near != 0.0
-        rows[j] = 3 * by_value[a] if steepest else plain
-    return rows
+    by_value = (unit[1:] - unit[:-1]) / h[..., None]  # of the secants
+    if h.shape[-1] == 1:
+        return np.repeat(by_value, 2, axis=-2)
+    left, right = secants[..., :-1, None], secants[..., 1:, None]
+    w1 = (2 * h[..., 1:] + h[..., :-1])[..., None]
+    w2 = (h[..., 1:] + 2 * h[..., :-1])[..., None]
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        whole = (w1 + w2) / (w1 / left + w2 / right) ** 2
+        along = w1 / left**2 * by_value[..., :-1, :] + w2 / right**2 * by_value[..., 1:, :]
+        inside = np.where(left * right > 0, whole * along, 0.0)
+    begin, end = (_end_by_value(h, secants, by_value, *pair) for pair in ((0, 1), (-1, -2)))
+    return np.concatenate([begin[..., None, :], inside, end[..., None, :]], axis=-2)
+
+
+def _end_by_value(h: Array, secants: Array, by_value: Array, a: int, b: int) -> Array:
+    """How much the slope at an end (…, P) changes with each value: that of three points, unless it
+    is held so that the curve stays monotone; ``a`` is the piece at the end, ``b`` the next, of
+    widths ``h`` and ``secants`` (…, P − 1) that change as ``by_value`` says."""
+    (h, beside), (near, far) = ((one[..., [a]], one[..., [b]]) for one in (h, secants))
+    slope = ((2 * h + beside) * near - h * far) / (h + beside)
+    own, other = by_value[..., a, :], by_value[..., b, :]
+    plain = ((2 * h + beside) * own - h * other) / (h + beside)
+    flat = (np.sign(slope) != np.sign(near)) & (near != 0.0)
+    steepest = (np.sign(near) != np.sign(far)) & (np.abs(slope) > 3 * np.abs(near)) & (near != 0.0)
+    return np.asarray(np.where(flat, 0.0, np.where(steepest, 3 * own, plain)))
 
 
 def _part(name: str, x: Array, y: Array, slopes: Array) -> Characteristic:

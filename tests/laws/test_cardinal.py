@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from symhyb.laws.cardinal import cardinals, parts_of
+from symhyb.laws.cardinal import cardinal_values, cardinals, parts_of
 from symhyb.laws.characteristic import through
 from symhyb.laws.curve import LAW, value_name
 from symhyb.laws.maths import NUMPY, Motion
@@ -44,6 +44,16 @@ def test_each_is_the_derivative_by_its_value(points: tuple[np.ndarray, np.ndarra
         )
         slopes.append((above - below) / (2 * step))
     assert parts_over(points, grid) == pytest.approx(np.array(slopes), rel=1e-4, abs=1e-4)
+
+
+def test_many_curves_at_once_are_each_by_itself() -> None:
+    x = np.sort(RANDOM.normal(size=(40, 6)), axis=1)
+    y = RANDOM.normal(size=(40, 6)).round(1)  # some neighbours are as high
+    grid = np.linspace(x.min() - 1.0, x.max() + 1.0, 203)
+    found = cardinal_values(x, y, grid)
+    for own, values, made in zip(x, y, np.swapaxes(found, 1, 2), strict=True):
+        assert made == pytest.approx(parts_over((own, values), grid), rel=1e-9, abs=1e-9)
+    assert cardinal_values(x[:, :2], y[:, :2], grid).sum(axis=-1) == pytest.approx(1.0)
 
 
 @POINTS

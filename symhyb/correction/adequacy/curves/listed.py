@@ -70,7 +70,9 @@ def listed(recorded: Recorded, line: Line) -> list[Listed]:
             rows = _rows(chosen, values)
             if rows is not None:
                 causes = tuple(law.cause for law in chosen)
-                sets.append(Listed(causes, rows, worth - size * float(np.log(max(count, 2)))))
+                sets.append(
+                    Listed(causes, rows, float(worth) - size * float(np.log(max(count, 2))))
+                )
         sets.sort(key=lambda one: -one.worth)
         found += [one for i, one in enumerate(sets) if i == 0 or one.causes[0].bent]
     return sorted(found, key=lambda one: -one.worth)
@@ -91,7 +93,7 @@ def _laws(recorded: Recorded, line: Line) -> Iterator[_Law]:
         if same and np.all(largest > 0):
             pushes = -1.0 if not law.passive and isinstance(place, On) else 1.0
             columns = pushes * forces / largest
-            yield _Law(cause, columns, largest, worth_of(line, columns)[0])
+            yield _Law(cause, columns, largest, float(worth_of(line, columns)[0]))
 
 
 def _forces(cause: Hypothesis, line: Line, share: float) -> Array:

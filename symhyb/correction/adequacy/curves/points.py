@@ -16,7 +16,7 @@ from symhyb.correction.adequacy.classes.columns import LENGTHS
 from symhyb.correction.adequacy.curves.courses import Line
 from symhyb.correction.adequacy.curves.products import Products
 from symhyb.discrepancy.places.hypotheses import CurvePoint
-from symhyb.laws.cardinal import cardinals
+from symhyb.laws.cardinal import cardinal_values
 from symhyb.numeric.kernels.buffers import Array
 
 POINTS_MOST = 12
@@ -59,7 +59,7 @@ def placed(line: Line) -> Points:
     """The points of the largest evidence."""
     zero = int(np.flatnonzero(line.x == 0.0)[0]) if line.through_zero else None
     smooth, covariance = smoothed(line, zero)
-    now = best = _judged(line, _first(line), smooth)
+    now = best = _best_of(line, [_first(line)], smooth, AGAIN)
     tried, since = 1, 0
     while len(now.chosen) < POINTS_MOST and since < PATIENCE:
         more = _with_one_more(line, now.chosen, smooth)
@@ -81,10 +81,10 @@ def _worth(one: _Set) -> float:
 def _with_one_more(line: Line, chosen: tuple[int, ...], smooth: Array) -> _Set | None:
     """A set with the point more that is worth most; None where all points are in it."""
     rest = [i for i in range(line.x.size) if i not in chosen]
-    offers = [_judged(line, sorted((*chosen, i)), smooth, again=0) for i in rest]
-    if not offers:
+    if not rest:
         return None
-    return _judged(line, max(offers, key=_worth).chosen, smooth)
+    best = _best_of(line, [sorted((*chosen, i)) for i in rest], smooth)
+    return _best_of(line, [best.chosen], smooth, AGAIN)
 
 
 def _put_right(line: Line, best: _Set, smooth: Array) -> _Set:
@@ -92,13 +92,13 @@ def _put_right(line: Line, best: _Set, smooth: Array) -> _Set:
     best = _moved(line, best, smooth)
     while len(best.chosen) > 2:
         less = [
-            _judged(line, [*best.chosen[:k], *best.chosen[k + 1 :]], smooth, again=0)
+            [*best.chosen[:k], *best.chosen[k + 1 :]]
             for k in range(1, len(best.chosen) - 1)
             if not line.stays(line.x[best.chosen[k]])
         ]
         if not less:
             break
-        fewer = _moved(line, max(less, key=_worth), smooth)
+        fewer = _moved(line, _best_of(line, less, smooth), smooth)
         if fewer.worth <= best.worth:
             break
         best = fewer
@@ -107,18 +107,16 @@ def _put_right(line: Line, best: _Set, smooth: Array) -> _Set:
 
 def _moved(line: Line, best: _Set, smooth: Array) -> _Set:
     """A set each of whose inner points stands where it is worth most between its neighbours."""
-    best = _judged(line, best.chosen, smooth)
+    best = _best_of(line, [best.chosen], smooth, AGAIN)
     for _ in range(PASSES):
         before = best.worth
         for k in range(1, len(best.chosen) - 1):
             at = best.chosen
             if line.stays(line.x[at[k]]):
                 continue
-            offers = [
-                _judged(line, [*at[:k], i, *at[k + 1 :]], smooth, again=0)
-                for i in range(at[k - 1] + 1, at[k + 1])
-            ]
-            here = _judged(line, max(offers, key=_worth).chosen, smooth)
+            offers = [[*at[:k], i, *at[k + 1 :]] for i in range(at[k - 1] + 1, at[k + 1])]
+            moved = _best_of(line, offers, smooth)
+            here = _best_of(line, [moved.chosen], smooth, AGAIN)
             best = max(best, here, key=_worth)
         if best.worth <= before:
             break
@@ -133,17 +131,19 @@ def _first(line: Line) -> list[int]:
     return [0, middle, x.size - 1]
 
 
-def _judged(line: Line, chosen: Sequence[int], smooth: Array, again: int = AGAIN) -> _Set:
-    """A set of points with the values of the largest evidence, and that."""
-    x, y = line.x[list(chosen)], smooth[list(chosen)]
-    worth = -np.inf
+def _best_of(line: Line, sets: Sequence[Sequence[int]], smooth: Array, again: int = 0) -> _Set:
+    """Of sets of as many points the one that is worth most, with the values of the largest
+    evidence."""
+    chosen = np.array(sets)
+    x, y = line.x[chosen], smooth[chosen]
+    free = np.array([[not line.stays(at) for at in row] for row in x])
+    worth = np.full(len(x), -np.inf)
     for _ in range(again + 1):
-        curved = np.stack([part(line.x) for part in cardinals("", x.tolist(), y.tolist())], axis=1)
-        free = [k for k, i in enumerate(chosen) if not line.stays(line.x[i])]
-        worth, values = worth_of(line, curved[:, free])
-        y = np.zeros_like(x)
-        y[free] = values
-    return _Set(tuple(chosen), y, worth)
+        worth, y = worth_of(line, cardinal_values(x, y, line.x) * free[:, None])
+    best = int(np.argmax(worth))
+    return _Set(
+        tuple(chosen[best].tolist()), np.where(free[best], y[best], 0.0), float(worth[best])
+    )
 
 
 class Weighed(Protocol):
@@ -163,25 +163,39 @@ class Weighed(Protocol):
         """The prior deviation of a value, SI."""
 
 
-def worth_of(line: Weighed, columns: Array) -> tuple[float, Array]:
-    """What columns (G, P) of the fine line are worth, and their coefficients (P,), SI."""
-    return solved(line, columns)[:2]
+def worth_of(line: Weighed, columns: Array) -> tuple[Array, Array]:
+    """What columns (G, P) of the fine line are worth, and their coefficients (P,), SI; or those of
+    many sets (…, G, P) at once."""
+    worth, values, _ = _at_best(line, columns)
+    return worth, values
 
 
-def solved(line: Weighed, columns: Array) -> tuple[float, Array, Array]:
+def solved(line: Weighed, columns: Array) -> tuple[Array, Array, Array]:
     """What columns (G, P) of the fine line are worth, their coefficients (P,) and the covariance of
-    these (P, P), SI, at the best size of the unknown force; each coefficient is of the size of what
-    moves the place."""
-    found = []
+    these (P, P), SI; or those of many sets (…, G, P) at once."""
+    worth, values, seen = _at_best(line, columns)
+    return worth, values, np.asarray(line.size**2 * np.linalg.inv(seen))
+
+
+def _at_best(line: Weighed, columns: Array) -> tuple[Array, Array, Array]:
+    """What columns (…, G, P) are worth (…,) at the best size of the unknown force, their
+    coefficients (…, P), SI, and how well these are seen (…, P, P), in units of their prior; each
+    coefficient is of the size of what moves the place."""
+    across, found = np.swapaxes(columns, -1, -2), []
     for products, more in line.products:
-        block = line.size**2 * columns.T @ products[:-1, :-1] @ columns
-        toward = -line.size * columns.T @ products[:-1, -1]  # residual + columns · values is left
-        seen = block + np.eye(toward.size)
-        values = np.linalg.solve(seen, toward)
-        worth = 0.5 * float(toward @ values - np.linalg.slogdet(seen)[1]) + more
+        block = line.size**2 * across @ products[:-1, :-1] @ columns
+        toward = -line.size * across @ products[:-1, -1]  # residual + columns · values is left
+        seen = block + np.eye(toward.shape[-1])
+        values = np.linalg.solve(seen, toward[..., None])[..., 0]
+        sizes = np.linalg.slogdet(seen)[1]
+        worth = 0.5 * (np.sum(toward * values, axis=-1) - sizes) + more
         found.append((worth, values, seen))
-    worth, values, seen = max(found, key=lambda one: one[0])
-    return worth, np.asarray(line.size * values), np.asarray(line.size**2 * np.linalg.inv(seen))
+    worth, values, seen = (np.stack(parts) for parts in zip(*found, strict=True))
+    best = np.argmax(worth, axis=0)[None]
+    worth = np.take_along_axis(worth, best, 0)[0]
+    values = np.take_along_axis(values, best[..., None], 0)[0]
+    seen = np.take_along_axis(seen, best[..., None, None], 0)[0]
+    return worth, line.size * values, seen
 
 
 def smoothed(line: Weighed, zero: int | None = None) -> tuple[Array, Array]:

@@ -99,7 +99,7 @@ def worth_along(ground: Recorded, trial: Fitted, number: Number, shape: Shape) -
         line = waves_at(ground, trial, number, shape.values[2])
     else:
         line = line_through(ground, trial, number, np.array(shape.times))
-    return worth_of(line, np.eye(line.x.size))[0]
+    return float(worth_of(line, np.eye(line.x.size))[0])
 
 
 def _shift(line: TimeLine, chosen: Sequence[int], free: Shape) -> Array:
@@ -110,7 +110,7 @@ def _shift(line: TimeLine, chosen: Sequence[int], free: Shape) -> Array:
 
 
 def _worth(line: TimeLine, chosen: Sequence[int]) -> float:
-    return worth_of(line, hats(line.x, line.x[list(chosen)]))[0]
+    return float(worth_of(line, hats(line.x, line.x[list(chosen)]))[0])
 
 
 def _best_pair(line: TimeLine) -> tuple[int, int]:
