@@ -87,14 +87,11 @@ def begin_spread(model: WindowModel, item: Cut, p: Array, size: Array) -> Array:
     return np.where(known, declared, UNSEEN * declared)
 
 
-def off_anchor(model: WindowModel, item: Cut, p: Array, start: Array) -> Array:
-    """Squared deviations (W,) of initial states ``start`` (W, X) from their prior, in its
+def off_anchor(model: WindowModel, start: Array, prior: Anchor) -> Array:
+    """Squared deviations (W,) of initial states ``start`` (W, X), SI, from their prior, in its
     deviations, dimensionless."""
     first = 2 * len(model.form.free)
-    if start.shape[1] == first:
-        return np.zeros(len(start))
-    anchor = anchored(model, item, p)
-    return np.asarray(np.sum(((start[:, first:] - anchor.z) / anchor.spread) ** 2, axis=1))
+    return np.asarray(np.sum(((start[:, first:] - prior.z) / prior.spread) ** 2, axis=1))
 
 
 def _acting(model: WindowModel) -> set[int]:

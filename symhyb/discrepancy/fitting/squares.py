@@ -4,21 +4,31 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from symhyb.discrepancy.fitting.anchors import off_anchor
+from symhyb.discrepancy.fitting.anchors import Anchor, anchored, off_anchor
 from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.kernels.chains_source import LANES
 from symhyb.numeric.runs.windows import WindowModel
 
 
-def squares(model: WindowModel, item: Cut, p: Array, start: Array, sd: Array) -> Array:
+def squares(
+    model: WindowModel,
+    item: Cut,
+    p: Array,
+    start: Array,
+    sd: Array,
+    prior: Anchor | None = None,
+) -> Array:
     """Squared whitened residuals of each window (W,) that begins at ``start`` (W, X), priors
-    of inner states included; ``p`` (P,) and noise ``sd`` (m,) in SI."""
+    of inner states included; ``p`` (P,) and noise ``sd`` (m,) in SI. The ``prior`` is that of the
+    windows under ``p``, if it is known already."""
     with np.errstate(over="ignore", invalid="ignore"):
         _, y = model.simulate(item.block, start, p)
         residual = np.where(np.isfinite(item.block.y), item.block.y - y, 0.0)
         shown: Array = np.sum(item.white(residual[..., None], sd) ** 2, axis=(1, 2))
-        return shown + off_anchor(model, item, p, start)
+        if model.remembers:
+            shown += off_anchor(model, start, prior or anchored(model, item, p))
+        return shown
 
 
 def best_of(
@@ -35,6 +45,7 @@ def best_of(
         wide = item.chosen(np.tile(np.arange(windows), len(begins)))
         shown = squares(model, wide, p, np.concatenate(begins), sd).reshape(-1, windows)
     else:
-        shown = np.stack([squares(model, item, p, begin, sd) for begin in begins])
+        prior = anchored(model, item, p) if model.remembers else None
+        shown = np.stack([squares(model, item, p, begin, sd, prior) for begin in begins])
     costs = np.where(np.isfinite(shown), shown, np.inf)
     return np.choose(np.argmin(costs, axis=0)[:, None], begins), costs.min(axis=0)

@@ -147,6 +147,11 @@ class WindowModel:
         self._held = tuple(i for i in self._held if not moves(machine.model.inputs[i]))
         self._steps = kept(("steps", self.form.key, free), lambda: Steps(self.form, list(free)))
 
+    @property
+    def remembers(self) -> bool:
+        """Whether there are states beside those of the motion."""
+        return self.form.size > 2 * len(self.form.free)
+
     def simulate(self, block: Block, start: Array, p: Array) -> tuple[Array, Array]:
         """Simulate windows from ``start`` (W, X) with parameters ``p`` (P,), SI.
 
