@@ -83,12 +83,14 @@ class Engine:
         own = self.native.after(blocks * steps)
         advance = self._interpreted(p) if own is None else _bound(own, p)
         work = blocks * steps * len(self._code.steps) // (1 if own is None else NATIVE_FASTER)
-        threads = int(min(os.cpu_count() or 1, THREADS_MOST, blocks, 1 + work // WORK_LEAST))
+        threads = int(min(THREADS_MOST, blocks, 1 + work // WORK_LEAST))
+        if threads > 1:  # the system takes longer to count than some functions run
+            threads = min(threads, os.cpu_count() or 1)
+        if threads == 1:
+            advance(given, made, range(chains), steps)
+            return made
         bounds = [min(LANES * int(i), chains) for i in np.linspace(0, blocks, threads + 1)]
         parts = [(given, made, range(*pair), steps) for pair in pairwise(bounds)]
-        if threads == 1:
-            advance(*parts[0])
-            return made
         with ThreadPoolExecutor(threads - 1) as pool:
             jobs = [pool.submit(advance, *part) for part in parts[1:]]
             # the caller works too: a thread less to start, and none that only waits
