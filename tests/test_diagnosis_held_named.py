@@ -1,5 +1,6 @@
 """An input that is held from sample to sample is named, stated in the model, and fits."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -11,7 +12,7 @@ from scipy.interpolate import CubicSpline
 
 import symhyb as sh
 from symhyb.correction.adequacy.structure import Generic, Likely
-from symhyb.correction.verdict.hold import held_inputs, with_held, with_holds
+from symhyb.correction.verdict.hold import held_inputs, samples_kept, with_held, with_holds
 from symhyb.discrepancy.results import Diagnosis, Measurement
 from symhyb.errors import InputError
 from symhyb.model.read import parse_model
@@ -55,13 +56,25 @@ def test_one_sample_for_certain_is_held() -> None:
     assert held_inputs(model(', between = "held"'), run, judged(STEP_S)) == ()
 
 
+def test_a_slow_controller_holds_for_as_long_as_its_record_shows() -> None:
+    (run,) = [actuated(staircase, 1, duration=2.0)]
+    command = run.inputs["f"]
+    slow = replace(run, inputs={"f": command[np.arange(command.size) // 4 * 4]})
+    (held,) = held_inputs(model(), [slow], judged(STEP_S))
+    assert held.value == pytest.approx(4 * STEP_S)
+    (both,) = held_inputs(model(), [run, slow], judged(STEP_S))
+    assert both.value == pytest.approx(STEP_S)
+    quiet = replace(run, inputs={"f": np.ones_like(command)})
+    assert samples_kept([quiet], "f") == 1
+
+
 def test_what_is_held_stands_in_the_verdict() -> None:
     held = (Measurement("f", "held", STEP_S, 0.0, "s"),)
     answer = with_held(Diagnosis("nothing missing", "Nothing is missing."), held)
     assert (answer.verdict, answer.measurement) == ("measurement", held)
     assert answer.sentence == (
         "The physics of the model holds, the measurement does not: "
-        "f is held from each sample to the next, for 5 ms."
+        "f is held between its recorded values, for 5 ms each."
     )
 
 

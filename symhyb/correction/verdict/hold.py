@@ -1,8 +1,9 @@
 """An input that is held from sample to sample, where that explains all that a model lacks.
 
 A staircase of one sample is what `between = "held"` states in a model file. Everything is decided
-once more with that; it is named where nothing acts beyond what is decided then. A staircase of
-several samples is none of the recording's, and stays a class.
+once more with that; it is named where nothing acts beyond what is decided then, with the time for
+which the record keeps a value: of a slow controller that is several samples. A staircase of several
+samples that the record does not show is none of the recording's, and stays a class.
 """
 
 from collections.abc import Sequence
@@ -35,7 +36,18 @@ def held_inputs(
     known = [model.inputs[name] for name in names]
     if any(item.between == "held" for item in known):
         return ()
-    return tuple(Measurement(item.name, "held", float(steps[0]), 0.0, "s") for item in known)
+    lasts = [(item.name, steps[0] * samples_kept(recordings, item.name)) for item in known]
+    return tuple(Measurement(name, "held", float(hold), 0.0, "s") for name, hold in lasts)
+
+
+def samples_kept(recordings: Sequence[Recording], name: str) -> int:
+    """For how many samples the records of an input keep each of its values: the largest number that
+    divides the way from every change to the next."""
+    ways = 0
+    for one in recordings:
+        changes = np.flatnonzero(np.diff(one.inputs[name]))
+        ways = int(np.gcd.reduce(np.diff(changes), initial=ways))
+    return max(ways, 1)
 
 
 def with_holds(model: Model, held: Sequence[Measurement]) -> Model:

@@ -107,7 +107,7 @@ def measurement_phrase(fault: Measurement) -> str:
         return f"{fault.channel} shows what it measures through a lag of {time}"
     if fault.kind == "held":
         hold = small_text(fault.value, fault.unit, digits=3)
-        return f"{fault.channel} is held from each sample to the next, for {hold}"
+        return f"{fault.channel} is held between its recorded values, for {hold} each"
     if fault.kind == "delay":
         late = "early" if fault.value < 0.0 else "late"
         return (
