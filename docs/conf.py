@@ -56,7 +56,7 @@ nitpick_ignore_regex = [
     (r"py:.*", r"(?!symhyb\b)[\w.]+\.\w+"),  # of other projects, whose inventories are not fetched
     # what values keep inside
     (r"py:class", r"symhyb\.(numeric|correction|discrepancy)\.\w+\.\w+\.\w+"),
-    (r"py:class", r"symhyb\.model\.fmu\.\w+"),
+    (r"py:class", r"symhyb\.model\.(fmu|local|mujoco)\.\w+"),
     (r"py:mod", r"symhyb\..*"),  # rooms of the program, which no page shows
 ]
 

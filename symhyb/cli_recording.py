@@ -102,7 +102,7 @@ def compare(
     from symhyb.steps import Counted
 
     declared, mapped = read_model(model), read_map(columns)
-    machine = build(declared) if declared.fmu is None else None
+    machine = build(declared) if declared.engine is None else None
     gaps, checked = [], list[FirstChecks | None]()
     table, span = table_of_known(known, declared), (start, end)
     read = [
@@ -113,7 +113,7 @@ def compare(
         for done, recording in enumerate(read):
             say(Counted(f"comparing {recording.name}", done, len(read)))
             gaps.append(compare_recording(machine or declared, recording))
-            if machine is None:  # an FMU states no energies and no place of rest
+            if machine is None:  # it states no energies and no place of rest
                 checked.append(None)
                 continue
             say(Counted(f"first checks of {recording.name}", done, len(read)))

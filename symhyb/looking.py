@@ -105,7 +105,7 @@ def _checks(recording: Recording, model: Model, say: Say) -> "FirstChecks | None
     from symhyb.discrepancy.checks.first_checks import first_checks
     from symhyb.numeric.lowered.machine import build
 
-    if still([recording]) or model.fmu is not None:  # an FMU states no energies
+    if still([recording]) or model.engine is not None:  # it states no energies
         return None
     say("first checks")
     return first_checks(build(model), recording)

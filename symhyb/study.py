@@ -215,9 +215,10 @@ def _first_checks(
     model: Model, corrected: Model, seen: Sequence[Recording], verdict: Verdict
 ) -> FirstChecks | None:
     """First checks of the first training recording, beside the free runs of the verdict; none
-    where no sensor changes, and of an FMU, which states no energies and no place of rest."""
+    where no sensor changes, and of a machine that another program
+    runs, which states no energies and no place of rest."""
     recording = seen[0]
-    if still([recording]) or model.fmu is not None:
+    if still([recording]) or model.engine is not None:
         return None
     changed = corrected != model
     runs = [

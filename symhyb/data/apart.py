@@ -1,4 +1,5 @@
-"""Files of formats with a native parser are read in a process of their own, and FMUs run in one.
+"""Files of formats with a native parser are read in a process of their own; FMUs and MuJoCo run
+in one.
 
 A damaged or hostile file can crash such a parser, or make it ask for memory and time without bound.
 The process has limits of both; its end by a signal becomes a sentence. It gets the bytes of the

@@ -22,8 +22,8 @@ from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from symhyb.data.answers import Answer, Array, Question
 from symhyb.data.apart import Allowed, read_apart
 from symhyb.data.extras import needed
 from symhyb.data.table import Column, Table, refusal
@@ -31,43 +31,10 @@ from symhyb.errors import InputError, Problem, did_you_mean
 from symhyb.limits import FMU_BYTES, FMU_CALLS_A_SECOND, FMU_SECONDS, FMU_UNPACKED, content_of
 from symhyb.model.fmu import Fmu
 
-Array = NDArray[np.float64]
-
 TRUST = "SYMHYB_TRUST_FMU"  # the environment variable that lets FMUs run
 EXACT = 1e-6  # relative: of differences of an FMU's answers, what must be equal
 PUSH = 1.0  # N or N·m: a force is linear in accelerations, so that any will do
 PROBES = 5  # samples at which that is checked
-
-
-@dataclass(frozen=True, slots=True)
-class Question:
-    """A motion to ask an FMU about, SI: ``q``, ``v``, ``a`` (N, n) and its inputs ``u`` (N, k) at
-    ``t`` (N,); ``steps`` (2n + k,) of q, v and u for differences, and sets of ``values`` (S, P) of
-    its parameters."""
-
-    t: Array
-    q: Array
-    v: Array
-    a: Array
-    u: Array
-    steps: Array
-    values: Array
-
-    @property
-    def calls(self) -> int:
-        """How often the FMU has to answer."""
-        n = self.q.shape[1]
-        return int(self.t.size) * len(self.values) * (1 + int(n) + 2 * int(self.steps.size))
-
-
-@dataclass(frozen=True, slots=True)
-class Answer:
-    """What an FMU says, SI: ``mass`` M (S, N, n, n), the ``force`` M·a_free (S, N, n), and the
-    slopes M·∂a/∂(q, v, u) (S, N, n, 2n + k) at the measured acceleration."""
-
-    mass: Array
-    force: Array
-    slopes: Array
 
 
 def ask(fmu: Fmu, path: Path, question: Question) -> Answer:

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+from symhyb.data.xml_file import parse_xml
 from symhyb.errors import InputError, Problem
 from symhyb.imports.declare import declare
 from symhyb.imports.mjcf import parse_mjcf
@@ -11,7 +12,6 @@ from symhyb.imports.reduction import Reduced, Wish, reduced
 from symhyb.imports.robot import Robot
 from symhyb.imports.tree import nearest
 from symhyb.imports.urdf import parse_urdf
-from symhyb.imports.xml_file import parse_xml
 from symhyb.limits import COORDINATES, DECLARED, ROBOT_BYTES, content_of
 from symhyb.model.read import parse_model
 from symhyb.model.render import render

@@ -18,12 +18,12 @@ import numpy as np
 
 from symhyb.data.apart import read_apart
 from symhyb.data.extras import needed
+from symhyb.data.mjcf_file import ROOT, WEIGHS, problems_of, shown, stripped
 from symhyb.data.table import Column, Table
+from symhyb.data.xml_file import parse_xml
 from symhyb.errors import InputError, Problem, visible
 from symhyb.imports.rigid import Pose, about_vector, from_quaternion, here, to_rpy
 from symhyb.imports.robot import Array, Inertial, Joint, Link, Mimic, Range, Robot, Site
-from symhyb.imports.xml_file import Node, parse_xml
-from symhyb.limits import DECLARED
 
 _BODIES = ("body_parentid", "body_pos", "body_quat", "body_mass", "body_ipos", "body_iquat")
 _ARRAYS = (
@@ -37,7 +37,6 @@ _ARRAYS = (
 _KINDS = {0: "floating", 1: "ball", 2: "prismatic", 3: "revolute"}
 _JOINT = 2  # the type of an equality between two joints
 _AT_JOINT = (0, 1)  # the types of an actuator that acts on a joint
-ROOT = "world"
 
 
 def parse_mjcf(data: bytes, file: str = "") -> Robot:
@@ -47,28 +46,11 @@ def parse_mjcf(data: bytes, file: str = "") -> Robot:
         InputError: what MuJoCo says of it, or that it includes other files.
     """
     root = parse_xml(data, file)
-    problems = list(_problems(root, file))
+    problems = list(problems_of(root, file))
     if problems:
         raise InputError(problems)
     table = read_apart(compiled, data, file)
     return _robot(_Compiled.of(table), file)
-
-
-def _problems(root: Node, file: str) -> Iterator[Problem]:
-    """What is not given to MuJoCo."""
-    open_, count = [root], 0
-    while open_:
-        node = open_.pop()
-        open_ += node.children
-        count += node.tag == "body"
-        if node.tag in ("include", "plugin", "extension", "attach", "model"):
-            if node.tag == "include":
-                cure = "put in what it includes, or save the model with MuJoCo: mj_saveLastXML"
-            else:
-                cure = "remove it"
-            yield Problem(f"<{node.tag}> is not read; {cure}", file=file, line=node.line)
-    if count > DECLARED:
-        yield Problem(f"has {count} bodies; at most {DECLARED} are read", file=file)
 
 
 def compiled(content: bytes, file: str) -> Table:
@@ -81,14 +63,13 @@ def compiled(content: bytes, file: str) -> Table:
     mujoco = needed("mujoco", "mjcf", file)
     try:
         spec = mujoco.MjSpec.from_string(content.decode("utf-8-sig"))
-        heavy = _stripped(mujoco, spec)
+        heavy = stripped(mujoco, spec)
         model = None if heavy else spec.compile()
     except (ValueError, RuntimeError, TypeError) as error:
         said = " ".join(visible(str(error)).split())
         raise InputError(Problem(f"MuJoCo says: {said}", file=file)) from None
     if model is None:
-        said = "its mass is that of a mesh, which is not read; give it an <inertial>"
-        raise InputError([Problem(said, f"body.{name}", file) for name in heavy])
+        raise InputError([Problem(WEIGHS, f"body.{name}", file) for name in heavy])
     columns = [Column(name, np.asarray(getattr(model, name), float)) for name in _ARRAYS]
     columns.append(Column("gravity", np.asarray(model.opt.gravity, float)))
     words = {
@@ -99,29 +80,6 @@ def compiled(content: bytes, file: str) -> Table:
         "left_out": list(_left_out(model)),
     }
     return Table(file, tuple(columns), (json.dumps(words),))
-
-
-def _stripped(mujoco: Any, spec: Any) -> tuple[str, ...]:
-    """Take all from a model that files are opened for, or that claims memory; return the bodies
-    whose mass was that of a mesh."""
-    shapes = (mujoco.mjtGeom.mjGEOM_MESH, mujoco.mjtGeom.mjGEOM_SDF, mujoco.mjtGeom.mjGEOM_HFIELD)
-    filed = [geom for geom in spec.geoms if geom.type in shapes]
-    heavy = dict.fromkeys(_shown(geom.parent.name) for geom in filed if _weighs(geom, spec))
-    for painted in (spec.geoms, spec.sites, spec.tendons):
-        for one in painted:
-            one.material = ""
-    kinds = (spec.meshes, spec.hfields, spec.skins, spec.materials, spec.textures)
-    for one in (*filed, *(one for kind in kinds for one in list(kind))):
-        spec.delete(one)
-    spec.memory = spec.njmax = spec.nconmax = spec.nstack = -1
-    return tuple(heavy)
-
-
-def _weighs(geom: Any, spec: Any) -> bool:
-    """Whether the mass of a body is that of a shape, among others."""
-    stated = geom.parent.explicitinertial and spec.compiler.inertiafromgeom != 1
-    nothing = geom.mass == 0 or (np.isnan(geom.mass) and geom.density == 0)
-    return geom.parent.name != ROOT and not stated and not nothing
 
 
 def _left_out(model: Any) -> Iterator[str]:
@@ -165,13 +123,13 @@ class _Compiled:
         words: dict[str, Any] = json.loads(table.notes[0])
         arrays = {column.header: column.values for column in table.columns}
         bodies = [
-            ROOT if not k else _shown(name) or f"body_{k}" for k, name in enumerate(words["bodies"])
+            ROOT if not k else shown(name) or f"body_{k}" for k, name in enumerate(words["bodies"])
         ]
-        joints = [_shown(name) or f"joint_{k}" for k, name in enumerate(words["joints"])]
-        sites = [_shown(name) or f"site_{k}" for k, name in enumerate(words["sites"])]
+        joints = [shown(name) or f"joint_{k}" for k, name in enumerate(words["joints"])]
+        sites = [shown(name) or f"site_{k}" for k, name in enumerate(words["sites"])]
         return _Compiled(
             arrays,
-            _shown(words["name"]),
+            shown(words["name"]),
             _apart(bodies),
             _apart(joints),
             _apart(sites),
@@ -181,10 +139,6 @@ class _Compiled:
     def index(self, name: str, row: int) -> int:
         """A whole number out of an array."""
         return int(self.arrays[name][row])
-
-
-def _shown(name: str) -> str:
-    return visible(" ".join(name.split()))
 
 
 def _apart(names: list[str]) -> list[str]:
@@ -299,6 +253,7 @@ def _joint(
         frame = pose.then(Pose(about_vector(_three(axis), -zero), anchor))
     stiffness = float(arrays["jnt_stiffness"][one])
     name = model.joints[one]
+    motors = tuple(_of_motors(model, f"actuator_{what}", one) for what in ("damping", "armature"))
     low, high = (float(part) for part in arrays["jnt_range"][one])
     joint = Joint(
         name,
@@ -308,12 +263,13 @@ def _joint(
         _three(frame.at),
         to_rpy(frame.turned),
         _three(axis),
-        damping=float(arrays["dof_damping"][dof]) + _of_motors(model, "actuator_damping", one),
+        damping=float(arrays["dof_damping"][dof]) + motors[0],
         friction=float(arrays["dof_frictionloss"][dof]),
         range=Range((low, high) if arrays["jnt_limited"][one] else None),
         mimic=mimics.get(name),
-        armature=float(arrays["dof_armature"][dof]) + _of_motors(model, "actuator_armature", one),
+        armature=float(arrays["dof_armature"][dof]) + motors[1],
         spring=(stiffness, float(arrays["qpos_spring"][slot])) if stiffness else None,
+        motors=(motors[0], motors[1]),
     )
     return joint, Pose(np.eye(3), -anchor)
 

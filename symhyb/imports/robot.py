@@ -61,7 +61,8 @@ class Joint:
     Its frame lies at ``xyz`` in the axes of the parent, turned by ``rpy`` (roll, pitch, yaw about
     the fixed axes x, y, z in this order). In that frame the child turns about the unit vector
     ``axis``, or travels along it. ``armature`` is the inertia of the rotor as the joint feels it,
-    ``spring`` a stiffness and where it rests.
+    ``spring`` a stiffness and where it rests. Of damping and armature ``motors`` is what actuators
+    have.
     """
 
     name: str
@@ -78,6 +79,7 @@ class Joint:
     line: int = 0
     armature: float = 0.0
     spring: tuple[float, float] | None = None
+    motors: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,11 +13,11 @@ from typing import TypeVar
 
 import numpy as np
 
+from symhyb.data.xml_file import Node, parse_xml
 from symhyb.errors import InputError, Problem, visible
 from symhyb.imports.rigid import Pose, from_rpy, is_of_a_body, moved, nearest_of_a_body
 from symhyb.imports.robot import MOVING, STRAIGHT, Inertial, Joint, Link, Mimic, Range, Robot
 from symhyb.imports.tree import nearest, tree_problems, walk
-from symhyb.imports.xml_file import Node, parse_xml
 from symhyb.limits import DECLARED, ROBOT_NUMBER
 from symhyb.model.tables import shorten
 

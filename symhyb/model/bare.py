@@ -1,16 +1,17 @@
-"""A model that is an FMU without that: what can be said of it before the FMU is asked."""
+"""A model that another program runs, without that: what can be said before it is asked."""
 
 from dataclasses import replace
 
 from symhyb.model.expression import parse_expression
-from symhyb.model.fmu import Local
+from symhyb.model.local import Local
 from symhyb.model.types import Energy, Model
 
 
 def bare(model: Model) -> Model:
-    """A model that is an FMU as if all its coordinates had a mass of 1 and nothing acted but its
-    elements: what its sensors and elements say of a motion is the same. Any other as it is."""
-    if model.fmu is None:
+    """A model that an FMU or MuJoCo runs as if all its coordinates had a mass of 1 and nothing
+    acted but its elements: what its sensors and elements say of a motion is the same. Any other as
+    it is."""
+    if model.engine is None:
         return model
     masses = " + ".join(f"{c.name}'**2" for c in model.coordinates)
     return replace(

@@ -10,6 +10,7 @@ from symhyb.model.expression import RESERVED, Expression, Name, Number, Quantity
 from symhyb.model.fmu import fmu_faults
 from symhyb.model.frames import frame_faults, place_unit
 from symhyb.model.limits import limit_faults
+from symhyb.model.mujoco import reserved, unit_faults
 from symhyb.model.scope import (
     GRAVITY,
     KINETIC,
@@ -43,7 +44,7 @@ def energy_unit(model: Model, unreadable: frozenset[str]) -> tuple[Unit | None, 
     scope = scope_of(model, unreadable)
     metre, second = parse_unit("m"), parse_unit("s")
     unread = any(name.startswith(("bodies.", "energy.")) for name in unreadable)
-    if model.fmu is not None:
+    if model.engine is not None:
         return parse_unit("J"), []
     heavy = model.bodies or any(KINDS[element.kind].inertial for element in model.elements)
     moved = model.coordinates and all(coordinate.imposed for coordinate in model.coordinates)
@@ -77,7 +78,12 @@ def faults_of(model: Model, energy: Unit | None, unreadable: frozenset[str]) -> 
     scope = scope_of(model, unreadable)
     yield from _name_faults(model)
     if model.fmu is not None:
-        yield from fmu_faults(*_beside_fmu(model))
+        yield from fmu_faults(*_beside_engine(model))
+    if model.mujoco is not None:
+        yield from reserved(*_beside_engine(model))
+        kinds = (model.coordinates, model.inputs, model.parameters)
+        coordinates, inputs, numbers = ({one.name: one.unit for one in kind} for kind in kinds)
+        yield from unit_faults(model.mujoco, coordinates, inputs, numbers)
     yield from frame_faults(model, scope, unreadable)
     yield from _energy_faults(model, scope, energy)
     for body in model.bodies:
@@ -97,8 +103,8 @@ def faults_of(model: Model, energy: Unit | None, unreadable: frozenset[str]) -> 
         yield from limit_faults(limit, units)
 
 
-def _beside_fmu(model: Model) -> tuple[list[str], list[str]]:
-    """The sections that say something an FMU says, and the imposed coordinates."""
+def _beside_engine(model: Model) -> tuple[list[str], list[str]]:
+    """The sections that say something an FMU or MuJoCo says, and the imposed coordinates."""
     said = {
         "gravity": model.gravity is not None,
         "bodies": bool(model.bodies),

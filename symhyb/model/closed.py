@@ -1,19 +1,20 @@
-"""A model that is an FMU has no equations of its own: what needs them says so."""
+"""A model that an FMU or MuJoCo runs has no equations of its own: what needs them says so."""
 
 from symhyb.errors import InputError, Problem
 from symhyb.model.types import Model
 
 CLOSED = (
-    "the machine is an FMU, whose equations are known along recordings alone: diagnose, compare "
-    "and judge work with it, and what was found can be exported; to simulate, run the FMU"
+    "the machine is run by another program, and its equations are known along recordings alone: "
+    "diagnose, compare and judge work with it, and what was found can be exported; to simulate, "
+    "run it there"
 )
 
 
 def require_open(model: Model) -> None:
-    """Refuse an FMU whose equations along recordings are not known.
+    """Refuse a model that another program runs, if its equations along recordings are not known.
 
     Raises:
         InputError: the model is such a one.
     """
-    if model.fmu is not None and model.local is None:
-        raise InputError(Problem(CLOSED, "fmu", model.file))
+    if model.engine is not None and model.local is None:
+        raise InputError(Problem(CLOSED, model.engine.section, model.file))

@@ -111,8 +111,8 @@ def _listed(facets: Facets) -> str:
 def _whole(model: Model) -> Facets:
     """What the model says of itself, apart from its parts."""
     facets = {"title": f"'{model.title}'"}
-    if model.fmu is not None:
-        facets["fmu"] = f"'{model.fmu.file}'"
+    if model.engine is not None:
+        facets[model.engine.section] = f"'{model.engine.file}'"
     if model.gravity:
         facets["gravity"] = _pair(model.gravity)
     for name, energy in (("kinetic", model.energy.kinetic), ("potential", model.energy.potential)):

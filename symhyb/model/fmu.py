@@ -1,13 +1,12 @@
 """An FMU that is the machine: which of its variables are what, read and checked.
 
 Nothing of the FMU itself is opened here. What it answers along a recording becomes local equations
-(:class:`Local`), which no file states.
+(:class:`symhyb.model.local.Local`), which no file states.
 """
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
 
 from symhyb.errors import did_you_mean
 from symhyb.model.beside import named_file
@@ -15,7 +14,6 @@ from symhyb.model.tables import Fault, Table
 
 PLACE_KEYS = ("position", "rate", "force")
 SECTIONS = ("coordinates", "inputs", "parameters")
-COLUMN = "fmu "  # begins the name of a column of local equations; no name of a file has a blank
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,39 +38,24 @@ class Fmu:
     inputs: tuple[tuple[str, str], ...] = ()
     parameters: tuple[tuple[str, str], ...] = ()
 
+    @property
+    def section(self) -> str:
+        """The table of the model file."""
+        return "fmu"
+
+    @property
+    def input_names(self) -> tuple[str, ...]:
+        """The inputs of the model file that are the FMU's."""
+        return tuple(name for name, _ in self.inputs)
+
+    @property
+    def parameter_names(self) -> tuple[str, ...]:
+        """The parameters of the model file that are the FMU's."""
+        return tuple(name for name, _ in self.parameters)
+
     def path(self, model_file: str) -> Path:
         """Where the FMU lies, for a model file."""
         return Path(model_file).parent / self.file
-
-
-@dataclass(frozen=True, slots=True)
-class LocalTerm:
-    """A term of local equations, SI: ``value`` plus the column of a recording (its name; empty:
-    none), times what ``kind`` says, in the equation of coordinate ``row``; times the change of the
-    parameter ``path``, if one is named.
-
-    Kinds: "force" is a force, "place", "rate" and "input" multiply the coordinate, its rate or the
-    input ``by``; "mass" is the entry (row, by) of M and "mass rate" that of its change with time.
-    """
-
-    kind: Literal["force", "place", "rate", "input", "mass", "mass rate"]
-    row: int
-    by: int
-    value: float
-    column: str = ""
-    path: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class Local:
-    """Equations of motion beside a measured motion, to first order in what lies beside it:
-
-        M(t) q'' = c(t) + K(t) q + D(t) q' + B(t) u + forces of elements
-
-    ``nominal`` has the parameters, SI, about which changes count."""
-
-    terms: tuple[LocalTerm, ...]
-    nominal: tuple[tuple[str, float], ...] = ()
 
 
 def read_fmu(root: Table) -> Fmu | None:

@@ -17,6 +17,7 @@ from symhyb.model.actuators import ACTUATOR_KEYS, FAULT_KEYS, refused, usual_uni
 from symhyb.model.check import energy_unit, faults_of
 from symhyb.model.fmu import read_fmu
 from symhyb.model.limits import read_limit
+from symhyb.model.mujoco import read_mujoco
 from symhyb.model.read_bodies import read_body, read_point
 from symhyb.model.read_constraints import read_constraint
 from symhyb.model.read_curves import read_curve
@@ -36,6 +37,7 @@ SECTIONS = (
     "about",
     "gravity",
     "fmu",
+    "mujoco",
     "coordinates",
     "states",
     "parameters",
@@ -161,6 +163,7 @@ def _draft(root: Table, text: str, file: str) -> tuple[Model, frozenset[str]]:
         constraints=_present(map(read_constraint, root.tables("constraints"))),
         limits=_present(read_limit(table, root) for table in root.tables("limits")),
         fmu=read_fmu(root),
+        mujoco=read_mujoco(root),
         gravity=root.vector("gravity") if "gravity" in root.entries else None,
         text=text,
         file=file,
@@ -188,8 +191,11 @@ def _draft(root: Table, text: str, file: str) -> tuple[Model, frozenset[str]]:
         if (count := len(root.declared(key))) > most:
             root.fault(f"are {count}; a machine has at most {most}", key)
     unreadable = {f"{key}.{name}" for key in sections for name in root.declared(key)} - read
-    if "fmu" in root.entries and model.fmu is None:
-        unreadable |= {"bodies.fmu"}  # it has mass, as an unreadable body has
+    for key in ("fmu", "mujoco"):
+        if key in root.entries and model.engine is None:
+            unreadable |= {f"bodies.{key}"}  # it has mass, as an unreadable body has
+    if "fmu" in root.entries and "mujoco" in root.entries:
+        root.fault("stands beside [fmu]; a machine is one of them", "mujoco")
     if "energy" not in root.entries:
         unreadable |= {f"energy.{name}" for name in root.declared("energy")}
     return model, frozenset(unreadable)

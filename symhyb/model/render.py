@@ -11,6 +11,7 @@ from symhyb.model.expression import Expression
 from symhyb.model.fmu import PLACE_KEYS, Fmu
 from symhyb.model.limits import Limit
 from symhyb.model.maps import Map
+from symhyb.model.mujoco import Drive, Mujoco
 from symhyb.model.states import State
 from symhyb.model.turned import Quaternion, Rotations
 from symhyb.model.types import (
@@ -173,6 +174,8 @@ def _lines(model: Model) -> Iterator[str]:
     )
     if model.fmu is not None:
         yield from ("", *_fmu_lines(model.fmu))
+    if model.mujoco is not None:
+        yield from ("", *_mujoco_lines(model.mujoco))
     sections = {
         "coordinates": ((c.name, _coordinate(c)) for c in model.coordinates),
         "states": ((state.name, _state(state)) for state in model.states),
@@ -236,6 +239,27 @@ def _fmu_lines(fmu: Fmu) -> Iterator[str]:
         if pairs:
             yield f"[fmu.{section}]"
             yield from _aligned((name, _toml(variable)) for name, variable in pairs)
+
+
+def _mujoco_lines(mujoco: Mujoco) -> Iterator[str]:
+    yield from ("[mujoco]", f"file = {_toml(mujoco.file)}", "[mujoco.coordinates]")
+    yield from _aligned((name, _toml(joint)) for name, joint in mujoco.joints)
+    if mujoco.inputs:
+        yield "[mujoco.inputs]"
+        yield from _aligned((one.input, _drive(one)) for one in mujoco.inputs)
+    if mujoco.parameters:
+        yield "[mujoco.parameters]"
+        yield from _aligned(
+            (one.parameter, _inline([(one.kind, one.part), ("field", one.field)]))
+            for one in mujoco.parameters
+        )
+
+
+def _drive(one: Drive) -> str:
+    if one.kind == "actuator":
+        return _toml(one.part)
+    along = f", along = [{', '.join(map(repr, one.along))}]" if one.along else ""
+    return f"{{ {one.kind} = {_toml(one.part)}{along} }}"
 
 
 def _network_entries(network: Network) -> list[tuple[str, str]]:

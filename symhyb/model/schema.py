@@ -10,6 +10,7 @@ from pathlib import Path
 from symhyb.model.actuators import ACTUATOR_KEYS, MAY_BE_ZERO
 from symhyb.model.fmu import PLACE_KEYS
 from symhyb.model.limits import COORDINATE_KEYS, INPUT_KEYS
+from symhyb.model.mujoco import ACTING, FIELDS
 from symhyb.model.read import BETWEEN
 from symhyb.model.read_space import AXES
 from symhyb.model.render import FORMAT
@@ -77,6 +78,7 @@ def _sections() -> dict[str, Schema]:
         "title": text("of the machine"),
         "about": ABOUT,
         "fmu": _fmu(),
+        "mujoco": _mujoco(),
         "gravity": vector("acts on every body, in the inertial axes"),
         "coordinates": named("what moves", refer("coordinate"), minProperties=1),
         "states": named("what follows from a rate of first order, or is sampled", refer("state")),
@@ -104,6 +106,23 @@ def _fmu() -> Schema:
         "parameters": named("which variable a parameter sets", variable),
     }
     return table(keys, ("file", "coordinates"), description="an FMU that is the machine")
+
+
+def _mujoco() -> Schema:
+    parts = {kind: text(f"the name of a {kind} of MuJoCo") for kind in (*FIELDS, *ACTING)}
+    along = {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}
+    along |= {"description": "direction of the force at a site, in the axes of the world"}
+    acting = table({**{kind: parts[kind] for kind in ACTING}, "along": along}, ())
+    fields = list(dict.fromkeys(field for known in FIELDS.values() for field in known))
+    field = {"enum": fields, "description": "which number of the part"}
+    setting = table({**{kind: parts[kind] for kind in FIELDS}, "field": field}, ("field",))
+    keys = {
+        "file": text("an MJCF, beside this file or below it"),
+        "coordinates": named("the joint of a coordinate, if not that of its name", text("a joint")),
+        "inputs": named("what an input acts by", {"anyOf": [text("an actuator"), acting]}),
+        "parameters": named("which number a parameter sets", setting),
+    }
+    return table(keys, ("file",), description="a file of MuJoCo that is the machine")
 
 
 def _parameter() -> Schema:

@@ -16,9 +16,11 @@ from symhyb.model.actuators import numbers_of
 from symhyb.model.constraints import Assembly, Constraint
 from symhyb.model.curves import Curve
 from symhyb.model.expression import Expression
-from symhyb.model.fmu import Fmu, Local
+from symhyb.model.fmu import Fmu
 from symhyb.model.limits import Limit
+from symhyb.model.local import Local
 from symhyb.model.maps import Map
+from symhyb.model.mujoco import Mujoco
 from symhyb.model.places import At as At
 from symhyb.model.places import Between as Between
 from symhyb.model.places import On as On
@@ -87,7 +89,7 @@ class Input:
     does before that (:mod:`symhyb.model.actuators`) are the ``actuator`` numbers, in their order.
 
     ``between`` says how it runs between its samples: a ``line``, ``smooth`` or ``held``; unset, a
-    recording shows whether it is smooth. ``local`` is a column of :mod:`symhyb.model.fmu`.
+    recording shows whether it is smooth. ``local`` is a column of :mod:`symhyb.model.local`.
     """
 
     name: str
@@ -240,7 +242,8 @@ class Model:
     """A checked model file. ``energy_unit`` is the unit of T and V (J for mechanics; volts give
     others), ``text`` the file as written, which a correction extends by appending. ``assembly`` is
     where constraints close, once a machine was built, and ``local`` the equations of an ``fmu``
-    along recordings: neither is in a file. A name finds its thing: ``model.inputs["f"]``."""
+    or of ``mujoco`` along recordings: neither is in a file. A name finds its thing:
+    ``model.inputs["f"]``."""
 
     title: str
     coordinates: Items[Coordinate] = Items()
@@ -262,6 +265,7 @@ class Model:
     maps: Items[Map] = Items()
     states: Items[State] = Items()
     fmu: Fmu | None = None
+    mujoco: Mujoco | None = None
     local: Local | None = None
     assembly: Assembly | None = field(default=None, compare=False)
 
@@ -304,6 +308,11 @@ class Model:
             return self.assembly.q, self.assembly.v
         q = tuple(c.start * c.unit.factor for c in self.coordinates)
         return q, tuple(c.start_rate * c.unit.factor for c in self.coordinates)
+
+    @property
+    def engine(self) -> Fmu | Mujoco | None:
+        """The program that has the equations of motion; None where the model itself has them."""
+        return self.fmu or self.mujoco
 
     @property
     def recorded_inputs(self) -> tuple[Input, ...]:

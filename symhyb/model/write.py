@@ -88,15 +88,16 @@ def hold_inputs(model: Model, names: Sequence[str]) -> Model:
 @asked
 def write_model(model: Model, path: str | FilePath) -> None:
     """Write a model file whole or not at all. The weights of its networks, the points of its
-    curves, the grids of its maps and its FMU go where the file says that they are.
+    curves, the grids of its maps and its FMU or file of MuJoCo go where the file says that they
+    are.
 
     Raises:
-        InputError: a file cannot be written, or other weights, points or another FMU have the name
-            of these.
+        InputError: a file cannot be written, or other weights or points, another FMU or another
+            file of MuJoCo have the name of these.
     """
     write_weights(model, FilePath(path))
     _write_points(model, FilePath(path).parent)
-    _copy_fmu(model, FilePath(path))
+    _copy_engine(model, FilePath(path))
     write_file(path, text_of(model))
 
 
@@ -115,18 +116,20 @@ def _write_points(model: Model, folder: FilePath) -> None:
             raise InputError(Problem(said, file=str(place)))
 
 
-def _copy_fmu(model: Model, target: FilePath) -> None:
-    """Put the FMU of a model beside a model file; one that is there already stays as it is."""
-    if model.fmu is None:
+def _copy_engine(model: Model, target: FilePath) -> None:
+    """Put the FMU or the file of MuJoCo of a model beside a model file; one that is there already
+    stays as it is."""
+    if model.engine is None:
         return
-    place, source = model.fmu.path(str(target)), model.fmu.path(model.file)
+    place, source = model.engine.path(str(target)), model.engine.path(model.file)
     if place.resolve() == source.resolve():
         return
     data = content_of(source, FMU_BYTES)
     if not place.exists():
         write_file(place, data)
     elif content_of(place, FMU_BYTES) != data:
-        said = "is another FMU; write the model into another folder"
+        what = "FMU" if model.fmu else "file of MuJoCo"
+        said = f"is another {what}; write the model into another folder"
         raise InputError(Problem(said, file=str(place)))
 
 

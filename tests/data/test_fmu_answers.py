@@ -9,7 +9,8 @@ import pytest
 from builders import DRIVEN_MASS
 
 from symhyb.data import fmu_answers
-from symhyb.data.fmu_answers import Question, ask
+from symhyb.data.answers import Answer, Question
+from symhyb.data.fmu_answers import ask
 from symhyb.errors import InputError
 from symhyb.model.fmu import Fmu
 from symhyb.model.read import parse_model, read_model
@@ -33,10 +34,11 @@ def asked(model: Model, samples: int = 5) -> Question:
     ]
     u = 0.3 * np.cos(np.arange(1, k + 1) * t[:, None])
     steps = np.full(2 * n + k, 1e-4)
-    return Question(t, np.sin(ways), np.cos(ways), -np.sin(ways), u, steps, np.array([values]))
+    moved = np.sin(ways), np.cos(ways), -np.sin(ways)
+    return Question(t, *moved, u, steps, np.full(n, 1e-4), np.array([values]))
 
 
-def answer(model: Model, question: Question | None = None) -> fmu_answers.Answer:
+def answer(model: Model, question: Question | None = None) -> Answer:
     assert model.fmu is not None
     return ask(model.fmu, model.fmu.path(model.file), question or asked(model))
 

@@ -20,7 +20,7 @@ from symhyb.discrepancy.recorded.runs import Run
 from symhyb.discrepancy.recorded.sampling import as_sampled
 from symhyb.errors import InputError
 from symhyb.model.bare import bare
-from symhyb.model.fmu import COLUMN
+from symhyb.model.local import COLUMN
 from symhyb.model.read import parse_model, read_model
 from symhyb.model.types import Model, On
 from symhyb.model.write import replace_parameters
@@ -206,7 +206,7 @@ def test_repeats_are_told_by_what_was_recorded(tmp_path: Path) -> None:
 def test_a_coordinate_that_no_sensor_shows_is_refused(tmp_path: Path) -> None:
     closed = as_fmu(SWING, tmp_path)
     blind = replace(closed, sensors=closed.sensors[:1])
-    with pytest.raises(InputError, match="no sensor shows the place of x, where the FMU has to be"):
+    with pytest.raises(InputError, match="shows the place of x, where the machine has to be"):
         along_recordings(blind, [recording(SWING)])
 
 

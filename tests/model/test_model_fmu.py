@@ -9,7 +9,8 @@ from symhyb.errors import InputError
 from symhyb.mechanics.show import show_equations
 from symhyb.model.closed import CLOSED, require_open
 from symhyb.model.diff import changes
-from symhyb.model.fmu import Fmu, FmuPlace, Local
+from symhyb.model.fmu import Fmu, FmuPlace
+from symhyb.model.local import Local
 from symhyb.model.read import parse_model, read_model
 from symhyb.model.render import render
 from symhyb.model.write import write_model

@@ -24,8 +24,8 @@ from symhyb.model.types import Model
 PAIRS_MOST = 3  # rivals of the selected structure that a manoeuvre is designed for
 ODDS_SHOWN = 1e6
 CLOSED = (
-    "No manoeuvre is worked out, for the equations of the FMU are known along these recordings "
-    "alone; record other amplitudes and frequencies."
+    "No manoeuvre is worked out, for the equations of the machine are known along these "
+    "recordings alone; record other amplitudes and frequencies."
 )
 
 

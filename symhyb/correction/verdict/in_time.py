@@ -59,7 +59,7 @@ def changing(
 ) -> Changing | None:
     """The course of a number of which it is certain that it changes along the recordings; None
     where none is, where no course explains it, or where a model may not state it."""
-    if choice.misfits or model.fmu is not None:
+    if choice.misfits or model.engine is not None:
         return None
     moved = _begins(choice)
     without = judged.beyond.acts and not judged.classes

@@ -1,12 +1,12 @@
-"""The equations of an FMU along recordings: local to the measured motion, to first order beside it.
+"""The equations of an FMU or of MuJoCo along recordings: local to the measured motion.
 
     M(t) q'' = c(t) + K(t) q + D(t) q' + B(t) u + ΔF
 
-The FMU is asked at the measured states. What it says the same at all samples becomes a number, so
-that a linear FMU becomes its own equations; what varies becomes columns of the recordings, as
-changes about the mean. Slopes by parameters are differences of all that. Exact are therefore forces
-that are linear in coordinates, rates and inputs, each times a parameter or not; all others are to
-first order in how far a simulation leaves the measured motion.
+The program is asked at the measured states. What it says the same at all samples becomes a number,
+so that a linear machine becomes its own equations; what varies becomes columns of the recordings,
+as changes about the mean. Slopes by parameters are differences of all that. Exact are therefore
+forces that are linear in coordinates, rates and inputs, each times a parameter or not; all others
+are to first order in how far a simulation leaves the measured motion.
 Sizes: N samples, n coordinates, k inputs, P parameters.
 """
 
@@ -16,17 +16,22 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from symhyb.data.fmu_answers import Answer, Question, ask
+from symhyb.data import fmu_answers, mujoco_answers
+from symhyb.data.answers import Answer, Question
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.motion import Motion, motion_of, unplaced
 from symhyb.discrepancy.recorded.signals import acting
 from symhyb.errors import InputError, Problem
 from symhyb.model.bare import bare
-from symhyb.model.fmu import COLUMN, Fmu, Local, LocalTerm
+from symhyb.model.fmu import Fmu
+from symhyb.model.local import COLUMN, Local, LocalTerm
+from symhyb.model.mujoco import Mujoco
 from symhyb.model.types import Energy, Input, Model
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.lowered.machine import build
 from symhyb.units import ONE
+
+Engine = Fmu | Mujoco
 
 STEP = 1e-4  # of the range of a signal: differences are exact to about 1e-8
 UNRESOLVED = 1e-7  # of what acts: less is what differences leave
@@ -38,19 +43,19 @@ KINDS: tuple[Literal["place", "rate", "input"], ...] = ("place", "rate", "input"
 def along_recordings(
     model: Model, *groups: Sequence[Recording]
 ) -> tuple[Model, tuple[tuple[Recording, ...], ...]]:
-    """A model and groups of recordings of it: as they are, or of a model that is an FMU with local
-    equations, and recordings with what varies in these along them.
+    """A model and groups of recordings of it: as they are, or of a model that another program
+    runs with local equations, and recordings with what varies in these along them.
 
     Raises:
-        InputError: as :func:`symhyb.data.fmu_answers.ask`; or no sensor shows where a coordinate
-            is.
+        InputError: as :func:`symhyb.data.fmu_answers.ask` and that of ``mujoco_answers``; or no
+            sensor shows where a coordinate is.
     """
-    if model.fmu is None:
+    if model.engine is None:
         return model, tuple(map(tuple, groups))
-    fmu, model = model.fmu, bare(model)
+    engine, model = model.engine, bare(model)
     recordings = [plain(one) for group in groups for one in group]
-    uncertain = _uncertain(model, fmu, recordings)
-    asked = [_asked(model, fmu, one, uncertain) for one in recordings]
+    uncertain = _uncertain(model, engine, recordings)
+    asked = [_asked(model, engine, one, uncertain) for one in recordings]
     nominal = tuple((path, _value(model, path)) for path in uncertain)
     terms, columns = _terms(asked, nominal)
     names = [term.column for term in terms if term.column]
@@ -69,8 +74,8 @@ def along_recordings(
 
 
 def beside(model: Model, local: Model) -> Model:
-    """Another model of the same FMU with the local equations of ``local``, in which the parameters
-    that it changes are uncertain."""
+    """Another model of the same machine with the local equations of ``local``, in which the
+    parameters that it changes are uncertain."""
     if local.local is None:
         return model
     columns = tuple(item for item in local.inputs if item.local)
@@ -87,11 +92,11 @@ def _value(model: Model, path: str) -> float:
     return next(item.si for item in model.parameters if item.path == path)
 
 
-def _uncertain(model: Model, fmu: Fmu, recordings: Sequence[Recording]) -> tuple[str, ...]:
-    """The parameters of the FMU that may be fitted, or that a recording knows better."""
+def _uncertain(model: Model, engine: Engine, recordings: Sequence[Recording]) -> tuple[str, ...]:
+    """The parameters of the program that may be fitted, or that a recording knows better."""
     known = {path for one in recordings for path in one.parameters}
     stated = {item.path for item in model.parameters if item.sd is not None}
-    return tuple(name for name, _ in fmu.parameters if name in known | stated)
+    return tuple(name for name in engine.parameter_names if name in known | stated)
 
 
 class _Equations(NamedTuple):
@@ -104,7 +109,7 @@ class _Equations(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class _Asked:
-    """What an FMU said along one recording, and the same by each uncertain parameter; ``state``
+    """What a program said along one recording, and the same by each uncertain parameter; ``state``
     (N, 2n + k) is where it was asked, ``inputs`` are the numbers of its inputs among those of the
     model."""
 
@@ -115,27 +120,28 @@ class _Asked:
     by: tuple[_Equations, ...]
 
 
-def _asked(model: Model, fmu: Fmu, recording: Recording, uncertain: Sequence[str]) -> _Asked:
+def _asked(model: Model, engine: Engine, recording: Recording, uncertain: Sequence[str]) -> _Asked:
     machine = build(model)
     lost = unplaced(recording, machine)
     if lost:
-        text = f"no sensor shows the place of {', '.join(lost)}, where the FMU has to be asked"
+        text = f"no sensor shows the place of {', '.join(lost)}, where the machine has to be asked"
         raise InputError(Problem(f"{text}; record it", "sensors", recording.name))
     motion = motion_of(recording, machine)
     names = [item.name for item in model.inputs]
-    which = tuple(names.index(name) for name, _ in fmu.inputs)
+    which = tuple(names.index(name) for name in engine.input_names)
     u = _acting(model, recording, acting(recording, machine))[:, list(which)]
-    values = np.array([_value(model, name) for name, _ in fmu.parameters])
+    values = np.array([_value(model, name) for name in engine.parameter_names])
     sets, steps = [values], []
     for path in uncertain:
-        i = [name for name, _ in fmu.parameters].index(path)
+        i = engine.parameter_names.index(path)
         steps.append(PARAMETER_STEP * (abs(float(values[i])) or 1.0))
         for side in (steps[-1], -steps[-1]):
             sets.append(values.copy())
             sets[-1][i] += side
     moved = motion.q, motion.v, motion.a, u
-    question = Question(motion.t, *moved, _steps(motion, u), np.array(sets))
-    answer = ask(fmu, fmu.path(model.file), question)
+    reach = _steps(motion, u), _least((motion.a,))
+    question = Question(motion.t, *moved, *reach, np.array(sets))
+    answer = _answer(engine, model.file, question)
     state = np.concatenate([motion.q, motion.v, u], axis=1)
     parts = [_at(answer, i, state) for i in range(len(sets))]
     by = [
@@ -143,6 +149,13 @@ def _asked(model: Model, fmu: Fmu, recording: Recording, uncertain: Sequence[str
         for i, step in zip(range(1, len(sets), 2), steps, strict=True)
     ]
     return _Asked(motion.t, state, which, parts[0], tuple(by))
+
+
+def _answer(engine: Engine, file: str, question: Question) -> Answer:
+    path = engine.path(file)
+    if isinstance(engine, Fmu):
+        return fmu_answers.ask(engine, path, question)
+    return mujoco_answers.ask(engine, path, question)
 
 
 def _acting(model: Model, recording: Recording, u: Array) -> Array:
@@ -157,13 +170,16 @@ def _acting(model: Model, recording: Recording, u: Array) -> Array:
 
 
 def _steps(motion: Motion, u: Array) -> Array:
-    """How far (2n + k,) to either side the FMU is asked: as far as the motion is uncertain."""
-    moved = (motion.q, motion.v, u)
-    reach = np.concatenate([np.ptp(part, axis=0) for part in moved])
-    size = np.concatenate([np.abs(part).max(axis=0, initial=0.0) for part in moved])
-    least = STEP * np.where(reach > 0, reach, np.where(size > 0, size, 1.0))
+    """How far (2n + k,) to either side the program is asked: as far as the motion is uncertain."""
     sd = np.concatenate([motion.q_sd, motion.v_sd, np.zeros(u.shape[1])])
-    return np.asarray(np.fmax(least, sd))
+    return np.asarray(np.fmax(_least((motion.q, motion.v, u)), sd))
+
+
+def _least(parts: Sequence[Array]) -> Array:
+    """A small part of the range of each column of ``parts``."""
+    reach = np.concatenate([np.ptp(part, axis=0) for part in parts])
+    size = np.concatenate([np.abs(part).max(axis=0, initial=0.0) for part in parts])
+    return STEP * np.where(reach > 0, reach, np.where(size > 0, size, 1.0))
 
 
 def _at(answer: Answer, which: int, state: Array) -> _Equations:

@@ -129,10 +129,10 @@ def compare(machine: Machine | Model, recording: Recording) -> Discrepancy:
 
     Raises:
         InputError: too few samples, none of any sensor of motion, a known value of a parameter
-            that the model has not, or an FMU that cannot be asked.
+            that the model has not, or an FMU or a file of MuJoCo that cannot be asked.
     """
     require_known(model_of(machine), [recording])
-    if model_of(machine).fmu is not None:
+    if model_of(machine).engine is not None:
         machine, ((recording,),) = along_recordings(model_of(machine), [recording])
     machine = machine_of(machine)
     return compared_along(machine, recording, motion_of(recording, machine))

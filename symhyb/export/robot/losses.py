@@ -1,10 +1,11 @@
 """What a model says of the joints of a robot: damping, dry friction, rotor inertia, and the rest.
 
 The sums over all elements on the coordinate of a joint, whether found or there before, in SI: a
-URDF or an MJCF states one number of each.
+URDF or an MJCF states one number of each. Elements of a model whose machine MuJoCo has act beside
+it: what the file of the robot states is part of these sums.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from symhyb.discrepancy.words.amounts import number_text
@@ -34,13 +35,11 @@ class Losses:
 
 def losses_of(model: Model, robot: Robot) -> tuple[tuple[Losses, ...], tuple[str, ...]]:
     """The losses of every joint that is a coordinate of the model, and what was found elsewhere."""
-    names = [coordinate.name for coordinate in model.coordinates]
-    joints = {identifier(joint.name, "joint"): joint for joint in robot.joints}
-    mine = {name: joints[name] for name in names if _moves(joints.get(name))}
+    mine = {name: joint for name, joint in _joints(model, robot) if _moves(joint)}
     found = []
     for name, joint in mine.items():
         on = [one for one in model.elements if one.place == On(name)]
-        sizes = dict.fromkeys(PLAIN, 0.0)
+        sizes = _before(model, joint)
         more = []
         for element in on:
             if _is_plain(element):
@@ -58,8 +57,37 @@ def losses_of(model: Model, robot: Robot) -> tuple[tuple[Losses, ...], tuple[str
     return tuple(found), tuple(elsewhere)
 
 
-def _moves(joint: Joint | None) -> bool:
-    return joint is not None and joint.kind in STRAIGHT
+def _joints(model: Model, robot: Robot) -> Iterator[tuple[str, Joint]]:
+    """The joints that are coordinates of the model, by the names of these."""
+    if model.mujoco is None:
+        joints = {identifier(joint.name, "joint"): joint for joint in robot.joints}
+        pairs = [(coordinate.name, coordinate.name) for coordinate in model.coordinates]
+    else:
+        joints = {joint.name: joint for joint in robot.joints}
+        pairs = list(model.mujoco.joints)
+    yield from ((name, joints[joint]) for name, joint in pairs if joint in joints)
+
+
+def _before(model: Model, joint: Joint) -> dict[str, float]:
+    """What a joint has before elements add to it, SI."""
+    if model.mujoco is None:
+        return dict.fromkeys(PLAIN, 0.0)
+    values = {one.path: one.si for one in model.parameters}
+    stated = {
+        one.field: values[one.parameter]
+        for one in model.mujoco.parameters
+        if (one.kind, one.part) == ("joint", joint.name)
+    }
+    damping, armature = joint.motors
+    return {
+        "damper": stated["damping"] + damping if "damping" in stated else joint.damping,
+        "friction": stated.get("frictionloss", joint.friction),
+        "added_mass": stated["armature"] + armature if "armature" in stated else joint.armature,
+    }
+
+
+def _moves(joint: Joint) -> bool:
+    return joint.kind in STRAIGHT
 
 
 def _is_plain(element: Element) -> bool:

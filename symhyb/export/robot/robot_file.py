@@ -5,7 +5,7 @@ URDF; damping, frictionloss and armature of an MJCF's joint. What it cannot say 
 at the joint. All else stays as it was, letter by letter.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from symhyb.errors import InputError, Problem
@@ -70,8 +70,11 @@ def rewritten(model: Model, source: Path, form: str) -> Rewritten:
         old = (was.damping, was.friction, was.armature)
         new = (one.damping, one.friction, one.armature)
         moved = [not _same(a, b) for a, b in zip(old, new, strict=True)]
+        own = replace(  # what actuators have stands at them
+            one, damping=one.damping - was.motors[0], armature=one.armature - was.motors[1]
+        )
         change = _of_urdf if form == "urdf" else _of_mjcf
-        made, lines = change(text, span, one, moved)
+        made, lines = change(text, span, own, moved)
         changes += made
         notes += [f"{one.joint}: {line}" for line in lines]
     changes += _elsewhere(text, root, elsewhere)

@@ -1,4 +1,4 @@
-"""Equations beside a measured motion (:class:`symhyb.model.fmu.Local`) as CasADi expressions.
+"""Equations beside a measured motion (:class:`symhyb.model.local.Local`) as CasADi expressions.
 
     M(t) q'' = c(t) + K(t) q + D(t) q' + B(t) u + forces of elements
 
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 
-from symhyb.model.fmu import Local, LocalTerm
+from symhyb.model.local import Local, LocalTerm
 from symhyb.model.types import Model
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Beside:
-    """What an FMU adds to a machine, SI: the ``kinetic`` energy ½ q'ᵀM q', the generalized
+    """What they add to a machine, SI: the ``kinetic`` energy ½ q'ᵀM q', the generalized
     ``force`` (n, 1), and ``swelling`` (n, 1), the part (∂M/∂t) q' of the change of momentum."""
 
     kinetic: ca.SX

@@ -156,6 +156,56 @@ def test_an_mjcf_states_the_rotor_too(tmp_path: Path) -> None:
     assert "an MJCF has no place for: found_drag" in done.text
 
 
+def test_what_actuators_have_stays_at_them(tmp_path: Path) -> None:
+    """MuJoCo 4 states the damping and the rotor of a motor at the motor."""
+    path = tmp_path / "arm.xml"
+    geared = '<motor joint="shoulder" gear="3" damping="0.5" armature="0.1"/>'
+    path.write_text(MJCF.replace("</mujoco>", f"<actuator>{geared}</actuator></mujoco>"))
+    before = {joint.name: joint for joint in read_robot(path).joints}["shoulder"]
+    assert before.damping == pytest.approx(0.2 + 9 * 0.5)
+    out = tmp_path / "new.xml"
+    out.write_text(rewritten(corrected(path), path, "mjcf").text)
+    after = {joint.name: joint for joint in read_robot(out).joints}["shoulder"]
+    assert after.damping == pytest.approx(before.damping + 0.04)
+    assert after.armature == pytest.approx(before.armature)
+
+
+def test_what_was_found_beside_mujoco_is_added_to_its_file(tmp_path: Path) -> None:
+    path = tmp_path / "machine.xml"
+    path.write_text(MJCF)
+    short = """symhyb = 1
+[mujoco]
+file = "machine.xml"
+[mujoco.coordinates]
+a = "shoulder"
+b = "elbow-1"
+[mujoco.parameters]
+J = { joint = "elbow-1", field = "armature" }
+[coordinates]
+a = { unit = "rad" }
+b = { unit = "rad" }
+[parameters]
+J = { value = 0.04, unit = "kg*m^2" }
+[elements.rub]
+kind = "friction"
+on = "a"
+coulomb = "F"
+found = { by = "sparse" }
+[elements.rub.parameters]
+F = { value = 0.25, unit = "N*m" }
+"""
+    done = rewritten(parse_model(short, str(tmp_path / "machine.toml")), path, "mjcf")
+    out = tmp_path / "new.xml"
+    out.write_text(done.text)
+    before, after = (
+        {joint.name: joint for joint in read_robot(file).joints} for file in (path, out)
+    )
+    assert before["shoulder"].damping == after["shoulder"].damping == 0.2
+    assert after["shoulder"].friction == pytest.approx(before["shoulder"].friction + 0.25)
+    assert after["elbow-1"].armature == pytest.approx(0.04)
+    assert after["elbow-1"].damping == before["elbow-1"].damping
+
+
 def test_a_model_that_says_nothing_new_changes_nothing(arm: Path) -> None:
     assert rewritten(corrected(arm, ""), arm, "urdf").text == arm.read_bytes().decode()
 

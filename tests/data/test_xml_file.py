@@ -4,8 +4,8 @@ import sys
 
 import pytest
 
+from symhyb.data.xml_file import parse_xml
 from symhyb.errors import InputError
-from symhyb.imports.xml_file import parse_xml
 from symhyb.limits import XML_DEEP
 
 
