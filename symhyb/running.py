@@ -15,7 +15,7 @@ from symhyb.discrepancy.recorded.motion import given_motion
 from symhyb.discrepancy.recorded.sampling import as_sampled
 from symhyb.discrepancy.recorded.signals import driving
 from symhyb.errors import InputError, Problem, did_you_mean
-from symhyb.exact import simulation as exactly
+from symhyb.model.bare import bare
 from symhyb.model.types import Model
 from symhyb.numeric.kernels.buffers import Array, on_lines
 from symhyb.numeric.lowered.either import machine_of, model_of
@@ -23,7 +23,7 @@ from symhyb.numeric.lowered.known import machine_with
 from symhyb.numeric.lowered.machine import Machine, build
 from symhyb.numeric.runs.integrate import Trajectory
 from symhyb.numeric.runs.scenario import Scenario
-from symhyb.simulation import output_times, require_free
+from symhyb.simulation import output_times, require_free, run_of
 
 
 @asked
@@ -58,26 +58,35 @@ def simulate(
     """
     if isinstance(scenario, Scenario):
         _require_alone(end=end, step=step, inputs=inputs, start=start)
-        machine = machine_of(model)
-        return exactly.simulate(machine, scenario, _values(machine, p, parameters), exact)
+        machine = _machine(model)
+        return run_of(machine, scenario, _values(machine, p, parameters), exact)
     driven = scenario
     t = output_times(model_of(model), driven, end, step)
     if driven is None:
-        machine, given = machine_of(model), None
+        machine, given = _machine(model), None
         require_free(machine.model)
         u = _driven(machine.model, t, inputs or {})
         t_u = t
     else:
         _require_alone(inputs=inputs)
         require_known(model_of(model), [driven])
-        machine = build(as_sampled(model_of(model), [driven]))
+        known = model_of(model)
+        known = bare(known) if known.mujoco else known  # which MuJoCo itself runs
+        machine = build(as_sampled(known, [driven]))
         machine = machine_with(machine, driven.parameters)
         t_u, u = driving(driven, machine)
         given = given_motion(driven, machine) if machine.imposed else None
         given = None if given is None else on_lines(driven.t, given, t_u)
     q, v = _start(machine.model, start or {})
     whole = Scenario(t, q, v, t_u, u, given=given)
-    return exactly.simulate(machine, whole, _values(machine, p, parameters), exact)
+    return run_of(machine, whole, _values(machine, p, parameters), exact)
+
+
+def _machine(given: Model | Machine) -> Machine:
+    """The machine, or that of a model: what acts beside MuJoCo where MuJoCo has it."""
+    if isinstance(given, Model) and given.mujoco:
+        return build(bare(given))
+    return machine_of(given)
 
 
 def _driven(model: Model, t: Array, inputs: Mapping[str, Any]) -> Array:

@@ -14,8 +14,10 @@ from symhyb.discrepancy.recorded.signals import driving
 from symhyb.errors import InputError, NumericsError, Problem
 from symhyb.exact.simulation import simulate
 from symhyb.limits import RUN_ROWS
+from symhyb.model.bare import bare, is_bare
 from symhyb.model.expression import Name, parse_expression
 from symhyb.model.types import Model, Sensor
+from symhyb.mujoco_run import mujoco_run
 from symhyb.numeric.kernels.buffers import Array, held_at, on_line, on_lines
 from symhyb.numeric.lowered.known import machine_with
 from symhyb.numeric.lowered.machine import Machine, build
@@ -67,6 +69,7 @@ def run_model(
         InputError: times that make no run, or inputs that stop before ``end``.
         NumericsError: the integration failed; the message says why.
     """
+    model = bare(model) if model.mujoco else model  # which MuJoCo itself runs
     machine = build(model if driven is None else as_sampled(model, [driven]))
     machine = machine if driven is None else machine_with(machine, driven.parameters)
     t = output_times(model, driven, end, step)
@@ -79,10 +82,27 @@ def run_model(
         given = None if given is None else on_lines(driven.t, given, t_u)
     q, v = (np.array(part) for part in machine.model.start())
     scenario = Scenario(t, q, v, t_u, u, given=given)
-    run = simulate(machine, scenario, exact=exact)
+    run = run_of(machine, scenario, exact=exact)
     if not run.complete:
         raise NumericsError(run.reason)
     return machine, scenario, run
+
+
+def run_of(
+    machine: Machine, scenario: Scenario, p: Array | None = None, exact: bool = False
+) -> Trajectory:
+    """The run of a machine, by MuJoCo where MuJoCo has it, with parameters ``p`` (P,), SI.
+
+    Raises:
+        InputError: as :func:`symhyb.exact.simulation.simulate` and
+            :func:`symhyb.mujoco_run.mujoco_run`; an exact run of what MuJoCo has.
+    """
+    if machine.model.mujoco is None or not is_bare(machine.model):
+        return simulate(machine, scenario, p, exact)
+    if exact:
+        text = "a run of MuJoCo has its own steps and contacts; leave out 'exact'"
+        raise InputError(Problem(text, "mujoco", machine.model.file))
+    return mujoco_run(machine, scenario, p)
 
 
 def require_free(model: Model) -> None:
@@ -107,6 +127,7 @@ METHODS = {
     "dop853": "DOP853 between located events",
     "radau": "Radau between located events",
     "none": "the inputs alone: no coordinate is free",
+    "mujoco": "MuJoCo's own steps",
 }
 
 

@@ -56,10 +56,7 @@ def ask(machine: Mujoco, path: Path, question: Question) -> Answer:
             names files or programs, lacks what is named, has other motions or states; it crashes
             or takes too long.
     """
-    data = content_of(path, ROBOT_BYTES)
-    problems = list(problems_of(parse_xml(data, str(path)), str(path)))
-    if problems:
-        raise InputError(problems)
+    data = content_of_mjcf(path)
     allowed = Allowed(
         FMU_SECONDS + question.calls // FMU_CALLS_A_SECOND,
         "MuJoCo takes longer than the {} s that it gets for this recording; shorten the recording",
@@ -67,6 +64,29 @@ def ask(machine: Mujoco, path: Path, question: Question) -> Answer:
     )
     table = read_apart(answered, _packed(machine, data, question), str(path), allowed)
     return Answer(*(column.values for column in table.columns))
+
+
+def content_of_mjcf(path: Path) -> bytes:
+    """The bytes of an MJCF that names no other files and no programs.
+
+    Raises:
+        InputError: defusedxml is not installed; there is no such file, or it is no such MJCF.
+    """
+    data = content_of(path, ROBOT_BYTES)
+    problems = list(problems_of(parse_xml(data, str(path)), str(path)))
+    if problems:
+        raise InputError(problems)
+    return data
+
+
+def machine_from(words: dict[str, Any]) -> Mujoco:
+    """What ``dataclasses.asdict`` made of a machine, after JSON."""
+    return Mujoco(
+        words["file"],
+        tuple((name, joint) for name, joint in words["joints"]),
+        tuple(Drive(**one) for one in words["inputs"]),
+        tuple(Number(**one) for one in words["parameters"]),
+    )
 
 
 def _packed(machine: Mujoco, data: bytes, question: Question) -> bytes:
@@ -87,13 +107,7 @@ def answered(content: bytes, file: str) -> Table:
         words = json.loads(packed["words"].tobytes())
         question = Question(*(packed[key] for key in Question.__dataclass_fields__))
         data = packed["data"].tobytes()
-    machine = Mujoco(
-        words["file"],
-        tuple((name, joint) for name, joint in words["joints"]),
-        tuple(Drive(**one) for one in words["inputs"]),
-        tuple(Number(**one) for one in words["parameters"]),
-    )
-    engine = Engine.of(data, machine, file)
+    engine = Engine.of(data, machine_from(words), file)
     parts = []
     for values in question.values:
         engine.set(values)
@@ -120,8 +134,8 @@ class Engine:
     numbers: tuple[tuple[Number, int], ...]
 
     @staticmethod
-    def of(data: bytes, machine: Mujoco, file: str) -> "Engine":
-        """MuJoCo with the model in ``data``, an MJCF.
+    def of(data: bytes, machine: Mujoco, file: str, steps: bool = False) -> "Engine":
+        """MuJoCo with the model in ``data``, an MJCF, to be asked, or for ``steps``.
 
         Raises:
             InputError: what MuJoCo says of it; what is named and is not there; what moves or
@@ -139,8 +153,11 @@ class Engine:
         faults = missing or list(_beside(mujoco, model, machine))
         if faults:
             raise InputError([p for said in faults for p in refusal(file, said).problems])
-        model.opt.enableflags &= ~int(mujoco.mjtEnableBit.mjENBL_INVDISCRETE)
-        model.opt.integrator = int(mujoco.mjtIntegrator.mjINT_EULER)  # R is that of no step
+        if steps:  # else MuJoCo begins anew where a run diverges
+            model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
+        else:
+            model.opt.enableflags &= ~int(mujoco.mjtEnableBit.mjENBL_INVDISCRETE)
+            model.opt.integrator = int(mujoco.mjtIntegrator.mjINT_EULER)  # R is that of no step
         joints = [_number(mujoco, model, "joint", joint) for _, joint in machine.joints]
         drives = tuple((one, _of(mujoco, model, one)) for one in machine.inputs)
         acting = [i for i, (one, _) in enumerate(drives) if one.kind == "actuator"]
@@ -180,6 +197,35 @@ class Engine:
             if drive.kind != "actuator":
                 force -= value * self._way(drive, part)
         return np.asarray(force[self.rates])
+
+    def begin(self, q: Array, v: Array) -> None:
+        """Set places and rates (n,), SI, from which steps begin."""
+        self.data.qpos[self.places], self.data.qvel[self.rates] = q, v
+
+    def state(self) -> tuple[Array, Array]:
+        """Places and rates (n,), SI."""
+        return np.array(self.data.qpos[self.places]), np.array(self.data.qvel[self.rates])
+
+    def drive(self, u: Array, force: "Array | float") -> None:
+        """Let inputs (k,) and a ``force`` (n,) on the coordinates act from now on, SI."""
+        data = self.data
+        data.ctrl[self.controls] = u[self.controlling]
+        data.qfrc_applied[:] = 0.0
+        data.qfrc_applied[self.rates] = force
+        if len(self.controlling) < len(self.drives):
+            self.mujoco.mj_fwdPosition(self.model, data)
+        for (drive, part), value in zip(self.drives, u, strict=True):
+            if drive.kind != "actuator":
+                data.qfrc_applied += value * self._way(drive, part)
+
+    def acceleration(self) -> Array:
+        """The accelerations (n,), SI, under what acts."""
+        self.mujoco.mj_forward(self.model, self.data)
+        return np.array(self.data.qacc[self.rates])
+
+    def step(self) -> None:
+        """One step of MuJoCo."""
+        self.mujoco.mj_step(self.model, self.data)
 
     def _way(self, drive: Drive, part: int) -> Array:
         """The generalized force (nv,) of a unit of an input, at the state that was set."""

@@ -7,6 +7,11 @@ from symhyb.model.local import Local
 from symhyb.model.types import Energy, Model
 
 
+def is_bare(model: Model) -> bool:
+    """Whether a model that another program runs is without that."""
+    return model.engine is not None and model.local == Local(())
+
+
 def bare(model: Model) -> Model:
     """A model that an FMU or MuJoCo runs as if all its coordinates had a mass of 1 and nothing
     acted but its elements: what its sensors and elements say of a motion is the same. Any other as

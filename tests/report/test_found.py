@@ -247,6 +247,9 @@ def test_critical_damping_needs_one_coordinate_and_a_spring() -> None:
     rubbing = rubbing.replace('damping = "d"', 'coulomb = "d*v_0"')
     rubbing = rubbing.replace("[bodies", 'v_0 = { value = 1.0, unit = "m/s" }\n[bodies')
     assert critical_share(parse_model(rubbing), On("x"), 0.8) is None
+    short = 'symhyb = 1\n[mujoco]\nfile = "a.xml"\n[coordinates]\nx = { unit = "m" }\n'
+    short += '[sensors]\ny = { measures = "x", unit = "m" }\n'
+    assert critical_share(parse_model(short), On("x"), 0.8) is None  # another program has the rest
 
 
 LAWS = [

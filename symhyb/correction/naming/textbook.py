@@ -21,6 +21,8 @@ def critical_share(model: Model, place: Place, damping: float) -> float | None:
     """
     if len(model.coordinates) != 1 or place != On(model.coordinates[0].name):
         return None
+    if model.engine is not None and model.local is None:  # it states no stiffness
+        return None
     machine = build(model)
     if machine.imposed or machine.inner_states:
         return None

@@ -62,7 +62,8 @@ class Trajectory:
     integrated, at the end of the run: *explicit* (Runge–Kutta of order 8), or CVODES by *bdf* or
     *adams*; ``note`` says from when and why, if another did before, what stood in the way of
     another, or where loops can fold over. Of an exact run it is DOP853 or Radau, between the
-    located ``events``. ``model`` is what was simulated, whose units frames and pictures show.
+    located ``events``; *mujoco* where MuJoCo has the machine. ``model`` is what was simulated,
+    whose units frames and pictures show.
     """
 
     t: Array
