@@ -320,6 +320,7 @@ def _field(model: Any, number: Number, part: int) -> tuple[Any, Any]:
     return getattr(model, f"{number.kind}_{number.field}"), part
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def _along(engine: Engine, question: Question, file: str) -> tuple[Array, Array, Array]:
     """M̂ (N, n, n), M̂·a_free (N, n) and −∂R/∂(q, v, u) (N, n, 2n + k) along a motion."""
     n, k = question.q.shape[1], question.u.shape[1]
@@ -337,10 +338,10 @@ def _along(engine: Engine, question: Question, file: str) -> tuple[Array, Array,
             up[j] += step
             down[j] -= step
             by[:, j] = (engine.lacking(t, up) - engine.lacking(t, down)) / (2 * step)
-        if not np.isfinite(lacks).all() or not np.isfinite(by).all():
-            raise refusal(file, f"MuJoCo gives a force that is not finite at {t:g} s")
         inertia = by[:, 2 * n : 3 * n]
         mass[i] = (inertia + inertia.T) / 2
         force[i] = mass[i] @ question.a[i] - lacks
         slopes[i] = -by[:, order]
+        if not all(np.isfinite(part[i]).all() for part in (mass, force, slopes)):
+            raise refusal(file, f"MuJoCo gives a force that is not finite at {t:g} s")
     return mass, force, slopes
