@@ -3,7 +3,7 @@
 At every sample the FMU is set to the measured state and asked for accelerations (model exchange,
 or co-simulation begun anew at that state). It runs in a process of its own, with a limit of time.
 
-    a = a_free + G F       G = M⁻¹, from the input of force of every coordinate
+    a = a_free + G F       G = M⁻¹, from the input of force of every coordinate, or stated
     F* = M (a_measured − a_free),  and ∂a/∂(q, v, u) by central differences under F*
 
 Sizes: N samples, n coordinates, k inputs, P parameters, S sets of them.
@@ -65,6 +65,7 @@ def _packed(fmu: Fmu, question: Question, folder: str) -> bytes:
     names = {
         "folder": folder,
         "places": [[place.position, place.rate, place.force] for place in fmu.places],
+        "masses": [place.mass.value for place in fmu.places if place.mass is not None],
         "inputs": [variable for _, variable in fmu.inputs],
         "parameters": [variable for _, variable in fmu.parameters],
     }
@@ -130,13 +131,15 @@ def _answer(file: str, names: dict[str, Any], question: Question) -> Answer:
 class _About:
     """References of variables: ``inputs`` (those of the machine, then the forces), ``parameters``,
     ``states`` in the order of the FMU, with their derivatives ``rates``; ``order`` (2n,) are the
-    positions and speeds of the coordinates among the states."""
+    positions and speeds of the coordinates among the states. ``masses`` (n,) stand in for forces
+    where the FMU has none."""
 
     inputs: tuple[int, ...]
     parameters: tuple[int, ...]
     states: tuple[int, ...]
     rates: tuple[int, ...]
     order: tuple[int, ...]
+    masses: tuple[float, ...] = ()
 
     @classmethod
     def of(cls, description: Any, names: dict[str, Any], file: str) -> "_About":
@@ -149,7 +152,7 @@ class _About:
         made = [unknown.variable for unknown in description.derivatives]
         states = [variable.derivative.name for variable in made]
         wanted = [name for place in names["places"] for name in place[:2]]
-        forces = [place[2] for place in names["places"]]
+        forces = [place[2] for place in names["places"] if place[2]]
         faults = [
             *(
                 f"has no state '{name}'{did_you_mean(name, states)}"
@@ -174,6 +177,7 @@ class _About:
             tuple(known[name].valueReference for name in states),
             tuple(variable.valueReference for variable in made),
             tuple(states.index(name) for name in [*places, *rates]),
+            tuple(names["masses"]),
         )
 
 
@@ -301,13 +305,14 @@ def _along(
     mass, force = np.empty((q.shape[0], n, n)), np.empty((q.shape[0], n))
     slopes = np.empty((q.shape[0], n, 2 * n + k))
     places, speeds = list(about.order[:n]), list(about.order[n:])
-    x = np.zeros(2 * n)
+    x, stated = np.zeros(2 * n), np.array(about.masses)
 
     def pulled(t: float, state: Array, push: Array) -> Array:
         """q'' (n,) at a state with inputs (2n + k,) under forces (n,)."""
         x[places], x[speeds] = state[:n], state[n : 2 * n]
-        rates = fmu.rates(t, x, np.concatenate([state[2 * n :], push]))
-        pull = rates[speeds]
+        pushed = () if stated.size else push
+        rates = fmu.rates(t, x, np.concatenate([state[2 * n :], pushed]))
+        pull = rates[speeds] + (push / stated if stated.size else 0.0)
         if not np.isfinite(pull).all():
             raise refusal(file, f"the FMU gives an acceleration that is not finite at {t:g} s")
         moved = rates[places] - state[n : 2 * n]

@@ -7,7 +7,7 @@ from symhyb.model.check_constraints import constraint_faults
 from symhyb.model.check_elements import element_faults
 from symhyb.model.check_states import state_faults
 from symhyb.model.expression import RESERVED, Expression, Name, Number, Quantity, names
-from symhyb.model.fmu import fmu_faults
+from symhyb.model.fmu import fmu_faults, mass_faults
 from symhyb.model.frames import frame_faults, place_unit
 from symhyb.model.limits import limit_faults
 from symhyb.model.mujoco import reserved, unit_faults
@@ -79,6 +79,7 @@ def faults_of(model: Model, energy: Unit | None, unreadable: frozenset[str]) -> 
     yield from _name_faults(model)
     if model.fmu is not None:
         yield from fmu_faults(*_beside_engine(model))
+        yield from mass_faults(model.fmu, {one.name: one.unit for one in model.coordinates})
     if model.mujoco is not None:
         yield from reserved(*_beside_engine(model))
         kinds = (model.coordinates, model.inputs, model.parameters)

@@ -4,27 +4,37 @@ Nothing of the FMU itself is opened here. What it answers along a recording beco
 (:class:`symhyb.model.local.Local`), which no file states.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from symhyb.errors import did_you_mean
 from symhyb.model.beside import named_file
 from symhyb.model.tables import Fault, Table
+from symhyb.model.trees import Quantity, show
+from symhyb.units import Unit, parse_unit
 
-PLACE_KEYS = ("position", "rate", "force")
+VARIABLES = ("position", "rate", "force")  # of a coordinate, as variables of the FMU
 SECTIONS = ("coordinates", "inputs", "parameters")
 
 
 @dataclass(frozen=True, slots=True)
 class FmuPlace:
     """The variables of an FMU that belong to a coordinate: the states ``position`` and ``rate``
-    and the input ``force``, which acts along the coordinate."""
+    and the input ``force``, which acts along the coordinate; or, where the FMU has no such input
+    (empty), the ``mass`` that a force along the coordinate would move."""
 
     coordinate: str
     position: str
     rate: str
-    force: str
+    force: str = ""
+    mass: Quantity | None = None
+
+    def facts(self) -> tuple[tuple[str, str], ...]:
+        """What a model file states, by key."""
+        variables = ((key, getattr(self, key)) for key in VARIABLES)
+        stated = [] if self.mass is None else [("mass", show(self.mass))]
+        return *((key, name) for key, name in variables if name), *stated
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,15 +95,28 @@ def read_fmu(root: Table) -> Fmu | None:
     known.sort(key=lambda place: order.index(place.coordinate))
     found = Fmu(file, tuple(known), **pairs)
     _require_apart(found, table)
+    if len({bool(place.force) for place in known}) > 1:
+        table.fault("some coordinates name a 'force' and others a 'mass'; all need the same")
     return found
 
 
 def _place(table: Table) -> FmuPlace | None:
-    table = table.checked(PLACE_KEYS)
-    position, rate, force = (table.text(key, required=True) for key in PLACE_KEYS)
-    if position is None or rate is None or force is None:
+    table = table.checked((*VARIABLES, "mass"))
+    position, rate = (table.text(key, required=True) for key in ("position", "rate"))
+    if table.lacks("force") == table.lacks("mass"):
+        table.fault(
+            "needs either 'force', an input that acts along the coordinate, or 'mass', where the "
+            "FMU has no such input"
+        )
         return None
-    return FmuPlace(table.path[-1], position, rate, force)
+    force, stated = table.text("force"), table.expression("mass")
+    mass = stated.tree if stated is not None and isinstance(stated.tree, Quantity) else None
+    if stated is not None and not (mass and mass.value > 0):
+        table.fault('is no number above 0 with its unit, as "1.3 kg"', "mass")
+        return None
+    if position is None or rate is None:
+        return None
+    return FmuPlace(table.path[-1], position, rate, force or "", mass)
 
 
 def _require_declared(root: Table, table: Table, key: str) -> None:
@@ -105,17 +128,32 @@ def _require_declared(root: Table, table: Table, key: str) -> None:
     if key == "coordinates" and not table.lacks(key):
         for name in known:
             if name not in table.declared(key):
-                table.fault(f"'{name}' is missing: its position, rate and force", key)
+                table.fault(f"'{name}' is missing: its position, rate and force or mass", key)
 
 
 def _require_apart(fmu: Fmu, table: Table) -> None:
     """No variable may stand for two things."""
     used: Sequence[str] = [
-        *(name for place in fmu.places for name in (place.position, place.rate, place.force)),
+        *(
+            name
+            for place in fmu.places
+            for name in (place.position, place.rate, place.force)
+            if name
+        ),
         *(variable for pairs in (fmu.inputs, fmu.parameters) for _, variable in pairs),
     ]
     for name in dict.fromkeys(name for name in used if used.count(name) > 1):
         table.fault(f"the variable '{name}' of the FMU is named twice")
+
+
+def mass_faults(fmu: Fmu, units: Mapping[str, Unit]) -> Iterator[Fault]:
+    """Masses of other units than what a force along a coordinate, of these ``units``, moves."""
+    for place in fmu.places:
+        unit = units[place.coordinate]
+        needed = parse_unit("kg*m^2") / unit**2
+        if place.mass is not None and not place.mass.unit.same_dimension(needed):
+            where = ("fmu", "coordinates", place.coordinate, "mass")
+            yield where, f"is {place.mass.unit}, needs {needed} on a coordinate in {unit}"
 
 
 def fmu_faults(sections: Sequence[str], imposed: Sequence[str]) -> Iterator[Fault]:

@@ -8,7 +8,7 @@ from symhyb.model.actuators import numbers_of
 from symhyb.model.constraints import CONSTRAINTS, Constraint
 from symhyb.model.curves import EXTRAPOLATIONS, INTERPOLATIONS, Curve
 from symhyb.model.expression import Expression
-from symhyb.model.fmu import PLACE_KEYS, Fmu
+from symhyb.model.fmu import Fmu
 from symhyb.model.limits import Limit
 from symhyb.model.maps import Map
 from symhyb.model.mujoco import Drive, Mujoco
@@ -231,10 +231,7 @@ def state_lines(state: State) -> Iterator[str]:
 
 def _fmu_lines(fmu: Fmu) -> Iterator[str]:
     yield from ("[fmu]", f"file = {_toml(fmu.file)}", "[fmu.coordinates]")
-    yield from _aligned(
-        (place.coordinate, _inline((key, getattr(place, key)) for key in PLACE_KEYS))
-        for place in fmu.places
-    )
+    yield from _aligned((place.coordinate, _inline(place.facts())) for place in fmu.places)
     for section, pairs in (("inputs", fmu.inputs), ("parameters", fmu.parameters)):
         if pairs:
             yield f"[fmu.{section}]"

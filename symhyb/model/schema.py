@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 from symhyb.model.actuators import ACTUATOR_KEYS, MAY_BE_ZERO
-from symhyb.model.fmu import PLACE_KEYS
+from symhyb.model.fmu import VARIABLES
 from symhyb.model.limits import COORDINATE_KEYS, INPUT_KEYS
 from symhyb.model.mujoco import ACTING, FIELDS
 from symhyb.model.read import BETWEEN
@@ -98,7 +98,9 @@ def _sections() -> dict[str, Schema]:
 
 def _fmu() -> Schema:
     variable = text("the name of a variable of the FMU")
-    place = table(dict.fromkeys(PLACE_KEYS, variable), PLACE_KEYS)
+    mass = text("what a force would move, with its unit, where the FMU has no input of force")
+    place = table({**dict.fromkeys(VARIABLES, variable), "mass": mass}, ("position", "rate"))
+    place |= {"oneOf": [{"required": ["force"]}, {"required": ["mass"]}]}
     keys = {
         "file": text("the FMU, beside this file or below it"),
         "coordinates": named("states and input of each coordinate", place, minProperties=1),

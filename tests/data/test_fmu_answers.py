@@ -1,7 +1,7 @@
 """An FMU that is asked along a motion: the same answers from every form of FMI, and one sentence
 for every FMU that cannot answer."""
 
-from dataclasses import replace
+from dataclasses import astuple, replace
 from pathlib import Path
 
 import numpy as np
@@ -14,9 +14,11 @@ from symhyb.data.fmu_answers import ask
 from symhyb.errors import InputError
 from symhyb.model.fmu import Fmu
 from symhyb.model.read import parse_model, read_model
+from symhyb.model.trees import Quantity
 from symhyb.model.types import Model
 from symhyb.numeric.kernels.buffers import call
 from symhyb.numeric.lowered.machine import build
+from symhyb.units import ONE
 from tests.fmu_rigs import as_fmu, misbehaving
 
 ARM = Path(__file__).parents[2] / "models" / "two_link_arm.toml"
@@ -82,6 +84,20 @@ def test_parameters_are_set_before_the_fmu_answers(tmp_path: Path) -> None:
     heavier[0, names.index("m")] = 4.0
     found = answer(model, replace(question, values=np.concatenate([question.values, heavier])))
     np.testing.assert_allclose(found.mass[:, :, 0, 0], [[1.0] * 5, [4.0] * 5])
+
+
+def test_without_an_input_of_force_the_mass_is_stated(tmp_path: Path) -> None:
+    model = as_fmu(MASS, tmp_path)
+    assert model.fmu is not None
+    (place,) = model.fmu.places
+    named = answer(model)
+    stated = replace(place, force="", mass=Quantity(float(named.mass[0, 0, 0, 0]), ONE))
+    for found, expected in zip(
+        astuple(answer(replace(model, fmu=replace(model.fmu, places=(stated,))))),
+        astuple(named),
+        strict=True,
+    ):
+        np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -68,12 +68,35 @@ def test_what_is_written_reads_back() -> None:
         ("f = ", "g = ", "'g' is not declared in [inputs]"),
         ("k = ", "c = ", "'c' is not declared in [parameters]"),
         ("y = { position", "z = { position", "'y' is missing: its position, rate and force"),
+        (', force = "fx"', "", "x: needs either 'force', an input that acts along"),
+        ('force = "fx"', 'force = "fx", mass = "1 kg"', "x: needs either 'force'"),
+        ('force = "fx"', 'mass = "1 kg"', "some coordinates name a 'force' and others a 'mass'"),
+        ('force = "fx"', 'mass = "k"', "x.mass: is no number above 0 with its unit"),
+        ('force = "fx"', 'mass = "0 kg"', "x.mass: is no number above 0 with its unit"),
         ('"spring.k"', "3", "must be text in quotes, not the number 3"),
     ],
 )
 def test_what_is_wrong_is_said(old: str, new: str, expected: str) -> None:
     assert FMU.count(old) == 1
     assert expected in said(HEAD + FMU.replace(old, new))
+
+
+MASSES = FMU.replace('force = "fy"', 'mass = "250 g"').replace('force = "fx"', 'mass = "3 kg"')
+
+
+def test_masses_stand_in_for_forces() -> None:
+    model = parse_model(HEAD + MASSES)
+    assert model.fmu is not None
+    assert [place.force for place in model.fmu.places] == ["", ""]
+    assert [place.mass and place.mass.value for place in model.fmu.places] == [3.0, 0.25]
+    assert parse_model(render(model)).fmu == model.fmu
+
+
+def test_a_mass_has_the_unit_that_a_force_moves() -> None:
+    text = HEAD + MASSES.replace("3 kg", "3 kg*m^2")
+    assert "fmu.coordinates.x.mass: is kg*m^2, needs kg on a coordinate in m" in said(text)
+    turned = HEAD.replace('x = { unit = "m" }', 'x = { unit = "rad" }').replace("laser", "# laser")
+    assert "x.mass: is kg, needs" in said(turned + MASSES)
 
 
 @pytest.mark.parametrize(
