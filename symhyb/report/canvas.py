@@ -77,9 +77,11 @@ def drawing(height: float) -> Iterator["Figure"]:
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
+    from symhyb.report.stacked import Stacked
+
     with mpl.rc_context(_STYLE), warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="Glyph .* missing", category=UserWarning)
-        yield Figure(figsize=(WIDTH, height), dpi=100, layout="constrained", facecolor="none")
+        yield Figure(figsize=(WIDTH, height), dpi=100, layout=Stacked(), facecolor="none")
 
 
 def svg(figure: "Figure") -> bytes:

@@ -55,6 +55,7 @@ _FAR_BETTER = 5.0  # of RMS residuals: the larger would hide the smaller
 # of viridis, which also colour-blind readers and grey prints order; without the ends that vanish on
 # black and on white paper
 _SHADES = (0.25, 0.92)
+_BESIDE = (1.0, 0.03)  # widths of a cloud and of the bar of its colours
 _BARS: dict[str, Any] = {
     "fmt": "o",
     "ms": 3.2,
@@ -135,11 +136,12 @@ def cloud_figure(
     rate = (cloud.rate / units.rate.factor, "rate", units.rate.text)
     stretch = (cloud.stretch / units.stretch.factor, "stretch", units.stretch.text)
     with drawing(5.6) as figure:
-        panels = figure.subplots(2, 1)
-        for panel, across, colored in ((panels[0], rate, stretch), (panels[1], stretch, rate)):
+        rows = figure.subplots(2, 2, width_ratios=_BESIDE)
+        panels = rows[:, 0]
+        for row, across, colored in ((rows[0], rate, stretch), (rows[1], stretch, rate)):
             along = units.rate if across is rate else units.stretch
             mine = [replace(one, x=one.x / along.factor) for one in marks if one.over == across[1]]
-            _cloud(panel, cloud, across, colored, units.force, looped, mine)
+            _cloud(row, cloud, across, colored, units.force, looped, mine)
         if marks:
             panels[0].errorbar([], [], [], fmt="s", color=LAW, ms=4, label="points, ± one sd")
         panels[0].plot([], [], "o", color=QUIET, ms=4, label="ΔF")
@@ -262,7 +264,7 @@ def _scaled(size: float | None, scale: float) -> float | None:
 
 
 def _cloud(
-    panel: "Axes",
+    row: Sequence["Axes"],
     cloud: Cloud,
     across: tuple[Array, str, str],
     colored: tuple[Array, str, str],
@@ -272,6 +274,7 @@ def _cloud(
 ) -> None:
     from matplotlib.cm import ScalarMappable
 
+    panel, beside = row
     scale_x, label_x = shown_unit(spread([across[0]]), across[2])
     scale_c, label_c = shown_unit(spread([colored[0]]), colored[2])
     scale_y, label_y = shown_unit(spread([cloud.force / unit.factor]), unit.text)
@@ -294,7 +297,7 @@ def _cloud(
         rasterized=True,
     )
     opaque = ScalarMappable(points.norm, points.cmap)
-    bar = panel.figure.colorbar(opaque, ax=panel, pad=0.02, aspect=18)
+    bar = panel.figure.colorbar(opaque, cax=beside)
     bar.outline.set_visible(False)
     bar.set_label(f"{colored[1]}{bracketed(label_c)}")
     if looped is None:
