@@ -32,7 +32,7 @@ from symhyb.correction.adequacy.ways import on_ways
 from symhyb.correction.search.preparing import Prepared
 from symhyb.correction.search.selection import many
 from symhyb.correction.search.setting import Setting
-from symhyb.correction.search.strength import element_forces
+from symhyb.correction.search.strength import changed_force, element_forces
 from symhyb.correction.search.trajectory import Refined, grouped
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.results import ClassName
@@ -48,6 +48,7 @@ from symhyb.judgement import (
     SMALL,
 )
 from symhyb.model.types import Place
+from symhyb.numeric.kernels.buffers import Array
 
 CLASSES_MOST = 3  # that are fitted, the best of the linear problem
 HARMONICS = 5  # of the motion, below which dry friction, a square wave, has 93 % of its power
@@ -164,11 +165,11 @@ def _shown_by(ground: Recorded, raced: Sequence[Fitted], left: Beyond, reached: 
 def _small(
     final: Refined, ground: Recorded, left: Beyond, noise: bool = False
 ) -> frozenset[Hypothesis]:
-    """The laws whose force, at every coordinate, is small against what acts beyond (they may be a
-    part of it) or negligible against what moves the coordinate (the numerics err by as much). All
-    causes where what acts beyond is a large part of what moves a coordinate. Of what is ``noise``
-    of inputs the part counts that lies where the machine moves, against the largest force too: what
-    friction takes moves no inertia."""
+    """The laws, and changes of parameters, whose force, at every coordinate, is small against what
+    acts beyond (they may be a part of it); and the laws whose force is negligible against what
+    moves the coordinate (the numerics err by as much). All causes where what acts beyond is a large
+    part of what moves a coordinate. Of what is ``noise`` of inputs the part counts that lies where
+    the machine moves, against the largest force too: what friction takes moves no inertia."""
     squares, counts = 0.0, 0
     for item in ground.items:
         forces = element_forces(final, *item.source)[0][item.rows[0]]
@@ -187,7 +188,25 @@ def _small(
             return frozenset(final.causes)
         least = np.maximum(least, LARGE * left.force)
     large = np.any((own > least[:, None]) & (own > 0), axis=0)
-    return frozenset(cause for cause, stands in zip(laws, large, strict=True) if not stands)
+    small = {cause for cause, stands in zip(laws, large, strict=True) if not stands}
+    if left.acts:
+        small |= _small_changes(final, ground, LARGE * left.force)
+    return frozenset(small)
+
+
+def _small_changes(final: Refined, ground: Recorded, least: Array) -> set[Hypothesis]:
+    """The parameters whose change exerts a force, but no more than ``least`` (n,) anywhere."""
+    small: set[Hypothesis] = set()
+    for cause in final.causes:
+        if not cause.path:
+            continue
+        rows = [
+            changed_force(final, cause.path, *item.source)[item.rows[0]] for item in ground.items
+        ]
+        size = np.sqrt(np.mean(np.concatenate(rows) ** 2, axis=0))
+        if size.any() and np.all(size <= least):
+            small.add(cause)
+    return small
 
 
 def _staircases(ground: Recorded, base: Fitted, rows: Sequence[Row]) -> list[Fitted]:

@@ -24,3 +24,18 @@ def element_forces(
     forces = flat.reshape(c.t.size, -1, machine.n).swapaxes(1, 2)
     stretch, rate, _ = along(machine.pathways, (c.q, c.v, c.t, p), (3,), c.t.size)
     return forces, stretch, rate
+
+
+def changed_force(final: Refined, path: str, recording: Recording, motion: Motion) -> Array:
+    """Generalized force (N, n), SI, of the change of a parameter from its value in the model to the
+    fitted one along a recording; 0 of a number of a channel."""
+    p = final.of(recording)
+    machine = replace(final.machine, values=p)
+    c = course_of(recording, machine, motion)
+    before = p.copy()
+    before[machine.column(path)] = final.machine.values[machine.column(path)]
+    moved = c.q, c.v, c.a, c.z, c.u, c.t
+    (needs, needed) = (
+        along(machine.discrepancy, (*moved, row), (6,), c.t.size)[0] for row in (p, before)
+    )
+    return needs - needed

@@ -13,6 +13,7 @@ import symhyb as sh
 from symhyb import diagnosis as story
 from symhyb.correction.adequacy import judge
 from symhyb.correction.adequacy.agreement import Disputed
+from symhyb.correction.adequacy.beyond import NOTHING
 from symhyb.correction.adequacy.classes.law import law
 from symhyb.correction.adequacy.classes.worth import around
 from symhyb.correction.adequacy.followed import Along
@@ -27,6 +28,7 @@ from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.results import Change
 from symhyb.judgement import CERTAIN, PROBABLE
 from symhyb.model.types import On
+from tests.builders import DRIVEN_MASS
 from tests.pushed import (
     DAMPING,
     NOISE,
@@ -43,6 +45,7 @@ SAMPLES = 1000
 DAMPER = Hypothesis("damper", On("x"), ("damping",), (True,))
 DELAY = Hypothesis("delay", None, ("value",), (False,), path="f.delay")
 TONE = (("frequency", 0.12),)
+NUMBER = Hypothesis("parameter", None, ("value",), (False,), path="k")
 GAIN = Hypothesis("gain", None, ("value",), (False,), path="f.gain")
 
 
@@ -279,6 +282,23 @@ def test_a_law_that_is_small_against_what_acts_beyond_is_in_doubt() -> None:
     )
     assert found.beyond.acts
     assert DAMPER in found.doubt
+
+
+@pytest.mark.parametrize(("stiffness", "small"), [(25.6, True), (40.0, False)])
+def test_so_is_a_parameter_whose_change_exerts_as_little(stiffness: float, small: bool) -> None:
+    """0.2 and 5 N RMS, where 1.6 N act beyond."""
+    planted = markov(np.random.default_rng(17), SAMPLES, 1.5, 0.3)
+    made = pushed(17, samples=SAMPLES, stiffness=stiffness, beside=planted)
+    prepared = prepare(pushed_model(DRIVEN_MASS.replace("sd = 0.5", "sd = 10.0")), made)
+    setting = settle(prepared)
+    cuts = setting.stages[-1].cuts
+    final = refine(prepared.model, [NUMBER], [{"value": stiffness}], cuts, setting.sd)
+    ground = recorded(prepared, setting)
+    assert ground is not None
+    left = adequacy(prepared, setting, final, (final, cuts)).beyond
+    assert left.acts
+    assert (NUMBER in judge._small(final, ground, left)) == small
+    assert NUMBER not in judge._small(final, ground, NOTHING)
 
 
 def test_a_law_whose_force_is_an_error_of_the_numerics_is_in_doubt() -> None:
