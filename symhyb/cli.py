@@ -97,8 +97,7 @@ def diagnose(
         Path | None,
         typer.Option(
             metavar="TABLE",
-            help="Groups of recordings that share numbers: CSV with a column 'recording' and one"
-            " for each grouping ('mount').",
+            help="Groups of recordings: CSV with a column 'recording' and one for each grouping.",
         ),
     ] = None,
     finish: Annotated[

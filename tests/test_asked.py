@@ -100,7 +100,8 @@ def test_what_does_not(value: object, expected: Any) -> None:
         ),
         (
             lambda: sh.diagnose(MODEL, RUN, own="k"),
-            "diagnose: 'own' must be a list of texts, not str 'k'; write ['k']",
+            "diagnose: 'own' must be a list of texts or a mapping by name, not str 'k'; "
+            "write ['k']",
         ),
         (
             lambda: sh.diagnose(MODEL),

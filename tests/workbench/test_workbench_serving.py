@@ -9,7 +9,6 @@ import subprocess
 import sys
 import threading
 from collections.abc import Callable, Iterator
-from functools import partial
 from pathlib import Path
 
 import pytest
@@ -137,10 +136,13 @@ def test_a_port_that_is_taken_is_said(server: Workbench, tmp_path: Path) -> None
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
 def test_ctrl_c_ends_the_command_cleanly(write_result: Write) -> None:
     command = [sys.executable, "-m", "symhyb", "view", str(write_result("one"))]
-    heard = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)  # where a shell ignores it
-    running = subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=heard
-    )
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # where a shell ignores it
+    try:
+        running = subprocess.Popen(
+            command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        )
+    finally:
+        signal.signal(signal.SIGINT, before)
     with running:
         assert running.stdout is not None
         assert running.stderr is not None
