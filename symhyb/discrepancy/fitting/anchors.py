@@ -38,9 +38,10 @@ class Anchor:
     by_free: Array
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def anchored(model: WindowModel, item: Cut, p: Array, slopes: bool = False) -> Anchor:
     """The prior of inner states of the windows under parameters ``p`` (P,), SI; ``slopes`` where
-    asked for."""
+    asked for. What runs away under trial parameters is infinite or NaN, and costs as much."""
     starts, free = item.rows[:, 0], model.free
     asked = [i for i, column in enumerate(free) if slopes and column in _acting(model)]
     steps = np.array([STEP * (abs(p[free[i]]) or 1.0) for i in asked])
