@@ -62,3 +62,10 @@ def test_an_integrator_that_is_not_seen_may_begin_anywhere() -> None:
     anchor = anchored(model, item, model.machine.values)
     far = UNSEEN * np.sqrt(np.mean(z**2))
     np.testing.assert_allclose(anchor.spread[:, 1], far, rtol=1e-4)
+
+
+def test_a_state_that_runs_away_under_trial_parameters_costs_as_much() -> None:
+    model, item = cut(motor())
+    p = model.machine.values.copy()
+    p[model.machine.column("R")] = -1e4 * L / item.block.t.max()
+    assert not np.all(anchored(model, item, p).spread < 1e150)
