@@ -132,7 +132,7 @@ def test_the_command_line_takes_a_study_with_groups(tmp_path, runs, capsys):
     assert document["found"][0]["groups"]["mount"]["light"]
     assert "mount heavy" in (tmp_path / "out" / "report.html").read_text("utf-8")
     print_result(result, tmp_path / "out")
-    assert "Each mount has its own" in capsys.readouterr().out
+    assert "group mount = heavy" in capsys.readouterr().out
 
 
 PENDULUM = """
