@@ -5,8 +5,6 @@ Inputs act over a step with their value at its middle; the forces of elements ar
 beginning and held. Sizes: N samples, n coordinates, k inputs, K times of inputs, P parameters.
 """
 
-import io
-import json
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, replace
 
@@ -14,6 +12,7 @@ import numpy as np
 
 from symhyb.data.apart import Allowed, read_apart
 from symhyb.data.mujoco_answers import Engine, content_of_mjcf, machine_from
+from symhyb.data.packed import packed, unpacked
 from symhyb.data.table import Column, Table, refusal
 from symhyb.errors import InputError, Problem
 from symhyb.limits import FMU_CALLS_A_SECOND, FMU_SECONDS, RUN_ROWS
@@ -56,10 +55,8 @@ def mujoco_run(machine: Machine, scenario: Scenario, p: Array | None = None) -> 
         "inputs": [item.name for item in model.inputs],
         "paths": [one.path for one in model.all_parameters()],
     }
-    out = io.BytesIO()
-    np.savez(
-        out,
-        words=np.frombuffer(json.dumps(words).encode(), np.uint8),
+    content = packed(
+        words,
         data=np.frombuffer(content_of_mjcf(path), np.uint8),
         t=scenario.t,
         start=np.stack([scenario.q, scenario.v]),
@@ -72,7 +69,7 @@ def mujoco_run(machine: Machine, scenario: Scenario, p: Array | None = None) -> 
         "MuJoCo takes longer than the {} s that a run gets; shorten it",
         "MuJoCo ended {}: it crashed; try the file in MuJoCo's own viewer",
     )
-    table = read_apart(stepped, out.getvalue(), str(path), allowed)
+    table = read_apart(stepped, content, str(path), allowed)
     q, v, a = (column.values for column in table.columns)
     u, nothing = on_lines(acting.t_u, acting.u, scenario.t), np.zeros((scenario.t.size, 0))
     given = (q, v, a, nothing, u, scenario.t, values)
@@ -107,10 +104,9 @@ def stepped(content: bytes, file: str) -> Table:
     Raises:
         InputError: as :func:`mujoco_run`.
     """
-    with np.load(io.BytesIO(content), allow_pickle=False) as packed:
-        words = json.loads(packed["words"].tobytes())
-        data = packed["data"].tobytes()
-        t, start, t_u, u, p = (packed[key] for key in ("t", "start", "t_u", "u", "p"))
+    words, arrays = unpacked(content)
+    data = arrays["data"].tobytes()
+    t, start, t_u, u, p = (arrays[key] for key in ("t", "start", "t_u", "u", "p"))
     known = machine_from(words["engine"])
     engine = Engine.of(data, known, file, steps=True)
     engine.set(np.array([p[words["paths"].index(name)] for name in known.parameter_names]))

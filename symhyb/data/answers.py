@@ -3,10 +3,13 @@
 Sizes: N samples, n coordinates, k inputs, P parameters, S sets of them.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
+
+from symhyb.data.table import Column, Table
 
 Array = NDArray[np.float64]
 
@@ -26,6 +29,16 @@ class Question:
     pulls: Array
     values: Array
 
+    @classmethod
+    def of(cls, arrays: Mapping[str, Array]) -> "Question":
+        """The question out of arrays, (N, n) and so on as its fields, SI, by their names."""
+        return cls(*(arrays[one.name] for one in fields(cls)))
+
+    @property
+    def arrays(self) -> dict[str, Array]:
+        """Its fields by name, (N, n) and so on, SI."""
+        return {one.name: getattr(self, one.name) for one in fields(self)}
+
     @property
     def calls(self) -> int:
         """How often the program has to answer, at most."""
@@ -41,3 +54,8 @@ class Answer:
     mass: Array
     force: Array
     slopes: Array
+
+    def table(self, file: str) -> Table:
+        """Its fields as columns, by which a process apart hands them over."""
+        columns = (Column(one.name, getattr(self, one.name)) for one in fields(self))
+        return Table(file, tuple(columns))

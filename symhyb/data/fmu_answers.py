@@ -9,8 +9,6 @@ or co-simulation begun anew at that state). It runs in a process of its own, wit
 Sizes: N samples, n coordinates, k inputs, P parameters, S sets of them.
 """
 
-import io
-import json
 import os
 import tempfile
 import zipfile
@@ -26,7 +24,8 @@ import numpy as np
 from symhyb.data.answers import Answer, Array, Question
 from symhyb.data.apart import Allowed, read_apart
 from symhyb.data.extras import needed
-from symhyb.data.table import Column, Table, refusal
+from symhyb.data.packed import packed, unpacked
+from symhyb.data.table import Table, refusal
 from symhyb.errors import InputError, Problem, did_you_mean
 from symhyb.limits import FMU_BYTES, FMU_CALLS_A_SECOND, FMU_SECONDS, FMU_UNPACKED, content_of
 from symhyb.model.fmu import Fmu
@@ -69,10 +68,7 @@ def _packed(fmu: Fmu, question: Question, folder: str) -> bytes:
         "inputs": [variable for _, variable in fmu.inputs],
         "parameters": [variable for _, variable in fmu.parameters],
     }
-    arrays = {key: getattr(question, key) for key in Question.__dataclass_fields__}
-    out = io.BytesIO()
-    np.savez(out, names=np.frombuffer(json.dumps(names).encode(), np.uint8), **arrays)
-    return out.getvalue()
+    return packed(names, **question.arrays)
 
 
 def answered(content: bytes, file: str) -> Table:
@@ -81,25 +77,22 @@ def answered(content: bytes, file: str) -> Table:
     Raises:
         InputError: as :func:`ask`.
     """
-    with np.load(io.BytesIO(content), allow_pickle=False) as packed:
-        names = json.loads(packed["names"].tobytes())
-        question = Question(*(packed[key] for key in Question.__dataclass_fields__))
+    names, arrays = unpacked(content)
     _require_small(file)
     try:
-        answer = _answer(file, names, question)
+        answer = _answer(file, names, Question.of(arrays))
     except InputError:
         raise
     except Exception as error:  # a strange FMU makes FMPy raise errors of many kinds
         why = " ".join(str(error).split()) or type(error).__name__
         raise refusal(file, f"the FMU cannot be used: {why}") from error
-    columns = (Column(key, getattr(answer, key)) for key in Answer.__dataclass_fields__)
-    return Table(file, tuple(columns))
+    return answer.table(file)
 
 
 def _require_small(file: str) -> None:
     try:
-        with zipfile.ZipFile(file) as packed:
-            size = sum(item.file_size for item in packed.infolist())
+        with zipfile.ZipFile(file) as archive:
+            size = sum(item.file_size for item in archive.infolist())
     except (OSError, zipfile.BadZipFile):
         raise refusal(file, "is no FMU: it is no ZIP archive") from None
     if size > FMU_UNPACKED:

@@ -18,8 +18,6 @@ MuJoCo gets the bytes of one file, in a process of its own with limits; no file 
 opened. Sizes: N samples, n coordinates, k inputs, P parameters, S sets of them.
 """
 
-import io
-import json
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -31,7 +29,8 @@ from symhyb.data.answers import Answer, Array, Question
 from symhyb.data.apart import Allowed, read_apart
 from symhyb.data.extras import needed
 from symhyb.data.mjcf_file import TOUCHES, WEIGHS, problems_of, shown, stripped, touching
-from symhyb.data.table import Column, Table, refusal
+from symhyb.data.packed import packed, unpacked
+from symhyb.data.table import Table, refusal
 from symhyb.data.xml_file import parse_xml
 from symhyb.errors import InputError, Problem, did_you_mean, visible
 from symhyb.limits import FMU_CALLS_A_SECOND, FMU_SECONDS, ROBOT_BYTES, content_of
@@ -90,11 +89,7 @@ def machine_from(words: dict[str, Any]) -> Mujoco:
 
 
 def _packed(machine: Mujoco, data: bytes, question: Question) -> bytes:
-    arrays = {key: getattr(question, key) for key in Question.__dataclass_fields__}
-    out = io.BytesIO()
-    words = np.frombuffer(json.dumps(asdict(machine)).encode(), np.uint8)
-    np.savez(out, words=words, data=np.frombuffer(data, np.uint8), **arrays)
-    return out.getvalue()
+    return packed(asdict(machine), data=np.frombuffer(data, np.uint8), **question.arrays)
 
 
 def answered(content: bytes, file: str) -> Table:
@@ -103,18 +98,14 @@ def answered(content: bytes, file: str) -> Table:
     Raises:
         InputError: as :func:`ask`.
     """
-    with np.load(io.BytesIO(content), allow_pickle=False) as packed:
-        words = json.loads(packed["words"].tobytes())
-        question = Question(*(packed[key] for key in Question.__dataclass_fields__))
-        data = packed["data"].tobytes()
-    engine = Engine.of(data, machine_from(words), file)
+    words, arrays = unpacked(content)
+    question = Question.of(arrays)
+    engine = Engine.of(arrays["data"].tobytes(), machine_from(words), file)
     parts = []
     for values in question.values:
         engine.set(values)
         parts.append(_along(engine, question, file))
-    answer = Answer(*(np.stack(column) for column in zip(*parts, strict=True)))
-    columns = (Column(key, getattr(answer, key)) for key in Answer.__dataclass_fields__)
-    return Table(file, tuple(columns))
+    return Answer(*(np.stack(column) for column in zip(*parts, strict=True))).table(file)
 
 
 @dataclass(frozen=True, slots=True)
