@@ -252,7 +252,8 @@ def _told(model: Model, decided: _Decided, tell: Say) -> Diagnosis:
     held = shown
     if prepared.holdout:  # what is unseen proves and never chooses
         held = prove(replace(prepared, holdout=()), setting, final, known.stage, ())
-    left = leftover(setting, known.seen or selected) if known.tells else ()
+    beyond = known.tells and shown.remainder != 0.0  # of nothing, no law explains a part
+    left = leftover(setting, known.seen or selected) if beyond else ()
     answer = concluded(model, prepared, choice, known, shown, left, judged)
     answer = _of_several(answer, final, choice.misfits, repeats_said(prepared))
     disputes = [dispute_sentence(prepared.model, one) for one in judged.disputed]

@@ -41,6 +41,8 @@ def test_concealed_effects_are_named_and_measured(hidden: Mapping[str, float]) -
         assert abs(value - truth) < 4 * sd
     assert diagnosis.remainder is not None
     assert diagnosis.remainder < 0.01
+    if diagnosis.remainder == 0.0:  # of nothing, no law explains a part
+        assert not any("of what is left" in note for note in diagnosis.remainder_notes)
 
 
 @pytest.mark.parametrize("seed", [11, 12, 13])

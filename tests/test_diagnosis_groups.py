@@ -1,6 +1,7 @@
 """Numbers that are shared within groups of recordings, in a diagnosis."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -131,8 +132,12 @@ def test_the_command_line_takes_a_study_with_groups(tmp_path, runs, capsys):
     document = json.loads((tmp_path / "out" / "diagnosis.json").read_text("utf-8"))
     assert document["found"][0]["groups"]["mount"]["light"]
     assert "mount heavy" in (tmp_path / "out" / "report.html").read_text("utf-8")
-    print_result(result, tmp_path / "out")
-    assert "group mount = heavy" in capsys.readouterr().out
+    said = result.diagnosis.sentence
+    noted = replace(result.diagnosis, notes=(*result.diagnosis.notes, said, "Another note."))
+    print_result(replace(result, diagnosis=noted), tmp_path / "out")
+    printed = capsys.readouterr().out
+    assert "group mount = heavy" in printed
+    assert printed.count(said) == printed.count("Another note.") == 1  # no note says it again
 
 
 PENDULUM = """

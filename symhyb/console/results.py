@@ -45,7 +45,8 @@ def print_result(result: "StudyResult", directory: Path) -> None:
     _print_list("Scores before and after:", score_sentences(verdict, units))
     print(f"  {verdict.carries}")
     _print_list(remainder_sentence(diagnosis.remainder), diagnosis.remainder_notes)
-    _print_list("Notes on the recordings:", diagnosis.notes)
+    beside = (note for note in diagnosis.notes if note not in diagnosis.sentence)
+    _print_list("Notes on the recordings:", beside)
     print(f"Report: {directory / 'report.html'}")
 
 

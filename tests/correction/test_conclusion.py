@@ -1,10 +1,12 @@
 """What acts beyond a structure, in the sentence of a diagnosis."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from symhyb.correction.adequacy.beyond import Beyond
-from symhyb.correction.verdict.conclusion import _amounts
+from symhyb.correction.verdict.conclusion import _amounts, _noise_beside
 from tests.builders import model_of
 
 
@@ -26,3 +28,15 @@ def test_an_unknown_force_is_told_beside_what_moves_the_coordinate(share: float,
     )
     beyond = Beyond(np.array([2.5]), np.array([share]), 0.1, 50.0)
     assert _amounts(model, beyond) == said
+
+
+@pytest.mark.parametrize(("acts", "known"), [(False, [0.05, 1.0]), (True, [0.4, 1.0])])
+def test_noise_is_what_an_adequate_structure_leaves_where_smoothing_took_motion_for_noise(
+    acts: bool, known: list[float]
+) -> None:
+    """Of the first sensor that is an eighth, of the second more than half."""
+    noise = SimpleNamespace(white=np.array([0.03, 0.6]), colour=np.array([0.04, 0.0]))
+    beside = SimpleNamespace(fit=SimpleNamespace(noise=noise))
+    judged = SimpleNamespace(adequate=not acts, structure=beside)
+    found = _noise_beside(judged, np.array([0.4, 1.0]))  # type: ignore[arg-type]
+    assert found == pytest.approx(known)

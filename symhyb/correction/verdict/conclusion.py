@@ -63,7 +63,7 @@ from symhyb.discrepancy.words.wording import (
     quantity_text,
     verdict_sentence,
 )
-from symhyb.judgement import NEGLIGIBLE
+from symhyb.judgement import NEGLIGIBLE, NOISE_FACTOR
 from symhyb.model.actuators import ACTUATOR_KEYS
 from symhyb.model.types import Model, On, place_text
 from symhyb.model.vocabulary import force_unit
@@ -114,7 +114,7 @@ def concluded(
         sentence = f"No cause that symhyb knows earned its place. {rest}"
     elif rest:
         sentence = f"{sentence} {rest}"
-    noise = _measured_noise(model, prepared, choice.setting.sd)
+    noise = _measured_noise(model, prepared, _noise_beside(judged, choice.setting.sd))
     return Diagnosis(
         verdict,
         sentence,
@@ -153,9 +153,19 @@ def _run_notes(prepared: Prepared) -> tuple[str, ...]:
     return tuple(dict.fromkeys(note for notes in said for note in notes))
 
 
+def _noise_beside(judged: Adequacy, decided: Array) -> Array:
+    """The noise (m,) of the sensors, SI, that was ``decided`` (m,) with; where smoothing took what
+    is faster than it for noise, what the innovations measured beside an adequate structure."""
+    if not judged.adequate or judged.structure is None:
+        return decided
+    noise = judged.structure.fit.noise
+    size = np.hypot(noise.white, noise.colour)
+    return np.where((size > 0) & (NOISE_FACTOR * size < decided), size, decided)
+
+
 def _measured_noise(model: Model, prepared: Prepared, decided: Array) -> dict[str, float]:
-    """Noise of every sensor that recorded something, as measured, in its own unit; larger where it
-    was ``decided`` (m,), SI, that it is."""
+    """Noise of every sensor that recorded something, as measured, in its own unit; another one
+    where it was ``decided`` (m,), SI, what it is."""
     noise = {}
     more = decided / prepared.sd
     for j, sensor in enumerate(model.sensors):
