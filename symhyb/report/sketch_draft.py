@@ -18,6 +18,7 @@ SAME = 1e-9  # of a distance that stays
 SIZES = (0.12, 0.085)  # of a symbol, as a part of a machine of one or two bodies, and of more
 BOX = 0.5  # sizes, from the centre of a body to its side
 LONE = 0.12  # m, where all is in one place
+LETTER = 0.16  # sizes: the width of one of a name
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -41,7 +42,8 @@ class Draft:
     """What is drawn so far in the plane of the drawing, which a ``view`` (2, d), dimensionless,
     gives: parts where they are (``here``), ``moved`` by each coordinate in turn, and ``far`` from
     there. ``size`` is that of a symbol in m, ``shift`` (2,) in m by body how far it is drawn from
-    its place; ``walls`` counts what lies side by side. ``held`` has the wall (2,) in m by the
+    its place; ``walls`` counts what lies side by side, and ``taken`` has how many sizes of either
+    side that takes. ``held`` has the wall (2,) in m by the
     element that it holds, ``excursions`` (K, 2) in m by body how far that is seen to go from here.
     """
 
@@ -56,6 +58,7 @@ class Draft:
     marks: list[Mark] = field(default_factory=list)
     left_out: list[str] = field(default_factory=list)
     walls: dict[str, int] = field(default_factory=dict)
+    taken: dict[tuple[str, float], float] = field(default_factory=dict)
     held: dict[str, Array] = field(default_factory=dict)
     excursions: dict[str, Array] = field(default_factory=dict)
 
@@ -93,6 +96,16 @@ class Draft:
         """How many have asked for that place before."""
         self.walls[key] = self.walls.get(key, -1) + 1
         return self.walls[key]
+
+    def lane(self, key: str, side: float, name: str, across: Array, least: float = 0.0) -> float:
+        """How many sizes from the middle, at least the ``least``, the next element lies of those
+        that share a place and a side (1 or -1): beyond the names of those before, whose letters
+        take room where what lies ``across`` (2,), dimensionless, is horizontal."""
+        before = self.taken.get((key, side), 0.0)
+        offset = max(least, before + 0.5) if before else least
+        wide = LETTER * len(name) * abs(float(across[0]))
+        self.taken[key, side] = offset + 0.65 + wide
+        return offset
 
     def add(
         self, shape: str, at: Array | Sequence[Array], role: str, name: str, text: str = ""

@@ -44,7 +44,8 @@ def _draw_between(draft: Draft, element: Element, a: Array, b: Array, key: str) 
     """The symbol of an element between two places; those that share them lie side by side."""
     row, (_, left) = draft.row(key), across(a, b)
     side = 1.0 if row % 2 else -1.0
-    offset = left * draft.size * 1.1 * ((row + 1) // 2) * side
+    lane = draft.lane(key, side, element.name, left, 1.1 * ((row + 1) // 2))
+    offset = left * draft.size * lane * side
     for line in symbol(element, a + offset, b + offset, 0.8 * draft.size):
         draft.add("line", line, "element", element.name)
     if element.kind in PUSHING:
@@ -80,13 +81,11 @@ def _draw_on(draft: Draft, element: Element, used: Sequence[int]) -> None:
 def _draw_sliding(draft: Draft, element: Element, body: str, along: Array) -> None:
     """An element between a body and the ground, along the motion of the body; several lie side by
     side, and a plate on the body takes them."""
-    left, row = (
-        np.array([-along[1], along[0]]),
-        draft.row(f"slides {body} {along.round(6).tolist()}"),
-    )
+    left, key = np.array([-along[1], along[0]]), f"slides {body} {along.round(6).tolist()}"
+    lane = draft.lane(key, -1.0, element.name, left, 1.4 * draft.row(key))
     centre = draft.centre(body)
     plate = centre - along * BOX * draft.size
-    end = plate - left * 1.4 * draft.size * row
+    end = plate - left * lane * draft.size
     draft.add("line", [plate, end], "element", element.name)
     wall = end - along * 3.6 * draft.size
     if element.kind in PUSHING:

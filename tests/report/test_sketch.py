@@ -13,6 +13,7 @@ from symhyb.model.types import Model
 from symhyb.report.machine_figure import machine_figure
 from symhyb.report.placing import placed
 from symhyb.report.sketch import Sketch, roles, sketch_of
+from symhyb.report.sketch_draft import LETTER
 
 ROOT = Path(__file__).parents[2]
 MODELS = sorted(ROOT.glob("models/*.toml"))
@@ -74,6 +75,41 @@ def test_the_arrow_of_a_coordinate_points_where_it_is_positive(at: str, way: lis
     assert np.max(spring @ way) <= 1e-9  # between the body and a wall behind it
     wall = np.vstack(marks(sketch, "ground", "spring", "line"))
     assert np.max(wall @ way) < np.min(spring @ way) + 1e-6
+
+
+SIDE_BY_SIDE = """
+symhyb = 1
+[coordinates]
+upper = { unit = "m" }
+lower = { unit = "m" }
+[parameters]
+m = { value = 1.0, unit = "kg" }
+d = { value = 1.0, unit = "N*s/m" }
+[bodies.a]
+mass = "m"
+at = ["0", "upper + 1 m"]
+[bodies.b]
+mass = "m"
+at = ["0", "lower"]
+[sensors]
+gap = { measures = "upper - lower", unit = "m" }
+"""
+
+
+@pytest.mark.parametrize("on", ["upper - lower", "upper"])
+def test_names_of_elements_side_by_side_do_not_meet_symbols(on: str) -> None:
+    names = ["a", "rather_a_long_name", "short", "another_long_name", "last"]
+    element = '[elements.{}]\nkind = "damper"\non = "{}"\ndamping = "d"\n'
+    model = parse_model(SIDE_BY_SIDE + "".join(element.format(name, on) for name in names))
+    sketch = sketch_of(model)
+    for name in names:
+        (text,) = (m for m in sketch.marks if m.shape == "text" and m.name == name)
+        ends = text.at[0, 0] + np.array([0.0, text.away[0] * LETTER * len(name) * sketch.size])
+        left, right = sorted(ends)
+        for other in names:
+            for line in marks(sketch, "element", other, "line"):
+                if np.ptp(line[:, 0]) < 1e-9:  # upright
+                    assert not left < line[0, 0] < right, (name, other)
 
 
 @pytest.mark.parametrize(("angle", "sign"), [("phi", 1.0), ("-phi", -1.0)])
