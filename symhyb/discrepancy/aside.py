@@ -200,7 +200,8 @@ class ClassFound:
     """A class of effects that no law by name stands for: its ``kind``, its posterior
     ``probability``, what describes it (``figure``: the frequency of a mode or of a pulsation in Hz,
     the time of a lag in s), and where it acts: at a ``place``, in a ``channel`` or in a
-    ``parameter``."""
+    ``parameter``. Where not even that class ``leaves_noise``, it may be none of those that were
+    tried, whatever its probability among them is."""
 
     kind: ClassName
     probability: float
@@ -209,6 +210,7 @@ class ClassFound:
     place: Place | None = None
     channel: str | None = None
     parameter: str | None = None
+    leaves_noise: bool = True
 
 
 CourseName = Literal["step", "drift", "period", "free"]

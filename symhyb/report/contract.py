@@ -300,6 +300,7 @@ def _class(one: ClassFound) -> ClassEntry:
         "kind": one.kind,
         "probability": float(one.probability),
         "figure": finite(one.figure),
+        "leaves_noise": one.leaves_noise,
         "sentence": one.sentence,
     }
     _put_where(entry, one)

@@ -357,6 +357,7 @@ class ClassForm(Somewhere):
     kind: ClassName
     probability: Share
     figure: float | None
+    leaves_noise: NotRequired[bool]
     sentence: str
 
 

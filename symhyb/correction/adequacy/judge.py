@@ -24,6 +24,7 @@ from symhyb.correction.adequacy.explained import Decided, forces_left, remainder
 from symhyb.correction.adequacy.followed import Along, fitted_on, followed, likeliest, scored
 from symhyb.correction.adequacy.late import with_lags
 from symhyb.correction.adequacy.own_strengths import by_recording, without_own
+from symhyb.correction.adequacy.predictable import leaves_noise
 from symhyb.correction.adequacy.ranking import is_lag, ranked, weights
 from symhyb.correction.adequacy.recorded import Recorded, recorded
 from symhyb.correction.adequacy.structure import Fitted, Generic, Likely, Row, fitted
@@ -144,10 +145,19 @@ def adequacy(
         faults = (*faulty_sensors(ground, base), *noisy)
         jitter = () if left.acts or faults else jittering(ground, base)
         return Adequacy(left, faults, doubt, disputes, jitter=jitter, structure=base)
-    first = [t for t in trials if t.extra and t.extra.key == classes[0].generic.key]
-    likeliest_one = max(first, key=lambda trial: trial.evidence)
-    found = on_ways(ground, classes)
-    return Adequacy(left, found, doubt, disputes, structure=base, by_class=likeliest_one)
+    fits = [_likeliest_with(one.generic, trials) for one in classes]
+    judged = [
+        one._replace(white=leaves_noise(ground, fit))
+        for one, fit in zip(classes, fits, strict=True)
+    ]
+    found = on_ways(ground, judged)
+    return Adequacy(left, found, doubt, disputes, structure=base, by_class=fits[0])
+
+
+def _likeliest_with(generic: Generic, trials: Sequence[Fitted]) -> Fitted:
+    """The likeliest of the structures that have a class."""
+    having = [trial for trial in trials if trial.extra and trial.extra.key == generic.key]
+    return max(having, key=lambda trial: trial.evidence)
 
 
 def _shown_by(ground: Recorded, raced: Sequence[Fitted], left: Beyond, reached: float) -> Beyond:

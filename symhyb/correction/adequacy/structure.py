@@ -75,11 +75,13 @@ class Generic:
 
 class Likely(NamedTuple):
     """A class with its posterior ``probability``, and whether it explains all that acts beyond the
-    decided structure (``whole``) or only the better part of it."""
+    decided structure (``whole``) or only the better part of it; whether what it leaves of the
+    sensors is noise (``white``)."""
 
     generic: Generic
     probability: float
     whole: bool = True
+    white: bool = True
 
 
 @dataclass(frozen=True, slots=True)

@@ -25,20 +25,30 @@ _BEHIND = {
 }
 
 
+_NONE_OF_THEM = (
+    "But what it leaves of the sensors is no noise, for it follows from its own past: it may be "
+    "none of them."
+)
+
+
 def class_found(one: Likely) -> ClassFound:
     """A class as a result, with its sentence."""
     generic, where = one.generic, one.generic.where
-    said = f"{_said(generic)} (probability {percent_text(one.probability)})"
+    part = "." if one.whole else ", which explains the better part of it."
+    said = f"{_said(generic)} (probability {percent_text(one.probability)}){part}"
+    if not one.white:  # the best of what was tried, and no probability of that is one of the truth
+        said = f"{_said(generic)}, of all classes that were tried. {_NONE_OF_THEM}"
     name = where if isinstance(where, str) else None
     number = generic.kind == "time-varying"
     return ClassFound(
         generic.kind,
         one.probability,
-        f"{said}." if one.whole else f"{said}, which explains the better part of it.",
+        said,
         figure=generic.figure if isfinite(generic.figure) else None,
         place=None if isinstance(where, str) else where,
         channel=None if number else name,
         parameter=name if number else None,
+        leaves_noise=one.white,
     )
 
 

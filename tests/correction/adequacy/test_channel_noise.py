@@ -37,14 +37,14 @@ def frozen(recording: Recording, samples: int, every: int) -> Recording:
 
 def test_a_colour_that_is_slower_than_the_motion_is_a_drift() -> None:
     setting, trial = coloured(pushed(1, samples=SAMPLES, colour=(20 * NOISE, 10.0)))
-    ((found, chance, _),) = faulty_sensors(setting, trial)
+    ((found, chance, *_),) = faulty_sensors(setting, trial)
     assert (found.kind, found.where, found.does) == ("sensor", "laser", "drifts")
     assert chance > 0.99
 
 
 def test_a_colour_of_bursts_is_a_sensor_that_freezes() -> None:
     setting, trial = coloured(frozen(pushed(2, samples=SAMPLES, noise=NOISE / 10), 5, 75))
-    ((found, chance, _),) = faulty_sensors(setting, trial)
+    ((found, chance, *_),) = faulty_sensors(setting, trial)
     assert (found.kind, found.does) == ("sensor", "jumps")
     assert chance > 0.99
 
@@ -75,7 +75,7 @@ def test_a_sensor_that_one_recording_lacks_is_judged_by_the_other() -> None:
     seen = {**made.sensors, "spare": frozen(made, 5, 75).sensors["laser"]}
     setting = setting_of(model, replace(made, sensors=seen), other)
     trial = fitted(setting, (), (), setting.first_noise().without_force())
-    ((found, _, _),) = faulty_sensors(setting, trial)
+    ((found, *_),) = faulty_sensors(setting, trial)
     assert (found.where, found.does) == ("spare", "jumps")
 
 
@@ -94,7 +94,7 @@ def test_a_force_without_memory_is_noise_of_the_input() -> None:
     trial = fitted(setting, (), (), setting.first_noise())
     left = beyond(setting, trial)
     assert left.acts
-    ((found, chance, _),) = noisy_inputs(setting, trial, left)
+    ((found, chance, *_),) = noisy_inputs(setting, trial, left)
     assert (found.kind, found.where, found.does) == ("input", "f", "noisy")
     assert chance > 0.99
     assert noisy_inputs(setting, trial, replace(left, memory_s=4 * STEP))  # not worth a number
