@@ -117,9 +117,9 @@ def setting_of(model: Model, *recordings: Recording, own: tuple[str, ...] = ()) 
     return found
 
 
-def judged(recording: Recording) -> tuple[Recorded, Adequacy]:
+def judged(recording: Recording, model: Model | None = None) -> tuple[Recorded, Adequacy]:
     """The judgement of the model as it is."""
-    prepared = prepare(pushed_model(), recording)
+    prepared = prepare(model or pushed_model(), recording)
     setting = settle(prepared)
     cuts = setting.stages[-1].cuts
     final = refine(prepared.model, (), (), cuts, setting.sd)

@@ -229,13 +229,15 @@ class CourseNumber:
 @dataclass(frozen=True, slots=True)
 class CourseFound:
     """How a number of the model (``parameter``), or the factor of an input (``channel``), runs over
-    the time of the ``recordings``.
+    the time of the ``recordings``, or with an input that moves nothing (``over``), as a
+    temperature.
 
     ``numbers`` describe the ``shape``: ``before`` and ``after`` of a step, its ``time`` and the
     ``duration`` that it takes, ``begin`` and ``end`` of a drift, ``level``, ``amplitude``,
     ``frequency`` and ``phase`` (at t = 0) of a period. Of a broken line, as which steps and drifts
-    count, ``points`` are times in s with value and one deviation in ``unit``; it holds its end
-    values. ``span`` is the first and the last time of the recordings, ``was`` what the model said.
+    count, ``points`` are times in s, or what ``over`` shows in ``over_unit``, with value and one
+    deviation in ``unit``; it holds its end values. ``span`` is the first and the last of these in
+    the recordings, ``was`` what the model said.
     ``rivals`` are shapes that are as likely, to 100 to 1.
     ``factors`` are the values over ``was`` by which the corrected model states the course: those at
     the points, of a period level, amplitude, frequency in Hz and phase in rad.
@@ -253,6 +255,8 @@ class CourseFound:
     parameter: str | None = None
     channel: str | None = None
     rivals: tuple[CourseName, ...] = ()
+    over: str | None = None
+    over_unit: str = "s"
 
     @property
     def path(self) -> str:

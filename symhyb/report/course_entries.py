@@ -16,15 +16,25 @@ class CourseNumberEntry(TypedDict):
 
 
 class TimedEntry(TypedDict):
-    """A value at a time, s."""
+    """A value at a time ``t``, s, or ``at`` what a channel shows, in its unit."""
 
-    t: float
+    t: NotRequired[float]
+    at: NotRequired[float]
     value: float
     sd: float
 
 
+class OverEntry(TypedDict):
+    """The channel that a number changes with, its unit, and between which values it was seen."""
+
+    channel: str
+    unit: str
+    span: list[float]
+
+
 class CourseEntry(TypedDict):
-    """How a number runs over the time: exactly one of ``parameter`` and ``channel`` has it."""
+    """How a number runs over the time, or ``over`` a channel: exactly one of ``parameter`` and
+    ``channel`` has it."""
 
     parameter: NotRequired[str]
     channel: NotRequired[str]
@@ -33,10 +43,17 @@ class CourseEntry(TypedDict):
     was: float
     numbers: dict[str, CourseNumberEntry]
     points: list[TimedEntry]
-    span_s: list[float]
+    span_s: NotRequired[list[float]]
+    over: NotRequired[OverEntry]
     recordings: list[str]
     rivals: list[CourseName]
     sentence: str
+
+
+def _point(one: CourseFound, where: float, value: float, sd: float) -> TimedEntry:
+    if one.over is None:
+        return {"t": where, "value": value, "sd": sd}
+    return {"at": where, "value": value, "sd": sd}
 
 
 def course_entry(one: CourseFound) -> CourseEntry:
@@ -49,12 +66,15 @@ def course_entry(one: CourseFound) -> CourseEntry:
             item.name: {"value": item.value, "sd": item.sd, "unit": item.unit}
             for item in one.numbers
         },
-        "points": [{"t": t, "value": value, "sd": sd} for t, value, sd in one.points],
-        "span_s": list(one.span),
+        "points": [_point(one, *point) for point in one.points],
         "recordings": list(one.recordings),
         "rivals": list(one.rivals),
         "sentence": one.sentence,
     }
+    if one.over is None:
+        entry["span_s"] = list(one.span)
+    else:
+        entry["over"] = {"channel": one.over, "unit": one.over_unit, "span": list(one.span)}
     if one.parameter is not None:
         entry["parameter"] = one.parameter
     if one.channel is not None:

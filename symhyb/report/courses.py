@@ -1,4 +1,4 @@
-"""The picture of a number that changes with time."""
+"""The picture of a number that changes with time, or with a channel."""
 
 import numpy as np
 
@@ -11,8 +11,8 @@ _BAND = 2.0  # standard deviations
 
 
 def course_figure(one: CourseFound) -> bytes:
-    """Draw a number over the time with a band of two standard deviations, and what the model
-    said."""
+    """Draw a number over the time, or over a channel, with a band of two standard deviations, and
+    what the model said."""
     t = np.unique(np.concatenate([np.linspace(*one.span, _TIMES), [p[0] for p in one.points]]))
     t = t[(t >= one.span[0]) & (t <= one.span[1])]
     values = values_at(one, t)
@@ -20,18 +20,18 @@ def course_figure(one: CourseFound) -> bytes:
     with drawing(2.3) as figure:
         panel = figure.subplots()
         panel.fill_between(t, low, high, color=SHADE, lw=0.0)
-        panel.plot(t, values, color=LAW, label="with time")
+        panel.plot(t, values, color=LAW, label=f"with {one.over or 'time'}")
         panel.axhline(one.was, color=BEFORE, ls=DASHED, label="the model as it is")
         if one.shape == "free":
             panel.plot(*np.array(one.points)[:, :2].T, "o", color=LAW, ms=3)
         panel.set_title(f"{one.path} {bracketed(one.unit)}")
-        panel.set_xlabel("t [s]")
+        panel.set_xlabel(f"{one.over or 't'} {bracketed(one.over_unit)}")
         legend(panel)
         return svg(figure)
 
 
 def values_at(one: CourseFound, t: Array) -> Array:
-    """The number (N,), in its unit, at the times t (N,), s."""
+    """The number (N,), in its unit, at the times t (N,), s, or values of the channel."""
     if one.shape == "period":
         level, amplitude, frequency, phase = (item.value for item in one.numbers)
         return np.asarray(level + amplitude * np.sin(2 * np.pi * frequency * t + phase))

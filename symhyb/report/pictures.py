@@ -319,7 +319,7 @@ def course_pictures(diagnosis: Diagnosis) -> list[Picture]:
     return [
         Picture(
             _image(course_figure(one)),
-            f"{one.path} over the time, with a band, beside what the model says of it.",
+            f"{one.path} over {one.over or 'the time'}, with a band, beside what the model says.",
             f"{one.sentence} Grey band: two standard deviations.",
         )
         for one in diagnosis.courses

@@ -111,7 +111,7 @@ def alternative_sentence(rival: Alternative, *others: Alternative) -> str:
 def remainder_sentence(share: float | None) -> str:
     """Say how much of the squared window error is still unexplained."""
     if finite(share) is None:
-        return "No law was added and no value changed, so there is no remainder to state."
+        return "Nothing was claimed of which the remainder could be stated."
     if share == 0.0:
         return "Over windows nothing is left of the mismatch beyond the noise."
     return f"Over windows {percent_text(share)} of the mismatch is still unexplained."

@@ -9,8 +9,10 @@ from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.places.memoryless import memory_sentence
 from symhyb.discrepancy.places.products import formulas, products
 from symhyb.discrepancy.words.formula import WARNING, law_element, law_unit
+from symhyb.model.read import parse_model
 from symhyb.model.types import On
 from symhyb.model.write import append_elements
+from tests.builders import DRIVEN_MASS
 
 X = On("x")
 
@@ -48,6 +50,15 @@ def test_products_couple_coordinates_and_inputs() -> None:
     assert products(spring_model(), {}) == ()
     assert str(tried[2]) == "law (x**2*x') on x"
     assert isinstance(tried[0], Hypothesis)
+
+
+def test_a_number_that_may_change_with_a_channel_has_a_course_and_no_product() -> None:
+    """Of a pressure that moves nothing: with the stiffness that is uncertain, not with the damping,
+    and dry friction may grow with it."""
+    text = DRIVEN_MASS.replace("[bodies.mass]", 'p = { unit = "bar" }\n[bodies.mass]')
+    found = {h.path for h in products(parse_model(text), {"x": 1e-3})}
+    assert "p*x" not in found
+    assert {"p*x'", "abs(p)*tanh(x'/transition)", "f*x", "f*x'"} <= found
 
 
 @pytest.mark.thorough

@@ -1,5 +1,7 @@
 """The picture and the entry of a number that changes with time."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -72,3 +74,16 @@ def test_an_entry_says_which_number_it_is_of() -> None:
     assert (wave.get("parameter"), wave.get("channel")) == (None, "f")
     assert step["points"][1] == {"t": 8.1, "value": 22.0, "sd": 0.2}
     assert wave["numbers"]["frequency"] == {"value": 0.5, "sd": 0.001, "unit": "Hz"}
+
+
+def test_a_course_over_a_channel_has_its_values_there() -> None:
+    points = ((1.5, 25.0, 0.1), (4.5, 27.5, 0.1))
+    over = replace(
+        STEP, shape="drift", points=points, span=(1.5, 4.5), over="p", over_unit="bar", numbers=()
+    )
+    assert values_at(over, np.array([3.0])) == pytest.approx([26.25])
+    entry = course_entry(over)
+    assert "span_s" not in entry
+    assert entry["over"] == {"channel": "p", "unit": "bar", "span": [1.5, 4.5]}
+    assert entry["points"][0] == {"at": 1.5, "value": 25.0, "sd": 0.1}
+    assert b"p [bar]" in course_figure(over) or b"bar" in course_figure(over)

@@ -1,4 +1,4 @@
-"""A number that changes along recordings, as a result and in words."""
+"""A number that changes with time, or with a channel, as a result and in words."""
 
 import math
 from collections.abc import Sequence
@@ -6,9 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from symhyb.correction.adequacy.in_time.changing_number import abscissae
 from symhyb.correction.adequacy.in_time.fitted_course import Course
 from symhyb.correction.adequacy.in_time.placing import SHORTEST
-from symhyb.correction.adequacy.in_time.shapes import numbers_of
+from symhyb.correction.adequacy.in_time.shapes import SECONDS, Shape, numbers_of
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.discrepancy.results import CourseFound, CourseNumber
 from symhyb.discrepancy.words.amounts import joined, number_text, quantity_text
@@ -19,14 +20,22 @@ _MARKS = 5  # points of a free course that a sentence gives
 _SHORT = 1.5  # times the shortest step that samples show: a sentence says no duration
 _RIVALS = {
     "step": "a step",
-    "drift": "a straight drift",
+    "drift": "a straight line",
     "period": "a periodic change",
     "free": "a line through several points",
 }
-ALONE = (
+_ALONE = (
     "This course belongs to these recordings: unless the machine repeats it, it says nothing of "
     "others."
 )
+
+
+def reach_said(found: CourseFound) -> str:
+    """Where a course holds, as a sentence."""
+    if found.over is None:
+        return _ALONE
+    low, high = (number_text(one, digits=4) for one in found.span)
+    return f"It was seen where {found.over} is between {low} and {high} {found.over_unit}."
 
 
 def course_found(
@@ -42,9 +51,10 @@ def course_found(
     numbers = _numbers(course, was, unit)
     shape = course.shape
     recordings = tuple(dict.fromkeys(item.source[0].name for item in ground.items))
-    times = [item.block.t[0] for item in ground.items]
+    over = {item.name: item.unit for item in model.inputs}.get(shape.over, SECONDS)
+    at = [one / over.factor for one in abscissae(ground, shape.over)]
     points = tuple(
-        (t, was * factor, abs(was) * sd)
+        (t / over.factor, was * factor, abs(was) * sd)
         for t, factor, sd in zip(shape.times, shape.values, course.sd.tolist(), strict=False)
     )
     found = CourseFound(
@@ -55,17 +65,25 @@ def course_found(
         points,
         shape.values,
         recordings,
-        (float(min(t[0] for t in times)), float(max(t[-1] for t in times))),
+        (float(min(one.min() for one in at)), float(max(one.max() for one in at))),
         "",
         parameter=None if course.number.is_channel else path,
         channel=path if course.number.is_channel else None,
         rivals=tuple(one.shape.name for one in rivals),
+        over=shape.over or None,
+        over_unit=over.text,
     )
     said = f"{_subject(course, found)} {_does(found, ground.step_s)}, in {joined(recordings)}."
     if found.rivals:
-        others = joined([_RIVALS[name] for name in found.rivals], "or")
+        others = joined([_rival(one.shape) for one in rivals], "or")
         said += f" {others[:1].upper()}{others[1:]} is as likely."
     return replace(found, sentence=said)
+
+
+def _rival(shape: Shape) -> str:
+    """Another shape that is as likely."""
+    with_channel = f" with {shape.over}" if shape.over else " with time"
+    return f"{_RIVALS[shape.name]}{with_channel if shape.name in ('drift', 'free') else ''}"
 
 
 def _stated(model: Model, course: Course) -> tuple[float, str]:
@@ -115,6 +133,7 @@ def _does(found: CourseFound, step_s: float) -> str:
         one = found.number(name)
         return quantity_text(one.value, one.unit, one.sd)
 
+    symbol, unit = found.over or "t", found.over_unit
     match found.shape:
         case "step":
             duration = found.number("duration")
@@ -126,9 +145,10 @@ def _does(found: CourseFound, step_s: float) -> str:
             return f"steps from {values} at t = {said('time')}{within}"
         case "drift":
             first, last = found.points[0][0], found.points[-1][0]
+            verb = f"changes with {found.over}" if found.over else "drifts"
             return (
-                f"drifts from {said('begin')} at t = {first:.4g} s to {said('end')} at "
-                f"t = {last:.4g} s"
+                f"{verb} from {said('begin')} at {symbol} = {first:.4g} {unit} to {said('end')} at "
+                f"{symbol} = {last:.4g} {unit}"
             )
         case "period":
             return (
@@ -138,7 +158,8 @@ def _does(found: CourseFound, step_s: float) -> str:
     points = found.points
     rows = np.unique(np.linspace(0, len(points) - 1, _MARKS).round().astype(int))
     marks = [
-        f"{quantity_text(y, found.unit, sd)} at t = {t:.4g} s"
+        f"{quantity_text(y, found.unit, sd)} at {symbol} = {t:.4g} {unit}"
         for t, y, sd in map(points.__getitem__, rows)
     ]
-    return f"changes with time along a line through {len(points)} points: {joined(marks)}"
+    along = found.over or "time"
+    return f"changes with {along} along a line through {len(points)} points: {joined(marks)}"

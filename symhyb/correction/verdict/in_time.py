@@ -24,7 +24,7 @@ from symhyb.correction.adequacy.judge import Adequacy, adequacy
 from symhyb.correction.adequacy.recorded import recorded
 from symhyb.correction.adequacy.structure import Generic, Likely
 from symhyb.correction.naming.classes import class_found
-from symhyb.correction.naming.course_words import ALONE, course_found
+from symhyb.correction.naming.course_words import course_found, reach_said
 from symhyb.correction.search.preparing import Prepared
 from symhyb.correction.search.setting import Setting
 from symhyb.correction.verdict.choice import Choice
@@ -151,17 +151,17 @@ def with_changing(answer: Diagnosis, one: Changing) -> Diagnosis:
     found = one.found
     classes = (*one.classes, *(c for c in answer.classes if c.parameter != found.parameter))
     claims = bool(answer.found or answer.parameters or answer.measurement)
-    said = f"{found.sentence} {ALONE}"
+    said, along = f"{found.sentence} {reach_said(found)}", found.over or "time"
     if claims:
         sentence, verdict = f"{answer.sentence} Besides, {said}", answer.verdict
     else:
         verdict = "parameters" if found.parameter else "measurement"
         if answer.verdict == "nothing missing":
             what = "one of its numbers" if found.parameter else "the factor of an input"
-            sentence = f"The model lacks no physics, but {what} changes with time: {said}"
+            sentence = f"The model lacks no physics, but {what} changes with {along}: {said}"
         else:
             what = "A number of the model" if found.parameter else "The factor of an input"
-            sentence = f"{what} changes with time: {said} {answer.sentence}"
+            sentence = f"{what} changes with {along}: {said} {answer.sentence}"
     return replace(
         answer,
         verdict=verdict,

@@ -10,6 +10,7 @@ from dataclasses import replace
 
 from symhyb.discrepancy.places.hypotheses import Hypothesis, Library
 from symhyb.discrepancy.words.formula import LAW
+from symhyb.model.trees import names
 from symhyb.model.types import Element, Model, On
 from symhyb.numeric.lowered.machine import build
 
@@ -20,15 +21,35 @@ def products(model: Model, transitions: Mapping[str, float]) -> tuple[Hypothesis
     """All products on every coordinate that moves; ``transitions`` are the speeds over which dry
     friction is smoothed by coordinate, SI."""
     found: list[Hypothesis] = []
-    names = [c.name for c in model.coordinates][:MOST_COORDINATES]
-    for name in names:
+    moving = [c.name for c in model.coordinates][:MOST_COORDINATES]
+    for name in moving:
         if name not in transitions:
             continue
         shape = (("transition", transitions[name]),)
-        for formula in formulas(name, names, [item.name for item in model.recorded_inputs]):
+        stated = _numbers_with_channels(model, name)
+        for formula in formulas(name, moving, [item.name for item in model.recorded_inputs]):
+            if formula in stated:
+                continue
             own = shape if "transition" in formula else ()
             found.append(Hypothesis(LAW, On(name), ("coefficient",), (False,), own, path=formula))
     return tuple(found)
+
+
+def _numbers_with_channels(model: Model, x: str) -> set[str]:
+    """The products on ``x`` that a number of the model is, which may be another one and changes
+    with a channel that moves nothing: that number has a course over the channel."""
+    used = {name.name for one in model.elements for _, text in one.values for name in names(text)}
+    beside = [item.name for item in model.recorded_inputs if item.name not in used]
+    uncertain = {item.name for item in model.parameters if item.sd is not None}
+    here = [
+        one
+        for one in model.elements
+        if isinstance(one.place, On)
+        and x in one.place.names
+        and any(name.name in uncertain for _, text in one.values for name in names(text))
+    ]
+    factors = {"spring": x, "damper": f"{x}'"}
+    return {f"{u}*{factors[one.kind]}" for u in beside for one in here if one.kind in factors}
 
 
 def formulas(x: str, coordinates: Sequence[str], inputs: Sequence[str]) -> tuple[str, ...]:

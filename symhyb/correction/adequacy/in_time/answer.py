@@ -95,7 +95,7 @@ def course_of(ground: Recorded, judged: Adequacy, number: Number) -> Answer | No
     best = _timed(max(enough, key=lambda one: one.trial.evidence), enough)
     near = [one for one in enough if one.trial.evidence > best.trial.evidence - CERTAIN]
     near.sort(key=lambda one: one.trial.evidence)
-    rivals = {one.shape.name: one for one in near if _another(one, best, ground)}
+    rivals = {(one.shape.name, one.shape.over): one for one in near if _another(one, best, ground)}
     last = max(one.evidence for one in (decided, by_class) if one is not None)
     probability = 1 / (1 + float(np.exp(last - best.trial.evidence)))
     return Answer(best, tuple(reversed(rivals.values())), base, probability)
@@ -165,9 +165,9 @@ def _another(one: Course, best: Course, ground: Recorded) -> bool:
     """Whether a course is another shape: a step that takes most of the recordings is a drift."""
     lasts = max(float(item.block.t[0][-1] - item.block.t[0][0]) for item in ground.items)
 
-    def name(course: Course) -> str:
+    def name(course: Course) -> tuple[str, str]:
         slow = course.shape.name == "step" and course.shape.duration > MOST * lasts
-        return "drift" if slow else course.shape.name
+        return "drift" if slow else course.shape.name, course.shape.over
 
     return name(one) != name(best)
 

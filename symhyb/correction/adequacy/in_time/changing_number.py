@@ -38,12 +38,14 @@ class Number:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TimeLine:
-    """A factor as a broken line through values at the times ``x`` (G,), s: the ``products`` of
-    these values for every size of the unknown force; ``size`` is their prior deviation."""
+    """A factor as a broken line through values at the times ``x`` (G,), s, or at values of the
+    channel that it runs ``over``, SI: the ``products`` of these values for every size of the
+    unknown force; ``size`` is their prior deviation."""
 
     x: Array
     products: tuple[Products, ...]
     size: float
+    over: str = ""
 
 
 def number_of(ground: Recorded, generic: Generic) -> Number | None:
@@ -67,8 +69,7 @@ def number_at(ground: Recorded, path: str, frequency: float = float("nan")) -> N
 
 def input_at(ground: Recorded, name: str) -> Number | None:
     """The factor of an input by its name; None where it moves nothing."""
-    which = [item.name for item in ground.windows.machine.model.inputs].index(name)
-    slopes = tuple(push * u[:, None] for u, push in pushes(ground, which))
+    slopes = tuple(push * u[:, None] for u, push in pushes(ground, _which(ground, name)))
     return _number(ground, Number(name, True, slopes, 0.0, float("nan")))
 
 
@@ -88,12 +89,39 @@ def _number(ground: Recorded, one: Number) -> Number | None:
 
 
 def line_through(
-    ground: Recorded, trial: Fitted, number: Number, x: Array, held: Sequence[str] = ()
+    ground: Recorded,
+    trial: Fitted,
+    number: Number,
+    x: Array,
+    held: Sequence[str] = (),
+    over: str = "",
 ) -> TimeLine:
-    """The fine line through these times (G,), s, around a fitted structure, of which some numbers
-    are ``held``, by path."""
-    shapes = [hats(item.block.t[0], x) for item in ground.items]
-    return TimeLine(x, _products(ground, trial, number, shapes, held), number.size)
+    """The fine line through these times (G,), s, or values of the channel that it runs ``over``,
+    SI, around a fitted structure, of which some numbers are ``held``, by path."""
+    shapes = [hats(at, x) for at in abscissae(ground, over)]
+    return TimeLine(x, _products(ground, trial, number, shapes, held), number.size, over)
+
+
+def abscissae(ground: Recorded, over: str) -> tuple[Array, ...]:
+    """The times (N,), s, of every stretch, or what the channel that a course runs ``over`` shows
+    there, SI."""
+    if not over:
+        return tuple(item.block.t[0] for item in ground.items)
+    return tuple(u for u, _ in pushes(ground, _which(ground, over)))
+
+
+def channels(ground: Recorded) -> tuple[str, ...]:
+    """The inputs that move nothing, and change: what was recorded beside the machine, as a
+    temperature."""
+    model = ground.windows.machine.model
+    inputs = [item.name for item in model.recorded_inputs]
+    given = {item.name for item in model.coordinates if item.imposed}
+    beside = [name for name in inputs if name not in given and input_at(ground, name) is None]
+    return tuple(name for name in beside if any(np.ptp(at) > 0 for at in abscissae(ground, name)))
+
+
+def _which(ground: Recorded, name: str) -> int:
+    return [item.name for item in ground.windows.machine.model.inputs].index(name)
 
 
 def beyond(line: TimeLine, factors: Array) -> TimeLine:
@@ -130,6 +158,6 @@ def waves_at(ground: Recorded, trial: Fitted, number: Number, frequency: float) 
 
 
 def hats(t: Array, x: Array) -> Array:
-    """Piecewise linear functions (N, G), without a unit, of the times t (N,), s: 1 at one of the
-    times x (G,) each, constant beyond the ends."""
+    """Piecewise linear functions (N, G), without a unit, of the times t (N,), s, or of what a
+    channel shows: 1 at one of the values x (G,) each, constant beyond the ends."""
     return np.stack([np.interp(t, x, row) for row in np.eye(x.size)], axis=1)

@@ -15,7 +15,9 @@ from symhyb.correction.adequacy.curves.points import smoothed, worth_of
 from symhyb.correction.adequacy.in_time.changing_number import (
     Number,
     TimeLine,
+    abscissae,
     beyond,
+    channels,
     hats,
     line_through,
     waves_at,
@@ -47,8 +49,7 @@ class Begun(NamedTuple):
 
 def begun(ground: Recorded, trial: Fitted, number: Number) -> Iterator[Begun]:
     """The shapes that a number may have around a structure."""
-    times = [item.block.t[0] for item in ground.items]
-    ends = float(min(t[0] for t in times)), float(max(t[-1] for t in times))
+    ends = _ends(ground)
     line = line_through(ground, trial, number, np.linspace(*ends, FINE))
     yield Begun(_through(line, (0, FINE - 1), "drift"), 0.0)
     for pair in _steps(ground, trial, number, line):
@@ -58,6 +59,21 @@ def begun(ground: Recorded, trial: Fitted, number: Number) -> Iterator[Begun]:
     free = _free(line)
     if free is not None:
         yield free
+    beside = channels(ground)
+    for name in beside:
+        along = line_through(
+            ground, trial, number, np.linspace(*_ends(ground, name), FINE), over=name
+        )
+        yield Begun(_through(along, (0, FINE - 1), "drift"), float(np.log(len(beside))))
+        free = _free(along)
+        if free is not None:
+            yield free._replace(price=free.price + float(np.log(len(beside))))
+
+
+def _ends(ground: Recorded, over: str = "") -> tuple[float, float]:
+    """The first and the last time, s, or the least and the largest value of a channel, SI."""
+    at = abscissae(ground, over)
+    return float(min(one.min() for one in at)), float(max(one.max() for one in at))
 
 
 def again(
@@ -66,14 +82,14 @@ def again(
     """A line through points around a structure in which the number has a broken line already, whose
     numbers are ``held``: there less is left, so that points are worth more. None where its ends are
     all that it needs."""
-    times = [item.block.t[0] for item in ground.items]
-    ends = float(min(t[0] for t in times)), float(max(t[-1] for t in times))
+    ends = _ends(ground, shape.over)
     even = np.linspace(*ends, FINE)
     near = np.add.outer(np.array(shape.times), (even[1] - even[0]) * np.array(NEAR)).ravel()
     x = np.unique(np.concatenate([even, np.clip(near, *ends)]))
-    x = x[np.append(True, np.diff(x) > SHORTEST * ground.step_s)]
+    step = (ends[1] - ends[0]) / (FINE * AGAIN) if shape.over else ground.step_s
+    x = x[np.append(True, np.diff(x) > SHORTEST * step)]
     x[-1] = ends[1]
-    line = line_through(ground, trial, number, x, held)
+    line = line_through(ground, trial, number, x, held, shape.over)
     return _free(beyond(line, shape.at(x)))
 
 
@@ -89,7 +105,7 @@ def _through(line: TimeLine, chosen: Sequence[int], name: ShapeName) -> Shape:
     """A broken line through some points of the fine one, with the values of the linear problem."""
     x = line.x[list(chosen)]
     _, values = worth_of(line, hats(line.x, x))
-    return Shape(name, tuple(x.tolist()), tuple((1 + values).tolist()))
+    return Shape(name, tuple(x.tolist()), tuple((1 + values).tolist()), over=line.over)
 
 
 def worth_along(ground: Recorded, trial: Fitted, number: Number, shape: Shape) -> float:
@@ -98,7 +114,7 @@ def worth_along(ground: Recorded, trial: Fitted, number: Number, shape: Shape) -
     if shape.name == "period":
         line = waves_at(ground, trial, number, shape.values[2])
     else:
-        line = line_through(ground, trial, number, np.array(shape.times))
+        line = line_through(ground, trial, number, np.array(shape.times), over=shape.over)
     return float(worth_of(line, np.eye(line.x.size))[0])
 
 

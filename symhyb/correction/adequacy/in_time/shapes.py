@@ -1,4 +1,4 @@
-"""How a number may run over the time, and how that stands in a model file.
+"""How a number may run over the time, or over a channel, and how that stands in a model file.
 
 All shapes are factors of the number. A broken line holds its end values:
 
@@ -25,15 +25,16 @@ KEYS = ("level", "amplitude", "frequency", "phase")
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """A course of a factor, without a unit: of a broken line its ``times`` (P,) in s and ``values``
-    (P,) there; of a period ``level``, ``amplitude``, ``frequency`` in Hz and ``phase`` in rad, at
-    t = 0, as its values. The ``time`` of a step is a number to fit, too, and its ``duration``
-    unless that is ``held``."""
+    """A course of a factor, without a unit: of a broken line its ``times`` (P,) in s, or the values
+    of the channel that it runs ``over``, SI, and ``values`` (P,) there; of a period ``level``,
+    ``amplitude``, ``frequency`` in Hz and ``phase`` in rad, at t = 0, as its values. The ``time``
+    of a step is a number to fit, too, and its ``duration`` unless that is ``held``."""
 
     name: ShapeName
     times: tuple[float, ...]
     values: tuple[float, ...]
     held: bool = False
+    over: str = ""
 
     @property
     def middle(self) -> float:
@@ -46,7 +47,7 @@ class Shape:
         return self.times[-1] - self.times[0]
 
     def at(self, t: Array) -> Array:
-        """The factor (N,) at times (N,), s."""
+        """The factor (N,) at times (N,), s, or values of the channel, SI."""
         if self.name == "period":
             level, amplitude, frequency, phase = self.values
             return np.asarray(level + amplitude * np.sin(2 * np.pi * frequency * t + phase))
@@ -79,10 +80,12 @@ def free_factor(shape: Shape, name: str) -> str:
         return f"({level} + {amplitude}*sin(2*pi*{frequency}*t + {phase}))"
     parts = [f"{name}_at1"]
     for i in range(len(shape.times) - 1):
-        share = f"(t - {shape.times[i]!r})/{shape.times[i + 1] - shape.times[i]!r}"
+        share = (
+            f"({shape.over or 't'} - {shape.times[i]!r})/{shape.times[i + 1] - shape.times[i]!r}"
+        )
         if shape.name == "step":
-            lasts = repr(shape.duration) if shape.held else f"{name}_duration"
-            share = f"((t - {name}_time)/{lasts} + 0.5)"
+            takes = repr(shape.duration) if shape.held else f"{name}_duration"
+            share = f"((t - {name}_time)/{takes} + 0.5)"
         parts.append(f"({name}_at{i + 2} - {name}_at{i + 1})*min(max({share}, 0), 1)")
     return f"({' + '.join(parts)})"
 
@@ -97,7 +100,8 @@ class Stated:
 
 
 def stated(shape: Shape, model: Model, path: str, about: str = "") -> Stated:
-    """A shape with constants: a curve over the time, or a sine of four parameters."""
+    """A shape with constants: a curve over the time, or over a channel in its unit, or a sine of
+    four parameters."""
     name = _free_name(model, path.replace(".", "_"))
     if shape.name == "period":
         units = (ONE, ONE, HERTZ, RADIANS)
@@ -107,8 +111,9 @@ def stated(shape: Shape, model: Model, path: str, about: str = "") -> Stated:
         )
         return Stated(free_factor(shape, name), declared)
     points = tuple(zip(shape.times, shape.values, strict=True))
-    curve = Curve(name, points, (SECONDS, ONE), "linear", "hold", about=about)
-    return Stated(f"curve({name}, t)", (), (curve,))
+    along = {item.name: item.unit for item in model.inputs}.get(shape.over, SECONDS)
+    curve = Curve(name, points, (along, ONE), "linear", "hold", about=about)
+    return Stated(f"curve({name}, {shape.over or 't'})", (), (curve,))
 
 
 def _free_name(model: Model, name: str) -> str:

@@ -1,4 +1,4 @@
-"""The model that states a course: a number times a factor of the time."""
+"""The model that states a course: a number times a factor of the time, or of a channel."""
 
 from symhyb.correction.adequacy.in_time.shapes import Shape, stated
 from symhyb.discrepancy.results import CourseFound
@@ -12,6 +12,7 @@ def with_course(model: Model, found: CourseFound) -> Model:
     Raises:
         InputError: the model may not state it, as that of an added mass.
     """
-    shape = Shape(found.shape, tuple(t for t, _, _ in found.points), found.factors)
+    at = tuple(x for x, _, _ in found.points)
+    shape = Shape(found.shape, at, found.factors, over=found.over or "")
     one = stated(shape, model, found.path, found.sentence)
     return written_with_factor(model, found.path, one.factor, one.parameters, one.curves)
