@@ -1,7 +1,7 @@
 """A pushed mass on a spring whose recordings are exact: SciPy's linear simulation, first-order hold
 between samples, so that nothing but what a test plants stands between machine and model."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,8 +9,10 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 from scipy.signal import lfilter, lsim
 
+from symhyb.correction.adequacy.followed import likeliest
 from symhyb.correction.adequacy.judge import Adequacy, adequacy
 from symhyb.correction.adequacy.recorded import Recorded, recorded
+from symhyb.correction.adequacy.structure import Fitted
 from symhyb.correction.search.preparing import prepare, settle
 from symhyb.correction.search.trajectory import refine
 from symhyb.data.recording import Recording
@@ -19,7 +21,7 @@ from symhyb.discrepancy.places.hypotheses import with_channels
 from symhyb.discrepancy.recorded.motion import motion_of
 from symhyb.discrepancy.recorded.windows import stretches
 from symhyb.model.read import parse_model
-from symhyb.model.types import Model
+from symhyb.model.types import Model, On
 from symhyb.numeric.lowered.machine import Machine, build
 from tests.builders import DRIVEN_MASS
 
@@ -115,6 +117,23 @@ def setting_of(model: Model, *recordings: Recording, own: tuple[str, ...] = ()) 
     found = recorded(prepared, settle(prepared, own))
     assert found is not None
     return found
+
+
+def decided(
+    recording: Recording, *laws: tuple[str, str], rows: Sequence[Mapping[str, float]]
+) -> tuple[Recorded, Fitted]:
+    """The pushed mass with laws on x, by kind and first term, as innovations fit them; ``rows``
+    begin their numbers, SI."""
+    ground = setting_of(pushed_model(), recording)
+    causes = [
+        next(
+            cause
+            for cause in ground.hypotheses
+            if (cause.kind, cause.terms[0], cause.place) == (*law, On("x"))
+        )
+        for law in laws
+    ]
+    return ground, likeliest(ground, causes, rows)
 
 
 def judged(recording: Recording, model: Model | None = None) -> tuple[Recorded, Adequacy]:

@@ -23,7 +23,7 @@ def test_a_spring_that_saturates_is_found_as_a_curve(tmp_path: Path) -> None:
     (found,) = diagnosis.found
     assert (found.element.kind, found.element.options) == ("curve", (("over", "stretch"),))
     assert not diagnosis.classes
-    assert "none of the listed laws being as good" in diagnosis.sentence
+    assert "no law by name being clearly better" in diagnosis.sentence
     for one in found.estimates:
         assert one.at is not None
         assert abs(one.value - held(one.at)) < 4 * one.sd

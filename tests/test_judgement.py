@@ -44,7 +44,6 @@ OTHERS = {
         "DEPENDENT": "numerics",
         "LOST": "numerics",
     },
-    "correction/adequacy/curves/answer.py": {"TOGETHER": "work"},
     "correction/learning/library.py": {"DEGREE_MOST": "work", "COUPLED": "work"},
     "correction/learning/network.py": {"PATIENCE": "work", "FOLDS": "work"},
     "correction/learning/choosing.py": {"UNSEEN": "numerics"},

@@ -82,7 +82,7 @@ def _phrase(n: Numbers, options: Options) -> Phrase | None:
     bent = _bent(x, [n.value(term) for term in terms], over)
     way = "along" if times else "by"
     tail = (
-        f"{way} a curve through {len(terms)} points, none of the listed laws being as good: "
+        f"{way} a curve through {len(terms)} points, no law by name being clearly better: "
         f"{_values(n, terms)}"
     )
     if factors:

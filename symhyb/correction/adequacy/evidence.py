@@ -3,9 +3,10 @@
     ln p(y|S) ≈ ln L(θ̂) + ln p(θ̂) + ½ F ln 2π − ½ ln |H|
 
 Every number has a proper prior: a parameter its stated sd, the strength of a law the force that
-moves its place, a shape the range that is tried, a channel's fault what channels do. Each cause
-costs ln of the number of candidates (a priori one of the list is expected), sizes of noise ½ ln N
-each. Sizes: F numbers, N samples.
+moves its place, a shape the range that is tried, a channel's fault what channels do, the values of
+a curve those of a smooth line (:mod:`~.curves.prior`), whose length is chosen among a few. Each
+cause costs ln of the number of candidates (a priori one of the list is expected), sizes of noise
+½ ln N each. Sizes: F numbers, N samples.
 
 How wide a prior is that nobody stated is a matter of opinion, and sets the odds of two causes that
 the recordings hardly distinguish. ``by_reference`` it is as wide as what one sample says.
@@ -15,12 +16,13 @@ Wasserman, JASA 90, 1995 (the prior of one sample); Chen & Chen, Biometrika 95, 
 long list).
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
 from symhyb.correction.adequacy.classes.catalogue import classes_of
 from symhyb.correction.adequacy.curves.courses import form_of, size_at
+from symhyb.correction.adequacy.curves.prior import LENGTHS, of_curve
 from symhyb.correction.adequacy.pairs import pair_size
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Fitted
@@ -45,19 +47,71 @@ def evidence(recorded: Recorded, trial: Fitted, by_reference: bool = False) -> f
         return -np.inf
     mean, spread = priors(recorded, trial)
     unstated = _unstated(trial)
+    curves = [] if by_reference else list(_curves(trial))
     if by_reference:
         single = np.sqrt(trial.fit.count / np.diag(trial.fit.information).clip(1e-300))
         mean = np.where(unstated > 0, trial.fit.values, mean)
         spread = np.where(unstated > 0, single, spread)
     off = (trial.fit.values - mean) / spread
     # the information holds stated priors already: that of an uncertain parameter is not less than 1
-    seen = trial.fit.information * np.outer(spread, spread) + np.diag(unstated)
-    volume = float(np.linalg.slogdet(seen)[1]) if seen.size else 0.0
+    information = trial.fit.information * np.outer(spread, spread)
+    known, less = _known(information, np.diag(unstated), off, curves)
+    volume = float(np.linalg.slogdet(information + known)[1]) if known.size else 0.0
     noise = trial.fit.noise.price(trial.fit.count)
     odds = len(trial.causes) * np.log(max(candidates(recorded), 2))
     if trial.extra is not None:
         odds += np.log(max(classes(recorded), 2) * trial.extra.tried)
-    return float(trial.fit.logl - 0.5 * off @ off - 0.5 * volume - noise - odds)
+    return float(trial.fit.logl - less - 0.5 * volume - noise - odds)
+
+
+def _known(
+    information: Array, known: Array, off: Array, curves: Sequence[tuple[list[int], Hypothesis]]
+) -> tuple[Array, float]:
+    """The precision (F, F) of the priors that the fit did not hold, and what it costs beside the
+    volume, in ln, that the numbers are ``off`` (F,) the priors' means; ``information`` (F, F) and
+    all else in units of the priors' deviations, with a prior of each by itself ``known`` (F, F).
+    The values of ``curves``, by their numbers, lie along a smooth line of the likeliest length,
+    which moves those that the recordings show badly: the cost is that of both together."""
+    cost = 0.5 * float(off @ off)
+    for own, curve in curves:
+        y, shown = off[own], _beside_others(information, known, own)
+        one, best = np.eye(len(own)), (np.inf, 0.0, known)
+        for length in LENGTHS:
+            prior = of_curve(curve, length)
+            apart = y @ np.linalg.solve(one + shown @ prior, shown @ y)
+            less = float(apart + np.linalg.slogdet(prior)[1])
+            precise = _with(known, own, np.asarray(np.linalg.inv(prior), dtype=np.float64))
+            whole = less + float(np.linalg.slogdet(information + precise)[1])
+            best = min(best, (whole, less, precise), key=lambda one: one[0])
+        known = best[2]
+        cost += 0.5 * (best[1] - float(y @ y)) + float(np.log(len(LENGTHS)))
+    return known, cost
+
+
+def _beside_others(information: Array, known: Array, own: list[int]) -> Array:
+    """How well some numbers (P, P) are seen where all others are what is likeliest beside them."""
+    rest = [i for i in range(len(information)) if i not in own]
+    across = information[np.ix_(own, rest)]
+    others = (information + known)[np.ix_(rest, rest)]
+    return np.asarray(information[np.ix_(own, own)] - across @ np.linalg.solve(others, across.T))
+
+
+def _with(known: Array, own: list[int], block: Array) -> Array:
+    """A precision (F, F) with the ``block`` (P, P) at the numbers ``own``."""
+    changed = known.copy()
+    changed[np.ix_(own, own)] = block
+    return changed
+
+
+def _curves(trial: Fitted) -> Iterator[tuple[list[int], Hypothesis]]:
+    """The curves among the causes, and which numbers their values are."""
+    first = 0
+    for cause in trial.all_causes:
+        keys = keys_of(cause)
+        if cause.points:
+            own = [first + i for i, key in enumerate(keys) if key in cause.unknown]
+            yield ([trial.owned[0][i] for i in own] if trial.owned else own), cause
+        first += len(keys)
 
 
 def _unstated(trial: Fitted) -> Array:

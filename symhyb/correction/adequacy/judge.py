@@ -28,6 +28,7 @@ from symhyb.correction.adequacy.predictable import leaves_noise
 from symhyb.correction.adequacy.ranking import is_lag, ranked, weights
 from symhyb.correction.adequacy.recorded import Recorded, recorded
 from symhyb.correction.adequacy.structure import Fitted, Generic, Likely, Row, fitted
+from symhyb.correction.adequacy.sums import functions_instead
 from symhyb.correction.adequacy.unnamed import changing_themselves, parts_of_unnamed
 from symhyb.correction.adequacy.ways import on_ways
 from symhyb.correction.search.preparing import Prepared
@@ -120,6 +121,8 @@ def adequacy(
         raced = [trial for trial in raced if trial not in smooth]
         trials += _answers(ground, [*raced, *(_as_curve(one, base) for one in smooth)], decided)
         left = _shown_by(ground, raced, left, max(trial.evidence for trial in trials))
+    if not left.acts:
+        trials += _answers(ground, functions_instead(ground, base), decided)
     disputes: tuple[Disputed, ...] = ()
     if left.acts:
         better = [trial for trial in raced if trial.evidence > base.evidence + CERTAIN]

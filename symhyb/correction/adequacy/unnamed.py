@@ -2,7 +2,8 @@
 
 A force without a name is found as an own curve or as an empirical law. Beside it, how much of the
 whole is a law by name, or a number of the model that differs, is a matter of how the rest is
-written: viscous damping and a curve over the rate are one force. A class says less: it may be a
+written: viscous damping and a curve over the rate are one force. A bent law, which takes on shapes
+between those of simpler ones, is another curve by its name. A class says less: it may be a
 small remainder beside a law that is right, as it is along most real recordings.
 """
 
@@ -18,8 +19,9 @@ from symhyb.model.types import Place
 def parts_of_unnamed(causes: Sequence[Hypothesis], certain: bool) -> frozenset[Hypothesis]:
     """The causes that may be parts of own curves and empirical laws beside them, or of a class, if
     one is ``certain``: numbers of the model or of a channel, whose effect any of them may hold a
-    part of, and smooth laws at the place of a curve or an empirical law of the same quantities. An
-    empirical law beside any of these is one way to write the whole, and a part itself."""
+    part of, smooth laws at the place of a curve or an empirical law of the same quantities, and
+    bent ones there of any. An empirical law beside any of these is one way to write the whole, and
+    a part itself."""
     numbers = [cause for cause in causes if cause.place is None]
     parts = set(numbers if certain else ())
     for cause in causes:
@@ -49,9 +51,9 @@ def changing_themselves(
 def _smooth_laws(
     causes: Sequence[Hypothesis], place: Place, known: frozenset[str]
 ) -> set[Hypothesis]:
-    """The laws by name at a place that are smooth functions of these quantities."""
+    """The laws by name at a place that are smooth functions of these quantities, or bent."""
     return {
         cause
         for cause in causes
-        if cause.place == place and smooth(cause) and quantities(cause) <= known
+        if cause.place == place and smooth(cause) and (cause.bent or quantities(cause) <= known)
     }

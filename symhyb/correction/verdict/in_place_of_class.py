@@ -9,12 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from symhyb.correction.adequacy.curves.answer import (
-    instead_of_class,
-    instead_of_many,
-    many_of_one,
-)
-from symhyb.correction.adequacy.curves.courses import Form
+from symhyb.correction.adequacy.curves.answer import instead_of_class
 from symhyb.correction.adequacy.judge import Adequacy
 from symhyb.correction.adequacy.named_coupling import couplings_instead, pair_of
 from symhyb.correction.adequacy.named_mode import modes_instead
@@ -37,8 +32,7 @@ _TWICE = frozenset({"mode", "hydromount", *(law.name for law in PAIR_LAWS)})
 def with_law(prepared: Prepared, choice: Choice, judged: Adequacy, say: Say) -> Choice | None:
     """The choice with what explains what was ``judged`` to be a force of stretch and rate, as a
     curve or by listed laws that are as good, or to be a hidden mode, as a mode, or a coupling, as
-    laws of the pair; or with a curve in the place of more laws of one quantity than may stand for
-    one. None where nothing does, or the windows do not agree."""
+    laws of the pair. None where nothing does, or the windows do not agree."""
     if _place(judged) is None or choice.misfits:
         return None
     mode, pair = judged.certain("hidden mode") is not None, pair_of(judged)
@@ -47,15 +41,13 @@ def with_law(prepared: Prepared, choice: Choice, judged: Adequacy, say: Say) -> 
     ground = recorded(prepared, choice.setting)
     if ground is None:
         return None
-    found, many = None, _many(judged)
+    found = None
     if judged.certain("law") is not None:
         found = instead_of_class(ground, judged)
     elif mode:
         found = modes_instead(ground, judged)
     elif pair is not None:
         found = couplings_instead(ground, judged)
-    elif many is not None:
-        found = instead_of_many(ground, judged, *many)
     if found is None:
         return None
     decision = decide_with(choice.setting, choice.decision, found.causes, grouped(found), say)
@@ -99,13 +91,5 @@ def _numbers(trial: Refined | Fitted) -> dict[tuple[Hypothesis, str], tuple[floa
 
 
 def _place(judged: Adequacy) -> Place | None:
-    """Where a class acts that a law may be fitted in place of, or so many laws of one quantity that
-    a curve may be."""
-    at = judged.certain("law") or judged.certain("hidden mode") or pair_of(judged)
-    many = _many(judged)
-    return many[0] if at is None and many is not None else at
-
-
-def _many(judged: Adequacy) -> tuple[Place, Form] | None:
-    """The laws of one quantity at one place that are more than stand for a curve."""
-    return None if judged.structure is None else many_of_one(judged.structure.causes)
+    """Where a class acts that a law may be fitted in place of."""
+    return judged.certain("law") or judged.certain("hidden mode") or pair_of(judged)

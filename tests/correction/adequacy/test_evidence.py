@@ -7,6 +7,7 @@ import pytest
 from scipy.stats import multivariate_normal
 
 from symhyb.correction.adequacy.classes.catalogue import classes_of
+from symhyb.correction.adequacy.curves.prior import LENGTHS, of_curve
 from symhyb.correction.adequacy.evidence import (
     candidates,
     classes,
@@ -20,6 +21,9 @@ from symhyb.discrepancy.likelihood.fit import FAILED, SETTLED
 from symhyb.discrepancy.likelihood.noise import NoiseModel
 from symhyb.discrepancy.likelihood.track import Extra, white_problem
 from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.laws.curve import value_name
+from symhyb.model.types import On
+from symhyb.numeric.kernels.buffers import Array
 from tests.builders import DRIVEN_MASS
 from tests.pushed import NOISE, pushed, pushed_model, setting_of
 
@@ -51,15 +55,17 @@ def offset() -> Recorded:
     return setting_of(pushed_model(CERTAIN_MODEL), pushed(1, beside=np.full(600, 0.3)))
 
 
-def exact(setting: Recorded, trial: Fitted) -> float:
+def exact(setting: Recorded, trial: Fitted, prior: Array | None = None) -> float:
     """ln of the marginal likelihood with all numbers of a trial integrated out under their priors,
-    from its white problem at none of them: residual = −columns·θ + unit noise."""
+    of the covariance ``prior``, if that is given, from its white problem at none of them:
+    residual = −columns·θ + unit noise."""
     mean, spread = priors(setting, trial)
     assert not np.any(mean)
     none = replace(trial.fit, values=np.zeros_like(mean))
     (at,) = tracks_of(setting, replace(trial, p=trial.machine.values, fit=none))
     residual, given, logs = white_problem(at, trial.fit.noise)
-    covariance = np.eye(residual.size) + (given * spread**2) @ given.T
+    prior = np.diag(spread**2) if prior is None else prior
+    covariance = np.eye(residual.size) + given @ prior @ given.T
     wide = multivariate_normal(np.zeros(residual.size), covariance).logpdf(residual)
     return float(wide - 0.5 * logs)
 
@@ -112,6 +118,34 @@ def test_the_coefficients_of_a_class_are_integrated_out_exactly(offset: Recorded
     score = evidence(offset, trial) + prices(offset, trial)
     assert score == pytest.approx(exact(offset, trial), abs=0.1)
     assert np.linalg.norm(trial.fit.values) > 0.01
+
+
+@pytest.mark.parametrize("through_zero", [False, True])
+def test_the_values_of_a_curve_lie_along_a_smooth_line(
+    offset: Recorded, through_zero: bool
+) -> None:
+    """Eight points, of which a recording of 0.3 N shows few: values are moved by the prior."""
+    (item,) = offset.items
+    course = item.course(offset.windows.machine)
+    speed = course.v[:, 0]
+    x = [float(v) for v in np.unique(np.append(np.linspace(speed.min(), speed.max(), 7), 0.0))]
+    keys = [value_name(i) for i, at in enumerate(x) if not (through_zero and at == 0)]
+    points = tuple((at, 0.1 * at, 0.0) for at in x)
+    over = (("over", "rate"),)
+    curve = Hypothesis(
+        "curve", On("x"), tuple(keys), (False,) * len(keys), options=over, points=points
+    )
+    row = {key: 0.1 * at for key, (at, _, _) in curve.unknown.items()}
+    trial = fitted(offset, [curve], [row], white_noise(), known_noise=True)
+    score = evidence(offset, trial) + prices(offset, trial)
+    (_, size), found = (row[0] for row in priors(offset, trial)), []
+    for length in LENGTHS:
+        prior = size**2 * of_curve(curve, length)
+        found.append(exact(offset, trial, prior))
+    # its columns are those along the fitted trajectory, which each of the priors moves a little
+    assert score == pytest.approx(max(found) - np.log(len(LENGTHS)), abs=1.0)
+    apart = exact(offset, trial, size**2 * np.eye(len(keys)))
+    assert max(found) > apart + 4
 
 
 LEVER = (

@@ -53,6 +53,16 @@ def test_a_curve_holds_parts_over_its_own_quantity(over: str, laws: set[Hypothes
     assert parts_of_unnamed((found, FRICTION), False) == frozenset()
 
 
+@pytest.mark.parametrize("over", ["stretch", "rate"])
+def test_beside_a_curve_a_bent_law_is_another_one(over: str) -> None:
+    bent = [
+        law(kind, key) for kind, key in (("damper_kinked", "damping"), ("power", "coefficient"))
+    ]
+    elsewhere = law("damper_kinked", "damping", Y)
+    assert parts_of_unnamed((*bent, elsewhere), False) == frozenset()
+    assert parts_of_unnamed((curve(over), *bent, elsewhere), False) == set(bent)
+
+
 def test_an_empirical_law_alone_stands_and_beside_its_parts_is_one() -> None:
     cubic, mixed = empirical("x'**3"), empirical("x**2*x'")
     assert parts_of_unnamed((cubic, SPRING, FRICTION), False) == frozenset()

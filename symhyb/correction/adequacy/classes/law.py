@@ -17,11 +17,11 @@ Columns = Sequence[Array]
 Over = Literal["", "stretch", "rate"]
 
 
-def law(start: Around, which: int) -> Generic:
+def law(start: Around, which: int, alone: Over = "") -> Generic:
     """A function of the stretch or of the rate, at one of several lengths, of both as a sum, or of
-    both together; each beside a straight line, as steep as a spring or a damper may be (Rasmussen &
-    Williams, Gaussian Processes for Machine Learning, 2006, §2.7), or these would be needed beside
-    the class."""
+    both together, or, ``alone``, of one of the two; each beside a straight line, as steep as a
+    spring or a damper may be (Rasmussen & Williams, Gaussian Processes for Machine Learning, 2006,
+    §2.7), or these would be needed beside the class."""
     recorded = start.recorded
     parts = motions(recorded)
     toward = [directions[:, :, which, None] for _, _, directions in parts]
@@ -47,7 +47,7 @@ def law(start: Around, which: int) -> Generic:
         line = replace(line, spread=line.spread / SIZE, over=over)
         return joined([line, pushed(curved, joint=True)])
 
-    return best_of(start, [made(*option) for option in options])
+    return best_of(start, [made(*option) for option in options if alone in ("", option[0])])
 
 
 def _each(join: Callable[[Array, Array], Array], first: Columns, second: Columns) -> list[Array]:

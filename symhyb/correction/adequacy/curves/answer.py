@@ -5,10 +5,12 @@ curve over the stretch that is a factor of the speed, or one over each: their su
     curve ≥ class               one curve explains as much: it is an own curve
     curve + curve ≥ class       no one curve does, and the sum of one over each does
     curve · curve ≥ class       nor does a sum, and a product does
-    listed ≥ curve              laws by name do as well in its place: they are the answer
+    listed ≥ curve              a law by name does as well in its place: it is the answer
+    listed > curve              so are laws that have a shape of their own, if they are likelier
 
-Where laws by name are less likely than the curve, but not by 100 to 1, neither is, and the class
-stays. All are compared by the evidence of the innovations along whole recordings.
+Where a law by name is less likely than the curve, but not by 100 to 1, neither is, and the class
+stays. Several laws of one quantity, or one that bends, follow almost any curve: they have to be
+likelier than it. All are compared by the evidence of the innovations along whole recordings.
 """
 
 from collections.abc import Sequence
@@ -16,16 +18,17 @@ from dataclasses import replace
 
 from symhyb.correction.adequacy.curves.courses import ALONE, FORMS, Form, form_of
 from symhyb.correction.adequacy.curves.fitted_curve import Offer, beside, offered
-from symhyb.correction.adequacy.curves.listed import TOGETHER, listed
+from symhyb.correction.adequacy.curves.listed import listed
 from symhyb.correction.adequacy.curves.product import product, product_again
 from symhyb.correction.adequacy.explained import Decided, remainder
 from symhyb.correction.adequacy.followed import fitted_on, part_of
 from symhyb.correction.adequacy.judge import Adequacy
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Fitted
+from symhyb.correction.adequacy.sums import is_sum, of_one
 from symhyb.correction.search.trajectory import grouped
 from symhyb.discrepancy.places.hypotheses import Hypothesis
-from symhyb.discrepancy.places.quantities import memoryless, quantities
+from symhyb.discrepancy.places.quantities import memoryless, smooth
 from symhyb.judgement import CERTAIN, HOPELESS, SMALL
 from symhyb.model.types import Place
 
@@ -38,72 +41,61 @@ def instead_of_class(ground: Recorded, judged: Adequacy) -> Fitted | None:
     place, base, by_class = judged.certain("law"), judged.structure, judged.by_class
     if place is None or base is None or by_class is None or place not in ground.library.places:
         return None
-    bare = part_of(ground, by_class, lambda cause: cause.place != place)
-    if bare.fit.reason:
-        return None
     decided = Decided(base, remainder(ground, base), judged.beyond.acts)
     one_of = judged.classes[0].generic.over
-    most = max(by_class.evidence - CERTAIN, base.evidence + CERTAIN)
+    mine = [cause for cause in base.causes if cause.place == place and memoryless(cause)]
+    likelier = base.evidence + (-CERTAIN if is_sum(mine) else CERTAIN)
+    most = max(by_class.evidence - CERTAIN, likelier)
+
+    def is_form(form: Form | None) -> bool:
+        """Whether the class itself says that the force is one of this form."""
+        return form is not None and not form.times and form.over == one_of
 
     def least(form: Form | None) -> float:
-        """The evidence from which on a curve of some form says as much as the class. That a force
-        is one of one quantity the class itself says, whose columns have other priors."""
-        said = form is not None and not form.times and form.over == one_of
-        return base.evidence + CERTAIN if said else most
+        """The evidence from which on a curve of some form says as much as the class, whose columns
+        have other priors."""
+        return likelier if is_form(form) else most
 
     def explains(trial: Fitted, form: Form | None) -> bool:
         enough = remainder(ground, trial) <= decided.may_leave(trial, SMALL)
         return trial.evidence > least(form) and enough
 
-    offers = _offers(ground, bare, place, FORMS)
-    promising = [one for one in offers if bare.evidence + one.worth > least(one.form) - HOPELESS]
-    curves = [
-        (curve, offer)
-        for offer in promising
-        if explains(curve := beside(ground, bare, offer), offer.form)
+    beside_it = [
+        frozenset(cause for cause in by_class.causes if cause.place != place),
+        frozenset(cause for cause in by_class.causes if _stays(cause, place, one_of)),
     ]
-    if curves:
-        curve, offer = max(curves, key=lambda pair: pair[0].evidence)
-        return _shorter(curve, _by_name(ground, bare, curve, offer))
-    if one_of:
-        return None
-    added = _two_curves(ground, bare, place)
-    if added is not None and explains(added, None):
-        return added
-    found = _product(ground, bare, offers)
-    return found if found is not None and explains(found, None) else None
-
-
-def many_of_one(causes: Sequence[Hypothesis]) -> tuple[Place, Form] | None:
-    """The place and the quantity of more laws than may stand for a curve; None where no place has
-    so many."""
-    for place in dict.fromkeys(cause.place for cause in causes if cause.place is not None):
-        for form in ALONE:
-            if sum(_of_one(cause, place, form) for cause in causes) > TOGETHER:
-                return place, form
+    for kept in dict.fromkeys(beside_it):
+        bare = part_of(ground, by_class, kept.__contains__)
+        if bare.fit.reason:
+            continue
+        offers = _offers(ground, bare, place, FORMS)
+        curves = [
+            pair
+            for offer in offers
+            if is_form(offer.form) or bare.evidence + offer.worth > least(offer.form) - HOPELESS
+            if explains((pair := _curve(ground, bare, place, offer))[0], offer.form)
+        ]
+        if curves:
+            curve, offer = max(curves, key=lambda pair: pair[0].evidence)
+            return _shorter(curve, _by_name(ground, bare, curve, offer))
+        if one_of:
+            continue
+        added = _two_curves(ground, bare, place)
+        if added is not None and explains(added, None):
+            return added
+        found = _product(ground, bare, offers)
+        if found is not None and explains(found, None):
+            return found
     return None
 
 
-def _of_one(cause: Hypothesis, place: Place, form: Form) -> bool:
-    """Whether a law with a name is at a place and a function of one quantity alone."""
-    mine = cause.place == place and not cause.points and memoryless(cause)
-    return mine and quantities(cause) <= {form.over}
-
-
-def instead_of_many(ground: Recorded, judged: Adequacy, place: Place, form: Form) -> Fitted | None:
-    """The structure, along whole recordings, with a curve, or listed laws that are as good, in the
-    place of more laws than may stand for a curve; None where it is not more likely."""
-    base = judged.structure
-    if base is None or place not in ground.library.places:
-        return None
-    bare = part_of(ground, base, lambda cause: not _of_one(cause, place, form))
-    offers = [] if bare.fit.reason else _offers(ground, bare, place, (form,))
-    if not offers:
-        return None
-    curve = beside(ground, bare, offers[0])
-    if curve.fit.reason or curve.evidence < base.evidence + CERTAIN:
-        return None
-    return _shorter(curve, _by_name(ground, bare, curve, offers[0]))
+def _stays(cause: Hypothesis, place: Place, one_of: str) -> bool:
+    """Whether a cause may stay beside a curve over one quantity at a place: what is elsewhere, a
+    law of the other quantity, and what jumps."""
+    if cause.place != place or not one_of:
+        return cause.place != place
+    named = memoryless(cause) and not cause.points
+    return named and not (smooth(cause) and of_one(cause, place, one_of))
 
 
 def _offers(
@@ -116,19 +108,46 @@ def _offers(
     return sorted((one for one in offers if one is not None), key=lambda one: -one.worth)
 
 
-def _shorter(curve: Fitted, named: Fitted | None) -> Fitted | None:
-    """A structure with a curve, or that with laws by name in its place, where these are as good;
-    None where neither is certain."""
-    if named is None or curve.evidence > named.evidence + CERTAIN:
-        return curve
-    return named if named.evidence >= curve.evidence else None
+def _curve(ground: Recorded, bare: Fitted, place: Place, offer: Offer) -> tuple[Fitted, Offer]:
+    """The structure with a curve. Beside a structure without it an unknown force follows the
+    sensors, and hides where the curve needs points: these are chosen once more along the motion,
+    and with the noise, of the structure with the curve, as long as that is likelier."""
+    best = beside(ground, bare, offer), offer
+    for _ in range(TURNS - 1):
+        found = best[0]
+        start = _along(ground, bare, found)
+        offers = [] if found.fit.reason else _offers(ground, start, place, [offer.form])
+        again = [(beside(ground, start, one), one) for one in offers]
+        if not again or again[0][0].evidence <= found.evidence:
+            break
+        best = again[0]
+    return best
+
+
+def _shorter(curve: Fitted, named: Sequence[Fitted]) -> Fitted | None:
+    """A structure with a curve, or the likeliest of those with laws by name in its place that are
+    as good; None where neither is certain. Laws that have a shape of their own follow a curve
+    whatever they are, and have to be likelier by 100 to 1."""
+    plain = [one for one in named if not is_sum(_instead(one, curve))]
+    good = [one for one in plain if one.evidence >= curve.evidence]
+    good += [one for one in named if one.evidence > curve.evidence + CERTAIN]
+    if good:
+        return max(good, key=_evidence)
+    near = any(one.evidence > curve.evidence - CERTAIN for one in plain)
+    return None if near else curve
+
+
+def _instead(named: Fitted, curve: Fitted) -> list[Hypothesis]:
+    """The laws by name that stand in place of a curve."""
+    return [one for one in named.causes if one not in curve.causes and not one.points]
 
 
 def _two_curves(ground: Recorded, bare: Fitted, place: Place) -> Fitted | None:
     """The structure with a curve over the stretch and one over the rate, or with laws by name in
     the place of one of them that are as good; None where neither is certain, or none can be. That
-    over the rate is no force at rest: a constant of one is as well one of the other. The points of
-    each are chosen beside the other one, in turn, as long as that is likelier (backfitting)."""
+    over the rate is no force at rest: a constant of one is as well one of the other. A bent law is
+    none of these: beside a curve it is another one. The points of each are chosen beside the other
+    one, along the motion of both, in turn, as long as that is likelier (backfitting)."""
     fixed = next(iter(_offers(ground, bare, place, ALONE, level=False)), None)
     pairs: list[Fitted] = []
     named: list[Fitted] = []
@@ -136,6 +155,7 @@ def _two_curves(ground: Recorded, bare: Fitted, place: Place) -> Fitted | None:
         if fixed is None:
             break
         first = beside(ground, bare, fixed)
+        first = _along(ground, first, pairs[-1]) if pairs else first
         more = next(iter(_offers(ground, first, place, [fixed.form.other], level=False)), None)
         if first.fit.reason or more is None:
             break
@@ -144,13 +164,15 @@ def _two_curves(ground: Recorded, bare: Fitted, place: Place) -> Fitted | None:
             if both.fit.reason or (turn > 2 and both.evidence <= pairs[-1].evidence):
                 break
             pairs.append(both)
-            shorter = _by_name(ground, first, both, more)
-            named += [] if shorter is None else [_paid(shorter, fixed)]
+            shorter = _by_name(ground, first, both, more, bent=False)
+            named += [_paid(one, fixed) for one in shorter]
         fixed = more
     if not pairs:
         return None
-    shorter = max(named, key=_evidence, default=None)
-    return _shorter(max(pairs, key=_evidence), shorter and _again(ground, bare, place, shorter))
+    sums = [one for one in named if is_sum(_instead(one, pairs[0]))]
+    plain = [one for one in named if not is_sum(_instead(one, pairs[0]))]
+    best = [max(some, key=_evidence) for some in (plain, sums) if some]
+    return _shorter(max(pairs, key=_evidence), [_again(ground, place, one) for one in best])
 
 
 def _product(ground: Recorded, bare: Fitted, offers: Sequence[Offer]) -> Fitted | None:
@@ -162,7 +184,7 @@ def _product(ground: Recorded, bare: Fitted, offers: Sequence[Offer]) -> Fitted 
     for _ in range(TURNS):
         if offer is None:
             break
-        one = beside(ground, _along(bare, found[-1]) if found else bare, offer)
+        one = beside(ground, _along(ground, bare, found[-1]) if found else bare, offer)
         if one.fit.reason:
             break
         found.append(one)
@@ -170,19 +192,20 @@ def _product(ground: Recorded, bare: Fitted, offers: Sequence[Offer]) -> Fitted 
     return max(found, key=_evidence, default=None)
 
 
-def _along(bare: Fitted, found: Fitted) -> Fitted:
+def _along(ground: Recorded, bare: Fitted, found: Fitted) -> Fitted:
     """A structure whose fit begins along the motion, and with the noise, of another one."""
-    fit = replace(bare.fit, states=found.fit.states, noise=found.fit.noise)
+    noise = ground.revived(found.fit.noise)  # what few points leave is no noise of a sensor
+    fit = replace(bare.fit, states=found.fit.states, noise=noise)
     return replace(bare, fit=fit)
 
 
-def _again(ground: Recorded, bare: Fitted, place: Place, named: Fitted) -> Fitted:
+def _again(ground: Recorded, place: Place, named: Fitted) -> Fitted:
     """A structure with a curve and laws by name, the points of the curve chosen once more beside
-    these: it was chosen beside another curve."""
+    these, along its motion: it was chosen beside another curve."""
     (curve,) = (cause for cause in named.causes if cause.points and cause.place == place)
-    beneath = part_of(ground, named, lambda cause: cause != curve)
+    beneath = _along(ground, part_of(ground, named, lambda cause: cause != curve), named)
     offers = _offers(ground, beneath, place, [form_of(curve)])
-    found = [beside(ground, beneath, one) for one in offers]
+    found = [_curve(ground, beneath, place, one)[0] for one in offers]
     return max([named, *found], key=_evidence)
 
 
@@ -195,10 +218,13 @@ def _evidence(trial: Fitted) -> float:
     return trial.evidence
 
 
-def _by_name(ground: Recorded, bare: Fitted, curve: Fitted, offer: Offer) -> Fitted | None:
-    """The most likely structure with listed laws in the place of a curve."""
+def _by_name(
+    ground: Recorded, bare: Fitted, curve: Fitted, offer: Offer, bent: bool = True
+) -> list[Fitted]:
+    """Structures with listed laws in the place of a curve; with ``bent`` ones, if they may be."""
     trials = []
     for one in listed(ground, offer.line):
-        causes, rows = (*bare.causes, *one.causes), [*grouped(bare), *one.rows]
-        trials.append(fitted_on(ground, curve, causes, rows))
-    return max(trials, key=_evidence, default=None)
+        if bent or not any(cause.bent for cause in one.causes):
+            causes, rows = (*bare.causes, *one.causes), [*grouped(bare), *one.rows]
+            trials.append(fitted_on(ground, curve, causes, rows))
+    return trials

@@ -1,19 +1,20 @@
 """Where a curve needs points, and how many: by what they are worth in the linear problem.
 
 A fine line is smoothed; beginning with its ends and its middle, the point is added that is worth
-most, as long as a few more may be. The set of the largest evidence is put right: its points move to
-where they are worth most, and one leaves if the set is worth more without it.
+most, as long as a few more may be. The best set is put right: its points move to where they are
+worth most, and one leaves that is not worth 1 of ln evidence, for the prior is a guess, and what is
+fitted to a point errs by its noise (Akaike, IEEE Trans. Automatic Control 19, 1974).
 Sizes: G points of the fine line, P points of a curve.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from symhyb.correction.adequacy.classes.columns import LENGTHS
 from symhyb.correction.adequacy.curves.courses import Line
+from symhyb.correction.adequacy.curves.prior import LENGTHS, covariance, factor
 from symhyb.correction.adequacy.curves.products import Products
 from symhyb.discrepancy.places.hypotheses import CurvePoint
 from symhyb.laws.cardinal import cardinal_values
@@ -54,42 +55,56 @@ class _Set:
     y: Array
     worth: float
 
+    @property
+    def paid(self) -> float:
+        """What they are worth, 1 less for each."""
+        return self.worth - len(self.chosen)
+
+
+class _Along(NamedTuple):
+    """A fine ``line``, its ``smooth`` values (G,), SI, and the ``length`` of that, in half
+    ranges, which is the prior of the values of all sets."""
+
+    line: Line
+    smooth: Array
+    length: float
+
 
 def placed(line: Line) -> Points:
-    """The points of the largest evidence."""
-    zero = int(np.flatnonzero(line.x == 0.0)[0]) if line.through_zero else None
-    smooth, covariance = smoothed(line, zero)
-    now = best = _best_of(line, [_first(line)], smooth, AGAIN)
+    """The points of the largest evidence, 1 less for each."""
+    smooth, covered, length = smoothed(line, 0.0 if line.through_zero else None)
+    along = _Along(line, smooth, length)
+    now = best = _best_of(along, [_first(line)], AGAIN)
     tried, since = 1, 0
     while len(now.chosen) < POINTS_MOST and since < PATIENCE:
-        more = _with_one_more(line, now.chosen, smooth)
+        more = _with_one_more(along, now.chosen)
         if more is None:
             break
         now, tried = more, tried + 1
-        since = 0 if now.worth > best.worth else since + 1
-        best = max(best, now, key=_worth)
-    best = _put_right(line, best, smooth)
+        since = 0 if now.paid > best.paid else since + 1
+        best = max(best, now, key=_paid)
+    best = _put_right(along, best)
     at = list(best.chosen)
-    shift = np.hypot(smooth[at] - best.y, np.sqrt(np.maximum(np.diag(covariance)[at], 0.0)))
+    shift = np.hypot(smooth[at] - best.y, np.sqrt(np.maximum(np.diag(covered)[at], 0.0)))
     return Points(line.x[at], best.y, best.worth, tried, shift)
 
 
-def _worth(one: _Set) -> float:
-    return one.worth
+def _paid(one: _Set) -> float:
+    return one.paid
 
 
-def _with_one_more(line: Line, chosen: tuple[int, ...], smooth: Array) -> _Set | None:
+def _with_one_more(along: _Along, chosen: tuple[int, ...]) -> _Set | None:
     """A set with the point more that is worth most; None where all points are in it."""
-    rest = [i for i in range(line.x.size) if i not in chosen]
+    rest = [i for i in range(along.line.x.size) if i not in chosen]
     if not rest:
         return None
-    best = _best_of(line, [sorted((*chosen, i)) for i in rest], smooth)
-    return _best_of(line, [best.chosen], smooth, AGAIN)
+    best = _best_of(along, [sorted((*chosen, i)) for i in rest])
+    return _best_of(along, [best.chosen], AGAIN)
 
 
-def _put_right(line: Line, best: _Set, smooth: Array) -> _Set:
-    """A set whose points stand where they are worth most, without those that are worth nothing."""
-    best = _moved(line, best, smooth)
+def _put_right(along: _Along, best: _Set) -> _Set:
+    """A set whose points stand where they are worth most, without those that are not worth 1."""
+    line, best = along.line, _moved(along, best)
     while len(best.chosen) > 2:
         less = [
             [*best.chosen[:k], *best.chosen[k + 1 :]]
@@ -98,16 +113,16 @@ def _put_right(line: Line, best: _Set, smooth: Array) -> _Set:
         ]
         if not less:
             break
-        fewer = _moved(line, _best_of(line, less, smooth), smooth)
-        if fewer.worth <= best.worth:
+        fewer = _moved(along, _best_of(along, less))
+        if fewer.paid <= best.paid:
             break
         best = fewer
     return best
 
 
-def _moved(line: Line, best: _Set, smooth: Array) -> _Set:
+def _moved(along: _Along, best: _Set) -> _Set:
     """A set each of whose inner points stands where it is worth most between its neighbours."""
-    best = _best_of(line, [best.chosen], smooth, AGAIN)
+    line, best = along.line, _best_of(along, [best.chosen], AGAIN)
     for _ in range(PASSES):
         before = best.worth
         for k in range(1, len(best.chosen) - 1):
@@ -115,9 +130,9 @@ def _moved(line: Line, best: _Set, smooth: Array) -> _Set:
             if line.stays(line.x[at[k]]):
                 continue
             offers = [[*at[:k], i, *at[k + 1 :]] for i in range(at[k - 1] + 1, at[k + 1])]
-            moved = _best_of(line, offers, smooth)
-            here = _best_of(line, [moved.chosen], smooth, AGAIN)
-            best = max(best, here, key=_worth)
+            moved = _best_of(along, offers)
+            here = _best_of(along, [moved.chosen], AGAIN)
+            best = max(best, here, key=_paid)
         if best.worth <= before:
             break
     return best
@@ -131,15 +146,18 @@ def _first(line: Line) -> list[int]:
     return [0, middle, x.size - 1]
 
 
-def _best_of(line: Line, sets: Sequence[Sequence[int]], smooth: Array, again: int = 0) -> _Set:
+def _best_of(along: _Along, sets: Sequence[Sequence[int]], again: int = 0) -> _Set:
     """Of sets of as many points the one that is worth most, with the values of the largest
     evidence."""
-    chosen = np.array(sets)
-    x, y = line.x[chosen], smooth[chosen]
+    line, chosen = along.line, np.array(sets)
+    x, y = line.x[chosen], along.smooth[chosen]
     free = np.array([[not line.stays(at) for at in row] for row in x])
+    spread = factor(x, along.length, 0.0 if line.through_zero else None)
     worth = np.full(len(x), -np.inf)
     for _ in range(again + 1):
-        worth, y = worth_of(line, cardinal_values(x, y, line.x) * free[:, None])
+        columns = cardinal_values(x, y, line.x) * free[:, None]
+        worth, numbers = worth_of(line, columns @ spread)
+        y = (spread @ numbers[..., None])[..., 0]
     best = int(np.argmax(worth))
     return _Set(
         tuple(chosen[best].tolist()), np.where(free[best], y[best], 0.0), float(worth[best])
@@ -198,20 +216,14 @@ def _at_best(line: Weighed, columns: Array) -> tuple[Array, Array, Array]:
     return worth, line.size * values, seen
 
 
-def smoothed(line: Weighed, zero: int | None = None) -> tuple[Array, Array]:
-    """The fine line (G,) and its covariance (G, G), SI, as a Gaussian process (Matérn 5/2) of what
-    moves the place, of the length of the largest evidence; 0 at its point of the number ``zero``.
-    """
-    x = (2 * line.x - line.x[0] - line.x[-1]) / (line.x[-1] - line.x[0])
+def smoothed(line: Weighed, zero: float | None = None) -> tuple[Array, Array, float]:
+    """The fine line (G,) and its covariance (G, G), SI, as a Gaussian process, of the length of the
+    largest evidence, which is given too, in half ranges; 0 at ``zero``, SI."""
     found = []
     for length in LENGTHS:
-        far = np.sqrt(5.0) * np.abs(x[:, None] - x) / length
-        kernel = (1 + far + far**2 / 3) * np.exp(-far)
-        if zero is not None:
-            kernel = kernel - np.outer(kernel[:, zero], kernel[zero]) / kernel[zero, zero]
-        spread, along = np.linalg.eigh(kernel)
+        spread, along = np.linalg.eigh(covariance(line.x, length, zero))
         columns = along * np.sqrt(np.maximum(spread, 0.0))
-        worth, values, covariance = solved(line, columns)
-        found.append((worth, columns @ values, columns @ covariance @ columns.T))
-    _, mean, covariance = max(found, key=lambda one: one[0])
-    return np.asarray(mean), np.asarray(covariance)
+        worth, values, seen = solved(line, columns)
+        found.append((float(worth), columns @ values, columns @ seen @ columns.T, length))
+    _, mean, covered, length = max(found, key=lambda one: one[0])
+    return np.asarray(mean), np.asarray(covered), length

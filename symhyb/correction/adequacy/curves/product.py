@@ -85,7 +85,7 @@ def _product(problem: _Problem, by_rate: Curve) -> Offer | None:
 def _smooth(line: Line) -> tuple[Characteristic, Array]:
     """The smooth line over one of stretch and rate beside that of the other one, and its values
     (G,), 1 at the largest."""
-    mean, _ = smoothed(line)
+    mean, *_ = smoothed(line)
     values = mean / (mean[np.argmax(np.abs(mean))] or 1.0)
     return through("smooth", line.x.tolist(), values.tolist(), "linear"), values
 

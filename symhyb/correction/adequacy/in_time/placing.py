@@ -119,7 +119,7 @@ def worth_along(ground: Recorded, trial: Fitted, number: Number, shape: Shape) -
 
 
 def _shift(line: TimeLine, chosen: Sequence[int], free: Shape) -> Array:
-    smooth, covariance = smoothed(line)
+    smooth, covariance, _ = smoothed(line)
     at = list(chosen)
     deviation = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     return np.asarray(np.hypot(1 + smooth[at] - np.array(free.values), deviation[at]))
