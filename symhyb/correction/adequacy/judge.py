@@ -24,12 +24,16 @@ from symhyb.correction.adequacy.explained import Decided, forces_left, remainder
 from symhyb.correction.adequacy.followed import Along, fitted_on, followed, likeliest, scored
 from symhyb.correction.adequacy.late import with_lags
 from symhyb.correction.adequacy.own_strengths import by_recording, without_own
-from symhyb.correction.adequacy.predictable import leaves_noise
+from symhyb.correction.adequacy.predictable import likeliest_with, with_whiteness
 from symhyb.correction.adequacy.ranking import is_lag, ranked, weights
 from symhyb.correction.adequacy.recorded import Recorded, recorded
 from symhyb.correction.adequacy.structure import Fitted, Generic, Likely, Row, fitted
 from symhyb.correction.adequacy.sums import functions_instead
-from symhyb.correction.adequacy.unnamed import changing_themselves, parts_of_unnamed
+from symhyb.correction.adequacy.unnamed import (
+    changing_themselves,
+    parts_of_bent,
+    parts_of_unnamed,
+)
 from symhyb.correction.adequacy.ways import on_ways
 from symhyb.correction.search.preparing import Prepared
 from symhyb.correction.search.selection import many
@@ -148,19 +152,9 @@ def adequacy(
         faults = (*faulty_sensors(ground, base), *noisy)
         jitter = () if left.acts or faults else jittering(ground, base)
         return Adequacy(left, faults, doubt, disputes, jitter=jitter, structure=base)
-    fits = [_likeliest_with(one.generic, trials) for one in classes]
-    judged = [
-        one._replace(white=leaves_noise(ground, fit))
-        for one, fit in zip(classes, fits, strict=True)
-    ]
-    found = on_ways(ground, judged)
-    return Adequacy(left, found, doubt, disputes, structure=base, by_class=fits[0])
-
-
-def _likeliest_with(generic: Generic, trials: Sequence[Fitted]) -> Fitted:
-    """The likeliest of the structures that have a class."""
-    having = [trial for trial in trials if trial.extra and trial.extra.key == generic.key]
-    return max(having, key=lambda trial: trial.evidence)
+    found = on_ways(ground, with_whiteness(ground, classes, trials))
+    by_class = likeliest_with(classes[0].generic, trials)
+    return Adequacy(left, found, doubt, disputes, structure=base, by_class=by_class)
 
 
 def _shown_by(ground: Recorded, raced: Sequence[Fitted], left: Beyond, reached: float) -> Beyond:
@@ -356,7 +350,8 @@ def _doubted(
             doubt.add(cause)
     certain = any(one.probability > PROBABLE and one.whole for one in classes)
     changing = changing_themselves(trials[0].causes, [one.generic for one in classes])
-    return frozenset(doubt | changing | parts_of_unnamed(trials[0].causes, certain))
+    parts = parts_of_bent(trials[0].machine.model, trials[0].causes)
+    return frozenset(doubt | changing | parts | parts_of_unnamed(trials[0].causes, certain))
 
 
 def _stands_in(cause: Hypothesis, trial: Fitted, base: Fitted) -> bool:

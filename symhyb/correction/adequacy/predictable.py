@@ -6,16 +6,33 @@ structures may be right (Ljung & Box, Biometrika 65, 1978; Ljung, System Identif
 sec. 16.6).
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from symhyb.correction.adequacy.channel_noise import innovations
 from symhyb.correction.adequacy.recorded import Recorded
-from symhyb.correction.adequacy.structure import Fitted, tracks_of
+from symhyb.correction.adequacy.structure import Fitted, Generic, Likely, tracks_of
 from symhyb.discrepancy.fitting.whiteness import LAGS_MOST
 from symhyb.judgement import CHANCE, NOTABLE
 from symhyb.numeric.kernels.buffers import Array
 
 LAG_LEAST = 20  # samples a lag: of fewer the statistic of white noise has heavier tails than χ²
+
+
+def with_whiteness(
+    recorded: Recorded, classes: Sequence[Likely], trials: Sequence[Fitted]
+) -> list[Likely]:
+    """The classes, with whether the likeliest structure that has each leaves noise."""
+    fits = [likeliest_with(one.generic, trials) for one in classes]
+    pairs = zip(classes, fits, strict=True)
+    return [one._replace(white=leaves_noise(recorded, fit)) for one, fit in pairs]
+
+
+def likeliest_with(generic: Generic, trials: Sequence[Fitted]) -> Fitted:
+    """The likeliest of the structures that have a class."""
+    having = [trial for trial in trials if trial.extra and trial.extra.key == generic.key]
+    return max(having, key=lambda trial: trial.evidence)
 
 
 def leaves_noise(recorded: Recorded, trial: Fitted) -> bool:

@@ -12,8 +12,9 @@ from collections.abc import Sequence
 from symhyb.correction.adequacy.structure import Generic
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.places.quantities import quantities, smooth
+from symhyb.discrepancy.places.standing import numbers_over
 from symhyb.discrepancy.words.formula import LAW
-from symhyb.model.types import Place
+from symhyb.model.types import Model, Place
 
 
 def parts_of_unnamed(causes: Sequence[Hypothesis], certain: bool) -> frozenset[Hypothesis]:
@@ -30,6 +31,18 @@ def parts_of_unnamed(causes: Sequence[Hypothesis], certain: bool) -> frozenset[H
         beside = {*numbers, *_smooth_laws(causes, cause.place, quantities(cause))}
         parts |= beside | ({cause} if beside and cause.kind == LAW else set())
     return frozenset(parts)
+
+
+def parts_of_bent(model: Model, causes: Sequence[Hypothesis]) -> frozenset[Hypothesis]:
+    """The numbers that may be parts of a bent law: those of an element of the model at its place,
+    over the same of stretch and rate. A bent law takes on shapes between those of simpler ones, so
+    that how much of the whole is a damper is a matter of which bend it is."""
+    found: set[Hypothesis] = set()
+    for cause in causes:
+        if cause.bent and cause.place is not None:
+            paths = numbers_over(model, cause.place, quantities(cause))
+            found |= {one for one in causes if one.place is None and one.path in paths}
+    return frozenset(found)
 
 
 def changing_themselves(

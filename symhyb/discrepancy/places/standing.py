@@ -5,11 +5,27 @@ from collections.abc import Sequence
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.model.expression import names
 from symhyb.model.types import Element, Model, Place
+from symhyb.model.vocabulary import KINDS
 
 
 def alike(model: Model, kind: str, place: Place | None) -> tuple[Element, ...]:
     """The elements of a model of one kind at one place."""
     return tuple(one for one in model.elements if one.kind == kind and one.place == place)
+
+
+def numbers_over(model: Model, place: Place, known: frozenset[str]) -> frozenset[str]:
+    """The numbers of the model, by path, in elements at a place that are functions of these
+    quantities alone (``stretch``, ``rate``)."""
+    found: set[str] = set()
+    for element in model.elements:
+        law = KINDS.get(element.kind)
+        if element.place != place or law is None or not law.of_state:
+            continue
+        if {"rate" if law.energy == "dissipative" else "stretch"} <= known:
+            own = {item.name for item in element.parameters}
+            used = {item.name for _, text in element.values for item in names(text)}
+            found |= {f"{element.name}.{name}" if name in own else name for name in used}
+    return frozenset(found)
 
 
 def uncertain_beside(

@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 from symhyb.correction.adequacy.structure import Generic
-from symhyb.correction.adequacy.unnamed import changing_themselves, parts_of_unnamed
+from symhyb.correction.adequacy.unnamed import changing_themselves, parts_of_bent, parts_of_unnamed
 from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.model.read import parse_model
 from symhyb.model.types import On
+from tests.builders import DRIVEN_MASS
 
 X, Y = On("x"), On("y")
 
@@ -61,6 +63,16 @@ def test_beside_a_curve_a_bent_law_is_another_one(over: str) -> None:
     elsewhere = law("damper_kinked", "damping", Y)
     assert parts_of_unnamed((*bent, elsewhere), False) == frozenset()
     assert parts_of_unnamed((curve(over), *bent, elsewhere), False) == set(bent)
+
+
+def test_beside_a_bent_law_a_number_of_its_quantity_at_its_place_has_no_value_of_its_own() -> None:
+    model = parse_model(DRIVEN_MASS)  # a spring of k and a damper of d on x
+    k, d = (Hypothesis("parameter", None, ("value",), (False,), path=name) for name in "kd")
+    kinked, power = law("damper_kinked", "damping"), law("power", "coefficient")
+    assert parts_of_bent(model, (k, d, GAIN, DRAG)) == frozenset()
+    assert parts_of_bent(model, (k, d, GAIN, kinked)) == {d}
+    assert parts_of_bent(model, (k, d, GAIN, power, FRICTION)) == {d}
+    assert parts_of_bent(model, (k, d, law("damper_kinked", "damping", Y))) == frozenset()
 
 
 def test_an_empirical_law_alone_stands_and_beside_its_parts_is_one() -> None:
