@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from symhyb.model.types import Model
 from symhyb.numeric.lowered.machine import Machine, build
+from symhyb.numeric.runs import window_steps
 from symhyb.numeric.runs.windows import Block, WindowModel
 
 Array = NDArray[np.float64]
@@ -259,6 +260,40 @@ def test_what_a_linear_model_fails_to_do_is_found_from_a_measured_motion() -> No
     _, y = model.simulate(windows, motion[:, 0], machine.values)
     assert np.abs(linear.defect).max() > 1e-2
     assert linear.output + linear.from_defect() == pytest.approx(y, rel=2e-5, abs=1e-6)
+
+
+@pytest.mark.parametrize("substeps", [10, 24, 64])
+def test_slopes_along_pieces_of_many_steps_are_those_of_the_steps(
+    substeps: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Pieces of one, three and eight steps: the run is the same, and collocation errs little."""
+    machine = build(cart_pole())
+    model = WindowModel(machine, (machine.column("g"), machine.column("m_p")))
+    t = np.broadcast_to(np.arange(40) / 50, (3, 40))
+    windows = block(t, 2 * np.sin(5 * t)[..., None], 3, substeps=substeps)
+    start = np.array([[0.0, 0.5, 0.2, 0.0], [0.1, 0.3, 0.0, 1.0], [0.0, 0.2, 0.1, -1.0]])
+    in_pieces = model.differentiate(windows, start, machine.values, forces=True)
+    asked: list[int] = []
+    whole = window_steps.Steps.slopes
+
+    def counted(self: window_steps.Steps, run: window_steps.Taken, p: Array, forces: bool) -> Array:
+        asked.append(len(run.given[3]))
+        return whole(self, run, p, forces)
+
+    monkeypatch.setattr(window_steps.Steps, "slopes", counted)
+    model.differentiate(windows, start, machine.values)
+    monkeypatch.setattr(window_steps, "PIECES_MOST", substeps)
+    by_step = model.differentiate(windows, start, machine.values, forces=True)
+    intervals = windows.substeps.size
+    assert asked == [intervals * (10 if substeps == 10 else 8), intervals * substeps]
+    assert np.array_equal(in_pieces.x, by_step.x)
+    for mine, theirs, error in (
+        (in_pieces.from_start(), by_step.from_start(), 1e-5),
+        (in_pieces.from_free(), by_step.from_free(), 1e-5),
+        (in_pieces.left, by_step.left, 1e-3),  # a test force is constant within a piece
+        (in_pieces.right, by_step.right, 1e-3),
+    ):
+        assert np.abs(mine - theirs).max() < error * np.abs(theirs).max()
 
 
 @pytest.mark.parametrize("substeps", [1, 3, "uneven"])

@@ -4,10 +4,15 @@ A step that is differentiated as a whole is tens to hundreds of thousands of ins
 every cause that is tried. Slopes of steps follow instead from those of the rates
 (:mod:`symhyb.numeric.kernels.collocation`), along a run that is there already.
 
-Sizes: S steps, X states, n coordinates, m sensors, F free parameters.
+A run that dry friction asks for may take a hundred steps between two samples, where its slopes are
+smooth in all but few. So those are made along pieces of several steps, at states of that run
+(:func:`in_pieces`).
+
+Sizes: S steps, M intervals between samples, X states, n coordinates, m sensors, F free parameters.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
@@ -16,12 +21,47 @@ from numpy.typing import NDArray
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.kernels.chains import Chains
 from symhyb.numeric.kernels.collocation import collocated
+from symhyb.numeric.kernels.memory import kept
 from symhyb.numeric.kernels.vector import along
 from symhyb.numeric.lowered.dynamics import StateForm
-from symhyb.numeric.lowered.steps import rate_slopes, rosenbrock_step, step_and_middle
+from symhyb.numeric.lowered.steps import rate_slopes, step_and_middle
 
 STEPS_AT_ONCE = 4096
 SAME = 1e-9  # of a drive or a step: less is rounding
+PIECES_MOST = 8  # between two samples, along which slopes are made
+
+
+@dataclass(frozen=True, slots=True)
+class Taken:
+    """Steps of a run: the ``states`` before them, in their middle and after them (S, X), and
+    ``given`` the drive before and after (S, drive), times (S, 1) and lengths (S, 1), s."""
+
+    states: tuple[Array, Array, Array]
+    given: tuple[Array, Array, Array, Array]
+
+
+def in_pieces(
+    run: Taken, first: NDArray[np.int64], parts: NDArray[np.int64]
+) -> tuple[Taken, NDArray[np.int64], NDArray[np.int64]]:
+    """A run in no more pieces between two samples than ``PIECES_MOST``, each of several of its
+    steps, with the first piece (M,) of each interval and how many there are (M,). It had ``parts``
+    (M,) steps of one length from the ``first`` (M,) on, with drives that are lines; where these
+    are no multiple of the pieces they stay as they are."""
+    size = np.where(parts % PIECES_MOST == 0, parts // PIECES_MOST, 1)
+    if (size == 1).all():
+        return run, first, parts
+    count = parts // size
+    begin = np.cumsum(count) - count
+    each = np.repeat(size, count)
+    at = np.repeat(first, count) + (np.arange(each.size) - np.repeat(begin, count)) * each
+    last, half = at + each - 1, at + each // 2
+    before, middle, after = run.states
+    between = np.where((each % 2 == 0)[:, None], before[half], middle[half])
+    d0, d1, t, h = run.given
+    made = Taken(
+        (before[at], between, after[last]), (d0[at], d1[last], t[at], h[at] * each[:, None])
+    )
+    return made, begin, count
 
 
 class Steps:
@@ -30,25 +70,17 @@ class Steps:
     def __init__(self, form: StateForm, free: list[int]):
         self.sense = _sensing(form, free)
         self._form, self._free = form, free
-        self._ready: dict[str, Chains] = {}
         self._rates: dict[bool, ca.Function] = {}
 
-    def run(self, what: str) -> Chains:
-        """The steps of chains: ``plain``, or with the state in the ``middle`` of each."""
-        if what not in self._ready:
-            made = rosenbrock_step if what == "plain" else step_and_middle
-            self._ready[what] = Chains(made(self._form))
-        return self._ready[what]
+    @property
+    def run(self) -> Chains:
+        """The steps of chains, with the state in the middle of each: the same whatever is free."""
+        return kept(("steps", self._form.key), lambda: Chains(step_and_middle(self._form)))
 
-    def slopes(
-        self, states: Sequence[Array], given: Sequence[Array], p: Array, forces: bool
-    ) -> Array:
+    def slopes(self, run: Taken, p: Array, forces: bool) -> Array:
         """Slopes of steps by x, free parameters and, if asked for, test ``forces`` (S, X + F + n,
-        X), column by column, SI.
-
-        ``states`` (S, X) are those before the steps, in their middle and after them; ``given`` the
-        drive before and after (S, drive), times (S, 1) and lengths (S, 1) of the steps, s.
-        """
+        X), column by column, SI; ``p`` (P,) in SI."""
+        states, given = run.states, run.given
         size, own = self._form.size, len(self._free)
         count = size + own + (self._form.machine.n if forces else 0)
         found = np.empty((len(given[3]), count, size))

@@ -24,7 +24,7 @@ from symhyb.numeric.lowered.known import Known, with_known
 from symhyb.numeric.lowered.machine import Machine
 from symhyb.numeric.lowered.manifold import closed, tangent
 from symhyb.numeric.runs.between import bent_columns
-from symhyb.numeric.runs.window_steps import Steps
+from symhyb.numeric.runs.window_steps import Steps, Taken, in_pieces
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,7 +145,7 @@ class WindowModel:
         self._smooth, self._held = bent_columns(machine.model.inputs)
         self._fine = bool(self._smooth)
         self._held = tuple(i for i in self._held if not moves(machine.model.inputs[i]))
-        self._steps = kept(("steps", self.form.key, free), lambda: Steps(self.form, list(free)))
+        self._steps = kept(("windows", self.form.key, free), lambda: Steps(self.form, list(free)))
 
     @property
     def remembers(self) -> bool:
@@ -250,36 +250,32 @@ class WindowModel:
         self._hold(d0, d1, t, h, block, p, acted)
         begins = first.reshape(windows, length - 1)[:, : starts.shape[1]].reshape(-1)
         given = d0, d1, t[:, None], h[:, None]
-        after, *slopes = self._chained(what, begins, starts.reshape(-1, states), given, p)
         shape = (windows, length - 1, states)
-        ends = after[first + parts - 1].reshape(shape)
+        starts = starts.reshape(-1, states)
         if what == "plain":
-            return [ends]
-        made = joined(slopes[0], len(self.free), first, parts)
+            after, _ = self._applied(begins, starts, given, p)
+            return [after[first + parts - 1].reshape(shape)]
+        after, middle = self._applied(begins, starts, given, p)
+        before = np.concatenate([after[:1], after[:-1]])
+        before[begins] = starts
+        ends = after[first + parts - 1].reshape(shape)
+        run = Taken((before, middle, after), given)
+        if not (self._smooth or self._held or acted):  # drives are lines between samples
+            run, first, parts = in_pieces(run, first, parts)
+        found = self._steps.slopes(run, p, what == "screen")
+        made = joined(found, len(self.free), first, parts)
         slopes = [one.reshape(*shape, -1) for one in made]
         if what == "fit":  # no test force is asked for
             slopes[1] = slopes[2] = np.zeros((*shape, self.machine.n))
         return [ends, *slopes]
 
-    def _chained(
-        self, what: str, begins: NDArray[np.int64], starts: Array, given: Sequence[Array], p: Array
-    ) -> list[Array]:
-        """States after steps (S, X) that begin anew at ``begins`` (C,) from ``starts`` (C, X), with
-        the arguments ``given`` (S, rows) of each, and slopes (S, columns, X) unless ``what`` is
-        plain."""
-        if what == "plain":
-            return self._applied(what, begins, starts, given, p)
-        after, middle = self._applied("middle", begins, starts, given, p)
-        before = np.concatenate([after[:1], after[:-1]])
-        before[begins] = starts
-        return [after, self._steps.slopes((before, middle, after), given, p, what == "screen")]
-
     def _applied(
-        self, what: str, begins: NDArray[np.int64], starts: Array, given: Sequence[Array], p: Array
+        self, begins: NDArray[np.int64], starts: Array, given: Sequence[Array], p: Array
     ) -> list[Array]:
-        """All outputs of steps (S, entries), chain by chain. Chains of two lengths go apart; where
-        there are more, the shorter ones wait at their ends."""
-        total, run = len(given[0]), self._steps.run(what)
+        """All outputs of steps (S, entries) that begin anew at ``begins`` (C,) from ``starts`` (C,
+        X), with the arguments ``given`` (S, rows) of each, chain by chain. Chains of two lengths go
+        apart; where there are more, the shorter ones wait at their ends."""
+        total, run = len(given[0]), self._steps.run
         count = np.diff(np.append(begins, total))
         lengths = np.unique(count)
         if lengths.size > 2:
