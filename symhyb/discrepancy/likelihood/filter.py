@@ -9,7 +9,7 @@ Filter and drives are linear, so that the residual and any number of candidate c
 its own b and e) pass the same gains and come out white. Measurements are taken one after the other,
 which needs no inverse and leaves out what is missing. Loops stand for slices: they compile in half
 the time.
-Sizes: N samples, X states, n forces, m sensors, K columns, d = X + n + m or, without colour, X + n.
+Sizes: N samples, X states, n forces, m sensors, K columns, d = X + n + c with c coloured sensors.
 
 Sources: Anderson & Moore, Optimal Filtering, 1979 (sequential updates); Durbin & Koopman, Time
 Series Analysis by State Space Methods, 2012, §4.4 (smoother) and §7.3 (score: Koopman & Shephard,
@@ -67,7 +67,9 @@ def start(P0: Array, force: Array, colour: Array, coloured: bool) -> Array:  # p
 
 
 @jitted
-def observe(h: Array, C: Array, D: Array, i: int, j: int) -> None:  # pragma: no cover - compiled
+def observe(
+    h: Array, C: Array, D: Array, place: NDArray[np.int64], i: int, j: int
+) -> None:  # pragma: no cover - compiled
     """Write how the j-th sensor sees the i-th state (d,), SI."""
     states, forces = C.shape[2], D.shape[2]
     for s in range(states):
@@ -76,8 +78,8 @@ def observe(h: Array, C: Array, D: Array, i: int, j: int) -> None:  # pragma: no
         h[states + s] = D[i, j, s]
     for s in range(states + forces, h.size):
         h[s] = 0.0
-    if h.size > states + forces:
-        h[states + forces + j] = 1.0
+    if place[j] >= 0:
+        h[states + forces + place[j]] = 1.0
 
 
 @jitted
@@ -149,13 +151,15 @@ def whiten(
     force: Array,
     white: Array,
     colour: Array,
+    place: NDArray[np.int64],
 ) -> tuple[Array, float]:  # pragma: no cover - compiled
     """White innovations (N, m, K) of all columns, and Σ ln S.
 
     ``phi`` (N−1, X, X), ``left`` and ``right`` (N−1, X, n), ``C`` (N, m, X), ``D`` (N, m, n),
     ``seen`` (N, m), ``b`` (N−1, X, K), ``e`` (N, m, K), ``begin`` (X, K) the columns at the start,
-    ``P0`` (X, X), ``keep`` (N−1, n) = α, ``hold`` (N−1, m or 0) = ρ, variances ``force`` (n,),
-    ``white`` (m,), ``colour`` (m,).
+    ``P0`` (X, X), ``keep`` (N−1, n) = α, ``hold`` (N−1, c) = ρ, variances ``force`` (n,),
+    ``white`` (m,), ``colour`` (c,), and the ``place`` (m,) of each sensor's colour among these, −1
+    where it has none; all in SI.
     """
     samples, sensors, states = C.shape
     forces, columns, sensed = left.shape[2], b.shape[2], hold.shape[1]
@@ -173,7 +177,7 @@ def whiten(
         for j in range(sensors):
             if not seen[i, j]:
                 continue
-            observe(h, C, D, i, j)
+            observe(h, C, D, place, i, j)
             seen_through(k, P, h)
             S = white[j]
             for s in range(d):
@@ -225,10 +229,11 @@ def smooth(
     force: Array,
     white: Array,
     colour: Array,
+    place: NDArray[np.int64],
     wanted: bool,
 ) -> tuple[Array, Array, float, float, Array, Array, Array, Array]:  # pragma: no cover - compiled
     """Smoothed state (N, d) with its variance (N, d), SI, Σ ln S, χ², and the score: ∂ ln L by the
-    variances ``force`` (n,), ``white`` (m,) and ``colour`` (m,), and by the logarithms of the
+    variances ``force`` (n,), ``white`` (m,) and ``colour`` (c,), and by the logarithms of the
     correlation times (2,) of force and colour. Where the state is not ``wanted`` it is left at
     zero, which halves the work.
 
@@ -257,7 +262,7 @@ def smooth(
         for j in range(sensors):
             if not seen[i, j]:
                 continue
-            observe(h, C, D, i, j)
+            observe(h, C, D, place, i, j)
             seen_through(k, P, h)
             S, v = white[j], e[i, j]
             for s in range(d):
@@ -287,14 +292,14 @@ def smooth(
         M, M2 = M2, M
     mean, variance = np.zeros((samples, d)), np.zeros((samples, d))
     by_force, by_white = np.zeros(forces), np.zeros(sensors)
-    by_colour, by_times = np.zeros(sensors), np.zeros(2)
+    by_colour, by_times = np.zeros(sensed), np.zeros(2)
     r, r2 = np.zeros(d), np.zeros(d)
     Nn = np.zeros((d, d))
     for i in range(samples - 1, -1, -1):
         for j in range(sensors - 1, -1, -1):
             if not seen[i, j]:
                 continue
-            observe(h, C, D, i, j)
+            observe(h, C, D, place, i, j)
             S = sizes[i, j]
             along, across = 0.0, 0.0
             for s in range(d):

@@ -17,6 +17,7 @@ from symhyb.discrepancy.likelihood.track import (
     Track,
     effective,
     log_likelihood,
+    showing,
     smoothed,
     still,
 )
@@ -86,7 +87,7 @@ def maximised(
     ``floor`` (m,) is the least white noise, SI. ``roughly``: a few steps of the sizes alone. A step
     that gains less than ``within``, in ln L, is the last."""
     acting = effective(tracks) & (begin.force > 0) & force
-    tinted = (begin.colour > 0) & colour
+    tinted = (begin.colour > 0) & colour & showing(tracks)
     base = NoiseModel(
         np.where(acting, begin.force, 0.0),
         begin.memory_s,

@@ -79,7 +79,8 @@ class InputNoise:
                 *rest[1:],
                 self.size**2,
                 sd**2,
-                np.zeros(sensors),
+                np.zeros(0),
+                np.full(sensors, -1),
             )
         return white
 

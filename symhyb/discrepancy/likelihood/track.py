@@ -162,12 +162,53 @@ def effective(tracks: Sequence[Track]) -> NDArray[np.bool_]:
     return found
 
 
-def _keeps(one: Track, noise: NoiseModel) -> tuple[Array, Array]:
-    """What is left of unknown forces (N − 1, n) and coloured noise (N − 1, m or 0) after a step."""
-    n, m = noise.force.size, noise.white.size if noise.coloured else 0
-    keep = np.exp(-one.step_s / noise.memory_s)
-    hold = np.exp(-one.step_s / noise.colour_s)
-    return np.repeat(keep[:, None], n, axis=1), np.repeat(hold[:, None], m, axis=1)
+def showing(tracks: Sequence[Track]) -> NDArray[np.bool_]:
+    """The sensors (m,) that show anything but given motion, so that a colour of theirs could stand
+    for what a structure lacks."""
+    found = np.zeros(tracks[0].seen.shape[1], bool)
+    for linear in (one.linear for one in tracks):
+        for part in (linear.by_state, linear.by_force, linear.direct):
+            found |= np.abs(part[0]).max(axis=(0, 2), initial=0.0) > 0
+    return found
+
+
+@dataclass(frozen=True, slots=True)
+class _Acting:
+    """What the filter has states for: unknown ``forces`` (f,) and the colours of ``tinted`` sensors
+    (c,), those of any size. All others are exactly 0."""
+
+    forces: NDArray[np.int64]
+    tinted: NDArray[np.int64]
+
+    def keeps(self, one: Track, noise: NoiseModel) -> tuple[Array, Array]:
+        """What is left of forces (N − 1, f) and colours (N − 1, c) after a step."""
+        keep = np.exp(-one.step_s / noise.memory_s)
+        hold = np.exp(-one.step_s / noise.colour_s)
+        return (
+            np.repeat(keep[:, None], self.forces.size, axis=1),
+            np.repeat(hold[:, None], self.tinted.size, axis=1),
+        )
+
+    def variances(self, noise: NoiseModel) -> tuple[Array, Array, Array]:
+        """Of forces (f,), white noise (m,) and colours (c,), SI."""
+        return noise.force[self.forces] ** 2, noise.white**2, noise.colour[self.tinted] ** 2
+
+    def place(self, sensors: int) -> NDArray[np.int64]:
+        """Where the colour of each of ``sensors`` stands among these (m,), −1 where it has none."""
+        found = np.full(sensors, -1)
+        found[self.tinted] = np.arange(self.tinted.size)
+        return found
+
+
+def _acting(noise: NoiseModel) -> _Acting:
+    return _Acting(np.flatnonzero(noise.force > 0), np.flatnonzero(noise.colour > 0))
+
+
+def _among(values: Array, which: NDArray[np.int64], size: int) -> Array:
+    """Values (…, some) as those of ``which`` of ``size`` (…, size), 0 for all others."""
+    whole = np.zeros((*values.shape[:-1], size))
+    whole[..., which] = values
+    return whole
 
 
 def white_columns(one: Track, noise: NoiseModel, b: Array, e: Array, begin: Array) -> Array:
@@ -180,32 +221,31 @@ def white_columns(one: Track, noise: NoiseModel, b: Array, e: Array, begin: Arra
 def _whitened(
     one: Track, noise: NoiseModel, b: Array, e: Array, begin: Array
 ) -> tuple[Array, float]:
-    linear, (keep, hold) = one.linear, _keeps(one, noise)
+    acts = _acting(noise)
     made = whiten(
-        *_system(linear),
+        *_system(one.linear, acts.forces),
         one.seen,
         np.ascontiguousarray(b),
         np.ascontiguousarray(e),
         np.ascontiguousarray(begin),
         one.P0,
-        keep,
-        hold,
-        noise.force**2,
-        noise.white**2,
-        noise.colour**2,
+        *acts.keeps(one, noise),
+        *acts.variances(noise),
+        acts.place(noise.white.size),
     )
     return made
 
 
-def _system(linear: Linear) -> tuple[Array, Array, Array, Array, Array]:
-    """Transition, forces left and right, and what sensors see of state and force; contiguous."""
+def _system(linear: Linear, forces: NDArray[np.int64]) -> tuple[Array, Array, Array, Array, Array]:
+    """Transition, these ``forces`` left and right, and what sensors see of state and force;
+    contiguous."""
     whole = np.ascontiguousarray
     return (
         whole(linear.transition[0]),
-        whole(linear.left[0]),
-        whole(linear.right[0]),
+        whole(linear.left[0][..., forces]),
+        whole(linear.right[0][..., forces]),
         whole(linear.by_state[0]),
-        whole(linear.by_force[0]),
+        whole(linear.by_force[0][..., forces]),
     )
 
 
@@ -256,7 +296,7 @@ def still(one: Track) -> Array:
 def smoothed(one: Track, noise: NoiseModel, change: Array, wanted: bool = True) -> Smoothed:
     """State, unknown force and colour with the free parameters changed by ``change`` (F,), SI;
     where these are not ``wanted``, ln L and its derivatives alone."""
-    linear, (keep, hold) = one.linear, _keeps(one, noise)
+    linear, acts = one.linear, _acting(noise)
     begin = one.first.copy()
     if linear.begin_free is not None:
         begin = begin + linear.begin_free[0] @ change
@@ -268,27 +308,29 @@ def smoothed(one: Track, noise: NoiseModel, change: Array, wanted: bool = True) 
     e[0] -= linear.by_state[0, 0] @ offset
     if len(b):
         b[0] += linear.transition[0, 0] @ offset
-    mean, variance, logs, chi2, *slopes = smooth(
-        *_system(linear),
+    mean, variance, logs, chi2, by_force, by_white, by_colour, by_times = smooth(
+        *_system(linear, acts.forces),
         one.seen,
         np.ascontiguousarray(b),
         np.ascontiguousarray(e),
         one.P0,
-        keep,
-        hold,
-        noise.force**2,
-        noise.white**2,
-        noise.colour**2,
+        *acts.keeps(one, noise),
+        *acts.variances(noise),
+        acts.place(noise.white.size),
         wanted,
     )
-    states, n = one.x.shape[1], noise.force.size
+    states, n, m = one.x.shape[1], noise.force.size, noise.white.size
+    first = states + acts.forces.size
     state = mean[:, :states]
     state[0] += offset
     return Smoothed(
         state,
-        mean[:, states : states + n],
-        np.sqrt(np.maximum(variance[:, states : states + n], 0.0)),
-        mean[:, states + n :],
+        _among(mean[:, states:first], acts.forces, n),
+        _among(np.sqrt(np.maximum(variance[:, states:first], 0.0)), acts.forces, n),
+        _among(mean[:, first:], acts.tinted, m if acts.tinted.size else 0),
         -0.5 * (logs + chi2 + one.count * np.log(2 * np.pi)),
-        *slopes,
+        _among(by_force, acts.forces, n),
+        by_white,
+        _among(by_colour, acts.tinted, m),
+        by_times,
     )

@@ -34,6 +34,7 @@ class System:
     force: Array
     white: Array
     colour: Array
+    place: NDArray[np.int64]
 
 
 def system(seed: int, coloured: bool, missing: float = 0.2) -> System:
@@ -57,7 +58,8 @@ def system(seed: int, coloured: bool, missing: float = 0.2) -> System:
         np.exp(-np.outer(step, np.ones(M if coloured else 0)) / 7.0),
         np.array([0.6]),
         np.array([0.04, 0.3]),
-        np.array([0.5, 0.2]),
+        np.array([0.5, 0.2][: M if coloured else 0]),
+        np.arange(M) if coloured else np.full(M, -1),
     )
 
 
@@ -109,7 +111,7 @@ def arguments(one: System, column: int) -> tuple[Array, ...]:
     """What the smoother takes: one column, from no deviation on."""
     parts = (one.phi, one.left, one.right, one.C, one.D, one.seen)
     driven = (np.ascontiguousarray(one.b[:, :, column]), np.ascontiguousarray(one.e[:, :, column]))
-    rest = (one.P0, one.keep, one.hold, one.force, one.white, one.colour)
+    rest = (one.P0, one.keep, one.hold, one.force, one.white, one.colour, one.place)
     return (*parts, *driven, *rest)
 
 

@@ -8,8 +8,10 @@ import pytest
 from symhyb.discrepancy.likelihood.noise import NoiseModel
 from symhyb.discrepancy.likelihood.track import (
     Extra,
+    Track,
     effective,
     log_likelihood,
+    showing,
     smoothed,
     track,
     white_forces,
@@ -118,3 +120,54 @@ def test_a_force_is_effective_where_the_machine_answers_it() -> None:
     deaf = replace(one.linear, left=0 * one.linear.left, by_force=0 * one.linear.by_force)
     assert effective([replace(one, linear=deaf)]).tolist() == [False]
     assert one.step_s == pytest.approx(STEP)
+
+
+def wide() -> Track:
+    """The track with three sensors of the place, and three forces that push it."""
+    one = track(WindowModel(MACHINE), ITEM, STATES, MACHINE.values)
+    linear, pushes = one.linear, np.array([1.0, 0.5, -0.3])
+    chance = np.random.default_rng(4)
+    return replace(
+        one,
+        linear=replace(
+            linear,
+            left=linear.left * pushes,
+            right=linear.right * pushes,
+            by_force=np.repeat(np.repeat(linear.by_force, 3, axis=2), 3, axis=3),
+            by_state=linear.by_state * np.array([1.0, 2.0, 0.7])[:, None],
+            direct=np.repeat(linear.direct, 3, axis=2),
+        ),
+        residual=NOISE * chance.standard_normal((SAMPLES, 3)),
+        seen=chance.random((SAMPLES, 3)) > 0.1,
+    )
+
+
+def test_forces_and_colours_without_a_size_are_those_of_next_to_none() -> None:
+    """The filter has no states for them; what comes out stands sensor by sensor all the same."""
+    one, force, colour = wide(), np.array([0.3, 0.0, 0.2]), NOISE * np.array([0.0, 2.0, 1.0])
+    some = NoiseModel(force, 0.2, NOISE * np.array([1.0, 0.5, 2.0]), colour, 0.5)
+    every = replace(some, force=np.fmax(force, 1e-9), colour=np.fmax(colour, 1e-12))
+    assert log_likelihood(one, some) == pytest.approx(log_likelihood(one, every), rel=1e-9)
+    change = np.array([0.4, -0.1])[: one.linear.by_free.shape[3]]
+    mine, theirs = (smoothed(one, noise, change) for noise in (some, every))
+    assert mine.logl == pytest.approx(theirs.logl, rel=1e-9)
+    for name in ("state", "force", "force_sd", "colour", "by_white", "by_times"):
+        first, second = getattr(mine, name), getattr(theirs, name)
+        assert first.shape == second.shape
+        assert np.abs(first - second).max() < 1e-6 * np.abs(second).max(), name
+    assert mine.by_force[[0, 2]] == pytest.approx(theirs.by_force[[0, 2]], rel=1e-6)
+    assert mine.by_colour[1:] == pytest.approx(theirs.by_colour[1:], rel=1e-6)
+    white = [white_problem(one, noise)[0] for noise in (some, every)]
+    assert white[0] == pytest.approx(white[1], abs=1e-6)
+
+
+def test_a_sensor_of_given_motion_shows_nothing_of_the_machine() -> None:
+    one = wide()
+    given = np.array([1.0, 0.0, 1.0])
+    linear = replace(
+        one.linear,
+        by_state=one.linear.by_state * given[:, None],
+        by_force=one.linear.by_force * given[:, None],
+        direct=one.linear.direct * given[:, None],
+    )
+    assert showing([replace(one, linear=linear)]).tolist() == [True, False, True]
