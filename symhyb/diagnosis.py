@@ -34,7 +34,7 @@ from symhyb.correction.verdict.choice import Choice, choose, chosen_again
 from symhyb.correction.verdict.conclusion import concluded
 from symhyb.correction.verdict.constants import with_constant
 from symhyb.correction.verdict.estimate import Estimated, estimate
-from symhyb.correction.verdict.hold import held_inputs, with_held, with_holds
+from symhyb.correction.verdict.hold import held_inputs, likelier, with_held, with_holds
 from symhyb.correction.verdict.in_place_of_class import holds, one_value, with_law
 from symhyb.correction.verdict.in_time import (
     Changing,
@@ -141,7 +141,7 @@ def _concluded(
         tell("deciding again, with an input that is held from sample to sample")
         stated = with_holds(model, held)
         again = _decided(stated, recordings, holdout, own, tell)
-        if again.judged.adequate:
+        if likelier(again.judged, first.judged):
             answer = _told(stated, again, tell)
             if answer.verdict != "undecided":
                 return Concluded(with_held(answer, held), again.prepared, again.choice)
@@ -149,27 +149,38 @@ def _concluded(
         one = changing(model, prepared, first.setting, choice, first.judged, tell)
     if one is not None and not one.others:
         tell("deciding again, with the course of a number in the model")
-        try:
-            again = _decided(one.model, recordings, holdout, own, tell)
-        except NumericsError:  # along the course it cannot be simulated: what was decided stands
-            one = None
-        else:
-            return _with_course(again, one, tell)
+        concluded = _with_course(one, recordings, holdout, own, tell)
+        if concluded is not None:
+            return concluded
+        one = None
     with if_interrupted(lambda: fits_best(choice.decision.selected, len(choice.decision.trials))):
         answer = _told(model, first, tell)
     return Concluded(answer if one is None else in_doubt(answer, one), prepared, choice)
 
 
-def _with_course(again: "_Decided", one: Changing, tell: Say) -> Concluded:
-    """What is concluded of a model in which a number has its course."""
+def _with_course(
+    one: Changing,
+    recordings: Recording | Sequence[Recording],
+    holdout: Recording | Sequence[Recording],
+    own: Sequence[str] | Own,
+    tell: Say,
+) -> Concluded | None:
+    """What is concluded of a model in which a number has its course; None where that is not known
+    either, so that the course may only imitate what acts."""
+    try:
+        again = _decided(one.model, recordings, holdout, own, tell)
+    except NumericsError:  # along the course it cannot be simulated
+        return None
     doubt = without_numbers(again.judged, again.known.final.causes)
     again = replace(
         again,
         known=replace(again.known, doubt=again.known.doubt | doubt),
         judged=replace(again.judged, doubt=doubt),
     )
-    answer = with_changing(_told(one.model, again, tell), one)
-    return Concluded(answer, again.prepared, again.choice)
+    answer = _told(one.model, again, tell)
+    if answer.verdict == "undecided":
+        return None
+    return Concluded(with_changing(answer, one), again.prepared, again.choice)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

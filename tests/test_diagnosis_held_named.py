@@ -12,7 +12,13 @@ from scipy.interpolate import CubicSpline
 
 import symhyb as sh
 from symhyb.correction.adequacy.structure import Generic, Likely
-from symhyb.correction.verdict.hold import held_inputs, samples_kept, with_held, with_holds
+from symhyb.correction.verdict.hold import (
+    held_inputs,
+    likelier,
+    samples_kept,
+    with_held,
+    with_holds,
+)
 from symhyb.discrepancy.results import Diagnosis, Measurement
 from symhyb.errors import InputError
 from symhyb.model.read import parse_model
@@ -32,7 +38,20 @@ def staircase(t: Array, command: Array) -> Array:
 
 def judged(figure: float, probability: float = 0.99, does: str = "holds") -> Any:
     generic = Generic("input", "f", (), np.ones(1), figure=figure, does=cast(Any, does))
-    return SimpleNamespace(classes=(Likely(generic, probability),))
+    return SimpleNamespace(classes=(Likely(generic, probability),), structure=None)
+
+
+def late(adequate: bool = True, evidence: float = 0.0, **delays: float) -> Any:
+    """A judgement without a class, of a structure with these delays, s, of channels."""
+    causes = [SimpleNamespace(kind="delay", path=f"{name}.delay") for name in delays]
+    places = {cause.path: i for i, cause in enumerate(causes)}
+    structure = SimpleNamespace(
+        causes=[SimpleNamespace(kind="friction", path=""), *causes],
+        p=list(delays.values()),
+        machine=SimpleNamespace(column=places.__getitem__),
+        evidence=evidence,
+    )
+    return SimpleNamespace(classes=(), structure=structure, adequate=adequate)
 
 
 def model(said: str = "") -> Model:
@@ -50,10 +69,35 @@ def test_one_sample_for_certain_is_held() -> None:
         judged(2 * STEP_S),
         judged(STEP_S, 0.9),
         judged(STEP_S, does="fades"),
-        SimpleNamespace(classes=()),
+        SimpleNamespace(classes=(), structure=None),
     ):
         assert held_inputs(model(), run, cast(Any, unsure)) == ()
     assert held_inputs(model(', between = "held"'), run, judged(STEP_S)) == ()
+
+
+def test_half_a_sample_late_may_be_held() -> None:
+    """At the sensor, too: in a linear machine what is late there is late at the input."""
+    run = [actuated(staircase, 1, duration=2.0)]
+    for one in (late(f=STEP_S / 2), late(laser=1.001 * STEP_S / 2)):
+        assert [held.channel for held in held_inputs(model(), run, one)] == ["f"]
+    for other in (late(), late(f=STEP_S), late(f=STEP_S / 2, laser=2 * STEP_S)):
+        assert held_inputs(model(), run, other) == ()
+    assert held_inputs(model(', between = "held"'), run, late(f=STEP_S / 2)) == ()
+
+
+@pytest.mark.parametrize(
+    ("again", "before", "named"),
+    [
+        (late(evidence=9.0), late(evidence=0.0), True),
+        (late(evidence=3.0), late(evidence=0.0), False),
+        (late(evidence=-9.0), late(adequate=False), True),
+        (late(adequate=False, evidence=99.0), late(), False),
+    ],
+)
+def test_a_hold_is_named_where_it_explains_and_is_likelier(
+    again: Any, before: Any, named: bool
+) -> None:
+    assert likelier(again, before) == named
 
 
 def test_a_slow_controller_holds_for_as_long_as_its_record_shows() -> None:

@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from symhyb.discrepancy.places.hypotheses import Hypothesis, Library
+from symhyb.discrepancy.places.standing import inputs_of_elements
 from symhyb.discrepancy.words.formula import LAW
 from symhyb.model.trees import names
 from symhyb.model.types import Element, Model, On
@@ -38,7 +39,7 @@ def products(model: Model, transitions: Mapping[str, float]) -> tuple[Hypothesis
 def _numbers_with_channels(model: Model, x: str) -> set[str]:
     """The products on ``x`` that a number of the model is, which may be another one and changes
     with a channel that moves nothing: that number has a course over the channel."""
-    used = {name.name for one in model.elements for _, text in one.values for name in names(text)}
+    used = inputs_of_elements(model)
     beside = [item.name for item in model.recorded_inputs if item.name not in used]
     uncertain = {item.name for item in model.parameters if item.sd is not None}
     here = [

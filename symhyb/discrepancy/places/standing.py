@@ -13,6 +13,13 @@ def alike(model: Model, kind: str, place: Place | None) -> tuple[Element, ...]:
     return tuple(one for one in model.elements if one.kind == kind and one.place == place)
 
 
+def inputs_of_elements(model: Model) -> tuple[str, ...]:
+    """The recorded inputs that an element names; others move nothing, unless they impose a motion
+    or change a body."""
+    used = {name.name for one in model.elements for _, text in one.values for name in names(text)}
+    return tuple(item.name for item in model.recorded_inputs if item.name in used)
+
+
 def numbers_over(model: Model, place: Place, known: frozenset[str]) -> frozenset[str]:
     """The numbers of the model, by path, in elements at a place that are functions of these
     quantities alone (``stretch``, ``rate``)."""

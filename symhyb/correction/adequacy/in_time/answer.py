@@ -84,6 +84,8 @@ def course_of(ground: Recorded, judged: Adequacy, number: Number) -> Answer | No
     for offer in begun(ground, base, number):
         fit = free_course if offer.shape.name == "free" else fitted_course
         courses.append(fit(ground, start, base, number, offer))
+    # what takes all points that there may be asks for more: it is no line through points
+    courses = [one for one in courses if len(one.shape.times) < POINTS_MOST]
     enough = [
         one
         for one in courses
