@@ -40,7 +40,8 @@ def test_a_step_is_named_and_in_the_corrected_model(tmp_path: Path) -> None:
     assert improved(model, corrected, run) < 0.2
     verdict = sh.judge(model, corrected, on=run)
     sh.write_report(tmp_path / "report.html", diagnosis, verdict, model)
-    assert "What changes along the recordings" in (tmp_path / "report.html").read_text(encoding="utf-8")
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "What changes along the recordings" in page
     sh.write_diagnosis(tmp_path / "diagnosis.json", diagnosis, verdict)
     (told,) = json.loads((tmp_path / "diagnosis.json").read_text(encoding="utf-8"))["courses"]
     assert (told["parameter"], told["shape"], told["recordings"]) == ("k", "step", ["made.csv"])

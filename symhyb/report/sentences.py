@@ -118,8 +118,9 @@ def remainder_sentence(share: float | None) -> str:
 
 
 def typeset(sentence: str) -> str:
-    """Keep ``±``, ``%`` and units on the line of their number (no-break spaces)."""
+    """Keep ``±``, ``=``, ``%`` and units on the line of their number (no-break spaces)."""
     held = sentence.replace(" ± ", "\u00a0±\u00a0").replace(" %", "\u00a0%")
+    held = held.replace(" = ", "\u00a0=\u00a0")
     return _BEFORE_UNIT.sub("\u00a0", held)
 
 

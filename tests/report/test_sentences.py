@@ -120,3 +120,4 @@ def test_methods_say_windows_band_and_initial_states(cases: Cases) -> None:
 def test_units_stay_on_the_line_of_their_number() -> None:
     hard = "20.4\u00a0±\u00a00.1\u00a0N on x, 2.4\u00a0%, 3\u00a0windows"
     assert typeset("20.4 ± 0.1 N on x, 2.4 %, 3 windows") == hard.replace("3\u00a0w", "3 w")
+    assert typeset("it begins at t = 3 s") == "it begins at t\u00a0=\u00a03\u00a0s"
