@@ -178,7 +178,7 @@ def _with_course(
         judged=replace(again.judged, doubt=doubt),
     )
     answer = _told(one.model, again, tell)
-    if answer.verdict == "undecided":
+    if answer.verdict == "undecided" and not again.judged.adequate:
         return None
     return Concluded(with_changing(answer, one), again.prepared, again.choice)
 
