@@ -193,7 +193,7 @@ def suited_to(machine: Machine, run: Run, length_s: float) -> Run:
     model, begun = WindowModel(machine), _for_bends(WindowModel(machine), run)
     first = stepped(begun)
     if first is None:
-        return replace(run, fine=FINE_LEAST)
+        return run
     with np.errstate(over="ignore", invalid="ignore"):
         _, y = model.simulate(first.block, first.start, machine.values)
         squares = mean_of_seen((y - first.block.y) ** 2, axis=1)
