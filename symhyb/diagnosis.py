@@ -57,7 +57,7 @@ from symhyb.data.cleaning import still
 from symhyb.data.groups import Own
 from symhyb.data.recording import Recording, several
 from symhyb.discrepancy.places.memoryless import memoryless
-from symhyb.discrepancy.results import Diagnosis, Misfit, RecordingFault, Repeats
+from symhyb.discrepancy.results import Diagnosis, Misfit, Repeats
 from symhyb.errors import NumericsError
 from symhyb.model.types import Model
 from symhyb.numeric.kernels.threads import one_thread
@@ -292,14 +292,15 @@ def _prepared(
     own: Sequence[str] | Own,
 ) -> tuple[Prepared, Setting]:
     """Motion, noise, windows and hypotheses, with a clock that drifts put right."""
-
-    def ready(clocks: tuple[RecordingFault, ...] = ()) -> tuple[Prepared, Setting]:
-        prepared = prepare(model, recordings, holdout, clocks, own, steps_open=True)
-        return prepared, settle(prepared, own)
-
-    first = ready()
-    clock = drifting(first[1], lambda clocks: ready(clocks)[1])
-    return first if clock is None else ready((clock,))
+    prepared = prepare(model, recordings, holdout, own=own)
+    setting = settle(prepared, own)
+    clock = drifting(
+        setting, lambda clocks: settle(prepare(model, recordings, holdout, clocks, own), own)
+    )
+    if clock is None:
+        return prepared, setting
+    prepared = prepare(model, recordings, holdout, (clock,), own)
+    return prepared, settle(prepared, own)
 
 
 def _remembered(answer: Diagnosis, prepared: Prepared, setting: Setting) -> Diagnosis:

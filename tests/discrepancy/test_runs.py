@@ -2,18 +2,17 @@
 
 import numpy as np
 import pytest
-from builders import model_of, oscillator, recording, run, spring
+from builders import model_of, oscillator, recording, spring
 
 from symhyb.discrepancy.recorded.motion import motion_of
 from symhyb.discrepancy.recorded.runs import (
     COORDINATES_FEW,
     FINE_LEAST,
     Run,
+    fine_for,
     fine_needed,
     noise_sd,
-    suited_to,
     with_noise,
-    with_steps_open,
 )
 from symhyb.numeric.lowered.machine import Machine, build
 from symhyb.numeric.runs.windows import WindowModel
@@ -77,28 +76,4 @@ def test_how_fine_reversals_are_is_left_open_where_many_coordinates_move(masses:
     assert needed > FINE_LEAST
     assert run.fine == (needed if masses == COORDINATES_FEW else FINE_LEAST)
     # with the laws that act known, smooth ones, no finer steps are needed
-    known = suited_to(machine, run, 1.0)
-    assert (known.steps, known.fine) == (1, 1)
-    # until then no step more is taken than samples ask for
-    (open_,) = with_steps_open([first], run.sd, WindowModel(machine))
-    assert (open_.steps, open_.fine) == (1, 1)
-    assert np.array_equal(open_.sd, run.sd)
-
-
-def test_as_many_steps_as_the_noise_and_what_is_left_ask_for() -> None:
-    """Friction that a swing turns over every half period: noise of a tenth of the swing excuses
-    what steps of a sample make of that, and so does a model whose spring is a third too stiff."""
-    dry = {"kind": "friction", "on": "x", "coulomb": "c"}
-    machine, stiffer = (
-        build(oscillator({"hold": spring("k"), "dry": dry}, {"k": (k, "N/m"), "c": (2.0, "N")}))
-        for k in (47.0, 62.0)
-    )
-    swing = recording(T[:300], place=run(machine, T[:300], [0.4], [0.0]).q[:, 0])
-    motion = motion_of(swing, machine)
-    exact, noisy, off = (
-        suited_to(one, Run(swing, motion, np.full(1, sd)), 1.0)
-        for one, sd in ((machine, 1e-6), (machine, 0.04), (stiffer, 1e-6))
-    )
-    assert exact.steps * exact.fine >= 8
-    assert noisy.steps * noisy.fine <= 2
-    assert off.steps * off.fine < exact.steps * exact.fine
+    assert fine_for(machine, run, 1.0) == 1

@@ -32,14 +32,7 @@ from symhyb.discrepancy.recorded.course import course_of
 from symhyb.discrepancy.recorded.local import along_recordings
 from symhyb.discrepancy.recorded.motion import motion_of
 from symhyb.discrepancy.recorded.residual import discrepancy
-from symhyb.discrepancy.recorded.runs import (
-    Run,
-    cut_within,
-    has_many,
-    noise_sd,
-    with_noise,
-    with_steps_open,
-)
+from symhyb.discrepancy.recorded.runs import Run, cut_within, noise_sd, with_noise
 from symhyb.discrepancy.recorded.sampling import as_sampled
 from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.discrepancy.results import RecordingFault
@@ -84,14 +77,10 @@ def prepare(
     holdout: Recording | Sequence[Recording] = (),
     clocks: tuple[RecordingFault, ...] = (),
     own: Sequence[str] | Own = (),
-    *,
-    steps_open: bool = False,
 ) -> Prepared:
     """Lower the model, thin the recordings and estimate motion and noise.
 
     Recording faults are put right first, those whose ``clocks`` are known to drift among them.
-    ``steps_open`` leaves the integration steps of a machine of many coordinates open, until it is
-    known what acts.
 
     Raises:
         InputError: no recording, a coordinate that no sensor sees, known values of parameters that
@@ -128,8 +117,7 @@ def prepare(
     floor = float(np.mean(np.square(between / sd)[_recorded(runs)])) if repeats else 0.0
     runs = [replace(run, floor=floor) for run in runs]
     windows = WindowModel(machine)
-    stepped = with_steps_open if steps_open and has_many(machine) else with_noise
-    train, unseen = (stepped(group, sd, windows) for group in (runs, proofs))
+    train, unseen = (with_noise(group, sd, windows) for group in (runs, proofs))
     return Prepared(extended, machine, train, unseen, sd, shortest, faults, repeats)
 
 

@@ -3,8 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from symhyb.correction.search.coupled import coupled_places
 from symhyb.correction.search.first_structures import LARGEST
 from symhyb.correction.search.force_screen import BAND, ForceScreen, force_screen
@@ -15,17 +13,9 @@ from symhyb.correction.search.setting import Setting, Stage
 from symhyb.correction.search.trajectory import with_causes
 from symhyb.correction.search.trials import Row, first_guess
 from symhyb.data.groups import Own
-from symhyb.discrepancy.recorded.runs import (
-    Run,
-    cut_within,
-    fine_needed,
-    has_many,
-    steps_needed,
-    suited_to,
-)
+from symhyb.discrepancy.recorded.runs import Run, cut_within, fine_for, fine_needed, has_many
 from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.numeric.lowered.machine import build
-from symhyb.numeric.runs.windows import WindowModel
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,34 +73,29 @@ def whole_of(
 def _as_fine_as_needed(
     prepared: Prepared, setting: Setting, whole: Whole | None
 ) -> tuple[Prepared, Setting]:
-    """Recordings and windows of a machine of more than a few coordinates with steps as fine as a
-    ``whole`` asks for, or whatever could act: without the masses that a whole has, friction turns
-    light bodies over in no time."""
+    """Recordings and windows of a machine of more than a few coordinates with steps near reversals
+    as fine as a ``whole`` asks for, or whatever could act: without the masses that a whole has,
+    friction turns light bodies over in no time."""
     if not has_many(prepared.machine):
         return prepared, setting
     runs, unseen = (_fine(prepared, setting, whole, x) for x in (prepared.runs, prepared.holdout))
-    known = {id(run.recording): run for run in runs}
+    fine = {id(run.recording): run.fine for run in runs}
     stages = [
-        Stage(stage.length_s, tuple(_like(known[id(cut.source[0])], cut) for cut in stage.cuts))
+        Stage(
+            stage.length_s,
+            tuple(replace(cut, fine=fine[id(cut.source[0])]) for cut in stage.cuts),
+        )
         for stage in setting.stages
     ]
     return replace(prepared, runs=runs, holdout=unseen), replace(setting, stages=tuple(stages))
-
-
-def _like(run: Run, item: Cut) -> Cut:
-    """Windows with the steps of the run that they are cut from."""
-    parts = np.full_like(item.block.substeps, run.steps)
-    return replace(item, block=replace(item.block, substeps=parts), steps=run.steps, fine=run.fine)
 
 
 def _fine(
     prepared: Prepared, setting: Setting, whole: Whole | None, runs: Sequence[Run]
 ) -> tuple[Run, ...]:
     if whole is None:
-        model = WindowModel(prepared.machine)
-        stepped = (replace(run, steps=steps_needed(model, run)) for run in runs)
-        return tuple(replace(run, fine=fine_needed(model.machine, run)) for run in stepped)
+        return tuple(replace(run, fine=fine_needed(prepared.machine, run)) for run in runs)
     causes = [setting.hypotheses[cause] for cause in whole.subset.causes]
     machine = build(with_causes(prepared.model, causes, whole.rows), keep=False)
     length = setting.stages[-1].length_s
-    return tuple(suited_to(machine, run, length) for run in runs)
+    return tuple(replace(run, fine=fine_for(machine, run, length)) for run in runs)

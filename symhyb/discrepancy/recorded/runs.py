@@ -11,7 +11,7 @@ from symhyb.discrepancy.recorded.course import course_of
 from symhyb.discrepancy.recorded.motion import Motion
 from symhyb.discrepancy.recorded.residual import discrepancy
 from symhyb.discrepancy.recorded.windows import Cut, lay
-from symhyb.judgement import OUTSTANDING, PERIODS_LEAST, SAMPLES_TELL, SMALL
+from symhyb.judgement import OUTSTANDING, PERIODS_LEAST, SAMPLES_TELL
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import Element, On
 from symhyb.numeric.kernels.buffers import Array, mean_of_seen
@@ -104,23 +104,16 @@ def has_many(machine: Machine) -> bool:
 
 def with_noise(runs: Sequence[Run], sd: Array, model: WindowModel) -> tuple[Run, ...]:
     """The runs with this noise (m,), SI, and as many integration steps as it asks for. How fine
-    they are near reversals is left open for a machine of many coordinates, where no friction is
-    tried that it does not state."""
+    they are near reversals is left open for a machine of many coordinates, where :func:`fine_for`
+    says it once it is known what acts."""
     known = [replace(run, sd=sd) for run in runs]
-    stepped = [replace(run, steps=steps_needed(model, run)) for run in known]
+    stepped = [replace(run, steps=_steps_needed(model, run)) for run in known]
     if has_many(model.machine):
         return tuple(stepped)
     return tuple(replace(run, fine=fine_needed(model.machine, run)) for run in stepped)
 
 
-def with_steps_open(runs: Sequence[Run], sd: Array, model: WindowModel) -> tuple[Run, ...]:
-    """The runs of a machine of many coordinates with this noise (m,), SI, and no more integration
-    steps than inputs ask for, until :func:`suited_to` has laws that act: as it is given, such a
-    machine runs away from its recording, and how fine that run must be says nothing."""
-    return tuple(replace(run, sd=sd, steps=_for_bends(model, run), fine=1) for run in runs)
-
-
-def steps_needed(model: WindowModel, run: Run) -> int:
+def _steps_needed(model: WindowModel, run: Run) -> int:
     """Steps between samples at which twice as many change the outputs by less than a tenth of the
     noise in nine of ten windows of one period along the measured motion; from where the model as
     given has run away from the recording its error says nothing, and that until then counts as it
@@ -177,31 +170,24 @@ def fine_needed(machine: Machine, run: Run) -> int:
     return _enough(WindowModel(steep), run, cut, first, FINE_MOST)
 
 
-def suited_to(machine: Machine, run: Run, length_s: float) -> Run:
-    """The run with as many steps as a machine asks for whose laws are those that are searched for:
-    the error may be a tenth of the squares that it leaves of the recording, if that is more than
-    noise, in windows of ``length_s``. How fine they are near reversals comes second, and meanwhile
-    stays as fine as ``FINE_LEAST`` steps between two samples."""
+def fine_for(machine: Machine, run: Run, length_s: float) -> int:
+    """How much finer near reversals for a machine whose laws are those that are searched for: the
+    error may be a tenth of what it leaves of the recording, if that is more than noise, in windows
+    of ``length_s``."""
 
-    def cut(steps: int, fine: int) -> Cut | None:
-        found = cut_within(replace(run, steps=steps, fine=fine), machine, length_s)
+    def cut(fine: int) -> Cut | None:
+        found = cut_within(replace(run, fine=fine), machine, length_s)
         return None if found is None else found.suited(machine)
 
-    def stepped(steps: int) -> Cut | None:
-        return cut(steps, max(FINE_LEAST // steps, 1))
-
-    model, begun = WindowModel(machine), _for_bends(WindowModel(machine), run)
-    first = stepped(begun)
+    model, first = WindowModel(machine), cut(FINE_LEAST)
     if first is None:
-        return run
+        return run.fine
     with np.errstate(over="ignore", invalid="ignore"):
         _, y = model.simulate(first.block, first.start, machine.values)
         squares = mean_of_seen((y - first.block.y) ** 2, axis=1)
-    left = np.sqrt(SMALL * np.median(squares, axis=0)) / STEP_SHARE
+    left = np.sqrt(np.median(squares, axis=0))
     louder = replace(run, sd=np.fmax(run.sd, np.where(np.isfinite(left), left, 0.0)))
-    steps = _enough(model, louder, stepped, begun, STEPS_MOST)
-    fine = _enough(model, louder, lambda fine: cut(steps, fine), 1, FINE_MOST)
-    return replace(run, steps=steps, fine=fine)
+    return _enough(model, louder, cut, 1, FINE_MOST)
 
 
 def _enough(
