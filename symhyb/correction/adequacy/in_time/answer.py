@@ -27,7 +27,13 @@ from symhyb.correction.adequacy.in_time.fitted_course import (
     fitted_course,
     free_course,
 )
-from symhyb.correction.adequacy.in_time.placing import POINTS_MOST, Begun, begun, worth_along
+from symhyb.correction.adequacy.in_time.placing import (
+    POINTS_MOST,
+    Begun,
+    begun,
+    ended,
+    worth_along,
+)
 from symhyb.correction.adequacy.in_time.shapes import Shape
 from symhyb.correction.adequacy.judge import CLASSES_MOST, Adequacy
 from symhyb.correction.adequacy.recorded import Recorded
@@ -84,12 +90,11 @@ def course_of(ground: Recorded, judged: Adequacy, number: Number) -> Answer | No
     for offer in begun(ground, base, number):
         fit = free_course if offer.shape.name == "free" else fitted_course
         courses.append(fit(ground, start, base, number, offer))
-    # what takes all points that there may be asks for more: it is no line through points
-    courses = [one for one in courses if len(one.shape.times) < POINTS_MOST]
     enough = [
         one
         for one in courses
-        if one.trial.evidence > least
+        if ended(one.shape)
+        and one.trial.evidence > least
         and remainder(ground, one.trial) <= whole.may_leave(one.trial, SMALL)
     ]
     if not enough:

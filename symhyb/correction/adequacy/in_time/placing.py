@@ -93,6 +93,12 @@ def again(
     return _free(beyond(line, shape.at(x)))
 
 
+def ended(shape: Shape) -> bool:
+    """Whether the search for points ended by itself, not at the most that there may be: what asks
+    for more is no line through points."""
+    return len(shape.times) < POINTS_MOST
+
+
 def _free(line: TimeLine) -> Begun | None:
     chosen, tried = _points(line)
     if len(chosen) == 2:
