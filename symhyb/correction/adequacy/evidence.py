@@ -21,8 +21,9 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from symhyb.correction.adequacy.classes.catalogue import classes_of
+from symhyb.correction.adequacy.classes.columns import LENGTHS
 from symhyb.correction.adequacy.curves.courses import form_of, size_at
-from symhyb.correction.adequacy.curves.prior import LENGTHS, of_curve
+from symhyb.correction.adequacy.curves.prior import of_curve
 from symhyb.correction.adequacy.pairs import pair_size
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Fitted

@@ -66,7 +66,8 @@ def functions_instead(ground: Recorded, base: Fitted) -> list[Fitted]:
     together, of each of them; of those that are not predicted to be far less likely."""
     found = []
     for one in sums_of(base.causes):
-        start = part_of(ground, base, lambda cause, gone=one.laws: cause not in gone)  # type: ignore[misc]
+        kept = frozenset(base.causes) - one.laws
+        start = part_of(ground, base, kept.__contains__)
         if start.fit.reason or one.place not in ground.library.places:
             continue
         here = around(ground, start)

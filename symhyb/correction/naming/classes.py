@@ -34,16 +34,17 @@ _NONE_OF_THEM = (
 def class_found(one: Likely) -> ClassFound:
     """A class as a result, with its sentence."""
     generic, where = one.generic, one.generic.where
-    part = "." if one.whole else ", which explains the better part of it."
-    said = f"{_said(generic)} (probability {percent_text(one.probability)}){part}"
-    if not one.white:  # the best of what was tried, and no probability of that is one of the truth
-        said = f"{_said(generic)}, of all classes that were tried. {_NONE_OF_THEM}"
+    if one.white:
+        part = "" if one.whole else ", which explains the better part of it"
+        tail = f" (probability {percent_text(one.probability)}){part}."
+    else:  # the best of what was tried, and no probability of that is one of the truth
+        tail = f", of all classes that were tried. {_NONE_OF_THEM}"
     name = where if isinstance(where, str) else None
     number = generic.kind == "time-varying"
     return ClassFound(
         generic.kind,
         one.probability,
-        said,
+        _said(generic) + tail,
         figure=generic.figure if isfinite(generic.figure) else None,
         place=None if isinstance(where, str) else where,
         channel=None if number else name,

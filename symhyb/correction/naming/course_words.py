@@ -9,7 +9,7 @@ import numpy as np
 from symhyb.correction.adequacy.in_time.changing_number import abscissae
 from symhyb.correction.adequacy.in_time.fitted_course import Course
 from symhyb.correction.adequacy.in_time.placing import SHORTEST
-from symhyb.correction.adequacy.in_time.shapes import SECONDS, Shape, numbers_of
+from symhyb.correction.adequacy.in_time.shapes import Shape, numbers_of, unit_along
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.discrepancy.results import CourseFound, CourseNumber
 from symhyb.discrepancy.words.amounts import joined, number_text, quantity_text
@@ -51,7 +51,7 @@ def course_found(
     numbers = _numbers(course, was, unit)
     shape = course.shape
     recordings = tuple(dict.fromkeys(item.source[0].name for item in ground.items))
-    over = {item.name: item.unit for item in model.inputs}.get(shape.over, SECONDS)
+    over = unit_along(shape, model)
     at = [one / over.factor for one in abscissae(ground, shape.over)]
     points = tuple(
         (t / over.factor, was * factor, abs(was) * sd)
@@ -82,8 +82,8 @@ def course_found(
 
 def _rival(shape: Shape) -> str:
     """Another shape that is as likely."""
-    with_channel = f" with {shape.over}" if shape.over else " with time"
-    return f"{_RIVALS[shape.name]}{with_channel if shape.name in ('drift', 'free') else ''}"
+    along = f" with {shape.over or 'time'}" if shape.name in ("drift", "free") else ""
+    return f"{_RIVALS[shape.name]}{along}"
 
 
 def _stated(model: Model, course: Course) -> tuple[float, str]:

@@ -9,9 +9,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from symhyb.discrepancy.places.hypotheses import Hypothesis, Library
-from symhyb.discrepancy.places.standing import inputs_of_elements
+from symhyb.discrepancy.places.standing import inputs_of_elements, named_by
 from symhyb.discrepancy.words.formula import LAW
-from symhyb.model.trees import names
 from symhyb.model.types import Element, Model, On
 from symhyb.numeric.lowered.machine import build
 
@@ -47,7 +46,7 @@ def _numbers_with_channels(model: Model, x: str) -> set[str]:
         for one in model.elements
         if isinstance(one.place, On)
         and x in one.place.names
-        and any(name.name in uncertain for _, text in one.values for name in names(text))
+        and not uncertain.isdisjoint(named_by(one))
     ]
     factors = {"spring": x, "damper": f"{x}'"}
     return {f"{u}*{factors[one.kind]}" for u in beside for one in here if one.kind in factors}

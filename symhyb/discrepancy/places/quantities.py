@@ -1,5 +1,7 @@
 """Which of stretch and rate a force at a place is a function of, and whether it is a smooth one."""
 
+from collections.abc import Collection
+
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.words.formula import LAW
 from symhyb.model.expression import names, parse_expression
@@ -22,9 +24,14 @@ def quantities(cause: Hypothesis) -> frozenset[str]:
             if name.name == cause.place.coordinate
         }
         return frozenset(word for order, word in _ORDERS if order in orders)
-    law = KINDS[cause.kind]
+    return quantities_of(cause.kind, cause.keys)
+
+
+def quantities_of(kind: str, keys: Collection[str]) -> frozenset[str]:
+    """The same of a law by its name, with these keys."""
+    law = KINDS[kind]
     if law.switch == "touches":  # a stop, which may be damped
-        return frozenset(("stretch", *(("rate",) if "damping" in cause.keys else ())))
+        return frozenset(("stretch", *(("rate",) if "damping" in keys else ())))
     if law.energy == "dissipative":
         return frozenset(("rate",))
     return frozenset() if law.steady and law.at_rest else frozenset(("stretch",))

@@ -1,8 +1,9 @@
 """What the model has at a place already, beside which a cause may stand."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.discrepancy.places.quantities import quantities_of
 from symhyb.model.expression import names
 from symhyb.model.types import Element, Model, Place
 from symhyb.model.vocabulary import KINDS
@@ -16,8 +17,20 @@ def alike(model: Model, kind: str, place: Place | None) -> tuple[Element, ...]:
 def inputs_of_elements(model: Model) -> tuple[str, ...]:
     """The recorded inputs that an element names; others move nothing, unless they impose a motion
     or change a body."""
-    used = {name.name for one in model.elements for _, text in one.values for name in names(text)}
+    used = {name for one in model.elements for name in named_by(one)}
     return tuple(item.name for item in model.recorded_inputs if item.name in used)
+
+
+def named_by(element: Element, keys: Collection[str] | None = None) -> set[str]:
+    """What the values of an element name, or those of some ``keys``."""
+    texts = (text for key, text in element.values if keys is None or key in keys)
+    return {item.name for text in texts for item in names(text)}
+
+
+def _paths(element: Element, used: Collection[str]) -> set[str]:
+    """Names that an element uses, as paths of parameters."""
+    own = {item.name for item in element.parameters}
+    return {f"{element.name}.{name}" if name in own else name for name in used}
 
 
 def numbers_over(model: Model, place: Place, known: frozenset[str]) -> frozenset[str]:
@@ -28,10 +41,9 @@ def numbers_over(model: Model, place: Place, known: frozenset[str]) -> frozenset
         law = KINDS.get(element.kind)
         if element.place != place or law is None or not law.of_state:
             continue
-        if {"rate" if law.energy == "dissipative" else "stretch"} <= known:
-            own = {item.name for item in element.parameters}
-            used = {item.name for _, text in element.values for item in names(text)}
-            found |= {f"{element.name}.{name}" if name in own else name for name in used}
+        mine = quantities_of(element.kind, dict(element.values))
+        if mine and mine <= known:
+            found |= _paths(element, named_by(element))
     return frozenset(found)
 
 
@@ -52,9 +64,5 @@ def taken_over(model: Model, cause: Hypothesis) -> frozenset[str]:
     if not cause.variant:
         return frozenset(found)
     for element in alike(model, cause.kind, cause.place):
-        own = {item.name for item in element.parameters}
-        for key, expression in element.values:
-            if key in cause.keys:
-                used = {item.name for item in names(expression)}
-                found |= {f"{element.name}.{name}" if name in own else name for name in used}
+        found |= _paths(element, named_by(element, cause.keys))
     return frozenset(found)

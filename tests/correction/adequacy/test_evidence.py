@@ -7,7 +7,8 @@ import pytest
 from scipy.stats import multivariate_normal
 
 from symhyb.correction.adequacy.classes.catalogue import classes_of
-from symhyb.correction.adequacy.curves.prior import LENGTHS, of_curve
+from symhyb.correction.adequacy.classes.columns import LENGTHS
+from symhyb.correction.adequacy.curves.prior import of_curve
 from symhyb.correction.adequacy.evidence import (
     candidates,
     classes,

@@ -118,12 +118,18 @@ def smooth(values: Array, low: float, high: float, length: float) -> Array:
     return found
 
 
+def matern(apart: Array, length: float) -> Array:
+    """The correlation (P, Q), dimensionless, of a smooth function at places so far ``apart`` (P,
+    Q), or (S, P, Q) of many, by Matérn 5/2; both lengths in half ranges."""
+    far = np.sqrt(5.0) * np.abs(apart) / length
+    return np.asarray((1 + far + far**2 / 3) * np.exp(-far))
+
+
 @lru_cache(maxsize=2 * len(LENGTHS))
 def _directions(length: float) -> CubicSpline:
     """The functions of :func:`smooth` (K,) between −1 and 1."""
     grid = np.linspace(-1.0, 1.0, GRID)
-    far = np.sqrt(5.0) * np.abs(grid[:, None] - grid) / length
-    size, directions = np.linalg.eigh((1 + far + far**2 / 3) * np.exp(-far))
+    size, directions = np.linalg.eigh(matern(grid[:, None] - grid, length))
     kept = np.flatnonzero(size > FINEST * size[-1])[::-1]
     return CubicSpline(grid, directions[:, kept] * np.sqrt(size[kept]))
 

@@ -13,8 +13,9 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from symhyb.correction.adequacy.classes.columns import LENGTHS
 from symhyb.correction.adequacy.curves.courses import Line
-from symhyb.correction.adequacy.curves.prior import LENGTHS, covariance, factor
+from symhyb.correction.adequacy.curves.prior import covariance, factor
 from symhyb.correction.adequacy.curves.products import Products
 from symhyb.discrepancy.places.hypotheses import CurvePoint
 from symhyb.laws.cardinal import cardinal_values

@@ -13,15 +13,13 @@ Sizes: P points, S curves.
 
 import numpy as np
 
-from symhyb.correction.adequacy.classes.columns import LENGTHS, SIZE
+from symhyb.correction.adequacy.classes.columns import SIZE, matern
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.laws.curve import value_name
 from symhyb.numeric.kernels.buffers import Array
 
 STRAIGHT = 3.0  # 1 over the mean square of z, evenly spread between −1 and 1
 ROUNDING = 1e-9  # of a variance: keeps the factors of values that are nearly the same real
-
-__all__ = ["LENGTHS", "covariance", "factor", "of_curve"]
 
 
 def covariance(x: Array, length: float, zero: float | None = None) -> Array:
@@ -41,8 +39,7 @@ def covariance(x: Array, length: float, zero: float | None = None) -> Array:
 def _between(first: Array, second: Array, length: float) -> Array:
     """Covariance (P, Q) of values at (P,) and at (Q,), between −1 and 1, or (S, P, Q) of many."""
     a, b = first[..., :, None], second[..., None, :]
-    far = np.sqrt(5.0) * np.abs(a - b) / length
-    return np.asarray(SIZE**2 * (1 + far + far**2 / 3) * np.exp(-far) + STRAIGHT * a * b)
+    return np.asarray(SIZE**2 * matern(a - b, length) + STRAIGHT * a * b)
 
 
 def factor(x: Array, length: float, zero: float | None = None) -> Array:

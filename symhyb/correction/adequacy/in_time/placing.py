@@ -51,7 +51,7 @@ def begun(ground: Recorded, trial: Fitted, number: Number) -> Iterator[Begun]:
     """The shapes that a number may have around a structure."""
     ends = _ends(ground)
     line = line_through(ground, trial, number, np.linspace(*ends, FINE))
-    yield Begun(_through(line, (0, FINE - 1), "drift"), 0.0)
+    yield _straight(line)
     for pair in _steps(ground, trial, number, line):
         yield Begun(pair, float(np.log(2)))  # as fast as samples show, or slower
     if np.isfinite(number.frequency):
@@ -61,13 +61,14 @@ def begun(ground: Recorded, trial: Fitted, number: Number) -> Iterator[Begun]:
         yield free
     beside = channels(ground)
     for name in beside:
-        along = line_through(
-            ground, trial, number, np.linspace(*_ends(ground, name), FINE), over=name
-        )
-        yield Begun(_through(along, (0, FINE - 1), "drift"), float(np.log(len(beside))))
-        free = _free(along)
-        if free is not None:
-            yield free._replace(price=free.price + float(np.log(len(beside))))
+        x = np.linspace(*_ends(ground, name), FINE)
+        along = line_through(ground, trial, number, x, over=name)
+        for offer in filter(None, (_straight(along), _free(along))):
+            yield offer._replace(price=offer.price + float(np.log(len(beside))))
+
+
+def _straight(line: TimeLine) -> Begun:
+    return Begun(_through(line, (0, FINE - 1), "drift"), 0.0)
 
 
 def _ends(ground: Recorded, over: str = "") -> tuple[float, float]:

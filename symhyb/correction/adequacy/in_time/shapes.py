@@ -16,7 +16,7 @@ import numpy as np
 from symhyb.model.curves import Curve
 from symhyb.model.types import Model, Parameter
 from symhyb.numeric.kernels.buffers import Array
-from symhyb.units import ONE, parse_unit
+from symhyb.units import ONE, Unit, parse_unit
 
 ShapeName = Literal["step", "drift", "period", "free"]
 SECONDS, HERTZ, RADIANS = parse_unit("s"), parse_unit("1/s"), parse_unit("rad")
@@ -111,9 +111,13 @@ def stated(shape: Shape, model: Model, path: str, about: str = "") -> Stated:
         )
         return Stated(free_factor(shape, name), declared)
     points = tuple(zip(shape.times, shape.values, strict=True))
-    along = {item.name: item.unit for item in model.inputs}.get(shape.over, SECONDS)
-    curve = Curve(name, points, (along, ONE), "linear", "hold", about=about)
+    curve = Curve(name, points, (unit_along(shape, model), ONE), "linear", "hold", about=about)
     return Stated(f"curve({name}, {shape.over or 't'})", (), (curve,))
+
+
+def unit_along(shape: Shape, model: Model) -> Unit:
+    """The unit of what a broken line runs over in a model file: s, or that of its channel."""
+    return model.inputs[shape.over].unit if shape.over else SECONDS
 
 
 def _free_name(model: Model, name: str) -> str:

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from symhyb.correction.adequacy.classes.columns import SIZE
-from symhyb.correction.adequacy.curves.prior import LENGTHS, covariance, factor, of_curve
+from symhyb.correction.adequacy.classes.columns import LENGTHS, SIZE
+from symhyb.correction.adequacy.curves.prior import covariance, factor, of_curve
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.laws.curve import value_name
 from symhyb.model.types import On

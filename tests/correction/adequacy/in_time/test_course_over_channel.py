@@ -12,7 +12,7 @@ from symhyb.correction.adequacy.in_time.stated_course import with_course
 from symhyb.correction.naming.course_words import course_found, reach_said
 from symhyb.model.types import Model
 from tests.builders import DRIVEN_MASS
-from tests.changing import changing, drifted
+from tests.changing import Course, changing, drifted
 from tests.pushed import STEP, judged, pushed_model, setting_of
 
 BAR = 1e5
@@ -43,14 +43,18 @@ def with_pressure(recording: sh.Recording) -> sh.Recording:
     return replace(recording, inputs={**recording.inputs, **beside})
 
 
-@pytest.fixture(scope="module")
-def answer() -> Answer:
-    ground, found = judged(with_pressure(changing(5, stiffened)), rigged())
+def answer_of(factor: Course) -> Answer:
+    ground, found = judged(with_pressure(changing(5, factor)), rigged())
     number = number_at(ground, "k")
     assert number is not None
     known = course_of(ground, found, number)
     assert known is not None
     return known
+
+
+@pytest.fixture(scope="module")
+def answer() -> Answer:
+    return answer_of(stiffened)
 
 
 def test_only_what_moves_nothing_and_changes_is_a_channel_beside_the_machine() -> None:
@@ -67,11 +71,7 @@ def test_a_number_that_follows_a_channel_has_its_course_over_that(answer: Answer
 
 
 def test_a_drift_beside_a_channel_that_runs_otherwise_stays_one_over_the_time() -> None:
-    ground, found = judged(with_pressure(changing(5, drifted)), rigged())
-    number = number_at(ground, "k")
-    assert number is not None
-    known = course_of(ground, found, number)
-    assert known is not None
+    known = answer_of(drifted)
     assert (known.course.shape.over, known.course.shape.name) == ("", "drift")
 
 
