@@ -4,19 +4,21 @@
 
 Every number has a proper prior: a parameter its stated sd, the strength of a law the force that
 moves its place, a shape the range that is tried, a channel's fault what channels do, the values of
-a curve those of a smooth line (:mod:`~.curves.prior`), whose length is chosen among a few. Each
-cause costs ln of the number of candidates (a priori one of the list is expected), sizes of noise
-½ ln N each. Sizes: F numbers, N samples.
+a curve those of a smooth line (:mod:`~.curves.prior`) of one of some lengths, strengths of single
+recordings a mean that all share, and one of some sizes by which they differ. Each cause costs ln of
+the number of candidates (a priori one of the list is expected), sizes of noise ½ ln N each. Sizes:
+F numbers, N samples.
 
 How wide a prior is that nobody stated is a matter of opinion, and sets the odds of two causes that
 the recordings hardly distinguish. ``by_reference`` it is as wide as what one sample says.
 
 Sources: MacKay, Neural Computation 4, 1992 (Laplace); Kass & Raftery, JASA 90, 1995; Kass &
 Wasserman, JASA 90, 1995 (the prior of one sample); Chen & Chen, Biometrika 95, 2008 (the price of a
-long list).
+long list); Laird & Ware, Biometrics 38, 1982 (numbers of one population).
 """
 
 from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -27,7 +29,7 @@ from symhyb.correction.adequacy.curves.prior import of_curve
 from symhyb.correction.adequacy.pairs import pair_size
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Fitted
-from symhyb.correction.search.trajectory import gathered, keys_of
+from symhyb.correction.search.trajectory import firsts_of, gathered, keys_of
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.model.vocabulary import KINDS, key_of
 from symhyb.numeric.kernels.buffers import Array
@@ -39,6 +41,7 @@ ADDED_SD = 3.0  # of what is tried first: a key that bends a plain law
 UNIFORM = 12**-0.5  # standard deviation of a uniform distribution over its range
 WIDEST = np.log(1e4)  # of a shape without bounds: the logarithm of the range that is possible
 PLAIN_OUTSIDE = 1.0  # of the magnitude: the prior of a number that nothing else is known of
+APART = np.exp(np.linspace(-WIDEST, 0.0, 14))  # of the size of a strength: how far own ones differ
 
 
 def evidence(recorded: Recorded, trial: Fitted, by_reference: bool = False) -> float:
@@ -48,7 +51,7 @@ def evidence(recorded: Recorded, trial: Fitted, by_reference: bool = False) -> f
         return -np.inf
     mean, spread = priors(recorded, trial)
     unstated = _unstated(trial)
-    curves = [] if by_reference else list(_curves(trial))
+    related = [] if by_reference else [*_curves(trial), *_populations(trial)]
     if by_reference:
         single = np.sqrt(trial.fit.count / np.diag(trial.fit.information).clip(1e-300))
         mean = np.where(unstated > 0, trial.fit.values, mean)
@@ -56,7 +59,7 @@ def evidence(recorded: Recorded, trial: Fitted, by_reference: bool = False) -> f
     off = (trial.fit.values - mean) / spread
     # the information holds stated priors already: that of an uncertain parameter is not less than 1
     information = trial.fit.information * np.outer(spread, spread)
-    known, less = _known(information, np.diag(unstated), off, curves)
+    known, less = _known(information, np.diag(unstated), off, related)
     volume = float(np.linalg.slogdet(information + known)[1]) if known.size else 0.0
     noise = trial.fit.noise.price(trial.fit.count)
     odds = len(trial.causes) * np.log(max(candidates(recorded), 2))
@@ -65,27 +68,34 @@ def evidence(recorded: Recorded, trial: Fitted, by_reference: bool = False) -> f
     return float(trial.fit.logl - less - 0.5 * volume - noise - odds)
 
 
+class Related(NamedTuple):
+    """Numbers, by their places among all, that are not known each by itself: what their ``priors``
+    may be, each as a covariance (P, P) in units of the deviation of one of them."""
+
+    own: list[int]
+    priors: tuple[Array, ...]
+
+
 def _known(
-    information: Array, known: Array, off: Array, curves: Sequence[tuple[list[int], Hypothesis]]
+    information: Array, known: Array, off: Array, related: Sequence[Related]
 ) -> tuple[Array, float]:
     """The precision (F, F) of the priors that the fit did not hold, and what it costs beside the
     volume, in ln, that the numbers are ``off`` (F,) the priors' means; ``information`` (F, F) and
     all else in units of the priors' deviations, with a prior of each by itself ``known`` (F, F).
-    The values of ``curves``, by their numbers, lie along a smooth line of the likeliest length,
-    which moves those that the recordings show badly: the cost is that of both together."""
+    ``related`` numbers have the likeliest of their priors, which moves those that the recordings
+    show badly: the cost is that of both together."""
     cost = 0.5 * float(off @ off)
-    for own, curve in curves:
+    for own, priors_of in related:
         y, shown = off[own], _beside_others(information, known, own)
         one, best = np.eye(len(own)), (np.inf, 0.0, known)
-        for length in LENGTHS:
-            prior = of_curve(curve, length)
+        for prior in priors_of:
             apart = y @ np.linalg.solve(one + shown @ prior, shown @ y)
             less = float(apart + np.linalg.slogdet(prior)[1])
             precise = _with(known, own, np.asarray(np.linalg.inv(prior), dtype=np.float64))
             whole = less + float(np.linalg.slogdet(information + precise)[1])
             best = min(best, (whole, less, precise), key=lambda one: one[0])
         known = best[2]
-        cost += 0.5 * (best[1] - float(y @ y)) + float(np.log(len(LENGTHS)))
+        cost += 0.5 * (best[1] - float(y @ y)) + float(np.log(len(priors_of)))
     return known, cost
 
 
@@ -104,15 +114,26 @@ def _with(known: Array, own: list[int], block: Array) -> Array:
     return changed
 
 
-def _curves(trial: Fitted) -> Iterator[tuple[list[int], Hypothesis]]:
-    """The curves among the causes, and which numbers their values are."""
-    first = 0
-    for cause in trial.all_causes:
-        keys = keys_of(cause)
+def _curves(trial: Fitted) -> Iterator[Related]:
+    """The values of every curve, which lie along a smooth line."""
+    for cause, first in zip(trial.all_causes, firsts_of(trial.all_causes), strict=True):
         if cause.points:
-            own = [first + i for i, key in enumerate(keys) if key in cause.unknown]
-            yield ([trial.owned[0][i] for i in own] if trial.owned else own), cause
-        first += len(keys)
+            keys = enumerate(keys_of(cause), first)
+            own = [i for i, key in keys if key in cause.unknown]
+            lines = tuple(of_curve(cause, length) for length in LENGTHS)
+            yield Related([trial.owned[0][i] for i in own] if trial.owned else own, lines)
+
+
+def _populations(trial: Fitted) -> Iterator[Related]:
+    """The strengths of each law that not all recordings share: those of one population, whose mean
+    is known as a shared strength is."""
+    for cause, first in zip(trial.all_causes, firsts_of(trial.all_causes), strict=True):
+        if cause.place is None or cause.points or cause.keys[0] not in cause.own:
+            continue
+        own = sorted({columns[first] for columns in trial.owned})
+        mean, apart = np.ones((len(own), len(own))), np.eye(len(own))
+        if len(own) > 1:
+            yield Related(own, tuple(mean + size**2 * apart for size in APART))
 
 
 def _unstated(trial: Fitted) -> Array:

@@ -20,7 +20,8 @@ from symhyb.correction.learning.network import NAME, Trained, train_network
 from symhyb.correction.search.preparing import Prepared, last_windows
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.course import Course
-from symhyb.discrepancy.recorded.windows import END_KNOTS, Cut
+from symhyb.discrepancy.recorded.ends import between_ends
+from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.errors import InputError, Problem, did_you_mean
 from symhyb.mechanics.mass_text import mass_texts
 from symhyb.model.expression import evaluate, names, parse_expression
@@ -234,10 +235,7 @@ def _constant_masses(model: Model, known: Collection[str]) -> dict[str, float] |
 def _rows(item: Cut, course: Course, windows: NDArray[np.bool_]) -> Course:
     """The samples of some windows of a course, without the ends of the smoothed motion."""
     rows = item.rows[windows][:, :-1].ravel()  # the last of a window is the first of the next
-    margin = END_KNOTS * item.source[1].spacing_s
-    t = course.t[rows]
-    rows = rows[(t >= course.t[0] + margin) & (t <= course.t[-1] - margin)]
-    return course.at(rows)
+    return course.at(rows[between_ends(item.source[1], course.t[rows])])
 
 
 def _joined(parts: Sequence[Course], wanted: Sequence[Array]) -> tuple[Course, Array]:

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from symhyb.correction.learning.orthogonal import named_forces
 from symhyb.correction.search.preparing import Prepared
 from symhyb.discrepancy.recorded.course import Course
+from symhyb.discrepancy.recorded.ends import between_ends
 from symhyb.discrepancy.recorded.residual import discrepancy
-from symhyb.discrepancy.recorded.windows import END_KNOTS, Cut
+from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.errors import InputError, Problem, did_you_mean
 from symhyb.model.types import Model
 from symhyb.numeric.kernels.buffers import Array
@@ -63,8 +64,8 @@ def see(prepared: Prepared, cuts: Sequence[Cut], on: str | None, inputs: Sequenc
         rows = item.rows[:, :-1]  # the last sample of a window is the first of the next one
         held = np.repeat(item.held, rows.shape[1])
         rows = rows.ravel()
-        t, margin = course.t[rows], END_KNOTS * motion.spacing_s
-        inside = (t >= course.t[0] + margin) & (t <= course.t[-1] - margin)
+        t = course.t[rows]
+        inside = between_ends(motion, t)
         parts.append(
             (
                 np.column_stack([_column(model, course, name) for name in names])[rows],

@@ -15,9 +15,9 @@ from symhyb.correction.search.trajectory import Refined
 from symhyb.correction.verdict.proof import Proof
 from symhyb.discrepancy.checks.suspicion import gain_of
 from symhyb.discrepancy.places.meeting import meeting
+from symhyb.discrepancy.recorded.ends import margin_of
 from symhyb.discrepancy.recorded.passages import one_way, passed_at_one_speed
 from symhyb.discrepancy.recorded.runs import Run, cut_into_windows
-from symhyb.discrepancy.recorded.windows import END_KNOTS
 from symhyb.discrepancy.results import Alternative, Diagnosis, Found, Measurement, RecordingFault
 from symhyb.discrepancy.words.effects import words_of
 from symhyb.discrepancy.words.wording import (
@@ -226,9 +226,7 @@ def _runs_away_alone(final: Refined, nothing: Refined, run: Run) -> float | None
 def runs_away(machine: Machine, run: Run) -> float | None:
     """The time in s after which a simulation of a recording, and of its inputs once more from where
     it ended, leaves the measured range a hundredfold; None if it stays."""
-    ends = (
-        2 * END_KNOTS * run.motion.spacing_s
-    )  # where smoothing may swing: room to begin behind it
+    ends = 2 * margin_of(run.motion)  # where smoothing may swing: room to begin behind it
     duration = run.recording.duration
     cuts = cut_into_windows(run, machine, max(duration * (1 - 1e-9) - ends, duration / 2))
     if cuts is None:

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symhyb.discrepancy.recorded.course import Course
+from symhyb.discrepancy.recorded.ends import between_ends
 from symhyb.discrepancy.recorded.motion import Motion
 from symhyb.discrepancy.words.wording import joined, percent_text, quantity_text
 from symhyb.judgement import NEGLIGIBLE, OUTSTANDING
@@ -23,7 +24,6 @@ from symhyb.numeric.kernels.vector import along
 from symhyb.numeric.lowered.linear import energy_depends_on_time
 from symhyb.numeric.lowered.machine import Machine
 
-ENDS = 3.0  # knots of the smoothed motion that are left out at either end
 STANDING = 1e-9  # of the kinetic energy: what rounding may leave to a machine that stands
 
 
@@ -88,7 +88,7 @@ def balance_of(machine: Machine, motion: Motion, course: Course) -> Balance | st
         return "masses, positions or energies of the model depend on time itself"
     if motion.blind:
         return f"no sensor shows the place of {joined(motion.blind)}"
-    c = _inside(course, motion)
+    c = course.at(np.flatnonzero(between_ends(motion, course.t)))
     energies, standing = _energies(machine, c), _energies(machine, replace(c, v=0 * c.v))
     if np.abs(standing[0]).max() > STANDING * np.abs(energies[0]).max():
         return "bodies move while every coordinate stands still: positions depend on time itself"
@@ -121,15 +121,6 @@ def balance_of(machine: Machine, motion: Motion, course: Course) -> Balance | st
         closes / unit,
         _sd(machine, c, motion, pulls) / unit,
     )
-
-
-def _inside(course: Course, motion: Motion) -> Course:
-    """A course without ``ENDS`` knots at either end, where it lasts longer than that."""
-    step = float(np.median(np.diff(course.t)))
-    cut = int(np.ceil(ENDS * motion.spacing_s / step))
-    if course.t.size < 10 * cut:
-        return course
-    return course.at(slice(cut, course.t.size - cut))
 
 
 def _forces(machine: Machine, c: Course) -> Array:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.course import Course, course_of
+from symhyb.discrepancy.recorded.ends import margin_of
 from symhyb.discrepancy.recorded.motion import Motion
 from symhyb.discrepancy.recorded.signals import measured
 from symhyb.judgement import LARGE
@@ -34,8 +35,7 @@ STILL = 2.0  # standard deviations: a rate that is nearer to none may be none
 GAP = 1.5  # steps between two samples: more is a gap in time
 SAMPLES_LEAST = 12  # samples a window has at least
 EVEN = 0.25  # samples: what was recorded a whole number of samples later lies this near
-END_KNOTS = 3  # of the smoothed motion, that are not trusted where it swings at its end:
-SWUNG = 1.5  # times as fast as anywhere else
+SWUNG = 1.5  # times as fast as anywhere else: the smoothed motion swings at its end
 
 
 class Whitening(Protocol):
@@ -253,7 +253,7 @@ def _record(recording: Recording, inputs: tuple[Input, ...]) -> tuple[Array, Arr
 def _settled(motion: Motion, step: float) -> int:
     """The sample from which the smoothed motion determines a start: with few samples a period a
     spline may swing at its end, to speeds that the motion never has again."""
-    end = int(np.ceil(END_KNOTS * motion.spacing_s / step))
+    end = int(np.ceil(margin_of(motion) / step))
     size = np.abs(motion.v)
     if size.shape[0] < 20 * end or size.shape[1] == 0:
         return 0
