@@ -19,7 +19,7 @@ import numpy as np
 
 from symhyb.correction.adequacy.classes.input_actuated import likeliest_number
 from symhyb.correction.adequacy.classes.worth import Around, around
-from symhyb.correction.adequacy.explained import Decided, remainder
+from symhyb.correction.adequacy.explained import decided, remainder
 from symhyb.correction.adequacy.followed import fitted_on, likeliest, part_of
 from symhyb.correction.adequacy.judge import Adequacy
 from symhyb.correction.adequacy.late import lagging_sensors, with_late_input, with_late_sensors
@@ -97,13 +97,12 @@ def instead_of_class(ground: Recorded, judged: Adequacy) -> Behind:
     base, by_class = judged.structure, judged.by_class
     if name is None or base is None or by_class is None:
         return NOTHING_BEHIND
-    decided = Decided(base, remainder(ground, base), judged.beyond.acts)
+    left = decided(ground, base, judged.beyond.acts)
     margin = -CERTAIN if _certain(judged, name) else CERTAIN
     least = max(by_class.evidence + margin, base.evidence + CERTAIN)
 
     def explains(trial: Fitted) -> bool:
-        small = remainder(ground, trial) <= decided.may_leave(trial, SMALL)
-        return small and trial.evidence > least
+        return trial.evidence > least and left.explained_by(ground, trial, SMALL)
 
     bases = list(_bases(ground, by_class, name))
     late = judged.classes[0].generic.sensors or lagging_sensor(judged)
@@ -124,7 +123,7 @@ def _behind(ground: Recorded, bases: Sequence[Fitted], name: str) -> list[Fitted
         if not found or (best and found[0].evidence < best[0].evidence + CERTAIN):
             break
         best = _as_likely(found)
-        if remainder(ground, best[0]) <= NEGLIGIBLE**2:
+        if np.all(remainder(ground, best[0]) <= NEGLIGIBLE**2):
             break
         bases = best[:1]
     return best

@@ -20,7 +20,9 @@ from symhyb.correction.adequacy.classes.catalogue import classes_of
 from symhyb.correction.adequacy.classes.held_input import LONGEST, held_input
 from symhyb.correction.adequacy.classes.worth import around, worth_of
 from symhyb.correction.adequacy.clock_jitter import Jitter, jittering
-from symhyb.correction.adequacy.explained import Decided, forces_left, remainder
+from symhyb.correction.adequacy.contradicted import contradicted
+from symhyb.correction.adequacy.explained import Decided, forces_left
+from symhyb.correction.adequacy.explained import decided as left_by
 from symhyb.correction.adequacy.followed import Along, fitted_on, followed, likeliest, scored
 from symhyb.correction.adequacy.late import with_lags
 from symhyb.correction.adequacy.own_strengths import by_recording, without_own
@@ -116,7 +118,7 @@ def adequacy(
     left = here = beyond(ground, base)
     if left.alone is not None and left.evidence < 0:
         base = scored(ground, fitted(ground, final.causes, rows, left.alone, base.fit.states))
-    decided = Decided(base, remainder(ground, base), left.acts)
+    decided = left_by(ground, base, left.acts)
     trials = [base, *_answers(ground, _staircases(ground, base, rows), decided)]
     raced: list[Fitted] = []
     if left.acts or base.fit.noise.coloured:
@@ -129,7 +131,8 @@ def adequacy(
         trials += _answers(ground, functions_instead(ground, base), decided)
     disputes: tuple[Disputed, ...] = ()
     if left.acts:
-        better = [trial for trial in raced if trial.evidence > base.evidence + CERTAIN]
+        likelier = [trial for trial in raced if trial.evidence > base.evidence + CERTAIN]
+        better = [trial for trial in likelier if not contradicted(ground, trial, base)]
         asked = [one for one in better if not may_hold(one) or _answers(ground, [one], decided)]
         disputes = disputed(final, [base, *asked])
     doubt = frozenset(one.cause for one in disputes)
@@ -311,8 +314,14 @@ def _beside(
 
 
 def _answers(ground: Recorded, trials: Sequence[Fitted], decided: Decided) -> list[Fitted]:
-    """The structures that take half of what acts beyond the decided one."""
-    return [one for one in trials if remainder(ground, one) <= decided.may_leave(one, MOST)]
+    """The structures that take half of what acts beyond the decided one, and that no part of the
+    recordings contradicts."""
+    return [
+        one
+        for one in trials
+        if decided.explained_by(ground, one, MOST)
+        and not contradicted(ground, one, decided.structure)
+    ]
 
 
 def _kept(causes: Sequence[Hypothesis], generic: Generic) -> list[tuple[int, ...]]:
@@ -391,4 +400,4 @@ def _explained_alone(ground: Recorded, trials: Sequence[Fitted], decided: Decide
 
 def _suffices(ground: Recorded, trial: Fitted, decided: Decided) -> bool:
     """Whether a structure explains what acts beyond the decided one."""
-    return remainder(ground, trial) <= decided.may_leave(trial, SMALL)
+    return decided.explained_by(ground, trial, SMALL)

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from symhyb.correction.adequacy.curves.products import products_of, solved
-from symhyb.correction.adequacy.explained import Decided, remainder
+from symhyb.correction.adequacy.explained import decided
 from symhyb.correction.adequacy.followed import fitted_on, part_of
 from symhyb.correction.adequacy.judge import Adequacy
 from symhyb.correction.adequacy.pairs import PAIR_LAWS, coupled, pair_forces, pair_size
@@ -55,7 +55,7 @@ def couplings_instead(ground: Recorded, judged: Adequacy) -> Fitted | None:
     pair, base, by_class = pair_of(judged), judged.structure, judged.by_class
     if pair is None or base is None or by_class is None:
         return None
-    decided = Decided(base, remainder(ground, base), judged.beyond.acts)
+    left = decided(ground, base, judged.beyond.acts)
     found = [
         trial
         for start in _starts(ground, base, by_class, pair)
@@ -66,7 +66,7 @@ def couplings_instead(ground: Recorded, judged: Adequacy) -> Fitted | None:
         return None
     if one_way(best, pair):
         return None
-    return best if remainder(ground, best) <= decided.may_leave(best, SMALL) else None
+    return best if left.explained_by(ground, best, SMALL) else None
 
 
 def _starts(ground: Recorded, base: Fitted, by_class: Fitted, pair: Pair) -> Iterator[Fitted]:

@@ -19,7 +19,7 @@ from symhyb.correction.adequacy.classes.columns import motions
 from symhyb.correction.adequacy.classes.hidden_mode import band, swings
 from symhyb.correction.adequacy.curves.courses import force_at
 from symhyb.correction.adequacy.curves.products import products_of, solved
-from symhyb.correction.adequacy.explained import Decided, remainder
+from symhyb.correction.adequacy.explained import Decided, decided
 from symhyb.correction.adequacy.followed import fitted_on, part_of, scored
 from symhyb.correction.adequacy.judge import Adequacy
 from symhyb.correction.adequacy.recorded import Recorded
@@ -54,7 +54,7 @@ def modes_instead(ground: Recorded, judged: Adequacy) -> Fitted | None:
     place, base, by_class = judged.certain("hidden mode"), judged.structure, judged.by_class
     if place is None or base is None or by_class is None or place not in ground.library.places:
         return None
-    decided = Decided(base, remainder(ground, base), judged.beyond.acts)
+    left = decided(ground, base, judged.beyond.acts)
     found = [
         trial
         for start in _starts(ground, base, by_class, place)
@@ -64,12 +64,12 @@ def modes_instead(ground: Recorded, judged: Adequacy) -> Fitted | None:
     best = max(found, key=lambda trial: trial.evidence, default=None)
     if best is None or best.evidence <= base.evidence + CERTAIN:
         return None
-    if best.evidence <= _class_alone(ground, by_class, place, decided) - CERTAIN:
+    if best.evidence <= _class_alone(ground, by_class, place, left) - CERTAIN:
         return None
-    return best if remainder(ground, best) <= decided.may_leave(best, SMALL) else None
+    return best if left.explained_by(ground, best, SMALL) else None
 
 
-def _class_alone(ground: Recorded, by_class: Fitted, place: Place, decided: Decided) -> float:
+def _class_alone(ground: Recorded, by_class: Fitted, place: Place, left: Decided) -> float:
     """Evidence of the class without the laws at its place, where it explains so too: along the
     smoothed motion a spring, a damper and a mass together follow the noise that is left in it, and
     the class, which has the first two, needs no third."""
@@ -80,7 +80,7 @@ def _class_alone(ground: Recorded, by_class: Fitted, place: Place, decided: Deci
     causes, rows = [cause for cause, _ in kept], [row for _, row in kept]
     noise, states = ground.revived(by_class.fit.noise), by_class.fit.states
     alone = scored(ground, fitted(ground, causes, rows, noise, states, extra=by_class.extra))
-    explains = remainder(ground, alone) <= decided.may_leave(alone, SMALL)
+    explains = left.explained_by(ground, alone, SMALL)
     return alone.evidence if explains else by_class.evidence
 
 

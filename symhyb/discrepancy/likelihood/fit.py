@@ -14,7 +14,14 @@ import numpy as np
 from symhyb.discrepancy.fitting.normal import bounded_step, inverse_of
 from symhyb.discrepancy.likelihood.horizon import maximised, total
 from symhyb.discrepancy.likelihood.noise import NoiseModel
-from symhyb.discrepancy.likelihood.track import Extra, Track, smoothed, track, white_problem
+from symhyb.discrepancy.likelihood.track import (
+    Extra,
+    Track,
+    smoothed,
+    still,
+    track,
+    white_problem,
+)
 from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.runs.windows import WindowModel
@@ -72,8 +79,10 @@ class Task:
 class Fit:
     """Fitted ``values`` (F,) with ``covariance`` (F, F) and its inverse, the ``information``, SI,
     the most likely ``noise``, ``logl`` the log-likelihood and ``prior`` the χ² of the values
-    against their priors, the ``states`` (N, X) of every stretch; ``reason`` is empty, or why the
-    fit failed."""
+    against their priors, the ``states`` (N, X) of every stretch. ``logls`` is the log-likelihood
+    of each stretch; ``force`` (n,) and ``colour`` (m,) are the RMS of the unknown force and of the
+    coloured noise as the sensors show them (smoothed), SI. ``reason`` is empty, or why the fit
+    failed."""
 
     values: Array
     covariance: Array
@@ -83,6 +92,9 @@ class Fit:
     prior: float
     states: tuple[Array, ...]
     count: int
+    logls: tuple[float, ...]
+    force: Array
+    colour: Array
     reason: str = ""
 
 
@@ -222,6 +234,10 @@ def _with_noise(task: Task, now: _Now, roughly: bool, within: float) -> _Now:
 def _finished(task: Task, now: _Now) -> Fit:
     gram, _ = _normal(task, now)
     prior = _prior(task, now.values)
+    parts = [smoothed(one, now.noise, still(one)) for one in now.tracks]
+    colour = np.zeros_like(now.noise.colour)
+    if now.noise.coloured:
+        colour = _rms([part.colour for part in parts])
     return Fit(
         now.values,
         inverse_of(gram),
@@ -231,9 +247,19 @@ def _finished(task: Task, now: _Now) -> Fit:
         prior,
         now.states,
         sum(one.count for one in now.tracks),
+        tuple(part.logl for part in parts),
+        _rms([part.force for part in parts]),
+        colour,
     )
 
 
+def _rms(parts: Sequence[Array]) -> Array:
+    """The RMS (K,) of the columns of some signals (N, K), all samples together."""
+    return np.asarray(np.sqrt(np.mean(np.concatenate(parts) ** 2, axis=0)))
+
+
 def _failed(task: Task, values: Array, noise: NoiseModel, states: tuple[Array, ...]) -> Fit:
-    unknown = np.full((values.size, values.size), np.inf)
-    return Fit(values, unknown, np.zeros_like(unknown), noise, -np.inf, 0.0, states, 1, FAILED)
+    unknown, none = np.full((values.size, values.size), np.inf), np.zeros_like(noise.force)
+    logls, quiet = (-np.inf,) * len(states), np.zeros_like(noise.colour)
+    least = np.zeros_like(unknown)
+    return Fit(values, unknown, least, noise, -np.inf, 0.0, states, 1, logls, none, quiet, FAILED)

@@ -199,10 +199,12 @@ def test_a_class_that_explains_too_little_speaks_against_no_law(
             return []
         extra = law(around(ground, start), ground.library.places.index(On("x")))
         noise, values = start.fit.noise, start.fit.values
-        force = noise.force * (0.0 if explains else 1.0)
+        part = 0.0 if explains else 1.0
+        force, shown = part * noise.force, part * start.fit.force
         less = np.concatenate([0.1 * values[:1], values[1:], np.zeros(extra.spread.size)])
         wider = np.pad(start.fit.covariance, (0, extra.spread.size))
-        fit = replace(start.fit, values=less, covariance=wider, noise=replace(noise, force=force))
+        noise = replace(noise, force=force)
+        fit = replace(start.fit, values=less, covariance=wider, noise=noise, force=shown)
         return [replace(start, evidence=start.evidence + 50.0, fit=fit, extra=extra)]
 
     monkeypatch.setattr(judge, "_raced", raced)
@@ -246,11 +248,13 @@ def test_what_a_class_may_leave_depends_on_what_it_replaces() -> None:
     row = {"damping": 0.6}
     having = fitted(ground, (DAMPER,), (row,), ground.first_noise())
     lacking = fitted(ground, (), (), ground.first_noise())
-    quiet, loud = Decided(having, 1e-2, False), Decided(having, 1e-2, True)
-    assert quiet.may_leave(having, 0.1) == pytest.approx(1e-3)  # a class beside must take something
-    assert quiet.may_leave(lacking, 0.1) == pytest.approx(1e-2)
-    assert loud.may_leave(lacking, 0.1) == pytest.approx(1e-3)
-    assert Decided(having, 0.0, False).may_leave(having, 0.1) > 0  # nothing that is worth a word
+    left = np.array([1e-2, 4e-3])
+    quiet, loud = Decided(having, left, False), Decided(having, left, True)
+    assert quiet.may_leave(having, 0.1) == pytest.approx(0.1 * left)  # beside, it takes something
+    assert quiet.may_leave(lacking, 0.1) == pytest.approx(left)
+    assert loud.may_leave(lacking, 0.1) == pytest.approx(0.1 * left)
+    nothing = Decided(having, np.zeros(2), False)
+    assert (nothing.may_leave(having, 0.1) > 0).all()  # nothing that is worth a word
 
 
 def test_what_acts_in_a_part_is_judged_there() -> None:

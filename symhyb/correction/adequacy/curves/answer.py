@@ -20,7 +20,7 @@ from symhyb.correction.adequacy.curves.courses import ALONE, FORMS, Form, form_o
 from symhyb.correction.adequacy.curves.fitted_curve import Offer, beside, offered
 from symhyb.correction.adequacy.curves.listed import listed
 from symhyb.correction.adequacy.curves.product import product, product_again
-from symhyb.correction.adequacy.explained import Decided, remainder
+from symhyb.correction.adequacy.explained import decided
 from symhyb.correction.adequacy.followed import fitted_on, part_of
 from symhyb.correction.adequacy.judge import Adequacy
 from symhyb.correction.adequacy.recorded import Recorded
@@ -41,7 +41,7 @@ def instead_of_class(ground: Recorded, judged: Adequacy) -> Fitted | None:
     place, base, by_class = judged.certain("law"), judged.structure, judged.by_class
     if place is None or base is None or by_class is None or place not in ground.library.places:
         return None
-    decided = Decided(base, remainder(ground, base), judged.beyond.acts)
+    left = decided(ground, base, judged.beyond.acts)
     one_of = judged.classes[0].generic.over
     mine = [cause for cause in base.causes if cause.place == place and memoryless(cause)]
     likelier = base.evidence + (-CERTAIN if is_sum(mine) else CERTAIN)
@@ -57,8 +57,7 @@ def instead_of_class(ground: Recorded, judged: Adequacy) -> Fitted | None:
         return likelier if is_form(form) else most
 
     def explains(trial: Fitted, form: Form | None) -> bool:
-        enough = remainder(ground, trial) <= decided.may_leave(trial, SMALL)
-        return trial.evidence > least(form) and enough
+        return trial.evidence > least(form) and left.explained_by(ground, trial, SMALL)
 
     beside_it = [
         frozenset(cause for cause in by_class.causes if cause.place != place),

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symhyb.correction.adequacy.explained import Decided, remainder
+from symhyb.correction.adequacy.explained import decided as left_by
 from symhyb.correction.adequacy.followed import likeliest
 from symhyb.correction.adequacy.in_time.changing_number import (
     Number,
@@ -85,7 +85,7 @@ def course_of(ground: Recorded, judged: Adequacy, number: Number) -> Answer | No
     least = decided.evidence + CERTAIN
     if by_class is not None:
         least = max(least, by_class.evidence - CERTAIN)
-    whole = Decided(decided, remainder(ground, decided), judged.beyond.acts)
+    whole = left_by(ground, decided, judged.beyond.acts)
     courses = []
     for offer in begun(ground, base, number):
         fit = free_course if offer.shape.name == "free" else fitted_course
@@ -95,7 +95,7 @@ def course_of(ground: Recorded, judged: Adequacy, number: Number) -> Answer | No
         for one in courses
         if ended(one.shape)
         and one.trial.evidence > least
-        and remainder(ground, one.trial) <= whole.may_leave(one.trial, SMALL)
+        and whole.explained_by(ground, one.trial, SMALL)
     ]
     if not enough:
         return None
