@@ -1,7 +1,7 @@
 """The free falls of a hobby servo: what is read of them, the fits by hand, and that a model whose
 weight and length each recording knows falls as these fits do."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from types import ModuleType
 
 import numpy as np
@@ -13,21 +13,33 @@ from tests.absent import absent
 from tests.scripts import scripts
 
 NAMES = ("falls", "by_hand", "diagnose")
-BY_HAND = np.array([0.00677, 0.00827, 0.01721, 0.4389])  # J, c, F, mu of both losses with load
+BY_HAND = np.array([0.00677, 0.00827, 0.01721, 0.4389, 0.0])  # J, c, F, mu, d of losses with load
 BY_MOUNT = np.array(  # c and F of every mount, beside J 0.0095 and mu 0.2447
     [
         [0.0188, 0.0324, 0.0155, 0.0437, 0.0103, 0.0377, 0.0321, 0.0287],
         [0.0183, 0.0128, 0.0285, 0.0367, 0.0388, 0.0303, 0.0442, 0.0910],
     ]
 )
+BY_MOUNT_LATE = np.array(  # the same beside J 0.01075 and a beginning 20.96 ms late, without mu
+    [
+        [0.0330, 0.05293, 0.03268, 0.07021, 0.03085, 0.07044, 0.05582, 0.06357],
+        [0.02243, 0.01915, 0.03359, 0.04706, 0.04421, 0.03783, 0.0536, 0.1132],
+    ]
+)
 LOAD = "m*g*l*sin(q)"
 
 
 @pytest.fixture(scope="module")
-def study() -> Iterator[ModuleType]:
-    """The study, scripts beside each other."""
+def parts() -> Iterator[Mapping[str, ModuleType]]:
+    """The scripts of the study, beside each other."""
     with scripts("servo_pendulums", NAMES) as found:
-        yield found["diagnose"]
+        yield found
+
+
+@pytest.fixture(scope="module")
+def study(parts) -> ModuleType:
+    """The diagnosis of the study, which has the other scripts."""
+    return parts["diagnose"]
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +53,7 @@ def falls(study):
 @pytest.fixture(scope="module")
 def with_losses(study) -> sh.Model:
     """The model with the losses that were fitted by hand."""
-    inertia, damping, dry, share = (f"{value:.6g}" for value in BY_HAND)
+    inertia, damping, dry, share = (f"{value:.6g}" for value in BY_HAND[:4])
     text = study.MODEL.read_text(encoding="utf-8")
     text += f"""
 [elements.rotor]
@@ -93,17 +105,33 @@ def test_read_errors_of_the_encoder_are_left_missing(falls):
 
 def test_the_errors_by_hand_are_those_that_the_page_says(study, falls):
     _, unseen = study.split(falls)
-    assert 1e3 * study.error(np.zeros(4), unseen) == pytest.approx(1081, abs=1)
+    assert 1e3 * study.error(np.zeros(5), unseen) == pytest.approx(1081, abs=1)
     assert 1e3 * study.error(BY_HAND, unseen) == pytest.approx(59.7, abs=0.2)
+
+
+def test_an_arm_that_is_let_go_late_waits_and_falls_the_same(parts):
+    mass, length, start = np.array([0.5, 1.1]), np.array([0.15, 0.1]), np.array([-1.5, -1.2])
+    numbers = np.array([0.01, 0.03, 0.04, 0.1, 0.0])[:, None] * np.ones(2)
+    simulated = parts["by_hand"].simulated
+    prompt = simulated(numbers, mass, length, start, 100)
+    numbers[4] = 0.03  # s: three of the angles
+    late = simulated(numbers, mass, length, start, 100)
+    np.testing.assert_array_equal(late[:, :4], start[:, None] * np.ones(4))
+    np.testing.assert_allclose(late[:, 3:], prompt[:, :-3], atol=1e-12)
+    numbers[4] = 0.0304
+    between = simulated(numbers, mass, length, start, 100)
+    assert np.abs(between - late).max() < 0.0005 * np.abs(np.gradient(prompt, 0.01)[1]).max()
 
 
 def test_friction_of_each_mount_halves_the_errors_on_unseen_falls(study, falls):
     _, unseen = study.split(falls)
     ones = np.ones(8)
-    numbers = np.array([0.0095 * ones, *BY_MOUNT, 0.2447 * ones])
+    numbers = np.array([0.0095 * ones, *BY_MOUNT, 0.2447 * ones, 0 * ones])
     assert 1e3 * study.error(numbers[:, study.mounts(unseen)], unseen) == pytest.approx(
         26.4, abs=0.3
     )
+    late = np.array([0.01075 * ones, *BY_MOUNT_LATE, 0 * ones, 0.02096 * ones])
+    assert 1e3 * study.error(late[:, study.mounts(unseen)], unseen) == pytest.approx(26.4, abs=0.3)
     swapped = numbers[:, study.mounts(unseen)[::-1]]
     assert 1e3 * study.error(swapped, unseen) > 60
 

@@ -4,8 +4,9 @@
 
 python studies/servo_pendulums/by_hand.py    # prints the errors on falls that were not fitted
 
-Every fall starts at rest from its first angle; errors of all angles count alike. c and F are those
-of all falls, or those of each mount: the falls of one weight and length.
+Every fall starts at rest from its first angle, at its first sample or some time d later, when the
+motor lets go; errors of all angles count alike. c and F are those of all falls, or those of each
+mount: the falls of one weight and length.
 """
 
 from collections.abc import Sequence
@@ -19,14 +20,22 @@ GRAVITY = 9.81  # m/s²
 STEP = 1e-3  # s, of the midpoint rule
 EVERY = 10  # steps between two angles that are compared
 WIDTH = 0.02  # rad/s: within it friction turns over
-SIZES = np.array([0.01, 0.02, 0.02, 0.1])  # of the numbers: kg·m², N·m·s/rad, N·m, 1
-NAMES = ("J", "c", "F", "mu")
+SIZES = np.array([0.01, 0.02, 0.02, 0.1, 0.02])  # of the numbers: kg·m², N·m·s/rad, N·m, 1, s
+NAMES = ("J", "c", "F", "mu", "d")
 STRUCTURES: dict[str, tuple[int, ...]] = {
     "nothing": (),
     "viscous": (0, 1),
     "dry": (0, 2),
     "both": (0, 1, 2),
     "both, with load": (0, 1, 2, 3),
+    "both, late": (0, 1, 2, 4),
+    "both, with load, late": (0, 1, 2, 3, 4),
+}
+OF_MOUNTS: dict[str, tuple[int, ...]] = {  # beside c and F of each
+    "c and F of each mount": (0,),
+    "c and F of each mount, with load": (0, 3),
+    "c and F of each mount, late": (0, 4),
+    "c and F of each mount, with load, late": (0, 3, 4),
 }
 
 Array = NDArray[np.float64]
@@ -44,8 +53,8 @@ def _measured(falls: Sequence[Fall]) -> tuple[Array, Array, Array, Array]:
 
 
 def simulated(numbers: Array, mass: Array, length: Array, start: Array, count: int) -> Array:
-    """Angles (S, ``count``) of falls side by side, for (J, c, F, mu), each (1,) or (S,), SI."""
-    inertia, damping, dry, loaded = numbers
+    """Angles (S, ``count``) of falls side by side, for (J, c, F, mu, d), each (1,) or (S,), SI."""
+    inertia, damping, dry, loaded, late = numbers
     whole = mass * length**2 + inertia
 
     def acceleration(q: Array, v: Array) -> Array:
@@ -54,15 +63,16 @@ def simulated(numbers: Array, mass: Array, length: Array, start: Array, count: i
 
     q, v, rows = start.copy(), np.zeros_like(start), [start]
     for step in range(1, EVERY * (count - 1) + 1):
-        half = v + STEP / 2 * acceleration(q, v)
-        q, v = q + STEP * half, v + STEP * acceleration(q + STEP / 2 * v, half)
+        moves = np.clip(STEP * step - late, 0.0, STEP)  # of the step, the part that is no wait
+        half = v + moves / 2 * acceleration(q, v)
+        q, v = q + moves * half, v + moves * acceleration(q + moves / 2 * v, half)
         if step % EVERY == 0:
             rows.append(q)
     return np.array(rows).T
 
 
 def fitted(falls: Sequence[Fall], free: Sequence[int]) -> Array:
-    """The numbers (J, c, F, mu), SI, of which those ``free`` are fitted and the others are 0."""
+    """The numbers (J, c, F, mu, d), SI, of which those ``free`` are fitted and the others are 0."""
     mass, length, start, angles = _measured(falls)
 
     def full(shares: Array) -> Array:
@@ -85,22 +95,24 @@ def mounts(falls: Sequence[Fall]) -> NDArray[np.int64]:
     return np.array([sorted(set(pairs)).index(pair) for pair in pairs])
 
 
-def fitted_by_mount(falls: Sequence[Fall]) -> Array:
-    """The numbers (J, c, F, mu), SI, of every mount, (4, mounts): c and F are its own."""
+def fitted_by_mount(falls: Sequence[Fall], shared: Sequence[int]) -> Array:
+    """The numbers (J, c, F, mu, d), SI, of every mount, (5, mounts): c and F are its own, those
+    ``shared`` are the same in all, the others 0."""
     mass, length, start, angles = _measured(falls)
     which = mounts(falls)
     count = int(which.max()) + 1
 
     def full(shares: Array) -> Array:
-        own = shares[2:].reshape(2, count)
-        ones = np.ones(count)
-        return SIZES[:, None] * np.array([shares[0] * ones, *own, shares[1] * ones])
+        found = np.zeros((SIZES.size, count))
+        found[list(shared)] = shares[: len(shared), None]
+        found[1:3] = shares[len(shared) :].reshape(2, count)
+        return SIZES[:, None] * found
 
     def left(shares: Array) -> Array:
         numbers = full(shares)[:, which]
         return (simulated(numbers, mass, length, start, angles.shape[1]) - angles).ravel()
 
-    begin = np.full(2 + 2 * count, 1.0)
+    begin = np.full(len(shared) + 2 * count, 1.0)
     return full(least_squares(left, begin, bounds=(0, np.inf), diff_step=1e-4, ftol=1e-5).x)
 
 
@@ -122,11 +134,12 @@ def main() -> None:
         values = ", ".join(f"{NAMES[i]} {numbers[i]:.4g}" for i in free)
         mrad = [1e3 * error(numbers, falls) for falls in (learned, unseen)]
         print(f"{name}: {mrad[0]:.1f} mrad, unseen {mrad[1]:.1f} mrad ({values})", flush=True)
-    own = fitted_by_mount(learned)
-    mrad = [1e3 * error(own[:, mounts(falls)], falls) for falls in (learned, unseen)]
-    print(f"c and F of each mount: {mrad[0]:.1f} mrad, unseen {mrad[1]:.1f} mrad")
-    for name, values in zip(NAMES, own, strict=True):
-        print(f"  {name}: {', '.join(f'{value:.4g}' for value in values)}")
+    for title, shared in OF_MOUNTS.items():
+        own = fitted_by_mount(learned, shared)
+        mrad = [1e3 * error(own[:, mounts(falls)], falls) for falls in (learned, unseen)]
+        print(f"{title}: {mrad[0]:.1f} mrad, unseen {mrad[1]:.1f} mrad", flush=True)
+        for name, values in zip(NAMES, own, strict=True):
+            print(f"  {name}: {', '.join(f'{value:.4g}' for value in values)}")
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
-from by_hand import STRUCTURES, error, fitted, fitted_by_mount, mounts
+from by_hand import OF_MOUNTS, STRUCTURES, error, fitted, fitted_by_mount, mounts
 from falls import MODEL, Fall, folder_of_runs, read_falls, split
 
 import symhyb as sh
@@ -40,16 +40,20 @@ def diagnosed(
 
 
 def open_loop(
-    model: sh.Model, falls: Sequence[Fall], diagnosis: sh.Diagnosis | None = None
+    model: sh.Model,
+    falls: Sequence[Fall],
+    diagnosis: sh.Diagnosis | None = None,
+    late: float = 0.0,
 ) -> float:
     """RMS of the angles of falls, in rad, where each is simulated from rest at its first angle,
-    with the numbers that the ``diagnosis`` has for its mount."""
+    ``late`` by some s, with the numbers that the ``diagnosis`` has for its mount."""
     squares = []
     for fall in falls:
         recording = fall.recording(model)
         own = diagnosis.values_of(recording) if diagnosis else {}
         run = sh.simulate(model, recording, start={"q": float(fall.q[0])}, parameters=own)
-        squares.append((run.y[:, 0] - fall.q) ** 2)
+        q = np.interp(fall.t - late, run.t, run.y[:, 0])  # at rest until it begins
+        squares.append((q - fall.q) ** 2)
     return float(np.sqrt(np.nanmean(np.concatenate(squares))))
 
 
@@ -61,15 +65,18 @@ def main() -> None:
     learned, unseen = split(read_falls(folder))
     diagnosis, corrected = diagnosed(chosen(learned, int(sys.argv[1])), OWN[sys.argv[2]])
     print(diagnosis.sentence)
-    mrad = 1e3 * open_loop(corrected, unseen, diagnosis)
-    print(f"unseen falls: {mrad:.1f} mrad", flush=True)
+    by_mount = {name: fitted_by_mount(learned, which) for name, which in OF_MOUNTS.items()}
+    for late in (0.0, float(by_mount["c and F of each mount, late"][4, 0])):
+        mrad = 1e3 * open_loop(corrected, unseen, diagnosis, late)
+        print(f"unseen falls, {1e3 * late:.0f} ms late: {mrad:.1f} mrad", flush=True)
     if len(sys.argv) > 3:
         sh.write_model(corrected, Path(sys.argv[3]) / "corrected.toml")
     for name, free in STRUCTURES.items():
         by_hand = 1e3 * error(fitted(learned, free), unseen)
         print(f"by hand, {name}: {by_hand:.1f} mrad", flush=True)
-    by_mount = 1e3 * error(fitted_by_mount(learned)[:, mounts(unseen)], unseen)
-    print(f"by hand, c and F of each mount: {by_mount:.1f} mrad", flush=True)
+    for name, numbers in by_mount.items():
+        by_hand = 1e3 * error(numbers[:, mounts(unseen)], unseen)
+        print(f"by hand, {name}: {by_hand:.1f} mrad", flush=True)
 
 
 if __name__ == "__main__":
