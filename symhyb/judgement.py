@@ -76,8 +76,7 @@ NEGLIGIBLE = 1e-3
 # of a whole: less is not worth a word
 # source: judgement: what an engineer rounds away
 NOTABLE = 0.05
-# of a mismatch or a misfit that what explains it may leave; of a value that differs; of what
-# recordings say that others may contradict
+# of a mismatch or a misfit that what explains it may leave; of a value or evidence that differs
 # source: judgement: nine tenths explained; real recordings with right names leave 4 % at most
 SMALL = 0.1
 # of a force, a misfit or a spread: from here on it is a large part

@@ -28,7 +28,8 @@ def contradicted(ground: Recorded, trial: Fitted, base: Fitted) -> bool:
 
 
 def gains_of(ground: Recorded, trial: Fitted, base: Fitted) -> Array:
-    """By how much ln L of each recording (R,) is larger with one structure than with another."""
+    """By how much ln L of each recording (R,), dimensionless, is larger with one structure than
+    with another."""
     gains = np.zeros(1 + max(ground.recording))
     for which, more, less in zip(ground.recording, trial.fit.logls, base.fit.logls, strict=True):
         gains[which] += more - less

@@ -11,16 +11,17 @@ from symhyb.numeric.kernels.buffers import Array
 
 
 class Decided(NamedTuple):
-    """The decided structure, its ``remainder`` (2,), and whether a force ``acts`` beyond it."""
+    """The decided structure, its ``remainder`` (2,), dimensionless, and whether a force ``acts``
+    beyond it."""
 
     structure: Fitted
     remainder: Array
     acts: bool
 
     def may_leave(self, trial: Fitted, share: float) -> Array:
-        """The remainder (2,) that a structure with a class may leave to explain all but a ``share``
-        of what acts beyond; where nothing does, one that needs fewer causes as much as the decided
-        one."""
+        """The remainder (2,), dimensionless, that a structure with a class may leave to explain all
+        but a ``share`` of what acts beyond; where nothing does, one that needs fewer causes as much
+        as the decided one."""
         fewer = not {*self.structure.causes} <= {*trial.causes}
         part = 1.0 if fewer and not self.acts else share
         return np.maximum(part * self.remainder, NEGLIGIBLE**2)
@@ -37,9 +38,9 @@ def decided(ground: Recorded, base: Fitted, acts: bool) -> Decided:
 
 def remainder(ground: Recorded, trial: Fitted) -> Array:
     """The power of the unknown force over that of what moves the coordinates, and of the colour of
-    the sensors over that of what they show (2,): as the likelihood says, and as the sensors show
-    it. The first alone does not compare forces of different memory: that of one without memory is
-    spread over all frequencies, and most of it moves nothing."""
+    the sensors over that of what they show (2,), dimensionless: as the likelihood says, and as the
+    sensors show it. The first alone does not compare forces of different memory: that of one
+    without memory is spread over all frequencies, and most of it moves nothing."""
     if trial.fit.reason:
         return np.full(2, np.inf)
     noise, fit = trial.fit.noise, trial.fit

@@ -144,7 +144,7 @@ def adequacy(
         own = [rows[i] for i in stay]  # all other laws may only imitate a class
         bare = likeliest(ground, [base.causes[i] for i in stay], own)
         trials += [bare, *_answers(ground, _raced(ground, bare, own, decided), decided)]
-    enough = [trial for trial in trials if trial.extra and _suffices(ground, trial, decided)]
+    enough = [t for t in trials if t.extra and decided.explained_by(ground, t, SMALL)]
     classes = ranked(trials, {trial.extra.key for trial in enough if trial.extra})
     doubt |= _doubted(trials, enough, classes)
     drawn = any(cause.points for cause in base.causes)  # as exactly as few points can
@@ -274,7 +274,7 @@ def _raced(ground: Recorded, start: Fitted, rows: Sequence[Row], decided: Decide
         return found
     if best is None or best.extra is None or len(every) < 2:
         return found
-    enough = [trial for trial in answers if _suffices(ground, trial, decided)]
+    enough = [trial for trial in answers if decided.explained_by(ground, trial, SMALL)]
     if _alone(enough, best.extra, best.evidence):
         return found
     return [*found, *(tried(best.extra, tuple(j for j in every if j != i)) for i in every)]
@@ -394,10 +394,5 @@ def _alone(enough: Sequence[Fitted], generic: Generic, best: float) -> list[Fitt
 def _explained_alone(ground: Recorded, trials: Sequence[Fitted], decided: Decided) -> bool:
     """Whether the likeliest structure has a class that explains alone, without any cause."""
     best = max(trials, key=lambda trial: trial.evidence)
-    bare = [t for t in trials[1:] if not t.causes and _suffices(ground, t, decided)]
+    bare = [t for t in trials[1:] if not t.causes and decided.explained_by(ground, t, SMALL)]
     return best.extra is not None and bool(_alone(bare, best.extra, best.evidence))
-
-
-def _suffices(ground: Recorded, trial: Fitted, decided: Decided) -> bool:
-    """Whether a structure explains what acts beyond the decided one."""
-    return decided.explained_by(ground, trial, SMALL)
