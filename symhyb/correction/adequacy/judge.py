@@ -316,12 +316,8 @@ def _beside(
 def _answers(ground: Recorded, trials: Sequence[Fitted], decided: Decided) -> list[Fitted]:
     """The structures that take half of what acts beyond the decided one, and that no part of the
     recordings contradicts."""
-    return [
-        one
-        for one in trials
-        if decided.explained_by(ground, one, MOST)
-        and not contradicted(ground, one, decided.structure)
-    ]
+    taken = [one for one in trials if decided.explained_by(ground, one, MOST)]
+    return [one for one in taken if not contradicted(ground, one, decided.structure)]
 
 
 def _kept(causes: Sequence[Hypothesis], generic: Generic) -> list[tuple[int, ...]]:
