@@ -104,7 +104,7 @@ def diagnose(
         bool,
         typer.Option(
             "--finish",
-            help="Fit every uncertain number of the corrected model once more, on all recordings.",
+            help="Fit all uncertain numbers once more, at the end.",
         ),
     ] = False,
     remainder: Annotated[
@@ -120,6 +120,10 @@ def diagnose(
             help="Train a network for what the named laws leave there; its weights are left beside"
             " corrected.toml.",
         ),
+    ] = None,
+    budget: Annotated[
+        str | None,
+        typer.Option(metavar="TIME", help="Time after which it ends, as 90s, 10min or 2h."),
     ] = None,
     as_json: Json = False,
 ) -> None:
@@ -138,6 +142,7 @@ def diagnose(
     """
     from symhyb.console.results import print_result, printed_if_interrupted
     from symhyb.console.terminal import progress, read_map
+    from symhyb.deadline import required_seconds
     from symhyb.report.contract import to_json
     from symhyb.study import StudyResult, carry_out, leave_files
     from symhyb.study_file import Source, Study
@@ -154,6 +159,7 @@ def diagnose(
         network=network,
         known=known,
         groups=groups,
+        budget_s=None if budget is None else required_seconds(budget),
     )
     require_folder(output)
     with printed_if_interrupted(output, as_json) as keep, progress() as say:

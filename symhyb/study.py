@@ -29,6 +29,7 @@ from symhyb.data.groups import require_groups
 from symhyb.data.known import require_known
 from symhyb.data.known_table import table_of_known
 from symhyb.data.recording import Recording, read_recording
+from symhyb.deadline import deadline_of
 from symhyb.diagnosis import advised, conclude
 from symhyb.discrepancy.checks.first_checks import FirstChecks, first_checks
 from symhyb.discrepancy.checks.suspicion import repaired
@@ -130,13 +131,13 @@ def carry_out(study: Study, say: Say | None = None, leave: Leave | None = None) 
         NumericsError: the numerics failed.
     """
     say = say or silent
-    begin = time.perf_counter()
+    begin, deadline = time.perf_counter(), deadline_of(study.budget_s)
     say("reading the model and the recordings")
     model = read_model(study.model)
     if study.remainder or study.network:
         require_open(model)
     train, holdout = read_all(study, model)
-    concluded = conclude(model, train, holdout, own=study.own, say=say)
+    concluded = conclude(model, train, holdout, own=study.own, say=say, deadline=deadline)
     diagnosis = concluded.diagnosis
     corrected = apply(
         model,
@@ -168,7 +169,7 @@ def carry_out(study: Study, say: Say | None = None, leave: Leave | None = None) 
     write = _writing(leave, say)
     write(result)
     with if_interrupted(lambda: COMPLETE if leave is not None else ""):
-        final = advised(replace(concluded, diagnosis=diagnosis), say)
+        final = advised(replace(concluded, diagnosis=diagnosis), say, deadline)
     if final is diagnosis:
         return result
     result = replace(result, diagnosis=final, seconds=time.perf_counter() - begin)
@@ -290,6 +291,7 @@ def manifest(result: StudyResult) -> dict[str, Any]:
         ],
         "map": dict(study.columns or {}),
         **({"own": study.stated_own} if study.own else {}),
+        **({"budget_s": study.budget_s} if study.budget_s else {}),
         "finish": {
             "values": study.last_values,
             "remainder": study.remainder,

@@ -5,6 +5,7 @@ title  = "Linear ball-screw drive"       # of the report; without it the title o
 about  = "what the study shows"
 model  = "../../models/emps.toml"        # paths are relative to the study file
 
+budget = "10min"                         # after which the diagnosis ends; without it, no end
 own    = ["m", "drag"]                   # of which every recording has its own value: parameters
                                          # of the model, keys of laws; all else is shared
 [map]                                    # what --map says on the command line
@@ -37,6 +38,7 @@ from symhyb.data.catalogue import named, unknown
 from symhyb.data.formats import split_part
 from symhyb.data.groups import EACH, Own, by_name
 from symhyb.data.rows import Span
+from symhyb.deadline import WANTED, seconds_of
 from symhyb.errors import InputError, Problem, did_you_mean
 from symhyb.limits import text_of
 from symhyb.model.source import scan
@@ -53,6 +55,7 @@ SECTIONS = (
     "model",
     "map",
     "own",
+    "budget",
     "train",
     "holdout",
     "score",
@@ -83,7 +86,8 @@ class Study:
     once more to all training recordings; ``remainder`` the coordinate that then gets a smooth
     remainder, ``network`` the one that gets a trained network, None for none. ``own`` has for each
     name of what not all recordings share the grouping of those that do, empty for none. ``known``
-    is a table of known values of parameters in each recording, ``groups`` one of their groups."""
+    is a table of known values of parameters in each recording, ``groups`` one of their groups.
+    ``budget_s`` is the time in s after which the diagnosis ends, None for no end."""
 
     model: Path
     train: tuple[Source, ...]
@@ -100,6 +104,7 @@ class Study:
     network: str | None = None
     known: Path | None = None
     groups: Path | None = None
+    budget_s: float | None = None
 
     def columns_of(self, source: Source) -> Mapping[str, str]:
         """The map of one recording: its own entries before those of all recordings."""
@@ -167,7 +172,17 @@ def _study(root: Table, file: Path, folders: Folders) -> Study:
         last_values=_flag(finish, "values"),
         remainder=finish.text("remainder"),
         network=finish.text("network"),
+        budget_s=_budget(root),
     )
+
+
+def _budget(root: Table) -> float | None:
+    """The time after which the diagnosis ends, s; None where none is stated."""
+    text = root.text("budget")
+    seconds = None if text is None else seconds_of(text)
+    if text is not None and seconds is None:
+        root.fault(f"must be {WANTED}, not '{text}'", "budget")
+    return seconds
 
 
 def _map(table: Table) -> dict[str, str] | None:

@@ -34,6 +34,7 @@ def study_schema() -> Schema:
         "model": text("the model file, relative to this file"),
         "map": _map("channel = column, for all recordings"),
         "own": _own(),
+        "budget": text("time after which the diagnosis ends, with its unit, as 10min"),
         "train": listed("recordings to learn from", source, 1),
         "holdout": listed("unseen recordings, for the proof alone", source, 0),
         "score": _score(),

@@ -83,7 +83,10 @@ def fake_diagnosis(monkeypatch: pytest.MonkeyPatch) -> Fake:
         asked: list[tuple[object, ...]] = []
 
         def conclude(
-            *arguments: object, say: Callable[[str], None], own: tuple[str, ...] = ()
+            *arguments: object,
+            say: Callable[[str], None],
+            own: tuple[str, ...] = (),
+            deadline: object = None,
         ) -> Concluded:
             asked.append(arguments)
             say("trying [friction] on q")

@@ -106,7 +106,7 @@ def test_what_does_not(value: object, expected: Any) -> None:
         (
             lambda: sh.diagnose(MODEL),
             "diagnose: missing a required argument: 'recordings'; it takes model, recordings, "
-            "holdout, own, say",
+            "holdout, own, say, budget",
         ),
         (
             lambda: sh.write_report("r.html", verdict(), verdict()),

@@ -784,7 +784,7 @@ def test_the_files_are_there_before_advice_is_sought(
 ) -> None:
     seen: list[set[str]] = []
 
-    def ask(concluded: Concluded, say: object) -> Diagnosis:
+    def ask(concluded: Concluded, say: object, deadline: object) -> Diagnosis:
         seen.append({file.name for file in (tmp_path / "out").iterdir()})
         if len(seen) == 1:
             raise KeyboardInterrupt

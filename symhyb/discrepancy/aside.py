@@ -80,6 +80,15 @@ class Memory:
 
 
 @dataclass(frozen=True, slots=True)
+class Budget:
+    """The time that a diagnosis was allowed, and the comparisons, in words, that were not made for
+    want of it and without which nothing may be claimed."""
+
+    seconds: float
+    not_compared: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
 class Cloud:
     """ΔF of one place over its motion: what the found laws are drawn through.
 

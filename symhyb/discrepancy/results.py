@@ -13,6 +13,7 @@ import numpy as np
 from symhyb.by_name import ByName, Items, name_items
 from symhyb.discrepancy.aside import (
     Activity,
+    Budget,
     Change,
     ClassFound,
     ClassName,
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Activity",
     "Alternative",
+    "Budget",
     "Change",
     "ClassFound",
     "ClassName",
@@ -257,15 +259,15 @@ class Alternative:
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Diagnosis:
-    """The answer: a verdict with its sentence, what was found, and what cannot be distinguished.
+    """The answer: verdict, sentence, what was found, and what cannot be distinguished.
 
-    ``noise`` by sensor in the sensor's unit; ``log`` the story of the decision, one sentence a
-    step; ``notes`` what was handled in the recordings. ``manoeuvre`` is ``record_next`` for a
-    program, where it is one. ``found``, ``parameters`` and ``measurement`` are tuples that take a
-    name, too: ``found["friction"]``, by kind where that is one alone, else by element. ``model`` is
-    the one that was given, ``posterior`` all claimed numbers together. ``courses`` are numbers that
-    change along the recordings. ``rivals`` say where the most probable other structures differ from
-    the chosen one.
+    ``noise`` by sensor in the sensor's unit; ``log`` the decision, one sentence a step; ``notes``
+    what was handled in the recordings. ``manoeuvre`` is ``record_next`` for a program, where it is
+    one. ``found``, ``parameters`` and ``measurement`` are tuples that take a name, too:
+    ``found["friction"]``, by kind where that is one alone, else by element. ``model`` is the given
+    one, ``posterior`` all claimed numbers together, ``budget`` the time that was allowed.
+    ``courses`` are numbers that change along the recordings. ``rivals`` say where the most probable
+    other structures differ from the chosen one.
     """
 
     verdict: VerdictName
@@ -293,6 +295,7 @@ class Diagnosis:
     rivals: tuple[RivalRun, ...] = field(default=(), compare=False)
     model: Model | None = field(default=None, compare=False)
     posterior: Posterior | None = field(default=None, compare=False)
+    budget: Budget | None = None
 
     def __post_init__(self) -> None:
         name_items(self, "found", "parameters", "measurement")
@@ -311,10 +314,7 @@ class Diagnosis:
 
     def _repr_html_(self) -> str:
         head = ("what", "kind", "where", "number", "value", "share", "probability")
-        rows = [
-            (r[0], r[1], r[2], r[3], _number(*r[4:7]), _part(r[8]), _part(r[9]))
-            for r in self._rows()
-        ]
+        rows = [(*r[:4], _number(*r[4:7]), _part(r[8]), _part(r[9])) for r in self._rows()]
         title = self.verdict if self.model is None else f"{self.model.title}: {self.verdict}"
         more = [] if self.record_next is None else [f"What to record next: {self.record_next}"]
         return card(title, self.sentence, head, rows, (*more, *self.notes))

@@ -31,6 +31,7 @@ from symhyb.discrepancy.results import (
 from symhyb.errors import NumericsError
 from symhyb.model.types import At, Between, On, Pair, Place
 from symhyb.model.vocabulary import said_of
+from symhyb.report.budget_entry import budget_entry
 from symhyb.report.course_entries import course_entry
 from symhyb.report.document import (
     ActivityEntry,
@@ -123,6 +124,7 @@ def to_json(diagnosis: Diagnosis, verdict: Verdict) -> DiagnosisDocument:
         ],
         "log": list(diagnosis.log),
         "notes": list(diagnosis.notes),
+        "budget": budget_entry(diagnosis.budget),
     }
 
 

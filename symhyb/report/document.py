@@ -12,6 +12,7 @@ from typing_extensions import TypedDict
 
 from symhyb.discrepancy.results import ClassName
 from symhyb.model.actuators import ChannelKind
+from symhyb.report.budget_entry import BudgetEntry
 from symhyb.report.course_entries import CourseEntry
 
 
@@ -393,3 +394,4 @@ class DiagnosisDocument(TypedDict):
     without: NotRequired[list[WithoutEntry]]
     log: NotRequired[list[str]]
     notes: NotRequired[list[str]]
+    budget: NotRequired[BudgetEntry | None]

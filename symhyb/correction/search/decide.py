@@ -46,12 +46,14 @@ from symhyb.correction.search.trials import Row, Trials, first_guess
 from symhyb.correction.search.twins import exact_twins
 from symhyb.correction.search.variants import variants_of
 from symhyb.correction.search.wholes import whole_of
+from symhyb.deadline import OutOfTimeError, within
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.judgement import NEAR_NOISE, SIGNIFICANT, UNEXPLAINED
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.steps import Say
 
 ROUNDS = 12
+OTHERS = "other causes, of which the search had not ended"
 
 
 def decide(setting: Setting, forces: ForceScreen | None, say: Say) -> Decision:
@@ -73,8 +75,23 @@ def decide(setting: Setting, forces: ForceScreen | None, say: Say) -> Decision:
     problems.sort(key=lambda pair: pair[0])
     trials = Trials(setting, say, equals)
     with if_interrupted(lambda: _known(trials)):
-        _begun_whole(trials, forces)
-        return _decided(trials, [problem for _, problem in problems], pool)
+        try:
+            _begun_whole(trials, forces)
+            return _decided(trials, [problem for _, problem in problems], pool)
+        except OutOfTimeError:
+            if not trials.done:
+                raise
+            return _so_far(trials)
+
+
+def _so_far(trials: Trials) -> Decision:
+    """The decision among what was fitted by the time that was allowed, and the model as it is."""
+    with within(None):
+        nothing = trials.refined(())
+    best, done = _best(trials), tuple(trials.done.values())
+    named = tuple((trials.known[a], trials.known[b]) for a, b in trials.equals)
+    log = (f"{best.name}: best when the time was spent, of {len(done)} structures",)
+    return Decision(best, nothing, done, named, log, trials.count, best, unmade=(OTHERS,))
 
 
 def _first_of(problem: Problem, sizes: Sequence[Sequence[Subset]]) -> set[tuple[int, ...]]:

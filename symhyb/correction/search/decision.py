@@ -15,7 +15,8 @@ class Decision:
     may name another one), all that were refined (``trials``), and ``equals``: causes that no
     recording of this kind distinguishes from another one. ``count`` causes competed. Some trials
     may have been ``judged`` along whole recordings: by how much each is worse than the selected
-    structure there."""
+    structure there. ``unmade`` are the comparisons, in words, that time did not allow: it then
+    holds what was compared by then, and nothing may be claimed of it."""
 
     selected: Refined
     nothing: Refined
@@ -25,6 +26,7 @@ class Decision:
     count: int = 1
     best: Refined | None = None
     judged: tuple[tuple[Refined, float], ...] = ()
+    unmade: tuple[str, ...] = ()
 
     def behind(self, trial: Refined) -> float:
         """By how much the score of a trial is worse than the best: twice ln of the odds."""

@@ -22,11 +22,18 @@ from symhyb.correction.search.preparing import Prepared
 from symhyb.correction.search.selection import many
 from symhyb.correction.search.setting import Setting
 from symhyb.correction.search.so_far import fits_best, if_interrupted
+from symhyb.deadline import OutOfTimeError
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.places.locate import locate
 from symhyb.discrepancy.results import Change, Misfit, PlaceShare
 from symhyb.judgement import CERTAIN, SIGNIFICANT
+from symhyb.model.types import Model
 from symhyb.steps import Say
+
+ALONG_WHOLE = "structures of almost the same score along whole recordings"
+EACH_OTHER = "the recordings against each other"
+THROUGHOUT = "causes that act throughout, for what begins or ends on the way may do so"
+COLOURED = "causes under noise of the sensors that is correlated in time"
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,20 +51,30 @@ class Choice:
     along: Fitted | None = None
     behind: Behind = NOTHING_BEHIND
 
+    def without(self, *unmade: str) -> "Choice":
+        """The choice where time did not allow these comparisons, in words."""
+        decision = replace(self.decision, unmade=(*self.decision.unmade, *unmade))
+        return replace(self, decision=decision)
+
 
 def choose(prepared: Prepared, setting: Setting, forces: ForceScreen | None, say: Say) -> Choice:
     """Screen all causes, map the places and decide; again where the sensors prove noisier."""
     choice = chosen(prepared, setting, forces, say)
     selected = choice.decision.selected
-    if many(selected.causes):  # forces, not windows, show so many
+    if choice.decision.unmade or many(selected.causes):  # forces, not windows, show so many
         return choice
-    sd, along = measured_again(prepared, choice.setting, selected, choice.along)
-    choice = replace(choice, along=along)
-    if sd is None:
-        return choice
-    say("deciding again, for the noise of a sensor is correlated in time")
-    again = chosen(prepared, replace(setting, sd=sd), forces, say)
-    return again if _as_likely(prepared, again, choice) else choice
+    try:
+        sd, along = measured_again(prepared, choice.setting, selected, choice.along)
+        choice = replace(choice, along=along)
+        if sd is None:
+            return choice
+        say("deciding again, for the noise of a sensor is correlated in time")
+        again = chosen(prepared, replace(setting, sd=sd), forces, say)
+        if not again.decision.unmade:
+            return again if _as_likely(prepared, again, choice) else choice
+    except OutOfTimeError:
+        pass
+    return choice.without(COLOURED)
 
 
 def _as_likely(prepared: Prepared, again: Choice, before: Choice) -> bool:
@@ -102,25 +119,46 @@ def chosen(prepared: Prepared, setting: Setting, forces: ForceScreen | None, say
         setting.stages[0].cuts,
     )
     setting, decision, change = _where_it_acts(setting, forces, places, say)
-    odd: tuple[Outlier, ...] = ()
+    choice = Choice(setting, decision, places, change, ())
+    if decision.unmade:
+        return choice.without(ALONG_WHOLE)
+    try:
+        choice = _held_together(choice, prepared.model, forces, say)
+    except OutOfTimeError:
+        return choice.without(EACH_OTHER, ALONG_WHOLE)
+    if choice.decision.unmade:
+        return choice.without(ALONG_WHOLE)
+    setting, decision = choice.setting, choice.decision
+    try:
+        with if_interrupted(lambda: fits_best(decision.selected, len(decision.trials))):
+            decision, along = settled(prepared, setting, decision, say)
+    except OutOfTimeError:
+        return choice.without(ALONG_WHOLE)
+    return replace(choice, decision=decision, along=along)
+
+
+def _held_together(choice: Choice, model: Model, forces: ForceScreen | None, say: Say) -> Choice:
+    """A choice of several recordings once they were held against each other: decided again without
+    what does not fit the others, if anything does not."""
+    setting, decision = choice.setting, choice.decision
     cuts = setting.stages[-1].cuts
-    if len(cuts) > 1:
-        say("holding the recordings against each other")
-        odd = outliers(prepared.model, decision.selected, setting.stages[-1], setting.sd)
+    if len(cuts) < 2:
+        return choice
+    say("holding the recordings against each other")
+    odd = outliers(model, decision.selected, setting.stages[-1], setting.sd)
+    if not odd:
+        return choice
     misfits = tuple(misfit(decision.selected, one, [i.source[0] for i in cuts]) for one in odd)
-    if odd:
-        say("deciding again, with what does not fit by itself")
-        setting = (
-            without(setting, [one.recording for one in odd])
-            if len(cuts) > 2
-            else parted(setting, decision.selected, odd[0], _rivals(decision, odd[0]))
-        )
-        decision = decide(setting, forces, say)
-        if len(cuts) == 2 and (own := own_value(decision.selected, odd[0])) is not None:
-            misfits = (misfit(decision.selected, own, [i.source[0] for i in cuts]),)
-    with if_interrupted(lambda: fits_best(decision.selected, len(decision.trials))):
-        decision, along = settled(prepared, setting, decision, say)
-    return Choice(setting, decision, places, change, misfits, along)
+    say("deciding again, with what does not fit by itself")
+    setting = (
+        without(setting, [one.recording for one in odd])
+        if len(cuts) > 2
+        else parted(setting, decision.selected, odd[0], _rivals(decision, odd[0]))
+    )
+    decision = decide(setting, forces, say)
+    if len(cuts) == 2 and (own := own_value(decision.selected, odd[0])) is not None:
+        misfits = (misfit(decision.selected, own, [i.source[0] for i in cuts]),)
+    return replace(choice, setting=setting, decision=decision, misfits=misfits)
 
 
 def _rivals(decision: Decision, odd: Outlier) -> list[Hypothesis]:
@@ -142,7 +180,10 @@ def _where_it_acts(
     change = changed(places)
     part = active_part(setting, change)
     decision = decide(part, forces, say)
-    if change is None or contradicted(setting, decision.selected, change):
+    if change is None or decision.unmade or contradicted(setting, decision.selected, change):
         return part, decision, change
-    say("deciding again, for it may act throughout")
-    return setting, decide(setting, forces, say), None
+    try:
+        say("deciding again, for it may act throughout")
+        return setting, decide(setting, forces, say), None
+    except OutOfTimeError:
+        return part, replace(decision, unmade=(THROUGHOUT,)), change

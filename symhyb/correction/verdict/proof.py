@@ -10,6 +10,7 @@ from symhyb.correction.search.preparing import Prepared
 from symhyb.correction.search.selection import many
 from symhyb.correction.search.setting import Setting, Stage
 from symhyb.correction.search.trajectory import Refined, grouped, own_values, refine
+from symhyb.deadline import OutOfTimeError, within
 from symhyb.discrepancy.fitting.matching import TRIAL_DECREASE, TRIAL_ITERATIONS, fit
 from symhyb.discrepancy.fitting.task import Task, starts_only
 from symhyb.discrepancy.recorded.runs import cut_within, has_many
@@ -52,19 +53,23 @@ def prove(
 
     Without unseen recordings the windows that were held out of the fit stand in for them.
     ``say`` gets each removal, counted. Of many causes in a machine of many coordinates shares are
-    left out: each takes a fit of all others.
+    left out: each takes a fit of all others; and so they are where no time is left for that.
     """
-    before = _unseen(prepared, stage, _refitted(prepared, setting, stage, final, ()))
     everything = tuple(range(len(final.causes)))
-    kept = _refitted(prepared, setting, stage, final, everything)
-    after = _unseen(prepared, stage, kept)
+    with within(None):  # claims rest on it
+        before = _unseen(prepared, stage, _refitted(prepared, setting, stage, final, ()))
+        kept = _refitted(prepared, setting, stage, final, everything)
+        after = _unseen(prepared, stage, kept)
     dear = many(final.causes) and has_many(final.machine)
     shares: list[float | None] = [None] * len(items) if dear else []
     removed = () if dear else items
-    for item in counted(say, "removing each cause once, for its share", removed):
-        rest = tuple(i for i in everything if i not in item.causes)
-        without = _unseen(prepared, stage, _refitted(prepared, setting, stage, final, rest))
-        shares.append(_ratio(without.cost - after.cost, before.cost))
+    try:
+        for item in counted(say, "removing each cause once, for its share", removed):
+            rest = tuple(i for i in everything if i not in item.causes)
+            without = _unseen(prepared, stage, _refitted(prepared, setting, stage, final, rest))
+            shares.append(_ratio(without.cost - after.cost, before.cost))
+    except OutOfTimeError:
+        shares = [None] * len(items)  # all of them, or they could not be compared
     remainder = _ratio(max(after.cost - after.count, 0.0), before.cost) if items else None
     if final.causes and not items:
         remainder = _ratio(max(after.cost - after.count, 0.0), before.cost)

@@ -13,6 +13,7 @@ from operator import is_
 import numpy as np
 from numpy.typing import NDArray
 
+from symhyb.deadline import require_time
 from symhyb.discrepancy.fitting.gentle import gentle
 from symhyb.discrepancy.fitting.normal import bounded_step, inverse_of
 from symhyb.discrepancy.fitting.projection import Projected, projected
@@ -129,6 +130,7 @@ def _descended(
     damping, gained, cost = 0.0, 0.0, _total(task, values, shown)
     count = _samples(task)
     for _ in range(task.iterations):
+        require_time()
         rough = task.rough and cost > UNEXPLAINED * count
         least = cost * (ROUGHLY if rough else task.decrease)
         parts = parts or _linearised(model, task, p, values, now)

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from symhyb.deadline import require_time
 from symhyb.discrepancy.fitting.normal import bounded_step, inverse_of
 from symhyb.discrepancy.likelihood.horizon import maximised, total
 from symhyb.discrepancy.likelihood.noise import NoiseModel
@@ -143,6 +144,7 @@ def fit(
     rough = not known_noise  # while parameters move far, the sizes of noise need only follow
     best, leaps, here, ahead = now, LEAPS, None, now
     for _ in range(ITERATIONS):
+        require_time()
         if now is not here:  # else the step is known already
             ahead = _step(model, task, p, now) or now
         before, here = now.worth, now

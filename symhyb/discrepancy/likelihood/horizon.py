@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
+from symhyb.deadline import require_time
 from symhyb.discrepancy.likelihood.noise import NoiseModel
 from symhyb.discrepancy.likelihood.track import (
     Smoothed,
@@ -136,6 +137,7 @@ def memoryless(
 
 def _cost(coding: _Coding, tracks: Sequence[Track], z: Array) -> tuple[float, Array]:
     """−ln L and its gradient by the logarithms."""
+    require_time()
     noise = coding.model(z)
     parts = [smoothed(one, noise, still(one), wanted=False) for one in tracks]
     here = sum(part.logl for part in parts)

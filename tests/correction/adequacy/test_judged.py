@@ -10,7 +10,6 @@ import pytest
 from scipy.signal import cont2discrete, dlsim
 
 import symhyb as sh
-from symhyb import diagnosis as story
 from symhyb.correction.adequacy import judge
 from symhyb.correction.adequacy.agreement import Disputed
 from symhyb.correction.adequacy.beyond import NOTHING
@@ -23,6 +22,7 @@ from symhyb.correction.adequacy.structure import Fitted, Row, fitted
 from symhyb.correction.search.preparing import Prepared, prepare, settle
 from symhyb.correction.search.setting import Setting
 from symhyb.correction.search.trajectory import Refined, refine
+from symhyb.correction.verdict import decided as story
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.results import Change
