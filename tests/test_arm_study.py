@@ -20,7 +20,7 @@ WRIST = (0.616, 1.95)  # of motor 6, which turns with joint 5 and joint 6
 @pytest.fixture(scope="module")
 def study() -> Iterator[dict[str, ModuleType]]:
     """The scripts of the study beside each other."""
-    with scripts("arm", ("recordings", "by_hand")) as found:
+    with scripts("arm", ("recordings", "by_hand", "tiago")) as found:
         yield found
 
 
@@ -85,3 +85,32 @@ def test_the_diagnosis_of_the_urdf_leaves_as_little_as_least_squares(study, tmp_
     known = rest.lacks - rest.columns @ by_hand.solved(learned)
     limit = 1.05 * by_hand.error(known, rest.applied)
     assert by_hand.error(left.lacks, left.applied) < limit
+
+
+@pytest.fixture
+def mobile(study, tmp_path) -> tuple[ModuleType, sh.Model, Path]:
+    """The script of the arm of a mobile robot, its model, and the folder of its recording."""
+    tiago = study["tiago"]
+    folder = tiago.folder_of_run() or absent("set SYMHYB_DATA to a folder that holds tiago_arm")
+    tiago.write_arm(folder, tmp_path / "tiago.toml")
+    return tiago, sh.read_model(tmp_path / "tiago.toml"), folder
+
+
+def test_four_joints_of_the_mobile_arm_are_free_and_know_no_friction(mobile) -> None:
+    tiago, model, _ = mobile
+    assert [one.name for one in model.coordinates if not one.imposed] == list(tiago.FREE)
+    assert {one.name for one in model.coordinates if one.imposed} == {*tiago.GIVEN}
+    assert [one.kind for one in model.elements] == ["torque"] * 4
+    assert model.inputs.names() == tuple(f"{name}_torque" for name in tiago.FREE)
+
+
+@pytest.mark.slow
+def test_currents_of_the_mobile_arm_are_torques_by_the_stated_constants(mobile) -> None:
+    tiago, model, folder = mobile
+    run = tiago.columns(folder)
+    kept = run["t"] < tiago.TRAIN_S
+    part = {key: values[kept] for key, values in run.items()}
+    rows = tiago.by_hand(model, sh.Recording.from_frame(part, model, name="train"))
+    assert rows[1:, 0] == pytest.approx(1.0, abs=0.15)  # joint 1 moves too little inertia to say
+    assert (rows[:, 1:3] > 0).all()  # what is lost is lost
+    assert (rows[:, 3] < 0.25).all()

@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from builders import damper, oscillator, push, recording, spring
+from pushed import pushed_model, resisted
+from test_diagnosis_held import held_recording
 from typer.testing import CliRunner
 
 import symhyb as sh
@@ -52,7 +54,9 @@ def damped() -> sh.Recording:
     return recording(t, {"f": force}, place=run.y[:, 0] + noise)
 
 
-def ended_at(step: str, recordings: sh.Recording | Sequence[sh.Recording]) -> sh.Diagnosis:
+def ended_at(
+    step: str, recordings: sh.Recording | Sequence[sh.Recording], model: sh.Model = MODEL
+) -> sh.Diagnosis:
     """The diagnosis that has no more time when this step is said."""
     clock = Clock()
 
@@ -61,7 +65,7 @@ def ended_at(step: str, recordings: sh.Recording | Sequence[sh.Recording]) -> sh
             clock.now += 1e6
 
     deadline = Deadline(1e6, 0.0, clock)
-    return advised(conclude(MODEL, recordings, say=say, deadline=deadline), say, deadline)
+    return advised(conclude(model, recordings, say=say, deadline=deadline), say, deadline)
 
 
 def nothing_is_claimed(diagnosis: sh.Diagnosis) -> bool:
@@ -107,6 +111,31 @@ def test_what_was_not_compared_is_named_and_nothing_claimed(
     kinds = [one.kind for one in answer.alternatives]
     assert ("damper" in kinds) == best.startswith("Damper")
     assert answer.places  # where the mismatch is was known by then
+
+
+def test_recordings_that_were_not_held_against_each_other_are_said(damped: sh.Recording) -> None:
+    answer = ended_at("holding the recordings", [damped.crop(0, 6), damped.crop(6, 12)])
+    assert nothing_is_claimed(answer)
+    unmade = (choosing.EACH_OTHER, choosing.ALONG_WHOLE, deciding.BEYOND)
+    assert answer.budget == Budget(1e6, unmade)
+
+
+@pytest.mark.slow
+def test_a_class_stands_and_no_cause_where_a_law_in_its_place_was_not_compared() -> None:
+    run = resisted(2, lambda x, v: 3.0 * float(np.tanh(x / 0.2)))
+    answer = ended_at("fitting a curve", run, pushed_model())
+    assert nothing_is_claimed(answer)
+    assert answer.budget == Budget(1e6, (deciding.INSTEAD,))
+    (likeliest, *_) = answer.classes
+    assert likeliest.kind == "law"
+    assert likeliest.sentence in answer.sentence
+
+
+@pytest.mark.slow
+def test_nothing_is_claimed_where_held_inputs_were_not_compared() -> None:
+    answer = ended_at("deciding again, with an input that", held_recording(), pushed_model())
+    assert nothing_is_claimed(answer)
+    assert answer.budget == Budget(1e6, (deciding.OTHERWISE,))
 
 
 def test_the_value_that_fits_best_by_then_is_said(damped: sh.Recording) -> None:

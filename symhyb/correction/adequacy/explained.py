@@ -6,7 +6,7 @@ import numpy as np
 
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Fitted
-from symhyb.judgement import NEGLIGIBLE
+from symhyb.judgement import MOST, NEGLIGIBLE
 from symhyb.numeric.kernels.buffers import Array
 
 
@@ -58,3 +58,13 @@ def _power(ground: Recorded, force: Array, colour: Array) -> float:
     that of what the sensors show."""
     relative = force / ground.scale_or_inf[:, 0]
     return float(np.sum(relative**2) + np.sum((colour / ground.shown) ** 2))
+
+
+def may_take(ground: Recorded, start: Fitted, pushes: frozenset[int] | None) -> bool:
+    """Whether what ``pushes`` these coordinates alone, None for what is no force or pushes all,
+    could take half of the unknown force beside a structure."""
+    noise = start.fit.noise
+    if pushes is None or noise.coloured:
+        return True
+    power = (noise.force / ground.scale_or_inf[:, 0]) ** 2
+    return bool(power[list(pushes)].sum() >= MOST * power.sum())

@@ -21,7 +21,7 @@ from symhyb.correction.adequacy.classes.held_input import LONGEST, held_input
 from symhyb.correction.adequacy.classes.worth import around, worth_of
 from symhyb.correction.adequacy.clock_jitter import Jitter, jittering
 from symhyb.correction.adequacy.contradicted import contradicted
-from symhyb.correction.adequacy.explained import Decided, forces_left
+from symhyb.correction.adequacy.explained import Decided, forces_left, may_take
 from symhyb.correction.adequacy.explained import decided as left_by
 from symhyb.correction.adequacy.followed import Along, fitted_on, followed, likeliest, scored
 from symhyb.correction.adequacy.late import with_lags
@@ -246,7 +246,7 @@ def _raced(ground: Recorded, start: Fitted, rows: Sequence[Row], decided: Decide
     classes, offered, curves = classes_of(ground), [], decided.structure.causes
     here, first = around(ground, start), (-np.inf, False)
     for one in classes:
-        if not _may_take(ground, start, one.pushes):
+        if not may_take(ground, start, one.pushes):
             continue
         generic = one.make(here)
         if _is_curve(generic, curves) and not _is_curve(generic, start.causes):
@@ -278,15 +278,6 @@ def _raced(ground: Recorded, start: Fitted, rows: Sequence[Row], decided: Decide
     if _alone(enough, best.extra, best.evidence):
         return found
     return [*found, *(tried(best.extra, tuple(j for j in every if j != i)) for i in every)]
-
-
-def _may_take(ground: Recorded, start: Fitted, pushes: frozenset[int] | None) -> bool:
-    """Whether a class that ``pushes`` these coordinates could take half of the unknown force."""
-    noise = start.fit.noise
-    if pushes is None or noise.coloured:
-        return True
-    power = (noise.force / ground.scale_or_inf[:, 0]) ** 2
-    return bool(power[list(pushes)].sum() >= MOST * power.sum())
 
 
 def _is_curve(generic: Generic | None, causes: Sequence[Hypothesis]) -> bool:

@@ -11,9 +11,11 @@ from typing import Literal
 import numpy as np
 
 from symhyb.correction.adequacy.classes.columns import lag_times
+from symhyb.correction.adequacy.classes.erring_input import pushed_by
 from symhyb.correction.adequacy.classes.input_actuated import likeliest_number
 from symhyb.correction.adequacy.classes.sensor_lag import sensor_lag
 from symhyb.correction.adequacy.classes.worth import Around, worths_of
+from symhyb.correction.adequacy.explained import may_take
 from symhyb.correction.adequacy.followed import fitted_on
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Fitted, Generic
@@ -75,12 +77,13 @@ def with_lags(
 ) -> list[Fitted]:
     """A structure with each input and each sensor lagging but for those of which that is ``known``,
     as one with the class of that: a sum of lags of a few times stands for one of another time, as
-    far as a long one is linear at all."""
+    far as a long one is linear at all. Of an input that pushes less than half of the unknown force
+    none can be the answer."""
     found = []
     model = ground.windows.machine.model
     paths = {cause.path for cause in known}
-    for name in (one.name for one in model.recorded_inputs):
-        if f"{name}.lag" not in paths:
+    for j, name in enumerate(one.name for one in model.recorded_inputs):
+        if f"{name}.lag" not in paths and may_take(ground, start, pushed_by(ground, j)):
             trial = with_late_input(ground, here, start, name)
             found += [] if trial is None else [_of_class(ground, trial, "lag", name)]
     late = {name for cause in known for name in late_sensors(cause)}
@@ -108,11 +111,13 @@ def _of_class(ground: Recorded, trial: Fitted, kind: Literal["lag", "sensor"], n
 
 def _offered(ground: Recorded, here: Around) -> Iterator[Hypothesis]:
     """What may lag, by the time constant that is worth most in the linear problem; all sensors by
-    that which is worth most to one of them."""
+    that which is worth most to one of them. An imposed coordinate is taken to move as its sensor
+    shows, so that a lag of that sensor would be no part of the machine."""
     model = ground.windows.machine.model
+    given = {one.name for one in model.coordinates if one.imposed}
     offers = []
     for j in shown_sensors(ground):
-        if may_lag(model, model.sensors[j]):
+        if may_lag(model, model.sensors[j]) and model.sensors[j].name not in given:
             each = sensor_lag(here, j)
             worths = worths_of(here, each, [[i] for i in range(each.spread.size)])
             best = int(np.argmax(worths))

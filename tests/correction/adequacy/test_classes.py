@@ -18,7 +18,7 @@ from symhyb.correction.adequacy.classes.held_input import _steps, held_input
 from symhyb.correction.adequacy.classes.law import law
 from symhyb.correction.adequacy.classes.worth import around, best_of, worth_of, worths_of
 from symhyb.correction.adequacy.evidence import evidence
-from symhyb.correction.adequacy.judge import _may_take
+from symhyb.correction.adequacy.explained import may_take
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.correction.adequacy.structure import Fitted, Generic, Likely, fitted
 from symhyb.correction.naming.classes import class_found, classes_said
@@ -275,9 +275,9 @@ def test_a_class_is_made_where_it_could_take_half_of_the_unknown_force() -> None
         return replace(nothing, fit=replace(nothing.fit, noise=noise))
 
     here = acting(0.1, 0.01)
-    assert [_may_take(setting, here, one) for one in (first, second, both, None)] == [1, 0, 1, 1]
-    assert _may_take(setting, acting(0.1, 0.01, colour=1e-3), second)
-    assert _may_take(setting, acting(0.0, 0.0), second)
+    assert [may_take(setting, here, one) for one in (first, second, both, None)] == [1, 0, 1, 1]
+    assert may_take(setting, acting(0.1, 0.01, colour=1e-3), second)
+    assert may_take(setting, acting(0.0, 0.0), second)
 
 
 @pytest.mark.parametrize(

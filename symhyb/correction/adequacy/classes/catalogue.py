@@ -11,7 +11,7 @@ from symhyb.correction.adequacy.classes.changing import changing
 from symhyb.correction.adequacy.classes.columns import pushed_at
 from symhyb.correction.adequacy.classes.coupling import coupling
 from symhyb.correction.adequacy.classes.crossing_input import crossing_input
-from symhyb.correction.adequacy.classes.erring_input import spared_by
+from symhyb.correction.adequacy.classes.erring_input import pushed_by, spared_by
 from symhyb.correction.adequacy.classes.held_input import held_input
 from symhyb.correction.adequacy.classes.hidden_mode import hidden_mode
 from symhyb.correction.adequacy.classes.input_actuated import (
@@ -52,7 +52,7 @@ def classes_of(recorded: Recorded) -> list[Offered]:
         found.append(Offered(partial(coupling, first=i, second=j), frozenset((i, j))))
     for j in range(len(model.recorded_inputs)):
         spared = spared_by(recorded, j)
-        at = frozenset(range(len(model.coordinates))) - {*spared}
+        at = pushed_by(recorded, j)
         found += [
             Offered(partial(maker, which=j), at) for maker in (input_curve, input_lag, input_fading)
         ]

@@ -54,6 +54,12 @@ def spared_by(recorded: Recorded, which: int, at_once: bool = False) -> list[int
     return [int(i) for i in np.flatnonzero(size == 0) if recorded.scale[i] > 0]
 
 
+def pushed_by(recorded: Recorded, which: int) -> frozenset[int]:
+    """The coordinates on which an input acts."""
+    every = range(len(recorded.windows.machine.model.coordinates))
+    return frozenset(every) - {*spared_by(recorded, which)}
+
+
 def _through_states(recorded: Recorded, item: Cut, which: int, error: Array) -> tuple[Array, Array]:
     """The force (N, n) and what the sensors show (N, m), SI, of an ``error`` (N,) of an input that
     goes through states, to first order; inputs at once stay."""
