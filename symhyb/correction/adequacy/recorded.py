@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from symhyb.correction.search.preparing import SAMPLES_MOST, Prepared
 from symhyb.correction.search.setting import Setting
@@ -12,7 +11,6 @@ from symhyb.data.recording import Recording
 from symhyb.discrepancy.likelihood.noise import NoiseModel
 from symhyb.discrepancy.likelihood.track import track
 from symhyb.discrepancy.places.hypotheses import Hypothesis, Library
-from symhyb.discrepancy.recorded.ends import between_ends
 from symhyb.discrepancy.recorded.runs import Run
 from symhyb.discrepancy.recorded.windows import SAMPLES_LEAST, Cut, stretches
 from symhyb.discrepancy.results import Change
@@ -154,7 +152,7 @@ def _probe_sizes(library: Library, items: Sequence[Cut]) -> Array:
     """RMS (n, C) of the force of every probe at every coordinate along the measured motion, SI."""
     squares, count = 0.0, 0
     for item in items:
-        forces = library.forces(item.course(library.machine))[item.rows[0]][_known(item)]
+        forces = library.forces(item.course(library.machine))[item.rows[0]]
         squares = squares + np.sum(forces**2, axis=0)
         count += len(forces)
     return np.asarray(np.sqrt(squares / max(count, 1)))
@@ -167,10 +165,9 @@ def force_scale(model: WindowModel, items: Sequence[Cut]) -> Array:
     squares, counts = np.zeros(machine.n), np.zeros(machine.n)
     for item in items:
         one = track(model, item, item.states[0], machine.values)
-        linear, inside = one.linear, _known(item)
-        both = inside[1:] & inside[:-1]
-        push = (linear.left + linear.right)[0][both]
-        change = np.diff(one.x, axis=0)[both]
+        linear = one.linear
+        push = (linear.left + linear.right)[0]
+        change = np.diff(one.x, axis=0)
         for i in range(machine.n):
             power = np.sum(push[:, :, i] ** 2, axis=1)
             if power.size and power.max() > 0:
@@ -180,19 +177,12 @@ def force_scale(model: WindowModel, items: Sequence[Cut]) -> Array:
                 squares[i] += float(np.sum((change[:, j] / _typical(push[:, j, i])) ** 2))
                 counts[i] += len(change)
             elif np.any(linear.by_force[0][:, :, i]):
-                direct = linear.by_force[0][inside, :, i]
+                direct = linear.by_force[0][:, :, i]
                 j = int(np.argmax(np.mean(direct**2, axis=0)))
-                shown = one.item_y[inside, j] / _typical(direct[:, j])
+                shown = one.item_y[:, j] / _typical(direct[:, j])
                 squares[i] += float(np.nansum((shown - np.nanmean(shown)) ** 2))
                 counts[i] += int(np.isfinite(shown).sum())
     return np.asarray(np.sqrt(squares / np.maximum(counts, 1)))
-
-
-def _known(item: Cut) -> NDArray[np.bool_]:
-    """The samples (N,) of a stretch at which the smoothed motion is known: those between its ends,
-    of which a single one can be larger than all others; all of a stretch that lies in one."""
-    inside = between_ends(item.source[1], item.block.t[0])
-    return inside if np.count_nonzero(inside) > 1 else np.ones_like(inside)
 
 
 def _typical(values: Array) -> float:

@@ -5,6 +5,7 @@ Sizes: N samples of all windows, I inputs, K named values.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,14 +59,12 @@ def see(prepared: Prepared, cuts: Sequence[Cut], on: str | None, inputs: Sequenc
     names = tuple(inputs) or (place, f"{place}'")
     index = [c.name for c in model.coordinates].index(place)
     _require_known(model, names)
-    parts: list[tuple[Array, ...]] = []
+    parts: list[tuple[NDArray[Any], ...]] = []
     for run, item in enumerate(cuts):
         course, motion = item.course(machine), item.source[1]
         rows = item.rows[:, :-1]  # the last sample of a window is the first of the next one
         held = np.repeat(item.held, rows.shape[1])
         rows = rows.ravel()
-        t = course.t[rows]
-        inside = between_ends(motion, t)
         parts.append(
             (
                 np.column_stack([_column(model, course, name) for name in names])[rows],
@@ -73,9 +72,9 @@ def see(prepared: Prepared, cuts: Sequence[Cut], on: str | None, inputs: Sequenc
                 named_forces(machine, course)[rows, index],
                 course.q[rows, index],
                 course.v[rows, index],
-                t,
+                course.t[rows],
                 np.full(rows.size, run),
-                inside & ~held,
+                between_ends(motion, course.t[rows]) & ~held,
             )
         )
     x, force, laws, q, v, t, run_of, fitted = map(np.concatenate, zip(*parts, strict=True))

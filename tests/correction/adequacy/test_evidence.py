@@ -10,6 +10,7 @@ from symhyb.correction.adequacy.classes.catalogue import classes_of
 from symhyb.correction.adequacy.classes.columns import LENGTHS
 from symhyb.correction.adequacy.curves.prior import of_curve
 from symhyb.correction.adequacy.evidence import (
+    APART,
     candidates,
     classes,
     evidence,
@@ -63,12 +64,18 @@ def exact(setting: Recorded, trial: Fitted, prior: Array | None = None) -> float
     mean, spread = priors(setting, trial)
     assert not np.any(mean)
     none = replace(trial.fit, values=np.zeros_like(mean))
-    (at,) = tracks_of(setting, replace(trial, p=trial.machine.values, fit=none))
-    residual, given, logs = white_problem(at, trial.fit.noise)
+    tracks = tracks_of(setting, replace(trial, p=trial.machine.values, fit=none, each=()))
+    parts = [white_problem(at, trial.fit.noise) for at in tracks]
+    residual = np.concatenate([part[0] for part in parts])
+    given = np.zeros((residual.size, mean.size))
+    rows = np.cumsum([0, *(part[0].size for part in parts)])
+    for i, (_, columns, _) in enumerate(parts):
+        own = list(trial.owned[i]) if trial.owned else slice(None)
+        given[rows[i] : rows[i + 1], own] = columns
     prior = np.diag(spread**2) if prior is None else prior
     covariance = np.eye(residual.size) + given @ prior @ given.T
     wide = multivariate_normal(np.zeros(residual.size), covariance).logpdf(residual)
-    return float(wide - 0.5 * logs)
+    return float(wide - 0.5 * sum(part[2] for part in parts))
 
 
 def prices(setting: Recorded, trial: Fitted) -> float:
@@ -147,6 +154,34 @@ def test_the_values_of_a_curve_lie_along_a_smooth_line(
     assert score == pytest.approx(max(found) - np.log(len(LENGTHS)), abs=1.0)
     apart = exact(offset, trial, size**2 * np.eye(len(keys)))
     assert max(found) > apart + 4
+
+
+def two_forces(first: float, second: float) -> tuple[Recorded, Hypothesis]:
+    """Two recordings under a constant force each, and that force with a strength for each."""
+    model = pushed_model(CERTAIN_MODEL)
+    pair = [pushed(seed, beside=np.full(600, one)) for seed, one in ((1, first), (2, second))]
+    setting = setting_of(model, *(replace(one, name=f"{i}") for i, one in enumerate(pair)))
+    constant = cause_of(setting, "constant", "constant")
+    return setting, replace(constant, own=("constant",))
+
+
+@pytest.mark.parametrize("forces", [(0.3, 0.31), (0.3, -0.2), (0.3, 0.0)])
+def test_own_strengths_are_those_of_one_population(forces: tuple[float, float]) -> None:
+    """A mean that is known as a shared strength is, and the likeliest of some sizes by which the
+    recordings differ from it."""
+    setting, own = two_forces(*forces)
+    rows = [{"constant@0": 0.0, "constant@1": 0.0, "constant": 0.0}]
+    trial = fitted(setting, [own], rows, white_noise(), known_noise=True)
+    assert trial.fit.values == pytest.approx(forces, abs=0.02)
+    score = evidence(setting, trial) + prices(setting, trial)
+    (_, spread), found = priors(setting, trial), []
+    for apart in APART:
+        prior = np.outer(spread, spread) * (1.0 + apart**2 * np.eye(2))
+        found.append(exact(setting, trial, prior))
+    assert score == pytest.approx(max(found) - np.log(len(APART)), abs=0.1)
+    likeliest = APART[int(np.argmax(found))]
+    near = abs(forces[0] - forces[1]) / float(spread[0])
+    assert likeliest == APART[0] or near / 5 < likeliest < 5 * near
 
 
 LEVER = (
