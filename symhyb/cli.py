@@ -32,6 +32,7 @@ from symhyb.cli_options import (
     print_json,
 )
 from symhyb.cli_recording import compare, fit, look
+from symhyb.cli_study import compare_studies, results, run
 from symhyb.cli_view import view
 from symhyb.cli_watch import watch
 from symhyb.data.groups import by_name
@@ -145,7 +146,8 @@ def diagnose(
     from symhyb.deadline import required_seconds
     from symhyb.report.contract import to_json
     from symhyb.study import StudyResult, carry_out, leave_files
-    from symhyb.study_file import Source, Study
+    from symhyb.study_file import Study
+    from symhyb.study_sources import Source
     from symhyb.writing import require_folder
 
     study = Study(
@@ -182,42 +184,9 @@ def _grouping(text: str) -> tuple[str, str]:
     return name.strip(), by.strip()
 
 
-@app.command()
-def run(
-    study: Annotated[Path, typer.Argument(metavar="STUDY", help="Study file.")],
-    output: Folder,
-    within: Annotated[
-        list[Path] | None,
-        typer.Option(metavar="FOLDER", help="Folder that the study may name files of. Repeat it."),
-    ] = None,
-) -> None:
-    """Run a study: a diagnosis with a manifest.
-
-    Leaves the files of diagnose and manifest.json (hashes, versions, duration) in DIR. Where
-    expected.json lies beside the study, what came out is held against it; a failed expectation
-    ends with exit status 1, otherwise the status is that of the diagnosis. A study names files of
-    its own folder, of its project (the nearest folder above it with .git or pyproject.toml), and
-    of the folders that --within allows.
-
-    \b
-    Example:
-      symhyb run studies/emps/study.toml -o out
-    """
-    from symhyb.console.results import print_checks, print_result, printed_if_interrupted
-    from symhyb.console.terminal import progress
-    from symhyb.study import run_study
-
-    with printed_if_interrupted(output) as keep, progress() as say:
-        result = run_study(study, output, say, within or (), keep)
-    print_result(result, output)
-    if result.checks:
-        print_checks(result.checks)
-        failed = sum(not one.passed for one in result.checks)
-        total = len(result.checks)
-        print(f"{failed} of {total} expectations failed" if failed else "as expected")
-    raise typer.Exit(result.exit_status)
-
-
+app.command()(run)
+app.command()(results)
+app.command("compare-studies")(compare_studies)
 app.command()(learn)
 app.command()(export)
 app.command("import")(import_)

@@ -125,7 +125,8 @@ def learn(
     from symhyb.console.results import print_learned
     from symhyb.console.terminal import progress, read_map
     from symhyb.learned_run import Order, carry_out_order, leave_learned
-    from symhyb.study_file import Source, Study
+    from symhyb.study_file import Study
+    from symhyb.study_sources import Source
     from symhyb.writing import require_folder
 
     study = Study(

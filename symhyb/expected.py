@@ -112,7 +112,7 @@ def found_terms(content: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
     ``parameter.k``, ``force.offset`` of a channel; a recording's own number as ``x.drag@a.csv``."""
     terms: dict[str, Mapping[str, Any]] = {}
     for effect in content["found"]:
-        place = _place_name(effect["place"])
+        place = place_name(effect["place"])
         for recording, numbers in (("", effect["parameters"]), *effect.get("own", {}).items()):
             behind = f"@{recording}" if recording else ""
             terms |= {f"{place}.{one['term']}{behind}": one for one in numbers.values()}
@@ -221,7 +221,7 @@ def _rival_checks(
     """What must stand among the alternatives, and not be found."""
     names = _rivals(content)
     numbers = {
-        f"{_place_name(rival['place'])}.{number['term']}": number
+        f"{place_name(rival['place'])}.{number['term']}": number
         for rival in reversed(content["alternatives"])  # the best of each comes last and stays
         if "place" in rival
         for number in rival["parameters"].values()
@@ -240,7 +240,7 @@ def _rivals(content: Mapping[str, Any]) -> list[str]:
     """Name every alternative: ``x.drag``, ``force.offset``, ``parameter.k``."""
     names = []
     for rival in content["alternatives"]:
-        where = _place_name(rival["place"]) if "place" in rival else rival.get("channel")
+        where = place_name(rival["place"]) if "place" in rival else rival.get("channel")
         name = f"{where}.{rival['kind']}" if where else f"parameter.{rival['parameter']}"
         names.append(name)
     return list(dict.fromkeys(names))
@@ -277,6 +277,7 @@ def score_at(scores: Any, path: str) -> float | None:
     return float(scores) if isinstance(scores, int | float) else None
 
 
-def _place_name(place: Mapping[str, Any]) -> str:
+def place_name(place: Mapping[str, Any]) -> str:
+    """A place of a ``diagnosis.json`` in one word; two points as ``anchor-tip``."""
     (where,) = place.values()
     return where if isinstance(where, str) else "-".join(where)

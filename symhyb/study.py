@@ -10,7 +10,7 @@ import os
 import platform
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -28,6 +28,7 @@ from symhyb.data.group_table import read_groups
 from symhyb.data.groups import require_groups
 from symhyb.data.known import require_known
 from symhyb.data.known_table import table_of_known
+from symhyb.data.noisy import noisier
 from symhyb.data.recording import Recording, read_recording
 from symhyb.deadline import deadline_of
 from symhyb.diagnosis import advised, conclude
@@ -42,13 +43,14 @@ from symhyb.model.closed import require_open
 from symhyb.model.diff import diff
 from symhyb.model.read import read_model
 from symhyb.model.types import Model
-from symhyb.model.write import write_model
+from symhyb.model.write import set_parameters, write_model
 from symhyb.numeric.kernels.memory import seldom_collected
 from symhyb.numeric.lowered.machine import build
 from symhyb.report.contract import exit_status, to_json
 from symhyb.report.files import write_diagnosis, write_report, write_simulation
 from symhyb.steps import Say, silent
-from symhyb.study_file import Source, Study, read_study
+from symhyb.study_file import Study, read_study
+from symhyb.study_sources import Source
 from symhyb.study_unseen import require_unseen
 from symhyb.writing import require_folder, staged
 
@@ -103,6 +105,9 @@ def run_study(
         NumericsError: the numerics failed; nothing is written.
     """
     study = read_study(path, within)
+    if study.sweep is not None:
+        text = "states many diagnoses, which symhyb run performs; leave it out for a single one"
+        raise InputError(Problem(text, "sweep", str(path)))
     beside = Path(path).with_name("expected.json")
     expected = read_expected(beside) if beside.is_file() else Expected()
     require_folder(directory)
@@ -133,7 +138,7 @@ def carry_out(study: Study, say: Say | None = None, leave: Leave | None = None) 
     say = say or silent
     begin, deadline = time.perf_counter(), deadline_of(study.budget_s)
     say("reading the model and the recordings")
-    model = read_model(study.model)
+    model = set_parameters(read_model(study.model), dict(study.values))
     if study.remainder or study.network:
         require_open(model)
     train, holdout = read_all(study, model)
@@ -292,6 +297,8 @@ def manifest(result: StudyResult) -> dict[str, Any]:
         "map": dict(study.columns or {}),
         **({"own": study.stated_own} if study.own else {}),
         **({"budget_s": study.budget_s} if study.budget_s else {}),
+        **({"values": dict(study.values)} if study.values else {}),
+        **({"noise": asdict(study.noise)} if study.noise else {}),
         "finish": {
             "values": study.last_values,
             "remainder": study.remainder,
@@ -339,6 +346,8 @@ def read_all(study: Study, model: Model) -> tuple[tuple[Recording, ...], tuple[R
     require_known(model, (*train, *holdout), tuple(study.own))
     require_groups(train, holdout, study.own)
     require_unseen(train, holdout)
+    if study.noise is not None:
+        train = noisier(train, study.noise.level, study.noise.seed)
     return train, holdout
 
 

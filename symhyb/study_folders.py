@@ -49,6 +49,10 @@ class Folders:
             raise ValueError(f"'{said}' cannot be a file: {error.strerror}") from None
         return path
 
+    def holds(self, folder: Path) -> bool:
+        """Whether a folder that a name in the study means is one of the allowed, or below one."""
+        return self._holds(self.home / folder)
+
     def _require(self, path: Path, said: str) -> None:
         if not self._holds(path):
             raise ValueError(

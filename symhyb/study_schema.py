@@ -19,6 +19,7 @@ from symhyb.model.schema_parts import (
     write,
 )
 from symhyb.study_file import FORMAT
+from symhyb.study_sources import ORIGINS
 
 FILE = Path(__file__).with_name("study.schema.json")
 
@@ -39,11 +40,15 @@ def study_schema() -> Schema:
         "holdout": listed("unseen recordings, for the proof alone", source, 0),
         "score": _score(),
         "finish": _finish(),
+        "values": named("values of parameters, in place of those of the model", number("a value")),
+        "noise": _noise(),
+        "sweep": _sweep(),
     }
+    models: Schema = {"properties": {"sweep": {"required": ["models"]}}, "required": ["sweep"]}
     return {
         "$schema": DIALECT,
         "title": "symhyb study file, format 1",
-        **table(sections, ("symhyb", "model", "train")),
+        **table(sections, ("symhyb", "train"), anyOf=[{"required": ["model"]}, models]),
         "definitions": {"recording": _recording()},
     }
 
@@ -63,6 +68,8 @@ def _recording() -> Schema:
     keys = {
         "file": text("a file, relative to this file"),
         "data": text("a public recording, as name/file"),
+        "files": text("a pattern of names, as runs/*.csv: a recording for each file that fits"),
+        "table": text("a CSV file with a row for each recording, in its column 'file' the name"),
         "span": pair("[start, end] in s; what lies outside is dropped"),
         "map": _map("entries of the map for this recording alone"),
         "parameters": named(
@@ -71,7 +78,7 @@ def _recording() -> Schema:
         ),
         "groups": named("of which groups this recording is, by grouping", text("a group")),
     }
-    return table(keys, oneOf=one_given(("file", "data")))
+    return table(keys, oneOf=one_given(ORIGINS))
 
 
 def _score() -> Schema:
@@ -89,6 +96,48 @@ def _finish() -> Schema:
         "network": text("a coordinate: train a network for what the named laws leave there"),
     }
     return table(keys, description="what is done once the causes are named")
+
+
+def _noise() -> Schema:
+    keys = {
+        "level": number("as a part of the standard deviation of each sensor", minimum=0),
+        "seed": _whole("of the random numbers", 0),
+    }
+    return table(keys, ("level",), description="white noise, added to the training recordings")
+
+
+def _sweep() -> Schema:
+    subsets = {
+        "size": _whole("training recordings in each", 1),
+        "count": _whole("how many subsets", 1),
+        "seed": _whole("of the random choice", 0),
+    }
+    levels = number("as a part of the standard deviation of each sensor", minimum=0)
+    noise = {
+        "levels": listed("of added noise", levels, 1, uniqueItems=True),
+        "seeds": listed("of the random numbers", _whole("a seed", 0), 1, uniqueItems=True),
+    }
+    options = {
+        "name": text("what the results call it"),
+        "map": _map("channel = column, in place of the map of the study"),
+        "own": _own(),
+        "score": _score(),
+        "finish": _finish(),
+    }
+    values = listed("each of these", number("a value"), 1, uniqueItems=True)
+    keys = {
+        "models": listed("model files", text("a model file"), 1, uniqueItems=True),
+        "each": text("'recording', or a grouping: a diagnosis for each, or for each of its groups"),
+        "values": named("by parameter, in the units of the model: a grid", values),
+        "subsets": table(subsets, ("size", "count"), description="random training recordings"),
+        "noise": table(noise, ("levels",), description="noise, added to the training recordings"),
+        "options": listed("sets of options", table(options, ("name",)), 1),
+    }
+    return table(keys, minProperties=1, description="many diagnoses of one study: what is varied")
+
+
+def _whole(about: str, least: int) -> Schema:
+    return {"type": "integer", "minimum": least, "description": about}
 
 
 def main() -> None:

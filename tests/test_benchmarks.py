@@ -15,6 +15,8 @@ from sympy.physics.mechanics import dynamicsymbols
 
 from symhyb.model.read import parse_model
 from symhyb.numeric.kernels.compiled import find_compiler
+from symhyb.study_file import read_study
+from symhyb.tasks.expand import tasks_of
 from tests.scripts import scripts
 
 FOLDER = Path(__file__).parents[1] / "studies" / "benchmarks"
@@ -33,6 +35,7 @@ NAMES = (
     "sticking",
     "timing",
     "trajectories",
+    "workers",
 )
 
 
@@ -318,3 +321,9 @@ def test_a_page_counts_as_open_once_its_scripts_have_run(study: Study, tmp_path:
     wait = "const end = performance.now() + 400; while (performance.now() < end) {}"
     page.write_text(f"<script>addEventListener('load', () => {{ {wait} }})</script>")
     assert study["pages"].opened(page, 1) >= 0.4
+
+
+def test_the_study_of_the_workers_has_as_many_tasks_as_wanted(study: Study, tmp_path: Path) -> None:
+    tasks = tasks_of(read_study(study["workers"].written(tmp_path, 5)))
+    assert len({one.key for one in tasks}) == 5
+    assert [one.study.noise.seed for one in tasks] == list(range(5))

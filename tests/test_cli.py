@@ -37,6 +37,8 @@ VERBS = (
     "learn",
     "diff",
     "run",
+    "results",
+    "compare-studies",
     "watch",
     "view",
     "import",

@@ -9,6 +9,6 @@ PAGE = (Path(__file__).parent.parent / "docs" / "commands.md").read_text(encodin
 
 
 def test_every_verb_has_a_section_with_a_run() -> None:
-    sections = re.findall(r"^## (\w+)\n(.*?)(?=^## |\Z)", PAGE, re.M | re.S)
+    sections = re.findall(r"^## ([\w-]+)\n(.*?)(?=^## |\Z)", PAGE, re.M | re.S)
     shown = {name for name, text in sections if f"$ symhyb {name}" in text}
     assert shown == {*(verb.split()[0] for verb in VERBS), "export"}

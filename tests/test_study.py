@@ -27,7 +27,8 @@ from symhyb.model.write import write_model
 from symhyb.published import Reference
 from symhyb.report.contract import to_json
 from symhyb.study import manifest, run_study, table_hashes
-from symhyb.study_file import Source, Study, read_study
+from symhyb.study_file import Study, read_study
+from symhyb.study_sources import Source
 from symhyb.writing import staged
 
 ROOT = Path(__file__).parent.parent
@@ -210,7 +211,11 @@ def test_the_studies_that_are_shipped_are_valid(name: str) -> None:
         ("emps/DATA_EMPS.mat", "b.mat", "the name 'b.mat'; known: "),
         ("emps/DATA_EMPS.mat", "b.mat", "; a file of your own is given by: file = ..."),
         ("DATA_EMPS.mat", "DATA_EMP.mat", "14: train[2].data: 'emps/DATA_EMP.mat' names no file"),
-        ('data = "emps/DATA_EMPS.mat"\n', "", "13: train[2]: state exactly one of file and data"),
+        (
+            'data = "emps/DATA_EMPS.mat"\n',
+            "",
+            "13: train[2]: state exactly one of file, data, files and table",
+        ),
         ('"../folder/b.csv"', "3", "17: holdout[1].file: must be text in quotes"),
         ("0.25", "-1", "20: score.window_s: must be positive, not -1"),
         ("force_band_hz", "force_band", "21: score.force_band: 'force_band' is not a key here"),

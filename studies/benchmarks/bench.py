@@ -37,6 +37,7 @@ PARTS = (
     "growth",
     "models",
     "dopri5",
+    "workers",
 )
 
 
@@ -54,6 +55,7 @@ def measure(part: str) -> list[Row]:
     import starting
     import sticking
     import trajectories
+    import workers
 
     work: dict[str, Callable[[], list[Row]]] = {
         "links": links.rows,
@@ -69,6 +71,7 @@ def measure(part: str) -> list[Row]:
         "growth": growth.rows,
         "models": runs.rows,
         "dopri5": dopri5.rows,
+        "workers": workers.rows,
     }
     return work[part]()
 

@@ -14,7 +14,7 @@ from symhyb.expected import found_terms, score_at
 from symhyb.model.read import read_model
 from symhyb.model.types import Model, place_text
 from symhyb.published import Reference
-from symhyb.study_file import Source
+from symhyb.study_sources import Source
 from symhyb.units import parse_unit
 
 SCORES = {"window": "windows of {window}", "free_run": "free run"}

@@ -32,6 +32,7 @@ EXTRAS: dict[str, tuple[str, tuple[str, ...]]] = {
     "urdf": ("models from URDF files", ("defusedxml",)),
     "mjcf": ("models from MJCF files", ("defusedxml", "mujoco")),
     "xarray": ("recordings from and to xarray", ("xarray",)),
+    "dask": ("sweeps of studies on a cluster", ("distributed",)),
     "arviz": ("the posterior for ArviZ", ("arviz_base",)),
     "docs": ("this documentation as a site", ("sphinx", "myst_parser", "furo")),
     "zig": ("FMUs for other systems than this one", ("ziglang",)),

@@ -59,6 +59,40 @@ def replace_parameters(model: Model, values: Mapping[str, tuple[float, float | N
     return parse_model(text, model.file)
 
 
+def set_parameters(model: Model, values: Mapping[str, float]) -> Model:
+    """Return the model with other values of parameters, stated in place as if the file had been
+    written with them: ``sd`` stays, and no past value is noted.
+
+    ``values`` maps ``Parameter.path`` to a value in the unit that the file states there.
+
+    Raises:
+        InputError: paths that the model does not have, or whose value its file does not state.
+    """
+    if not values:
+        return model
+    text = text_of(model)
+    source = scan(text)
+    edits: list[Edit] = []
+    problems: list[Problem] = []
+    for path, value in values.items():
+        try:
+            place = _path_of(model, path)
+        except InputError as error:
+            problems.extend(error.problems)
+            continue
+        entry = source.entries.get((*place, "value")) or source.entries.get(place)
+        if entry is None:
+            said = f"'{path}' has no value in the file that another could replace; state one"
+            problems.append(Problem(said, file=model.file))
+        else:
+            edits.append((entry.start, entry.end, repr(float(value))))
+    if problems:
+        raise InputError(problems)
+    for start, end, new in sorted(edits, reverse=True):
+        text = text[:start] + new + text[end:]
+    return parse_model(text, model.file)
+
+
 def hold_inputs(model: Model, names: Sequence[str]) -> Model:
     """Return the model with these inputs held from each sample to the next, stated in place.
 

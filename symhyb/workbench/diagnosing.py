@@ -10,7 +10,8 @@ from symhyb.fault import error_sentences
 from symhyb.interruption import is_interruption, listen
 from symhyb.steps import Counted
 from symhyb.study import StudyResult, carry_out, leave_files
-from symhyb.study_file import Source, Study
+from symhyb.study_file import Study
+from symhyb.study_sources import Source
 from symhyb.writing import require_folder
 
 

@@ -1,6 +1,8 @@
 """Libraries are found by what they depend on, and the absence of a compiler is silent."""
 
 import os
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -50,7 +52,7 @@ def test_a_compiler_that_fails_leaves_nothing_behind(
 ) -> None:
     monkeypatch.setattr(module, "find_compiler", lambda: ("false", "broken"))
     assert module.library_of(CODE) is None
-    assert not list(cache.iterdir())
+    assert [file.name for file in cache.iterdir()] == [module.LOCK]
 
 
 def test_a_compiler_that_is_no_program_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -162,6 +164,26 @@ def test_a_link_in_place_of_a_library_is_built_anew(cache: Path, tmp_path: Path)
     library.symlink_to(planted)
     assert module.library_of(CODE, "-O1") is not None
     assert not library.is_symlink()
+
+
+@needs_compiler
+def test_processes_that_want_one_library_compile_it_once(tmp_path: Path) -> None:
+    """A compiler that takes half a second, and writes a line whenever it compiles."""
+    path, calls = module.find_compiler()[0], tmp_path / "calls"
+    slow = tmp_path / "slow-cc"
+    slow.write_text(
+        f'#!/bin/sh\ncase "$1" in --version) echo slow; exit 0;; esac\n'
+        f'echo "$$" >> "{calls}"\nsleep 0.5\nexec "{path}" "$@"\n'
+    )
+    slow.chmod(0o755)
+    code = (
+        "from symhyb.numeric.kernels.compiled import library_of\n"
+        f"assert library_of({CODE!r}).answer() == 42"
+    )
+    seen = {**os.environ, "XDG_CACHE_HOME": str(tmp_path / "cache"), "SYMHYB_CC": str(slow)}
+    both = [subprocess.Popen([sys.executable, "-c", code], env=seen) for _ in range(3)]
+    assert [one.wait(timeout=60) for one in both] == [0, 0, 0]
+    assert len(calls.read_text().splitlines()) == 1
 
 
 def test_a_file_in_place_of_the_folder_is_no_error(home: Path) -> None:

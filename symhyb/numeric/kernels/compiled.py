@@ -13,12 +13,14 @@ import shutil
 import subprocess
 import tempfile
 import threading
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
 from functools import lru_cache
 from pathlib import Path
 from stat import S_ISDIR
 
 FILES_MOST = 300  # kept in a cache folder
+LOCK = "lock"
 # Special values occur, and products and sums are not fused: what cancels by one way to evaluate a
 # function cancels by all others. Without the last one GCC leaves the upper halves of vector
 # registers in use at -O1, and each call of exp or pow then takes ten times as long.
@@ -90,10 +92,33 @@ def file_of(code: str, level: str = "-O2", ready: bool = False) -> Path | None:
     what = "\0".join((code, compiler[1], *flags, about))
     library = folder / f"{hashlib.sha256(what.encode()).hexdigest()}.so"
     try:
-        there = _intact(library) or (not ready and _build(library, code, compiler[0], flags))
+        there = _intact(library) or (not ready and _built(library, code, compiler[0], flags))
     except OSError:  # a full disk, or a folder that went away
         return None
     return library if there else None
+
+
+def _built(library: Path, code: str, compiler: str, flags: Sequence[str]) -> bool:
+    """Build the library, unless another process does: then wait for that one."""
+    with _alone(library):
+        return _intact(library) or _build(library, code, compiler, flags)
+
+
+@contextmanager
+def _alone(library: Path) -> Iterator[None]:
+    """Held by one process at a time for each library, and let go when it ends, however that is. It
+    only saves work, for files are replaced in one go: where there are no such locks, as on
+    Windows, two processes build the same."""
+    try:
+        import fcntl
+    except ImportError:
+        yield
+        return
+    byte = int(library.stem[:7], 16)  # one file for all libraries, of which each has a byte
+    with open(library.with_name(LOCK), "w", encoding="ascii") as stream:
+        with suppress(OSError):  # a file system without locks
+            fcntl.lockf(stream, fcntl.LOCK_EX, 1, byte)
+        yield
 
 
 def _build(library: Path, code: str, compiler: str, flags: Sequence[str]) -> bool:
