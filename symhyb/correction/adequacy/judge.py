@@ -208,7 +208,7 @@ def _small_changes(final: Refined, ground: Recorded, least: Array) -> set[Hypoth
     """The parameters whose change exerts a force, but no more than ``least`` (n,) anywhere."""
     small: set[Hypothesis] = set()
     for cause in final.causes:
-        if not cause.path:
+        if cause.place is not None:
             continue
         rows = [
             changed_force(final, cause.path, *item.source)[item.rows[0]] for item in ground.items

@@ -305,6 +305,16 @@ def test_so_is_a_parameter_whose_change_exerts_as_little(stiffness: float, small
     assert NUMBER not in judge._small(final, ground, NOTHING)
 
 
+def test_an_empirical_law_is_no_parameter_whose_change_exerts_little() -> None:
+    """Its path is a formula: it is held against what acts beyond as the other laws are."""
+    planted = markov(np.random.default_rng(17), SAMPLES, 1.5, 0.3)
+    made = pushed(17, samples=SAMPLES, damping=0.9, beside=planted)
+    formula = Hypothesis("law", On("x"), ("coefficient",), (False,), path="x'")
+    found = judged(made, (formula, {"coefficient": 0.3}))
+    assert found.beyond.acts
+    assert formula in found.doubt
+
+
 def test_a_law_whose_force_is_an_error_of_the_numerics_is_in_doubt() -> None:
     """Of the damping there, a ten-thousandth is missing."""
     found = judged(pushed(11, samples=SAMPLES, damping=0.6 + 6e-5), (DAMPER, {"damping": 6e-5}))
