@@ -7,7 +7,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from symhyb.console.terminal import table_console
-from symhyb.discrepancy.words.amounts import number_text
+from symhyb.discrepancy.words.amounts import number_text, quantity_text
 from symhyb.tasks.differences import Difference, Differences, Moved
 from symhyb.tasks.expand import Task
 from symhyb.tasks.outcome import FAILED, FINISHED, NOT_RUN, Number, Outcome, Outcomes
@@ -89,8 +89,7 @@ def _found(outcome: Outcome) -> str:
 
 
 def _amount(number: Number) -> str:
-    sd = "" if number.sd is None else f" ± {number.sd:.2g}"
-    return f"{number.value:.5g}{sd} {number.unit}".rstrip()
+    return quantity_text(number.value, number.unit, number.sd)
 
 
 def _lines(one: Difference) -> list[str]:

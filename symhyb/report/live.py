@@ -196,7 +196,6 @@ def panel_of(title: str, height: int, across: Any, **more: Any) -> Any:
         x_range=across,
         y_range=DataRange1d(only_visible=True, range_padding=0.08),
         window_axis="x",
-        tools=[],
         toolbar_location=None,
         title=Title(
             text=PlainText(text=title), text_font_style="normal", text_font_size="13px"
@@ -210,7 +209,7 @@ def panel_of(title: str, height: int, across: Any, **more: Any) -> Any:
         background_fill_color=None,
         border_fill_color=None,
         lod_threshold=None,
-        **more,
+        **{"tools": [], **more},  # which the types of Bokeh do not know
     )
     drag = BoxZoomTool(dimensions="width")
     panel.add_tools(drag, WheelZoomTool(dimensions="width", modifiers={"ctrl": True}))

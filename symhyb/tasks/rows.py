@@ -2,7 +2,6 @@
 
 import csv
 import io
-from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -28,8 +27,8 @@ def rows_of(outcomes: Outcomes, times: bool = False) -> Rows:
     """
     tasks = outcomes.tasks
     axes = list(dict.fromkeys(axis for one in tasks for axis, _ in one.entry.settings))
-    found = _sorted((name, number.unit) for one in tasks for name, number in one.found.items())
-    classes = _sorted(name for one in tasks for name in one.classes)
+    found = sorted({(name, number.unit) for one in tasks for name, number in one.found.items()})
+    classes = sorted({name for one in tasks for name in one.classes})
     scores = list(dict.fromkeys(path for one in tasks for path in one.scores))
     head = ["task", *axes, "state", "verdict", "found"]
     for name, unit in found:
@@ -83,7 +82,3 @@ def write_parquet(table: Rows, path: Path) -> None:
     stream = arrow.BufferOutputStream()
     parquet.write_table(arrow.table(columns), stream)
     write_file(path, stream.getvalue().to_pybytes())
-
-
-def _sorted(names: Iterable) -> Sequence:  # type: ignore[type-arg]
-    return sorted(set(names))
