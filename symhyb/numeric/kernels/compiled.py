@@ -115,7 +115,7 @@ def _alone(library: Path) -> Iterator[None]:
         yield
         return
     byte = int(library.stem[:7], 16)  # one file for all libraries, of which each has a byte
-    with open(library.with_name(LOCK), "w", encoding="ascii") as stream:
+    with open(library.with_name(LOCK), "a", encoding="ascii") as stream:
         with suppress(OSError):  # a file system without locks
             fcntl.lockf(stream, fcntl.LOCK_EX, 1, byte)
         yield
