@@ -34,6 +34,7 @@ from symhyb.correction.adequacy.sums import functions_instead
 from symhyb.correction.adequacy.unnamed import (
     changing_themselves,
     parts_of_bent,
+    parts_of_class,
     parts_of_unnamed,
 )
 from symhyb.correction.adequacy.ways import on_ways
@@ -346,7 +347,8 @@ def _doubted(
             doubt.add(cause)
     certain = any(one.probability > PROBABLE and one.whole for one in classes)
     changing = changing_themselves(trials[0].causes, [one.generic for one in classes])
-    parts = parts_of_bent(trials[0].machine.model, trials[0].causes)
+    model, causes = trials[0].machine.model, trials[0].causes
+    parts = parts_of_bent(model, causes) | parts_of_class(model, causes, classes)
     return frozenset(doubt | changing | parts | parts_of_unnamed(trials[0].causes, certain))
 
 

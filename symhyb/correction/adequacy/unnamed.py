@@ -4,16 +4,18 @@ A force without a name is found as an own curve or as an empirical law. Beside i
 whole is a law by name, or a number of the model that differs, is a matter of how the rest is
 written: viscous damping and a curve over the rate are one force. A bent law, which takes on shapes
 between those of simpler ones, is another curve by its name. A class says less: it may be a
-small remainder beside a law that is right, as it is along most real recordings.
+small remainder beside a law that is right, as it is along most real recordings. But a number of the
+model at its own place is one with it: a mode rides on a spring and a damper of its own.
 """
 
 from collections.abc import Sequence
 
-from symhyb.correction.adequacy.structure import Generic
+from symhyb.correction.adequacy.structure import Generic, Likely
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.places.quantities import quantities, smooth
 from symhyb.discrepancy.places.standing import numbers_over
 from symhyb.discrepancy.words.formula import LAW
+from symhyb.judgement import LIKELY
 from symhyb.model.types import Model, Place
 
 
@@ -43,6 +45,21 @@ def parts_of_bent(model: Model, causes: Sequence[Hypothesis]) -> frozenset[Hypot
             paths = numbers_over(model, cause.place, quantities(cause))
             found |= {one for one in causes if one.place is None and one.path in paths}
     return frozenset(found)
+
+
+def parts_of_class(
+    model: Model, causes: Sequence[Hypothesis], classes: Sequence[Likely]
+) -> frozenset[Hypothesis]:
+    """The numbers that may be parts of a mode or a force of stretch and rate that is likelier than
+    not: those of an element of the model at its place, over the same of stretch and rate."""
+    paths: set[str] = set()
+    for generic, probability, *_ in classes:
+        if generic.kind not in ("hidden mode", "law") or isinstance(generic.where, str):
+            continue
+        if probability > LIKELY:
+            known = frozenset((generic.over,) if generic.over else ("stretch", "rate"))
+            paths |= numbers_over(model, generic.where, known)
+    return frozenset(one for one in causes if one.place is None and one.path in paths)
 
 
 def changing_themselves(

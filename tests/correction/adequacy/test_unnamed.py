@@ -5,8 +5,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from symhyb.correction.adequacy.structure import Generic
-from symhyb.correction.adequacy.unnamed import changing_themselves, parts_of_bent, parts_of_unnamed
+from symhyb.correction.adequacy.structure import Generic, Likely
+from symhyb.correction.adequacy.unnamed import (
+    changing_themselves,
+    parts_of_bent,
+    parts_of_class,
+    parts_of_unnamed,
+)
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.model.read import parse_model
 from symhyb.model.types import On
@@ -73,6 +78,27 @@ def test_beside_a_bent_law_a_number_of_its_quantity_at_its_place_has_no_value_of
     assert parts_of_bent(model, (k, d, GAIN, kinked)) == {d}
     assert parts_of_bent(model, (k, d, GAIN, power, FRICTION)) == {d}
     assert parts_of_bent(model, (k, d, law("damper_kinked", "damping", Y))) == frozenset()
+
+
+@pytest.mark.parametrize(
+    ("generic", "probability", "parts"),
+    [
+        (Generic("hidden mode", X, (), np.zeros(0)), 0.98, {"k", "d"}),
+        (Generic("hidden mode", X, (), np.zeros(0)), 0.3, set()),
+        (Generic("hidden mode", Y, (), np.zeros(0)), 0.98, set()),
+        (Generic("law", X, (), np.zeros(0)), 0.98, {"k", "d"}),
+        (Generic("law", X, (), np.zeros(0), over="rate"), 0.98, {"d"}),
+        (Generic("lag", "f", (), np.zeros(0)), 0.98, set()),
+    ],
+)
+def test_beside_a_class_a_number_at_its_place_has_no_value_of_its_own(
+    generic: Generic, probability: float, parts: set[str]
+) -> None:
+    """Also where the class explains no more than the better part of what acts."""
+    model = parse_model(DRIVEN_MASS)  # a spring of k and a damper of d on x
+    k, d = (Hypothesis("parameter", None, ("value",), (False,), path=name) for name in "kd")
+    found = parts_of_class(model, (k, d, GAIN, DRAG), [Likely(generic, probability, whole=False)])
+    assert {one.path for one in found} == parts
 
 
 def test_an_empirical_law_alone_stands_and_beside_its_parts_is_one() -> None:
