@@ -71,16 +71,16 @@ def run(
             "has no [sweep], for which --workers, --scheduler, --resume, --only and --dry-run are"
         )
         raise InputError(Problem(text, file=str(study)))
-    _run_one(study, output, within or ())
+    _run_one(read, output)
 
 
-def _run_one(study: Path, output: Path, within: list[Path] | tuple[()]) -> None:
+def _run_one(study: "Study", output: Path) -> None:
     from symhyb.console.results import print_checks, print_result, printed_if_interrupted
     from symhyb.console.terminal import progress
-    from symhyb.study import run_study
+    from symhyb.study import run_read
 
     with printed_if_interrupted(output) as keep, progress() as say:
-        result = run_study(study, output, say, within, keep)
+        result = run_read(study, output, say, keep)
     print_result(result, output)
     if result.checks:
         print_checks(result.checks)

@@ -104,12 +104,26 @@ def run_study(
         InputError: the study, its model or a recording is wrong, or nothing can be written.
         NumericsError: the numerics failed; nothing is written.
     """
-    study = read_study(path, within)
+    return run_read(read_study(path, within), directory, say, keep)
+
+
+def run_read(
+    study: Study,
+    directory: str | os.PathLike[str],
+    say: Say | None = None,
+    keep: Leave | None = None,
+) -> StudyResult:
+    """:func:`run_study` of a study that was read from its file.
+
+    Raises:
+        InputError: it states a sweep, its model or a recording is wrong, or nothing can be written.
+        NumericsError: the numerics failed; nothing is written.
+    """
     if study.sweep is not None:
         text = "states many diagnoses, which symhyb run performs; leave it out for a single one"
-        raise InputError(Problem(text, "sweep", str(path)))
-    beside = Path(path).with_name("expected.json")
-    expected = read_expected(beside) if beside.is_file() else Expected()
+        raise InputError(Problem(text, "sweep", str(study.file or "")))
+    beside = None if study.file is None else study.file.with_name("expected.json")
+    expected = read_expected(beside) if beside and beside.is_file() else Expected()
     require_folder(directory)
 
     def checked(result: StudyResult) -> StudyResult:

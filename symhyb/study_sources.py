@@ -19,6 +19,7 @@ import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePath
+from typing import TypeVar
 
 from symhyb.data.by_recording import cells_of
 from symhyb.data.catalogue import named, unknown
@@ -31,6 +32,7 @@ from symhyb.study_folders import Folders
 
 ORIGINS = ("file", "data", "files", "table")
 KEYS = (*ORIGINS, "span", "map", "parameters", "groups")
+Cell = TypeVar("Cell", str, float)
 PLAIN_COLUMNS, NAMED_COLUMNS = ("file", "start", "end"), ("parameters", "groups", "map")
 
 
@@ -64,17 +66,19 @@ def read_sources(root: Table, key: str, folders: Folders) -> tuple[Source, ...]:
     if key == "train" and key in root.entries and not listed:
         root.fault("name at least one recording to learn from", key)
     found: list[Source] = []
+    by_file: dict[Path, list[Source]] = {}
     several: set[Source] = set()  # those of a pattern or a table, none of which may stand twice
     for number, entries in enumerate(listed, 1):
         table = Table((f"{key}[{number}]",), entries, root.faults).checked(KEYS)
         for source in _sources(table, folders):
             many = "files" in table.entries or "table" in table.entries
             if source.file is not None and (many or source in several):
-                same = [one for one in found if one.file == source.file]
-                if any(_overlap(one.span, source.span) for one in same):
+                if any(_overlap(one.span, source.span) for one in by_file.get(source.file, ())):
                     table.fault(f"'{source.name}' is listed already; name it once", *_given(table))
                     continue
                 several.add(source)
+            if source.file is not None:
+                by_file.setdefault(source.file, []).append(source)
             found.append(source)
     if len(found) > STUDY_RECORDINGS:
         root.fault(f"{len(found)} recordings are more than {STUDY_RECORDINGS}", key)
@@ -224,14 +228,16 @@ def _row(row: Table, where: str, shared: Source, folders: Folders) -> Source | N
     )
 
 
-def _below(word: str, cells: Mapping[str, "str | float"]) -> dict[str, "str | float"]:
+def _below(word: str, cells: Mapping[str, Cell]) -> dict[str, Cell]:
     """The cells of the columns ``word.NAME`` by name."""
     prefix = f"{word}."
     found = ((column, cell) for column, cell in cells.items() if column.startswith(prefix))
     return {column.removeprefix(prefix): cell for column, cell in found}
 
 
-def _with(shared: tuple[tuple[str, object], ...], own: Mapping[str, object]) -> tuple:  # type: ignore[type-arg]
+def _with(
+    shared: tuple[tuple[str, Cell], ...], own: Mapping[str, Cell]
+) -> tuple[tuple[str, Cell], ...]:
     return tuple({**dict(shared), **own}.items())
 
 

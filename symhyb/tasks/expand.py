@@ -1,6 +1,7 @@
 """The tasks of a study: every combination of what its sweep varies, each a study of its own."""
 
 import math
+import os
 import random
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -20,7 +21,7 @@ from symhyb.study_file import Study
 from symhyb.study_options import Options
 from symhyb.study_sources import Source
 from symhyb.study_sweep import Noise, Subsets, Sweep
-from symhyb.tasks.keys import Digests, as_seen_from, key_of
+from symhyb.tasks.keys import Digests, key_of
 
 WHOLE = "study"
 """The name of the one task of a study without a sweep."""
@@ -100,7 +101,7 @@ def chosen(tasks: Sequence[Task], patterns: Sequence[str]) -> tuple[Task, ...]:
 
 def _models(study: Study, sweep: Sweep) -> list[Choice]:
     return [
-        ((("model", as_seen_from(study.file, path)),), {"model": path}) for path in sweep.models
+        ((("model", _as_seen_from(study.file, path)),), {"model": path}) for path in sweep.models
     ] or [((), {})]
 
 
@@ -161,15 +162,21 @@ def _options(sweep: Sweep) -> list[Choice]:
 
 def _labels(study: Study, sources: Sequence[Source]) -> list[str]:
     """A name for each recording that no other has: with its span where a file stands twice."""
-    names = [s.data if s.file is None else as_seen_from(study.file, s.file) for s in sources]
-    found = []
+    names = [s.data if s.file is None else _as_seen_from(study.file, s.file) for s in sources]
+    found, times = [], Counter(names)
     for name, source in zip(names, sources, strict=True):
-        if names.count(name) > 1:
+        if times[name] > 1:
             start, end = ("" if bound is None else f"{bound:g}" for bound in source.span)
             name = f"{name} {start}-{end} s"
         found.append(name)
-    twice = {name for name, times in Counter(found).items() if times > 1}
-    return [f"{name} #{i}" if name in twice else name for i, name in enumerate(found, 1)]
+    alike = Counter(found)
+    return [f"{name} #{i}" if alike[name] > 1 else name for i, name in enumerate(found, 1)]
+
+
+def _as_seen_from(study: Path | None, path: Path) -> str:
+    """The name of a file as a study would write it, with ``/`` between folders."""
+    home = Path() if study is None else study.parent
+    return Path(os.path.relpath(path, home)).as_posix()
 
 
 def _require_sound(study: Study, sweep: Sweep, models: Mapping[Path, Model]) -> None:

@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-import os
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -24,10 +23,17 @@ FORMAT = 1
 
 
 class Digests:
-    """The SHA-256 of files, each read once."""
+    """The SHA-256 of files, each read once, and the texts of models, each written once."""
 
     def __init__(self) -> None:
         self._known: dict[Path, str] = {}
+        self._texts: dict[Path, str] = {}
+
+    def text(self, path: Path, model: Model) -> str:
+        """The text of a model of this file."""
+        if path not in self._texts:
+            self._texts[path] = text_of(model)
+        return self._texts[path]
 
     def of(self, path: Path) -> str:
         """The digest of a file, or of the files of a folder.
@@ -56,7 +62,7 @@ def key_of(study: Study, model: Model, digests: Digests) -> str:
     content: dict[str, Any] = {
         "format": FORMAT,
         "symhyb": __version__,
-        "model": text_of(model),
+        "model": digests.text(study.model, model),
         "tables": table_hashes(model),
         "engine": None if engine is None else digests.of(engine.path(model.file)),
         "train": _recordings(study, study.train, digests),
@@ -95,9 +101,3 @@ def _digest(path: Path) -> str:
         return hashlib.sha256("".join(map(_digest, inside)).encode()).hexdigest()
     with open(path, "rb") as stream:
         return hashlib.file_digest(stream, "sha256").hexdigest()
-
-
-def as_seen_from(study: Path | None, path: Path) -> str:
-    """The name of a file as a study would write it, with ``/`` between folders."""
-    home = Path() if study is None else study.parent
-    return Path(os.path.relpath(path, home)).as_posix()

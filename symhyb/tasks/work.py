@@ -10,6 +10,7 @@ from pathlib import Path
 
 from symhyb.errors import InputError, NumericsError, visible
 from symhyb.fault import NAME, fault_text
+from symhyb.numeric.kernels.threads import one_thread
 from symhyb.study import StudyResult, carry_out, leave_files, manifest
 from symhyb.study_file import Study
 from symhyb.tasks.expand import Task
@@ -32,9 +33,7 @@ class Done:
 def perform(task: Task, directory: Path) -> Done:
     """Perform a task and leave its folder, whether it succeeds or fails. One that is finished is
     left as it is. The linear algebra gets one thread: processes are several."""
-    from threadpoolctl import threadpool_limits
-
-    with _ALONE, threadpool_limits(1):
+    with _ALONE, one_thread():
         if finished(directory, task.key):
             return Done(task.key)
         try:

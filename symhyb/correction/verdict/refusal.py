@@ -21,6 +21,7 @@ from symhyb.discrepancy.recorded.runs import Run, cut_into_windows
 from symhyb.discrepancy.results import Alternative, Diagnosis, Found, Measurement, RecordingFault
 from symhyb.discrepancy.words.effects import words_of
 from symhyb.discrepancy.words.wording import (
+    capital,
     effect_phrase,
     joined,
     measurement_phrase,
@@ -78,7 +79,7 @@ def with_faults(
         reason = f"A channel may lie: {suspected[0]}."
         return withdrawn(answer, f"{reason} Until that is settled no physics is named")
     if suspected and diagnosis.verdict == "undecided":
-        return replace(answer, sentence=f"{diagnosis.sentence} {_capital(suspected[0])}.")
+        return replace(answer, sentence=f"{diagnosis.sentence} {capital(suspected[0])}.")
     return answer
 
 
@@ -288,7 +289,3 @@ def if_apart(diagnosis: Diagnosis, model: Model, runs: Sequence[Run]) -> Diagnos
 
 def _whole_period(run: Run) -> bool:
     return bool(np.min(run.motion.periods()) < (1 - 1e-9) * run.recording.duration)
-
-
-def _capital(words: str) -> str:
-    return words[:1].upper() + words[1:]

@@ -15,6 +15,7 @@ from symhyb.correction.verdict.proof import Proof
 from symhyb.correction.verdict.refusal import with_faults
 from symhyb.deadline import budget_text
 from symhyb.discrepancy.results import Budget, Diagnosis
+from symhyb.discrepancy.words.wording import capital
 from symhyb.model.types import Model
 
 UNPROVEN = Proof((), None, float("nan"), float("nan"))
@@ -39,14 +40,10 @@ def unfinished(model: Model, decided: Decided, budget_s: float) -> Diagnosis:
     said = (
         f"The time that was allowed ({budget_text(budget_s)}) was spent before all comparisons were"
         f" made, so that nothing is claimed. Not compared: {missing}. "
-        f"{_capital(fits_best(choice.decision.selected, len(choice.decision.trials)))}. {rest}"
+        f"{capital(fits_best(choice.decision.selected, len(choice.decision.trials)))}. {rest}"
     ).rstrip()
     answer = replace(answer, verdict="undecided", remainder=1.0, log=(*answer.log, said))
     answer = with_faults(answer, model, prepared.faults, decided.known.final.fit.scale)
     faults = "; ".join(one.sentence for one in prepared.faults if one.claimed)
     wrong = f"The measurement is wrong: {faults}. " if faults else ""
     return replace(answer, sentence=wrong + said, budget=Budget(budget_s, decided.unmade))
-
-
-def _capital(words: str) -> str:
-    return words[:1].upper() + words[1:]

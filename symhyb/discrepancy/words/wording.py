@@ -81,7 +81,7 @@ def effect_sentence(
     """
     words = phrase_of(kind, estimates, options)
     action = action_of(words, kind, place, estimates)
-    clause = f"{_capital(place_text(place))}, {words.head} {action} {words.tail}".rstrip()
+    clause = f"{capital(place_text(place))}, {words.head} {action} {words.tail}".rstrip()
     clause += secondary_of(words, kind, estimates) + (f", {meaning}" if meaning else "")
     if share is None or not math.isfinite(share):
         return f"{clause}."
@@ -219,7 +219,7 @@ def _missing(found: Sequence[Found], acts: Sequence[str]) -> str:
     """What the model lacks: effects at their places, and what actuators do (``acts``)."""
     actuators = f"the model lacks what the actuator does: {joined(acts)}"
     if not found:
-        return _capital(actuators)
+        return capital(actuators)
     return "; ".join([_lacking(found), *([actuators] if acts else [])])
 
 
@@ -234,7 +234,7 @@ def _lacking(found: Sequence[Found]) -> str:
         phrase = effect_phrase(element.kind, effect.estimates, words)
         places.setdefault(element.place, []).append(phrase)
     (first, lacking), *others = places.items()
-    said = f"{_capital(place_text(first))} the model lacks {_listed(lacking)}"
+    said = f"{capital(place_text(first))} the model lacks {_listed(lacking)}"
     return said + "".join(
         f"; {place_text(place)} it lacks {_listed(lacking)}" for place, lacking in others
     )
@@ -268,5 +268,6 @@ def _channel_amount(estimate: Estimate) -> str:
     return amount_text(estimate)
 
 
-def _capital(words: str) -> str:
+def capital(words: str) -> str:
+    """Words as a sentence begins."""
     return words[:1].upper() + words[1:]

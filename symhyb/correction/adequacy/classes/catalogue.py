@@ -11,7 +11,7 @@ from symhyb.correction.adequacy.classes.changing import changing
 from symhyb.correction.adequacy.classes.columns import pushed_at
 from symhyb.correction.adequacy.classes.coupling import coupling
 from symhyb.correction.adequacy.classes.crossing_input import crossing_input
-from symhyb.correction.adequacy.classes.erring_input import pushed_by, spared_by
+from symhyb.correction.adequacy.classes.erring_input import pushed_by
 from symhyb.correction.adequacy.classes.held_input import held_input
 from symhyb.correction.adequacy.classes.hidden_mode import hidden_mode
 from symhyb.correction.adequacy.classes.input_actuated import (
@@ -51,8 +51,8 @@ def classes_of(recorded: Recorded) -> list[Offered]:
     for i, j in combinations(moved, 2):
         found.append(Offered(partial(coupling, first=i, second=j), frozenset((i, j))))
     for j in range(len(model.recorded_inputs)):
-        spared = spared_by(recorded, j)
         at = pushed_by(recorded, j)
+        spared = frozenset(range(len(model.coordinates))) - at
         found += [
             Offered(partial(maker, which=j), at) for maker in (input_curve, input_lag, input_fading)
         ]
@@ -60,7 +60,7 @@ def classes_of(recorded: Recorded) -> list[Offered]:
         free = (key for key in REMEMBERING if key not in stated_of(recorded, j))
         found += [Offered(partial(input_actuated, which=j, key=key), at) for key in free]
         if spared:
-            found.append(Offered(partial(crossing_input, which=j), frozenset(spared)))
+            found.append(Offered(partial(crossing_input, which=j), spared))
     uncertain = [item.path for item in model.parameters if item.sd is not None]
     found += [Offered(partial(changing, path=path)) for path in uncertain]
     for j in range(len(model.sensors)):
