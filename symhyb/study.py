@@ -4,18 +4,13 @@
 leaves ``manifest.json`` (what went in, with which versions) and is held against ``expected.json``.
 """
 
-import hashlib
 import json
 import os
-import platform
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
-from importlib import metadata
-from pathlib import Path
 from typing import Any
 
-from symhyb import __version__
 from symhyb.asked import asked
 from symhyb.correction.apply import apply
 from symhyb.correction.finish import finished
@@ -38,7 +33,6 @@ from symhyb.discrepancy.fitting.judge import judge
 from symhyb.discrepancy.results import Diagnosis, Verdict
 from symhyb.errors import InputError, Problem
 from symhyb.expected import Check, Expected, check, read_expected
-from symhyb.limits import TEXT_BYTES, content_of
 from symhyb.model.closed import require_open
 from symhyb.model.diff import diff
 from symhyb.model.read import read_model
@@ -46,6 +40,7 @@ from symhyb.model.types import Model
 from symhyb.model.write import set_parameters, write_model
 from symhyb.numeric.kernels.memory import seldom_collected
 from symhyb.numeric.lowered.machine import build
+from symhyb.provenance import sha256_of, table_hashes, versions
 from symhyb.report.contract import exit_status, to_json
 from symhyb.report.files import write_diagnosis, write_report, write_simulation
 from symhyb.steps import Say, silent
@@ -55,7 +50,6 @@ from symhyb.study_unseen import require_unseen
 from symhyb.writing import require_folder, staged
 
 COMPLETE = "the diagnosis, which is written; only what to record next is not worked out"
-LIBRARIES = ("numpy", "scipy", "casadi", "sympy", "pysindy", "scikit-learn")
 
 
 Leave = Callable[["StudyResult"], None]
@@ -383,27 +377,3 @@ def _provenance(result: StudyResult) -> dict[str, str]:
         said[f"recording {number} ({kind})"] = f"{recording.name}, SHA-256 {recording.sha256}"
     said["versions"] = ", ".join(f"{name} {version}" for name, version in versions().items())
     return said
-
-
-def versions() -> dict[str, str]:
-    """The versions of Python, of symhyb and of the libraries whose numbers these are."""
-    libraries = {name: metadata.version(name) for name in LIBRARIES}
-    return {"python": platform.python_version(), "symhyb": __version__, **libraries}
-
-
-def table_hashes(model: Model) -> dict[str, list[dict[str, str]]]:
-    """The files of curves and of maps, which belong to a model; nothing where it has none."""
-    return {
-        word: [{"file": item.file, "sha256": item.sha256} for item in files]
-        for word, files in model.table_files().items()
-        if files
-    }
-
-
-def sha256_of(file: Path) -> str:
-    """The SHA-256 of the bytes of a model or a study.
-
-    Raises:
-        InputError: it is there no more, or cannot be read.
-    """
-    return hashlib.sha256(content_of(file, TEXT_BYTES)).hexdigest()

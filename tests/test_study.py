@@ -24,9 +24,10 @@ from symhyb.model.read import read_model
 from symhyb.model.tables import shorten
 from symhyb.model.types import Between, On
 from symhyb.model.write import write_model
+from symhyb.provenance import table_hashes
 from symhyb.published import Reference
 from symhyb.report.contract import to_json
-from symhyb.study import manifest, run_study, table_hashes
+from symhyb.study import manifest, run_study
 from symhyb.study_file import Study, read_study
 from symhyb.study_sources import Source
 from symhyb.writing import staged

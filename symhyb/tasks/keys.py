@@ -14,7 +14,7 @@ from symhyb.data.formats import files_of
 from symhyb.errors import InputError, Problem
 from symhyb.model.types import Model
 from symhyb.model.write import text_of
-from symhyb.study import table_hashes
+from symhyb.provenance import table_hashes
 from symhyb.study_file import Study
 from symhyb.study_sources import Source
 
