@@ -28,5 +28,5 @@ def test_a_hash_is_that_of_the_bytes(tmp_path: Path) -> None:
 
 
 def test_a_file_that_is_gone_has_none(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="gone.toml"):
+    with pytest.raises(InputError, match=r"gone\.toml"):
         sha256_of(tmp_path / "gone.toml")
