@@ -31,7 +31,7 @@ from symhyb.cli_options import (
     Start,
     print_json,
 )
-from symhyb.cli_recording import compare, fit, look
+from symhyb.cli_recording import compare, fit, look, scan
 from symhyb.cli_study import compare_studies, results, run
 from symhyb.cli_view import view
 from symhyb.cli_watch import watch
@@ -71,7 +71,7 @@ def everywhere(
     """Find the physics that a model of a machine leaves out, from a recording of the machine."""
 
 
-for verb in (new, check, draw, equations, diff, simulate, look, compare, fit):
+for verb in (new, check, draw, equations, diff, simulate, look, compare, scan, fit):
     app.command()(verb)
 
 

@@ -1,4 +1,4 @@
-"""The verbs of the command line for recordings: ``symhyb look | compare | fit``.
+"""The verbs of the command line for recordings: ``symhyb look | compare | scan | fit``.
 
 Heavy modules are imported inside, so that help answers at once.
 """
@@ -132,6 +132,54 @@ def compare(
         if one is not None:
             print_first_checks(one)
     print(*(one.sentence for one in repeats), sep="\n", end="\n" if repeats else "")
+
+
+def scan(
+    model: ModelFile,
+    recording: Annotated[
+        Path,
+        typer.Argument(metavar="RECORDING", help="A .parquet, .csv, .mf4 or .mdf of any size."),
+    ],
+    columns: Map = None,
+    start: Start = None,
+    end: End = None,
+    stretches: Annotated[
+        int, typer.Option(metavar="N", help="Sum over at most so many stretches of time.", min=1)
+    ] = 100,
+    table: Annotated[
+        Path | None,
+        typer.Option("--csv", metavar="FILE", help="Write what each stretch shows as CSV."),
+    ] = None,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Pass along a recording larger than memory: when a model lacks what.
+
+    The force that the model lacks is summed by stretches of time, and least squares of forces
+    proposes laws for the whole. It says which stretches are unlike the others: those to diagnose.
+
+    \b
+    Example:
+      symhyb scan models/oscillator.toml studies/oscillator/train.csv
+    """
+    from symhyb.console.scanned import print_scan, scan_facts, scan_table
+    from symhyb.console.terminal import progress, read_map
+    from symhyb.model.read import read_model
+    from symhyb.scanning import scan as scan_along
+    from symhyb.writing import require_new, write_file
+
+    require_new(table, force)
+    declared, mapped = read_model(model), read_map(columns)
+    with progress() as say:
+        found = scan_along(
+            declared, recording, mapped, span=(start, end), stretches=stretches, say=say
+        )
+    if table is not None:
+        write_file(table, scan_table(found))
+    if as_json:
+        print_json(scan_facts(found))
+    else:
+        print_scan(found, str(model))
 
 
 def fit(

@@ -30,6 +30,7 @@ VERBS = (
     "equations",
     "simulate",
     "look",
+    "scan",
     "compare",
     "fit",
     "diagnose",

@@ -51,6 +51,7 @@ OTHERS = {
     "correction/learning/orthogonal.py": {"DEPENDENT": "numerics"},
     "discrepancy/fitting/normal.py": {"DEPENDENT": "numerics", "NARROW": "numerics"},
     "discrepancy/places/points.py": {"PARALLEL": "numerics"},
+    "discrepancy/recorded/even.py": {"JITTER": "numerics", "LINEAR": "numerics"},
     "correction/naming/findings.py": {"SKEW": "bound of a key, which the laws state"},
     "correction/naming/textbook.py": {"_LINEAR": "numerics"},
     "correction/search/clocks.py": {"STANDS": "iteration"},

@@ -12,11 +12,11 @@ import os
 import struct
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
 from importlib import import_module
 from signal import Signals
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +33,7 @@ from symhyb.limits import (
 
 _LENGTH = struct.Struct("<Q")  # of the header, before it
 _START = "from symhyb.data.apart import serve; serve()"
+_START_PIECES = "from symhyb.data.apart import serve_pieces; serve_pieces()"
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "ARROW_IO_THREADS")
 
 
@@ -61,18 +62,13 @@ def read_apart(
     allowed = allowed or _allowed(READER_SECONDS + len(content) // READER_BYTES_A_SECOND)
     seconds, memory = allowed.seconds, READER_MEMORY + READER_MEMORY_EACH * len(content)
     order = [reader.__module__, reader.__name__, file, str(seconds), str(memory)]
-    environment = {
-        **os.environ,
-        **dict.fromkeys(_THREADS, "1"),
-        "PYTHONPATH": os.pathsep.join(folder or os.getcwd() for folder in sys.path),
-    }
     try:
         done = subprocess.run(
-            [sys.executable, "-P", "-c", _START, *order],  # -P: no module of the folder it runs in
+            _command(_START, order),
             input=content,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
-            env=environment,
+            env=_environment(),
             timeout=READER_WAITS * seconds,
             check=False,
         )
@@ -84,11 +80,53 @@ def read_apart(
     return _unpacked(done.stdout, file)
 
 
+def pieces_apart(
+    reader: Callable[[str, str, int], Iterator[Table]], path: str, file: str, rows: int, size: int
+) -> Iterator[Table]:
+    """The tables that ``reader``, a function of a module, makes one after the other of the file at
+    ``path``, of ``size`` bytes, each of about so many ``rows``; its process reads ahead of what is
+    asked for by what a pipe holds, and ends with the iterator.
+
+    Raises:
+        InputError: what the reader says; or it crashed, or took more memory or time than it gets.
+    """
+    allowed = _allowed(READER_SECONDS + size // READER_BYTES_A_SECOND)
+    names = [reader.__module__, reader.__name__]
+    order = [*names, path, file, str(rows), str(allowed.seconds), str(READER_MEMORY)]
+    with subprocess.Popen(
+        _command(_START_PIECES, order),
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        env=_environment(),
+    ) as process:
+        try:
+            assert process.stdout is not None
+            while packed := process.stdout.read(_LENGTH.size):
+                (length,) = _LENGTH.unpack(packed.ljust(_LENGTH.size, b"\0"))
+                yield _unpacked(process.stdout.read(length), file)
+            if process.wait():
+                raise refusal(file, _ended(process.returncode, allowed))
+        finally:
+            process.kill()
+
+
+def _command(start: str, order: list[str]) -> list[str]:
+    return [sys.executable, "-P", "-c", start, *order]  # -P: no module of the folder it runs in
+
+
+def _environment() -> dict[str, str]:
+    return {
+        **os.environ,
+        **dict.fromkeys(_THREADS, "1"),
+        "PYTHONPATH": os.pathsep.join(folder or os.getcwd() for folder in sys.path),
+    }
+
+
 def serve() -> None:
     """Read the file on standard input as the command line orders, within its limits."""
     module, name, file, seconds, memory = sys.argv[1:]
-    out, sys.stdout = os.fdopen(os.dup(1), "wb"), sys.stderr
-    os.dup2(2, 1)  # what native code prints is no part of the answer
+    out = _output()
     reader = getattr(import_module(module), name)
     _limit(int(seconds), int(memory))
     try:
@@ -96,11 +134,43 @@ def serve() -> None:
     except InputError as error:
         packed = _refused(error)
     except MemoryError:
-        most = f"{int(memory) / 2**30:.1f} GiB"
-        said = f"needs more than the {most} of memory that a file of its size gets"
-        packed = _refused(refusal(file, said))
+        packed = _refused(_too_large(file, memory))
     out.write(packed)
     out.flush()
+
+
+def serve_pieces() -> None:
+    """Read the file that the command line names, piece by piece, within its limits: each piece with
+    its length before it."""
+    module, name, path, file, rows, seconds, memory = sys.argv[1:]
+    out = _output()
+    reader = getattr(import_module(module), name)
+    _limit(int(seconds), int(memory))
+    try:
+        for table in reader(path, file, int(rows)):
+            _write_piece(out, _packed(table))
+    except InputError as error:
+        _write_piece(out, _refused(error))
+    except MemoryError:
+        _write_piece(out, _refused(_too_large(file, memory)))
+
+
+def _output() -> BinaryIO:
+    """Where the answer goes. What native code prints is no part of it."""
+    out, sys.stdout = os.fdopen(os.dup(1), "wb"), sys.stderr
+    os.dup2(2, 1)
+    return out
+
+
+def _write_piece(out: BinaryIO, packed: bytes) -> None:
+    out.write(_LENGTH.pack(len(packed)))
+    out.write(packed)
+    out.flush()
+
+
+def _too_large(file: str, memory: str) -> InputError:
+    most = f"{int(memory) / 2**30:.1f} GiB"
+    return refusal(file, f"needs more than the {most} of memory that a file of its size gets")
 
 
 def _limit(seconds: int, memory: int) -> None:
@@ -127,7 +197,8 @@ def _packed(table: Table) -> bytes:
         about = {"header": column.header, "part": column.part, "inside": column.inside}
         columns.append({**about, "problem": problem, "shape": column.values.shape})
         values.append(numbers.tobytes())
-    return _with_length({"columns": columns, "notes": table.notes}) + b"".join(values)
+    header = {"columns": columns, "notes": table.notes, "first": table.first}
+    return _with_length(header) + b"".join(values)
 
 
 def _refused(error: InputError) -> bytes:
@@ -159,7 +230,7 @@ def _unpacked(packed: bytes, file: str) -> Table:
         raise refusal(file, "its reader gave back what is no table: the file is damaged") from None
     if problems:
         raise InputError(problems)
-    return Table(file, tuple(columns), tuple(header["notes"]))
+    return Table(file, tuple(columns), tuple(header["notes"]), first=header["first"])
 
 
 def _ended(code: int, allowed: Allowed) -> str:

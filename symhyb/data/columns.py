@@ -125,7 +125,7 @@ def _channels(found: Mapping[Wanted, _Clocked], notes: tuple[str, ...], table: T
     parts = [_group(group, table) for group in groups.values()]
     whole = merged([one_run(part, table) for part in parts], table)
     held = {
-        channel.name: signal(source, whole.t.size)
+        channel.name: signal(source, whole.t.size, table.first)
         for channel, (source, clock) in found.items()
         if clock is None
     }
@@ -139,9 +139,9 @@ def _channels(found: Mapping[Wanted, _Clocked], notes: tuple[str, ...], table: T
 def _group(group: Mapping[Wanted, _Clocked], table: Table) -> Channels:
     clock = next(clock for _, clock in group.values() if clock is not None)
     size = _size([clock, *(source for source, _ in group.values())], table)
-    signals = {channel: signal(source, size) for channel, (source, _) in group.items()}
+    signals = {channel: signal(source, size, table.first) for channel, (source, _) in group.items()}
     return Channels(
-        signal(clock, size),
+        signal(clock, size, table.first),
         {c.name: values for c, values in signals.items() if c.role in ("input", "coordinate")},
         {c.name: values for c, values in signals.items() if c.role == "sensor"},
         (),

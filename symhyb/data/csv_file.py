@@ -84,7 +84,8 @@ def _text(content: bytes, file: str) -> str:
 def _without_preamble(lines: list[Line]) -> tuple[list[Line], tuple[str, ...]]:
     """The lines from the names of the columns on: the first with as many cells as nearly all have,
     if it names something and numbers stand below it; and a note on what stands above."""
-    delimiter = max(_DELIMITERS, key=lines[len(lines) // 2][1].count)
+    among = lines[len(lines) // 2][1]  # where there are others a comma may be a decimal one
+    delimiter = next((one for one in (";", "\t") if one in among), ",")
     counts = [_width(line, delimiter) for _, line in lines]
     width, often = Counter(counts).most_common(1)[0]
     first = counts.index(width)

@@ -42,11 +42,11 @@ def read_mdf(content: bytes, file: str) -> Table:
     notes: list[str] = []
     columns: list[Column] = []
     why = ""
-    with _quiet() as complaints, _without_formulas():
+    with quiet() as complaints, without_formulas():
         try:
             with asammdf.MDF(io.BytesIO(content)) as measurement:
-                for number, part in _parts(measurement):
-                    columns += _group(measurement, number, part, file, notes)
+                for number, part in parts_of(measurement):
+                    columns += group_columns(measurement, number, part, file, notes)
         except Exception as error:  # damaged bytes make the reader raise errors of many kinds
             why = first_line(error) or type(error).__name__
         if why:
@@ -61,7 +61,7 @@ def read_mdf(content: bytes, file: str) -> Table:
 
 
 @contextmanager
-def _without_formulas() -> Iterator[None]:
+def without_formulas() -> Iterator[None]:
     """Take from asammdf what it runs text of a file with; its rational and polynomial conversions
     do without, by plain arithmetic."""
 
@@ -100,7 +100,7 @@ class _Complaints(logging.Handler):
 
 
 @contextmanager
-def _quiet() -> Iterator[list[str]]:
+def quiet() -> Iterator[list[str]]:
     """Keep the reader from printing, and one that failed half-way from complaining, on its
     deletion, of what it lacks; yield the errors that it would have printed."""
     complaints, logger = _Complaints(), logging.getLogger("asammdf")
@@ -115,7 +115,7 @@ def _quiet() -> Iterator[list[str]]:
         sys.unraisablehook = hook
 
 
-def _parts(measurement: Any) -> Iterator[tuple[int, str]]:
+def parts_of(measurement: Any) -> Iterator[tuple[int, str]]:
     """Number and name the groups that hold samples; a single one is no part."""
     filled = [
         number
@@ -131,10 +131,16 @@ def _parts(measurement: Any) -> Iterator[tuple[int, str]]:
         yield number, "" if len(filled) == 1 else name if unique else str(number + 1)
 
 
-def _group(
-    measurement: Any, number: int, part: str, file: str, notes: list[str]
+def group_columns(
+    measurement: Any,
+    number: int,
+    part: str,
+    file: str,
+    notes: list[str],
+    some: tuple[int, int] = (0, -1),
 ) -> Iterator[Column]:
-    """Read the channels of one group, its times first; append to ``notes`` what is left out."""
+    """Read the channels of one group, its times first; append to ``notes`` what is left out.
+    ``some`` is the first record and how many there are; -1: all from there on."""
     group = measurement.groups[number]
     master = measurement.masters_db.get(number)
     if master is None:
@@ -143,7 +149,9 @@ def _group(
     if _has_formula(group.channels[master].conversion):
         notes.append(f"the times of group {part or number + 1} are {FORMULA}: left out")
         return
-    times = np.asarray(measurement.get_master(number), dtype=np.float64)
+    offset, count = some[0], None if some[1] < 0 else some[1]
+    rows = {"record_offset": offset, "record_count": count}
+    times = np.asarray(measurement.get_master(number, **rows), dtype=np.float64)
     yield in_part(TIME, times, part)
     names = [str(channel.name) for channel in group.channels]
     often = Counter(names)
@@ -153,7 +161,7 @@ def _group(
         if _has_formula(group.channels[index].conversion):
             notes.append(f"channel {name} is {FORMULA}: left out")
             continue
-        signal = measurement.get(group=number, index=index, ignore_invalidation_bits=True)
+        signal = measurement.get(group=number, index=index, ignore_invalidation_bits=True, **rows)
         values = _numbers(signal)
         if values is None or values.shape != times.shape:
             notes.append(f"channel {name} is no vector of numbers: left out")

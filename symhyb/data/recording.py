@@ -317,8 +317,7 @@ def recorded(
     Raises:
         InputError: as :func:`read_recording`, but for the map.
     """
-    held = frozenset(item.name for item in model.inputs if item.between == "held")
-    channels = tidy(channels, table, span, held)
+    channels = tidy(channels, table, span, _held(model))
     units = {channel.name: channel.unit for channel in model.sensors}
     driving = {channel.name: channel.unit for channel in model.coordinates}
     driving |= {channel.name: channel.unit for channel in model.inputs}
@@ -337,6 +336,24 @@ def recorded(
     if groups:
         noted = replace(noted, notes=(*noted.notes, group_note(groups)))
     return _recording(called, noted, table.sha256, used, known or {}, groups or {})
+
+
+def recorded_part(table: Table, channels: Channels, model: Model) -> Recording:
+    """The recording that the ``channels`` of a piece of a file are, without notes on what is
+    peculiar about its samples.
+
+    Raises:
+        InputError: as :func:`read_recording`, but for the map.
+    """
+    channels = tidy(channels, table, held=_held(model))
+    units = {channel.name: channel.unit for channel in model.inputs}
+    units |= {channel.name: channel.unit for channel in model.sensors}
+    called = visible(Path(table.file).name)
+    return _recording(called, channels, "-", units, {}, {})
+
+
+def _held(model: Model) -> frozenset[str]:
+    return frozenset(item.name for item in model.inputs if item.between == "held")
 
 
 def _recording(

@@ -95,13 +95,14 @@ def find_source(text: str, channel: Wanted, table: Table, part: str = "") -> Sou
     return source
 
 
-def signal(source: Source, size: int) -> NDArray[np.float64]:
-    """Compute a channel in SI, (N,) with N = ``size``; a single number is held."""
+def signal(source: Source, size: int, first: int = 0) -> NDArray[np.float64]:
+    """Compute a channel in SI, (N,) with N = ``size``; a single number is held. ``first`` is the
+    number of the first row."""
     if isinstance(source.origin, Column):
         values = source.origin.values
     else:
         known: dict[tuple[str, int] | str, NDArray[np.float64] | float] = {
-            INDEX: np.arange(size, dtype=np.float64)
+            INDEX: np.arange(first, first + size, dtype=np.float64)
         }
         for name, column in zip(source.names, source.columns, strict=True):
             unit = parse_unit(column.unit) if source.headed and column.unit else ONE

@@ -55,7 +55,8 @@ class Table:
 
     ``notes`` are sentences on what was left out; ``file`` is the path as given, for messages.
     ``run`` is the number, from 1, of the run that is wanted where time starts anew; 0: the file
-    holds one run.
+    holds one run. ``first`` is the row of the file, from 0, that is the first one here, where the
+    file is read in pieces.
     """
 
     file: str
@@ -64,6 +65,7 @@ class Table:
     lines: NDArray[np.intp] | None = None
     sha256: str = ""
     run: int = 0
+    first: int = 0
 
     def find(self, name: str, part: str = "") -> tuple[Column, ...]:
         """Return the columns that ``name`` may mean: none, one, or one each of several parts.
@@ -88,7 +90,9 @@ class Table:
 
     def row(self, number: int) -> str:
         """Say where row ``number`` (from 0) stands: ``line 14`` of a text, else ``row 13``."""
-        return f"row {number + 1}" if self.lines is None else f"line {self.lines[number]}"
+        if self.lines is None:
+            return f"row {self.first + number + 1}"
+        return f"line {self.lines[number]}"
 
 
 def split_unit(text: str) -> tuple[str, str | None]:

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from symhyb.data.csv_file import read_csv
 from symhyb.data.formats import read_table
 from symhyb.data.recording import read_recording
 from symhyb.data.table import split_unit
@@ -113,3 +114,10 @@ def test_two_columns_of_usual_names_are_asked_about(model, write, table, signals
         read_recording(path, model)
     recording = read_recording(path, model, {"t": "timestamp_ms [ms]"})
     np.testing.assert_allclose(recording.t, signals["t"], rtol=1e-12)
+
+
+def test_more_decimal_commas_than_delimiters_below_a_preamble():
+    rows = [f"0,{k};1,5;{k},25;0,5" for k in range(1, 40)]
+    table = read_csv("\n".join(["logger 7", "t;a;b;c", *rows]).encode(), "run.csv")
+    assert table.names() == ["t", "a", "b", "c"]
+    assert table.columns[2].values[:2].tolist() == [1.25, 2.25]

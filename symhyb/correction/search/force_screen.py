@@ -16,7 +16,7 @@ Sizes: W windows, R rows of a window, C columns, f free coordinates, L samples.
 """
 
 from collections.abc import Iterator, Sequence, Set
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,6 +58,13 @@ class ForceScreen:
     def total(self) -> Array:
         """The Gram matrices (f, C + 1, C + 1) of all windows."""
         return np.asarray(self.grams + self.held)
+
+    def plus(self, other: "ForceScreen") -> "ForceScreen":
+        """The screen over the windows of both."""
+        count = self.count + other.count
+        return replace(
+            self, grams=self.grams + other.grams, held=self.held + other.held, count=count
+        )
 
     def problem(self, weights: Array) -> Problem:
         """The linear problem of these ``weights`` (f,) of the squares of coordinates."""

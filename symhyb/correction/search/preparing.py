@@ -22,6 +22,7 @@ from symhyb.discrepancy.places.candidates import (
     transition_share,
 )
 from symhyb.discrepancy.places.hypotheses import (
+    Hypothesis,
     library,
     parametric_hypotheses,
     places_of,
@@ -106,8 +107,10 @@ def prepare(
         first = [Run(r, motion_of(r, machine), np.empty(0)) for r in recordings]
     periods = np.concatenate([run.motion.periods() for run in first])
     shortest = float(np.min(periods))
-    runs = [_thin(run, machine, shortest) for run in first]
-    proofs = [_thin(Run(r, motion_of(r, machine), np.empty(0)), machine, shortest) for r in holdout]
+    runs = [thinned_run(run, machine, shortest) for run in first]
+    proofs = [
+        thinned_run(Run(r, motion_of(r, machine), np.empty(0)), machine, shortest) for r in holdout
+    ]
     sd = noise_sd(runs, machine)
     # recordings that have numbers of their own are of different machines: no repeats of one run
     names = [sensor.name for sensor in machine.model.sensors]
@@ -138,13 +141,7 @@ def settle(prepared: Prepared, own: Sequence[str] | Own = (), more: Sequence[On]
     check_own(prepared.model, own)
     model, machine = prepared.model, prepared.machine
     places = (*places_of(model), *more)
-    narrow = transition_share(_relative_noise(prepared))
-    motions = [(run.motion.q, run.motion.v, run.motion.t) for run in prepared.runs]
-    tried = (
-        *force_hypotheses(model, _reaches(prepared, places), narrow),
-        *point_hypotheses(model, motions, narrow),
-    )
-    causes = library(model, places, owning(model, tried, own))
+    causes = library(model, places, owning(model, laws_at(prepared, places), own))
     parametric = owning(model, parametric_hypotheses(model), own)
     windows = WindowModel(machine, tuple(machine.column(cause.path) for cause in parametric))
     sag = _sag(prepared)
@@ -152,10 +149,20 @@ def settle(prepared: Prepared, own: Sequence[str] | Own = (), more: Sequence[On]
         causes,
         parametric,
         windows,
-        _stages(prepared),
+        stages_of(prepared),
         prepared.sd,
         gain_floor=max(NEGLIGIBLE, sag),
         accuracy=max(ACCURACY, sag),
+    )
+
+
+def laws_at(prepared: Prepared, places: Sequence[Place]) -> tuple[Hypothesis, ...]:
+    """Every law that may act at these places or at points, scaled by what they move through."""
+    narrow = transition_share(_relative_noise(prepared))
+    motions = [(run.motion.q, run.motion.v, run.motion.t) for run in prepared.runs]
+    return (
+        *force_hypotheses(prepared.model, _reaches(prepared, places), narrow),
+        *point_hypotheses(prepared.model, motions, narrow),
     )
 
 
@@ -208,7 +215,12 @@ def _reaches(prepared: Prepared, places: Sequence[Place]) -> Mapping[Place, Reac
     return {place: joined(part) for place, part in zip(places, parts, strict=True)}
 
 
-def _stages(prepared: Prepared) -> tuple[Stage, ...]:
+def stages_of(prepared: Prepared) -> tuple[Stage, ...]:
+    """Windows of growing lengths, from short to long.
+
+    Raises:
+        InputError: the recordings are too short, or too full of gaps, for any.
+    """
     step = max(float(np.median(np.diff(run.recording.t))) for run in prepared.runs)
     share = SAMPLES_MOST / sum(run.recording.t.size for run in prepared.runs)
     shortest = max(FIRST_WINDOW * prepared.shortest, 12 * step)
@@ -233,7 +245,7 @@ def _stages(prepared: Prepared) -> tuple[Stage, ...]:
 def last_windows(prepared: Prepared, *, spread: bool) -> tuple[Cut, ...]:
     """The windows of the last stage: those that decide, or where not ``spread`` all of their
     length, for values."""
-    last = _stages(prepared)[-1]
+    last = stages_of(prepared)[-1]
     if spread:
         return last.cuts
     cuts = [cut_within(run, prepared.machine, last.length_s) for run in prepared.runs]
@@ -315,7 +327,9 @@ def _spread(item: Cut | None, share: float) -> Cut | None:
     return item.chosen(rows.astype(np.int64))
 
 
-def _thin(run: Run, machine: Machine, shortest: float) -> Run:
+def thinned_run(run: Run, machine: Machine, shortest: float) -> Run:
+    """A run with as many samples as motion of a ``shortest`` period in s needs; all of them where
+    an input is held."""
     step = float(np.median(np.diff(run.recording.t)))
     dense = int(shortest / SAMPLES_PERIOD / step)
     factor = max(min(dense, run.recording.t.size // SAMPLES_LEAST), 1)

@@ -67,9 +67,8 @@ def _compact(basis: Sequence[sparse.csr_array]) -> tuple[NDArray[np.int64], list
     """The first of the coefficients (N,) that each row of the ``basis`` depends on, and its
     factors (N, 6) of that and the next five."""
     rows = [np.repeat(np.arange(b.shape[0]), np.diff(b.indptr)) for b in basis]
-    first = np.full(basis[0].shape[0], basis[0].shape[1] - DEGREE - 1)
-    for b, row in zip(basis, rows, strict=True):
-        np.minimum.at(first, row, b.indices)
+    least = [np.minimum.reduceat(b.indices, b.indptr[:-1]) for b in basis]  # no row is empty
+    first = np.minimum.reduce([*least, np.full(least[0].size, basis[0].shape[1] - DEGREE - 1)])
     values = [np.zeros((first.size, DEGREE + 1)) for _ in basis]
     for b, row, own in zip(basis, rows, values, strict=True):
         own[row, b.indices - first[row]] = b.data
