@@ -39,6 +39,8 @@ VERBS = (
     "run",
     "results",
     "compare-studies",
+    "fleet",
+    "next",
     "watch",
     "view",
     "import",
