@@ -15,6 +15,7 @@ from symhyb.fleet.deviations import Judged, Shifted, judged, shifted
 from symhyb.fleet.members import Member, members_of
 from symhyb.fleet.population import Array, Population, Unit
 from symhyb.fleet.scales import factors_of, units_in
+from symhyb.fleet.trends import OwnTrend, own_trends
 from symhyb.judgement import FEWEST, SMALL
 from symhyb.tasks.outcome import FAILED, NOT_RUN, Outcomes
 
@@ -63,17 +64,39 @@ class Off:
 
 
 @dataclass(frozen=True, slots=True)
+class Trend:
+    """A number of a unit that changes with a ``condition`` by more than that of the others does:
+    ``by`` ± ``sd`` over the range of its own recordings, in its ``unit``, or as a part of itself
+    where it varies by factors."""
+
+    name: str
+    unit: str
+    condition: str
+    by: float
+    sd: float
+    factors: bool
+
+
+@dataclass(frozen=True, slots=True)
 class Reason:
     """Why a unit is named. ``structure``: its fit leaves ``times`` the noise that the fits of the
     others leave, and its numbers say nothing; ``numbers``: these are off, and ``rivals`` are sets
-    that explain it nearly as well. ``probability`` is that of as much by chance, corrected for the
-    number of units."""
+    that explain it nearly as well; ``trend``: it changes otherwise, as its ``trends`` say, which
+    may come on top of numbers that are off. ``probability`` is that of as much by chance, corrected
+    for the number of units."""
 
-    kind: Literal["structure", "numbers"]
+    kind: Literal["structure", "numbers", "trend"]
     probability: float
     off: tuple[Off, ...] = ()
     rivals: tuple[tuple[str, ...], ...] = ()
     times: float = 1.0
+    trends: tuple[Trend, ...] = ()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The numbers that deviate or change otherwise."""
+        off = [one.name for one in self.off]
+        return tuple(dict.fromkeys([*off, *(one.name for one in self.trends)]))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -143,13 +166,23 @@ def fleet_of(outcomes: Outcomes, unit: str = "", conditions: Sequence[str] = ())
     if any(factors):
         units = units_in(members, factors, centre)
         found = judged(units, left, freedom)
+    own = own_trends(units, found.population)
     states = [one.state for one in outcomes.tasks]
     information = _information(units)
     return Fleet(
         outcomes.title,
         tuple(_common(found.population, members[0], factors, conditions, k) for k in range(size)),
         tuple(
-            _own(member, units[i], found, i, factors, float(information[i]), left)
+            _own(
+                member,
+                units[i],
+                found,
+                i,
+                factors,
+                float(information[i]),
+                left,
+                _trends(member, own[i], conditions, factors),
+            )
             for i, member in enumerate(members)
         ),
         tuple(conditions),
@@ -226,6 +259,7 @@ def _own(
     factors: Sequence[bool],
     information: float,
     left: Array,
+    trend: tuple[tuple[Trend, ...], float],
 ) -> Own:
     size = unit.y.shape[1]
     z = np.tile(np.eye(size), (len(unit.y), 1))
@@ -263,7 +297,7 @@ def _own(
         sd_back(shrunken, spread),
         float(np.sqrt(left[at])),
         information,
-        _reason(member, found, at, back(expected), by_factor.tolist(), left),
+        _reason(member, found, at, back(expected), by_factor.tolist(), left, trend),
         member.bounds,
     )
 
@@ -275,14 +309,16 @@ def _reason(
     expected: Array,
     factors: Sequence[bool],
     left: Array,
+    trend: tuple[tuple[Trend, ...], float],
 ) -> Reason | None:
     """Why a unit is named, None if it is one of the others."""
     if found.structure(at):
         usual = float(np.exp(np.mean(np.log(left[found.kept]))))
         times = float(np.sqrt(left[at] / usual))
         return Reason("structure", float(found.by_rest[at]), times=times)
+    trends, chance = trend
     if not found.deviates(at):
-        return None
+        return Reason("trend", chance, trends=trends) if trends else None
     one = shifted(found.deviations[at])
     names = member.fits[0].names
 
@@ -290,7 +326,29 @@ def _reason(
         return tuple(names[k] for k in places)
 
     off = _offs(member, one, expected, factors)
-    return Reason("numbers", float(found.by_numbers[at]), off, tuple(map(named, one.rivals)))
+    rivals, likely = tuple(map(named, one.rivals)), float(found.by_numbers[at])
+    return Reason("numbers", likely, off, rivals, trends=trends)
+
+
+def _trends(
+    member: Member, own: OwnTrend | None, conditions: Sequence[str], factors: Sequence[bool]
+) -> tuple[tuple[Trend, ...], float]:
+    """What a unit has of its own slopes, and how probable that is by chance."""
+    if own is None:
+        return (), 1.0
+    fit, range_ = member.fits[0], np.ptp(member.conditions, axis=0)
+    found = [
+        Trend(
+            fit.names[one.number],
+            fit.units[one.number],
+            conditions[one.at],
+            one.value * float(range_[one.at]),
+            one.sd * float(range_[one.at]),
+            factors[one.number],
+        )
+        for one in own.slopes
+    ]
+    return tuple(found), own.probability
 
 
 def _offs(

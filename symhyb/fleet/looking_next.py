@@ -17,10 +17,13 @@ from symhyb.tasks.folder import Entry
 from symhyb.tasks.outcome import FAILED, FINISHED, NOT_RUN, Outcome, Outcomes
 from symhyb.tasks.rows import causes_of
 
-Why = Literal["structure", "numbers", "bound", "undecided", "other cause", "failed", "not run"]
+Why = Literal[
+    "structure", "numbers", "trend", "bound", "undecided", "other cause", "failed", "not run"
+]
 ORDER: tuple[Why, ...] = (
     "structure",
     "numbers",
+    "trend",
     "bound",
     "undecided",
     "other cause",
@@ -93,7 +96,7 @@ def _telling(one: Own, tasks: dict[str, Outcome]) -> Outcome:
             return 0.0
         if reason is not None and reason.kind == "structure":
             return fit.samples / max(fit.correlation_time, 1.0) * (fit.after - 1.0)
-        names = [off.name for off in reason.off] if reason is not None else list(one.bounds)
+        names = reason.names if reason is not None else one.bounds
         places = [fit.names.index(name) for name in names]
         return float(np.min(1 / fit.sd[places] ** 2, initial=np.inf))
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from symhyb.discrepancy.words.amounts import joined, number_text, percent_text, quantity_text
-from symhyb.fleet.fleet import Common, Fleet, Own, Reason, Slope
+from symhyb.fleet.fleet import Common, Fleet, Own, Reason, Slope, Trend
 from symhyb.judgement import OUTSTANDING
 
 LISTED = 10  # names in a sentence
@@ -20,6 +20,9 @@ def reason_sentence(reason: Reason) -> str:
             " the others leave: something acts there that the others do not have, and its numbers"
             f" stand in for it ({chance}); symhyb diagnose looks for the cause"
         )
+    changes = joined([_trend_text(one) for one in reason.trends])
+    if reason.kind == "trend":
+        return f"{changes} than the others do ({chance})"
     parts = []
     for one in reason.off:
         size = quantity_text(abs(one.by), one.unit, one.sd)
@@ -29,7 +32,16 @@ def reason_sentence(reason: Reason) -> str:
     if reason.rivals:
         others = joined([" with ".join(names) for names in reason.rivals], "or")
         text += f"; {others} in place of that explains it nearly as well"
-    return text
+    return f"{text}; {changes} than the others do" if changes else text
+
+
+def _trend_text(one: Trend) -> str:
+    """By how much more a number of one unit changes."""
+    if one.factors:
+        size = f"{number_text(100 * abs(one.by), 100 * one.sd)} %"
+    else:
+        size = quantity_text(abs(one.by), one.unit, one.sd)
+    return f"{one.name} changes with {one.condition} by {size} {'more' if one.by > 0 else 'less'}"
 
 
 def slope_sentences(fleet: Fleet) -> Iterator[str]:

@@ -104,7 +104,7 @@ def _panel(fleet: Fleet, k: int, c: int | None) -> Panel:
 
 
 def _shown(reason: Reason, name: str) -> bool:
-    return reason.kind == "structure" or any(one.name == name for one in reason.off)
+    return reason.kind == "structure" or name in reason.names
 
 
 def _number(one: Common) -> dict[str, Any]:
@@ -160,12 +160,23 @@ def _reason(reason: Reason) -> dict[str, Any]:
             for one in reason.off
         ],
         "rivals": [list(names) for names in reason.rivals],
+        "trends": [
+            {
+                "name": one.name,
+                "unit": one.unit,
+                "condition": one.condition,
+                "by": one.by,
+                "sd": one.sd,
+                "as_part": one.factors,
+            }
+            for one in reason.trends
+        ],
         "sentence": reason_sentence(reason),
     }
 
 
 def _cells(reason: Reason) -> list[Cell]:
-    names = ", ".join(one.name for one in reason.off) or None
+    names = ", ".join(reason.names) or None
     return [reason.kind, names, reason.probability, reason_sentence(reason)]
 
 
