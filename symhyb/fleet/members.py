@@ -168,5 +168,8 @@ def _unlike(done: Sequence[Outcome]) -> Iterable[Problem]:
 def widths_of(members: Sequence[Member]) -> Array:
     """What takes the place of an infinite deviation of each number (K,), in its unit."""
     values = np.array([one.values for member in members for one in member.fits])
+    sd = np.array([one.sd for member in members for one in member.fits])
+    sd = np.where(np.isfinite(sd), sd, 0.0)
     spread = np.maximum(values.std(axis=0), 1e-3 * np.abs(values).max(axis=0))
+    spread = np.maximum(spread, np.median(sd, axis=0))
     return np.asarray(WIDE * np.maximum(spread, 1e-300))

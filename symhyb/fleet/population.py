@@ -200,16 +200,19 @@ def _moved(spread: Array, score: Array, weight: Array, joint: bool) -> Array:
     """The spread after a step: the positive matrix Σ' with Σ' A Σ' = Σ B Σ."""
     if not joint:
         return np.diag(np.diag(spread) * np.sqrt(np.diag(score) / np.diag(weight)))
-    root = _root(weight)
-    inverse = np.linalg.inv(root)
-    found = inverse @ _root(root @ spread @ score @ spread @ root) @ inverse
-    return np.asarray((found + found.T) / 2)
+    size = np.sqrt(np.diag(weight))  # numbers have units of their own
+    balance = np.outer(size, size)
+    root = _root(weight / balance)
+    inverse, middle = np.linalg.inv(root), spread * balance
+    found = inverse @ _root(root @ middle @ (score / balance) @ middle @ root) @ inverse
+    return np.asarray((found + found.T) / 2 / balance)
 
 
 def _root(matrix: Array) -> Array:
     """The positive root of a positive matrix."""
     values, axes = np.linalg.eigh((matrix + matrix.T) / 2)
-    return np.asarray((axes * np.sqrt(np.maximum(values, 0.0))) @ axes.T)
+    least = max(float(values[-1]) * LEAST, 1e-300)
+    return np.asarray((axes * np.sqrt(np.maximum(values, least))) @ axes.T)
 
 
 def _cleared(found: Population, scale: Array, counts: tuple[int, int]) -> Population:

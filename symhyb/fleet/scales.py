@@ -12,6 +12,8 @@ from symhyb.fleet.members import Member, widths_of
 from symhyb.fleet.population import Array, Unit, population_of
 from symhyb.judgement import CERTAIN, OUTSTANDING
 
+ROUNDING = 1e-10  # of variances: numbers whose errors are one have a covariance that is singular
+
 
 def units_in(members: Sequence[Member], factors: Sequence[bool], centre: Array) -> list[Unit]:
     """The estimates of all units, those with ``factors`` (K,) as logarithms; conditions less their
@@ -28,6 +30,7 @@ def units_in(members: Sequence[Member], factors: Sequence[bool], centre: Array) 
         slope = np.where(by_factor, 1 / np.where(by_factor, values, 1.0), 1.0)
         y = np.where(by_factor, np.log(np.where(by_factor, values, 1.0)), values)
         s = covariances * slope[:, :, None] * slope[:, None, :]
+        s = s * (1 + ROUNDING * np.eye(s.shape[1]))
         x = np.column_stack([np.ones(len(values)), member.conditions - centre])
         found.append(Unit(y, s, x))
     return found

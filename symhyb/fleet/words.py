@@ -1,19 +1,25 @@
 """A fleet in sentences."""
 
+import math
 from collections.abc import Iterator
 
-from symhyb.discrepancy.words.amounts import joined, number_text, percent_text, quantity_text
+from symhyb.discrepancy.words.amounts import (
+    joined,
+    number_text,
+    percent_text,
+    power_text,
+    quantity_text,
+)
 from symhyb.fleet.fleet import Common, Fleet, Own, Reason, Slope, Trend
 from symhyb.judgement import OUTSTANDING
 
 LISTED = 10  # names in a sentence
-RARE = 1e-9  # a smaller probability is one of tails that nobody has seen
+SELDOM, RARE = 1e-2, 1e-9  # a smaller probability: only its size; one of tails nobody has seen
 
 
 def reason_sentence(reason: Reason) -> str:
     """Why a unit is named, with how much and how probable."""
-    rare = f"{number_text(max(reason.probability, RARE), digits=1)}"
-    chance = f"by chance {'less than ' * (reason.probability < RARE)}{rare}"
+    chance = f"by chance {_chance_text(reason.probability)}"
     if reason.kind == "structure":
         return (
             f"its fit leaves {number_text(reason.times, digits=2)} times the noise that the fits of"
@@ -33,6 +39,14 @@ def reason_sentence(reason: Reason) -> str:
         others = joined([" with ".join(names) for names in reason.rivals], "or")
         text += f"; {others} in place of that explains it nearly as well"
     return f"{text}; {changes} than the others do" if changes else text
+
+
+def _chance_text(probability: float) -> str:
+    """A probability, a small one by the power of ten that it is below."""
+    if probability > SELDOM:
+        return number_text(probability, digits=1)
+    decade = math.ceil(math.log10(max(probability, RARE)))
+    return f"less than {power_text(decade)}"
 
 
 def _trend_text(one: Trend) -> str:

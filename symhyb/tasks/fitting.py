@@ -29,6 +29,7 @@ from symhyb.writing import write_file
 
 NAME = "fit.json"
 FORMAT = 1
+NEGATIVE = 1e-6  # of a correlation matrix: rounding of the smallest eigenvalue
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -96,6 +97,10 @@ def read_fit(content: Mapping[str, Any]) -> Fitted:
     values = np.array([float(one["value"]) for one in numbers])
     if not (np.isfinite(values).all() and not np.isnan(covariance).any()):
         raise ValueError("values and covariances must be finite")
+    finite = np.where(np.isinf(covariance), 1.0, covariance)
+    balanced = finite / np.sqrt(np.outer(np.diag(finite), np.diag(finite)))
+    if np.linalg.eigvalsh(balanced)[0] < -NEGATIVE:
+        raise ValueError("its covariance is none: not positive")
     after = content["noise_multiple"]["after"]
     before = content["noise_multiple"]["before"]
     return Fitted(

@@ -75,6 +75,7 @@ def test_a_number_that_was_not_determined_is_as_wide_as_can_be(folder: Path) -> 
     [
         ("covariance", [[1.0]]),
         ("covariance", "x"),
+        ("covariance", [[1.0, 2.0, 0.0], [2.0, 1.0, 0.0], [0.0, 0.0, 1.0]]),
         ("numbers", []),
         ("samples", None),
         ("noise_multiple", {}),
