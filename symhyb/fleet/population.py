@@ -44,8 +44,8 @@ class Unit:
 class Population:
     """The estimate: ``beta`` (C, K) with ``covariance`` (C·K, C·K), the spreads ``between`` units
     and ``within`` one (K, K), and the log of the restricted likelihood ``logl``; ``full`` is
-    ln L of the data themselves. ``seen`` (K,) is tr (Z P Z)² of each number, the
-    information on the squares of its spread, twice."""
+    ln L of the data themselves. ``seen`` (K,) is twice the
+    information of the units on the square of the spread of each number."""
 
     beta: Array
     covariance: Array
@@ -103,7 +103,6 @@ def population_of(units: Sequence[Unit], joint: bool = True) -> Population:
     begin = _variances(units)
     none = np.zeros((size, size))
     now = _at(batches, np.diag(begin), np.diag(begin) / 2 if many else none, size)
-    counts = len(units), sum(len(one.y) for one in units)
     for _ in range(STEPS_MOST):
         spreads = [
             _moved(spread, score, weight, joint) if spread.any() else spread
@@ -117,7 +116,8 @@ def population_of(units: Sequence[Unit], joint: bool = True) -> Population:
         before, now = now.population.logl, _at(batches, spreads[0], spreads[1], size)
         if abs(now.population.logl - before) < SETTLED:
             break
-    return _cleared(now.population, np.diag(begin), counts)
+    found = _cleared(now.population, np.diag(begin))
+    return replace(found, seen=_seen(found, units))
 
 
 def chosen_population(units: Sequence[Unit]) -> Population:
@@ -166,7 +166,6 @@ def _at(batches: Sequence[_Batch], between: Array, within: Array, size: int) -> 
     beta = covariance @ right
     squares, zero = 0.0, np.zeros((size, size))
     scores, weights = [zero, zero], [zero, zero]
-    seen, outer = np.zeros(size), np.zeros((size, columns, columns))
     for one, inverse in zip(batches, inverses, strict=True):
         rest = one.y - one.x @ beta
         q = np.einsum("nij,nj->ni", inverse, rest)
@@ -182,17 +181,10 @@ def _at(batches: Sequence[_Batch], between: Array, within: Array, size: int) -> 
         weights[0] = weights[0] + whole.sum(axis=0)
         scores[1] = scores[1] + np.einsum("nri,nrj->ij", g, g)
         weights[1] = weights[1] + own.sum(axis=(0, 1))
-        slopes = wide.reshape(n, one.count, size, columns).sum(axis=1)
-        taken = np.einsum("nkp,pq,nkq->nk", slopes, covariance, slopes, optimize=True)
-        own_weights = np.einsum("nkk->nk", whole) + taken
-        seen += np.sum(own_weights**2 - 2 * own_weights * taken, axis=0)
-        outer += np.einsum("nkp,nkq->kpq", slopes, slopes)
-    mixed = covariance @ outer
-    seen += np.einsum("kpq,kqp->k", mixed, mixed)
     full = -0.5 * (logdet + squares)
     logl = full - 0.5 * float(np.linalg.slogdet(gram)[1])
     shaped = beta.reshape(-1, size)
-    found = Population(shaped, covariance, between, within, logl, full, np.asarray(seen))
+    found = Population(shaped, covariance, between, within, logl, full, np.zeros(size))
     return _Now(found, (scores[0], scores[1]), (weights[0], weights[1]))
 
 
@@ -215,7 +207,24 @@ def _root(matrix: Array) -> Array:
     return np.asarray((axes * np.sqrt(np.maximum(values, least))) @ axes.T)
 
 
-def _cleared(found: Population, scale: Array, counts: tuple[int, int]) -> Population:
+def _seen(found: Population, units: Sequence[Unit]) -> Array:
+    """tr P P (K,) of each number by itself, as the variances of all units give it."""
+    z = [np.tile(np.eye(one.y.shape[1]), (len(one.y), 1)) for one in units]
+    inner = [
+        part.T @ np.linalg.solve(found.variance(one), part)
+        for part, one in zip(z, units, strict=True)
+    ]
+    weights = 1 / np.array([np.diag(np.linalg.inv(one)) for one in inner])
+    x = np.array([one.x.mean(axis=0) for one in units])
+    result = []
+    for w in weights.T:
+        weighed = w[:, None] * x
+        projected = np.diag(w) - weighed @ np.linalg.pinv(x.T @ weighed) @ weighed.T
+        result.append(float(np.sum(projected**2)))
+    return np.array(result)
+
+
+def _cleared(found: Population, scale: Array) -> Population:
     """The same without spreads that are nothing but rounding."""
     least = LEAST * np.diag(scale)
 

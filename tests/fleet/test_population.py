@@ -89,6 +89,14 @@ def test_numbers_that_vary_together_are_seen_to() -> None:
     assert found.between == pytest.approx(between, rel=0.3)
     alone = chosen_population(drawn(3, 200, np.zeros(2), np.diag([0.04, 0.09]), 0.01 * np.eye(2)))
     assert alone.between[0, 1] == 0.0  # which costs a number and gains nothing
+    for one in (found, alone):  # (τ² + σ²)/τ/√(2N)
+        assert one.spread_sd == pytest.approx([0.05 / 0.2 / 20, 0.1 / 0.3 / 20], rel=0.25)
+
+
+def test_the_spread_of_few_units_is_badly_known() -> None:
+    between = np.array([[0.04, 0.0599], [0.0599, 0.09]])
+    found = population_of(drawn(6, 8, np.zeros(2), between, 1e-4 * np.eye(2), 4, 1e-4 * np.eye(2)))
+    assert found.spread_sd == pytest.approx(np.sqrt(np.diag(found.between) / 14), rel=0.05)
 
 
 def test_where_all_units_are_the_same_there_is_no_spread() -> None:
