@@ -56,7 +56,7 @@ def fleet(
 
     \b
     Example:
-      symhyb fleet out --unit drive --over temperature,hours --csv units.csv --picture fleet.svg
+      symhyb fleet out --unit drive --over temperature,hours --picture fleet.svg
     """
     from symhyb.console.fleet import print_fleet
     from symhyb.fleet.fleet import fleet_of
