@@ -16,6 +16,7 @@ import typer
 from symhyb import __version__
 from symhyb.cli_data import data
 from symhyb.cli_doctor import doctor
+from symhyb.cli_fleet import fleet, next_
 from symhyb.cli_learn import learn
 from symhyb.cli_model import check, diff, equations, simulate
 from symhyb.cli_new import draw, new
@@ -187,6 +188,8 @@ def _grouping(text: str) -> tuple[str, str]:
 app.command()(run)
 app.command()(results)
 app.command("compare-studies")(compare_studies)
+app.command()(fleet)
+app.command("next")(next_)
 app.command()(learn)
 app.command()(export)
 app.command("import")(import_)

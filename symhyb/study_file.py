@@ -5,6 +5,7 @@ title  = "Linear ball-screw drive"       # of the report; without it the title o
 about  = "what the study shows"
 model  = "../../models/emps.toml"        # paths are relative to the study file
 
+fit = ["k"]                              # the tasks of a sweep fit these, and diagnose nothing
 budget = "10min"                         # after which the diagnosis ends; without it, no end
 own    = ["m", "drag"]                   # of which every recording has its own value: parameters
                                          # of the model, keys of laws; all else is shared
@@ -62,10 +63,15 @@ SECTIONS = (
     "holdout",
     "score",
     "finish",
+    "fit",
     "values",
     "noise",
     "sweep",
 )
+
+
+OF_DIAGNOSES = ("own", "budget", "holdout", "score", "finish")
+"""Keys that a study whose tasks only fit has no use for."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +84,9 @@ class Study:
     name of what not all recordings share the grouping of those that do, empty for none. ``known``
     is a table of known values of parameters in each recording, ``groups`` one of their groups.
     ``budget_s`` is the time in s after which the diagnosis ends, None for no end.
-    ``values`` are set in the model, by the path of a parameter and in its units; ``noise`` is added
+    ``fit`` are the names of the numbers of the model that the tasks of a sweep fit, where they
+    diagnose nothing; empty for all that state an sd, None for diagnoses. ``values`` are set in
+    the model, by the path of a parameter and in its units; ``noise`` is added
     to the training recordings; of a ``sweep`` many studies are made, in each of which it is
     None."""
 
@@ -100,6 +108,7 @@ class Study:
     budget_s: float | None = None
     values: tuple[tuple[str, float], ...] = ()
     noise: Noise | None = None
+    fit: tuple[str, ...] | None = None
     sweep: Sweep | None = None
 
     def columns_of(self, source: Source) -> Mapping[str, str]:
@@ -163,6 +172,7 @@ def _study(root: Table, file: Path, folders: Folders) -> Study:
         budget_s=_budget(root),
         values=read_values(root),
         noise=read_noise(root),
+        fit=_fit(root, sweep),
         sweep=sweep,
         **read_options(root),
     )
@@ -175,6 +185,28 @@ def _budget(root: Table) -> float | None:
     if text is not None and seconds is None:
         root.fault(f"must be {WANTED}, not '{text}'", "budget")
     return seconds
+
+
+def _fit(root: Table, sweep: Sweep | None) -> tuple[str, ...] | None:
+    """What the tasks of a sweep fit, None where they diagnose."""
+    if "fit" not in root.entries:
+        return None
+    names = root.entries["fit"]
+    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+        root.fault(
+            f'must be a list of names, like ["k", "laser.gain"], not {describe(names)}', "fit"
+        )
+        return None
+    if sweep is None:
+        root.fault("is for the tasks of a [sweep]; symhyb fit fits one model once", "fit")
+    options = () if sweep is None else sweep.options
+    stated = [key for key in OF_DIAGNOSES if key in root.entries]
+    stated += [f"sweep.options.{name}" for name, fields in options if set(fields) - {"columns"}]
+    for key in stated:
+        root.fault(
+            f"'{key}' says how to diagnose, but tasks only fit; leave out one of both", "fit"
+        )
+    return tuple(names)
 
 
 def _problems(faults: list[Fault], text: str, file: Path) -> Iterator[Problem]:

@@ -40,6 +40,7 @@ def study_schema() -> Schema:
         "holdout": listed("unseen recordings, for the proof alone", source, 0),
         "score": _score(),
         "finish": _finish(),
+        "fit": listed("the tasks of a sweep fit these numbers, and diagnose nothing", _name(), 0),
         "values": named("values of parameters, in place of those of the model", number("a value")),
         "noise": _noise(),
         "sweep": _sweep(),
@@ -56,6 +57,10 @@ def study_schema() -> Schema:
 def _map(about: str) -> Schema:
     column = text("a column, with its unit if need be, or an expression in columns")
     return named(about, column)
+
+
+def _name() -> Schema:
+    return text("a number of the model, as k or laser.gain")
 
 
 def _own() -> Schema:

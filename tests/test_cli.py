@@ -40,6 +40,8 @@ VERBS = (
     "run",
     "results",
     "compare-studies",
+    "fleet",
+    "next",
     "watch",
     "view",
     "import",

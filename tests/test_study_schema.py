@@ -40,6 +40,7 @@ MISTAKES = [
     ('title = "a study"', 'titel = "a study"'),
     ('own = ["drag"]', 'own = "drag"'),
     ('force = "gtau*vir"', "force = 1"),
+    ('own = ["drag"]', 'fit = "drag"'),
     ("[[train]]", "[[holdout]]"),
     ("[[train]]", "[train]"),
     ('file = "train.csv"', ""),

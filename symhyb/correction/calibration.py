@@ -6,7 +6,7 @@ Sizes: F fitted parameters, P parameters of the model.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -46,7 +46,9 @@ class Calibrated:
 
     ``before`` and ``after`` are χ² per sample of the windows: how much the recordings leave of the
     model as given and as fitted, 1 where that is noise alone. ``faults`` of the recordings were put
-    right before, if ``claimed``, or are suspected.
+    right before, if ``claimed``, or are suspected. ``samples`` is how many measured values the
+    windows hold less their initial states, ``correlation_time`` over how many of these what is
+    left is correlated, 1 where it is white.
     """
 
     model: Model
@@ -57,6 +59,8 @@ class Calibrated:
     before: float
     after: float
     faults: tuple[RecordingFault, ...] = ()
+    samples: int = 0
+    correlation_time: float = 1.0
 
     def sentence(self) -> str:
         """The values in one line: ``k = 50.0 ± 0.2 N/m, d = ...``."""
@@ -82,9 +86,11 @@ def calibrated(
     recordings: Recording | Sequence[Recording],
     free: Sequence[str] = (),
     *,
+    stated: bool = True,
     say: Say | None = None,
 ) -> Calibrated:
     """Fit parameters of a model to recordings: those ``free`` by name, else all that state an sd.
+    A ``stated`` sd is evidence about its parameter, else the recordings alone say the values.
 
     Names are those of parameters (``k``, ``spring.k``) and of channels (``laser.gain``).
 
@@ -95,6 +101,8 @@ def calibrated(
     """
     tell = say or silent
     items = chosen(model, free)
+    if not stated:
+        items = tuple(replace(item, sd=None) for item in items)
     require_known(model, several(recordings), [item.path for item in items])
     if still(several(recordings)):
         raise InputError(Problem("no sensor changes in any recording: nothing can be fitted"))
@@ -175,6 +183,8 @@ def _calibrated(model: Model, items: Sequence[Parameter], prepared: Prepared) ->
         before,
         fitted.scale,
         prepared.faults,
+        int(fitted.count.sum()),
+        fitted.correlation,
     )
 
 

@@ -186,6 +186,7 @@ def _require_sound(study: Study, sweep: Sweep, models: Mapping[Path, Model]) -> 
         *_unknown_parameters(study, models.values()),
         *_groups_missing(study, sweep),
         *_both(study),
+        *_unknown_fitted(study, models.values()),
     ]
     if sweep.subsets is not None:
         total, wanted = len(study.train), sweep.subsets
@@ -206,6 +207,25 @@ def _unknown_values(study: Study, sweep: Sweep, models: Iterable[Model]) -> Iter
             set_parameters(model, {**dict(study.values), **swept})
         except InputError as error:
             yield from error.problems
+
+
+def _unknown_fitted(study: Study, models: Iterable[Model]) -> Iterator[Problem]:
+    """Numbers that are to be fitted and that are not there, or known in some recording."""
+    if study.fit is None:
+        return
+    from symhyb.correction.calibration import chosen as numbers_of  # loads the numerics
+
+    known = {path for source in study.train for path, _ in source.parameters}
+    for model in models:
+        try:
+            numbers = numbers_of(model, study.fit)
+        except InputError as error:
+            yield from error.problems
+            continue
+        for item in numbers:
+            if item.path in known:
+                text = f"'{item.path}' is to be fitted, but recordings state it as known"
+                yield Problem(text, "fit", str(study.file or ""))
 
 
 def _unknown_parameters(study: Study, models: Iterable[Model]) -> Iterator[Problem]:

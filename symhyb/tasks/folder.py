@@ -37,12 +37,23 @@ AGAIN = ("fault", "killed")
 
 
 @dataclass(frozen=True, slots=True)
+class Listed:
+    """A recording as ``study.json`` names it: its ``groups`` by grouping, and what is known of its
+    ``parameters``, in the units of the model file."""
+
+    name: str
+    groups: tuple[tuple[str, str], ...] = ()
+    parameters: tuple[tuple[str, float], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
 class Entry:
-    """A task as ``study.json`` names it."""
+    """A task as ``study.json`` names it, with the training recordings that it is made from."""
 
     name: str
     settings: tuple[tuple[str, str], ...]
     key: str
+    recordings: tuple[Listed, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,7 +126,20 @@ def write_index(directory: Path, title: str, tasks: Sequence[Task]) -> None:
         "title": title,
         "symhyb": __version__,
         "tasks": [
-            {"name": one.name, "settings": dict(one.settings), "key": one.key} for one in tasks
+            {
+                "name": one.name,
+                "settings": dict(one.settings),
+                "key": one.key,
+                "recordings": [
+                    {
+                        "name": source.name,
+                        "groups": dict(source.groups),
+                        "parameters": dict(source.parameters),
+                    }
+                    for source in one.study.train
+                ],
+            }
+            for one in tasks
         ],
     }
     write_file(directory / INDEX, _text(content))
@@ -136,13 +160,24 @@ def read_index(directory: Path) -> tuple[str, tuple[Entry, ...]]:
     content = _json(file, INDEX_BYTES)
     try:
         tasks = [
-            Entry(one["name"], tuple(one["settings"].items()), _hash(one["key"]))
+            Entry(
+                one["name"],
+                tuple(one["settings"].items()),
+                _hash(one["key"]),
+                tuple(map(_listed, one.get("recordings", ()))),
+            )
             for one in content["tasks"]
         ]
         return str(content["title"]), tuple(tasks)
     except (KeyError, TypeError, AttributeError, ValueError) as error:
         text = f"is no list of tasks: {error}"
         raise InputError(Problem(text, file=str(file))) from None
+
+
+def _listed(one: dict[str, Any]) -> Listed:
+    groups = tuple((str(by), str(name)) for by, name in one["groups"].items())
+    known = tuple((str(path), float(value)) for path, value in one["parameters"].items())
+    return Listed(str(one["name"]), groups, known)
 
 
 def there(directory: Path) -> bool:

@@ -74,6 +74,8 @@ def key_of(study: Study, model: Model, digests: Digests) -> str:
         "values": dict(study.values),
         "noise": None if study.noise is None else asdict(study.noise),
     }
+    if study.fit is not None:
+        content["fit"] = list(study.fit)
     text = json.dumps(content, sort_keys=True, ensure_ascii=True, allow_nan=False)
     return hashlib.sha256(text.encode("ascii")).hexdigest()
 

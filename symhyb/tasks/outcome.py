@@ -1,6 +1,7 @@
 """What came out of each task of a study, read from the folder of a run."""
 
 import json
+import math
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -10,11 +11,15 @@ from typing import Any
 from symhyb.errors import InputError, Problem
 from symhyb.expected import found_terms, place_name
 from symhyb.limits import DIAGNOSIS_BYTES, content_of
+from symhyb.tasks.fitting import NAME as FIT
+from symhyb.tasks.fitting import Fitted, read_fit
 from symhyb.tasks.folder import TASKS, Entry, ended, read_index
 
 NOT_RUN = "not run"
 FAILED = "failed"
 FINISHED = "finished"
+FITTED = "fitted"
+"""What a task that only fits has for a verdict."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +34,8 @@ class Number:
 @dataclass(frozen=True, slots=True)
 class Outcome:
     """What came out of a task: ``state`` is finished, failed or not run. ``found`` are numbers by
-    place.term, ``classes`` probabilities by place.class, ``scores`` by path."""
+    place.term, ``classes`` probabilities by place.class, ``scores`` by path; ``fitted`` is what a
+    task that only fits says, whose verdict is "fitted"."""
 
     entry: Entry
     state: str
@@ -39,6 +45,7 @@ class Outcome:
     found: Mapping[str, Number] = field(default_factory=dict)
     classes: Mapping[str, float] = field(default_factory=dict)
     scores: Mapping[str, float] = field(default_factory=dict)
+    fitted: Fitted | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,6 +73,9 @@ def _outcome(folder: Path, entry: Entry) -> Outcome:
         return Outcome(entry, NOT_RUN)
     if how.why:
         return Outcome(entry, FAILED, "; ".join(how.sentences), how.seconds)
+    fit = folder / TASKS / entry.key / FIT
+    if fit.is_file():
+        return _fitted(entry, fit, how.seconds)
     file = folder / TASKS / entry.key / "diagnosis.json"
     try:
         content = json.loads(content_of(file, DIAGNOSIS_BYTES))
@@ -84,6 +94,24 @@ def _outcome(folder: Path, entry: Entry) -> Outcome:
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         text = f"is no diagnosis: {type(error).__name__} {error}"
         raise InputError(Problem(text, file=str(file))) from None
+
+
+def _fitted(entry: Entry, file: Path, seconds: float) -> Outcome:
+    try:
+        one = read_fit(json.loads(content_of(file, DIAGNOSIS_BYTES)))
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        text = f"is no fit: {type(error).__name__} {error}"
+        raise InputError(Problem(text, file=str(file))) from None
+    numbers = zip(one.names, one.values, one.sd, one.units, strict=True)
+    found = {
+        name: Number(float(value), float(sd) if math.isfinite(sd) else None, unit)
+        for name, value, sd, unit in numbers
+    }
+    left = {"before": one.before, "after": one.after}
+    scores = {f"noise_multiple.{when}": math.sqrt(x) for when, x in left.items() if x < math.inf}
+    return Outcome(
+        entry, FINISHED, seconds=seconds, verdict=FITTED, found=found, scores=scores, fitted=one
+    )
 
 
 def _classes(content: Mapping[str, Any]) -> dict[str, float]:

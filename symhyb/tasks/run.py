@@ -72,8 +72,9 @@ def run_sweep(
         distinct = {task.key: task for task in wanted}
         left = [task for key, task in distinct.items() if not finished(folder, key)]
         before = len(distinct) - len(left)
+        what = "diagnosing" if study.fit is None else "fitting"
         try:
-            _run(left, folder, how, _counting(say, len(left)), perform)
+            _run(left, folder, how, _counting(say, len(left), what), perform)
         except FullError as error:
             text = f"cannot be written: {error}; what is finished is kept, go on with --resume"
             raise InputError(Problem(text, file=str(directory))) from error
@@ -120,14 +121,14 @@ def _run(
     run_here(ready, folder, workers, ended, perform)
 
 
-def _counting(say: Say, total: int) -> Callable[[Task], None]:
+def _counting(say: Say, total: int, what: str) -> Callable[[Task], None]:
     """What says how many tasks have ended."""
     done = 0
-    say(Counted("diagnosing", done, total))
+    say(Counted(what, done, total))
 
     def ended(task: Task) -> None:
         nonlocal done
         done += 1
-        say(Counted("diagnosing", done, total))
+        say(Counted(what, done, total))
 
     return ended

@@ -1,4 +1,4 @@
-"""One task, as a worker performs it: a diagnosis whose files are put in place at once."""
+"""One task, as a worker performs it: a diagnosis or a fit whose files are put in place at once."""
 
 import json
 import signal
@@ -14,6 +14,7 @@ from symhyb.numeric.kernels.threads import one_thread
 from symhyb.study import StudyResult, carry_out, leave_files, manifest
 from symhyb.study_file import Study
 from symhyb.tasks.expand import Task
+from symhyb.tasks.fitting import leave_fit
 from symhyb.tasks.folder import Ended, FullError, Why, begin, end, finished, leave_ended, whole
 from symhyb.writing import write_file
 
@@ -66,7 +67,10 @@ def _perform(task: Task, directory: Path) -> None:
     started = time.perf_counter()
     try:
         with whole(directory, task.key) as folder:
-            carry_out(task.study, None, lambda result: _leave(task, result, folder))
+            if task.study.fit is not None:
+                leave_fit(task, folder)
+            else:
+                carry_out(task.study, None, lambda result: _leave(task, result, folder))
             leave_ended(folder, Ended(seconds=time.perf_counter() - started))
         return
     except FullError:
