@@ -28,7 +28,7 @@ from apart import Ended, run
 from benches import NAMES, Drawn, bench_of, seeds_of, unseal
 from joblib import Parallel, delayed
 from lines import Line, table
-from methods import OURS, Method, chosen, read
+from methods import OURS, Method, chosen, folder_name, read
 
 SHOWN = ("model.toml", "train.csv")
 UNSEEN = Path(__file__).resolve().with_name("unseen.py")
@@ -83,7 +83,7 @@ def _require_ended(ended: Ended, method: Method) -> None:
 
 def kept(results: Path, method: Method, case: Drawn) -> Path:
     """Where the answer of a method to a case is kept."""
-    return results / method.name.replace(" ", "-") / f"{case.name}.json"
+    return results / folder_name(method.name) / f"{case.name}.json"
 
 
 def _beside(target: Path) -> Path:
@@ -135,6 +135,8 @@ def unseen(case: Drawn, target: Path, hide: Sequence[Path]) -> tuple[float | Non
     files, known = _beside(target), target.with_suffix(".unseen.json")
     if not files.is_dir():
         return None
+    if (files / "corrected.toml").read_bytes() == (case.folder / "model.toml").read_bytes():
+        known = target.parents[1] / ".unchanged" / known.name  # the same of all that claim nothing
     if not known.exists():
         with workspace(case.folder, (*SHOWN, "holdout.csv")) as folder:
             corrected = shutil.copytree(files, folder / "corrected") / "corrected.toml"
@@ -167,10 +169,12 @@ def scored(
 def seeds_asked(options: argparse.Namespace, bench: ModuleType) -> list[int]:
     """The seeds that were given, or fresh ones, which stay those of the folder of answers."""
     if not options.fresh:
-        return seeds_of(options.seeds)
+        return list(dict.fromkeys(options.seeds))
     file = options.results / SEEDS
     known = json.loads(file.read_text("utf-8"))["seeds"] if file.exists() else []
     low, high = bench.SEEDS
+    if options.fresh > high - low:
+        raise SystemExit(f"--fresh {options.fresh}: there are no more than {high - low} such seeds")
     while len(known) < options.fresh:
         seed = low + secrets.randbelow(high - low + 1)
         known += [seed] * (seed not in known)
@@ -178,17 +182,24 @@ def seeds_asked(options: argparse.Namespace, bench: ModuleType) -> list[int]:
     return sorted(known[: options.fresh])
 
 
+def _count(text: str) -> int:
+    """A whole number above 0."""
+    if int(text) < 1:
+        raise ValueError(text)
+    return int(text)
+
+
 def main() -> None:
     """Draw, ask, score."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--bench", choices=NAMES, default="outside")
-    parser.add_argument("--seeds", default="", help="as 100-101,110")
-    parser.add_argument("--fresh", type=int, default=0, help="so many seeds by chance instead")
+    parser.add_argument("--seeds", type=seeds_of, default=[], help="as 100-101,110")
+    parser.add_argument("--fresh", type=_count, default=0, help="so many seeds by chance instead")
     parser.add_argument("--kinds", default="", help="kinds of cases, with commas")
     parser.add_argument("--methods", default="", help="names, with commas; all without")
     parser.add_argument("--entry", type=Path, action="append", default=[], help="a TOML of methods")
-    parser.add_argument("--limit", type=int, default=None, help="at most so many cases")
-    parser.add_argument("--workers", type=int, default=1)
+    parser.add_argument("--limit", type=_count, default=None, help="at most so many cases")
+    parser.add_argument("--workers", type=_count, default=1)
     parser.add_argument("-o", "--output", type=Path, help="cases; default: those of the bench")
     parser.add_argument("--results", type=Path, help="answers; default: build/board/BENCH")
     options = parser.parse_args()
@@ -201,6 +212,8 @@ def main() -> None:
     options.results.mkdir(parents=True, exist_ok=True)
     drawn = bench.drawn(seeds_asked(options, bench), options.kinds, build)
     cases = list(islice(drawn, options.limit))
+    if not cases:
+        raise SystemExit("no case can be drawn of these seeds and kinds; ask for others")
     left = missing(methods, cases, options.results)
     tasks = (delayed(asked)(method, case, options.results, [build]) for method, case in left)
     Parallel(n_jobs=options.workers, prefer="threads")(tasks)

@@ -30,7 +30,10 @@ def limit(memory: int, file: int, seconds: int) -> None:
     ):
         hard = resource.getrlimit(what)[1]
         most = most if hard == resource.RLIM_INFINITY else min(most, hard)
-        resource.setrlimit(what, (most, most))
+        try:
+            resource.setrlimit(what, (most, most))
+        except (OSError, ValueError):  # macOS knows no limit of the address space
+            continue
 
 
 def hide(folders: list[str]) -> bool:

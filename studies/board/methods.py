@@ -57,7 +57,7 @@ def read(files: Sequence[Path]) -> dict[str, Method]:
         for name, entry in methods.items():
             where = f"{file}: [methods.{name}]"
             wrong = _wrong(name, entry)
-            if name in found:
+            if folder_name(name) in map(folder_name, found):
                 wrong.append("the name is taken; choose another one")
             problems += [f"{where}: {one}" for one in wrong]
             if not wrong:
@@ -65,6 +65,11 @@ def read(files: Sequence[Path]) -> dict[str, Method]:
     if problems:
         raise SystemExit("\n".join(problems))
     return found
+
+
+def folder_name(name: str) -> str:
+    """A name for folders and options: hyphens for blanks, no commas."""
+    return name.replace(",", "").replace(" ", "-")
 
 
 def chosen(known: Mapping[str, Method], names: str) -> list[Method]:
@@ -76,8 +81,8 @@ def chosen(known: Mapping[str, Method], names: str) -> list[Method]:
     """
     if not names:
         return list(known.values())
-    plain = {name.replace(",", "").replace(" ", "-"): method for name, method in known.items()}
-    asked = [name.strip().replace(" ", "-") for name in names.split(",")]
+    plain = {folder_name(name): method for name, method in known.items()}
+    asked = [folder_name(name.strip()) for name in names.split(",")]
     missing = [name for name in asked if name not in plain]
     if missing:
         raise SystemExit(f"no method {', '.join(missing)}; there are {', '.join(plain)}")

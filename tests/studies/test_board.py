@@ -78,7 +78,7 @@ def answered(study: Study, tmp_path: Path, file: Path, name: str = "mine") -> di
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("sys.argv", argv)
         study["board"].main()
-    (kept,) = (tmp_path / "kept" / name.replace(" ", "-")).glob("*mass.json")
+    (kept,) = (tmp_path / "kept" / study["methods"].folder_name(name)).glob("*mass.json")
     found: dict[str, Any] = json.loads(kept.read_text())
     return found
 
@@ -205,17 +205,40 @@ def test_the_entry_of_the_readme_is_scored(study: Study, case: Path, tmp_path: P
 
 def test_fresh_seeds_stay_those_of_the_folder(study: Study, tmp_path: Path) -> None:
     board, bench = study["board"], study["bench"]
-    options = board.argparse.Namespace(fresh=5, seeds="", results=tmp_path)
+    options = board.argparse.Namespace(fresh=5, seeds=[], results=tmp_path)
     first = board.seeds_asked(options, bench)
     assert len(set(first)) == 5
     assert all(bench.SEEDS[0] <= seed <= bench.SEEDS[1] for seed in first)
     assert board.seeds_asked(options, bench) == first
 
 
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ([], "give either --seeds or --fresh"),
+        (["--seeds", "0", "--fresh", "2"], "give either --seeds or --fresh"),
+        (["--fresh", "1000000"], "--fresh 1000000: there are no more than"),
+    ],
+)
+def test_options_that_say_nothing_are_refused(
+    study: Study, tmp_path: Path, options: list[str], said: str
+) -> None:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("sys.argv", ["board.py", *options, "--results", str(tmp_path)])
+        with pytest.raises(SystemExit, match=said):
+            study["board"].main()
+        for wrong in (["--seeds", "a-b"], ["--seeds", "1", "--limit", "0"]):
+            patch.setattr("sys.argv", ["board.py", *wrong])
+            with pytest.raises(SystemExit) as raised:
+                study["board"].main()
+            assert raised.value.code == 2
+
+
 def test_all_that_is_wrong_with_entries_is_said_at_once(study: Study, tmp_path: Path) -> None:
     file = tmp_path / "wrong.toml"
     file.write_text(
         "[methods.symhyb]\ncommand = ['x', '{case}', '{answer}']\n"
+        "[methods.'PySINDy laws']\ncommand = ['x', '{case}', '{answer}']\n"
         "[methods.'../up']\ncommand = ['x', '{case}', '{answer}']\n"
         "[methods.shell]\ncommand = 'rm -rf {case}'\n"
         "[methods.b]\ncommand = ['x', '{seal}']\nseconds = inf\nspeed = 1\n"
@@ -226,6 +249,7 @@ def test_all_that_is_wrong_with_entries_is_said_at_once(study: Study, tmp_path: 
     for part in (
         "[methods.symhyb]: the name is taken",
         "[methods.../up]: a name has",
+        "[methods.PySINDy laws]: the name is taken",
         "[methods.shell]: command = 'rm -rf {case}': give a list",
         "unknown placeholder {seal}",
         "command has no {case}",
