@@ -203,6 +203,37 @@ def test_the_entry_of_the_readme_is_scored(study: Study, case: Path, tmp_path: P
     assert f"| {name} | 1 | 0 | 0 | 1 (≤ 100%) |" in (tmp_path / "kept" / "board.md").read_text()
 
 
+def test_a_corrected_model_is_run_apart_and_an_unchanged_one_once(
+    study: Study, case: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The run itself is a stand-in: it counts, and answers by what it was given."""
+    judge, count = tmp_path / "judge.py", tmp_path / "entry" / "count"
+    judge.write_text(
+        "import json, os, sys\ncase, corrected, out = sys.argv[1:]\n"
+        "assert sorted(os.listdir(case)) == ['holdout.csv', 'model.toml', 'train.csv']\n"
+        f"open({str(count)!r}, 'a').write('x')\n"
+        "beside = 'weights.npz' in os.listdir(os.path.dirname(corrected))\n"
+        "open(out, 'w').write(json.dumps({'before': 0.1, 'after': 0.01 if beside else 0.1}))\n"
+    )
+    monkeypatch.setattr(study["board"], "UNSEEN", judge)
+    said = WRITE.format(json.dumps({"verdict": "nothing missing"}))
+    copy = "import shutil; shutil.copy(case + '/model.toml', answer + '/corrected.toml')\n"
+    more = "open(answer + '/corrected.toml', 'a').write('# more')\n"
+    weights = "open(answer + '/weights.npz', 'w').write('w')\n"
+    for name, text, after, runs in (
+        ("changed", said + copy + more + weights, 0.01, 1),
+        ("same", said + copy, 0.1, 2),
+        ("again", said + copy, 0.1, 2),
+        ("none", said, None, 2),
+    ):
+        file = entry(tmp_path / "entry", text)
+        file.write_text(file.read_text().replace("mine]", f"{name}]"))
+        answered(study, tmp_path, file, name)
+        (line,) = json.loads((tmp_path / "kept" / "board.json").read_text())["lines"][name]
+        assert line["unseen"] == (None if after is None else [0.1, after])
+        assert len(count.read_text()) == runs
+
+
 def test_fresh_seeds_stay_those_of_the_folder(study: Study, tmp_path: Path) -> None:
     board, bench = study["board"], study["bench"]
     options = board.argparse.Namespace(fresh=5, seeds=[], results=tmp_path)

@@ -58,6 +58,22 @@ def test_concealed_cases_are_scored_as_their_bench_does(concealed: Study, tmp_pa
     assert (crash.outcome, crash.reason) == ("failed", "ended with status 3")
 
 
+def test_concealed_cases_are_drawn_by_seed_and_kind(concealed: Study, tmp_path: Path) -> None:
+    from plans import folder_of, plan_of  # type: ignore[import-not-found]
+
+    for seed in (2, 3):
+        folder = folder_of(seed, tmp_path)
+        folder.mkdir()
+        (folder / "sealed.json").write_text("{}", encoding="ascii")
+    gone = folder_of(4, tmp_path)
+    gone.mkdir()
+    (gone / "discarded.json").write_text("{}", encoding="ascii")
+    drawn = concealed["bench"].drawn
+    assert [one.name[:5] for one in drawn([2, 3, 4], "", tmp_path)] == ["00002", "00003"]
+    kind = plan_of(3).kind
+    assert [one.name[:5] for one in drawn([2, 3, 4], kind, tmp_path)] == ["00003"]
+
+
 def test_numbers_that_stand_for_each_other_are_set_back_one_by_one(entries: Study) -> None:
     """Two shares of one gain: alone each is clear, together none is."""
     asked = []
