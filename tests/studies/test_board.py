@@ -44,9 +44,9 @@ def study() -> Iterator[Study]:
 @pytest.fixture
 def case(study: Study, tmp_path: Path) -> Path:
     """A drawn case of seed 0, a magnet."""
-    from draw import folder_of  # type: ignore[import-not-found]
-    from kinds import KINDS  # type: ignore[import-not-found]
-    from shared import seal  # type: ignore[import-not-found]
+    from draw import folder_of
+    from kinds import KINDS
+    from shared import seal
 
     folder: Path = folder_of(KINDS["magnet"], 0, tmp_path / "cases")
     folder.mkdir(parents=True)

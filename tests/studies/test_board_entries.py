@@ -59,7 +59,7 @@ def test_concealed_cases_are_scored_as_their_bench_does(concealed: Study, tmp_pa
 
 
 def test_concealed_cases_are_drawn_by_seed_and_kind(concealed: Study, tmp_path: Path) -> None:
-    from plans import folder_of, plan_of  # type: ignore[import-not-found]
+    from plans import folder_of, plan_of
 
     for seed in (2, 3):
         folder = folder_of(seed, tmp_path)
