@@ -131,7 +131,8 @@ def missing(
 
 def unseen(case: Drawn, target: Path, hide: Sequence[Path]) -> tuple[float | None, ...] | None:
     """Errors of the model and of what a method made of it along the unseen recording, as shares of
-    its range; None where there is no corrected model that can be run."""
+    its range, None for a run that ended early or cannot begin; None alone without a corrected
+    model."""
     files, known = _beside(target), target.with_suffix(".unseen.json")
     if not files.is_dir():
         return None
@@ -148,7 +149,7 @@ def unseen(case: Drawn, target: Path, hide: Sequence[Path]) -> tuple[float | Non
                 found = json.loads(out.read_text("utf-8"))
             _write(known, found)
     found = json.loads(known.read_text("utf-8"))
-    return None if "error" in found else (found["before"], found["after"])
+    return found.get("before"), found.get("after")
 
 
 def scored(

@@ -115,6 +115,12 @@ def test_a_program_of_gplearn_is_written_as_a_formula(entries: Study) -> None:
     program = [node("add", 2), node("mul", 2), 0, -1.5, node("sin", 1), 1]
     formula = entries["with_symbolic"].written(program)
     assert formula == "((x0 * (-1.5)) + sin(x1))"
+    text = MASS.read_text(encoding="utf-8")
+    columns = {"x": (2.0, "m"), "x'": (0.5, "m/s"), "f": (3.0, "N")}
+    law = entries["with_symbolic"].law("x", "m", formula, 7.0, columns)
+    assert "scale_*((((x/size0_) * (-1.5)) + sin((x'/size1_))))" in law
+    assert "size2_" not in law
+    assert sh.parse_model(text + law).elements[-1].kind == "law"
 
 
 def test_a_formula_has_to_leave_less_than_nothing_does(entries: Study) -> None:

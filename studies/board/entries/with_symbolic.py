@@ -8,8 +8,9 @@ leaves less of the squared mismatch than nothing does, by three standard errors 
 """
 
 import importlib.util
+import re
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -72,6 +73,28 @@ def written(program: list[Any]) -> str:
     return term()
 
 
+def law(name: str, unit: str, formula: str, scale: float, columns: Mapping[str, Any]) -> str:
+    """The element of a formula of x0, x1, … on a coordinate; ``columns`` give the size and the unit
+    of what each of them is, by name, which may be x1."""
+    names = list(columns)
+    angle = unit == "rad"
+    key, force = ("torque", "N*m") if angle else ("force", "N")
+
+    def column(match: re.Match[str]) -> str:
+        return f"({names[int(match[1])]}/size{match[1]}_)"
+
+    named = re.sub(r"\bx(\d+)\b", column, formula)
+    lines = ["", f"[elements.formula_{name}]", 'kind = "law"', f'on = "{name}"']
+    lines += [f'{key} = "scale_*({named})"', f"[elements.formula_{name}.parameters]"]
+    lines += [f'scale_ = {{ value = {scale!r}, unit = "{force}" }}']
+    lines += [
+        f'size{i}_ = {{ value = {size!r}, unit = "{of}" }}'
+        for i, (size, of) in enumerate(columns.values())
+        if f"size{i}_" in named
+    ]
+    return "\n".join([*lines, ""])
+
+
 def better(before: Any, after: Any) -> bool:
     """Whether blocks of squared errors are smaller after, by three standard errors of the mean."""
     gain = np.array([np.mean(b - a) for b, a in zip(*_blocks(before, after), strict=True)])
@@ -98,6 +121,8 @@ def main() -> None:
     columns |= {f"{name}'": v for name, v in zip(names, motion.v.T, strict=True)}
     columns |= {one.name: np.asarray(train.inputs[one.name]) for one in model.recorded_inputs}
     columns = {k: x for k, x in columns.items() if x.size == motion.t.size and x.std() > 0}
+    units = {one.name: one.unit.text for one in (*model.coordinates, *model.recorded_inputs)}
+    units |= {f"{name}'": f"{units[name]}/s" for name in names}
     size = {name: float(np.sqrt(np.mean(x**2))) for name, x in columns.items()}
     x = np.column_stack([x / size[name] for name, x in columns.items()])
     seen = 2 * len(x) // 3
@@ -111,13 +136,8 @@ def main() -> None:
         formula, values = {"pysr": pysr, "gplearn": gplearn}[tool](x[rows], force[rows] / scale)
         if not better(force[seen:] / scale, force[seen:] / scale - values(x[seen:])):
             continue
-        for j in reversed(range(len(columns))):
-            column = list(columns)[j]
-            formula = formula.replace(f"x{j}", f"({column}/({size[column]!r}))")
-        unit = model.coordinates[i].unit.text
-        key = "torque" if unit == "rad" else "force"
-        text += f'\n[elements.formula_{name}]\nkind = "law"\non = "{name}"\n'
-        text += f'{key} = "({scale!r})*{formula}"\n'
+        sized = {column: (size[column], units[column]) for column in columns}
+        text += law(name, units[name], formula, scale, sized)
         found.append(element("law", {"on": name}, {}))
     verdict = "missing physics" if found else "nothing missing"
     write(answer, verdict=verdict, found=found)
