@@ -2,7 +2,7 @@
 weight and length each recording knows falls as these fits do."""
 
 from collections.abc import Iterator, Mapping
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ from symhyb.data.refresh import refresh
 from tests.absent import absent
 from tests.scripts import scripts
 
-NAMES = ("falls", "by_hand", "diagnose")
+NAMES = ("falls", "by_hand", "diagnose", "ladder")
 BY_HAND = np.array([0.00677, 0.00827, 0.01721, 0.4389, 0.0])  # J, c, F, mu, d of losses with load
 BY_MOUNT = np.array(  # c and F of every mount, beside J 0.0095 and mu 0.2447
     [
@@ -177,3 +177,39 @@ def test_inertia_and_friction_by_load_are_named_on_simulated_falls(study, with_l
             assert estimate.value == pytest.approx(wanted, rel=0.05)
             assert abs(estimate.value - wanted) < 4 * estimate.sd
     assert not truth
+
+
+def falling(ladder: ModuleType, numbers: np.ndarray, count: int) -> list[SimpleNamespace]:
+    """Two falls of one mount, simulated with M4."""
+    mass, length, start = np.full(2, 0.6), np.full(2, 0.12), np.array([1.2, 0.5])
+    angles = ladder.simulated(numbers[:5], mass, length, start, count, numbers[5:])
+    t = np.arange(count) * 0.01
+    return [SimpleNamespace(t=t, q=row, mass=0.6, length=0.12) for row in angles]
+
+
+RISING = np.array([0.01, 0.03, 0.02, 0.0, 0.0, 0.1, 0.0, 0.5, 1.5])
+
+
+def test_friction_that_rises_towards_rest_holds_an_arm_earlier(parts, monkeypatch) -> None:
+    ladder = parts["ladder"]
+    monkeypatch.setattr(parts["by_hand"], "LASTS", 0.8)
+    falls = falling(ladder, RISING, 80)
+    assert ladder.error(RISING, falls) < 1e-12
+    without = RISING * [1, 1, 1, 1, 1, 0, 0, 1, 1]
+    assert ladder.error(without, falls) > 0.01
+    one = np.array([0.6]), np.array([0.12]), np.array([1.2]), 80
+    plain = ladder.simulated(without[:5], *one)
+    assert ladder.simulated(without[:5], *one, without[5:]) == pytest.approx(plain)
+
+
+@pytest.mark.slow
+def test_the_ladder_finds_friction_that_rises_towards_rest(parts, monkeypatch) -> None:
+    ladder = parts["ladder"]
+    monkeypatch.setattr(parts["by_hand"], "LASTS", 0.8)
+    falls = falling(ladder, RISING, 80)
+    errors = {
+        name: ladder.error(ladder.fitted(falls, ladder.MODELS[name]), falls)
+        for name in ("M1", "M2")
+    }
+    assert errors["M1"] > 0.003
+    assert errors["M2"] < 1e-3

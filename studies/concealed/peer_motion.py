@@ -28,7 +28,11 @@ class Recorded:
 def read(folder: Path, name: str) -> Recorded:
     """Read train.csv or holdout.csv of a case."""
     system = next(s for s in (*SYSTEMS, *ENGINE_SYSTEMS) if s.name == folder.name.split("-", 1)[1])
-    path = folder / name
+    return recorded(system, folder / name)
+
+
+def recorded(system: System, path: Path) -> Recorded:
+    """Read a recording of a machine."""
     head = path.read_text(encoding="utf-8").split("\n", 1)[0].split(",")
     table = dict(zip(head, np.loadtxt(path, delimiter=",", skiprows=1).T, strict=True))
     t, size = table["t"], table["t"].size

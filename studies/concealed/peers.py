@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from laws import Array
 from peer_library import Term, spoken
 from peer_motion import Recorded, estimate, read
 from peer_regression import (
@@ -81,44 +82,56 @@ def of_name(name: str) -> Setting:
     return next(one for one in (STEPWISE, *grid()) if one.name == name)
 
 
+Kept = dict[Setting, tuple[list[Term], Packed, float]]
+
+
+def claims(train: Recorded, one: Setting) -> dict[str, Any]:
+    """What a setting says of a recording, in the form of a diagnosis, with its seconds."""
+    return stepwise(train) if one == STEPWISE else _regressed(train, one, {})[0]
+
+
+def _regressed(
+    train: Recorded, one: Setting, kept: Kept
+) -> tuple[dict[str, Any], list[Term], Array]:
+    """What a regression says, its terms and their values; ``kept`` are those that were made."""
+    begin, basis = time.process_time(), replace(one, threshold=0.0)
+    if basis not in kept:
+        window = YARDSTICK if one.peer == "weak" else one.window
+        way = "pysindy" if one.peer == "weak" else one.peer
+        e, wide = estimate(way, train, window), one.library == "wide"
+        terms, rows = regression(one.peer, train.system, e, wide, one.window)
+        kept[basis] = terms, pack(*rows), time.process_time() - begin
+        begin = time.process_time()
+    terms, packed, shared = kept[basis]
+    value, spread = sparse(packed, one.threshold)
+    found = spoken(terms, value, spread)
+    verdict = "missing physics" if found else "nothing missing"
+    diagnosis = {
+        "verdict": verdict,
+        "found": found,
+        "parameters": [],
+        "measurement": [],
+        "alternatives": [],
+    }
+    return {"seconds": time.process_time() - begin + shared, "diagnosis": diagnosis}, terms, value
+
+
 def diagnoses(folder: Path, settings: list[Setting], fits: bool = True) -> dict[str, Any]:
     """What every setting says of a case, by name; a regression serves all its thresholds.
 
     With ``fits`` also how much of ΔF it leaves on the unseen recording, which takes longer."""
     train, unseen = (read(folder, f"{x}.csv") for x in ("train", "holdout"))
-    kept: dict[Setting, tuple[list[Term], Packed, float]] = {}
+    kept: Kept = {}
     said = {}
     for one in settings:
         if one.peer == "mlp":
             said[one.name] = network(train, unseen, one)
-            continue
-        if one.peer == "stepwise":
+        elif one.peer == "stepwise":
             said[one.name] = stepwise(train)
-            continue
-        begin, basis = time.process_time(), replace(one, threshold=0.0)
-        if basis not in kept:
-            window = YARDSTICK if one.peer == "weak" else one.window
-            way = "pysindy" if one.peer == "weak" else one.peer
-            e, wide = estimate(way, train, window), one.library == "wide"
-            terms, rows = regression(one.peer, train.system, e, wide, one.window)
-            kept[basis] = terms, pack(*rows), time.process_time() - begin
-            begin = time.process_time()
-        terms, packed, shared = kept[basis]
-        value, spread = sparse(packed, one.threshold)
-        found = spoken(terms, value, spread)
-        verdict = "missing physics" if found else "nothing missing"
-        said[one.name] = {
-            "seconds": time.process_time() - begin + shared,
-            "diagnosis": {
-                "verdict": verdict,
-                "found": found,
-                "parameters": [],
-                "measurement": [],
-                "alternatives": [],
-            },
-        }
-        if fits:
-            said[one.name]["fit"] = fit_of(terms, value, train, unseen)
+        else:
+            said[one.name], terms, value = _regressed(train, one, kept)
+            if fits:
+                said[one.name]["fit"] = fit_of(terms, value, train, unseen)
     return said
 
 

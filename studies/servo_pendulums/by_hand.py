@@ -41,7 +41,7 @@ OF_MOUNTS: dict[str, tuple[int, ...]] = {  # beside c and F of each
 Array = NDArray[np.float64]
 
 
-def _measured(falls: Sequence[Fall]) -> tuple[Array, Array, Array, Array]:
+def measured(falls: Sequence[Fall]) -> tuple[Array, Array, Array, Array]:
     """Weights, lengths and first angles (S,), and the angles (S, N) every ``EVERY`` steps."""
     times = np.arange(0, LASTS, EVERY * STEP)
     seen = [np.isfinite(fall.q) for fall in falls]
@@ -52,14 +52,29 @@ def _measured(falls: Sequence[Fall]) -> tuple[Array, Array, Array, Array]:
     return mass, length, np.array([fall.q[0] for fall in falls]), np.array(angles)
 
 
-def simulated(numbers: Array, mass: Array, length: Array, start: Array, count: int) -> Array:
-    """Angles (S, ``count``) of falls side by side, for (J, c, F, mu, d), each (1,) or (S,), SI."""
+def simulated(
+    numbers: Array,
+    mass: Array,
+    length: Array,
+    start: Array,
+    count: int,
+    rising: Array | None = None,
+) -> Array:
+    """Angles (S, ``count``) of falls side by side, for (J, c, F, mu, d), each (1,) or (S,), SI.
+
+    ``rising`` adds (F_s + mu_s |m g l sin q|) exp(−(|q'|/v_s)^a) to what is dry; its numbers are
+    (F_s, mu_s, v_s, a)."""
     inertia, damping, dry, loaded, late = numbers
     whole = mass * length**2 + inertia
 
     def acceleration(q: Array, v: Array) -> Array:
         pull = mass * length * GRAVITY * np.sin(q)
-        return (-pull - damping * v - (dry + loaded * np.abs(pull)) * np.tanh(v / WIDTH)) / whole
+        held = dry + loaded * np.abs(pull)
+        if rising is not None:
+            static, by_load, speed, exponent = rising
+            slow = np.exp(-((np.abs(v) / speed) ** exponent))
+            held = held + (static + by_load * np.abs(pull)) * slow
+        return (-pull - damping * v - held * np.tanh(v / WIDTH)) / whole
 
     q, v, rows = start.copy(), np.zeros_like(start), [start]
     for step in range(1, EVERY * (count - 1) + 1):
@@ -73,7 +88,7 @@ def simulated(numbers: Array, mass: Array, length: Array, start: Array, count: i
 
 def fitted(falls: Sequence[Fall], free: Sequence[int]) -> Array:
     """The numbers (J, c, F, mu, d), SI, of which those ``free`` are fitted and the others are 0."""
-    mass, length, start, angles = _measured(falls)
+    mass, length, start, angles = measured(falls)
 
     def full(shares: Array) -> Array:
         numbers = np.zeros(SIZES.size)
@@ -98,7 +113,7 @@ def mounts(falls: Sequence[Fall]) -> NDArray[np.int64]:
 def fitted_by_mount(falls: Sequence[Fall], shared: Sequence[int]) -> Array:
     """The numbers (J, c, F, mu, d), SI, of every mount, (5, mounts): c and F are its own, those
     ``shared`` are the same in all, the others 0."""
-    mass, length, start, angles = _measured(falls)
+    mass, length, start, angles = measured(falls)
     which = mounts(falls)
     count = int(which.max()) + 1
 
@@ -118,7 +133,7 @@ def fitted_by_mount(falls: Sequence[Fall], shared: Sequence[int]) -> Array:
 
 def error(numbers: Array, falls: Sequence[Fall]) -> float:
     """RMS of the angles, in rad."""
-    mass, length, start, angles = _measured(falls)
+    mass, length, start, angles = measured(falls)
     left = simulated(numbers, mass, length, start, angles.shape[1]) - angles
     return float(np.sqrt(np.mean(left**2)))
 
