@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from symhyb.discrepancy.words.wording import unit_text
 from symhyb.report.canvas import (
     AFTER,
     BAND,
@@ -54,7 +55,7 @@ def fleet_figure(panels: Sequence[Sequence[Panel]], title: str, suffix: str = ".
         for axes, row in zip(grid, shown, strict=True):
             for axis, one in zip(axes, row, strict=True):
                 _draw(axis, one)
-            axes[0].set_title(shortened(row[0].name) + bracketed(row[0].unit))
+            axes[0].set_title(shortened(row[0].name) + bracketed(unit_text(row[0].unit)))
         for axis, one in zip(grid[-1], shown[-1], strict=True):
             axis.set_xlabel(shortened(one.over))
         if title:
