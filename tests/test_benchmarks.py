@@ -13,6 +13,7 @@ from scipy.interpolate import make_interp_spline
 from sympy import Matrix, lambdify
 from sympy.physics.mechanics import dynamicsymbols
 
+import symhyb as sh
 from symhyb.model.read import parse_model
 from symhyb.numeric.kernels.compiled import find_compiler
 from symhyb.study_file import read_study
@@ -36,6 +37,7 @@ NAMES = (
     "timing",
     "trajectories",
     "workers",
+    "streaming",
 )
 
 
@@ -327,3 +329,18 @@ def test_the_study_of_the_workers_has_as_many_tasks_as_wanted(study: Study, tmp_
     tasks = tasks_of(read_study(study["workers"].written(tmp_path, 5)))
     assert len({one.key for one in tasks}) == 5
     assert [one.study.noise.seed for one in tasks] == list(range(5))
+
+
+def test_the_day_of_the_arm_is_that_of_its_model_but_for_the_friction(
+    study: Study, tmp_path: Path
+) -> None:
+    streaming = study["streaming"]
+    path = tmp_path / "day.parquet"
+    streaming.write_day(path, 20_000)
+    model = sh.read_model(streaming.MODEL)
+    day = sh.read_recording(path, model)
+    assert len(day) == 20_000
+    gap = sh.compare(model, day)
+    size = np.sqrt(np.mean(gap.force**2, axis=0))
+    assert size[0] < 0.01 * np.sqrt(np.mean(gap.applied[:, 0] ** 2))
+    assert size[1] == pytest.approx(streaming.COULOMB, rel=0.03)

@@ -38,6 +38,7 @@ PARTS = (
     "models",
     "dopri5",
     "workers",
+    "streaming",
 )
 
 
@@ -54,6 +55,7 @@ def measure(part: str) -> list[Row]:
     import runs
     import starting
     import sticking
+    import streaming
     import trajectories
     import workers
 
@@ -72,6 +74,7 @@ def measure(part: str) -> list[Row]:
         "models": runs.rows,
         "dopri5": dopri5.rows,
         "workers": workers.rows,
+        "streaming": streaming.rows,
     }
     return work[part]()
 

@@ -31,6 +31,7 @@ from symhyb.limits import (
     READER_WAITS,
 )
 
+PIPE_BYTES = 1 << 20  # that a reader of pieces is ahead
 _LENGTH = struct.Struct("<Q")  # of the header, before it
 _START = "from symhyb.data.apart import serve; serve()"
 _START_PIECES = "from symhyb.data.apart import serve_pieces; serve_pieces()"
@@ -99,6 +100,7 @@ def pieces_apart(
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,
         env=_environment(),
+        pipesize=PIPE_BYTES,
     ) as process:
         try:
             assert process.stdout is not None

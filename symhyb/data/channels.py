@@ -1,7 +1,7 @@
 """The channels of a model as a file has them, row by row."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,11 +28,14 @@ class Channels:
 
 def take(channels: Channels, keep: NDArray[np.bool_], note: str = "") -> Channels:
     """Return the rows that are flagged in ``keep`` (N,), with a note if there is one."""
+    notes = (*channels.notes, note) if note else channels.notes
+    if keep.all():
+        return replace(channels, notes=notes)
     return Channels(
         channels.t[keep],
         {name: values[keep] for name, values in channels.inputs.items()},
         {name: values[keep] for name, values in channels.sensors.items()},
-        (*channels.notes, note) if note else channels.notes,
+        notes,
     )
 
 

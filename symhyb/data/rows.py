@@ -163,6 +163,8 @@ def _outside(channels: Channels, span: Span) -> tuple[NDArray[np.bool_], str]:
 
 def empty_rows(channels: Channels) -> tuple[NDArray[np.bool_], str]:
     """Flag (N,), dimensionless, the rows that hold a number, and say how many do not."""
+    if not np.isnan(channels.t).any():
+        return np.ones(channels.t.size, dtype=bool), ""
     signals = _all_signals(channels)
     empty = np.count_nonzero(np.isnan(signals), axis=0) == len(signals)
     return ~empty, _dropped(int(empty.sum()), "without any number")
@@ -171,6 +173,8 @@ def empty_rows(channels: Channels) -> tuple[NDArray[np.bool_], str]:
 def repeated_rows(channels: Channels) -> tuple[NDArray[np.bool_], str]:
     """Flag (N,), dimensionless, the rows that do not repeat the row before them, the time included,
     and say how many do."""
+    if np.all(np.diff(channels.t) > 0):
+        return np.ones(channels.t.size, dtype=bool), ""
     signals = _all_signals(channels)
     before, after = signals[:, :-1], signals[:, 1:]
     same = ((before == after) | (np.isnan(before) & np.isnan(after))).all(axis=0)
