@@ -152,8 +152,9 @@ def fleet_of(outcomes: Outcomes, unit: str = "", conditions: Sequence[str] = ())
     numbers depend on ``conditions``: groupings with numbers, or known parameters.
 
     Raises:
-        InputError: as :func:`symhyb.fleet.members.members_of`, fewer than three units, or
-            conditions that do not vary or follow from each other.
+        InputError: tasks that diagnose, that vary more than the recordings, or that fitted other
+            numbers; groupings or conditions that recordings do not state, or that are no numbers;
+            fewer than three units, or conditions that do not vary or follow from each other.
     """
     members = members_of(outcomes, unit, conditions)
     centre = _centre(members, conditions)
