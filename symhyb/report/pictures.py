@@ -10,7 +10,7 @@ from symhyb.discrepancy.checks.first_checks import FirstChecks
 from symhyb.discrepancy.evidence import Whiteness
 from symhyb.discrepancy.results import Cloud, Diagnosis, Trace, Verdict
 from symhyb.discrepancy.words.occurrence_words import place_words
-from symhyb.discrepancy.words.wording import quantity_text
+from symhyb.discrepancy.words.wording import capital, quantity_text
 from symhyb.errors import InputError
 from symhyb.model.types import Model, On, place_text
 from symhyb.model.vocabulary import KINDS
@@ -300,9 +300,7 @@ def occurrence_pictures(diagnosis: Diagnosis, model: Model | None) -> list[Pictu
         if occurrence is None or occurrence.t.size < 2 or len(drawn) == _PLACES_SHOWN:
             continue
         where = place_text(row.place) if model is None else place_words(model, row.place)
-        said = (
-            occurrence.sentence or f"{where[:1].upper()}{where[1:]}, the mismatch acts throughout."
-        )
+        said = occurrence.sentence or f"{capital(where)}, the mismatch acts throughout."
         drawn.append(
             Picture(
                 _image(occurrence_figure(occurrence)),

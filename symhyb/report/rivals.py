@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from symhyb.discrepancy.results import RivalRun
-from symhyb.discrepancy.words.wording import number_text, percent_text
+from symhyb.discrepancy.words.wording import capital, number_text, percent_text
 from symhyb.report.canvas import (
     AFTER,
     BAND,
@@ -92,7 +92,7 @@ def rival_sentence(run: RivalRun) -> str:
     that."""
     sensor, time, deviations = run.largest
     chance = "" if run.probability is None else f" (probability {percent_text(run.probability)})"
-    said = f"{run.causes[:1].upper()}{run.causes[1:]} in place of {run.instead_of}{chance}:"
+    said = f"{capital(run.causes)} in place of {run.instead_of}{chance}:"
     size = abs(deviations)
     if size < ALIKE:
         return f"{said} nowhere in {run.recording} would any sensor show a difference."

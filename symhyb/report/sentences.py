@@ -8,6 +8,7 @@ from symhyb.discrepancy.results import Alternative, Verdict
 from symhyb.discrepancy.words.wording import (
     UNKNOWN,
     alternative_phrase,
+    capital,
     joined,
     number_text,
     percent_text,
@@ -93,7 +94,7 @@ def alternative_sentence(rival: Alternative, *others: Alternative) -> str:
     how much it is worse."""
     instead = f", instead of {rival.instead_of}" if rival.instead_of else ""
     said = f"{alternative_phrase(rival, *others)}{instead}"
-    said = f"{said[:1].upper()}{said[1:]}"
+    said = capital(said)
     if not math.isfinite(rival.evidence):
         return f"{said}."
     if abs(rival.evidence) < _TIE:

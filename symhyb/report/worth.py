@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 
 from symhyb.discrepancy.results import Diagnosis, Found, Score, Verdict
-from symhyb.discrepancy.words.wording import joined, percent_text, quantity_text
+from symhyb.discrepancy.words.wording import capital, joined, percent_text, quantity_text
 from symhyb.model.types import place_text
 from symhyb.report.contract import finite
 from symhyb.report.sentences import DIGITS
@@ -99,7 +99,7 @@ def worth_sentence(effect: Found, verdict: Verdict, units: Mapping[str, str]) ->
         said.append(f"its peak {largest} force that acts {place_text(effect.element.place)}")
     said.extend(_without(effect.element.name, verdict, units))
     text = joined(said)
-    return f"{text[:1].upper()}{text[1:]}." if text else ""
+    return f"{capital(text)}." if text else ""
 
 
 def _without(name: str, verdict: Verdict, units: Mapping[str, str]) -> Iterator[str]:

@@ -17,7 +17,7 @@ from symhyb.correction.search.setting import Setting
 from symhyb.discrepancy.recorded.passages import one_way
 from symhyb.discrepancy.recorded.runs import Run
 from symhyb.discrepancy.results import Manoeuvre
-from symhyb.discrepancy.words.wording import joined, number_text, quantity_text
+from symhyb.discrepancy.words.wording import capital, joined, number_text, quantity_text
 from symhyb.judgement import AMPLE, OUTSTANDING, PERIODS_LEAST, SAMPLES_TELL, SIGNIFICANT
 from symhyb.model.types import Model
 
@@ -170,7 +170,7 @@ def better_recording(prepared: Prepared) -> str:
                 f"{number_text(ratio, digits=2)} times"
             )
     first = joined(wishes[:3])
-    return f"{first[:1].upper()}{first[1:]}." if first else ""
+    return f"{capital(first)}." if first else ""
 
 
 def _more_passages(runs: Sequence[Run]) -> str:
@@ -187,7 +187,7 @@ def _more_passages(runs: Sequence[Run]) -> str:
 def other_speeds(runs: Sequence[Run]) -> str:
     """The advice for recordings that pass every place at one speed."""
     said = _more_passages(runs)
-    return f"{said[:1].upper()}{said[1:]}."
+    return f"{capital(said)}."
 
 
 def _signal(prepared: Prepared, j: int) -> tuple[float, float]:

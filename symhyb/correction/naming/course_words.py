@@ -12,7 +12,7 @@ from symhyb.correction.adequacy.in_time.placing import SHORTEST
 from symhyb.correction.adequacy.in_time.shapes import Shape, numbers_of, unit_along
 from symhyb.correction.adequacy.recorded import Recorded
 from symhyb.discrepancy.results import CourseFound, CourseNumber
-from symhyb.discrepancy.words.amounts import joined, number_text, quantity_text
+from symhyb.discrepancy.words.amounts import capital, joined, number_text, quantity_text
 from symhyb.judgement import OUTSTANDING
 from symhyb.model.types import Model
 
@@ -76,7 +76,7 @@ def course_found(
     said = f"{_subject(course, found)} {_does(found, ground.step_s)}, in {joined(recordings)}."
     if found.rivals:
         others = joined([_rival(one.shape) for one in rivals], "or")
-        said += f" {others[:1].upper()}{others[1:]} is as likely."
+        said += f" {capital(others)} is as likely."
     return replace(found, sentence=said)
 
 

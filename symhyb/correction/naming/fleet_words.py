@@ -14,7 +14,7 @@ from symhyb.data.recording import Recording
 from symhyb.discrepancy.checks.repeats import reported_repeats
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.results import Estimate, Found, Misfit, Reestimated, Repeats
-from symhyb.discrepancy.words.amounts import joined, number_text, quantity_text, small_text
+from symhyb.discrepancy.words.amounts import capital, joined, number_text, quantity_text, small_text
 from symhyb.judgement import OUTSTANDING
 from symhyb.model.types import Model, place_text
 from symhyb.model.vocabulary import key_of
@@ -94,7 +94,7 @@ def opening_of(cause: Hypothesis, key: str) -> str:
     words = subject_of(cause, key)
     if cause.kind == "parameter":
         return f"Parameter {words}"
-    return f"{words[:1].upper()}{words[1:]}"
+    return capital(words)
 
 
 def noun_of(kind: str, key: str) -> str:

@@ -16,7 +16,7 @@ from symhyb.correction.search.setting import Setting, around
 from symhyb.correction.search.trajectory import Refined
 from symhyb.discrepancy.places.hypotheses import Hypothesis, Library
 from symhyb.discrepancy.words.formula import LAW
-from symhyb.discrepancy.words.wording import percent_text
+from symhyb.discrepancy.words.wording import capital, percent_text
 from symhyb.judgement import NOTABLE, SIGNIFICANT
 from symhyb.laws.reach import TRANSITION_SHARE
 from symhyb.model.expression import parse_expression
@@ -56,7 +56,7 @@ def leftover(setting: Setting, selected: Refined) -> tuple[str, ...]:
                 parts[said] = max(part, parts.get(said, 0.0))
     ranked = sorted(parts.items(), key=lambda item: -item[1])[:REPORTED]
     return tuple(
-        f"{name[0].upper()}{name[1:]} would explain a further {percent_text(part)} of what is left."
+        f"{capital(name)} would explain a further {percent_text(part)} of what is left."
         for name, part in ranked
     )
 

@@ -3,7 +3,7 @@
 from symhyb.correction.naming.findings import alternative_of, cause_phrase
 from symhyb.correction.verdict.whole import Completed
 from symhyb.discrepancy.results import Alternative
-from symhyb.discrepancy.words.amounts import joined
+from symhyb.discrepancy.words.amounts import capital, joined
 from symhyb.discrepancy.words.wording import alternative_phrase
 from symhyb.model.types import Model
 
@@ -24,7 +24,7 @@ def added_sentence(model: Model, completed: Completed) -> str:
     rows = added_alternatives(model, completed)
     if not rows:
         said = cause_phrase(completed.added)
-        return f"{said[:1].upper()}{said[1:]} shows only over the whole of a recording."
+        return f"{capital(said)} shows only over the whole of a recording."
     rivals = joined([alternative_phrase(row) for row in rows], "or")
     return (
         "Over the whole of a recording one cause more shows, and these recordings cannot tell "

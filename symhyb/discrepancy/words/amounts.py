@@ -113,3 +113,8 @@ def _fixed(value: float, places: int) -> str:
 
 def _superscript(exponent: int) -> str:
     return str(exponent).translate(_SUPERSCRIPTS)
+
+
+def capital(words: str) -> str:
+    """Words as a sentence begins."""
+    return words[:1].upper() + words[1:]

@@ -1,7 +1,7 @@
 """When, at which frequencies and beyond which amplitude a mismatch acts, in a sentence."""
 
 from symhyb.discrepancy.results import Change
-from symhyb.discrepancy.words.amounts import joined, number_text, quantity_text, small_text
+from symhyb.discrepancy.words.amounts import capital, joined, number_text, quantity_text, small_text
 from symhyb.judgement import SMALL
 from symhyb.model.expression import Expression, names
 from symhyb.model.turned import Quaternion, Rotations
@@ -84,7 +84,7 @@ def occurrence_sentence(
     if not parts:
         return ""
     where = place_words(model, place)
-    return f"{where[:1].upper()}{where[1:]}, the mismatch {joined(parts)}."
+    return f"{capital(where)}, the mismatch {joined(parts)}."
 
 
 def change_words(change: Change) -> str:

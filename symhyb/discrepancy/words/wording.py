@@ -17,6 +17,7 @@ from symhyb.discrepancy.results import (
 )
 from symhyb.discrepancy.words.amounts import (
     UNKNOWN,
+    capital,
     joined,
     number_text,
     percent_text,
@@ -40,6 +41,7 @@ from symhyb.model.types import Place, place_text
 __all__ = [
     "UNKNOWN",
     "alternative_phrase",
+    "capital",
     "effect_phrase",
     "effect_sentence",
     "joined",
@@ -266,8 +268,3 @@ def _channel_amount(estimate: Estimate) -> str:
     if estimate.unit == "s":
         return small_text(estimate.value, estimate.unit, estimate.sd)
     return amount_text(estimate)
-
-
-def capital(words: str) -> str:
-    """Words as a sentence begins."""
-    return words[:1].upper() + words[1:]

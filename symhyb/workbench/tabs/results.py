@@ -6,6 +6,7 @@ from typing import Any
 
 from markupsafe import Markup
 
+from symhyb.discrepancy.words.wording import capital
 from symhyb.report.sentences import typeset
 from symhyb.workbench.beside import compared_tables, result_tables
 from symhyb.workbench.figures import NARROW, WRAPPED
@@ -22,7 +23,7 @@ Link = Callable[[Path], str]
 
 def result_html(result: Result, address: Link) -> Markup:
     """A result: what it says, what was found, and where its report is."""
-    verdict = result.verdict[:1].upper() + result.verdict[1:]
+    verdict = capital(result.verdict)
     parts = [
         heading(verdict),
         paragraph(result.sentence),
