@@ -1,10 +1,12 @@
 """Recordings larger than memory: pieces that overlap, whatever the format."""
 
 import itertools
+import subprocess
 
 import numpy as np
 import pytest
 
+from symhyb.data import pieces
 from symhyb.data.pieces import pieces_of
 from symhyb.data.recording import read_recording
 from symhyb.errors import InputError
@@ -15,6 +17,20 @@ def long_signals():
     t = np.arange(5000) / 100
     wave = np.sin(2 * np.pi * 0.3 * t)
     return {"t": t, "f": 5 * wave, "laser": 2 * wave + 0.1 * np.cos(9 * t), "accel": -3 * wave}
+
+
+@pytest.fixture(autouse=True)
+def here(request, monkeypatch):
+    """Read in this process, which is quicker, but for the tests that are marked ``apart``."""
+    if "apart" not in request.fixturenames:
+        monkeypatch.setattr(
+            pieces, "pieces_apart", lambda reader, path, file, rows, _: reader(path, file, rows)
+        )
+
+
+@pytest.fixture
+def apart():
+    """The reader has a process of its own, as it has for people."""
 
 
 @pytest.fixture(params=["csv", "parquet", "mf4"])
@@ -41,19 +57,19 @@ def path(request, tmp_path, long_signals):
 
 @pytest.mark.parametrize(("rows", "overlap"), [(600, 1), (1000, 30), (10_000, 5)])
 def test_every_sample_is_of_one_piece(path, model, long_signals, rows, overlap):
-    pieces = list(pieces_of(path, model, rows=rows, overlap=overlap))
+    found = list(pieces_of(path, model, rows=rows, overlap=overlap))
     own = [
         one.recording.t[(one.recording.t >= one.first) & (one.recording.t < one.last)]
-        for one in pieces
+        for one in found
     ]
     whole = read_recording(path, model)
     np.testing.assert_array_equal(np.concatenate(own), whole.t)
     np.testing.assert_allclose(whole.t, long_signals["t"], atol=1e-12)
-    for one in pieces:
+    for one in found:
         at = np.searchsorted(whole.t, one.recording.t)
         for name in one.recording.channels:
             np.testing.assert_array_equal(one.recording[name], whole[name][at])
-    for one, other in itertools.pairwise(pieces):
+    for one, other in itertools.pairwise(found):
         assert other.first == one.last
         assert one.recording.t[-1] == pytest.approx(one.last + overlap / 100)
         assert other.recording.t[0] <= one.last
@@ -66,16 +82,16 @@ def test_all_pieces_but_the_last_are_as_long(path, model):
 
 
 def test_an_index_goes_on(path, model, long_signals):
-    pieces = pieces_of(path, model, {"t": "index/100"}, rows=900)
-    times = [one.recording.t[one.recording.t >= one.first] for one in pieces]
+    found = pieces_of(path, model, {"t": "index/100"}, rows=900)
+    times = [one.recording.t[one.recording.t >= one.first] for one in found]
     assert times[0][0] == 0
     assert times[-1][-1] == pytest.approx(long_signals["t"][-1])
 
 
 def test_a_span_is_read_and_no_more(path, model):
-    pieces = list(pieces_of(path, model, rows=500, span=(12.0, 31.0)))
-    assert pieces[0].recording.t[0] == 12.0
-    assert pieces[-1].recording.t[-1] == 31.0
+    found = list(pieces_of(path, model, rows=500, span=(12.0, 31.0)))
+    assert found[0].recording.t[0] == 12.0
+    assert found[-1].recording.t[-1] == 31.0
 
 
 def test_a_span_without_samples_is_refused(path, model):
@@ -95,8 +111,8 @@ def test_what_stands_above_the_rows_holds_for_every_piece(write, model, long_sig
     lines = ["logger 7", "t;f;laser;accel", "s;N;um;m/s²"]
     lines += [";".join(f"{x:.6f}".replace(".", ",") for x in row) for row in rows]
     path = write("run.csv", "\n".join(lines))
-    pieces = list(pieces_of(path, model, rows=800))
-    laser = pieces[-1].recording.sensors["laser"]
+    found = list(pieces_of(path, model, rows=800))
+    laser = found[-1].recording.sensors["laser"]
     np.testing.assert_allclose(laser[-5:], long_signals["laser"][-5:] * 1e-6, atol=1e-11)
 
 
@@ -130,3 +146,34 @@ def test_a_file_that_is_cut_off_is_refused(tmp_path, model, long_signals):
     cut.write_bytes(broken)
     with pytest.raises(InputError, match=r"damaged|does not"):
         list(pieces_of(cut, model, rows=500))
+
+
+@pytest.mark.usefixtures("apart")
+def test_a_process_of_its_own_reads_the_same(path, model):
+    whole = read_recording(path, model)
+    *_, last = pieces_of(path, model, rows=2000, overlap=3)
+    np.testing.assert_array_equal(last.recording.t, whole.t[-last.recording.t.size :])
+    np.testing.assert_array_equal(
+        last.recording.sensors["laser"], whole.sensors["laser"][-last.recording.t.size :]
+    )
+
+
+@pytest.mark.usefixtures("apart")
+def test_what_a_process_refuses_is_told(write, model):
+    with pytest.raises(InputError, match="is not a Parquet file"):
+        list(pieces_of(write("run.parquet", b"t,f\n0,1\n"), model, rows=500))
+
+
+@pytest.mark.usefixtures("apart")
+def test_a_process_that_is_not_asked_on_ends(path, model, monkeypatch):
+    plain, started = subprocess.Popen, []
+
+    def popen(*arguments, **options):
+        started.append(plain(*arguments, **options))
+        return started[-1]
+
+    monkeypatch.setattr(subprocess, "Popen", popen)
+    found = pieces_of(path, model, rows=600)
+    next(found)
+    found.close()
+    assert [one.poll() is not None for one in started] == [True]
