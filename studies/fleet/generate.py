@@ -198,7 +198,7 @@ def write_fleet(seed: int, out: Path, count: int = 200) -> None:
             writer.writerow([f"runs/{one.name}.csv", one.name, one.temperature, one.hours])
     model = Path(__file__).with_name("machine.toml").read_text(encoding="utf-8")
     (out / "machine.toml").write_text(model, encoding="utf-8")
-    study = Path(__file__).with_name("study.toml").read_text(encoding="utf-8")
+    study = Path(__file__).with_name("units.toml").read_text(encoding="utf-8")
     (out / "study.toml").write_text(study, encoding="utf-8")
     odd = {one.name: [one.odd, REASONS[one.odd]] for one in fleet if one.odd}
     (out / "truth.json").write_text(json.dumps(odd, indent=1) + "\n", encoding="utf-8")
