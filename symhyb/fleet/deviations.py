@@ -49,9 +49,9 @@ class Deviation:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Shifted:
-    """The smallest set of ``numbers`` (their places) that brings a unit back among the others, by
-    how much each is off (``by`` with ``sd``), and ``rivals``: sets as small that do nearly as
-    well."""
+    """The smallest set of K ``numbers`` (their places) that brings a unit back among the others, by
+    how much each is off (``by`` (K,) with ``sd`` (K,), SI or logarithms), and ``rivals``: sets as
+    small that do nearly as well."""
 
     numbers: tuple[int, ...]
     by: Array
@@ -114,8 +114,9 @@ def judged(units: Sequence[Unit], left: Array, freedom: Array) -> Judged:
 def deviation(
     found: Population, at: int, kept: Mask, units: Sequence[Unit], freedom: int
 ) -> Deviation:
-    """By how much one unit is off a population, from which it is taken out if it is ``kept`` in
-    it; ``freedom`` are degrees of freedom of the spread, 0 if it is not judged."""
+    """By how much one unit is off a population, from which it is taken out if it is ``kept`` (N,),
+    dimensionless, in it; ``freedom`` are degrees of freedom of the spread, 0 if it is not
+    judged."""
     unit = units[at]
     size = unit.y.shape[1]
     variance, x = found.variance(unit), unit.design

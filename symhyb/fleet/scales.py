@@ -38,7 +38,8 @@ def units_in(members: Sequence[Member], factors: Sequence[bool], centre: Array) 
 
 def factors_of(members: Sequence[Member], centre: Array, kept: Sequence[bool]) -> tuple[bool, ...]:
     """For each number whether its logarithm is what varies: where all values are positive beyond
-    their noise and the likelihood favours it by 100 to 1 on the units that are ``kept``."""
+    their noise and the likelihood favours it by 100 to 1 on the units that are ``kept``;
+    ``centre`` (C − 1,) is that of the conditions, in their units."""
     size = members[0].fits[0].values.size
     chosen = [one for one, use in zip(members, kept, strict=True) if use]
     found = []
