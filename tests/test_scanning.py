@@ -75,6 +75,7 @@ def test_a_stretch_in_which_more_acts_is_unlike_the_others(written):
     assert len(rows) == 1 + len(found.stretches)
 
 
+@pytest.mark.slow
 def test_pieces_make_no_difference(written, monkeypatch):
     path = written(*columns_of(100))
     whole = scan(spring_model(), path)
