@@ -4,10 +4,13 @@ import hashlib
 import platform
 from importlib import metadata
 from pathlib import Path
+from typing import Any
 
 from symhyb import __version__
+from symhyb.data.recording import Recording
 from symhyb.limits import TEXT_BYTES, content_of
 from symhyb.model.types import Model
+from symhyb.study_sources import Source
 
 LIBRARIES = ("numpy", "scipy", "casadi", "sympy", "pysindy", "scikit-learn")
 
@@ -34,3 +37,16 @@ def sha256_of(file: Path) -> str:
         InputError: it is there no more, or cannot be read.
     """
     return hashlib.sha256(content_of(file, TEXT_BYTES)).hexdigest()
+
+
+def entry_of(role: str, recording: Recording, source: Source) -> dict[str, Any]:
+    """What a manifest says of a recording: what it was read from and how, but no path."""
+    return {
+        "role": role,
+        "file": recording.name,
+        "sha256": recording.sha256,
+        "span": list(source.span),
+        **({"map": dict(source.columns)} if source.columns else {}),
+        **({"parameters": dict(recording.parameters)} if recording.parameters else {}),
+        **({"groups": dict(recording.groups)} if recording.groups else {}),
+    }

@@ -19,6 +19,7 @@ from symhyb.correction.search.force_screen import BAND, ForceScreen, force_scree
 from symhyb.correction.search.preparing import Prepared, laws_at, stages_of, thinned_run
 from symhyb.correction.search.score import choice_of
 from symhyb.correction.search.selection import Subset
+from symhyb.correction.search.setting import middle_of
 from symhyb.correction.search.trials import first_guess
 from symhyb.data.pieces import Piece, pieces_of
 from symhyb.data.recording import Recording
@@ -181,8 +182,7 @@ class _Passage:
             places = places_of(extended)
             tried = tuple(filter(_plain, laws_at(known, places)))
             laws = library(extended, places, tried)
-            stages = stages_of(known)
-            window = stages[min(1, len(stages) - 1)].length_s
+            window = middle_of(stages_of(known)).length_s
         return cls(extended, machine, laws, sd, step, averaged, run.motion, window, BAND / shortest)
 
     @property

@@ -40,7 +40,7 @@ from symhyb.model.types import Model
 from symhyb.model.write import set_parameters, write_model
 from symhyb.numeric.kernels.memory import seldom_collected
 from symhyb.numeric.lowered.machine import build
-from symhyb.provenance import sha256_of, table_hashes, versions
+from symhyb.provenance import entry_of, sha256_of, table_hashes, versions
 from symhyb.report.contract import exit_status, to_json
 from symhyb.report.files import write_diagnosis, write_report, write_simulation
 from symhyb.steps import Say, silent
@@ -291,16 +291,7 @@ def manifest(result: StudyResult) -> dict[str, Any]:
         },
         **table_hashes(result.model),
         "recordings": [
-            {
-                "role": role,
-                "file": recording.name,
-                "sha256": recording.sha256,
-                "span": list(source.span),
-                **({"map": dict(source.columns)} if source.columns else {}),
-                **({"parameters": dict(recording.parameters)} if recording.parameters else {}),
-                **({"groups": dict(recording.groups)} if recording.groups else {}),
-            }
-            for role, recording, source in _runs(result)
+            entry_of(role, recording, source) for role, recording, source in _runs(result)
         ],
         "map": dict(study.columns or {}),
         **({"own": study.stated_own} if study.own else {}),

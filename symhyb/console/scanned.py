@@ -48,7 +48,7 @@ def print_scan(found: Scan, model: str) -> None:
 
 def scan_facts(found: Scan) -> dict[str, Any]:
     """Give a scan as plain values, in the units of forces at the coordinates."""
-    units = [unit for _, unit in _units(found)]
+    units, unlike = [unit for _, unit in _units(found)], found.unlike
     return {
         "file": found.file,
         "samples": found.samples,
@@ -73,7 +73,7 @@ def scan_facts(found: Scan) -> dict[str, Any]:
                 "force": _in(one.force, units),
                 "applied": _in(one.applied, units),
                 "left": _in(one.left, [units[i] for i in found.free]),
-                "unlike": one in found.unlike,
+                "unlike": one in unlike,
             }
             for one in found.stretches
         ],

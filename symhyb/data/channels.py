@@ -26,10 +26,11 @@ class Channels:
     notes: tuple[str, ...]
 
 
-def take(channels: Channels, keep: NDArray[np.bool_], note: str = "") -> Channels:
-    """Return the rows that are flagged in ``keep`` (N,), with a note if there is one."""
+def take(channels: Channels, keep: NDArray[np.bool_] | slice, note: str = "") -> Channels:
+    """Return the rows that are flagged in ``keep`` (N,), or in that slice, with a note if there is
+    one."""
     notes = (*channels.notes, note) if note else channels.notes
-    if keep.all():
+    if not isinstance(keep, slice) and keep.all():
         return replace(channels, notes=notes)
     return Channels(
         channels.t[keep],

@@ -34,8 +34,6 @@ def mdf_pieces(path: str, file: str, rows: int) -> Iterator[Table]:
                         columns += group_columns(measurement, number, part, file, notes, some)
                     yield Table(file, tuple(columns), tuple(notes), first=first)
                     first += max((end - begin for begin, end in cuts), default=0)
-        except GeneratorExit:
-            raise
         except Exception as error:  # damaged bytes make the reader raise errors of many kinds
             why = first_line(error) or type(error).__name__
             raise refusal(file, f"is a damaged or cut off MDF file: {why}") from error

@@ -53,8 +53,6 @@ def parquet_pieces(path: str, file: str, rows: int) -> Iterator[Table]:
             columns, notes = _columns(table, arrow, file)
             yield Table(file, tuple(columns), tuple(notes), first=first)
             first += table.num_rows
-    except GeneratorExit:
-        raise
     except Exception as error:  # damaged bytes make Arrow raise errors of many kinds
         raise _damaged(file, error) from error
     if first == 0:

@@ -23,7 +23,7 @@ from symhyb.data.csv_pieces import csv_pieces
 from symhyb.data.mdf_pieces import mdf_pieces
 from symhyb.data.parquet_file import parquet_pieces
 from symhyb.data.recording import Recording, recorded_part
-from symhyb.data.rows import Span
+from symhyb.data.rows import Span, outside
 from symhyb.data.table import Table, refusal
 from symhyb.errors import visible
 from symhyb.model.types import Model
@@ -74,10 +74,10 @@ def pieces_of(
             continue
         waiting = channels if waiting is None else _following(waiting, channels, file)
         while waiting.t.size >= 2 * size:
-            recording = recorded_part(table, _rows(waiting, slice(size)), model)
+            recording = recorded_part(table, take(waiting, slice(size)), model)
             end = float(recording.t[-1 - overlap])
             yield Piece(recording, begin, end)
-            begin, waiting = end, _rows(waiting, slice(rows, None))
+            begin, waiting = end, take(waiting, slice(rows, None))
     if table is None or waiting is None:
         raise refusal(file, "has no sample" + _of(span))
     yield Piece(recorded_part(table, waiting, model), begin, np.inf)
@@ -96,10 +96,7 @@ def _tables(path: Path, rows: int) -> Iterator[Table]:
 
 def _within(channels: Channels, span: Span) -> Channels | None:
     """The rows within a span; None if there are none."""
-    if span == (None, None):
-        return channels
-    start, end = (x if x is not None else y for x, y in zip(span, (-np.inf, np.inf), strict=True))
-    keep = (channels.t >= start) & (channels.t <= end)
+    keep, _ = outside(channels, span)
     return take(channels, keep) if keep.any() else None
 
 
@@ -129,15 +126,6 @@ def _following(before: Channels, after: Channels, file: str) -> Channels:
         both(before.inputs, after.inputs),
         both(before.sensors, after.sensors),
         after.notes,
-    )
-
-
-def _rows(channels: Channels, rows: slice) -> Channels:
-    return Channels(
-        channels.t[rows],
-        {name: values[rows] for name, values in channels.inputs.items()},
-        {name: values[rows] for name, values in channels.sensors.items()},
-        channels.notes,
     )
 
 

@@ -71,14 +71,14 @@ def tidy(
     rows = np.arange(channels.t.size)
     channels, driven = _between_samples(channels, held)
     channels, rows = take(channels, driven), rows[driven]
-    for drop in (partial(_outside, span=span), empty_rows, repeated_rows, _unmeasured_ends):
+    for drop in (partial(outside, span=span), empty_rows, repeated_rows, _unmeasured_ends):
         keep, note = drop(channels)
         rows = rows[keep]
         channels = take(channels, keep, note)
     check_time(channels.t, rows, table)
     if channels.t.size < SHORTEST:
         text = f"usable samples: {channels.t.size}; at least {SHORTEST} are needed"
-        text += f" ({note})" if (note := _outside(channels, span)[1]) else ""
+        text += f" ({note})" if (note := outside(channels, span)[1]) else ""
         raise InputError(Problem(text, file=table.file))
     return without_silent_sensors(_fill_inputs(channels, table, held))
 
@@ -151,8 +151,9 @@ def _all_signals(channels: Channels) -> NDArray[np.float64]:
     return np.vstack([channels.t, *channels.inputs.values(), *channels.sensors.values()])
 
 
-def _outside(channels: Channels, span: Span) -> tuple[NDArray[np.bool_], str]:
-    """Flag the rows within ``span``; a row without a time is kept, to be complained about."""
+def outside(channels: Channels, span: Span) -> tuple[NDArray[np.bool_], str]:
+    """Flag (N,), dimensionless, the rows within ``span``, in s; one without a time is kept, to be
+    complained about."""
     start, end = span
     if start is None and end is None:
         return np.ones(channels.t.size, dtype=bool), ""

@@ -19,8 +19,6 @@ from symhyb.fleet.trends import OwnTrend, own_trends
 from symhyb.judgement import FEWEST, SMALL
 from symhyb.tasks.outcome import FAILED, NOT_RUN, Outcomes
 
-FEWEST_UNITS = FEWEST
-
 
 @dataclass(frozen=True, slots=True)
 class Slope:
@@ -200,8 +198,8 @@ def _centre(members: Sequence[Member], conditions: Sequence[str]) -> Array:
     Raises:
         InputError: fewer than three units, or conditions that do not vary, or together.
     """
-    if len(members) < FEWEST_UNITS:
-        text = f"{len(members)} units are no fleet; at least {FEWEST_UNITS} must have been fitted"
+    if len(members) < FEWEST:
+        text = f"{len(members)} units are no fleet; at least {FEWEST} must have been fitted"
         raise InputError(Problem(text))
     rows = np.concatenate([one.conditions for one in members])
     centre = np.array([one.conditions.mean(axis=0) for one in members]).mean(axis=0)

@@ -13,6 +13,7 @@ from symhyb.fleet.fleet import Fleet, Own, fleet_of
 from symhyb.fleet.members import condition_of, unit_of
 from symhyb.fleet.population import Array
 from symhyb.fleet.words import reason_sentence
+from symhyb.judgement import FEWEST
 from symhyb.tasks.folder import Entry
 from symhyb.tasks.outcome import FAILED, FINISHED, NOT_RUN, Outcome, Outcomes
 from symhyb.tasks.rows import causes_of
@@ -62,7 +63,7 @@ def worth_looking(
         try:
             fleet = fleet_of(outcomes, unit, conditions)
         except InputError:
-            if len({unit_of(one.entry, unit) for one in done}) >= 3:
+            if len({unit_of(one.entry, unit) for one in done}) >= FEWEST:
                 raise
         else:
             found += _of_units(fleet, {one.entry.name: one for one in done})

@@ -1,6 +1,5 @@
 """A fleet as plain values, as a table of its units, and as a picture."""
 
-import math
 from pathlib import Path
 from typing import Any
 
@@ -8,6 +7,7 @@ import numpy as np
 
 from symhyb.fleet.fleet import Common, Fleet, Own, Reason
 from symhyb.fleet.words import fleet_notes, reason_sentence
+from symhyb.report.contract import finite
 from symhyb.report.fleet_figure import Panel, fleet_figure
 from symhyb.tasks.rows import Cell, Rows, csv_text, write_parquet
 from symhyb.writing import write_file
@@ -44,9 +44,9 @@ def unit_rows(fleet: Fleet) -> Rows:
         row: list[Cell] = [unit.name, *map(float, unit.conditions)]
         columns = zip(unit.values, unit.sd, unit.shrunken, unit.shrunken_sd, strict=True)
         for numbers in columns:
-            row += [_finite(float(x)) for x in numbers]
+            row += [finite(float(x)) for x in numbers]
         reason = unit.reason
-        row += [_finite(unit.left), _finite(unit.information)]
+        row += [finite(unit.left), finite(unit.information)]
         row += [None] * 4 if reason is None else _cells(reason)
         rows.append(tuple(row))
     return Rows(tuple(head), tuple(rows))
@@ -113,15 +113,15 @@ def _number(one: Common) -> dict[str, Any]:
         "unit": one.unit,
         "varies_by": "factors" if one.factors else "amounts",
         "mean": one.mean,
-        "sd": _finite(one.sd),
-        "spread": _finite(one.spread),
-        "spread_sd": _finite(one.spread_sd),
+        "sd": finite(one.sd),
+        "spread": finite(one.spread),
+        "spread_sd": finite(one.spread_sd),
         "spread_within": one.within,
         "slopes": [
             {
                 "condition": slope.condition,
                 "value": slope.value,
-                "sd": _finite(slope.sd),
+                "sd": finite(slope.sd),
                 "probability": slope.probability,
             }
             for slope in one.slopes
@@ -142,8 +142,8 @@ def _unit(fleet: Fleet, one: Own) -> dict[str, Any]:
         "tasks": list(one.tasks),
         "conditions": dict(zip(fleet.conditions, map(float, one.conditions), strict=True)),
         "numbers": numbers,
-        "noise_multiple": _finite(one.left),
-        "information": _finite(one.information),
+        "noise_multiple": finite(one.left),
+        "information": finite(one.information),
         "adds_nothing": one.adds_nothing,
         "bounds": list(one.bounds),
         "reason": None if one.reason is None else _reason(one.reason),
@@ -181,8 +181,4 @@ def _cells(reason: Reason) -> list[Cell]:
 
 
 def _float(number: float) -> float | None:
-    return _finite(float(number))
-
-
-def _finite(number: float) -> float | None:
-    return number if math.isfinite(number) else None
+    return finite(float(number))

@@ -21,7 +21,8 @@ from symhyb.model.read import read_model
 from symhyb.model.types import Model
 from symhyb.model.write import set_parameters, write_model
 from symhyb.numeric.kernels.buffers import Array
-from symhyb.provenance import sha256_of, table_hashes, versions
+from symhyb.provenance import entry_of, sha256_of, table_hashes, versions
+from symhyb.report.contract import finite
 from symhyb.study import read_all
 from symhyb.study_file import Study
 from symhyb.tasks.expand import Task
@@ -132,14 +133,14 @@ def _content(done: Calibrated) -> dict[str, Any]:
                 "unit": item.unit,
                 "was": item.was,
                 "value": item.value,
-                "sd": _finite(item.sd),
+                "sd": finite(item.sd),
             }
             for item in done.parameters
         ],
-        "covariance": [[_finite(x) for x in row] for row in covariance.tolist()],
+        "covariance": [[finite(x) for x in row] for row in covariance.tolist()],
         "noise_multiple": {
-            "before": _finite(math.sqrt(done.before)),
-            "after": _finite(math.sqrt(done.after)),
+            "before": finite(math.sqrt(done.before)),
+            "after": finite(math.sqrt(done.after)),
         },
         "samples": done.samples,
         "correlation_time": done.correlation_time,
@@ -159,15 +160,7 @@ def _manifest(
         "model": {"file": study.model.name, "sha256": sha256_of(study.model)},
         **table_hashes(model),
         "recordings": [
-            {
-                "role": "train",
-                "file": recording.name,
-                "sha256": recording.sha256,
-                "span": list(source.span),
-                **({"map": dict(source.columns)} if source.columns else {}),
-                **({"parameters": dict(recording.parameters)} if recording.parameters else {}),
-                **({"groups": dict(recording.groups)} if recording.groups else {}),
-            }
+            entry_of("train", recording, source)
             for recording, source in zip(recordings, study.train, strict=True)
         ],
         "map": dict(study.columns or {}),
@@ -177,10 +170,6 @@ def _manifest(
         "versions": versions(),
         "seconds": round(seconds, 1),
     }
-
-
-def _finite(number: float | None) -> float | None:
-    return number if number is not None and math.isfinite(number) else None
 
 
 def _text(content: Mapping[str, Any]) -> str:

@@ -23,6 +23,11 @@ class Stage:
     cuts: tuple[Cut, ...]
 
 
+def middle_of(stages: Sequence[Stage]) -> Stage:
+    """The stage of windows that are neither the shortest nor long."""
+    return stages[min(1, len(stages) - 1)]
+
+
 @dataclass(frozen=True, slots=True)
 class Setting:
     """What a decision works on: force hypotheses lowered, parametric causes, windows prepared for
@@ -42,8 +47,8 @@ class Setting:
 
     @property
     def middle(self) -> Stage:
-        """The windows on which places are mapped: neither the shortest nor long."""
-        return self.stages[min(1, len(self.stages) - 1)]
+        """The windows on which places are mapped."""
+        return middle_of(self.stages)
 
     @property
     def hypotheses(self) -> tuple[Hypothesis, ...]:

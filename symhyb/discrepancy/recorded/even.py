@@ -30,8 +30,8 @@ LINEAR = 1e-9  # of the largest slope: slopes that differ by less are constant
 @dataclass(frozen=True, slots=True, eq=False)
 class Even:
     """Splines on ``samples`` even samples, ``step_s`` apart: ``values`` are q, v and a by
-    coefficients, ``right`` (n·B, N·m) makes the right side of the normal equations of what sensors
-    show less ``resting`` (m,), SI, and ``solve`` solves them."""
+    coefficients, ``right`` (n·B, N·m) makes the right side of the normal equations of what the
+    ``seen`` sensors (m,) show less ``resting`` (m,), SI, and ``solve`` solves them."""
 
     samples: int
     step_s: float
