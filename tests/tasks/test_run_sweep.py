@@ -158,8 +158,8 @@ def test_the_rest_of_a_run_that_was_interrupted_is_kept(folder: Path) -> None:
     whole = subprocess.Popen(
         [sys.executable, "-c", script], cwd=folder, start_new_session=True, stderr=subprocess.PIPE
     )
-    deadline = time.monotonic() + 60
-    while not (folder / "performed.txt").exists() and time.monotonic() < deadline:
+    tasks, deadline = folder / "out" / "tasks", time.monotonic() + 60
+    while not list(tasks.glob("[!.]*")) and time.monotonic() < deadline:
         time.sleep(0.01)
     os.killpg(whole.pid, signal.SIGINT)  # as a terminal does it
     _, said = whole.communicate(timeout=30)
@@ -167,7 +167,6 @@ def test_the_rest_of_a_run_that_was_interrupted_is_kept(folder: Path) -> None:
         said.decode()
     )  # of the script, which no command line ends
     assert said.decode().rstrip().endswith("KeyboardInterrupt")
-    tasks = folder / "out" / "tasks"
     left = [one.name for one in tasks.iterdir()]
     assert 1 <= len(left) < 6
     assert all(ended(folder / "out", key) for key in left)
