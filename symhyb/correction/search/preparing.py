@@ -50,6 +50,7 @@ SAMPLES_PERIOD = 80  # of the shortest period, that are kept
 SAMPLES_LEAST = 4000  # of a recording, that are kept
 SAMPLES_MOST = 12_000  # over all recordings, in the windows that decide
 FIRST_WINDOW = 0.25  # of the shortest period
+SAMPLES_WINDOW = 12  # of a window, at least
 GROWTH = 3.0  # from stage to stage, at most
 STAGES_MOST = 4
 SHORTER = 0.7  # ... shortened to this
@@ -60,7 +61,8 @@ class Prepared:
     """Model with channels, lowered; runs thinned to what the motion needs,
     noise ``sd`` (m,) SI, not below what ``repeats`` of one manoeuvre differ by, and the
     ``shortest`` period of the motion in s; ``faults`` of the recordings were put right, or are
-    suspected."""
+    suspected. ``steady``: the machine with what forces show, where without it hardly any window
+    can be foreseen."""
 
     model: Model
     machine: Machine
@@ -70,6 +72,12 @@ class Prepared:
     shortest: float
     faults: tuple[RecordingFault, ...] = ()
     repeats: tuple[Repeated, ...] = ()
+    steady: Machine | None = None
+
+    @property
+    def foreseeing(self) -> Machine:
+        """The machine that says which windows can be foreseen."""
+        return self.steady or self.machine
 
 
 def prepare(
@@ -215,17 +223,24 @@ def _reaches(prepared: Prepared, places: Sequence[Place]) -> Mapping[Place, Reac
     return {place: joined(part) for place, part in zip(places, parts, strict=True)}
 
 
+def foresees(prepared: Prepared) -> bool:
+    """Whether most of the shortest windows can be foreseen."""
+    cuts = [cut_within(run, prepared.machine, _shortest(prepared)) for run in prepared.runs]
+    return _mostly_calm(prepared, cuts)
+
+
 def stages_of(prepared: Prepared) -> tuple[Stage, ...]:
     """Windows of growing lengths, from short to long.
 
     Raises:
         InputError: the recordings are too short, or too full of gaps, for any.
     """
-    step = max(float(np.median(np.diff(run.recording.t))) for run in prepared.runs)
     share = SAMPLES_MOST / sum(run.recording.t.size for run in prepared.runs)
-    shortest = max(FIRST_WINDOW * prepared.shortest, 12 * step)
+    shortest = _shortest(prepared)
     total = sum(run.recording.duration for run in prepared.runs)
     longest = _foreseen(prepared, shortest, total / WINDOWS_LEAST)
+    if longest <= shortest:
+        shortest = longest = _foreseen(prepared, SAMPLES_WINDOW * _step(prepared), shortest)
     stages: list[Stage] = []
     for length in _lengths(shortest, longest):
         cuts = [_spread(cut_within(run, prepared.machine, length), share) for run in prepared.runs]
@@ -253,15 +268,30 @@ def last_windows(prepared: Prepared, *, spread: bool) -> tuple[Cut, ...]:
     return tuple(item for item in calm if item is not None)
 
 
+def _shortest(prepared: Prepared) -> float:
+    """The length in s of the windows of the first stage, if most of them can be foreseen."""
+    return max(FIRST_WINDOW * prepared.shortest, SAMPLES_WINDOW * _step(prepared))
+
+
+def _step(prepared: Prepared) -> float:
+    """The time in s between two samples of the slowest recording."""
+    return max(float(np.median(np.diff(run.recording.t))) for run in prepared.runs)
+
+
 def _foreseen(prepared: Prepared, shortest: float, longest: float) -> float:
     """The longest windows in s of which most can be foreseen."""
     while longest > shortest:
         cuts = [cut_within(run, prepared.machine, longest) for run in prepared.runs]
-        calm = [_calm(prepared, item) for item in cuts if item is not None]
-        if calm and np.mean(np.concatenate(calm)) >= 1 - LARGE:
+        if _mostly_calm(prepared, cuts):
             break
         longest *= SHORTER
     return longest
+
+
+def _mostly_calm(prepared: Prepared, cuts: Sequence[Cut | None]) -> bool:
+    """Whether most of all windows can be foreseen."""
+    calm = [_calm(prepared, item) for item in cuts if item is not None]
+    return bool(calm) and float(np.mean(np.concatenate(calm))) >= 1 - LARGE
 
 
 def _foreseeable(prepared: Prepared, item: Cut) -> Cut | None:
@@ -275,11 +305,12 @@ def _foreseeable(prepared: Prepared, item: Cut) -> Cut | None:
 def _calm(prepared: Prepared, item: Cut) -> NDArray[np.bool_]:
     """The windows (W,) along whose measured motion no error of the state at the start shows
     ``GROWN`` times more in the outputs than if no force acted."""
-    model = WindowModel(prepared.machine)
-    half, item = len(model.form.free), item.suited(prepared.machine)
+    machine = prepared.foreseeing
+    model = WindowModel(machine)
+    half, item = len(model.form.free), item.suited(machine)
     if half == 0:  # all motion is given
         return np.ones(len(item.start), bool)
-    linear = model.along(item.block, item.states, prepared.machine.values)
+    linear = model.along(item.block, item.states, machine.values)
     reply = linear.from_states()[..., : 2 * half] / prepared.sd[:, None]
     reply = reply * _errors(reply[:, 0, :, :half], item.states)
     coasting = np.repeat(reply[:, :1], reply.shape[1], axis=1)

@@ -1,4 +1,4 @@
-"""All causes at once, where a machine has many joints, and how fine its windows must run."""
+"""All causes at once, where a machine has many joints, and windows as long and fine as they ask."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from symhyb.correction.search.coupled import coupled_places
 from symhyb.correction.search.first_structures import LARGEST
 from symhyb.correction.search.force_screen import BAND, ForceScreen, force_screen
-from symhyb.correction.search.preparing import Prepared, settle
+from symhyb.correction.search.preparing import Prepared, foresees, settle, stages_of
 from symhyb.correction.search.score import choice_of
 from symhyb.correction.search.selection import Subset
 from symhyb.correction.search.setting import Setting, Stage
@@ -15,7 +15,7 @@ from symhyb.correction.search.trials import Row, first_guess
 from symhyb.data.groups import Own
 from symhyb.discrepancy.recorded.runs import Run, cut_within, fine_for, fine_needed, has_many
 from symhyb.discrepancy.recorded.windows import Cut
-from symhyb.numeric.lowered.machine import build
+from symhyb.numeric.lowered.machine import Machine, build
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,18 +30,25 @@ def at_level_of_forces(
     prepared: Prepared, setting: Setting, own: Sequence[str] | Own
 ) -> tuple[Prepared, Setting, ForceScreen | None]:
     """What the forces of all causes show, with places of two joints where these share a loss, and
-    windows as fine as that asks for; ``own`` as in :func:`.settle`."""
+    windows as long as that foresees and as fine as it asks for; ``own`` as in :func:`.settle`."""
     forces = _screened(prepared, setting)
     whole = whole_of(setting, forces)
     if forces is None or whole is None:
-        return *_as_fine_as_needed(prepared, setting, None), forces
+        return *_as_fine_as_needed(prepared, setting), forces
     band, cuts = BAND / prepared.shortest, _windows(prepared, setting)
     places = coupled_places(prepared, setting.library, cuts, band, forces, whole.subset)
     if places:
         setting = settle(prepared, own, places)
         forces = _screened(prepared, setting)
         whole = whole_of(setting, forces)
-    return *_as_fine_as_needed(prepared, setting, whole), forces
+    if whole is None:
+        return *_as_fine_as_needed(prepared, setting), forces
+    causes = [setting.hypotheses[cause] for cause in whole.subset.causes]
+    steady = build(with_causes(prepared.model, causes, whole.rows), keep=False)
+    if not foresees(prepared):
+        prepared = replace(prepared, steady=steady)
+        setting = replace(setting, stages=stages_of(prepared))
+    return *_as_fine_as_needed(prepared, setting, steady), forces
 
 
 def _screened(prepared: Prepared, setting: Setting) -> ForceScreen | None:
@@ -71,14 +78,14 @@ def whole_of(
 
 
 def _as_fine_as_needed(
-    prepared: Prepared, setting: Setting, whole: Whole | None
+    prepared: Prepared, setting: Setting, machine: Machine | None = None
 ) -> tuple[Prepared, Setting]:
     """Recordings and windows of a machine of more than a few coordinates with steps near reversals
-    as fine as a ``whole`` asks for, or whatever could act: without the masses that a whole has,
-    friction turns light bodies over in no time."""
+    as fine as a ``machine`` with a whole asks for, or whatever could act: without the masses that a
+    whole has, friction turns light bodies over in no time."""
     if not has_many(prepared.machine):
         return prepared, setting
-    runs, unseen = (_fine(prepared, setting, whole, x) for x in (prepared.runs, prepared.holdout))
+    runs, unseen = (_fine(prepared, setting, machine, x) for x in (prepared.runs, prepared.holdout))
     fine = {id(run.recording): run.fine for run in runs}
     stages = [
         Stage(
@@ -91,11 +98,9 @@ def _as_fine_as_needed(
 
 
 def _fine(
-    prepared: Prepared, setting: Setting, whole: Whole | None, runs: Sequence[Run]
+    prepared: Prepared, setting: Setting, machine: Machine | None, runs: Sequence[Run]
 ) -> tuple[Run, ...]:
-    if whole is None:
+    if machine is None:
         return tuple(replace(run, fine=fine_needed(prepared.machine, run)) for run in runs)
-    causes = [setting.hypotheses[cause] for cause in whole.subset.causes]
-    machine = build(with_causes(prepared.model, causes, whole.rows), keep=False)
     length = setting.stages[-1].length_s
     return tuple(replace(run, fine=fine_for(machine, run, length)) for run in runs)
