@@ -1,4 +1,4 @@
-"""Losses in exported code: a power, a knee, an eddy brake, and friction by a load."""
+"""Losses in exported code: a power, a knee, an eddy brake, and friction by a load and by place."""
 
 from functools import cache
 from pathlib import Path
@@ -16,13 +16,14 @@ LOSSES = {
     "fan": {"kind": "power", "coefficient": "F", "exponent": "p", "speed": "v"},
     "shock": {"kind": "damper_kinked", "damping": "d", "knee": "v", "sharpness": "p"},
     "brake": {"kind": "eddy_brake", "peak": "F", "critical": "v"},
+    "rail": {"kind": "friction", "coulomb": "F", "slope": "k", "around": "x_c"},
     "guide": {"kind": "friction", "coulomb": "F", "load_coefficient": "mu", "load": "f - k*x"},
 }
 
 
 @cache
 def rig(name: str) -> Spec:
-    """A mass with all four losses as a machine (no ``name``), or one of them alone."""
+    """A mass with all five losses as a machine (no ``name``), or one of them alone."""
     model = model_of(
         coordinates={"x": {"unit": "m", "start": 0.1}},
         parameters={
@@ -33,6 +34,7 @@ def rig(name: str) -> Spec:
             "v": (0.3, "m/s"),
             "d": (8.0, "N*s/m"),
             "mu": (0.2, "1"),
+            "x_c": (0.08, "m"),
         },
         inputs={"f": {"unit": "N"}},
         bodies={"block": {"mass": "m", "at": ["x", "0"]}},
@@ -42,7 +44,7 @@ def rig(name: str) -> Spec:
     return spec_of(model, name, (name,)) if name else spec_of(model, "machine", whole=True)
 
 
-@pytest.mark.parametrize("name", ["", "guide"])
+@pytest.mark.parametrize("name", ["", "guide", "rail"])
 def test_the_c_program_finds_no_difference(name: str, tmp_path: Path) -> None:
     spec = rig(name)
     put_files(tmp_path, c_files(spec))
@@ -55,3 +57,10 @@ def test_the_host_tells_place_and_input_and_gets_the_friction_of_that_load() -> 
     assert e.inputs == (("q", "x"), ("v", "x"), ("u", "f"))
     _, made = e.evaluate(0.0, e.x, np.array([0.05, 0.7, 12.0]), e.p)
     assert made == pytest.approx([-(2.0 + 0.2 * abs(12.0 - 40.0 * 0.05))])
+
+
+def test_the_host_tells_the_place_and_gets_the_friction_of_that_place() -> None:
+    e = rig("rail").exported
+    for place, level in ((0.05, 0.8), (0.08, 2.0), (0.01, 0.0)):
+        _, made = e.evaluate(0.0, e.x, np.array([place, -0.7]), e.p)
+        assert made == pytest.approx([level])
