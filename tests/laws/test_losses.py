@@ -231,6 +231,7 @@ def test_friction_by_place_is_found_where_it_changes_and_written_as_a_model(slop
     truth = {"friction.coulomb": 1.5, **({"friction.slope": slope} if slope else {})}
     assert_close(dict(numbers(diagnosis)), truth)
     assert ("at 0 m that changes by" in diagnosis.sentence) == (slope > 0)
+    assert not any("friction on x would" in one for one in diagnosis.remainder_notes)
     corrected = sh.apply(spring_model(), diagnosis.found)
     again = parse_model(corrected.text, "rig.toml")
     assert again.elements == corrected.elements
