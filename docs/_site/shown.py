@@ -41,6 +41,8 @@ DRIVES: Mapping[str, Drive] = {
     "power": Drive(over="s′"),
     "damper_kinked": Drive(over="s′"),
     "eddy_brake": Drive(over="s′"),
+    "flow_drag": Drive(4.0, over="s′"),
+    "flow_lift": Drive(),
     "friction": Drive(over="s′", values={"transition": 0.03}),
     "gap": Drive(0.25, 0.02),
     "hysteresis": Drive(0.1),

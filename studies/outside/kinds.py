@@ -75,6 +75,7 @@ TABLE = (
     Kind("digressive damper", ("law",), ALL, f.digressive, ("damper_kinked",)),
     Kind("eddy brake", ("law",), ALL, f.eddy, ("eddy_brake",)),
     Kind("power 1.5", ("law",), ALL, f.power, ("power",)),
+    Kind("friction by place", ("law",), ALL, f.guide, ("friction",)),
     Kind("magnet", ("law",), FIXED, f.magnet),
     Kind("saturating spring", ("law",), OPEN, f.saturating),
     Kind("exponential spring", ("law",), OPEN, f.exponential),

@@ -9,6 +9,8 @@ from numpy.random import Generator
 from shared import Array, UnboundedError
 from simulate import Change
 
+TURN = 1e-3  # of the RMS of the rate: how narrow dry friction turns
+
 Law = Callable[[Array | float, Array | float], Array | float]  # s, s' -> force that resists
 
 
@@ -52,6 +54,23 @@ def power(bare: Bare, sizes: Generator, fresh: Generator) -> Change:
     place = draw_place(bare, sizes)
     change = law_at(bare, place, lambda s, w: np.sqrt(np.abs(w)) * w, share(sizes))
     return replace(change, facts={**(change.facts or {}), "exponent": 1.5})
+
+
+def guide(bare: Bare, sizes: Generator, fresh: Generator) -> Change:
+    """A guide that is tight at one end: dry friction whose level changes along the travel."""
+    place = draw_place(bare, sizes)
+    middle, turn = float(np.mean(place.s)), TURN * rms(place.w)
+    far = float(np.abs(place.s - middle).max())
+    tilt = float(sizes.choice([-1.0, 1.0])) * sizes.uniform(0.4, 0.9)
+    change = law_at(
+        bare,
+        place,
+        lambda s, w: np.maximum(1 + tilt * (s - middle) / far, 0) * np.tanh(w / turn),
+        share(sizes),
+        step=1 / bare.system.rate,
+    )
+    known = dict(change.facts or {})
+    return replace(change, facts={**known, "slope": known["amount"] * tilt / far})
 
 
 def magnet(bare: Bare, sizes: Generator, fresh: Generator) -> Change:

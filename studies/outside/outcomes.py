@@ -18,6 +18,7 @@ SHAPES = (
     "exponent",
     "critical",
     "frequency",
+    "slope",
 )  # numbers of a law that the seal of an old kind holds
 ACTUATORS = {  # and what else has one number, in seals
     "dead_band": "band",
@@ -183,6 +184,8 @@ def _is_accepted(claim: Claim, answer: dict[str, Any]) -> bool:
         key, sign = COUPLINGS[claim.kind]
         value, sd = claim.values[key]
         return "across" in true and abs(sign * value - true["across"]) <= SPAN * sd
+    if "slope" in true and "slope" not in claim.values and not empirical:
+        return False  # friction of one level is another law
     stated = {key: pair for key, pair in claim.values.items() if key in SHAPES and key in true}
     return all(abs(value - true[key]) <= SPAN * sd for key, (value, sd) in stated.items())
 

@@ -8,20 +8,25 @@ so its peak stays below ``static``, where dry friction reaches it. A fit makes u
 higher level and a shorter Stribeck speed. Both are known no better than the smoothing allows.
 
 The level may grow with a load, by load_coefficient·|load|: in gears, belts, brakes and wheels what
-slides is pressed by the force that is carried.
+slides is pressed by the force that is carried. It may change with the place, by slope·(s − around),
+to nothing at the least: a guide is tight at one end.
 """
 
 from collections.abc import Collection, Iterator
 from dataclasses import replace
+from math import floor, log10
 
 import numpy as np
 
-from symhyb.laws.base import ANYWHERE, LENGTH, Fitted, Key, Law, Terms
+from symhyb.laws.base import ANYWHERE, LENGTH, SHAPE_REACH, Fitted, Key, Law, Terms
 from symhyb.laws.levels import (
+    AROUND,
     COULOMB,
+    FALLING,
     LEVEL,
     LOAD,
     LOAD_COEFFICIENT,
+    SLOPE,
     STATIC,
     STRIBECK,
     friction_level,
@@ -32,18 +37,20 @@ from symhyb.laws.phrases import Numbers, Phrase
 from symhyb.laws.reach import LOSS, SHAPED, Candidate, Reach
 from symhyb.laws.sided import ASYMMETRY, FACTOR, directions, sided
 from symhyb.laws.variants import Pace, Row, Variant
+from symhyb.units import parse_unit
 
 SPEED_SCALE = 1.0  # m/s (rad/s …), where no recording tells how fast the machine moves
 DEFAULT_TRANSITION = 1e-4  # of the speed scale
 STRIBECK_SHARES = (0.05, 0.2)  # of the largest rate
 LOADED = 0.5  # of the level of dry friction: what a load has of it at first
+SLOPED = 0.5  # of the level: what it changes by at first over the RMS of the stretch
 SPEEDS = np.linspace(0.01, 20.0, 4000)  # in transitions, where the peak is looked for
 WORDS = "dry (Coulomb) friction"
 
 
 def _action(m: Maths, at: Motion, values: Values, _: Options) -> Action:
     turning = m.tanh(at.r / transition(values))
-    return Action(friction_level(m, at.r, values) * turning * sided(m, at, values))
+    return Action(friction_level(m, at, values) * turning * sided(m, at, values))
 
 
 def transition(values: Values) -> Value:
@@ -60,10 +67,30 @@ def _candidates(reach: Reach) -> Iterator[Candidate]:
 
 
 def _variants(row: Row, pace: Pace, added: Collection[str]) -> Iterator[Variant]:
-    """Friction a part of which grows with what presses at the place: with each load that the
-    machine knows there."""
+    """Friction a part of which grows with what presses at the place, with each load that the
+    machine knows there; friction whose level changes along the travel."""
     if "load_coefficient" not in added:
         yield from _loaded(row, row["coulomb"], pace)
+    if "slope" not in added:
+        yield from _along(row, pace)
+
+
+def _along(row: Row, pace: Pace) -> Iterator[Variant]:
+    """Friction whose level is what it was in the middle of the travel, or at 0 where that is near,
+    and changes from there."""
+    reach = pace.time * pace.rate
+    if min(row["coulomb"], reach) <= 0:
+        return
+    first = SLOPED * row["coulomb"] / reach
+    digits = -floor(log10(reach))
+    middle = round(pace.middle, digits) if abs(pace.middle) > reach else 0.0
+    yield Variant(
+        {**row, "slope": first},
+        ("slope",),
+        shape=(("around", middle),) if middle else (),
+        product="{s}*tanh({s}'/transition)",
+        bounds=(("slope", -SHAPE_REACH * first, SHAPE_REACH * first),),
+    )
 
 
 def _loaded(row: Row, level: float, pace: Pace) -> Iterator[Variant]:
@@ -96,15 +123,23 @@ def _phrase(n: Numbers, options: Options) -> Phrase | None:
     levels, terms = level_phrase(n)
     listed = ", ".join(part for part in (levels, directions(n, "coulomb")) if part)
     head = f"{noun} of {n.amount('coulomb')}" + (f" ({listed})" if listed else "")
+    if "slope" in n:
+        length = parse_unit(n.unit("coulomb")) / parse_unit(n.unit("slope"))
+        at = options.get("around", f"0 {length.text}")
+        head += f" at {at} that changes by {n.amount('slope')} along the travel"
     if "load_coefficient" in n:
         share = n.counted(n.value("load_coefficient"), n.sd("load_coefficient"))
         load = f" {options['load']}" if "load" in options else ""
-        head += f" that grows by {share} of the load{load}"
-    return Phrase(head, terms=("coulomb", *terms, "load_coefficient"), resists="motion")
+        grown = f"grows by {share} of the load{load}"
+        head += f" and {grown}" if "slope" in n else f" that {grown}"
+    return Phrase(head, terms=("coulomb", *terms, "slope", "load_coefficient"), resists="motion")
 
 
 def _formula(keys: Collection[str], _: Options) -> str:
-    level, rest = ("g", f", {LEVEL}") if "static" in keys else ("coulomb", "")
+    stretch = "(s - around)" if "around" in keys else "s"
+    sliding = f"max(coulomb + slope*{stretch}, 0)" if "slope" in keys else "coulomb"
+    falling = f"g = {sliding} + {FALLING}"
+    level, rest = ("g", f", {falling}") if "static" in keys else (sliding, "")
     if "load_coefficient" in keys:
         loaded = "load_coefficient*abs(load)"
         level = f"({level} + {loaded})" if {"coulomb", "static"} & {*keys} else loaded
@@ -147,6 +182,8 @@ LAW = Law(
             label="transition speed",
         ),
         ASYMMETRY,
+        SLOPE,
+        AROUND,
         LOAD_COEFFICIENT,
         LOAD,
         LENGTH,
@@ -176,6 +213,8 @@ LAW = Law(
         "stribeck": 0.2,
         "transition": 0.05,
         "asymmetry": -0.4,
+        "slope": 5.0,
+        "around": 0.1,
         "load_coefficient": 0.3,
         "load": 1.5,
     },

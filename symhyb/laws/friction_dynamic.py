@@ -23,7 +23,7 @@ STRIBECK_FIRST = 0.1  # of the largest rate
 def _action(m: Maths, at: Motion, values: Values, _: Options) -> Action:
     k, d = values.get("stiffness", 0), values.get("micro_damping", 0)
     (z,) = at.z
-    inner = at.r - k * m.abs(at.r) * z / friction_level(m, at.r, values)
+    inner = at.r - k * m.abs(at.r) * z / friction_level(m, at, values)
     return Action(k * z + d * inner, k * z**2 / 2, (inner,), (0,))
 
 

@@ -1,13 +1,21 @@
-"""The level of dry friction, N, with what it grows with:
+"""The level of dry friction, N, with what it changes with:
 
-g = coulomb + (static − coulomb)·exp(−(s'/stribeck)²) + load_coefficient·|load|
+g = c + (static − coulomb)·exp(−(s'/stribeck)²) + load_coefficient·|load|
+c = max(coulomb + slope·(s − around), 0)
+
+A guide that is tight at one end, a belt or a drive rubs more at some places than at others; its
+level is linear in the stretch, and nowhere less than nothing, so that it only takes energy.
+
+Sources: Armstrong-Hélouvry, Control of Machines with Friction, 1991 (of a gear it depends on the
+position), and with Dupont & Canudas de Wit, Automatica 30, 1994.
 """
 
-from symhyb.laws.base import Key
-from symhyb.laws.maths import Maths, Value, Values
+from symhyb.laws.base import STRETCHED, Key
+from symhyb.laws.maths import Maths, Motion, Value, Values
 from symhyb.laws.phrases import Numbers
 
-LEVEL = "g = coulomb + (static - coulomb)*exp(-(s'/stribeck)^2)"
+FALLING = "(static - coulomb)*exp(-(s'/stribeck)^2)"
+LEVEL = f"g = coulomb + {FALLING}"
 WIDER = 10.0  # a Stribeck speed against the transition: slower, it would only undo the smoothing
 
 COULOMB = Key("coulomb", 1, 0, 0, lower=0.0, symbol="F_c")
@@ -47,13 +55,40 @@ LOAD_COEFFICIENT = Key(
     noun="friction by load",
     label="coefficient of the load",
 )
+SLOPE = Key(
+    "slope",
+    1,
+    -1,
+    0,
+    "0",
+    "change of the level along the stretch",
+    STRETCHED,
+    symbol="g_s",
+    noun="change of dry friction along the travel",
+    label="change along the travel",
+)
+AROUND = Key(
+    "around",
+    0,
+    1,
+    0,
+    "0",
+    "stretch at which the level is coulomb, where it has a slope",
+    STRETCHED,
+    exact=True,
+    quoted=True,
+    symbol="s_c",
+    label="where it is so",
+)
 
 
-def friction_level(m: Maths, rate: Value, values: Values) -> Value:
-    """g at a ``rate``, N."""
+def friction_level(m: Maths, at: Motion, values: Values) -> Value:
+    """g at a stretch and a rate, N."""
     level = coulomb = values.get("coulomb", 0)
+    if "slope" in values:
+        level = m.max(coulomb + values["slope"] * (at.s - values.get("around", 0)), 0)
     if "static" in values and "stribeck" in values:
-        level += (values["static"] - coulomb) * m.exp(-((rate / values["stribeck"]) ** 2))
+        level += (values["static"] - coulomb) * m.exp(-((at.r / values["stribeck"]) ** 2))
     if "load" in values and "load_coefficient" in values:
         level += values["load_coefficient"] * m.abs(values["load"])
     return level

@@ -20,7 +20,8 @@ FIRST, POLYNOMIAL, LOSS, SHAPED, LOPSIDED, INERTIA, CURVED, PERIODIC = range(8)
 class Reach:
     """What a place moves through, SI: ``stretch`` and ``rate`` (N,) of all recordings, and the
     ``force`` (N,) that the model lacks there, at times ``t`` (N,); the natural ``length`` between
-    two points, None on a coordinate, and how ``narrow`` friction turns, over the largest rate."""
+    two points, None on a coordinate, how ``narrow`` friction turns, over the largest rate, and the
+    ``flows``: channels beside the machine that show a speed in the unit of the rate."""
 
     stretch: Array
     rate: Array
@@ -28,6 +29,7 @@ class Reach:
     t: Array
     length: float | None = None
     narrow: float = TRANSITION_SHARE
+    flows: tuple[str, ...] = ()
 
     @property
     def speed(self) -> float:

@@ -8,7 +8,7 @@ through.
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 
-from symhyb.laws.reach import Candidate
+from symhyb.laws.reach import Candidate, Shape
 
 Row = Mapping[str, float]
 """Values of the keys of a law, SI."""
@@ -17,14 +17,16 @@ Row = Mapping[str, float]
 @dataclass(frozen=True, slots=True)
 class Pace:
     """How a place moves, SI: RMS and largest rate, and the time that the stretch (RMS about its
-    mean) takes at the RMS rate, s; what presses there (see :class:`Load`), and the speed within
-    which dry friction turns over there, 0 where none is tried."""
+    mean) takes at the RMS rate, s; what presses there (see :class:`Load`), the speed within
+    which dry friction turns over there, 0 where none is tried, and the mean stretch, its
+    ``middle``."""
 
     rate: float
     fastest: float
     time: float
     loads: tuple["Load", ...] = ()
     turning: float = 0.0
+    middle: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +43,10 @@ class Variant:
 
     ``added`` are the keys that make it a variant, ``tied`` those of them that grow with the first
     coefficient; a key that the plain law has too is tried about the value in ``tried``;
-    ``options`` are words, or expressions, that it has beside those of the plain law. A variant of
+    ``options`` are words, or expressions, that it has beside those of the plain law, ``shape`` keys
+    that are set and not fitted, ``bounds`` (key, lower, upper) those of added keys. One that names
+    a ``product``, written with ``{s}`` for the coordinate, says with the plain law what the two say
+    together, and is tried where that product would be. A variant of
     another ``law`` than the fitted one is one of its ``candidate``.
     """
 
@@ -50,6 +55,9 @@ class Variant:
     tied: tuple[str, ...] = ()
     tried: Row = field(default_factory=dict)
     options: tuple[tuple[str, str], ...] = ()
+    shape: Shape = ()
+    bounds: tuple[tuple[str, float, float], ...] = ()
+    product: str = ""
     law: str = ""
     candidate: Candidate | None = None
 

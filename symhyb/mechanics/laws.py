@@ -65,9 +65,9 @@ def acting(force: sp.Expr, stored: sp.Expr = ZERO) -> Action:
     return Action(force, stored, mass=ZERO)
 
 
-def friction_level(rate: sp.Expr, values: Values) -> sp.Expr:
-    """g = coulomb + (static − coulomb)·exp(−(s'/stribeck)²), N."""
-    return ZERO + levels.friction_level(SYMPY, rate, values)
+def friction_level(s: sp.Expr, rate: sp.Expr, values: Values) -> sp.Expr:
+    """The level g of dry friction at a stretch ``s`` and a ``rate``, N."""
+    return ZERO + levels.friction_level(SYMPY, Motion(s, rate, (), ZERO), values)
 
 
 def transition(values: Values) -> sp.Expr:

@@ -7,7 +7,7 @@ Behind the inputs u of the model come the *switches*, one after the other:
     on    (S)   whether a stop presses: 0 or 1
     side  (J)   on which side of a jump that is written: +1, −1, or between where it stays on it
 
-    friction    F = hold + sigma·g(s')·(1 + sigma·asymmetry)          no tanh: exact
+    friction    F = hold + sigma·g(s, s')·(1 + sigma·asymmetry)          no tanh: exact
     stop        F = ±on·(stiffness·depth + damping·depth')            no max: one branch
     sign(g)     side
 
@@ -19,7 +19,7 @@ argument g of each jump (J).
 a friction turns within its ``transition`` w along a straight line, and what is an input is the
 *mode*. Behind the sensors comes, for each mode, the argument that decides it:
 
-    friction      F = sigma·g(s')·(1 + sigma·asymmetry), sigma = mode + (1 − mode²)·s'/w
+    friction      F = sigma·g(s, s')·(1 + sigma·asymmetry), sigma = mode + (1 − mode²)·s'/w
                   mode −1, 0, +1 by s'/w: below −1, between, above +1
     stop          F = ±touches·presses·(stiffness·depth + damping·depth'), modes 0 and 1
                   touches by depth, presses (with damping) by its force, in m
@@ -51,9 +51,9 @@ def opened(model: Model, equations: Equations) -> Equations:
     for i, way, force in zip(holding, sigma, hold, strict=True):
         term, values = _term(equations, i), _values(model, equations, i)
         lean = values.get("asymmetry", ZERO)
-        slides = way * friction_level(term.r, values) * (1 + way * lean)
+        slides = way * friction_level(term.s, term.r, values) * (1 + way * lean)
         terms[i] = replace(term, law=acting(force + slides))
-        rest = friction_level(ZERO, values)
+        rest = friction_level(term.s, ZERO, values)
         watches += [rest * (1 + lean), rest * (1 - lean)]
     for i in dict.fromkeys(stop.element for stop in touching):
         sides = [(stop, mark) for stop, mark in zip(touching, on, strict=True) if stop.element == i]
@@ -82,7 +82,7 @@ def banded(model: Model, equations: Equations) -> Equations:
         held = mode(share)
         sigma = held + (1 - held**2) * share
         sides = 1 + sigma * values.get("asymmetry", ZERO)
-        terms[i] = replace(term, law=acting(friction_level(term.r, values) * sigma * sides))
+        terms[i] = replace(term, law=acting(friction_level(term.s, term.r, values) * sigma * sides))
     pressed: dict[int, sp.Expr] = {}
     for stop in stops(model):
         i = stop.element

@@ -228,9 +228,18 @@ def _complete(table: Table, kind: Law, placement: str) -> None:
             table.fault(f"kind '{kind.name}' needs '{name}'{reason}")
     if "static" in table.entries and kind.key("stribeck") and table.lacks("stribeck"):
         table.fault("'static' needs 'stribeck', the speed at which it falls to 'coulomb'")
-    for name, other in (("load_coefficient", "load"), ("load", "load_coefficient")):
+    for name, other, grows in _TOGETHER:
         if name in table.entries and kind.key(other) and table.lacks(other):
-            table.fault(f"'{name}' needs '{other}': friction grows by load_coefficient*abs(load)")
+            table.fault(f"'{name}' needs '{other}': friction {grows}")
+
+
+_BY_LOAD, _BY_PLACE = "grows by load_coefficient*abs(load)", "changes by slope*(s - around)"
+_TOGETHER = (
+    ("load_coefficient", "load", _BY_LOAD),
+    ("load", "load_coefficient", _BY_LOAD),
+    ("around", "slope", _BY_PLACE),
+    ("slope", "coulomb", _BY_PLACE),
+)
 
 
 def _frozen(value: object) -> object:

@@ -1,8 +1,11 @@
 """Variants of a law: tried where something is left, named with their numbers, and only then."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from law_rigs import RIG, Law, bouc_wen, lugre, numbers, on_rig, stop
+from law_rigs import RIG, Law, bouc_wen, driven, lugre, numbers, on_rig, stop
+from rigs import spring_model
 
 import symhyb as sh
 from symhyb.correction.search.preparing import prepare, settle
@@ -174,3 +177,19 @@ def test_friction_that_falls_with_speed_beside_a_damping_that_may_be_estimated(s
     assert set(found) == set(truth)
     for key, value in truth.items():
         assert abs(found[key][0] - value) < 4 * found[key][1], key
+
+
+def test_a_variant_that_says_a_product_is_tried_for_that_alone() -> None:
+    """x·sgn x' beside dry friction on x is friction whose level changes along the travel."""
+    model, run = spring_model(), driven(lambda x, v, z, f: (1.5 * np.tanh(v / 1e-4), 0.0), 1)
+    setting = settle(prepare(model, [run]))
+    plain = Hypothesis("friction", X, ("coulomb",), (True,), (("transition", 1e-3),))
+    said = Hypothesis("law", X, ("coefficient",), (False,), path="x*tanh(x'/transition)")
+    row = {"coulomb": 1.5}
+    ((sloped, first),) = variants_of(setting, plain, row, said)
+    assert (sloped.keys, sloped.added) == (("coulomb", "slope"), ("slope",))
+    assert first == {"coulomb": 1.5, "slope": pytest.approx(sloped.limits("slope")[1] / 30)}
+    assert sloped.limits("slope")[0] == -sloped.limits("slope")[1]
+    assert "slope" not in [key for h, _ in variants_of(setting, plain, row) for key in h.added]
+    for path in ("abs(x)*tanh(x'/transition)", "x*x'"):
+        assert list(variants_of(setting, plain, row, replace(said, path=path))) == []

@@ -83,6 +83,8 @@ def test_every_law_of_the_vocabulary_is_tried_at_every_place() -> None:
             "law",
             "network",
             "payload",
+            "flow_drag",  # in a flow that was recorded
+            "flow_lift",
             "mode",
             "hydromount",
         }
@@ -241,6 +243,8 @@ def test_probes_are_the_law_in_its_unknown_numbers() -> None:
         "law",
         "network",
         "payload",
+        "flow_drag",
+        "flow_lift",
     }
 
 

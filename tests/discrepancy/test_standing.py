@@ -5,6 +5,7 @@ from dataclasses import replace
 from builders import damper, oscillator, spring
 
 from symhyb.discrepancy.places.hypotheses import Hypothesis
+from symhyb.discrepancy.places.quantities import quantities_of
 from symhyb.discrepancy.places.standing import alike, taken_over
 from symhyb.model.types import On
 
@@ -18,6 +19,11 @@ def test_what_stands_at_a_place_is_of_the_same_kind_there() -> None:
     assert [one.name for one in alike(model, "damper", X)] == ["oil"]
     assert alike(model, "damper", On("2*x")) == ()
     assert alike(model, "friction", X) == ()
+
+
+def test_friction_is_a_function_of_the_stretch_where_it_has_a_slope() -> None:
+    assert quantities_of("friction", ("coulomb", "transition")) == {"rate"}
+    assert quantities_of("friction", ("coulomb", "slope", "transition")) == {"rate", "stretch"}
 
 
 def test_a_cause_takes_over_the_parameters_of_the_keys_that_both_have() -> None:

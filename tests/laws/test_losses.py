@@ -3,8 +3,9 @@ as. The rig moves a part of 0.5 kg and measures what that takes; see ``law_rigs.
 
 import numpy as np
 import pytest
-from law_rigs import RIG, Law, numbers, on_rig
+from law_rigs import RIG, Law, driven, numbers, on_rig
 from pushed import pushed_model, resisted
+from rigs import spring_model
 
 import symhyb as sh
 from symhyb.laws import LAWS, damper, damper_kinked, eddy_brake, friction, power
@@ -79,10 +80,34 @@ def test_friction_grows_with_the_size_of_its_load() -> None:
 
 def test_friction_is_tried_with_each_load_that_is_known_and_begins_at_half() -> None:
     pace = Pace(1.0, 1.5, 0.2, (Load("-k*x", 4.0), Load("f", 2.0)))
-    found = list(friction.LAW.variants({"coulomb": 3.0}, pace, ()))
+    found = list(friction.LAW.variants({"coulomb": 3.0}, pace, ("slope",)))
     assert [one.options for one in found] == [(("load", "-k*x"),), (("load", "f"),)]
     assert [one.first["load_coefficient"] for one in found] == [0.375, 0.75]
-    assert not list(friction.LAW.variants({"coulomb": 3.0}, pace, ("load_coefficient",)))
+    assert not list(friction.LAW.variants({"coulomb": 3.0}, pace, ("load_coefficient", "slope")))
+
+
+def test_friction_by_place_changes_along_the_stretch_and_never_drives() -> None:
+    values = {"coulomb": 2.0, "slope": 10.0, "around": 0.1, "transition": 0.01}
+    stretch = np.array([0.1, 0.2, -0.05, -0.3])
+    assert friction.LAW.action is not None
+    for rate in (-0.5, 0.5):
+        does = friction.LAW.action(NUMPY, Motion(stretch, 0 * stretch + rate, (), 0.0), values, {})
+        assert does.force == pytest.approx(np.sign(rate) * np.array([2.0, 3.0, 0.5, 0.0]))
+
+
+@pytest.mark.parametrize(("middle", "around"), [(0.1, ()), (-1.234, (("around", -1.2),))])
+def test_friction_by_place_is_tried_once_about_the_middle_of_a_travel_that_is_far_from_0(
+    middle: float, around: tuple[tuple[str, float], ...]
+) -> None:
+    pace = Pace(1.0, 1.5, 0.2, middle=middle)  # the stretch has an RMS of 0.2
+    (found,) = friction.LAW.variants({"coulomb": 3.0}, pace, ())
+    assert found.first == {"coulomb": 3.0, "slope": pytest.approx(7.5)}
+    assert (found.added, found.shape) == (("slope",), around)
+    ((key, lower, upper),) = found.bounds
+    assert key == "slope"
+    assert (lower, upper) == (-upper, pytest.approx(225.0))
+    assert not list(friction.LAW.variants({"coulomb": 3.0}, pace, ("slope",)))
+    assert not list(friction.LAW.variants({"coulomb": 3.0}, Pace(0.0, 0.0, 0.0), ()))
 
 
 def test_a_damper_may_stand_for_friction_by_each_load() -> None:
@@ -193,3 +218,21 @@ def test_friction_by_a_load_is_found_and_written_as_a_model_that_can_be_read() -
     again = parse_model(corrected.text, "rig.toml")
     assert again.elements == corrected.elements
     assert str(again.elements[-1].value("load")) == "-k*x"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("slope", [12.0, 0.0])
+def test_friction_by_place_is_found_where_it_changes_and_written_as_a_model(slope: float) -> None:
+    def law(x: float, v: float, z: float, f: float) -> tuple[float, float]:
+        return float(max(1.5 + slope * x, 0.0) * np.tanh(v / 1e-4)), 0.0
+
+    diagnosis = sh.diagnose(spring_model(), driven(law, 1, duration=8.0))
+    assert diagnosis.verdict == "missing physics", diagnosis.sentence
+    truth = {"friction.coulomb": 1.5, **({"friction.slope": slope} if slope else {})}
+    assert_close(dict(numbers(diagnosis)), truth)
+    assert ("at 0 m that changes by" in diagnosis.sentence) == (slope > 0)
+    assert not any("friction on x would" in one for one in diagnosis.remainder_notes)
+    corrected = sh.apply(spring_model(), diagnosis.found)
+    again = parse_model(corrected.text, "rig.toml")
+    assert again.elements == corrected.elements
+    assert (again.elements[-1].value("slope") is not None) == (slope > 0)

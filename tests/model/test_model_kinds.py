@@ -172,6 +172,19 @@ ONE_FAULT = {
         'kind = "friction_dynamic"\nstiffness = "k"\nstatic = "c"\ncoulomb = "c"',
         "'static' needs 'stribeck'",
     ),
+    "load alone": (
+        'kind = "friction"\ncoulomb = "c"\nload = "f"',
+        "'load' needs 'load_coefficient': friction grows by load_coefficient*abs(load)",
+    ),
+    "around nothing": (
+        'kind = "friction"\ncoulomb = "c"\naround = "nothing"',
+        "'around' needs 'slope': friction changes by slope*(s - around)",
+    ),
+    "slope of nothing": (
+        'kind = "friction"\nstatic = "c"\nstribeck = "w"\nslope = "k"',
+        "'slope' needs 'coulomb': friction changes by slope*(s - around)",
+    ),
+    "no flow": ('kind = "flow_lift"\nlift = "d/w"', "kind 'flow_lift' needs 'flow'"),
     "added input": (
         'kind = "added_mass"\nmass = "m*f/c"',
         "f is an input, on which an added mass cannot depend",

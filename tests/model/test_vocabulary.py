@@ -118,6 +118,8 @@ def test_energy_says_whether_a_kind_resists() -> None:
     assert set(KINDS) - passive == {
         "circulatory",
         "constant",
+        "flow_drag",
+        "flow_lift",
         "harmonic",
         "ripple",
         "force",

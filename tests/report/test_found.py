@@ -258,6 +258,8 @@ LAWS = [
     ("damper", ("damping",), ""),
     ("friction", ("coulomb", "transition"), ""),
     ("friction", ("coulomb", "transition", "asymmetry"), ""),
+    ("friction", ("coulomb", "transition", "slope"), ""),
+    ("friction", ("coulomb", "static", "stribeck", "transition", "slope", "around"), ""),
     ("gap", ("stiffness", "clearance"), "lower"),
     ("gap", ("stiffness", "clearance", "damping"), "both"),
     ("gap", ("stiffness",), "both"),
@@ -272,6 +274,7 @@ def test_the_law_as_text_is_the_law_that_acts(kind: str, keys: tuple[str, ...], 
     s, r, z, t = sp.symbols("s r z t", real=True)
     numbers_of = {**{"asymmetry": 0.2, "damping": 3.0, "micro_damping": 2.0}, **SHAPES[kind]}
     numbers_of |= {"static": 1.3, "stribeck": 0.1, "transition": 1e-2, "exponent": 1.5}
+    numbers_of |= {"slope": 6.0, "around": 0.05}
     options = (("side", side),) if kind == "gap" else ()
     values = {key: sp.Float(numbers_of[key]) for key in keys}
     law = action_of(Element("e", kind, On("x"), (), options=options), Motion(s, r, (z,), t), values)

@@ -275,11 +275,16 @@ def _exchanged(trials: Trials, base: Refined, as_predicted: bool = False) -> Non
 
 
 def _without_a_name(trials: Trials, best: Refined, nothing: Refined) -> None:
-    """Fit formulas beside the best structure, and in place of it."""
+    """Fit formulas beside the best structure, or the variant of a law of it that says the same by
+    name; and formulas in place of it."""
     book = candidates(trials.setting)
     for cause, row in beside(trials.setting, book, best):
-        causes = (*trials.causes(best), trials.index(cause))
-        _tried(trials, causes, [*grouped(best), row], best.fit.starts)
+        named = list(_varied(trials, best, best.causes, cause))
+        for causes, rows, starts in named:
+            _tried(trials, causes, rows, starts)
+        if not named:
+            causes = (*trials.causes(best), trials.index(cause))
+            _tried(trials, causes, [*grouped(best), row], best.fit.starts)
     for cause, row in instead(trials.setting, book, nothing):
         _tried(trials, (trials.index(cause),), [row])
 
@@ -361,13 +366,17 @@ def _suggested(
 
 
 def _varied(
-    trials: Trials, base: Refined, which: Sequence[Hypothesis]
+    trials: Trials,
+    base: Refined,
+    which: Sequence[Hypothesis],
+    product: Hypothesis | None = None,
 ) -> Iterator[tuple[Sequence[int], Sequence[Row], Sequence[Array] | None]]:
-    """A structure with each of some causes replaced by a variant of its law."""
+    """A structure with each of some causes replaced by a variant of its law; with a ``product``, by
+    one that says it by name."""
     own, rows = trials.causes(base), grouped(base)
     for i, cause in enumerate(base.causes):
         if cause in which:
-            for other, row in variants_of(trials.setting, cause, rows[i]):
+            for other, row in variants_of(trials.setting, cause, rows[i], product):
                 causes = [*own[:i], trials.index(other), *own[i + 1 :]]
                 yield causes, [*rows[:i], row, *rows[i + 1 :]], base.fit.starts
 

@@ -283,7 +283,8 @@ def _shapes(trial: Refined, which: int, first: int, spread: Array) -> Iterator[t
     """Of each number of a cause behind its strength, whether it was added to a plain law, and
     whether it stands out of its own deviation (``spread`` of all numbers, SI, those of the cause
     from ``first``): what was added from what the plain law has, an exponent from 1, breakaway from
-    sliding friction, what may have either sign by the sign that the plain law has not."""
+    sliding friction, what may have either sign by the sign that the plain law has not, or by
+    either where its bounds hold both."""
     cause, values = trial.causes[which], grouped(trial)[which]
     keys = list(values)[: cause.numbers]
     for key, sd in list(zip(keys, spread[first:], strict=False))[1:]:
@@ -292,5 +293,5 @@ def _shapes(trial: Refined, which: int, first: int, spread: Array) -> Iterator[t
         if declared is None or usual is None:
             yield False, bool(abs(values[key]) > OUTSTANDING * sd)
             continue
-        beyond = -values[key] if declared.either_sign else values[key] - usual
+        beyond = -values[key] if declared.either_sign else abs(values[key] - usual)
         yield True, bool(beyond > OUTSTANDING * sd)

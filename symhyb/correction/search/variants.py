@@ -18,16 +18,28 @@ from symhyb.numeric.kernels.buffers import Array
 
 
 def variants_of(
-    setting: Setting, cause: Hypothesis, row: Row
+    setting: Setting, cause: Hypothesis, row: Row, product: Hypothesis | None = None
 ) -> Iterator[tuple[Hypothesis, dict[str, float]]]:
     """Each variant of a fitted cause with the first guess of its keys, SI; ``row`` holds the values
-    of the plain law."""
+    of the plain law. With a ``product`` that is predicted to explain more, those that say it by
+    name, and else none of these."""
     if cause.place not in setting.library.places:
+        return
+    if product is not None and product.place != cause.place:
         return
     pace = pace_of(setting, cause.place)
     for variant in KINDS[cause.kind].variants(row, pace, cause.added):
+        if not _says(variant, product):
+            continue
         tried = _varied(_plain(cause, variant), variant)
         yield tried, {key: variant.first[key] for key in tried.keys}
+
+
+def _says(variant: Variant, product: Hypothesis | None) -> bool:
+    """Whether a variant says a product by name; without one, whether it says none."""
+    if product is None or not isinstance(product.place, On):
+        return not variant.product
+    return variant.product.format(s=product.place.coordinate) == product.path
 
 
 def _plain(cause: Hypothesis, variant: Variant) -> Hypothesis:
@@ -45,7 +57,7 @@ def _varied(plain: Hypothesis, variant: Variant) -> Hypothesis:
     if variant.tried:
         shape |= variant.tried
         return replace(plain, shape=tuple(shape.items()), added=(*plain.added, *variant.added))
-    shape |= {key: variant.first[key] for key in variant.added}
+    shape |= {key: variant.first[key] for key in variant.added} | dict(variant.shape)
     shape |= {key: variant.first[key] for key in plain.refined if key not in plain.tied}
     return replace(
         plain,
@@ -54,6 +66,7 @@ def _varied(plain: Hypothesis, variant: Variant) -> Hypothesis:
         tied=(*plain.tied, *variant.tied),
         options=(*plain.options, *variant.options),
         added=(*plain.added, *variant.added),
+        bounds=(*plain.bounds, *variant.bounds),
     )
 
 
@@ -65,6 +78,7 @@ def pace_of(setting: Setting, place: Place) -> Pace:
         for item in setting.stages[0].cuts
     ]
     stretch = np.concatenate([s[:, index] - s[:, index].mean() for s, _ in parts])
+    middle = float(np.mean([s[:, index].mean() for s, _ in parts]))
     rate = np.concatenate([r[:, index] for _, r in parts])
     typical = float(np.sqrt(np.mean(rate**2)))
     return Pace(
@@ -73,6 +87,7 @@ def pace_of(setting: Setting, place: Place) -> Pace:
         float(np.std(stretch)) / typical if typical > 0 else 0.0,
         _loads(setting, place),
         _turning(setting, place),
+        middle,
     )
 
 

@@ -30,6 +30,7 @@ REPORTED = 5
 def leftover(setting: Setting, selected: Refined) -> tuple[str, ...]:
     """Sentences on what would take a part of the remainder on held windows, largest first."""
     taken = {cause.family for cause in selected.causes}
+    varied = [cause for cause in selected.causes if cause.added]
     parts: dict[str, float] = {}
     laws = _laws(setting)
     model = WindowModel(
@@ -51,7 +52,8 @@ def leftover(setting: Setting, selected: Refined) -> tuple[str, ...]:
         ),
     ):
         for hypothesis, part in _promises(problem, selected):
-            if hypothesis.family not in taken:
+            plain = any(cause.extends(hypothesis) for cause in varied)
+            if hypothesis.family not in taken and not plain:
                 said = _said(hypothesis)
                 parts[said] = max(part, parts.get(said, 0.0))
     ranked = sorted(parts.items(), key=lambda item: -item[1])[:REPORTED]

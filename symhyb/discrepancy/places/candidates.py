@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from symhyb.discrepancy.places.hypotheses import Hypothesis, natural_length
-from symhyb.discrepancy.places.standing import alike
+from symhyb.discrepancy.places.standing import alike, flows_at
 from symhyb.laws import LAWS
 from symhyb.laws.base import STRETCHED, Law
 from symhyb.laws.reach import TRANSITION_SHARE, Candidate, Reach
@@ -32,7 +32,9 @@ def force_hypotheses(
     return tuple(
         hypothesis
         for place, reach in reaches.items()
-        for hypothesis in _at_place(model, place, replace(reach, narrow=narrow))
+        for hypothesis in _at_place(
+            model, place, replace(reach, narrow=narrow, flows=flows_at(model, place))
+        )
     )
 
 

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from symhyb.discrepancy.places.hypotheses import Hypothesis, Library
-from symhyb.discrepancy.places.standing import inputs_of_elements, named_by
+from symhyb.discrepancy.places.standing import inputs_beside, named_by
 from symhyb.discrepancy.words.formula import LAW
 from symhyb.model.types import Element, Model, On
 from symhyb.numeric.lowered.machine import build
@@ -38,8 +38,7 @@ def products(model: Model, transitions: Mapping[str, float]) -> tuple[Hypothesis
 def _numbers_with_channels(model: Model, x: str) -> set[str]:
     """The products on ``x`` that a number of the model is, which may be another one and changes
     with a channel that moves nothing: that number has a course over the channel."""
-    used = inputs_of_elements(model)
-    beside = [item.name for item in model.recorded_inputs if item.name not in used]
+    beside = inputs_beside(model)
     uncertain = {item.name for item in model.parameters if item.sd is not None}
     here = [
         one

@@ -33,7 +33,7 @@ def quantities_of(kind: str, keys: Collection[str]) -> frozenset[str]:
     if law.switch == "touches":  # a stop, which may be damped
         return frozenset(("stretch", *(("rate",) if "damping" in keys else ())))
     if law.energy == "dissipative":
-        return frozenset(("rate",))
+        return frozenset(("rate", *(("stretch",) if "slope" in keys else ())))
     return frozenset() if law.steady and law.at_rest else frozenset(("stretch",))
 
 

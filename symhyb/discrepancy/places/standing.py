@@ -6,7 +6,8 @@ from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.places.quantities import quantities_of
 from symhyb.model.expression import names
 from symhyb.model.types import Element, Model, Place
-from symhyb.model.vocabulary import KINDS
+from symhyb.model.vocabulary import KINDS, stretch_unit
+from symhyb.units import parse_unit
 
 
 def alike(model: Model, kind: str, place: Place | None) -> tuple[Element, ...]:
@@ -19,6 +20,24 @@ def inputs_of_elements(model: Model) -> tuple[str, ...]:
     or change a body."""
     used = {name for one in model.elements for name in named_by(one)}
     return tuple(item.name for item in model.recorded_inputs if item.name in used)
+
+
+def inputs_beside(model: Model) -> tuple[str, ...]:
+    """The recorded inputs that no element names: what was recorded beside the machine, as a
+    temperature or a wind, unless it imposes a motion or changes a body."""
+    used = inputs_of_elements(model)
+    return tuple(item.name for item in model.recorded_inputs if item.name not in used)
+
+
+def flows_at(model: Model, place: Place) -> tuple[str, ...]:
+    """The inputs beside the machine that show a speed in a unit of the rate of a place."""
+    imposed = {one.name for one in model.coordinates if one.imposed}
+    beside = {*inputs_beside(model)} - imposed
+    if not beside:
+        return ()
+    speed = stretch_unit(model, place) / parse_unit("s")
+    found = (item for item in model.recorded_inputs if item.name in beside)
+    return tuple(item.name for item in found if item.unit.same_dimension(speed))
 
 
 def named_by(element: Element, keys: Collection[str] | None = None) -> set[str]:
