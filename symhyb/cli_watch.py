@@ -54,7 +54,7 @@ def watch(
     """
     from contextlib import closing, nullcontext
 
-    from symhyb.console.terminal import read_map
+    from symhyb.data.columns import read_map
     from symhyb.model.read import read_model
     from symhyb.monitoring.events import Log
     from symhyb.monitoring.sources import source_of
