@@ -131,9 +131,11 @@ def _monitor(model: Model, order: Order, name: str, output: Path) -> tuple[str, 
     """Write a monitor in C that begins with a recording of the machine as it is."""
     from symhyb.data.recording import read_recording
     from symhyb.export.monitor.files import monitor_files  # it imports all of a diagnosis
+    from symhyb.export.monitor.held import require_monitored
     from symhyb.monitoring.begun import begun
 
     require_c_names(model, name)
+    require_monitored(model)
     recording = read_recording(order.recording, model, order.columns)
     found = begun(model, recording, order.false_alarms, recording.name)
     files = monitor_files(found, name, recording.name, order.false_alarms)

@@ -23,7 +23,8 @@ def monitor_files(
     Raises:
         InputError: a machine that has no monitor in C.
     """
-    require_monitored(begun)
+    prepared = begun.gauge.prepared
+    require_monitored(prepared.model, prepared.runs[0].motion.blind)
     constants = constants_of(begun)
     values = _values(begun, constants, identifier) | {
         "REFERENCE": comment(reference),

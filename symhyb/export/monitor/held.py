@@ -1,26 +1,22 @@
 """Which machines a monitor in C can be made of."""
 
+from collections.abc import Sequence
+
 from symhyb.discrepancy.recorded.watching import length_gauges
 from symhyb.errors import InputError, Problem
 from symhyb.model.types import Input, Model, Sensor
-from symhyb.monitoring.begun import Begun
 
 CURE = "watch it with symhyb watch"
 
 
-def require_monitored(begun: Begun) -> None:
-    """Refuse what the C code does not do.
+def require_monitored(model: Model, blind: Sequence[str] = ()) -> None:
+    """Refuse what the C code does not do; ``blind`` are coordinates whose place no sensor shows.
 
     Raises:
         InputError: everything of the model that stands in the way, with the cure.
     """
-    prepared = begun.gauge.prepared
-    model, machine = prepared.model, prepared.machine
     problems = [Problem(text, where, model.file) for where, text in _in_the_way(model)]
-    if machine.constraints or length_gauges(model):
-        text = f"a machine with constraints or quaternions has no monitor in C; {CURE}"
-        problems.append(Problem(text, "constraints", model.file))
-    for name in prepared.runs[0].motion.blind:
+    for name in blind:
         text = f"no sensor shows its place, which a monitor in C needs; {CURE}"
         problems.append(Problem(text, f"coordinates.{name}", model.file))
     if problems:
@@ -30,8 +26,11 @@ def require_monitored(begun: Begun) -> None:
 def _in_the_way(model: Model) -> list[tuple[str, str]]:
     """What of a model a monitor in C does not hold, by its place in the file."""
     found = []
-    if model.local is not None or any(item.local for item in model.inputs):
+    if model.engine is not None:
         found.append(("model", f"a model of another program has no monitor in C; {CURE}"))
+    if model.constraints or length_gauges(model):
+        text = f"a machine with constraints or quaternions has no monitor in C; {CURE}"
+        found.append(("constraints", text))
     for coordinate in model.coordinates:
         if coordinate.imposed:
             text = f"is imposed, and a monitor in C holds free coordinates alone; {CURE}"
