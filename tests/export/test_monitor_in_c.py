@@ -11,6 +11,8 @@ from command import Call
 from symhyb.data.recording import Recording
 from symhyb.data.thin import stretch
 from symhyb.errors import InputError
+from symhyb.export.functions.monitored import monitored
+from symhyb.export.monitor.constants import constants_of
 from symhyb.export.monitor.files import monitor_files
 from symhyb.export.monitor.held import require_monitored
 from symhyb.model.read import parse_model
@@ -139,6 +141,34 @@ def test_a_row_that_is_wrong_ends_the_program(program: Path, row: str) -> None:
     status, said = answered(program, f"{rows(1)[FIRST]}\n{row}\n")
     assert status == 2
     assert said == ["row 2: does not hold 3 numbers between commas"]
+
+
+def test_constants_fit_together() -> None:
+    found = constants_of(reference())
+    sizes, arrays, integers = found.sizes, found.arrays, found.integers
+    columns = reference().gauge.setting.library.columns
+    assert sizes["N_C"] == sum(map(len, columns))
+    assert sizes["N_COLUMNS"] == sizes["N_C"] + sizes["N_F"] == len(integers["KNOWN"])
+    assert arrays["CUMULANT"].size == sizes["N_BOUNDS"] * sizes["N_TILTS"] * sizes["N_COLUMNS"]
+    assert arrays["CLUSTERED"].size == sizes["N_BOUNDS"] * sizes["N_LENGTHS"] * sizes["N_COLUMNS"]
+    assert len(integers["COLUMN"]) == sizes["N_NUMBERS"] == len(found.amounts)
+    assert integers["FIRST"][-1] == len(integers["COLUMN"])
+    assert integers["PAIR"][-1] == sizes["N_PAIRS"]
+    assert found.motion == (0,)
+    assert found.steep == ()
+    assert all(np.isfinite(one).all() for one in arrays.values())
+
+
+def test_the_functions_are_dense_and_have_names_of_their_own() -> None:
+    setting = reference().gauge.setting
+    made = monitored(setting.windows, setting.library, (0,), ())
+    names = [function.name() for function in made.functions]
+    assert len(set(names)) == len(names)
+    assert {"model_step", "model_forces", "model_sense"} <= set(names)
+    assert "model_pathways" not in names
+    outputs = [(f, i) for f in made.functions for i in range(f.n_out())]
+    assert all(f.sparsity_out(i).is_dense() for f, i in outputs)
+    assert made.sizes()["SZ_ARG"] >= 8
 
 
 def test_the_code_allocates_nothing_opens_nothing_and_is_always_the_same() -> None:
