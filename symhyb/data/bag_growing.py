@@ -101,6 +101,8 @@ class _Records:
         self.fresh = []
         try:
             with self.path.open("rb") as stream:
+                if stream.seek(0, 2) < self.position:
+                    raise refusal(self.file, "has become shorter; begin the watch anew")
                 stream.seek(self.position)
                 content = stream.read(READ)
                 if len(content) == READ:

@@ -46,11 +46,10 @@ def of_bag(
     if parts or _complete(path):
         yield from _rows(read_recording(source, model, columns), -np.inf, header=True)
         return
-    files = mcap_files(path)
-    if path.suffix.lower() in BAGS[::2] or not (files or follow):
+    if not mcap_files(path):
         text = (
-            "is not complete, and only MCAP can be followed while it is written; record with "
-            "'ros2 bag record -s mcap', or watch it when it is complete"
+            "holds no bag that is complete, and only MCAP can be followed while it is written; "
+            "record with 'ros2 bag record -s mcap', or watch it when it is complete"
         )
         raise refusal(visible(source), text)
     reader = growing_bag if follow else bag_so_far

@@ -78,7 +78,10 @@ def test_every_block_is_reduced_as_python_does_it(program: Path) -> None:
     require_the_same(reference(), recording, lines, 10)
 
 
-@pytest.mark.parametrize("change", [{}, {"stiffness": 1.1 * STIFFNESS}, {"damping": 1.6}])
+@pytest.mark.parametrize(
+    "change",
+    [{}, {"stiffness": 1.1 * STIFFNESS}, pytest.param({"damping": 1.6}, marks=pytest.mark.slow)],
+)
 def test_alarms_come_at_the_same_sample_with_the_same_cause(
     program: Path, change: dict[str, float]
 ) -> None:

@@ -86,17 +86,18 @@ def growing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[Path, 
 
     def begun(folder: Path, parts: int) -> Path:
         content = file_of(folder).read_bytes()
-        edges = np.linspace(0, len(content), parts + 1).astype(int)[1:]
+        edges = np.linspace(0, len(content), parts + 1).astype(int).tolist()
+        rest = [content[first:last] for first, last in zip(edges[:-1], edges[1:], strict=True)]
         path = tmp_path / "live.mcap"
-        path.write_bytes(content[: edges[0]])
-        rest = list(edges[1:])
+        path.write_bytes(rest.pop(0))
         apart = played.pieces_apart
 
         def grown(*order: object) -> Generator[object, None, None]:
             for table in apart(*order):  # type: ignore[arg-type]
                 yield table
                 if rest:
-                    path.write_bytes(content[: rest.pop(0)])
+                    with path.open("ab") as stream:
+                        stream.write(rest.pop(0))
 
         monkeypatch.setattr(played, "pieces_apart", grown)
         return path
@@ -124,6 +125,7 @@ def test_a_bag_that_was_not_finished_is_played_as_far_as_it_goes(bag: Bag, tmp_p
     assert 0.3 * 30 / STEP < len(rows) < 0.8 * 30 / STEP
 
 
+@pytest.mark.slow
 def test_a_change_in_a_bag_is_told(bag: Bag, tmp_path: Path, symhyb: Call) -> None:
     model = tmp_path / "mass.toml"
     model.write_text(DRIVEN_MASS, encoding="utf-8")
@@ -139,6 +141,9 @@ def test_what_cannot_be_followed_says_what_to_do(bag: Bag, tmp_path: Path) -> No
     (folder / "metadata.yaml").unlink()
     with pytest.raises(InputError, match="record with 'ros2 bag record -s mcap'"):
         list(of_bag(str(folder), pushed_model(), MAP, follow=False))
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(InputError, match="holds no bag that is complete"):
+        list(of_bag(str(tmp_path / "empty"), pushed_model(), MAP, follow=True))
     with pytest.raises(InputError, match="does not exist"):
         list(of_bag(str(tmp_path / "none.mcap"), pushed_model(), MAP, follow=True))
 
