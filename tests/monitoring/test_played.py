@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable, Generator
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -24,10 +25,12 @@ Bag = Callable[..., Path]
 
 @pytest.fixture
 def bag(tmp_path: Path) -> Bag:
-    """``bag(stiffness, …)``: a bag of a push and a position, some seconds of each stiffness, in
-    chunks of 2 s."""
+    """``bag(stiffness, …)``: a bag of a push, at ``every`` few samples, and a position, some
+    seconds of each stiffness, in chunks of 2 s."""
 
-    def written(*stiffness: float, seconds: float = 30.0, form: str = "MCAP") -> Path:
+    def written(
+        *stiffness: float, seconds: float = 30.0, form: str = "MCAP", every: int = 1
+    ) -> Path:
         store = typesys.get_typestore(typesys.Stores.ROS2_HUMBLE)
         number = store.types["std_msgs/msg/Float64"]
         path = tmp_path / "run"
@@ -43,6 +46,8 @@ def bag(tmp_path: Path) -> Bag:
                 channels = run.sensors["laser"], run.inputs["f"]
                 for i, t in enumerate(run.t + first):
                     for topic, values in zip(topics, channels, strict=True):
+                        if topic is topics[1] and i % every:
+                            continue
                         message = store.serialize_cdr(number(values[i]), number.__msgtype__)
                         writer.write(topic, round((100 + t) * SECOND), message)
                     if form == "MCAP" and i % 100 == 99:
@@ -87,7 +92,7 @@ def growing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[Path, 
     def begun(folder: Path, parts: int) -> Path:
         content = file_of(folder).read_bytes()
         edges = np.linspace(0, len(content), parts + 1).astype(int).tolist()
-        rest = [content[first:last] for first, last in zip(edges[:-1], edges[1:], strict=True)]
+        rest = [content[first:last] for first, last in pairwise(edges)]
         path = tmp_path / "live.mcap"
         path.write_bytes(rest.pop(0))
         apart = played.pieces_apart
@@ -105,10 +110,11 @@ def growing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[Path, 
     return begun
 
 
+@pytest.mark.parametrize("every", [1, 7])
 def test_a_bag_that_is_being_written_is_followed_to_its_end(
-    bag: Bag, growing: Callable[[Path, int], Path]
+    bag: Bag, growing: Callable[[Path, int], Path], every: int
 ) -> None:
-    folder = bag(STIFFNESS)
+    folder = bag(STIFFNESS, every=every)
     whole = numbers(list(of_bag(str(folder), pushed_model(), MAP, follow=True)))
     live = growing(folder, 7)
     lines = list(of_bag(str(live), pushed_model(), MAP, follow=True))
