@@ -29,7 +29,6 @@ from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.runs.between import FINER
 from symhyb.numeric.runs.window_steps import PIECES_MOST
 
-assert END_KNOTS == 3
 MIDDLE = (0.3, 0.7, 15)  # of the rows by which a spline's deviation is judged
 
 
@@ -94,6 +93,7 @@ def constants_of(begun: Begun) -> Constants:
         "FINE": run.fine,
         "PIECES": PIECES_MOST,
         "SAMPLES_LEAST": SAMPLES_LEAST,
+        "END_KNOTS": END_KNOTS,
         "N_CAUSES": len(gauge.hypotheses),
         "N_PAIRS": sum(size**2 for size in pairs),
         "K_MOST": max(pairs),
@@ -128,6 +128,7 @@ def constants_of(begun: Begun) -> Constants:
         **({"SMOOTH": smooth} if any(smooth) else {}),
         **({"SHARP": sharp, "MIDDLE": middle.tolist()} if sharp else {}),
         "MOTION": motion,
+        "LENGTHS": LENGTHS,
         "GAINS": gains,
         "COLUMN": [c for own in gauge.causes.columns for c in own],
         "FIRST": first,

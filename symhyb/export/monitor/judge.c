@@ -41,7 +41,6 @@ static void inverted(const double *given, int size, double *made) {
 
 /* How improbable what the last blocks say is, by the most improbable column and length. */
 static double chance_of(Monitor *m) {
-  static const int LENGTHS[N_LENGTHS] = {1, 2, 3, 4, 5, 6, 8, 12, 16, 24, 32, 48, LONGEST};
   double found = 0;
   const int recent = m->count < LONGEST ? m->count : LONGEST;
   for (int c = 0; c < N_COLUMNS; ++c) {

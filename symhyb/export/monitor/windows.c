@@ -201,7 +201,7 @@ static int projected(Monitor *m, int rows, Block *block) {
 
 /* The sample from which the motion determines a start: a spline may swing at its ends. */
 static int settled(const Monitor *m) {
-  const int end = (int)ceil(3 * SPACING_S / m->step);
+  const int end = (int)ceil(END_KNOTS * SPACING_S / m->step);
   if (N < 20 * end) return 0;
   for (int i = 0; i < N_Q; ++i) {
     double first = 0, between = 0;
