@@ -143,7 +143,8 @@ def diagnose(
           --holdout studies/oscillator/holdout.csv -o out
     """
     from symhyb.console.results import print_result, printed_if_interrupted
-    from symhyb.console.terminal import progress, read_map
+    from symhyb.console.terminal import progress
+    from symhyb.data.columns import read_map
     from symhyb.deadline import required_seconds
     from symhyb.report.contract import to_json
     from symhyb.study import StudyResult, carry_out, leave_files

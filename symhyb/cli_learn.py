@@ -123,7 +123,8 @@ def learn(
           --holdout studies/oscillator/holdout.csv -o out
     """
     from symhyb.console.results import print_learned
-    from symhyb.console.terminal import progress, read_map
+    from symhyb.console.terminal import progress
+    from symhyb.data.columns import read_map
     from symhyb.learned_run import Order, carry_out_order, leave_learned
     from symhyb.study_file import Study
     from symhyb.study_sources import Source

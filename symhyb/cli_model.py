@@ -113,7 +113,8 @@ def simulate(
       symhyb simulate models/oscillator.toml -o run.csv \\
           --input studies/oscillator/train.csv
     """
-    from symhyb.console.terminal import leave_run, progress, read_map, require_files, warn
+    from symhyb.console.terminal import leave_run, progress, require_files, warn
+    from symhyb.data.columns import read_map
     from symhyb.model.read import read_model
     from symhyb.model.switching import left_smooth
     from symhyb.simulation import read_inputs, run_model

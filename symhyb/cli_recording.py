@@ -57,7 +57,8 @@ def look(
       symhyb look studies/oscillator/train.csv --figure train.svg
     """
     from symhyb.console.look import look_facts, print_look
-    from symhyb.console.terminal import progress, read_map
+    from symhyb.console.terminal import progress
+    from symhyb.data.columns import read_map
     from symhyb.looking import look_into, require_picture, write_picture
 
     if figure is not None:
@@ -92,7 +93,8 @@ def compare(
       symhyb compare models/oscillator.toml studies/oscillator/train.csv
     """
     from symhyb.console.comparison import check_facts, discrepancy_facts, print_first_checks
-    from symhyb.console.terminal import progress, read_map
+    from symhyb.console.terminal import progress
+    from symhyb.data.columns import read_map
     from symhyb.data.known_table import table_of_known, values_in
     from symhyb.data.recording import read_recording
     from symhyb.discrepancy.checks.first_checks import FirstChecks, first_checks, repeats_of
@@ -163,7 +165,8 @@ def scan(
       symhyb scan models/oscillator.toml studies/oscillator/train.csv
     """
     from symhyb.console.scanned import print_scan, scan_facts, scan_table
-    from symhyb.console.terminal import progress, read_map
+    from symhyb.console.terminal import progress
+    from symhyb.data.columns import read_map
     from symhyb.model.read import read_model
     from symhyb.scanning import scan as scan_along
     from symhyb.writing import require_new, write_file
@@ -216,7 +219,8 @@ def fit(
       symhyb fit models/oscillator.toml studies/oscillator/train.csv --free c -o fitted.toml
     """
     from symhyb.console.fitted import fit_facts, print_fit
-    from symhyb.console.terminal import progress, read_map
+    from symhyb.console.terminal import progress
+    from symhyb.data.columns import read_map
     from symhyb.fitted_run import fit_study
     from symhyb.model.write import write_model
     from symhyb.report.contract import scores_json

@@ -46,7 +46,7 @@ def view(
     """
     import webbrowser
 
-    from symhyb.console.terminal import read_map
+    from symhyb.data.columns import read_map
     from symhyb.workbench.bench import open_bench
     from symhyb.workbench.results import result_folders
     from symhyb.workbench.serving import Workbench

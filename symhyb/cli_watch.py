@@ -19,7 +19,8 @@ def watch(
         typer.Argument(
             metavar="SOURCE",
             help="A file that grows, - for standard input, or udp:PORT for datagrams from this"
-            " machine. Rows as in a CSV file, the names of the columns first.",
+            " machine: rows as in a CSV file, the names of the columns first. Or a bag of ROS, MCAP"
+            " also while it is written.",
         ),
     ],
     columns: Map = None,
@@ -54,14 +55,19 @@ def watch(
     """
     from contextlib import closing, nullcontext
 
-    from symhyb.console.terminal import read_map
+    from symhyb.data.columns import read_map
     from symhyb.model.read import read_model
     from symhyb.monitoring.events import Log
+    from symhyb.monitoring.played import is_bag, of_bag
     from symhyb.monitoring.sources import source_of
     from symhyb.monitoring.watching import Watch, watch
 
-    settings = Watch(read_model(model), reference, false_alarms, read_map(columns), source)
-    lines, moved = source_of(source, follow=not once), False
+    declared, mapped, moved = read_model(model), read_map(columns), False
+    if is_bag(source):
+        lines, mapped = of_bag(source, declared, mapped, follow=not once), {}
+    else:
+        lines = source_of(source, follow=not once)
+    settings = Watch(declared, reference, false_alarms, mapped or None, source)
     with Log(log) if log is not None else nullcontext() as kept, closing(lines):
         for event in watch(settings, lines):
             moved |= event.kind == "changed"

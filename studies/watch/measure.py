@@ -1,23 +1,30 @@
 """How soon a watch tells changes, how it names them, and how often it tells what is none.
 
-    python studies/watch/measure.py [--first 40] [--changes 40] [--nulls 10] [--null-s 600]
+    python studies/watch/measure.py [--first 40] [--changes 40] [--nulls 10] [--null-s 600] [--in-c]
 
 A slide with dry friction is simulated here, by equations of its own: under a multisine whose lines
 and phases a seed draws. After 90 s one thing changes. Every change is drawn: which, and how large.
-Prints a table; nothing here is a test.
+With --in-c the runs without a change are watched by the monitor in C, which is as good as silent
+after its first alarm and costs next to nothing. Prints a table; nothing here is a test.
 """
 
 import argparse
+import resource
+import subprocess
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from symhyb.export.monitor.files import monitor_files
 from symhyb.model.read import read_model
+from symhyb.monitoring.begun import begun
 from symhyb.monitoring.events import Event
+from symhyb.monitoring.feed import Feed
 from symhyb.monitoring.watching import Watch, watch
 
 MODEL = Path(__file__).parent / "model.toml"
@@ -88,6 +95,28 @@ def told(seed: int, change: Drawn | None, seconds: float) -> tuple[list[Event], 
     return events, (time.process_time() - begun) / seconds
 
 
+def alarms_in_c(seed: int, seconds: float) -> tuple[int, float]:
+    """Whether the monitor in C sees a change in a run without one, and the seconds of processor
+    that its process takes for each second of the source."""
+    model, rows = read_model(MODEL), list(lines(seed, seconds, None))
+    feed, first = Feed(model, None, "null.csv"), round(REFERENCE_S * RATE)
+    for row in rows[: 1 + first]:
+        feed.take(row)
+    found = begun(model, feed.piece(first), 1.0, "null.csv")
+    with TemporaryDirectory() as folder:
+        for name, text in monitor_files(found, "slide", "null.csv", 1.0).items():
+            (Path(folder) / name).write_text(text, encoding="utf-8")
+        command = ["cc", "-std=c99", "-O2", "slide.c", "slide_main.c", "-lm", "-o", "slide"]
+        subprocess.run(command, cwd=folder, check=True)
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        given = "\n".join(rows[1 + first :])
+        done = subprocess.run([f"{folder}/slide"], input=given, text=True, check=False)
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    if done.returncode > 1:
+        raise RuntimeError(f"the monitor ended with {done.returncode}")
+    return done.returncode, (after.ru_utime - before.ru_utime) / (seconds - REFERENCE_S)
+
+
 def main() -> None:
     """Draw, watch and print."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
@@ -95,6 +124,7 @@ def main() -> None:
     parser.add_argument("--changes", type=int, default=40)
     parser.add_argument("--nulls", type=int, default=10)
     parser.add_argument("--null-s", type=float, default=600.0)
+    parser.add_argument("--in-c", action="store_true", help="null runs by the monitor in C")
     options = parser.parse_args()
     soon, right, false, delays, cost = 0, 0, 0, [], []
     for seed in range(options.first, options.first + options.changes):
@@ -114,15 +144,19 @@ def main() -> None:
             flush=True,
         )
     for seed in range(1000 + options.first, 1000 + options.first + options.nulls):
-        events, spent = told(seed, None, options.null_s)
+        if options.in_c:
+            alarms, spent = alarms_in_c(seed, options.null_s)
+        else:
+            events, spent = told(seed, None, options.null_s)
+            alarms = sum(e.kind == "changed" for e in events)
         cost.append(spent)
-        false += (alarms := sum(e.kind == "changed" for e in events))
-        print(f"{seed}: nothing changes: {alarms} alarms", flush=True)
+        false += alarms
+        print(f"{seed}: nothing changes: {alarms} alarms, {spent:.4f} s/s", flush=True)
     hours = (options.nulls * (options.null_s - REFERENCE_S)) / 3600
     hours += options.changes * (AT_S - REFERENCE_S) / 3600
     print(
         f"\ntold within 5 s: {soon} of {options.changes} (median "
-        f"{np.median(delays):.1f} s); named: "
+        f"{np.median(delays or [np.nan]):.1f} s); named: "
         f"{right} of {options.changes}; false alarms: {false} in {hours:.1f} h; "
         f"{np.median(cost):.3f} s of processor for a second of the source"
     )

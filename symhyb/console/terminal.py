@@ -54,26 +54,6 @@ def progress(console: Console | None = None) -> Iterator[Say]:
         raise
 
 
-def read_map(options: Sequence[str] | None) -> dict[str, str]:
-    """Read the options ``--map channel=column``.
-
-    Raises:
-        InputError: an option without channel, ``=`` or column, or a channel that stands twice.
-    """
-    columns: dict[str, str] = {}
-    problems = []
-    for text in options or ():
-        channel, equals, column = (part.strip() for part in text.partition("="))
-        if not (channel and equals and column):
-            problems.append(Problem("write it as channel=column", f"--map {text}"))
-        elif channel in columns:
-            problems.append(Problem(f"'{channel}' is mapped twice", f"--map {text}"))
-        columns[channel] = column
-    if problems:
-        raise InputError(problems)
-    return columns
-
-
 def require_files(output: Path, events: Path | None) -> None:
     """Refuse files that ``simulate`` cannot leave its tables in.
 

@@ -45,7 +45,7 @@ def files_of_bag(folder: Path) -> tuple[Path, ...]:
     """
     if not (folder / "metadata.yaml").is_file():
         return ()
-    inside = sorted((one for one in folder.iterdir() if one.is_file()), key=_natural)
+    inside = sorted((one for one in folder.iterdir() if one.is_file()), key=natural)
     packed = [one.name for one in inside if Path(one.stem).suffix.lower() in STORED]
     if packed:
         raise refusal(str(folder), f"its files are packed; unpack them: zstd -d {packed[0]}")
@@ -71,8 +71,8 @@ def folder_of_bag(folder: Path) -> bytes | None:
     return stream.getvalue()
 
 
-def _natural(path: Path) -> list[int | str]:
-    """A name with its numbers as numbers: part_2 before part_10."""
+def natural(path: Path) -> list[int | str]:
+    """By which files are sorted: a name with its numbers as numbers: part_2 before part_10."""
     return [int(one) if one.isdecimal() else one for one in re.split(r"(\d+)", path.name)]
 
 
@@ -86,14 +86,13 @@ def read_bag(content: bytes, file: str) -> Table:
     magic = next((one for one in (BAG, MCAP, DB3, FOLDER) if content.startswith(one)), None)
     if magic is None:
         raise refusal(file, "is not a bag of ROS, although its name says so")
-    for module in ("rosbags", "rosbags.rosbag1", "rosbags.rosbag2", "rosbags.typesys"):
-        needed(module, "rosbag", file)
-    topics: dict[str, _Topic] = {}
+    require_rosbags(file)
+    topics: dict[str, Topic] = {}
     notes: dict[str, None] = {}
     try:
         with ExitStack() as stack, TemporaryDirectory() as place:
             for part in _written(content, magic, Path(place)):
-                _read(stack.enter_context(_opened(part)), part, topics, notes, file)
+                read_into(stack.enter_context(opened(part)), part, topics, notes, file)
     except (InputError, MemoryError):
         raise
     except Exception as error:  # damaged bytes make rosbags raise errors of many kinds
@@ -101,7 +100,17 @@ def read_bag(content: bytes, file: str) -> Table:
         cure = RECOVER.get(magic, "")
         text = f"is a damaged or cut off bag: {why}{cure}"
         raise refusal(file, text) from error
-    return _table(topics, tuple(notes), file)
+    return table_of(topics, tuple(notes), file)
+
+
+def require_rosbags(file: str) -> None:
+    """Refuse a bag where rosbags is not installed.
+
+    Raises:
+        InputError: how to install it.
+    """
+    for module in ("rosbags", "rosbags.rosbag1", "rosbags.rosbag2", "rosbags.typesys"):
+        needed(module, "rosbag", file)
 
 
 def _written(content: bytes, magic: bytes, place: Path) -> Iterator[Path]:
@@ -121,14 +130,15 @@ def _written(content: bytes, magic: bytes, place: Path) -> Iterator[Path]:
             yield path
 
 
-def _opened(path: Path) -> Any:
+def opened(path: Path) -> Any:
+    """The reader of rosbags for a file."""
     from rosbags import rosbag1, rosbag2
 
     return rosbag1.Reader(path) if path.suffix == ".bag" else rosbag2.Reader(path)
 
 
 @dataclass(slots=True)
-class _Topic:
+class Topic:
     """What was read of a topic: when its messages were ``logged`` and their ``stamps`` in ns,
     ``missing`` counts those without one; the ``numbers`` by name; the names that are too wide."""
 
@@ -155,8 +165,8 @@ class _Topic:
         self.wide |= message.wide
 
 
-def _read(
-    reader: Any, path: Path, topics: dict[str, _Topic], notes: dict[str, None], file: str
+def read_into(
+    reader: Any, path: Path, topics: dict[str, Topic], notes: dict[str, None], file: str
 ) -> None:
     """Take all messages of one file."""
     ros2 = path.suffix != ".bag"
@@ -168,7 +178,7 @@ def _read(
         name, msgtype = connection.topic, connection.msgtype
         if name in left:
             continue
-        topic = topics.setdefault(name, _Topic(msgtype))
+        topic = topics.setdefault(name, Topic(msgtype))
         encoded = str(getattr(connection.ext, "serialization_format", "ros1"))
         try:
             if topic.msgtype != msgtype:
@@ -184,7 +194,7 @@ def _read(
         except UnreadableError as error:
             left.add(name)
             notes[f"topic {_called(name)}: {error}: left out"] = None
-            topics[name] = _Topic(msgtype)
+            topics[name] = Topic(msgtype)
         if sum(len(one.numbers) for one in topics.values()) > COLUMNS:
             raise refusal(file, f"has more than {COLUMNS} channels")
 
@@ -208,12 +218,21 @@ def _types(connections: Sequence[Any], ros2: bool) -> tuple[Mapping[str, Any], l
     return get_typestore(Stores.ROS2_HUMBLE).fielddefs, [said]
 
 
-def _table(topics: Mapping[str, _Topic], notes: Sequence[str], file: str) -> Table:
+def table_of(
+    topics: Mapping[str, Topic], notes: Sequence[str], file: str, zero: int | None = None
+) -> Table:
+    """The numbers of topics as columns; times count from ``zero`` in ns, by default from the first
+    message.
+
+    Raises:
+        InputError: no message has a number.
+    """
     filled = {name: topic for name, topic in topics.items() if topic.numbers}
     if not filled:
         why = "".join(f"; {note}" for note in notes)
         raise refusal(file, f"holds no message with numbers{why}")
     firsts = [min(topic.logged) for topic in filled.values()]
+    zero = min(firsts) if zero is None else zero
     lasting = max(max(topic.logged) for topic in filled.values()) - min(firsts)
     columns: list[Column] = []
     times: list[Times] = []
@@ -224,7 +243,7 @@ def _table(topics: Mapping[str, _Topic], notes: Sequence[str], file: str) -> Tab
         if rows > 1:
             logged, stamps = _int64(topic.logged), _int64(topic.stamps)
             given = stamps if topic.unstamped < rows else None
-            times.append(times_of(part, logged, given, min(firsts), lasting))
+            times.append(times_of(part, logged, given, zero, lasting))
             columns += _clocks(times[-1], part)
         for header, values in topic.numbers.items():
             known = np.full(rows, np.nan)
@@ -234,7 +253,7 @@ def _table(topics: Mapping[str, _Topic], notes: Sequence[str], file: str) -> Tab
     return Table(file, tuple(columns), (*notes, *time_notes(times), *said))
 
 
-def _wide_notes(topics: Mapping[str, _Topic]) -> list[str]:
+def _wide_notes(topics: Mapping[str, Topic]) -> list[str]:
     """Say which arrays are too long for channels."""
     wide = [
         f"{_called(name)}.{one}" for name in sorted(topics) for one in sorted(topics[name].wide)

@@ -7,7 +7,7 @@ built-in ``index`` (row number from 0), and may end with a unit: ``{"laser": "ro
 """
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from symhyb.data.channels import Channels
 from symhyb.data.merge import merged, one_run
@@ -44,6 +44,26 @@ _UNIT_AT_END = re.compile(r"(.+)[_ ](s|sec|ms|us)", re.IGNORECASE)
 MOST_NAMES = 12  # columns that a note lists
 
 _Clocked = tuple[Source, Source | None]  # a channel's source and that of its times
+
+
+def read_map(options: Sequence[str] | None) -> dict[str, str]:
+    """Read the options ``--map channel=column``.
+
+    Raises:
+        InputError: an option without channel, ``=`` or column, or a channel that stands twice.
+    """
+    columns: dict[str, str] = {}
+    problems = []
+    for text in options or ():
+        channel, equals, column = (part.strip() for part in text.partition("="))
+        if not (channel and equals and column):
+            problems.append(Problem("write it as channel=column", f"--map {text}"))
+        elif channel in columns:
+            problems.append(Problem(f"'{channel}' is mapped twice", f"--map {text}"))
+        columns[channel] = column
+    if problems:
+        raise InputError(problems)
+    return columns
 
 
 def map_columns(table: Table, model: Model, columns: Mapping[str, str] | None = None) -> Channels:

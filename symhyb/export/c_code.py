@@ -79,9 +79,9 @@ def fmu_code(spec: Spec, fmi: int, token: str) -> str:
             model_code(spec),
             f'#define TOKEN "{token}"',
             f"#define STAMP {stamp}.0",
-            _array("START", (v.start for v in spec.variables)),
-            _array("NOMINAL", nominal),
-            *([_array("WAYS", spec.exported.ways)] if spec.events else []),
+            array("START", (v.start for v in spec.variables)),
+            array("NOMINAL", nominal),
+            *([array("WAYS", spec.exported.ways)] if spec.events else []),
             part("core.c", spec.events),
             part(f"fmi{fmi}.c", spec.events),
         )
@@ -141,7 +141,7 @@ def _header(spec: Spec) -> str:
 
 def _plain(spec: Spec) -> str:
     name, e = spec.identifier, spec.exported
-    values = _array(f"{name}_p", e.p, "const double"), _array(f"{name}_x", e.x, "const double")
+    values = array(f"{name}_p", e.p, "const double"), array(f"{name}_x", e.x, "const double")
     return "\n".join(
         (
             f'#include "{name}.h"',
@@ -176,13 +176,13 @@ def _check(spec: Spec) -> str:
             f"enum {{ NX = {e.x.size}, NU = {e.u.size}, NY = {len(e.outputs)}, "
             f"SAMPLES = {SAMPLES} }};",
             f"#define ALLOWED {TOLERANCE:g}",
-            _array("SAMPLE", np.concatenate(rows)),
+            array("SAMPLE", np.concatenate(rows)),
             part("check.c").replace("NAME", name),
         )
     )
 
 
-def _array(name: str, values: Iterable[float], kind: str = "static const double") -> str:
+def array(name: str, values: Iterable[float], kind: str = "static const double") -> str:
     """A C array; never of length 0, which C does not know."""
     listed = [repr(float(value)) for value in values] or ["0.0"]
     lines = [", ".join(listed[i : i + 6]) for i in range(0, len(listed), 6)]

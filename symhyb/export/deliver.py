@@ -12,20 +12,21 @@ from symhyb.export.curve_table import curve_tables
 from symhyb.export.fmu import fmu, kinds_of
 from symhyb.export.functions.exported import serialised
 from symhyb.export.simulink import simulink_files
-from symhyb.export.spec import C_WORDS, Role, Spec, spec_of
+from symhyb.export.spec import C_WORDS, Role, Spec, require_c_names, spec_of
 from symhyb.model.types import Model
 from symhyb.writing import require_folder, staged, write_file
 
-TARGETS = ("fmu", "c", "casadi", "adams", "simulink", "curve", "latex", "urdf", "mjcf")
+TARGETS = ("fmu", "c", "casadi", "adams", "simulink", "curve", "latex", "urdf", "mjcf", "monitor")
 ROBOTS = ("urdf", "mjcf")
-FOLDERS = ("c", "adams", "simulink", "curve")  # what consists of several files
+FOLDERS = ("c", "adams", "simulink", "curve", "monitor")  # what consists of several files
 
 
 @dataclass(frozen=True, slots=True)
 class Order:
     """What a person asks for: ``elements`` alone (none: those found) or the ``whole`` model;
     ``kinds`` None for those that are usual; ``robot`` is the URDF or MJCF that is to be changed;
-    ``spans`` are the ranges of stretch and rate of a table, SI."""
+    ``spans`` are the ranges of stretch and rate of a table, SI; ``recording`` is the reference of a
+    monitor, with ``columns`` of its channels and the ``false_alarms`` a day that are allowed."""
 
     to: str
     elements: tuple[str, ...] = ()
@@ -37,6 +38,9 @@ class Order:
     events: bool = False
     robot: Path | None = None
     spans: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    recording: str = ""
+    columns: Mapping[str, str] = field(default_factory=dict)
+    false_alarms: float = 1.0
 
 
 def deliver(model: Model, order: Order, output: Path) -> tuple[str, ...]:
@@ -61,6 +65,7 @@ def deliver(model: Model, order: Order, output: Path) -> tuple[str, ...]:
     if order.spans and order.to != "curve":
         text = f"--stretch and --rate are ranges of tables (--to curve), not of '{order.to}'"
         raise InputError(Problem(text))
+    _require_monitor(order)
     kinds = kinds_of(order.events, order.kinds)
     require_folder(output if order.to in FOLDERS else output.absolute().parent)
     if order.to not in FOLDERS and output.is_dir():
@@ -77,6 +82,8 @@ def deliver(model: Model, order: Order, output: Path) -> tuple[str, ...]:
     if order.robot is not None:
         return _robot(model, order.robot, order.to, output)
     name = order.name or _identifier(order, output)
+    if order.to == "monitor":
+        return _monitor(model, order, name, output)
     spec = spec_of(model, name, order.elements, order.whole, order.events)
     match order.to:
         case "fmu":
@@ -102,6 +109,43 @@ def deliver(model: Model, order: Order, output: Path) -> tuple[str, ...]:
                 "program that loads it run other code, so load only those you wrote yourself"
             )
     return (said, *_interface(spec))
+
+
+def _require_monitor(order: Order) -> None:
+    """Refuse options of a monitor with other forms, and of other forms with a monitor."""
+    problems = []
+    if (order.to == "monitor") != bool(order.recording):
+        text = (
+            "--to monitor goes with --recording FILE, a recording of the machine as it is; no "
+            "other form does"
+        )
+        problems.append(Problem(text))
+    if order.to == "monitor" and (order.elements or order.whole):
+        text = "a monitor is of the whole model always; leave out --element and --whole"
+        problems.append(Problem(text))
+    if problems:
+        raise InputError(problems)
+
+
+def _monitor(model: Model, order: Order, name: str, output: Path) -> tuple[str, ...]:
+    """Write a monitor in C that begins with a recording of the machine as it is."""
+    from symhyb.data.recording import read_recording
+    from symhyb.export.monitor.files import monitor_files  # it imports all of a diagnosis
+    from symhyb.export.monitor.held import require_monitored
+    from symhyb.monitoring.begun import begun
+
+    require_c_names(model, name)
+    require_monitored(model)
+    recording = read_recording(order.recording, model, order.columns)
+    found = begun(model, recording, order.false_alarms, recording.name)
+    files = monitor_files(found, name, recording.name, order.false_alarms)
+    _write_all(output, files)
+    blocks = f"{found.rows} samples a block, {found.reference.count} of them in the reference"
+    return (
+        f"{output}: {', '.join(files)}",
+        f"  {blocks}; {len(found.gauge.hypotheses)} causes",
+        "  inputs and sensors in SI, in the order that the header states",
+    )
 
 
 def _robot(model: Model, source: Path, form: str, output: Path) -> tuple[str, ...]:

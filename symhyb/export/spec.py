@@ -127,7 +127,7 @@ def spec_of(
         InputError: names that are not valid in C, elements that are missing or cannot be exported,
             or nothing that switches.
     """
-    _require_c_names(model, identifier)
+    require_c_names(model, identifier)
     if whole:
         if elements:
             text = "name elements or export the whole model, not both"
@@ -169,7 +169,12 @@ def chosen(model: Model, elements: Sequence[str]) -> tuple[str, ...]:
     return tuple(elements) or found
 
 
-def _require_c_names(model: Model, identifier: str) -> None:
+def require_c_names(model: Model, identifier: str) -> None:
+    """Refuse names that are none in C.
+
+    Raises:
+        InputError: the ``identifier`` of an export, or names of the model.
+    """
     problems = []
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,63}", identifier) or identifier in C_WORDS:
         text = (

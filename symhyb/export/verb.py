@@ -16,13 +16,16 @@ def export(
         typer.Option(
             "--to",
             metavar="FORM",
-            help="One of fmu, c, casadi, adams, simulink, curve, latex, urdf, mjcf.",
+            help="One of fmu, c, casadi, adams, simulink, curve, latex, urdf, mjcf, monitor.",
         ),
     ],
     output: Annotated[
         Path,
         typer.Option(
-            "-o", "--output", metavar="OUT", help="File; for c, adams, simulink and curve a folder."
+            "-o",
+            "--output",
+            metavar="OUT",
+            help="File; for c, adams, simulink, curve and monitor a folder.",
         ),
     ],
     elements: Annotated[
@@ -60,6 +63,24 @@ def export(
             "stops touch and sign(...) jumps.",
         ),
     ] = False,
+    recording: Annotated[
+        str,
+        typer.Option(metavar="FILE", help="For monitor: a recording of the machine as it is."),
+    ] = "",
+    columns: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--map",
+            metavar="CHANNEL=COLUMN",
+            help="For monitor: where a channel stands in the recording. Repeat it.",
+        ),
+    ] = None,
+    false_alarms: Annotated[
+        float,
+        typer.Option(
+            metavar="N", min=1e-6, max=1e4, help="For monitor: false alarms a day that are allowed."
+        ),
+    ] = 1.0,
 ) -> None:
     """Write a correction, or a whole model, for another program.
 
@@ -67,14 +88,17 @@ def export(
     +dF out, which the host adds to its applied forces. With --whole the inputs of the model in, its
     sensors and coordinates out. Everything is in SI. To urdf and mjcf: a copy of the robot's own
     file with the damping, friction and rotor inertia that the model has in its joints. To curve:
-    tables of the force over stretch or rate, a file for each place.
+    tables of the force over stretch or rate, a file for each place. To monitor: what symhyb watch
+    does as C code, for a target without Python.
 
     \b
     Examples:
       symhyb export out/corrected.toml --to fmu -o correction.fmu
       symhyb export out/corrected.toml --to curve --rate -0.5:0.5 -o tables
       symhyb export out/corrected.toml --to urdf --robot arm.urdf -o arm-corrected.urdf
+      symhyb export out/corrected.toml --to monitor --recording good.csv -o monitor
     """
+    from symhyb.data.columns import read_map
     from symhyb.export.curve_table import span_of
     from symhyb.export.deliver import Order, deliver
     from symhyb.model.read import read_model
@@ -84,5 +108,19 @@ def export(
     asked = {"stretch": stretch, "rate": rate}
     spans = {over: span_of(over, text) for over, text in asked.items() if text}
     named = tuple(elements or ())
-    order = Order(to, named, whole, name, fmi, chosen, targets, events, robot, spans)
+    order = Order(
+        to,
+        named,
+        whole,
+        name,
+        fmi,
+        chosen,
+        targets,
+        events,
+        robot,
+        spans,
+        recording,
+        read_map(columns),
+        false_alarms,
+    )
     print(*deliver(read_model(model), order, output), sep="\n")

@@ -8,11 +8,11 @@ import numpy as np
 
 from symhyb.correction.naming.findings import cause_phrase
 from symhyb.data.recording import Recording
-from symhyb.data.thin import stretch
 from symhyb.discrepancy.words.amounts import percent_text, quantity_text
 from symhyb.discrepancy.words.wording import joined
-from symhyb.errors import InputError, Problem
+from symhyb.errors import InputError
 from symhyb.model.types import Model
+from symhyb.monitoring.begun import REFERENCE_BLOCKS, begun
 from symhyb.monitoring.changes import (
     LENGTHS,
     Block,
@@ -30,12 +30,10 @@ from symhyb.monitoring.gauge import (
     amounts_of,
     block_of,
     change_phrase,
-    gauge_of,
     values_of,
 )
 
 STEPS_SEEN = 40  # rows from which the rate is known
-REFERENCE_BLOCKS = 20  # that a reference has at least
 NAMED_S = 4.0  # after which a change is named, s
 NAMED_BLOCKS = 4  # ... or after so many blocks, if that is longer
 VALUES_S = 60.0  # from one report of the values to the next
@@ -130,26 +128,13 @@ def _taken(settings: Watch, state: _State) -> Iterator[Event]:
 
 def _referred(settings: Watch, state: _State, piece: Recording) -> Event:
     """Make the reference from the first piece."""
-    gauge = gauge_of(settings.model, piece)
-    state.gauge = gauge
-    step = float(np.median(np.diff(piece.t)))
-    state.rows = int(np.ceil(gauge.block_s / step)) + 1
-    for first in range(0, len(piece) - state.rows + 1, state.rows):
-        block = block_of(gauge, stretch(piece, slice(first, first + state.rows)))
-        if block is not None:
-            state.blocks.append(block)
-    if len(state.blocks) < REFERENCE_BLOCKS:
-        need = REFERENCE_BLOCKS * state.rows * step
-        text = (
-            f"a reference of {settings.reference_s:g} s holds {len(state.blocks)} whole blocks; at "
-            f"least {REFERENCE_BLOCKS} are needed, which take {np.ceil(need):g} s"
-        )
-        raise InputError(Problem(text, file=settings.name))
-    _refer(settings, state, gauge)
+    found = begun(settings.model, piece, settings.false_alarms, settings.name)
+    state.gauge, state.rows = found.gauge, found.rows
+    state.reference, state.least = found.reference, found.least
     state.said_s = state.last_s
     said = (
-        f"The first {piece.duration:.4g} s are the reference. Every {gauge.block_s:.3g} s "
-        f"{len(gauge.hypotheses)} causes are held against it."
+        f"The first {piece.duration:.4g} s are the reference. Every {found.gauge.block_s:.3g} s "
+        f"{len(found.gauge.hypotheses)} causes are held against it."
     )
     return Event("ready", said, state.last_s)
 

@@ -1,0 +1,1 @@
+"""A monitor in C: what ``symhyb watch`` does, for targets without Python."""
