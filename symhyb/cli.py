@@ -36,7 +36,6 @@ from symhyb.cli_recording import compare, fit, look, scan
 from symhyb.cli_study import compare_studies, results, run
 from symhyb.cli_view import view
 from symhyb.cli_watch import watch
-from symhyb.data.groups import by_name
 from symhyb.export.verb import export
 from symhyb.imports.verb import import_
 from symhyb.interruption import is_interruption, listen
@@ -145,6 +144,7 @@ def diagnose(
     from symhyb.console.results import print_result, printed_if_interrupted
     from symhyb.console.terminal import progress
     from symhyb.data.columns import read_map
+    from symhyb.data.groups import by_name
     from symhyb.deadline import required_seconds
     from symhyb.report.contract import to_json
     from symhyb.study import StudyResult, carry_out, leave_files

@@ -205,6 +205,17 @@ def test_help_lists_every_verb_and_answers_at_once() -> None:
     assert min(computed() for _ in range(5)) < 0.5
 
 
+def test_help_loads_no_numerics() -> None:
+    """What takes time to load is loaded where it is used, whatever the machine."""
+    code = (
+        "import atexit, sys; from symhyb.cli import main; "
+        "atexit.register(lambda: print(*sys.modules, file=sys.stderr)); main()"
+    )
+    command = [sys.executable, "-c", code, "--help"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert {"numpy", "sympy", "casadi", "symhyb.data"}.isdisjoint(done.stderr.split())
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [

@@ -35,9 +35,9 @@ MIDDLE = (0.3, 0.7, 15)  # of the rows by which a spline's deviation is judged
 @dataclass(frozen=True, slots=True, eq=False)
 class Constants:
     """``sizes`` and ``numbers`` by the names that the C code has for them, ``integers`` and
-    ``arrays``; the ``steep`` elements and the sensors of ``motion`` by their index; of every cause
-    its words (``causes``), of every number of a cause its name, unit and the factor to that unit
-    (``amounts``)."""
+    ``arrays`` (flat, (R,) each, SI); the ``steep`` elements and the sensors of ``motion`` by their
+    index; of every cause its words (``causes``), of every number of a cause its name, unit and the
+    factor to that unit (``amounts``)."""
 
     sizes: Mapping[str, int]
     numbers: Mapping[str, float]
