@@ -6,6 +6,7 @@ whose worker was killed ``ATTEMPTS`` times has failed.
 """
 
 import signal
+import threading
 import warnings
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -68,6 +69,22 @@ def _interruptions_wait() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
+@contextmanager
+def _manager_is_quiet() -> Iterator[None]:
+    """Say nothing of the thread of a pool that looks for a task which its shutdown took back."""
+    before = threading.excepthook
+
+    def said(what: threading.ExceptHookArgs) -> None:
+        if what.exc_type is not KeyError:
+            before(what)
+
+    threading.excepthook = said
+    try:
+        yield
+    finally:
+        threading.excepthook = before
+
+
 def killed_sentence(times: int) -> str:
     """Say that a task could not be ended."""
     return (
@@ -112,5 +129,6 @@ def _round(
                 done.add(key)
                 ended(by_key[key])
     finally:
-        pool.shutdown(wait=True, kill_workers=True)
+        with _manager_is_quiet():
+            pool.shutdown(wait=True, kill_workers=True)
     return done
