@@ -5,7 +5,7 @@ short as (value, unit) or (value, unit, sd).
 """
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import casadi as ca
 import numpy as np
@@ -255,3 +255,23 @@ def run(
 def recording(t: Array, inputs: Mapping[str, Array] | None = None, **sensors: Array) -> Recording:
     """A recording in SI as if it had been read from a file."""
     return Recording("test.csv", t, inputs or {}, sensors, (), "")
+
+
+def driven_joints(inertia: Array | Sequence[float], stiffness: float) -> Model:
+    """Joints q0, q1 … of this ``inertia``, kg·m², each driven and on a spring, N·m/rad, that know
+    no loss."""
+    names = [f"q{i}" for i in range(len(inertia))]
+    springs = {f"spring{n}": {"kind": "spring", "on": n, "stiffness": "k"} for n in names}
+    motors = {f"motor{n}": {"kind": "law", "on": n, "torque": f"t{n}"} for n in names}
+    kinetic = " + ".join(f"J{i}*q{i}'**2/2" for i in range(len(inertia)))
+    return model_of(
+        coordinates={name: {"unit": "rad"} for name in names},
+        parameters={
+            "k": (stiffness, "N*m/rad"),
+            **{f"J{i}": (float(one), "kg*m^2") for i, one in enumerate(inertia)},
+        },
+        inputs={f"t{n}": {"unit": "N*m", "between": "smooth"} for n in names},
+        energy={"kinetic": kinetic},
+        elements={**springs, **motors},
+        sensors={f"encoder{i}": {"measures": n, "unit": "rad"} for i, n in enumerate(names)},
+    )

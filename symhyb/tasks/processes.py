@@ -20,6 +20,7 @@ from symhyb.tasks.work import Done, leave_failed, leave_interruptions, perform
 
 ATTEMPTS = 3
 """How often a task is tried whose worker is killed."""
+MANAGER = "ExecutorManagerThread"  # of a pool of loky, by its name
 _ENVIRONMENT = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 
 Perform = Callable[[Task, Path], Done]
@@ -75,7 +76,8 @@ def _manager_is_quiet() -> Iterator[None]:
     before = threading.excepthook
 
     def said(what: threading.ExceptHookArgs) -> None:
-        if what.exc_type is not KeyError:
+        named = what.thread.name if what.thread is not None else ""
+        if what.exc_type is not KeyError or not named.startswith(MANAGER):
             before(what)
 
     threading.excepthook = said

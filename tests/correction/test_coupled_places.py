@@ -5,7 +5,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from builders import model_of
+from builders import driven_joints
 from scipy.integrate import solve_ivp
 
 import symhyb as sh
@@ -26,21 +26,7 @@ SPRING = 20.0  # N·m/rad, of each joint
 
 def arm() -> Model:
     """Four joints with springs, each driven, that know no loss."""
-    names = [f"q{i}" for i in range(JOINTS)]
-    springs = {f"spring{n}": {"kind": "spring", "on": n, "stiffness": "k"} for n in names}
-    motors = {f"motor{n}": {"kind": "law", "on": n, "torque": f"t{n}"} for n in names}
-    kinetic = " + ".join(f"J{i}*q{i}'**2/2" for i in range(JOINTS))
-    return model_of(
-        coordinates={name: {"unit": "rad"} for name in names},
-        parameters={
-            "k": (SPRING, "N*m/rad"),
-            **{f"J{i}": (INERTIA[i], "kg*m^2") for i in range(JOINTS)},
-        },
-        inputs={f"t{n}": {"unit": "N*m", "between": "smooth"} for n in names},
-        energy={"kinetic": kinetic},
-        elements={**springs, **motors},
-        sensors={f"encoder{i}": {"measures": names[i], "unit": "rad"} for i in range(JOINTS)},
-    )
+    return driven_joints(INERTIA, SPRING)
 
 
 def recorded(shared: float, dry: float) -> Recording:

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from builders import model_of
+from builders import driven_joints
 
 import symhyb as sh
 from symhyb.correction.search.preparing import foresees, last_windows, prepare, settle
@@ -19,21 +19,7 @@ FALLS = 60.0  # N·m/rad: gravity of a joint that stands upright
 
 def arm() -> Model:
     """Four upright joints, each driven, that know no loss: alone each falls within 0.1 s."""
-    names = [f"q{i}" for i in range(JOINTS)]
-    springs = {f"spring{n}": {"kind": "spring", "on": n, "stiffness": "k"} for n in names}
-    motors = {f"motor{n}": {"kind": "law", "on": n, "torque": f"t{n}"} for n in names}
-    kinetic = " + ".join(f"J{i}*q{i}'**2/2" for i in range(JOINTS))
-    return model_of(
-        coordinates={name: {"unit": "rad"} for name in names},
-        parameters={
-            "k": (-FALLS, "N*m/rad"),
-            **{f"J{i}": (float(INERTIA[i]), "kg*m^2") for i in range(JOINTS)},
-        },
-        inputs={f"t{n}": {"unit": "N*m", "between": "smooth"} for n in names},
-        energy={"kinetic": kinetic},
-        elements={**springs, **motors},
-        sensors={f"encoder{i}": {"measures": names[i], "unit": "rad"} for i in range(JOINTS)},
-    )
+    return driven_joints(INERTIA, -FALLS)
 
 
 def recorded(damping: np.ndarray) -> Recording:

@@ -35,6 +35,7 @@ from symhyb.discrepancy.recorded.motion import motion_of
 from symhyb.discrepancy.recorded.residual import discrepancy
 from symhyb.discrepancy.recorded.runs import Run, cut_within, noise_sd, with_noise
 from symhyb.discrepancy.recorded.sampling import as_sampled
+from symhyb.discrepancy.recorded.windows import SAMPLES_LEAST as WINDOW_LEAST
 from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.discrepancy.results import RecordingFault
 from symhyb.errors import InputError, Problem
@@ -50,7 +51,6 @@ SAMPLES_PERIOD = 80  # of the shortest period, that are kept
 SAMPLES_LEAST = 4000  # of a recording, that are kept
 SAMPLES_MOST = 12_000  # over all recordings, in the windows that decide
 FIRST_WINDOW = 0.25  # of the shortest period
-SAMPLES_WINDOW = 12  # of a window, at least
 GROWTH = 3.0  # from stage to stage, at most
 STAGES_MOST = 4
 SHORTER = 0.7  # ... shortened to this
@@ -73,11 +73,6 @@ class Prepared:
     faults: tuple[RecordingFault, ...] = ()
     repeats: tuple[Repeated, ...] = ()
     steady: Machine | None = None
-
-    @property
-    def foreseeing(self) -> Machine:
-        """The machine that says which windows can be foreseen."""
-        return self.steady or self.machine
 
 
 def prepare(
@@ -225,8 +220,7 @@ def _reaches(prepared: Prepared, places: Sequence[Place]) -> Mapping[Place, Reac
 
 def foresees(prepared: Prepared) -> bool:
     """Whether most of the shortest windows can be foreseen."""
-    cuts = [cut_within(run, prepared.machine, _shortest(prepared)) for run in prepared.runs]
-    return _mostly_calm(prepared, cuts)
+    return _mostly_calm(prepared, _shortest(prepared))
 
 
 def stages_of(prepared: Prepared) -> tuple[Stage, ...]:
@@ -240,7 +234,7 @@ def stages_of(prepared: Prepared) -> tuple[Stage, ...]:
     total = sum(run.recording.duration for run in prepared.runs)
     longest = _foreseen(prepared, shortest, total / WINDOWS_LEAST)
     if longest <= shortest:
-        shortest = longest = _foreseen(prepared, SAMPLES_WINDOW * _step(prepared), shortest)
+        shortest = longest = _foreseen(prepared, WINDOW_LEAST * _step(prepared), shortest)
     stages: list[Stage] = []
     for length in _lengths(shortest, longest):
         cuts = [_spread(cut_within(run, prepared.machine, length), share) for run in prepared.runs]
@@ -270,7 +264,7 @@ def last_windows(prepared: Prepared, *, spread: bool) -> tuple[Cut, ...]:
 
 def _shortest(prepared: Prepared) -> float:
     """The length in s of the windows of the first stage, if most of them can be foreseen."""
-    return max(FIRST_WINDOW * prepared.shortest, SAMPLES_WINDOW * _step(prepared))
+    return max(FIRST_WINDOW * prepared.shortest, WINDOW_LEAST * _step(prepared))
 
 
 def _step(prepared: Prepared) -> float:
@@ -280,16 +274,14 @@ def _step(prepared: Prepared) -> float:
 
 def _foreseen(prepared: Prepared, shortest: float, longest: float) -> float:
     """The longest windows in s of which most can be foreseen."""
-    while longest > shortest:
-        cuts = [cut_within(run, prepared.machine, longest) for run in prepared.runs]
-        if _mostly_calm(prepared, cuts):
-            break
+    while longest > shortest and not _mostly_calm(prepared, longest):
         longest *= SHORTER
     return longest
 
 
-def _mostly_calm(prepared: Prepared, cuts: Sequence[Cut | None]) -> bool:
-    """Whether most of all windows can be foreseen."""
+def _mostly_calm(prepared: Prepared, length_s: float) -> bool:
+    """Whether most of all windows of a length in s can be foreseen."""
+    cuts = [cut_within(run, prepared.machine, length_s) for run in prepared.runs]
     calm = [_calm(prepared, item) for item in cuts if item is not None]
     return bool(calm) and float(np.mean(np.concatenate(calm))) >= 1 - LARGE
 
@@ -305,7 +297,7 @@ def _foreseeable(prepared: Prepared, item: Cut) -> Cut | None:
 def _calm(prepared: Prepared, item: Cut) -> NDArray[np.bool_]:
     """The windows (W,) along whose measured motion no error of the state at the start shows
     ``GROWN`` times more in the outputs than if no force acted."""
-    machine = prepared.foreseeing
+    machine = prepared.steady or prepared.machine
     model = WindowModel(machine)
     half, item = len(model.form.free), item.suited(machine)
     if half == 0:  # all motion is given

@@ -37,9 +37,10 @@ def variants_of(
 
 def _says(variant: Variant, product: Hypothesis | None) -> bool:
     """Whether a variant says a product by name; without one, whether it says none."""
-    if product is None or not isinstance(product.place, On):
+    if product is None:
         return not variant.product
-    return variant.product.format(s=product.place.coordinate) == product.path
+    place = product.place
+    return isinstance(place, On) and variant.product.format(s=place.coordinate) == product.path
 
 
 def _plain(cause: Hypothesis, variant: Variant) -> Hypothesis:

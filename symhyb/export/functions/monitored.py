@@ -60,8 +60,8 @@ def monitored(
     (their indices) that show the motion, ``steep`` the elements whose places' rates turn over."""
     machine, form = windows.machine, windows.form
     whole = [
-        *(("model_sensed", one) for one in [_sensed(machine, list(motion))]),
-        *(("model_pathways", one) for one in ([_pathways(machine, list(steep))] if steep else [])),
+        ("model_sensed", _sensed(machine, list(motion))),
+        *([("model_pathways", _pathways(machine, list(steep)))] if steep else []),
         *_inner("model_inner", machine),
         *_inner("model_tried", library.machine),
         ("model_forces", _forces(library)),
@@ -74,10 +74,9 @@ def monitored(
 
 def _called(name: str, function: ca.Function) -> ca.Function:
     """A function under another name, with dense results."""
-    kind: Any = ca.SX if function.is_a("SXFunction") else ca.MX
-    given = [kind.sym(f"i{i}", function.size1_in(i)) for i in range(function.n_in())]
+    given = _arguments(function)
     made = [ca.densify(one) for one in function.call(given)]
-    return ca.Function(name, given, made, {"cse": kind is ca.SX})
+    return ca.Function(name, given, made, {"cse": function.is_a("SXFunction")})
 
 
 def _arguments(function: ca.Function) -> list[Any]:
