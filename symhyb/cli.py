@@ -212,14 +212,14 @@ def main() -> NoReturn:
         status = 0
     except SystemExit as stop:
         status = stop.code if isinstance(stop.code, int) else 0
-    except Exception as error:
+    except (Exception, KeyboardInterrupt) as error:
         status = 130 if is_interruption(error) else _failed(error)
     if status == 130:
         _complain("interrupted; nothing more was written")
     sys.exit(status)
 
 
-def _failed(error: Exception) -> int:
+def _failed(error: BaseException) -> int:
     """Say what an error is about, and return the exit status."""
     from symhyb.fault import error_sentences
 

@@ -11,8 +11,16 @@ from types import FrameType
 _received: list[int] = []
 
 
+class Interruption(KeyboardInterrupt):
+    """What a signal to end raises.
+
+    ``python -m`` ends by SIGINT, whatever status the program asks for, once a ``KeyboardInterrupt``
+    has left an ``exec`` (one that builds a dataclass on import, say), but not for a subclass of it.
+    """
+
+
 def listen() -> None:
-    """Let SIGINT and SIGTERM raise ``KeyboardInterrupt``; `is_interruption` knows of them.
+    """Let SIGINT and SIGTERM raise `Interruption`; `is_interruption` knows of them.
 
     SIGINT that the process was started to ignore stays ignored.
     """
@@ -29,4 +37,4 @@ def is_interruption(error: BaseException) -> bool:
 
 def _receive(number: int, frame: FrameType | None) -> None:
     _received.append(number)
-    signal.default_int_handler(number, frame)
+    raise Interruption

@@ -1,7 +1,10 @@
 """A signal to end is known as such, whatever error it comes out as."""
 
 import signal
+import subprocess
+import sys
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
@@ -27,6 +30,22 @@ def test_a_signal_raises_and_is_remembered(number: signal.Signals) -> None:
     assert is_interruption(other)
     listen()
     assert not is_interruption(other)
+
+
+def test_a_program_that_runs_as_a_module_ends_with_the_status_that_it_asks_for(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "ended.py").write_text("""
+import sys
+from symhyb.interruption import listen
+listen()
+try:
+    exec("import signal; signal.raise_signal(signal.SIGINT)")
+except KeyboardInterrupt:
+    sys.exit(130)
+""")
+    ended = subprocess.run([sys.executable, "-m", "ended"], cwd=tmp_path, check=False)
+    assert ended.returncode == 130
 
 
 def test_an_interruption_that_another_program_raised_is_one() -> None:
