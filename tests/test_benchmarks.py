@@ -174,6 +174,7 @@ def test_contenders_of_the_compiled_path_give_the_same_numbers(
     assert set(times) == {"ours", "aba"}
 
 
+@pytest.mark.slow
 def test_rows_of_simulation_name_their_bars(study: Study) -> None:
     oscillators = study["oscillators"]
     rows = oscillators.run_rows(0.5, 51, 1) + oscillators.sweep_rows(3, 0.1, 11, 1)
@@ -187,6 +188,7 @@ def test_rows_of_exact_friction_name_their_bars(study: Study) -> None:
     assert all(r.met for r in rows if r.unit != "×")
 
 
+@pytest.mark.slow
 def test_rows_of_derivation_name_their_bars(study: Study) -> None:
     rows = study["links"].rows(2, 3, 1)
     bars = sorted(r.bar for r in rows if r.bar)

@@ -113,6 +113,7 @@ def short(study: Study, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(study["plans"], "SYSTEMS", brief)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("short")
 @pytest.mark.parametrize(
     ("seed", "sort"),
@@ -169,6 +170,7 @@ def test_no_input_of_the_rig_is_held(study: Study) -> None:
         assert study["harder"].harder(case).hardship["sort"] in ("coloured", "unmeasured")
 
 
+@pytest.mark.slow
 def test_incomplete_draws_are_kept_where_asked(study: Study, tmp_path: Path) -> None:
     """Seed 34 has no complete draw, seed 10 has one at once."""
     draw, plans = study["draw"], study["plans"]

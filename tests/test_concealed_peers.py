@@ -118,6 +118,7 @@ def recorded(study: Study, name: str, effects: tuple[Any, ...], seed: int) -> An
     return study["peer_motion"].Recorded(system, e.t, e.u, q, None, cell)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "kind", "key", "size"),
     [("duffing", "drag", "drag", 8.0), ("rig", "friction", "coulomb", 6.0)],
@@ -131,6 +132,7 @@ def test_the_stepwise_fit_finds_one_clear_term(
     assert first["parameters"][key]["value"] == pytest.approx(size, rel=0.1)
 
 
+@pytest.mark.slow
 def test_the_stepwise_fit_leaves_a_whole_model_alone(study: Study) -> None:
     said = study["peer_stepwise"].stepwise(recorded(study, "oscillator", (), 5))["diagnosis"]
     assert (said["verdict"], said["found"], said["parameters"]) == ("nothing missing", [], [])

@@ -189,6 +189,7 @@ def test_runs_choose_by_counts_and_turns(study: Study, tmp_path: Path) -> None:
     assert study["run"].waiting(options) == wanted(options)[1:]
 
 
+@pytest.mark.slow
 def test_tiny_cases_are_drawn_diagnosed_and_scored(
     study: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -23,9 +23,9 @@ def terms(diagnosis: Diagnosis) -> dict[str, tuple[float, float]]:
     "hidden",
     [
         {"coulomb": 1.0},
-        {"drag": 2.0},
+        pytest.param({"drag": 2.0}, marks=pytest.mark.slow),
         pytest.param({"coulomb": 0.8, "cubic": 8000.0}, marks=pytest.mark.slow),
-        {"constant": 1.0},
+        pytest.param({"constant": 1.0}, marks=pytest.mark.slow),
     ],
     ids=lambda hidden: "+".join(hidden),
 )
@@ -103,6 +103,7 @@ def test_the_corrected_model_predicts_the_unseen_recording() -> None:
     assert after.force_nrmse["x"] < before.force_nrmse["x"]
 
 
+@pytest.mark.slow
 def test_two_recordings_share_one_truth() -> None:
     hidden = {"drag": 2.0}
     runs = [spring_recording(seed, hidden, duration=8.0, name=f"{seed}.csv") for seed in (21, 22)]

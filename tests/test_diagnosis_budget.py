@@ -175,6 +175,7 @@ def test_whenever_the_time_is_spent_the_answer_is_that_of_a_full_run_or_nothing_
     assert seen == {"undecided", "missing physics"}
 
 
+@pytest.mark.slow
 def test_a_budget_that_suffices_changes_nothing_but_its_own_entry(damped: sh.Recording) -> None:
     free, bounded = sh.diagnose(MODEL, damped), sh.diagnose(MODEL, damped, budget="1h")
     assert free.budget is None

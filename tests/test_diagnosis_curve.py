@@ -49,6 +49,7 @@ def test_with_the_curve_nothing_is_missing() -> None:
     assert sh.diagnose(knowing(), run).verdict == "nothing missing"
 
 
+@pytest.mark.slow
 def test_the_factor_of_a_curve_is_estimated_again() -> None:
     run = driven(lambda x, v, z, f: (1.3 * strut(v), 0.0), seed=5)
     diagnosis = sh.diagnose(knowing('{ value = 1.0, sd = 0.3, unit = "1" }'), run)

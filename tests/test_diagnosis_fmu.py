@@ -51,6 +51,7 @@ def test_the_same_is_named_through_an_fmu_as_with_the_model(
     assert [e.kind for e in sh.read_model(tmp_path / "corrected.toml").elements] == ["friction"]
 
 
+@pytest.mark.slow
 def test_the_command_line_knows_what_an_fmu_can_do(
     closed: sh.Model, tmp_path: Path, symhyb: Call
 ) -> None:
@@ -96,6 +97,7 @@ def _pair() -> object:
     return SimpleNamespace(first=few, second=few)
 
 
+@pytest.mark.slow
 def test_parameters_of_an_fmu_are_fitted(closed: sh.Model, tmp_path: Path, symhyb: Call) -> None:
     text = closed.text.replace(
         'value = 200.0, unit = "N/m"', 'value = 190.0, sd = 20, unit = "N/m"'

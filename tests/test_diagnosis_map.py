@@ -44,11 +44,13 @@ def test_beside_a_known_map_what_is_missing_is_found() -> None:
     assert abs(cubic - 1500.0) < 4 * sd
 
 
+@pytest.mark.slow
 def test_with_the_map_nothing_is_missing() -> None:
     run = driven(lambda x, v, z, f: (strut(x, v), 0.0), seed=4)
     assert sh.diagnose(knowing(), run).verdict == "nothing missing"
 
 
+@pytest.mark.slow
 def test_the_factor_of_a_map_is_estimated_again() -> None:
     run = driven(lambda x, v, z, f: (1.3 * strut(x, v), 0.0), seed=5)
     diagnosis = sh.diagnose(knowing('{ value = 1.0, sd = 0.3, unit = "1" }'), run)

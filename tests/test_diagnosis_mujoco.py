@@ -96,6 +96,7 @@ def test_nothing_is_named_where_nothing_is_concealed(tmp_path: Path) -> None:
     assert "Nothing is missing" in diagnosis.sentence
 
 
+@pytest.mark.slow
 def test_a_parameter_of_mujoco_is_fitted(tmp_path: Path, symhyb: Call) -> None:
     model = finger(tmp_path)
     number = '[mujoco.parameters]\nk = { tendon = "cord", field = "stiffness" }\n[parameters]\n'
@@ -108,6 +109,7 @@ def test_a_parameter_of_mujoco_is_fitted(tmp_path: Path, symhyb: Call) -> None:
     assert sh.read_model(out).parameters["k"].value == pytest.approx(200.0, rel=5e-3)
 
 
+@pytest.mark.slow
 def test_the_command_line_knows_what_it_can_do(tmp_path: Path, symhyb: Call) -> None:
     file, record = press(tmp_path).file, str(tmp_path / "run.csv")
     of_press(1).to_frame().to_csv(record)

@@ -57,6 +57,7 @@ def drag(coefficient: float) -> Law:
     return lambda t, x, v: -coefficient * abs(v) * v
 
 
+@pytest.mark.slow
 def test_every_recording_has_its_own_phase_of_an_unknown_harmonic_force() -> None:
     def hum(phase: float) -> Law:
         return lambda t, x, v: 2.0 * float(np.sin(2 * np.pi * 3.3 * t + phase))
@@ -199,6 +200,7 @@ def test_friction_that_begins_half_way_is_located_and_named() -> None:
     assert found.stability > 10 / 11
 
 
+@pytest.mark.slow
 def test_friction_that_changes_half_way_is_not_said_to_be_constant() -> None:
     def law(t: float, x: float, v: float) -> float:
         return dry(1.0 if t >= 5.0 else 0.5)(t, x, v)

@@ -70,9 +70,8 @@ def test_friction_is_found_under_a_controller_that_integrates() -> None:
     assert found.coulomb.value == pytest.approx(0.12, abs=3 * found.coulomb.sd + 6e-4)
 
 
-@pytest.mark.parametrize(
-    "ammeter", [pytest.param(False), pytest.param(True, marks=pytest.mark.slow)]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("ammeter", [False, True])
 def test_a_wrong_resistance_is_found_and_nothing_else(ammeter: bool) -> None:
     """R stands in the rate of the current alone. The first current is not what it settles to."""
     diagnosis = sh.diagnose(motor(ammeter=ammeter), recorded(ammeter, resistance=1.25))

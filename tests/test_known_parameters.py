@@ -81,6 +81,7 @@ def test_what_is_fitted_cannot_be_known(runs):
         sh.compare(sh.read_model("models/oscillator.toml"), replace(runs[0], parameters={"n": 1.0}))
 
 
+@pytest.mark.slow
 def test_a_law_is_found_once_for_all_weights(bare, runs):
     unseen = recorded(bare, 900.0, 0.14, c=DAMPING)
     diagnosis = sh.diagnose(bare, runs, holdout=unseen)

@@ -15,29 +15,23 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
-
-ROOT = Path(__file__).parent.parent
+from parsed import ROOT, sources
 
 RUNS_CODE = frozenset({"eval", "exec", "compile", "__import__", "sympify", "parse_expr"})
 LOADS_CODE = frozenset({"pickle", "dill", "cloudpickle", "shelve", "marshal", "joblib.load"})
+FROM_SYMHYB = re.compile(r"^[ \t]*from symhyb[\w.]* import (?:\([^)]*\)|[^(\n]+)", re.M)
 
 
 @cache
-def sources() -> dict[str, ast.Module]:
-    """Every file of the package by its path inside the repository."""
-    return {
-        file.relative_to(ROOT).as_posix(): ast.parse(file.read_text(encoding="utf-8"), str(file))
-        for file in sorted(ROOT.glob("symhyb/**/*.py"))
-    }
-
-
-def imported(tree: ast.AST) -> Iterator[str]:
+def imported(tree: ast.AST) -> tuple[str, ...]:
     """Dotted names of all imports, at the top of a file or inside a function."""
+    found: list[str] = []
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
+            found += (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
-            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+            found += (f"{node.module}.{alias.name}" for alias in node.names)
+    return tuple(found)
 
 
 def imports(tree: ast.AST, library: str) -> bool:
@@ -82,24 +76,33 @@ def test_neural_networks_stay_in_their_room() -> None:
 
 def test_every_name_that_scripts_tests_and_pages_import_is_there() -> None:
     """A script that no test runs would break unseen when something is renamed."""
-    files = [*ROOT.glob("studies/**/*.py"), *ROOT.glob("tests/**/*.py")]
-    trees = [(file, ast.parse(file.read_text(encoding="utf-8"))) for file in files]
+    texts = [
+        (file, file.read_text(encoding="utf-8"))
+        for file in (*ROOT.glob("studies/**/*.py"), *ROOT.glob("tests/**/*.py"))
+    ]
     for page in [ROOT / "README.md", *ROOT.glob("docs/**/*.md"), *ROOT.glob("studies/**/*.md")]:
         code = re.findall(r"^```python\n(.*?)^```", page.read_text(encoding="utf-8"), re.M | re.S)
-        trees += [(page, ast.parse(text)) for text in code]
-    missing = []
-    for file, tree in trees:
-        for node in ast.walk(tree):
-            if isinstance(node, ast.ImportFrom) and f"{node.module}.".startswith("symhyb."):
-                module = import_module(str(node.module))
-                missing += [
-                    f"{file.relative_to(ROOT)}: {node.module}.{alias.name}"
-                    for alias in node.names
-                    if not hasattr(module, alias.name)
-                    and find_spec(f"{node.module}.{alias.name}") is None
-                ]
-    assert len(trees) > 100
+        texts += [(page, text) for text in code]
+    named = {
+        (str(module), alias.name): file.relative_to(ROOT)
+        for file, text in texts
+        for module, alias in from_symhyb(text)
+    }
+    missing = [
+        f"{file}: {module}.{name}"
+        for (module, name), file in named.items()
+        if not hasattr(import_module(module), name) and find_spec(f"{module}.{name}") is None
+    ]
+    assert len(named) > 100
     assert missing == []
+
+
+def from_symhyb(text: str) -> Iterator[tuple[str, ast.alias]]:
+    """Modules of the package with the names that a text imports from them."""
+    for statement in FROM_SYMHYB.findall(text):
+        (node,) = ast.parse(statement.strip()).body
+        assert isinstance(node, ast.ImportFrom)
+        yield from ((str(node.module), alias) for alias in node.names)
 
 
 def test_no_file_runs_text_or_bytes_as_code() -> None:

@@ -228,6 +228,7 @@ def pole() -> tuple[sh.Model, sh.Recording]:
     return swung(1, (0.1, 1.2))
 
 
+@pytest.mark.slow
 def test_a_force_is_a_simple_law_where_its_rates_are_none(
     pole: tuple[sh.Model, sh.Recording],
 ) -> None:
@@ -295,6 +296,7 @@ def test_a_network_halves_the_error_on_an_unseen_recording(network: Learned) -> 
     assert all(low < 0 < high for low, high in one.trust)
 
 
+@pytest.mark.slow
 def test_networks_are_the_same_from_the_same_seed(
     model: sh.Model, train: sh.Recording, network: Learned
 ) -> None:

@@ -112,6 +112,7 @@ def test_the_hand_is_a_point_of_the_imported_model(recordings: ModuleType, tmp_p
     assert x == pytest.approx(0.3)
 
 
+@pytest.mark.slow
 def test_the_owner_says_that_torques_are_held(recordings: ModuleType, tmp_path: Path) -> None:
     for name, case in recordings.CASES.items():
         model = recordings.owners_model(case, tmp_path / f"{name}.toml")

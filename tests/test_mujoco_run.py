@@ -66,6 +66,7 @@ def test_a_run_is_that_of_a_loop_of_mujoco(integrator: str, tmp_path: Path) -> N
     np.testing.assert_allclose(run.a[:, 0], slope, atol=0.02 * np.abs(slope).max())
 
 
+@pytest.mark.slow
 def test_rows_between_steps_are_on_the_motion(tmp_path: Path) -> None:
     model = lined(finger(tmp_path))
     coarse = sh.simulate(model, end=0.1, step=0.01, inputs={"f": 2.0}, start={"x": 0.3})
@@ -76,6 +77,7 @@ def test_rows_between_steps_are_on_the_motion(tmp_path: Path) -> None:
     np.testing.assert_allclose(np.interp(odd.t, fine.t, fine.q[:, 0]), odd.q[:, 0], atol=1e-6)
 
 
+@pytest.mark.slow
 def test_elements_act_as_forces_beside_it(tmp_path: Path) -> None:
     """A damper of the model file, beside one that MuJoCo's own file has."""
     model = lined(finger(tmp_path))
@@ -94,6 +96,7 @@ def test_elements_act_as_forces_beside_it(tmp_path: Path) -> None:
     assert np.abs(beside.q[:, 0] - inside).max() < 2e-3 * moved
 
 
+@pytest.mark.slow
 def test_forces_at_joints_act_along_them(tmp_path: Path) -> None:
     text = SHORT.format(joint="guide", actuator="drive", unit="m")
     by_joint = text.replace('f = "drive"', 'f = { joint = "guide" }')
@@ -107,6 +110,7 @@ def test_forces_at_joints_act_along_them(tmp_path: Path) -> None:
     assert np.ptp(runs[0].q) > 1e-4
 
 
+@pytest.mark.slow
 def test_a_parameter_is_set_and_a_wrong_one_is_said(tmp_path: Path) -> None:
     number = '[mujoco.parameters]\nk = { tendon = "cord", field = "stiffness" }\n[parameters]\n'
     number += 'k = { value = 200.0, unit = "N/m" }\n'
@@ -118,6 +122,7 @@ def test_a_parameter_is_set_and_a_wrong_one_is_said(tmp_path: Path) -> None:
     assert np.abs(soft.q - sh.simulate(model, end=0.3, inputs={"f": 2.0}).q).max() > 0.01
 
 
+@pytest.mark.slow
 def test_a_run_that_diverges_says_when(tmp_path: Path) -> None:
     wild = PRESS.replace('damping="2"', 'damping="-4000"')
     text = SHORT.format(joint="guide", actuator="drive", unit="m")

@@ -7,6 +7,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from parsed import sources
 from snippets import ROOT, snippets
 
 # what was written -> what the field writes; a pattern may say in which sense a word is meant
@@ -42,11 +43,11 @@ WORDS = {word: re.compile(rf"(?<![\w-])(?:{word})(?![\w-])", re.I) for word in P
 def docstrings() -> list[tuple[str, str]]:
     """Where and what: every docstring of the package, without its code."""
     found = []
-    for file in sorted((ROOT / "symhyb").rglob("*.py")):
-        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+    for file, tree in sources().items():
+        for node in ast.walk(tree):
             if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
                 text = ast.get_docstring(node) or ""
-                place = f"{file.relative_to(ROOT)}:{getattr(node, 'lineno', 1)}"
+                place = f"{file}:{getattr(node, 'lineno', 1)}"
                 found.append((place, re.sub(r"``[^`]*``", "", " ".join(text.split()))))
     return found
 

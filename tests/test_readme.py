@@ -3,6 +3,7 @@
 import re
 from pathlib import Path
 
+import pytest
 from snippets import ROOT, run_page, snippets
 
 PAGE = ROOT / "README.md"
@@ -48,6 +49,7 @@ def test_figures_that_it_cites_are_those_of_the_long_page() -> None:
     assert [figure for figure in figures if figure not in long] == []
 
 
+@pytest.mark.slow
 def test_the_example_runs_as_it_stands(tmp_path: Path) -> None:
     (ran,) = run_page(PAGE, tmp_path)
     assert "the model lacks" in ran.printed

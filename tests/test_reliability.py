@@ -121,6 +121,7 @@ def test_a_worker_that_ends_is_started_again_behind_the_input(
     assert (tmp_path / "failures" / "csv-2").exists()
 
 
+@pytest.mark.slow
 def test_a_run_goes_on_where_it_was_and_writes_its_table(study: Study, tmp_path: Path) -> None:
     fuzz, unit = study["fuzz"], reader(study, "unit")
     assert fuzz.run(unit, 20, 1, tmp_path)["inputs"] == 20

@@ -648,6 +648,7 @@ def test_a_folder_that_may_not_be_written_to_is_refused(tmp_path: Path) -> None:
 # --- the three studies of the project, with the true diagnosis ----------------------------------
 
 
+@pytest.mark.slow
 def test_nothing_is_found_where_nothing_is_concealed(tmp_path: Path) -> None:
     result = run_study(STUDIES / "null" / "study.toml", tmp_path)
     assert (result.diagnosis.verdict, result.exit_status) == ("nothing missing", 0)

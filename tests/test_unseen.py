@@ -21,6 +21,7 @@ def studies() -> list[Path]:
     return [file for file in sorted(STUDIES.glob("**/study*.toml")) if read_study(file).holdout]
 
 
+@pytest.mark.slow
 def test_noise_in_the_place_of_a_recording_changes_nothing_that_is_found() -> None:
     hidden = {"coulomb": 1.0}
     train, unseen = (spring_recording(seed, hidden, duration=4) for seed in (1, 2))

@@ -71,6 +71,7 @@ def begun(shared: float, dry: float) -> tuple[Prepared, Setting, Setting]:
     return prepared, before, after
 
 
+@pytest.mark.slow
 def test_the_sum_of_two_rates_becomes_a_place() -> None:
     prepared, before, after = begun(SHARED, DRY)
     assert On("q2 + q3") not in places_of(prepared.model)

@@ -50,6 +50,7 @@ def shown(setting: Setting) -> float:
     return sum(cut.rows.shape[0] * (cut.rows.shape[1] - 1) for cut in cuts) / 2000
 
 
+@pytest.mark.slow
 def test_losses_that_forces_show_hold_up_what_falls_in_the_model() -> None:
     prepared = prepare(arm(), recorded(DAMPING))
     before = settle(prepared)

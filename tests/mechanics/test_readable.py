@@ -221,6 +221,7 @@ def test_a_chain_of_twelve_links_is_short_and_fast() -> None:
     assert text.count("sin(") == 12  # each sine once
 
 
+@pytest.mark.slow
 def test_a_point_that_moves_by_a_long_product_is_no_trap() -> None:
     """Written out, the second derivative of 60 factors has 200 000 of them."""
     tens = ("*".join(f"(1+{i}*x/l)" for i in range(k, k + 10)) for k in range(1, 61, 10))

@@ -164,6 +164,7 @@ def test_a_rolling_disc_keeps_its_energy_and_touches() -> None:
     assert np.ptp(run.q[:, 0]) > 1  # it goes somewhere
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("shape", "share"), [("2/5", 5 / 7), ("2/3", 3 / 5)])
 def test_a_ball_rolls_down_a_slope(shape: str, share: float) -> None:
     """Solid and hollow: a = 5/7 and 3/5 of g sin α; a spin about the vertical changes nothing."""

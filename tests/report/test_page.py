@@ -176,6 +176,7 @@ def test_failures_are_said(cases: Cases, model: Model) -> None:
     assert "nan" not in page.text.lower().split()
 
 
+@pytest.mark.slow
 def test_many_signals_are_not_all_drawn_and_that_is_said(cases: Cases, model: Model) -> None:
     diagnosis, verdict = cases["null"]()
     trace = verdict.traces[0]

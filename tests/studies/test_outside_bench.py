@@ -116,6 +116,7 @@ def test_a_held_input_is_the_exact_discrete_system(study: Study) -> None:
     assert np.all(run.u[0, 1 : change.hold] == run.u[0, 0])
 
 
+@pytest.mark.slow
 def test_every_kind_changes_every_machine_it_is_for(study: Study) -> None:
     runs = {name: bare(study, name, 11.0) for name in study["machines"].MACHINES}
     for kind in study["kinds"].TABLE:

@@ -89,6 +89,7 @@ def judged(*runs: Recording) -> Adequacy:
     return adequacy(prepared, setting, final, (final, cuts))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("same", [True, False])
 def test_a_class_of_effects_that_differ_is_no_answer(
     same: bool, monkeypatch: pytest.MonkeyPatch

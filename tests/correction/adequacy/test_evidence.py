@@ -165,6 +165,7 @@ def two_forces(first: float, second: float) -> tuple[Recorded, Hypothesis]:
     return setting, replace(constant, own=("constant",))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("forces", [(0.3, 0.31), (0.3, -0.2), (0.3, 0.0)])
 def test_own_strengths_are_those_of_one_population(forces: tuple[float, float]) -> None:
     """A mean that is known as a shared strength is, and the likeliest of some sizes by which the

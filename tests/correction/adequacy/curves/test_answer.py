@@ -17,6 +17,7 @@ def rubber(x: float, v: float) -> float:
     return float(0.5 * (np.exp(x / 0.35) - 1))
 
 
+@pytest.mark.slow
 def test_a_force_without_a_name_becomes_a_curve() -> None:
     ground, found = judged(resisted(2, rubber))
     assert found.certain("law") == On("x")

@@ -62,6 +62,7 @@ def test_only_what_moves_nothing_and_changes_is_a_channel_beside_the_machine() -
     assert channels(ground) == ("p",)
 
 
+@pytest.mark.slow
 def test_a_number_that_follows_a_channel_has_its_course_over_that(answer: Answer) -> None:
     shape = answer.course.shape
     assert (shape.over, shape.name, answer.rivals) == ("p", "drift", ())
