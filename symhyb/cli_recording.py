@@ -140,7 +140,9 @@ def scan(
     model: ModelFile,
     recording: Annotated[
         Path,
-        typer.Argument(metavar="RECORDING", help="A .parquet, .csv, .mf4 or .mdf of any size."),
+        typer.Argument(
+            metavar="RECORDING", help="A .parquet, .csv, .mf4, .mdf or a bag of any size."
+        ),
     ],
     columns: Map = None,
     start: Start = None,

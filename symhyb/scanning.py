@@ -125,7 +125,7 @@ def scan(
     stretches: int = STRETCHES,
     say: Say = silent,
 ) -> Scan:
-    """Pass once along a recording of any length in a Parquet, CSV or MDF file.
+    """Pass once along a recording of any length in a Parquet, CSV or MDF file or a bag.
 
     ``columns`` and ``span``, in s, are as for :func:`.read_recording`. What is lacking is summed
     over at most so many ``stretches`` of equal length, fewer where the Gram matrices of a large

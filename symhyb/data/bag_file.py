@@ -83,9 +83,7 @@ def read_bag(content: bytes, file: str) -> Table:
         InputError: rosbags is not installed, the file is another format, damaged, cut off, packed
             in a way that is not read, or holds no number.
     """
-    magic = next((one for one in (BAG, MCAP, DB3, FOLDER) if content.startswith(one)), None)
-    if magic is None:
-        raise refusal(file, "is not a bag of ROS, although its name says so")
+    magic = magic_of(content, file)
     require_rosbags(file)
     topics: dict[str, Topic] = {}
     notes: dict[str, None] = {}
@@ -96,11 +94,26 @@ def read_bag(content: bytes, file: str) -> Table:
     except (InputError, MemoryError):
         raise
     except Exception as error:  # damaged bytes make rosbags raise errors of many kinds
-        why = (first_line(error) or type(error).__name__)[:200]
-        cure = RECOVER.get(magic, "")
-        text = f"is a damaged or cut off bag: {why}{cure}"
-        raise refusal(file, text) from error
+        raise damaged(error, magic, file) from error
     return table_of(topics, tuple(notes), file)
+
+
+def magic_of(content: bytes, file: str) -> bytes:
+    """With what the content of a bag begins.
+
+    Raises:
+        InputError: it is no bag.
+    """
+    magic = next((one for one in (BAG, MCAP, DB3, FOLDER) if content.startswith(one)), None)
+    if magic is None:
+        raise refusal(file, "is not a bag of ROS, although its name says so")
+    return magic
+
+
+def damaged(error: Exception, magic: bytes, file: str) -> InputError:
+    """What is said of an error that rosbags raises."""
+    why = (first_line(error) or type(error).__name__)[:200]
+    return refusal(file, f"is a damaged or cut off bag: {why}{RECOVER.get(magic, '')}")
 
 
 def require_rosbags(file: str) -> None:
@@ -164,11 +177,30 @@ class Topic:
         self.unstamped += message.stamp is None
         self.wide |= message.wide
 
+    def leave(self, count: int) -> None:
+        """Drop the first messages, which are in a piece already."""
+        del self.logged[:count], self.stamps[:count]
+        for column in self.numbers.values():
+            del column[:count]
+        self.unstamped = min(self.unstamped, len(self.logged))
+
 
 def read_into(
     reader: Any, path: Path, topics: dict[str, Topic], notes: dict[str, None], file: str
 ) -> None:
     """Take all messages of one file."""
+    for _ in taken(reader, path, topics, notes, file):
+        pass
+
+
+def taken(
+    reader: Any, path: Path, topics: dict[str, Topic], notes: dict[str, None], file: str
+) -> Iterator[tuple[int, Topic]]:
+    """Take the messages of one file one after the other; when each was logged, ns, and its topic.
+
+    Raises:
+        InputError: they are packed one by one, or of too many channels.
+    """
     ros2 = path.suffix != ".bag"
     types, said = _types(reader.connections, ros2)
     notes |= dict.fromkeys(said)
@@ -191,9 +223,10 @@ def read_into(
             if (msgtype, encoded) not in decoders:
                 decoders[msgtype, encoded] = decoder(msgtype, types, encoded == "cdr")
             topic.take(time, decoders[msgtype, encoded](bytes(data)))
+            yield time, topic
         except UnreadableError as error:
             left.add(name)
-            notes[f"topic {_called(name)}: {error}: left out"] = None
+            notes[f"topic {called(name)}: {error}: left out"] = None
             topics[name] = Topic(msgtype)
         if sum(len(one.numbers) for one in topics.values()) > COLUMNS:
             raise refusal(file, f"has more than {COLUMNS} channels")
@@ -219,10 +252,16 @@ def _types(connections: Sequence[Any], ros2: bool) -> tuple[Mapping[str, Any], l
 
 
 def table_of(
-    topics: Mapping[str, Topic], notes: Sequence[str], file: str, zero: int | None = None
+    topics: Mapping[str, Topic],
+    notes: Sequence[str],
+    file: str,
+    zero: int | None = None,
+    *,
+    in_part_only: bool = False,
 ) -> Table:
     """The numbers of topics as columns; times count from ``zero`` in ns, by default from the first
-    message.
+    message. The only message of a topic is a number, but for a topic that is there
+    ``in_part_only``.
 
     Raises:
         InputError: no message has a number.
@@ -231,16 +270,19 @@ def table_of(
     if not filled:
         why = "".join(f"; {note}" for note in notes)
         raise refusal(file, f"holds no message with numbers{why}")
-    firsts = [min(topic.logged) for topic in filled.values()]
-    zero = min(firsts) if zero is None else zero
-    lasting = max(max(topic.logged) for topic in filled.values()) - min(firsts)
+    logs = [time for topic in filled.values() for time in topic.logged[:1] + topic.logged[-1:]]
+    zero = min(logs) if zero is None else zero
+    lasting = max(logs, default=zero) - min(logs, default=zero)
     columns: list[Column] = []
     times: list[Times] = []
     said = _wide_notes(topics)
     for name, topic in sorted(filled.items()):
-        part = _called(name)
+        part = called(name)
         rows = len(topic.logged)
-        if rows > 1:
+        many = in_part_only or rows > 1
+        if not rows:
+            columns.append(in_part("t [s]", np.empty(0), part))
+        elif many:
             logged, stamps = _int64(topic.logged), _int64(topic.stamps)
             given = stamps if topic.unstamped < rows else None
             times.append(times_of(part, logged, given, zero, lasting))
@@ -248,16 +290,14 @@ def table_of(
         for header, values in topic.numbers.items():
             known = np.full(rows, np.nan)
             known[: len(values)] = values
-            wanted = known if rows > 1 else known.reshape(())
+            wanted = known if many else known.reshape(())
             columns.append(in_part(header, wanted, part, _clash(header, part, file)))
     return Table(file, tuple(columns), (*notes, *time_notes(times), *said))
 
 
 def _wide_notes(topics: Mapping[str, Topic]) -> list[str]:
     """Say which arrays are too long for channels."""
-    wide = [
-        f"{_called(name)}.{one}" for name in sorted(topics) for one in sorted(topics[name].wide)
-    ]
+    wide = [f"{called(name)}.{one}" for name in sorted(topics) for one in sorted(topics[name].wide)]
     said = [f"{one} has more than {WIDEST} elements: left out" for one in wide[:MOST_NOTES]]
     more = len(wide) - MOST_NOTES
     return [*said, f"{more} more arrays are as long: left out"] if more > 0 else said
@@ -276,7 +316,7 @@ def _clash(header: str, part: str, file: str) -> Problem | None:
     return Problem("is called as the time of its topic is", f"channel '{part}.{header}'", file)
 
 
-def _called(topic: str) -> str:
+def called(topic: str) -> str:
     """What a topic is called as a part of the file."""
     return topic.strip("/").replace("/", ".") or "root"
 

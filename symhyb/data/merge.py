@@ -25,18 +25,20 @@ def merged(groups: Sequence[Channels], table: Table) -> Channels:
     """Return the channels of all ``groups`` on the union of their times, each NaN elsewhere.
 
     Raises:
-        InputError: the time of a group is missing or does not increase.
+        InputError: the time of a group is missing or does not increase; it has no sample, unless
+            the table is a piece of several.
     """
     if len(groups) == 1:
         return groups[0]
     if not groups:
         raise refusal(table.file, "no channel of the model is a column")
     groups = [_orderly(group, table) for group in groups]
-    union = reduce(_union, (group.t for group in groups))
+    times = [group.t for group in groups if group.t.size]
+    union = reduce(_union, times) if times else np.empty(0)
     inputs: dict[str, NDArray[np.float64]] = {}
     sensors: dict[str, NDArray[np.float64]] = {}
     for group in groups:
-        rows = _nearest(group.t, union)
+        rows = _nearest(group.t, union) if group.t.size else np.empty(0, np.intp)
         for target, channels in ((inputs, group.inputs), (sensors, group.sensors)):
             for name, values in channels.items():
                 target[name] = np.full(union.size, np.nan)
@@ -79,7 +81,7 @@ def _orderly(group: Channels, table: Table) -> Channels:
     for drop in (empty_rows, repeated_rows):
         keep, _ = drop(group)
         rows, group = rows[keep], take(group, keep)
-    if not group.t.size:
+    if not group.t.size and not table.partial:
         raise refusal(table.file, f"{', '.join([*group.inputs, *group.sensors])}: no sample")
     check_time(group.t, rows, table)
     return group

@@ -10,13 +10,15 @@ sides of a time (a smoothed motion) is as good at the ends of a piece as anywher
 
 import os
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from symhyb.data.apart import pieces_apart
+from symhyb.data.bag_file import files_of_bag
+from symhyb.data.bag_pieces import bag_pieces
 from symhyb.data.channels import Channels, take
 from symhyb.data.columns import map_columns
 from symhyb.data.csv_pieces import csv_pieces
@@ -33,6 +35,9 @@ _READERS: Mapping[str, Callable[[str, str, int], Iterator[Table]]] = {
     ".csv": csv_pieces,
     ".mf4": mdf_pieces,
     ".mdf": mdf_pieces,
+    ".bag": bag_pieces,
+    ".mcap": bag_pieces,
+    ".db3": bag_pieces,
 }
 
 
@@ -55,9 +60,9 @@ def pieces_of(
     overlap: int = 1,
     span: Span = (None, None),
 ) -> Iterator[Piece]:
-    """The recording of a machine in a Parquet, CSV or MDF file: so many ``rows`` at a time, each
-    piece with ``overlap`` more samples of either neighbour, and the rest, up to twice as long;
-    ``columns`` and ``span``, in s, as for :func:`.read_recording`.
+    """The recording of a machine in a Parquet, CSV or MDF file or a bag: so many
+    ``rows`` at a time, each piece with ``overlap`` more samples of either neighbour, and the rest,
+    up to twice as long; ``columns`` and ``span``, in s, as for :func:`.read_recording`.
 
     Raises:
         InputError: as :func:`.read_recording`; the format is not read in pieces; time starts anew
@@ -75,7 +80,7 @@ def pieces_of(
         waiting = channels if waiting is None else _following(waiting, channels, file)
         while waiting.t.size >= 2 * size:
             recording = recorded_part(table, take(waiting, slice(size)), model)
-            end = float(recording.t[-1 - overlap])
+            end = float(waiting.t[size - 1 - overlap])  # a recording ends with its slowest input
             yield Piece(recording, begin, end)
             begin, waiting = end, take(waiting, slice(rows, None))
     if table is None or waiting is None:
@@ -84,14 +89,19 @@ def pieces_of(
 
 
 def _tables(path: Path, rows: int) -> Iterator[Table]:
-    file, suffix = str(path), path.suffix.lower()
-    if not path.is_file():
+    file = str(path)
+    parts = files_of_bag(path) if path.is_dir() else (path,)
+    if not parts:
+        raise refusal(file, "is a folder that holds no bag of ROS 2")
+    if not path.exists():
         raise refusal(file, "there is no such file")
+    suffix = parts[0].suffix.lower()
     if suffix not in _READERS:
         known = ", ".join(_READERS)
-        raise refusal(file, f"'{path.suffix}' is not read in pieces; {known} are")
-    reader, size = _READERS[suffix], path.stat().st_size
-    return pieces_apart(reader, file, visible(file), rows, size)
+        raise refusal(file, f"'{suffix}' is not read in pieces; {known} are")
+    size = sum(part.stat().st_size for part in parts)
+    for table in pieces_apart(_READERS[suffix], file, visible(file), rows, size):
+        yield replace(table, partial=True)
 
 
 def _within(channels: Channels, span: Span) -> Channels | None:

@@ -55,8 +55,8 @@ class Table:
 
     ``notes`` are sentences on what was left out; ``file`` is the path as given, for messages.
     ``run`` is the number, from 1, of the run that is wanted where time starts anew; 0: the file
-    holds one run. ``first`` is the row of the file, from 0, that is the first one here, where the
-    file is read in pieces.
+    holds one run. Where the file is read in pieces, this one is ``partial``: a channel may lack all
+    samples in it; ``first`` is the row of the file, from 0, that is the first one here.
     """
 
     file: str
@@ -66,6 +66,7 @@ class Table:
     sha256: str = ""
     run: int = 0
     first: int = 0
+    partial: bool = False
 
     def find(self, name: str, part: str = "") -> tuple[Column, ...]:
         """Return the columns that ``name`` may mean: none, one, or one each of several parts.
