@@ -102,7 +102,7 @@ def _run_sweep(study: "Study", file: Path, output: Path, how: "How", dry_run: bo
         print_planned(tasks, len(tasks) - done_of(tasks, output))
         return
     try:
-        with progress() as say:
+        with progress(logged=True) as say:
             ran = run_sweep(study, output, how, say)
     except (KeyboardInterrupt, Exception) as stop:
         if is_interruption(stop):

@@ -13,7 +13,7 @@ import pytest
 from rich.cells import cell_len
 from rich.console import Console
 
-from symhyb.console.progress_line import ProgressLine, Shown, clock, left
+from symhyb.console.progress_line import ProgressLine, ProgressLog, Shown, clock, left
 from symhyb.console.terminal import progress
 from symhyb.steps import Counted, counted, silent
 
@@ -52,6 +52,19 @@ def test_the_line_is_cut_to_the_terminal(width: int, step: str) -> None:
         assert row.rstrip().endswith("…")
     else:
         assert row.endswith(whole)
+
+
+def test_a_log_gets_a_line_a_minute() -> None:
+    now, written = Clock(), []
+    log = ProgressLog(written.append, ProgressLine(now))
+    for done in range(10):
+        log.say(Counted("fitting", done, 10))
+        now.seconds += 25
+    assert written == [
+        "1:15, 4 of 10, about 3 min left  fitting",
+        "2:30, 7 of 10, about 2 min left  fitting",
+        "3:45, 10 of 10, about 25 s left  fitting",
+    ]
 
 
 def test_a_counted_step_tells_the_time_that_is_left() -> None:

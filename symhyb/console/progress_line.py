@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from rich.live import Live
 
 A_SECOND = 4  # times that the line is drawn
+EVERY_S = 60.0  # a line of a log, at most
 TURNING = "⠋⠙⠹⠸⠼⠴⠦⠧⠇⠏"  # one at a time: something happens
 
 
@@ -85,6 +86,27 @@ class ProgressLine:
         sign = TURNING[int(A_SECOND * now) % len(TURNING)]
         words = self.shown.words(now - self.begun, now)
         return Text(f"{sign} {words}", no_wrap=True, overflow="ellipsis", end="")
+
+
+@dataclass(slots=True)
+class ProgressLog:
+    """The same where there is no terminal, as in the log of a job: ``write`` gets a line with the
+    step that begins, at most one a minute, and none in the first."""
+
+    write: Callable[[str], None]
+    line: ProgressLine
+    last: float = 0.0  # line, in seconds of the clock
+
+    def __post_init__(self) -> None:
+        self.last = self.line.begun
+
+    def say(self, step: str) -> None:
+        """Take the next step."""
+        self.line.say(step)
+        now = self.line.now()
+        if now - self.last >= EVERY_S:
+            self.last = now
+            self.write(self.line.shown.words(now - self.line.begun, now))
 
 
 def live(console: Console, line: ProgressLine) -> "Live":

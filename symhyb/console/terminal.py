@@ -3,12 +3,13 @@
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rich.console import Console
 
-from symhyb.console.progress_line import ProgressLine, live
+from symhyb.console.progress_line import ProgressLine, ProgressLog, live
 from symhyb.errors import InputError, Problem
 from symhyb.fault import SO_FAR, STAGE
 from symhyb.interruption import is_interruption
@@ -30,17 +31,19 @@ def table_console() -> Console:
 
 
 @contextmanager
-def progress(console: Console | None = None) -> Iterator[Say]:
+def progress(console: Console | None = None, *, logged: bool = False) -> Iterator[Say]:
     """Yield ``say(step)``, which shows the step, for how long all has taken and, of a
-    :class:`~symhyb.steps.Counted` one, how much time is left, in one line of a terminal; it is
-    silent elsewhere. An error that nobody expected learns in which step it happened; an
-    interruption says so, and what was known by then."""
+    :class:`~symhyb.steps.Counted` one, how much time is left, in one line of a terminal. Elsewhere
+    it is silent, or ``logged``: a line a minute. An error that nobody expected learns in which step
+    it happened; an interruption says so, and what was known by then."""
     console = console or Console(stderr=True)
     last, line = ["starting"], ProgressLine()
+    log = ProgressLog(partial(print, file=sys.stderr, flush=True), line)
+    shown = log if logged and not console.is_terminal else line
 
     def say(step: str) -> None:
         last[0] = step
-        line.say(step)
+        shown.say(step)
 
     try:
         with live(console, line) if console.is_terminal else nullcontext():
