@@ -7,7 +7,8 @@
        ─────●──────────▶ s  largest force
          ●  │
 
-Laws at one place over one variable act side by side, so that one table holds their sum.
+Laws at one place over one variable act side by side, so that one table holds their sum. Those of
+stretch and rate together become a grid (:mod:`symhyb.export.map_table`).
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -16,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from symhyb.errors import InputError, Problem
+from symhyb.export.map_table import ACCURACY, PLACES_FIRST, Law, MapTable, file_of, gridded
 from symhyb.export.spec import chosen
 from symhyb.laws.maths import NUMPY, Motion
 from symhyb.model.expression import evaluate
@@ -25,14 +27,13 @@ from symhyb.model.vocabulary import KINDS, force_unit, stretch_unit
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.units import parse_unit
 
-ACCURACY = 1e-3  # of the largest force: what a straight line between two rows may miss
 ROWS_FIRST, ROWS_MOST = 33, 4000
 OVER = ("stretch", "rate")
+BOTH = "map"
 _EACH = np.logspace(-6, 3, 19)
 PROBES = np.concatenate([-_EACH[::-1], [0.0], _EACH])  # SI: where a law is asked what it follows
 ELSE = "export an FMU (--to fmu)"
 
-Law = Callable[[Array, Array], Array]
 Span = tuple[float, float]
 
 
@@ -51,8 +52,7 @@ class CurveTable:
     @property
     def file(self) -> str:
         """The name of its file: ``on-x-rate.csv``."""
-        words = "".join(c if c.isalnum() or c in "_" else " " for c in place_text(self.place))
-        return "-".join((*words.split(), self.over)) + ".csv"
+        return file_of(self.place, self.over)
 
     def text(self) -> str:
         """Two columns under their names, with commas."""
@@ -72,13 +72,13 @@ class CurveTable:
 
 def curve_tables(
     model: Model, elements: Sequence[str], spans: Mapping[str, Span]
-) -> tuple[CurveTable, ...]:
+) -> tuple[CurveTable | MapTable, ...]:
     """Tables of the named ``elements``, by default of those that a diagnosis found; ``spans`` are
-    the ranges of stretch and of rate, SI, by default that of the points of own curves.
+    the ranges of stretch and of rate, SI, by default those of the points of own curves and maps.
 
     Raises:
-        InputError: elements that are missing or are no function of one variable, a range that is
-            missing, all of them at once.
+        InputError: elements that are missing or are no function of stretch and rate, a range that
+            is missing, all of them at once.
     """
     groups: dict[tuple[Place, str], list[tuple[Element, Law]]] = {}
     problems: list[Problem] = []
@@ -89,18 +89,26 @@ def curve_tables(
             groups.setdefault((element.place, _over(law)), []).append((element, law))
         except _NoTableError as error:
             problems.append(Problem(f"{error}; {ELSE}", f"elements.{name}", model.file))
-    found = []
+    found: list[CurveTable | MapTable] = []
     for (place, over), members in groups.items():
-        span = spans.get(over) or _own_span([element for element, _ in members])
-        if span is None:
+        given = {one: spans.get(one) or _own_span(members, one) for one in _variables(over)}
+        lacking = [f"--{one} LOW:HIGH" for one, span in given.items() if span is None]
+        if lacking:
             names = " and ".join(element.name for element, _ in members)
-            text = f"a table of {names} needs a range: --{over} LOW:HIGH, in SI"
+            ranges = "ranges" if len(lacking) > 1 else "a range"
+            text = f"a table of {names} needs {ranges}: {' and '.join(lacking)}, in SI"
             problems.append(Problem(text, f"elements.{members[0][0].name}", model.file))
             continue
-        found.append(_table(model, place, over, members, span))
+        known = [span for span in given.values() if span is not None]
+        made = _map if over == BOTH else _table
+        found.append(made(model, place, over, members, known))
     if problems:
         raise InputError(problems)
     return tuple(found)
+
+
+def _variables(over: str) -> tuple[str, ...]:
+    return OVER if over == BOTH else (over,)
 
 
 def span_of(over: str, text: str) -> Span:
@@ -131,10 +139,6 @@ def _law(model: Model, element: Element) -> Law:
         raise _NoTableError("it has an inner state, which remembers")
     if isinstance(element.place, At):
         raise _NoTableError("it acts at a point, along more than one direction")
-    if element.map is not None:
-        places = f"its map of {len(element.map.x)} by {len(element.map.y)} places"
-        text = f"it depends on stretch and rate together, as {places} does"
-        raise _NoTableError(f"{text}, which another program may read itself")
     numbers = numbers_of(model, element)
     try:
         values: dict[str, object] = {
@@ -155,34 +159,73 @@ def _law(model: Model, element: Element) -> Law:
 
 
 def _over(law: Law) -> str:
-    """Which variable a law follows."""
+    """What a law follows: one variable, or both."""
     with np.errstate(all="ignore"):
         force = law(PROBES[:, None], PROBES[None, :])
     by_stretch = bool(np.any(force != force[:1]))
     by_rate = bool(np.any(force != force[:, :1]))
     if by_stretch and by_rate:
-        raise _NoTableError("it depends on stretch and rate together")
+        return BOTH
     if not (by_stretch or by_rate):
         raise _NoTableError("it depends on neither stretch nor rate")
     return OVER[by_rate]
 
 
-def _own_span(elements: Sequence[Element]) -> Span | None:
-    """The range of the points of curves; None where a law has none."""
-    ends = [tuple(_points(element)) for element in elements]
+def _own_span(members: Sequence[tuple[Element, Law]], over: str) -> Span | None:
+    """The range of the points of curves and maps along a variable; None where a law has none."""
+    ends = [tuple(_points(element, over)) for element, _ in members]
     if not all(ends):
         return None
     return min(x[0] for x in ends), max(x[-1] for x in ends)
 
 
-def _points(element: Element) -> Iterator[float]:
-    """Where the points of an own curve lie, SI."""
-    if element.curve is not None:
-        yield from (element.curve.units[0].factor * x for x, _ in element.curve.points)
+def _points(element: Element, over: str) -> Iterator[float]:
+    """Where the points of curves and the places of a map along a variable lie, SI."""
+    by_rate = dict(element.options).get("over") == "rate"
+    for curve, along in ((element.curve, OVER[by_rate]), (element.by_stretch, "stretch")):
+        if curve is not None and along == over:
+            yield from (curve.units[0].factor * x for x, _ in curve.points)
+    if element.map is not None:
+        axis = OVER.index(over)
+        places = (element.map.x, element.map.y)[axis]
+        yield from (element.map.units[axis].factor * x for x in places)
+
+
+def _begun(members: Sequence[tuple[Element, Law]], over: str, span: Span, first: int) -> Array:
+    """Places of a table along a variable, SI: even ones, the origin, and those of the laws."""
+    marks = [0.0, *(x for element, _ in members for x in _points(element, over))]
+    return np.union1d(np.linspace(*span, first), [x for x in marks if span[0] < x < span[1]])
+
+
+def _map(
+    model: Model,
+    place: Place,
+    _: str,
+    members: Sequence[tuple[Element, Law]],
+    spans: Sequence[Span],
+) -> MapTable:
+    def force(s: Array, r: Array) -> Array:
+        total: Array = sum((law(s, r) for _, law in members), np.zeros(np.shape(s + r)))
+        return total
+
+    begun = [
+        _begun(members, over, span, PLACES_FIRST) for over, span in zip(OVER, spans, strict=True)
+    ]
+    x, y, z, missed = gridded(force, begun[0], begun[1])
+    along, up = stretch_unit(model, place), force_unit(model, place)
+    across = along / parse_unit("s")
+    units = along.text, across.text, up.text
+    names = tuple(element.name for element, _ in members)
+    scaled = x / along.factor, y / across.factor, z / up.factor
+    return MapTable(place, names, *scaled, units, missed)
 
 
 def _table(
-    model: Model, place: Place, over: str, members: Sequence[tuple[Element, Law]], span: Span
+    model: Model,
+    place: Place,
+    over: str,
+    members: Sequence[tuple[Element, Law]],
+    spans: Sequence[Span],
 ) -> CurveTable:
     def force(x: Array) -> Array:
         still = np.zeros_like(x)
@@ -190,9 +233,7 @@ def _table(
         total: Array = sum((law(*given) for _, law in members), still)
         return total
 
-    marks = [0.0, *(x for element, _ in members for x in _points(element))]
-    inner = [x for x in marks if span[0] < x < span[1]]
-    x = _refined(force, np.union1d(np.linspace(*span, ROWS_FIRST), inner))
+    x = _refined(force, _begun(members, over, spans[0], ROWS_FIRST))
     along, up = stretch_unit(model, place), force_unit(model, place)
     along = along if over == "stretch" else along / parse_unit("s")
     units = (along.text, up.text)

@@ -12,9 +12,9 @@ from scipy.interpolate import RegularGridInterpolator
 from test_c_code import compiled
 from test_c_code import put as put_files
 
-from symhyb.errors import InputError
 from symhyb.export.c_code import SAMPLES, c_files, samples
 from symhyb.export.curve_table import curve_tables
+from symhyb.export.map_table import MapTable
 from symhyb.export.spec import Spec, spec_of
 from symhyb.model.types import Model
 
@@ -78,12 +78,9 @@ def test_an_fmu_gives_the_same_bit_by_bit(fmi: int, tmp_path: Path) -> None:
             assert by_r == pytest.approx([-2 * (5.0 - 0.75) / 2.0])
 
 
-def test_a_table_of_two_columns_is_refused_with_what_to_do_instead() -> None:
-    with pytest.raises(InputError) as caught:
-        curve_tables(machine(), ("strut",), {})
-    (problem,) = caught.value.problems
-    assert problem.place == "elements.strut"
-    assert problem.text == (
-        "it depends on stretch and rate together, as its map of 3 by 3 places does, which another "
-        "program may read itself; export an FMU (--to fmu)"
-    )
+def test_its_own_grid_is_its_table() -> None:
+    (table,) = curve_tables(machine(), ("strut",), {})
+    assert isinstance(table, MapTable)
+    assert table.missed < 1e-12
+    known = table.force[np.ix_(np.isin(table.x, S), np.isin(table.y, R))]
+    np.testing.assert_allclose(known, 2.0 * np.array(F), atol=1e-12)
