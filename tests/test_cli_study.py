@@ -127,7 +127,7 @@ def until(folder: Path, count: int, running: subprocess.Popen[bytes]) -> None:
         time.sleep(0.05)
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_run_that_is_killed_or_interrupted_ends_as_an_undisturbed_one(
     symhyb: Call, tmp_path: Path
 ) -> None:

@@ -72,7 +72,7 @@ def test_windows_stay_short_where_forces_show_nothing_that_holds() -> None:
     assert [one.length_s for one in after.stages] == [one.length_s for one in before.stages]
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_the_damping_of_every_joint_is_named_and_measured() -> None:
     """Before windows became shorter the arm was refused as recorded too shortly."""
     result = sh.diagnose(arm(), recorded(DAMPING))

@@ -75,6 +75,6 @@ def test_the_law_of_the_page_is_written_as_all_code_is(extended: Path) -> None:
         run(extended, sys.executable, "-m", "ruff", *check, "--config", config, magnet)
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_the_law_of_the_page_is_found_in_a_recording(extended: Path) -> None:
     run(extended, sys.executable, "-c", FOUND)

@@ -90,7 +90,7 @@ felt = { measures = "accelerometer_y(tip, ball)", unit = "m/s^2" }
 """
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_every_place_in_space_is_printed_as_it_is_computed() -> None:
     compare(parse_model(EVERY_PLACE), 1)
 

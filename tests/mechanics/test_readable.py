@@ -192,7 +192,7 @@ def _compare(derived: Readable, machine: Machine, seed: int, matrices: bool) -> 
 
 @pytest.mark.parametrize(
     "path",
-    [pytest.param(x, marks=pytest.mark.slow) if x.stem in LARGE else x for x in MODELS],
+    [pytest.param(x, marks=pytest.mark.thorough) if x.stem in LARGE else x for x in MODELS],
     ids=[path.stem for path in MODELS],
 )
 def test_what_is_printed_is_what_the_machine_computes(path: Path) -> None:
@@ -246,7 +246,7 @@ at = ["x", "l*{factors}"]
     compare(model, 1)
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_latex_is_balanced_and_its_formulas_can_be_set() -> None:
     parser = MathTextParser("path")
     texts = [

@@ -227,7 +227,7 @@ def test_a_step_has_second_derivatives() -> None:
     assert float(found[0, 0]) == pytest.approx(known, rel=0.02)
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 @needs_compiler
 def test_memory_stays_flat_over_ten_thousand_calls() -> None:
     """Resident memory, so that what C and CasADi hold counts too."""

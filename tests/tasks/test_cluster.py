@@ -78,7 +78,7 @@ def test_workers_of_a_cluster_that_are_killed_cost_no_task(folder: Path, address
     assert run(folder, address) == Ran(6, 6, 6, {})
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_task_that_kills_every_worker_of_a_cluster_fails(folder: Path, address: str) -> None:
     ran = run(folder, address, sweeps.deadly)
     assert "recordings=r1.csv, noise=0.0" in ran.failed
@@ -87,7 +87,7 @@ def test_a_task_that_kills_every_worker_of_a_cluster_fails(folder: Path, address
     assert again.failed == {}
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_scheduler_that_is_lost_is_one_error_and_the_run_goes_on_elsewhere(
     folder: Path,
     address: str,

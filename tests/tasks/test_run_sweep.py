@@ -73,7 +73,7 @@ def test_a_recording_that_changed_is_diagnosed_anew(folder: Path) -> None:
     assert [name.partition(",")[0] for name in performed(folder)[6:]] == ["recordings=r2.csv"] * 2
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_task_that_kills_its_worker_fails_and_no_other(folder: Path) -> None:
     ran = run(folder, sweeps.deadly)
     (name,) = ran.failed
@@ -129,8 +129,13 @@ run_sweep(read_study("study.toml"), "out", How(workers=2, resume=True), perform=
 """
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize(
+    "seed",
+    [
+        pytest.param(1, marks=pytest.mark.slow),
+        *(pytest.param(seed, marks=pytest.mark.thorough) for seed in (2, 3)),
+    ],
+)
 def test_what_is_killed_at_any_moment_goes_on_where_it_was(folder: Path, seed: int) -> None:
     script = SCRIPT.format(tests=str(ROOT / "tests"))
     whole = subprocess.Popen([sys.executable, "-c", script], cwd=folder, start_new_session=True)
