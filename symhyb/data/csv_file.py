@@ -183,10 +183,12 @@ def _columns(
         cells = frame[place]
         if not name and cells.isna().all():
             continue  # a delimiter at the end of every line
-        values = _dates(cells)
+        numeric = pd.api.types.is_numeric_dtype(cells)  # neither dates nor dashes
+        values = None if numeric else _dates(cells)
         if values is None:
             values = numbers_in(cells)
-            cells = cells.mask(cells.map(_is_dash).astype(bool))
+            if not numeric:
+                cells = cells.mask(cells.map(_is_dash).astype(bool))
         bad = np.flatnonzero(np.isnan(values) & cells.notna().to_numpy())
         problem = None
         if often[name] > 1 and name:

@@ -7,7 +7,9 @@ column explains θ = Σ g / Σ S of that: what the model lacks already. What a b
     z_b = (g_b − S_b θ) / √(S_b (φ + ε² m_b))
 
 where φ is what the reference scatters by, in units of the noise, m_b the squares of all that moves,
-and ε the accuracy of the numerics: what does less than that to the sensors is no change.
+and ε the accuracy of the numerics: what does less than that to the sensors is no change. φ is at
+least 1, and otherwise such that the z of the reference itself have a mean square of 1, blocks at
+rest and blocks that move alike (Paule & Mandel).
 
 A model that is not perfect, along motion that is not always the same, leaves blocks that stand far
 out, and blocks that resemble their neighbours. So no block counts more than the largest one of the
@@ -26,7 +28,8 @@ What has changed is the cause that explains most of the blocks since the likelie
 
 Sources: Basseville & Nikiforov, Detection of Abrupt Changes, 1993, §2.4 (time and size of a change
 by generalised likelihood ratio; Lorden, Annals of Mathematical Statistics 42, 1971); Huber, Robust
-Statistics, 1981, §1.7 (bounded scores); Chernoff, Annals of Mathematical Statistics 23, 1952.
+Statistics, 1981, §1.7 (bounded scores); Chernoff, Annals of Mathematical Statistics 23, 1952;
+Paule & Mandel, Journal of Research of the National Bureau of Standards 87, 1982, p. 377 (φ).
 Sizes: B blocks, F columns, C causes, T values of t.
 """
 
@@ -44,6 +47,7 @@ SHOWN_LEAST = 5.0  # blocks' worth of a reference in which a column shows
 LENGTHS = (1, 2, 3, 4, 5, 6, 8, 12, 16, 24, 32, 48, 64)  # of a change, in blocks
 EXCEEDED = (0.0, 0.1)  # shares of the reference that are beyond the most that a block counts
 TILTS = np.geomspace(0.05, 40, 60)  # t
+HALVINGS = 60  # of an interval, in which φ lies
 SUMS_LEAST = 4  # apart from each other, by which their variance is known
 DAY_S = 86_400.0
 
@@ -121,7 +125,7 @@ class Change:
     chance: float
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)  # no slots: what every new block needs is kept
 class Causes:
     """What may change: the ``columns`` of each cause (C,), and what naming it costs (``price``
     (C,), in the unit of a score) for numbers that it has beside its strengths."""
@@ -129,18 +133,25 @@ class Causes:
     columns: tuple[tuple[int, ...], ...]
     price: Array
 
+    @cached_property
+    def alike(self) -> tuple[tuple[NDArray[np.intp], NDArray[np.intp]], ...]:
+        """The causes with as many columns as each other: their indices (K,) and columns (K, k)."""
+        sizes = np.array([len(own) for own in self.columns])
+        return tuple(
+            (which, np.array([self.columns[i] for i in which], np.intp))
+            for which in (np.flatnonzero(sizes == size) for size in np.unique(sizes))
+        )
+
 
 def reference_of(blocks: Sequence[Block]) -> Reference:
     """The reference that some blocks are."""
     information = np.sum([one.information for one in blocks], axis=0)
     score = np.sum([one.score for one in blocks], axis=0)
-    size = len(score)
     shown = np.array([np.diag(one.information) for one in blocks])
     with np.errstate(divide="ignore", invalid="ignore"):
         spread = shown.sum(axis=0) ** 2 / np.sum(shown**2, axis=0)
-    plain = np.array([_scores(information, score, np.ones(size), one) for one in blocks])
-    scatter = np.maximum(np.sum(plain**2, axis=0) / max(len(blocks) - 1, 1), 1.0)
-    z = plain / np.sqrt(scatter)
+    scatter = _scatter(information, score, blocks)
+    z = np.array([_scores(information, score, scatter, one) for one in blocks])
     known = (np.nan_to_num(spread) >= SHOWN_LEAST) & np.any(z != 0, axis=0)
     bounded = []
     for share in EXCEEDED:
@@ -166,8 +177,12 @@ def changed(
     if chance >= least:
         return None
     first = max(len(recent) - LENGTHS[-1], 0)
-    worth = [_worth(reference, recent[i:], causes).max() for i in range(first, len(recent))]
-    found = named(reference, recent, first + int(np.argmax(worth)), chance, causes)
+    worth: list[float] = []
+    information, score = np.zeros_like(reference.information), np.zeros_like(reference.score)
+    for block in reversed(recent[first:]):  # a beginning after the other, the latest first
+        information, score = information + block.information, score + block.score
+        worth.append(float(_worth(reference, information, score, causes).max()))
+    found = named(reference, recent, first + int(np.argmax(worth[::-1])), chance, causes)
     stands = np.any(np.abs(found.size) > OUTSTANDING * found.sd)
     return found if stands else None
 
@@ -176,13 +191,13 @@ def named(
     reference: Reference, blocks: Sequence[Block], since: int, chance: float, causes: Causes
 ) -> Change:
     """What has changed since the block of index ``since``, known to differ by a ``chance``."""
-    worth = _worth(reference, blocks[since:], causes)
+    information, score = _summed(blocks[since:])
+    worth = _worth(reference, information, score, causes)
     best = int(np.argmax(worth))
     odds = np.exp(0.5 * (worth - worth[best]))
     near = [int(i) for i in np.argsort(-worth) if worth[best] - worth[i] < SIGNIFICANT]
     columns = list(causes.columns[best])
     at = np.ix_(columns, columns)
-    information, score = _summed(blocks[since:])
     after = np.linalg.pinv(information[at], hermitian=True)
     before = np.linalg.pinv(reference.information[at], hermitian=True)
     size = after @ score[columns] - before @ reference.score[columns]
@@ -192,6 +207,22 @@ def named(
     return Change(
         since, best, size, np.sqrt(variance), float(1 / odds.sum()), tuple(near[1:]), chance
     )
+
+
+def _scatter(information: Array, score: Array, blocks: Sequence[Block]) -> Array:
+    """φ (F,) of the blocks of a reference against their own sums, dimensionless: the squares of
+    their z add up to one less than there are blocks, unless 1 makes them less already."""
+    still = [Block(b.start_s, b.end_s, b.information, b.score) for b in blocks]
+    ones = np.ones(len(score))
+    squares = np.square([_scores(information, score, ones, one) for one in still])
+    numerics = np.array([[ACCURACY**2 * one.motion] for one in blocks])
+    wanted = max(len(blocks) - 1, 1)
+    low, high = ones, np.maximum(squares.sum(axis=0) / wanted, 1.0)
+    for _ in range(HALVINGS):
+        middle = np.sqrt(low * high)
+        above = np.sum(squares / (middle + numerics), axis=0) > wanted
+        low, high = np.where(above, middle, low), np.where(above, high, middle)
+    return np.asarray(high)
 
 
 def _scores(information: Array, score: Array, scatter: Array, block: Block) -> Array:
@@ -219,21 +250,21 @@ def _chance(reference: Reference, recent: Sequence[Block]) -> float:
     return float(min(2 * np.exp(found), 1.0))
 
 
-def _worth(reference: Reference, blocks: Sequence[Block], causes: Causes) -> Array:
-    """By how much each cause (C,) explains what is otherwise in these blocks: the fall of χ² in
-    units of what the reference scatters by, less its price; −inf of one that it does not show."""
-    information, score = _summed(blocks)
+def _worth(reference: Reference, information: Array, score: Array, causes: Causes) -> Array:
+    """By how much each cause (C,) explains what is otherwise in blocks with the sums of
+    ``information`` (F, F) and ``score`` (F,): the fall of χ² in units of what the reference
+    scatters by, less its price; −inf of one that it does not show."""
     unit = float(np.median(reference.scatter[reference.known])) if reference.known.any() else 1.0
     worth = np.full(len(causes.columns), -np.inf)
-    for cause, own in enumerate(causes.columns):
-        c = list(own)
-        if not reference.known[c].all():
-            continue
-        at = np.ix_(c, c)
-        before = np.linalg.pinv(reference.information[at], hermitian=True) @ reference.score[c]
-        left = score[c] - information[at] @ before
+    for which, columns in causes.alike:
+        known = reference.known[columns].all(axis=1)
+        own, which = columns[known], which[known]
+        at = own[:, :, None], own[:, None, :]
+        inverse = np.linalg.pinv(reference.information[at], hermitian=True)
+        before = np.einsum("cij,cj->ci", inverse, reference.score[own])
+        left = score[own] - np.einsum("cij,cj->ci", information[at], before)
         inverse = np.linalg.pinv(information[at], hermitian=True)
-        worth[cause] = float(left @ inverse @ left) / unit - causes.price[cause]
+        worth[which] = np.einsum("ci,cij,cj->c", left, inverse, left) / unit - causes.price[which]
     return worth
 
 

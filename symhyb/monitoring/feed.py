@@ -8,7 +8,7 @@ import numpy as np
 
 from symhyb.data.columns import map_columns
 from symhyb.data.csv_file import read_csv
-from symhyb.data.recording import Recording, recorded
+from symhyb.data.recording import Recording, recorded_part
 from symhyb.errors import InputError, Problem
 from symhyb.model.types import Model
 
@@ -65,7 +65,7 @@ class Feed:
     def _read(self, rows: Sequence[str]) -> Recording:
         content = "\n".join([*self.header, *rows]).encode()
         table = read_csv(content, self.name)
-        return recorded(table, map_columns(table, self.model, self.columns), self.model)
+        return recorded_part(table, map_columns(table, self.model, self.columns), self.model)
 
 
 def _numbers(line: str) -> bool:

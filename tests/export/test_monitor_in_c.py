@@ -240,6 +240,10 @@ def test_two_coordinates_steep_friction_a_bent_sensor_and_memory(tmp_path: Path)
     status, lines = answered(program, rows_of(later), "--blocks")
     assert status == 0
     require_the_same(cart_begun(), later, lines, len(later) // cart_begun().rows)
+    reference = rows_of(
+        stretch(cart(3), slice(0, 8000))
+    )  # from rest; it does not differ from itself
+    assert answered(program, reference) == (0, [])
     checks = ("-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
     watched = compiled(tmp_path, "monitor", *checks)
     assert answered(watched, rows_of(stretch(later, slice(0, 400))))[0] == 0

@@ -103,6 +103,36 @@ def test_what_does_less_than_the_numerics_are_accurate_to_is_no_change() -> None
         assert (hit is not None) == found
 
 
+def resting_first(seed: int, count: int) -> list[Block]:
+    """Blocks of a machine that rests in every third one and otherwise moves 10⁵ noises far, and of
+    which the model fails by 150 noises or, where it moves, by as much again."""
+    made = []
+    for i, block in enumerate(
+        blocks(seed, count, np.zeros(4), lambda rng, n: 150 * normal(rng, n))
+    ):
+        moves = i % 3 > 0
+        score = block.score * (2 if moves else 1)
+        made.append(Block(block.start_s, block.end_s, block.information, score, 1e10 * moves))
+    return made
+
+
+def test_a_reference_is_as_its_blocks_are_judged_later() -> None:
+    """What it scatters by is counted at rest as in motion, so that nothing stands out of it."""
+    made = resting_first(1, 60)
+    reference = reference_of(made)
+    z = np.array([reference.otherwise(block) for block in made])
+    np.testing.assert_allclose(np.sum(z**2, axis=0), 59)
+    for one in reference.bounded:
+        np.testing.assert_allclose(np.clip(z / one.most, -1, 1), one.w)
+    assert alarms(reference, made, per_day=1.0) == 0
+    assert alarms(reference, resting_first(2, 600), per_day=96.0) <= 1
+
+
+def test_what_scatters_less_than_the_noise_scatters_as_the_noise() -> None:
+    reference = reference_of(blocks(1, 60, np.zeros(4), lambda rng, n: 0.1 * normal(rng, n)))
+    np.testing.assert_array_equal(reference.scatter, 1.0)
+
+
 def test_causes_that_do_the_same_are_rivals() -> None:
     """The second column is the first but for a hair."""
 

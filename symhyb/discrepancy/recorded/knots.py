@@ -76,7 +76,8 @@ def chosen(
     if best is None:
         raise ValueError("no spacing to choose from")
     if len(parts) == 1:
-        return best[0].banded(), best[1].banded()
+        fit = best[0].banded()
+        return fit, fit if best[1] is best[0] else best[1].banded()
     near = spacings[least], spacings[max(least - 1, 0)]
     return fitted(slice(None), near[0]).banded(), fitted(slice(None), near[1]).banded()
 

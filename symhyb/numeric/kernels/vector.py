@@ -58,7 +58,7 @@ def along(
     work = _work(function, held, total)
     if work is None:
         wide = [np.repeat(a, total, 0) if i in held else a for i, a in enumerate(given)]
-        return call(_dense(function).map(total), wide)
+        return call(_mapped(function, total), wide)
     moving = [a for i, a in enumerate(given) if i not in held]
     fixed = [given[i].reshape(-1) for i in sorted(held)]
     made = work(moving, np.concatenate([*fixed, np.empty(0)]), total)
@@ -100,6 +100,12 @@ def _chained(function: ca.Function, held: frozenset[int]) -> Work | None:
     if run is not None and expressions.supported(code):
         return partial(Engine(code, run), steps=1)
     return partial(vector_numpy.blocks, code) if vector_numpy.supported(code) else None
+
+
+@lru_cache(maxsize=64)
+def _mapped(function: ca.Function, total: int) -> ca.Function:
+    """The same function of so many samples, its outputs dense."""
+    return _dense(function).map(total)
 
 
 def _dense(function: ca.Function) -> ca.Function:

@@ -20,6 +20,7 @@ and the values that the inputs follow already stand at its end, number by number
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import casadi as ca
 import numpy as np
@@ -187,7 +188,7 @@ class StateForm:
     @property
     def key(self) -> tuple[object, ...]:
         """What the functions of a form depend on."""
-        return structure_of(self.machine.model), self.given, self.late, self.shaping
+        return _structure(self.machine), self.given, self.late, self.shaping
 
     def rates(self) -> ca.Function:
         """(x, d, t, p, w) -> (n_free + z,) the rates of v_free and z; w (n) is a test force."""
@@ -263,6 +264,12 @@ class StateForm:
         q[..., list(self.given)] = d[..., k : k + g]
         v[..., list(self.given)] = d[..., k + g : k + 2 * g]
         return q, v
+
+
+@lru_cache(maxsize=16)
+def _structure(machine: Machine) -> str:
+    """What the functions of a machine depend on; a machine is its own key, compared by identity."""
+    return structure_of(machine.model)
 
 
 def state_form(
