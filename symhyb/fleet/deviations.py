@@ -105,7 +105,7 @@ def judged(units: Sequence[Unit], left: Array, freedom: Array) -> Judged:
         corrected = false_discovery_control(np.clip(raw, 0.0, 1.0))
         by_numbers, by_rest = corrected[:count], corrected[count:]
         now = np.minimum(by_numbers, by_rest) > 1.0 - PROBABLE
-        if int(now.sum()) < least or now.tobytes() in seen:
+        if int(now.sum()) < least or now.tobytes() in seen or not _determined(units, now):
             break
         kept = now
     return Judged(found, kept, off, by_numbers, by_rest, True)
@@ -191,7 +191,14 @@ def _begun(units: Sequence[Unit], left: Array) -> Mask:
     wide = np.column_stack([np.hypot(scale[:-1], np.array(noise).T), np.full(len(left), scale[-1])])
     reach = float(t.isf(0.5 / columns.size, len(units) - x.shape[1]))
     kept = np.all(np.abs(columns) <= reach * np.maximum(wide, 1e-300), axis=1)
-    return kept if kept.sum() > len(units) / 2 else np.ones(len(units), dtype=bool)
+    enough = kept.sum() > len(units) / 2 and _determined(units, kept)
+    return kept if enough else np.ones(len(units), dtype=bool)
+
+
+def _determined(units: Sequence[Unit], kept: Mask) -> bool:
+    """Whether the units that are kept determine what depends on conditions and groups."""
+    x = np.concatenate([one.x for one, use in zip(units, kept, strict=True) if use])
+    return bool(np.linalg.matrix_rank(x) == x.shape[1])
 
 
 def _of_rest(left: Array, freedom: Array, kept: Mask) -> Array:
