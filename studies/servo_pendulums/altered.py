@@ -1,8 +1,11 @@
 """Twenty runs altered by hand among those of a study: does the fleet name them, and no others?
 
-python studies/servo_pendulums/altered.py OUT EVERY FITS   # FITS: what symhyb run left of ladder
-symhyb run OUT/ladder.toml -o out --workers 1
+python studies/servo_pendulums/altered.py OUT FITS [EVERY [WITHOUT]]
+symhyb run OUT/ladder.toml -o out --workers 1          # weight and friction
+symhyb run OUT/gain.toml -o gains --workers 1          # the gain
 symhyb fleet out --among mount,trajectory,gain
+
+FITS is what symhyb run left of the ladder of the runs as they are; EVERY and WITHOUT as of runs.py.
 
 Of mounts and trajectories in turn one run of the half that nothing was developed on is altered:
 
@@ -26,7 +29,7 @@ from pathlib import Path
 import numpy as np
 from falls import FOLDER, folder_of_runs
 from numpy.typing import NDArray
-from runs import Run, chosen, read_runs, restated, write_runs
+from runs import Run, asked, chosen, read_runs, restated, write_runs
 
 from symhyb.tasks.outcome import read_outcomes
 
@@ -131,8 +134,8 @@ def main() -> None:
     folder, out = folder_of_runs(), Path(sys.argv[1])
     if folder is None:
         raise SystemExit(f"no {FOLDER} in the folder that SYMHYB_DATA names")
-    runs = chosen(read_runs(folder), int(sys.argv[2]))
-    numbers, kinds = fitted_numbers(Path(sys.argv[3])), picked(runs)
+    runs = chosen(read_runs(folder), *asked(sys.argv[3:]))
+    numbers, kinds = fitted_numbers(Path(sys.argv[2])), picked(runs)
     weights = sorted({one.mass for one in runs})
     changed = [
         altered(one, kinds[one.run], weights, numbers[one.name]) if one.run in kinds else one

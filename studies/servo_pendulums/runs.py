@@ -1,12 +1,13 @@
 """All 960 runs of the servo as a study: what is read, what was misread, and what is written.
 
-python studies/servo_pendulums/runs.py OUT [EVERY]    # a CSV a run, tables, models, two studies
-symhyb run OUT/ladder.toml -o out --workers 1         # friction, by structures
+python studies/servo_pendulums/runs.py OUT [EVERY [WITHOUT]]   # a CSV a run, tables, two studies
+symhyb run OUT/ladder.toml -o out --workers 1     # friction, by structures
 symhyb fleet out --among mount,trajectory,gain
-symhyb run OUT/gain.toml -o gains                     # the gain of the controller
+symhyb run OUT/gain.toml -o gains                 # the gain of the controller
 symhyb fleet gains --among mount,trajectory,gain
 
-EVERY takes of all mounts, trajectories and gains each so-manieth, with all its repetitions.
+EVERY takes of all mounts, trajectories and gains each so-manieth, with all its repetitions;
+WITHOUT is a trajectory that is left out.
 """
 
 import csv
@@ -117,9 +118,9 @@ def _run(number: int, one: pd.Series, part: pd.DataFrame, repetition: int) -> Ru
     )
 
 
-def chosen(runs: Sequence[Run], every: int) -> list[Run]:
+def chosen(runs: Sequence[Run], every: int, without: str = "") -> list[Run]:
     """Of all mounts, trajectories and gains each so-manieth, with all its repetitions; the gains
-    change from one to the next."""
+    change from one to the next. One trajectory may be left ``without``."""
     gains = sorted({one.kp for one in runs})
     cells = sorted({(one.mass, one.length, one.trajectory) for one in runs})
 
@@ -127,7 +128,7 @@ def chosen(runs: Sequence[Run], every: int) -> list[Run]:
         cell = cells.index((one.mass, one.length, one.trajectory))
         return len(gains) * cell + (gains.index(one.kp) + cell // 2) % len(gains)
 
-    return [one for one in runs if place(one) % every == 0]
+    return [one for one in runs if place(one) % every == 0 and one.trajectory != without]
 
 
 GROUPS = ("mount", "trajectory", "gain", "half", "repetition", "warm", "volts", "run")
@@ -172,12 +173,17 @@ def restated(run: Run, mass: float = 1.0, kp: float = 1.0) -> Run:
     return replace(run, mass=mass * run.mass, kp=kp * run.kp)
 
 
+def asked(words: Sequence[str]) -> tuple[int, str]:
+    """EVERY and WITHOUT of a command line."""
+    return int(words[0]) if words else 1, words[1] if len(words) > 1 else ""
+
+
 def main() -> None:
     """Write the folder that is named, and say what was misread."""
     folder, out = folder_of_runs(), Path(sys.argv[1])
     if folder is None:
         raise SystemExit(f"no {FOLDER} in the folder that SYMHYB_DATA names")
-    runs = chosen(read_runs(folder), int(sys.argv[2]) if len(sys.argv) > 2 else 1)
+    runs = chosen(read_runs(folder), *asked(sys.argv[2:]))
     write_runs(runs, out)
     misread = [one for one in runs if one.misread]
     print(f"{out}: {len(runs)} runs, {len(misread)} of them with read errors, in misread.csv")

@@ -6,7 +6,7 @@ from builders import DRIVEN_MASS
 from sweeps import write_sweep
 
 import symhyb as sh
-from symhyb.correction.structures import Structured, shares, structured
+from symhyb.correction.structures import Asked, Structured, shares, structured
 from symhyb.errors import InputError
 from symhyb.model.types import Model
 
@@ -25,9 +25,9 @@ NUMBERS = """
 F = { value = 0.5, unit = "N" }
 k3 = { value = 0.0, unit = "N/m^3" }
 [inputs]"""
-VISCOUS = (("d",), {"F": 0.0})
-DRY = (("d", "F"), {})
-MORE = (("d", "F", "k3"), {})
+VISCOUS: Asked = (("d",), {"F": 0.0})
+DRY: Asked = (("d", "F"), {})
+MORE: Asked = (("d", "F", "k3"), {})
 
 
 @pytest.fixture(scope="module")

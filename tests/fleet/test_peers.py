@@ -7,7 +7,9 @@ import pytest
 from fleets import write_fits
 
 from symhyb.errors import InputError
+from symhyb.fleet.deviations import begun
 from symhyb.fleet.fleet import fleet_of
+from symhyb.fleet.population import Unit
 from symhyb.fleet.written import fleet_facts
 from symhyb.tasks.outcome import read_outcomes
 
@@ -68,3 +70,20 @@ def test_a_condition_that_is_the_same_in_each_group_has_no_slope(tmp_path: Path)
     outcomes = read_outcomes(write_fits(tmp_path, values, COVARIANCE, said))
     with pytest.raises(InputError, match="do not vary within the groups of peers"):
         fleet_of(outcomes, "", ["mount"], ["kind"])
+
+
+def test_few_peers_are_begun_with_but_for_those_that_are_odd() -> None:
+    chance = np.random.default_rng(2)
+    peers = np.vstack([np.eye(19), -np.ones(19)])[np.repeat(np.arange(20), 3)]
+    values = chance.standard_normal((60, 5))
+    odd = list(range(1, 30, 3))
+    values[odd, 0] += 20.0
+    error = 1e-6 * np.eye(5)[None]
+    units = [
+        Unit(y[None], error, np.concatenate([[1.0], x])[None])
+        for y, x in zip(values, peers, strict=True)
+    ]
+    left = np.exp(0.3 * chance.standard_normal(60))
+    kept = begun(units, left)
+    assert not kept[odd].any()
+    assert np.delete(kept, odd).mean() > 0.8
