@@ -28,11 +28,30 @@ Over = Annotated[
     ),
 ]
 
+Among = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="GROUPINGS",
+        help="Groupings, as mount,load: each unit is compared with those that share all of them."
+        " Repeat it.",
+    ),
+]
+Structure = Annotated[
+    str,
+    typer.Option(
+        metavar="NAME",
+        help="Of tasks that compared structures: compare the numbers of this one; without it those"
+        " of the likeliest.",
+    ),
+]
+
 
 def fleet(
     directory: Left,
     unit: Unit = "",
     over: Over = None,
+    among: Among = None,
+    structure: Structure = "",
     csv: Annotated[
         Path | None,
         typer.Option(
@@ -66,7 +85,8 @@ def fleet(
 
     for file in (csv, picture):
         require_new(file, force)
-    found = fleet_of(read_outcomes(directory), unit, listed(over))
+    outcomes = read_outcomes(directory)
+    found = fleet_of(outcomes, unit, listed(over), listed(among), structure)
     if csv is not None:
         write_units(found, csv)
     if picture is not None:
@@ -82,6 +102,8 @@ def next_(
     directory: Left,
     unit: Unit = "",
     over: Over = None,
+    among: Among = None,
+    structure: Structure = "",
     most: Annotated[int, typer.Option(metavar="N", min=1, help="List so many at most.")] = 20,
     as_json: Json = False,
 ) -> None:
@@ -101,7 +123,8 @@ def next_(
     from symhyb.fleet.looking_next import worth_looking
     from symhyb.tasks.outcome import read_outcomes
 
-    found = worth_looking(read_outcomes(directory), unit, listed(over))
+    outcomes = read_outcomes(directory)
+    found = worth_looking(outcomes, unit, listed(over), listed(among), structure)
     if as_json:
         print_json([asdict(one) for one in found[:most]])
         return

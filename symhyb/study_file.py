@@ -46,7 +46,7 @@ from symhyb.model.tables import Fault, Table, describe
 from symhyb.study_folders import Folders, folders_of
 from symhyb.study_options import read_options
 from symhyb.study_sources import Source, file_named, read_sources
-from symhyb.study_sweep import Noise, Sweep, read_noise, read_sweep, read_values
+from symhyb.study_sweep import Noise, Structure, Sweep, read_noise, read_sweep, read_values
 
 FORMAT = 1
 """The version of the study file that is read."""
@@ -85,9 +85,10 @@ class Study:
     is a table of known values of parameters in each recording, ``groups`` one of their groups.
     ``budget_s`` is the time in s after which the diagnosis ends, None for no end.
     ``fit`` are the names of the numbers of the model that the tasks of a sweep fit, where they
-    diagnose nothing; empty for all that state an sd, None for diagnoses. ``values`` are set in
-    the model, by the path of a parameter and in its units; ``noise`` is added
-    to the training recordings; of a ``sweep`` many studies are made, in each of which it is
+    diagnose nothing; empty for all that state an sd, None for diagnoses; where a task compares
+    ``structures``, those of all of them. ``values`` are set in the model, by the path of a
+    parameter and in its units; ``noise`` is added to the training recordings; of a ``sweep`` many
+    studies are made, in each of which it is
     None."""
 
     model: Path
@@ -109,6 +110,7 @@ class Study:
     values: tuple[tuple[str, float], ...] = ()
     noise: Noise | None = None
     fit: tuple[str, ...] | None = None
+    structures: tuple[Structure, ...] = ()
     sweep: Sweep | None = None
 
     def columns_of(self, source: Source) -> Mapping[str, str]:
@@ -189,6 +191,10 @@ def _budget(root: Table) -> float | None:
 
 def _fit(root: Table, sweep: Sweep | None) -> tuple[str, ...] | None:
     """What the tasks of a sweep fit, None where they diagnose."""
+    structures = () if sweep is None else sweep.structures
+    if structures and not root.entries.get("fit"):
+        text = 'structures are compared by fits; name what all of them fit, as fit = ["k"]'
+        root.fault(text, "sweep", "structures")
     if "fit" not in root.entries:
         return None
     names = root.entries["fit"]

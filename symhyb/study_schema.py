@@ -129,6 +129,11 @@ def _sweep() -> Schema:
         "score": _score(),
         "finish": _finish(),
     }
+    structures = {
+        "name": text("what the results call it"),
+        "fit": listed("its numbers, beside those that all structures fit", _name(), 1),
+        "values": named("where numbers stand in it, in the units of the model", number("a value")),
+    }
     values = listed("each of these", number("a value"), 1, uniqueItems=True)
     keys = {
         "models": listed("model files", text("a model file"), 1, uniqueItems=True),
@@ -137,6 +142,11 @@ def _sweep() -> Schema:
         "subsets": table(subsets, ("size", "count"), description="random training recordings"),
         "noise": table(noise, ("levels",), description="noise, added to the training recordings"),
         "options": listed("sets of options", table(options, ("name",)), 1),
+        "structures": listed(
+            "of tasks that fit: structures that each of them compares",
+            table(structures, ("name",)),
+            2,
+        ),
     }
     return table(keys, minProperties=1, description="many diagnoses of one study: what is varied")
 

@@ -16,8 +16,11 @@ seeds  = [1, 2]
 [[sweep.options]]                        # what the study says of map, own, score and finish
 name = "own drag"
 own  = ["drag"]
+[[sweep.structures]]                     # of tasks that fit: what each fits beside the others
+name = "dry"
+fit  = ["F"]
 
-Every combination is one diagnosis.
+Every combination is one diagnosis, or one fit of all structures.
 """
 
 from dataclasses import dataclass
@@ -28,7 +31,8 @@ from symhyb.study_folders import Folders
 from symhyb.study_options import KEYS, Options, read_options
 from symhyb.study_sources import file_named
 
-AXES = ("models", "each", "values", "subsets", "noise", "options")
+AXES = ("models", "each", "values", "subsets", "noise", "options", "structures")
+FEWEST_STRUCTURES = 2  # that can be compared
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,6 +54,17 @@ class Subsets:
 
 
 @dataclass(frozen=True, slots=True)
+class Structure:
+    """One of several structures of a model that are fitted and compared: ``fit`` are its numbers
+    beside those that the study fits in all of them, ``values`` are where numbers stand in it, by
+    path and in the units of the model: at the begin of the fit, or throughout."""
+
+    name: str
+    fit: tuple[str, ...] = ()
+    values: tuple[tuple[str, float], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
 class Sweep:
     """What is varied: an axis that is empty varies nothing. ``values`` are by the path of a
     parameter, in the units of the model; ``each`` is ``recording``, or a grouping."""
@@ -60,6 +75,7 @@ class Sweep:
     subsets: Subsets | None = None
     noise: tuple[Noise, ...] = ()
     options: tuple[tuple[str, Options], ...] = ()
+    structures: tuple[Structure, ...] = ()
 
 
 def read_sweep(root: Table, folders: Folders) -> Sweep | None:
@@ -79,6 +95,7 @@ def read_sweep(root: Table, folders: Folders) -> Sweep | None:
         subsets=_subsets(table),
         noise=_noise(table),
         options=_options(table),
+        structures=_structures(table),
     )
 
 
@@ -140,23 +157,42 @@ def _noise(table: Table) -> tuple[Noise, ...]:
 
 def _options(table: Table) -> tuple[tuple[str, Options], ...]:
     """Sets of options, each with its name."""
-    listed = table.entries.get("options", [])
+    read = _named(table, "options", "set", KEYS)
+    return tuple((name, read_options(one)) for name, one in read.items())
+
+
+def _structures(table: Table) -> tuple[Structure, ...]:
+    """The structures that every task fits and compares."""
+    read = _named(table, "structures", "structure", ("fit", "values"))
+    found = []
+    for name, one in read.items():
+        fit = tuple(_listed(one, "fit", str, 'names, like ["F"]')) if "fit" in one.entries else ()
+        found.append(Structure(name, fit, read_values(one)))
+    if found and len(found) < FEWEST_STRUCTURES:
+        text = f"one structure is compared with nothing; state {FEWEST_STRUCTURES} or more"
+        table.fault(text, "structures")
+    return tuple(found)
+
+
+def _named(table: Table, key: str, what: str, keys: tuple[str, ...]) -> dict[str, Table]:
+    """The tables of a list, by their names."""
+    listed = table.entries.get(key, [])
     if not isinstance(listed, list) or not all(isinstance(entry, dict) for entry in listed):
-        text = f"write each set as a table [[sweep.options]], not {describe(listed)}"
-        table.fault(text, "options")
-        return ()
-    found: dict[str, Options] = {}
+        text = f"write each {what} as a table [[sweep.{key}]], not {describe(listed)}"
+        table.fault(text, key)
+        return {}
+    found: dict[str, Table] = {}
     for number, entries in enumerate(listed, 1):
-        one = Table((*table.path, f"options[{number}]"), entries, table.faults)
-        one = one.checked(("name", *KEYS))
+        one = Table((*table.path, f"{key}[{number}]"), entries, table.faults)
+        one = one.checked(("name", *keys))
         name = one.text("name", required=True)
         if name is None:
             if one.lacks("name"):
                 one.fault("'name' is missing: what the results call it")
         elif name in found:
-            one.fault(f"'{name}' is the name of another set already", "name")
-        found[name or ""] = read_options(one)
-    return tuple(found.items())
+            one.fault(f"'{name}' is the name of another {what} already", "name")
+        found[name or ""] = one
+    return found
 
 
 def _listed(table: Table, key: str, kind: type, what: str) -> list:  # type: ignore[type-arg]

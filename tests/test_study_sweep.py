@@ -9,7 +9,7 @@ import pytest
 from symhyb.errors import InputError
 from symhyb.study_file import Study, read_study
 from symhyb.study_schema import study_schema
-from symhyb.study_sweep import Noise, Subsets, Sweep
+from symhyb.study_sweep import Noise, Structure, Subsets, Sweep
 
 VALID = jsonschema.Draft7Validator(study_schema())
 
@@ -38,6 +38,21 @@ score = { window_s = 0.5 }
 [[sweep.options]]
 name = "plain"
 """
+STRUCTURES = """\
+symhyb = 1
+model = "soft.toml"
+fit = ["k"]
+[[train]]
+file = "a.csv"
+[sweep]
+each = "recording"
+[[sweep.structures]]
+name = "without"
+values = { F = 0 }
+[[sweep.structures]]
+name = "dry"
+fit = ["F"]
+"""
 
 
 def read(folder: Path, text: str) -> Study:
@@ -62,6 +77,33 @@ def test_a_sweep_reads_as_it_is_written(tmp_path: Path) -> None:
             ("plain", {}),
         ),
     )
+
+
+def test_structures_read_as_they_are_written(tmp_path: Path) -> None:
+    VALID.validate(tomllib.loads(STRUCTURES))
+    study = read(tmp_path, STRUCTURES)
+    assert study.sweep is not None
+    without, dry = Structure("without", (), (("F", 0.0),)), Structure("dry", ("F",))
+    assert study.sweep.structures == (without, dry)
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong"),
+    [
+        ('name = "dry"', ""),
+        ('fit = ["F"]', "fit = []"),
+        ('fit = ["F"]', 'fit = "F"'),
+        ('fit = ["F"]', "fits = 1"),
+        ("F = 0", 'F = "0"'),
+        ('[[sweep.structures]]\nname = "dry"\nfit = ["F"]\n', ""),
+    ],
+)
+def test_a_wrong_structure_is_refused_by_both(right: str, wrong: str, tmp_path: Path) -> None:
+    assert right in STRUCTURES
+    text = STRUCTURES.replace(right, wrong, 1)
+    assert not VALID.is_valid(tomllib.loads(text))
+    with pytest.raises(InputError):
+        read(tmp_path, text)
 
 
 MISTAKES = [

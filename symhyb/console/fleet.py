@@ -15,6 +15,7 @@ from symhyb.fleet.words import (
     fleet_notes,
     slope_sentences,
     spread_text,
+    structure_texts,
     unit_text,
 )
 
@@ -29,14 +30,16 @@ def print_fleet(fleet: Fleet, directory: object) -> None:
         print(fleet.title)
     deviate = f"{len(named)} deviate" if len(named) != 1 else "1 deviates"
     print(f"{counted(len(fleet.units), 'unit')}: {alike} alike, {deviate}")
-    console, table = table_console(), Table(box=box.SIMPLE)
-    for heading in ("number", "mean", "spread between units"):
-        table.add_column(heading, overflow="fold")
-    for one in fleet.numbers:
-        table.add_row(*map(escape, (one.name, common_text(one), spread_text(one))))
-    with console.capture() as written:
-        console.print(table)
-    print("\n".join(line.rstrip() for line in written.get().rstrip().splitlines()))
+    if fleet.structures:
+        _print_table(
+            ("structure", "ln evidence", "probability", "likeliest in"),
+            [(one.name, *structure_texts(one)) for one in fleet.structures],
+        )
+        print(f"\nnumbers of the structure '{fleet.structure}':")
+    _print_table(
+        ("number", "mean", "spread between units"),
+        [(one.name, common_text(one), spread_text(one)) for one in fleet.numbers],
+    )
     print()
     for sentence in slope_sentences(fleet):
         print(sentence)
@@ -47,6 +50,17 @@ def print_fleet(fleet: Fleet, directory: object) -> None:
     for note in fleet_notes(fleet):
         print(f"note: {note}")
     print(f"next: symhyb next {directory}")
+
+
+def _print_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    console, table = table_console(), Table(box=box.SIMPLE)
+    for heading in head:
+        table.add_column(heading, overflow="fold")
+    for row in rows:
+        table.add_row(*map(escape, row))
+    with console.capture() as written:
+        console.print(table)
+    print("\n".join(line.rstrip() for line in written.get().rstrip().splitlines()))
 
 
 def print_next(found: Sequence[Next], most: int) -> None:

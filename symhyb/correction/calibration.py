@@ -108,7 +108,7 @@ def calibrated(
         raise InputError(Problem("no sensor changes in any recording: nothing can be fitted"))
     with one_thread():
         done = _fitted(model, model, items, recordings, tell)
-        if not _moved(done.parameters, model):
+        if not moved(done.parameters, model):
             return done
         with if_interrupted(done.sentence):
             return _fitted(done.model, model, items, recordings, tell)
@@ -155,26 +155,48 @@ def chosen(model: Model, free: Sequence[str] = ()) -> tuple[Parameter, ...]:
 
 
 def _calibrated(model: Model, items: Sequence[Parameter], prepared: Prepared) -> Calibrated:
+    cuts = all_windows(prepared)
+    return on_windows(model, items, prepared, cuts, prepared.machine.values)[0]
+
+
+def all_windows(prepared: Prepared) -> tuple[Cut, ...]:
+    """The windows that values are fitted to.
+
+    Raises:
+        NumericsError: there are none that the model can foresee.
+    """
     machine = prepared.machine
     cuts = tuple(item.suited(machine) for item in last_windows(prepared, spread=False))
     if not cuts:
         raise NumericsError("the motion in these recordings cannot be foreseen even for a moment")
+    return cuts
+
+
+def on_windows(
+    model: Model, items: Sequence[Parameter], prepared: Prepared, cuts: tuple[Cut, ...], p: Array
+) -> tuple[Calibrated, Fit]:
+    """Parameters of a ``model`` fitted on windows, from ``p`` (P,) in SI, which holds the others.
+
+    Raises:
+        NumericsError: the model cannot be simulated along the windows.
+    """
+    machine = prepared.machine
     columns = tuple(machine.column(item.path) for item in items)
     step = float(np.median(np.diff(cuts[0].block.t, axis=1)))
     lower, upper = np.array([_bounds(model, item, step) for item in items]).T
     mean, spread = np.array([(item.si, _known(item)) for item in items]).T
     task = Task(cuts, prepared.sd, lower, upper, mean, spread, everything=True)
-    fitted = fit(WindowModel(machine, columns), task, machine.values)
+    fitted = fit(WindowModel(machine, columns), task, p)
     if fitted.reason:
         raise NumericsError(f"the model cannot be simulated: {fitted.reason}")
-    given = machine.values.copy()
+    given = p.copy()
     given[list(columns)] = [item.si for item in items]
     before = _misfit(WindowModel(machine), cuts, prepared.sd, given)
     numbers = _numbers(items, fitted)
     changed: dict[str, tuple[float, float | None]] = {n.name: (n.value, n.sd) for n in numbers}
     near = np.sqrt(np.diag(fitted.covariance)) * 1e-3
     at = (fitted.values <= lower + near) | (fitted.values >= upper - near)
-    return Calibrated(
+    done = Calibrated(
         replace_parameters(model, changed),
         numbers,
         tuple(None if item.was is not None else item.sd for item in items),
@@ -186,6 +208,7 @@ def _calibrated(model: Model, items: Sequence[Parameter], prepared: Prepared) ->
         int(fitted.count.sum()),
         fitted.correlation,
     )
+    return done, fitted
 
 
 def _misfit(model: WindowModel, cuts: tuple[Cut, ...], sd: Array, p: Array) -> float:
@@ -238,7 +261,7 @@ def _bounds(model: Model, item: Parameter, step: float) -> tuple[float, float]:
     return lower, upper
 
 
-def _moved(numbers: Sequence[Reestimated], start: Model) -> bool:
+def moved(numbers: Sequence[Reestimated], start: Model) -> bool:
     """Whether a number lies far from where it stood when the windows were made."""
     stood = {item.path: item.value for item in with_channels(start).all_parameters()}
     return any(abs(one.value - stood[one.name]) > FAR * abs(stood[one.name]) for one in numbers)

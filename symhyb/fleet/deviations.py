@@ -93,7 +93,7 @@ def judged(units: Sequence[Unit], left: Array, freedom: Array) -> Judged:
         found = chosen_population(units)
         off = tuple(deviation(found, one, everyone, units, 0) for one in range(count))
         return Judged(found, everyone, off, sure, sure, False)
-    kept = _begun(units, left)
+    kept = begun(units, left)
     seen: list[bytes] = []
     for _ in range(ROUNDS):
         seen.append(kept.tobytes())
@@ -105,7 +105,7 @@ def judged(units: Sequence[Unit], left: Array, freedom: Array) -> Judged:
         corrected = false_discovery_control(np.clip(raw, 0.0, 1.0))
         by_numbers, by_rest = corrected[:count], corrected[count:]
         now = np.minimum(by_numbers, by_rest) > 1.0 - PROBABLE
-        if int(now.sum()) < least or now.tobytes() in seen:
+        if int(now.sum()) < least or now.tobytes() in seen or not _determined(units, now):
             break
         kept = now
     return Judged(found, kept, off, by_numbers, by_rest, True)
@@ -167,9 +167,11 @@ def shifted(one: Deviation) -> Shifted:
     return Shifted(best, by, sd, left, tuple(sorted(rivals, key=lambda one: fits[one][0])))
 
 
-def _begun(units: Sequence[Unit], left: Array) -> Mask:
+def begun(units: Sequence[Unit], left: Array) -> Mask:
     """The units to begin with: those within the median deviations, number by number, that normal
-    ones of so many reach."""
+    ones of so many reach. As many of the smallest as there are numbers in β beside the mean do not
+    count for the median, since least absolute deviations pass through units (DuMouchel & O'Brien,
+    Proceedings of the 21st Symposium on the Interface, 1989)."""
     means = np.array([one.y.mean(axis=0) for one in units])
     x = np.array([one.x.mean(axis=0) for one in units])
     beta = np.linalg.lstsq(x, means, rcond=None)[0]
@@ -186,12 +188,20 @@ def _begun(units: Sequence[Unit], left: Array) -> Mask:
         )
     columns = np.column_stack([means - x @ beta, np.log(left)])
     columns = columns - np.median(columns, axis=0)
-    scale = NORMAL * np.median(np.abs(columns), axis=0)
+    free = np.sort(np.abs(columns), axis=0)[x.shape[1] - 1 :]
+    scale = NORMAL * np.median(free, axis=0)
     noise = [np.sqrt([one.s[:, k, k].mean() for one in units]) for k in range(means.shape[1])]
     wide = np.column_stack([np.hypot(scale[:-1], np.array(noise).T), np.full(len(left), scale[-1])])
     reach = float(t.isf(0.5 / columns.size, len(units) - x.shape[1]))
     kept = np.all(np.abs(columns) <= reach * np.maximum(wide, 1e-300), axis=1)
-    return kept if kept.sum() > len(units) / 2 else np.ones(len(units), dtype=bool)
+    enough = kept.sum() > len(units) / 2 and _determined(units, kept)
+    return kept if enough else np.ones(len(units), dtype=bool)
+
+
+def _determined(units: Sequence[Unit], kept: Mask) -> bool:
+    """Whether the units that are kept determine what depends on conditions and groups."""
+    x = np.concatenate([one.x for one, use in zip(units, kept, strict=True) if use])
+    return bool(np.linalg.matrix_rank(x) == x.shape[1])
 
 
 def _of_rest(left: Array, freedom: Array, kept: Mask) -> Array:

@@ -14,6 +14,7 @@ from symhyb.errors import InputError, Problem
 from symhyb.fleet.deviations import Judged, Shifted, judged, shifted
 from symhyb.fleet.members import Member, members_of
 from symhyb.fleet.population import Array, Population, Unit
+from symhyb.fleet.rungs import Weighed, chosen_rung, in_structure, weighed
 from symhyb.fleet.scales import factors_of, units_in
 from symhyb.fleet.trends import OwnTrend, own_trends
 from symhyb.judgement import FEWEST, SMALL
@@ -127,7 +128,9 @@ class Own:
 class Fleet:
     """All units of a study: ``numbers`` (K) of the population, the ``units`` (N), the names of the
     ``conditions`` (C) and their ``centre`` (C,); how many tasks ``failed`` or were ``not_run``;
-    ``tested`` is whether there are enough units to say which of them deviate."""
+    ``tested`` is whether there are enough units to say which of them deviate. Where tasks compared
+    ``structures`` the numbers are those of one ``structure``; units are compared with those that
+    have the same values of the groupings ``among``."""
 
     title: str
     numbers: tuple[Common, ...]
@@ -137,6 +140,9 @@ class Fleet:
     failed: int
     not_run: int
     tested: bool
+    structures: tuple[Weighed, ...] = ()
+    structure: str = ""
+    among: tuple[str, ...] = ()
 
     @property
     def deviating(self) -> tuple[Own, ...]:
@@ -145,16 +151,29 @@ class Fleet:
         return tuple(sorted(named, key=lambda one: one.reason.probability if one.reason else 1.0))
 
 
-def fleet_of(outcomes: Outcomes, unit: str = "", conditions: Sequence[str] = ()) -> Fleet:
+def fleet_of(
+    outcomes: Outcomes,
+    unit: str = "",
+    conditions: Sequence[str] = (),
+    among: Sequence[str] = (),
+    structure: str = "",
+) -> Fleet:
     """The fleet of a study whose tasks fit, by the grouping ``unit`` or a unit a task, and how its
-    numbers depend on ``conditions``: groupings with numbers, or known parameters.
+    numbers depend on ``conditions``: groupings with numbers, or known parameters. Each unit is
+    compared with those that share the groupings ``among``, which have a mean of their own. Where
+    tasks compared structures, the numbers are those of one of them, the likeliest unless one is
+    named.
 
     Raises:
         InputError: tasks that diagnose, that vary more than the recordings, or that fitted other
             numbers; groupings or conditions that recordings do not state, or that are no numbers;
-            fewer than three units, or conditions that do not vary or follow from each other.
+            no structure of that name; fewer than three units, or conditions that do not vary or
+            follow from each other or from the groupings.
     """
-    members = members_of(outcomes, unit, conditions)
+    structures = weighed(outcomes)
+    name = chosen_rung(structures, structure)
+    outcomes = in_structure(outcomes, name) if name else outcomes
+    members = members_of(outcomes, unit, conditions, among)
     centre = _centre(members, conditions)
     size = members[0].fits[0].values.size
     left = np.array([min(max(one.left, 1e-30), 1e30) for one in members])
@@ -165,7 +184,7 @@ def fleet_of(outcomes: Outcomes, unit: str = "", conditions: Sequence[str] = ())
     if any(factors):
         units = units_in(members, factors, centre)
         found = judged(units, left, freedom)
-    own = own_trends(units, found.population)
+    own = own_trends(units, found.population, len(conditions))
     states = [one.state for one in outcomes.tasks]
     information = _information(units)
     return Fleet(
@@ -189,6 +208,9 @@ def fleet_of(outcomes: Outcomes, unit: str = "", conditions: Sequence[str] = ())
         states.count(FAILED),
         states.count(NOT_RUN),
         found.tested,
+        structures,
+        name,
+        tuple(among),
     )
 
 
@@ -207,12 +229,16 @@ def _centre(members: Sequence[Member], conditions: Sequence[str]) -> Array:
     still = [name for name, width in zip(conditions, spread, strict=True) if not width > 0]
     if still:
         raise InputError(Problem("is the same in all recordings", f"condition {n}") for n in still)
-    rank = np.linalg.matrix_rank(np.column_stack([np.ones(len(rows)), (rows - centre) / spread]))
-    if rank < len(conditions) + 1:
+    peers = np.concatenate([one.peers for one in members])
+    scaled = np.column_stack([np.ones(len(rows)), (rows - centre) / spread, peers])
+    if np.linalg.matrix_rank(scaled) < scaled.shape[1]:
         text = "these conditions follow from each other, so that none has a slope of its own"
+        if peers.size:
+            text = "these conditions do not vary within the groups of peers, or follow from another"
         raise InputError(Problem(text, f"conditions {', '.join(conditions)}"))
-    if len(members) <= len(conditions) + 1:
-        text = f"{len(members)} units are too few for {len(conditions)} conditions"
+    if len(members) <= scaled.shape[1]:
+        groups = f" and {peers.shape[1] + 1} groups of peers" if peers.size else ""
+        text = f"{len(members)} units are too few for {len(conditions)} conditions{groups}"
         raise InputError(Problem(text))
     return np.asarray(centre)
 
@@ -231,7 +257,10 @@ def _common(
     sd = np.sqrt(np.diag(found.covariance)).reshape(-1, size)[:, k]
     mean, one = float(found.beta[0, k]), member.fits[0]
     slopes = []
-    for name, value, error in zip(conditions, found.beta[1:, k], sd[1:], strict=True):
+    slopes_end = len(conditions) + 1  # groups of peers come behind
+    for name, value, error in zip(
+        conditions, found.beta[1:slopes_end, k], sd[1:slopes_end], strict=True
+    ):
         chance = float(2 * ndtr(-abs(value) / error)) if error > 0 else 1.0
         slopes.append(Slope(name, float(value), float(error), chance))
     within = float(np.sqrt(found.within[k, k])) if found.within.any() else None

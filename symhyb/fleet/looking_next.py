@@ -12,6 +12,7 @@ from symhyb.errors import InputError
 from symhyb.fleet.fleet import Fleet, Own, fleet_of
 from symhyb.fleet.members import condition_of, unit_of
 from symhyb.fleet.population import Array
+from symhyb.fleet.rungs import chosen_rung, in_structure, weighed
 from symhyb.fleet.words import reason_sentence
 from symhyb.judgement import FEWEST
 from symhyb.tasks.folder import Entry
@@ -45,7 +46,11 @@ class Next:
 
 
 def worth_looking(
-    outcomes: Outcomes, unit: str = "", conditions: Sequence[str] = ()
+    outcomes: Outcomes,
+    unit: str = "",
+    conditions: Sequence[str] = (),
+    among: Sequence[str] = (),
+    structure: str = "",
 ) -> tuple[Next, ...]:
     """The tasks of a study that are worth looking at, most urgent first.
 
@@ -57,11 +62,13 @@ def worth_looking(
     Raises:
         InputError: as :func:`symhyb.fleet.fleet.fleet_of`.
     """
+    name = chosen_rung(weighed(outcomes), structure)
+    outcomes = in_structure(outcomes, name) if name else outcomes
     done = [one for one in outcomes.tasks if one.state == FINISHED]
     found = list(_left(outcomes.tasks, done, unit, conditions))
     if done and all(one.fitted is not None for one in done):
         try:
-            fleet = fleet_of(outcomes, unit, conditions)
+            fleet = fleet_of(outcomes, unit, conditions, among, name)
         except InputError:
             if len({unit_of(one.entry, unit) for one in done}) >= FEWEST:
                 raise

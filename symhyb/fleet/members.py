@@ -4,13 +4,15 @@ Sizes: R recordings (tasks) of a unit, K numbers, C conditions with the constant
 """
 
 import math
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from symhyb.errors import InputError, Problem, did_you_mean
 from symhyb.fleet.population import Array
+from symhyb.judgement import FEWEST
 from symhyb.tasks.fitting import Fitted
 from symhyb.tasks.folder import Entry
 from symhyb.tasks.outcome import FINISHED, Outcome, Outcomes
@@ -21,12 +23,14 @@ WIDE = 1e3  # times the spread of all values: the deviation of a number that was
 @dataclass(frozen=True, slots=True, eq=False)
 class Member:
     """One unit: its ``tasks`` by name, the fits they left, and the ``conditions`` (R, C − 1) under
-    which they were recorded, in the units of the study."""
+    which they were recorded, in the units of the study; ``peers`` (R, G − 1) say of which of G
+    groups of peers each recording is: 1 in the column of its group, −1 in all for the last one."""
 
     name: str
     tasks: tuple[str, ...]
     fits: tuple[Fitted, ...]
     conditions: Array
+    peers: Array = field(default_factory=lambda: np.zeros((1, 0)))
 
     @property
     def left(self) -> float:
@@ -46,42 +50,58 @@ class Member:
 
 
 def members_of(
-    outcomes: Outcomes, unit: str = "", conditions: Sequence[str] = ()
+    outcomes: Outcomes, unit: str = "", conditions: Sequence[str] = (), among: Sequence[str] = ()
 ) -> tuple[Member, ...]:
     """The units of a study whose tasks fit: those of one value of the grouping ``unit``, else every
-    task is one; tasks that are not finished are left out.
+    task is one; tasks that are not finished are left out. Peers are recordings that have the same
+    values of all groupings ``among``.
 
     Raises:
         InputError: tasks that diagnose, that vary more than the recordings, or that fitted other
-            numbers; groupings or conditions that recordings do not state, or that are no numbers.
+            numbers; groupings or conditions that recordings do not state, or that are no numbers;
+            too few units among which one is to be compared.
     """
     done = [one for one in outcomes.tasks if one.state == FINISHED]
     problems = [*_no_fits(done), *_varied(outcomes.tasks), *_unlike(done)]
     if problems:
         raise InputError(problems)
-    chosen: dict[str, list[tuple[Outcome, list[float]]]] = {}
+    chosen: dict[str, list[tuple[Outcome, list[float], str]]] = {}
     for one in done:
         try:
             name = unit_of(one.entry, unit)
             stated = [condition_of(one.entry, key) for key in conditions]
+            group = ", ".join(unit_of(one.entry, by, "--among") for by in among)
         except InputError as error:
             problems.extend(error.problems)
         else:
-            chosen.setdefault(name, []).append((one, stated))
+            chosen.setdefault(name, []).append((one, stated, group))
+    problems = problems or list(_alone(chosen))
     if problems:
         raise InputError(_in_short(problems))
+    groups = list(dict.fromkeys(group for rows in chosen.values() for _, _, group in rows))
+    coded = np.vstack([np.eye(len(groups) - 1), -np.ones(len(groups) - 1)])
     return tuple(
         Member(
             name,
-            tuple(one.entry.name for one, _ in rows),
-            tuple(one.fitted for one, _ in rows if one.fitted is not None),
-            np.array([stated for _, stated in rows], dtype=np.float64).reshape(len(rows), -1),
+            tuple(one.entry.name for one, _, _ in rows),
+            tuple(one.fitted for one, _, _ in rows if one.fitted is not None),
+            np.array([stated for _, stated, _ in rows], dtype=np.float64).reshape(len(rows), -1),
+            coded[[groups.index(group) for _, _, group in rows]],
         )
         for name, rows in chosen.items()
     )
 
 
-def unit_of(entry: Entry, unit: str) -> str:
+def _alone(chosen: Mapping[str, Sequence[tuple[Outcome, list[float], str]]]) -> Iterable[Problem]:
+    """Groups of too few units to compare one of them with the others."""
+    having = Counter(group for rows in chosen.values() for group in {group for _, _, group in rows})
+    for group, count in having.items():
+        if group and count < FEWEST:
+            text = f"has {count} units with '{group}'; one is compared with {FEWEST - 1} or more"
+            yield Problem(text, "--among")
+
+
+def unit_of(entry: Entry, unit: str, option: str = "--unit") -> str:
     """The unit that a task is of: by a grouping of its recordings, else what the sweep chose.
 
     Raises:
@@ -95,10 +115,11 @@ def unit_of(entry: Entry, unit: str) -> str:
         return next(iter(names))
     known = list(dict.fromkeys(by for one in entry.recordings for by, _ in one.groups))
     if names:
-        text = f"the task '{entry.name}' has recordings of {len(names)} units or of none"
+        what = "units" if option == "--unit" else "groups"
+        text = f"the task '{entry.name}' has recordings of {len(names)} {what} or of none"
     else:
         text = f"the recordings of '{entry.name}' do not state it{did_you_mean(unit, known)}"
-    raise InputError(Problem(text, f"--unit {unit}"))
+    raise InputError(Problem(text, f"{option} {unit}"))
 
 
 def condition_of(entry: Entry, name: str) -> float:

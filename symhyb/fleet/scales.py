@@ -17,7 +17,7 @@ ROUNDING = 1e-10  # of variances: numbers whose errors are one have a covariance
 
 def units_in(members: Sequence[Member], factors: Sequence[bool], centre: Array) -> list[Unit]:
     """The estimates of all units, those with ``factors`` (K,) as logarithms; conditions less their
-    ``centre`` (C − 1,)."""
+    ``centre``, then groups of peers."""
     wide, by_factor = widths_of(members), np.array(factors, dtype=bool)
     found = []
     for member in members:
@@ -31,7 +31,7 @@ def units_in(members: Sequence[Member], factors: Sequence[bool], centre: Array) 
         y = np.where(by_factor, np.log(np.where(by_factor, values, 1.0)), values)
         s = covariances * slope[:, :, None] * slope[:, None, :]
         s = s * (1 + ROUNDING * np.eye(s.shape[1]))
-        x = np.column_stack([np.ones(len(values)), member.conditions - centre])
+        x = np.column_stack([np.ones(len(values)), member.conditions - centre, member.peers])
         found.append(Unit(y, s, x))
     return found
 

@@ -38,9 +38,12 @@ class OwnTrend:
     probability: float
 
 
-def own_trends(units: Sequence[Unit], found: Population) -> list[OwnTrend | None]:
-    """For each unit how its slopes differ, None where they do not, or it has too few recordings."""
-    slopes = [list(_slopes(one, found)) for one in units]
+def own_trends(
+    units: Sequence[Unit], found: Population, conditions: int | None = None
+) -> list[OwnTrend | None]:
+    """For each unit how its slopes differ, None where they do not, or it has too few recordings;
+    the first so many columns of x behind the constant one are ``conditions``, None: all."""
+    slopes = [list(_slopes(one, found, conditions)) for one in units]
     tested = [i for i, one in enumerate(slopes) if one]
     if not tested:
         return [None] * len(units)
@@ -58,7 +61,7 @@ def own_trends(units: Sequence[Unit], found: Population) -> list[OwnTrend | None
     return result
 
 
-def _slopes(unit: Unit, found: Population) -> Sequence[OwnSlope]:
+def _slopes(unit: Unit, found: Population, conditions: int | None) -> Sequence[OwnSlope]:
     """Every slope of a unit against that of the population."""
     count, size = unit.y.shape
     if count < FEWEST:
@@ -69,7 +72,7 @@ def _slopes(unit: Unit, found: Population) -> Sequence[OwnSlope]:
         variance[part, part] = unit.s[r] + found.within
     rest = unit.y.ravel() - unit.design @ found.beta.ravel()
     result = []
-    for at in range(unit.x.shape[1] - 1):
+    for at in range(unit.x.shape[1] - 1 if conditions is None else conditions):
         x = unit.x[:, at + 1]
         if not np.ptp(x) > 0:
             continue

@@ -11,6 +11,7 @@ from symhyb.discrepancy.words.amounts import (
     quantity_text,
 )
 from symhyb.fleet.fleet import Common, Fleet, Own, Reason, Slope, Trend
+from symhyb.fleet.rungs import Weighed
 from symhyb.judgement import OUTSTANDING
 
 LISTED = 10  # names in a sentence
@@ -120,6 +121,15 @@ def spread_text(number: Common) -> str:
         return f"{part} %"
     size = quantity_text(number.spread, number.unit, number.spread_sd)
     return f"{size} ({percent_text(abs(number.spread / number.mean))})" if number.mean else size
+
+
+def structure_texts(one: Weighed) -> tuple[str, str, str]:
+    """The ln of the evidence of a structure less that of the likeliest, its probability, and in how
+    many recordings it is the likeliest."""
+    cannot = one.evidence == -math.inf
+    behind = "cannot be simulated" if cannot else number_text(one.evidence, digits=3)
+    chance = number_text(one.probability, digits=3) if one.probability > SELDOM else "< 0.01"
+    return behind, chance, f"{one.likeliest} of {one.recordings}"
 
 
 def unit_text(one: Own) -> str:

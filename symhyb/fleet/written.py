@@ -21,6 +21,18 @@ def fleet_facts(fleet: Fleet) -> dict[str, Any]:
             name: {"mean": float(mean)}
             for name, mean in zip(fleet.conditions, fleet.centre, strict=True)
         },
+        "among": list(fleet.among),
+        "structures": [
+            {
+                "name": one.name,
+                "ln_evidence": finite(one.evidence),
+                "probability": one.probability,
+                "likeliest_in": one.likeliest,
+                "recordings": one.recordings,
+            }
+            for one in fleet.structures
+        ],
+        "structure": fleet.structure or None,
         "numbers": [_number(one) for one in fleet.numbers],
         "units": [_unit(fleet, one) for one in fleet.units],
         "deviating": [one.name for one in fleet.deviating],

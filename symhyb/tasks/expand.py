@@ -77,7 +77,7 @@ def tasks_of(study: Study) -> tuple[Task, ...]:
     for chosen in product(*axes):
         settings = tuple(one for part, _ in chosen for one in part)
         fields = {key: value for _, part in chosen for key, value in part.items()}
-        one = replace(study, sweep=None, **fields)
+        one = replace(study, sweep=None, structures=sweep.structures, **fields)
         tasks.append(Task(settings, one, key_of(one, models[one.model], digests)))
     return tuple(tasks)
 
@@ -186,7 +186,7 @@ def _require_sound(study: Study, sweep: Sweep, models: Mapping[Path, Model]) -> 
         *_unknown_parameters(study, models.values()),
         *_groups_missing(study, sweep),
         *_both(study),
-        *_unknown_fitted(study, models.values()),
+        *_unknown_fitted(study, sweep, models.values()),
     ]
     if sweep.subsets is not None:
         total, wanted = len(study.train), sweep.subsets
@@ -209,23 +209,38 @@ def _unknown_values(study: Study, sweep: Sweep, models: Iterable[Model]) -> Iter
             yield from error.problems
 
 
-def _unknown_fitted(study: Study, models: Iterable[Model]) -> Iterator[Problem]:
+def _unknown_fitted(study: Study, sweep: Sweep, models: Iterable[Model]) -> Iterator[Problem]:
     """Numbers that are to be fitted and that are not there, or known in some recording."""
     if study.fit is None:
         return
     from symhyb.correction.calibration import chosen as numbers_of  # loads the numerics
 
     known = {path for source in study.train for path, _ in source.parameters}
+    file = str(study.file or "")
     for model in models:
-        try:
-            numbers = numbers_of(model, study.fit)
-        except InputError as error:
-            yield from error.problems
-            continue
-        for item in numbers:
-            if item.path in known:
-                text = f"'{item.path}' is to be fitted, but recordings state it as known"
-                yield Problem(text, "fit", str(study.file or ""))
+        for place, names, values in _fitted(study, sweep):
+            try:
+                set_parameters(model, dict(values))
+                numbers = numbers_of(model, names)
+            except InputError as error:
+                wrong = error.problems
+                yield from wrong if place == "fit" else (replace(one, place=place) for one in wrong)
+                continue
+            for path in dict.fromkeys([*(item.path for item in numbers), *dict(values)]):
+                if path in known:
+                    what = "to be fitted" if path not in dict(values) else "set by a structure"
+                    text = f"'{path}' is {what}, but recordings state it as known"
+                    yield Problem(text, place, file)
+
+
+def _fitted(
+    study: Study, sweep: Sweep
+) -> Iterator[tuple[str, tuple[str, ...], tuple[tuple[str, float], ...]]]:
+    """What a task fits: where that is stated, the names, and the values that are set for it."""
+    if not sweep.structures:
+        yield "fit", study.fit or (), ()
+    for one in sweep.structures:
+        yield f"sweep.structures.{one.name}", (*(study.fit or ()), *one.fit), one.values
 
 
 def _unknown_parameters(study: Study, models: Iterable[Model]) -> Iterator[Problem]:

@@ -1,20 +1,22 @@
 """One task that fits: numbers of a model on the recordings of one unit, and no cause is sought.
 
 fit.json of a task holds the values in the units of the model file, their whole covariance, and how
-much the fitted model leaves of its recordings.
+much the fitted model leaves of its recordings; where structures are compared, this of each of them,
+with its evidence.
 """
 
 import json
 import math
 import time
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from symhyb.correction.calibration import Calibrated, calibrated
+from symhyb.correction.structures import structured
 from symhyb.data.recording import Recording
 from symhyb.errors import NumericsError
 from symhyb.model.read import read_model
@@ -40,7 +42,9 @@ class Fitted:
     do not determine has an infinite variance and no covariances. ``before`` and ``after`` are χ²
     per sample of the model as given and as fitted, 1 where it is noise alone; ``samples`` are
     those of the windows less their initial states, ``correlation_time`` over how many samples
-    the rest is correlated; ``bounds`` are the names of numbers that end at a bound."""
+    the rest is correlated; ``bounds`` are the names of numbers that end at a bound. Where
+    structures were compared, ``rungs`` are all of them in the order of the study, and the rest is
+    of the likeliest."""
 
     names: tuple[str, ...]
     units: tuple[str, ...]
@@ -51,11 +55,24 @@ class Fitted:
     samples: int
     correlation_time: float
     bounds: tuple[str, ...] = ()
+    rungs: tuple["Rung", ...] = ()
 
     @property
     def sd(self) -> Array:
         """One standard deviation of each number (K,), in its unit."""
         return np.asarray(np.sqrt(np.diag(self.covariance)))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rung:
+    """One of several structures that a task compared: its ``name``, what it ``fitted`` (None: it
+    cannot be simulated), the ln of its ``evidence`` less that of the likeliest, and its posterior
+    ``probability``, equal ones before."""
+
+    name: str
+    fitted: Fitted | None
+    evidence: float
+    probability: float
 
 
 def leave_fit(task: Task, folder: Path) -> None:
@@ -70,12 +87,39 @@ def leave_fit(task: Task, folder: Path) -> None:
     study, begin = task.study, time.perf_counter()
     model = set_parameters(read_model(study.model), dict(study.values))
     recordings, _ = read_all(study, model)
-    done = calibrated(model, recordings, study.fit or (), stated=False)
-    content = _content(done)
+    if study.structures:
+        done, content = _compared(study, model, recordings)
+    else:
+        done = calibrated(model, recordings, study.fit or (), stated=False)
+        content = {"format": FORMAT, **_content(done)}
     write_model(done.model, folder / "fitted.toml")
     write_file(folder / NAME, _text(content))
     said = _manifest(task, model, recordings, time.perf_counter() - begin)
     write_file(folder / "manifest.json", _text(said))
+
+
+def _compared(
+    study: Study, model: Model, recordings: tuple[Recording, ...]
+) -> tuple[Calibrated, dict[str, Any]]:
+    """The likeliest of the structures of a study, and what is left of all of them."""
+    common = study.fit or ()
+    asked = [((*common, *one.fit), dict(one.values)) for one in study.structures]
+    found = structured(model, recordings, asked)
+    likeliest = found.fits[found.likeliest]
+    assert likeliest is not None
+    rungs = [
+        {
+            "name": one.name,
+            "ln_evidence": finite(float(logs)),
+            "probability": float(part),
+            **({} if fit is None else _content(fit)),
+        }
+        for one, fit, logs, part in zip(
+            study.structures, found.fits, found.ln_evidence, found.probabilities, strict=True
+        )
+    ]
+    head = {"format": FORMAT, "structure": study.structures[found.likeliest].name}
+    return likeliest, {**head, **_content(likeliest), "structures": rungs}
 
 
 def read_fit(content: Mapping[str, Any]) -> Fitted:
@@ -84,6 +128,20 @@ def read_fit(content: Mapping[str, Any]) -> Fitted:
     Raises:
         ValueError, KeyError, TypeError: it is none.
     """
+    rungs = tuple(map(_rung, content.get("structures", ())))
+    return replace(_read_numbers(content), rungs=rungs)
+
+
+def _rung(content: Mapping[str, Any]) -> Rung:
+    fitted = _read_numbers(content) if "numbers" in content else None
+    logs, part = content["ln_evidence"], float(content["probability"])
+    evidence = -math.inf if logs is None else float(logs)
+    if not (evidence <= 0 and 0 <= part <= 1) or (fitted is None and logs is not None):
+        raise ValueError("a structure without an evidence or a probability")
+    return Rung(str(content["name"]), fitted, evidence, part)
+
+
+def _read_numbers(content: Mapping[str, Any]) -> Fitted:
     numbers = content["numbers"]
     covariance = np.array(
         [[np.nan if x is None else float(x) for x in row] for row in content["covariance"]]
@@ -126,7 +184,6 @@ def _content(done: Calibrated) -> dict[str, Any]:
     with np.errstate(invalid="ignore", over="ignore"):
         covariance = done.correlation * np.outer(sd, sd)
     return {
-        "format": FORMAT,
         "numbers": [
             {
                 "name": item.name,
@@ -165,6 +222,7 @@ def _manifest(
         ],
         "map": dict(study.columns or {}),
         "fit": list(study.fit or ()),
+        **({"structures": [asdict(one) for one in study.structures]} if study.structures else {}),
         **({"values": dict(study.values)} if study.values else {}),
         **({"noise": asdict(study.noise)} if study.noise else {}),
         "versions": versions(),

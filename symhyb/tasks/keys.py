@@ -76,6 +76,8 @@ def key_of(study: Study, model: Model, digests: Digests) -> str:
     }
     if study.fit is not None:
         content["fit"] = list(study.fit)
+    if study.structures:
+        content["structures"] = [asdict(one) for one in study.structures]
     text = json.dumps(content, sort_keys=True, ensure_ascii=True, allow_nan=False)
     return hashlib.sha256(text.encode("ascii")).hexdigest()
 

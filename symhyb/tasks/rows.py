@@ -2,10 +2,13 @@
 
 import csv
 import io
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from symhyb.data.extras import needed
+from symhyb.report.contract import finite
+from symhyb.tasks.fitting import Rung
 from symhyb.tasks.outcome import Outcome, Outcomes
 from symhyb.writing import write_file
 
@@ -33,6 +36,10 @@ def rows_of(outcomes: Outcomes, times: bool = False) -> Rows:
     head = ["task", *axes, "state", "verdict", "found"]
     for name, unit in found:
         head += [f"{name} [{unit}]", f"{name} sd [{unit}]"]
+    rungs = list(dict.fromkeys(rung.name for one in tasks for rung in rungs_of(one)))
+    head += ["structure"] if rungs else []
+    for name in rungs:
+        head += [f"structure {name} ln evidence", f"structure {name} probability"]
     head += [f"class {name}" for name in classes] + scores
     head += [*(["seconds"] if times else []), "failure"]
     rows = []
@@ -44,11 +51,28 @@ def rows_of(outcomes: Outcomes, times: bool = False) -> Rows:
             number = one.found.get(name)
             same = number is not None and number.unit == unit
             row += [number.value, number.sd] if number is not None and same else [None, None]
+        row += _of_structures(one, rungs) if rungs else []
         row += [one.classes.get(name) for name in classes]
         row += [one.scores.get(path) for path in scores]
         row += [*([one.seconds] if times else []), one.failure or None]
         rows.append(tuple(row))
     return Rows(tuple(head), tuple(rows))
+
+
+def rungs_of(outcome: Outcome) -> tuple[Rung, ...]:
+    """The structures that a task compared, none where it compared none."""
+    return () if outcome.fitted is None else outcome.fitted.rungs
+
+
+def _of_structures(one: Outcome, names: Sequence[str]) -> list[Cell]:
+    """The likeliest structure, and evidence and probability of each."""
+    found = {rung.name: rung for rung in rungs_of(one)}
+    best = max(found.values(), key=lambda rung: rung.probability, default=None)
+    row: list[Cell] = [None if best is None else best.name]
+    for name in names:
+        rung = found.get(name)
+        row += [None, None] if rung is None else [finite(rung.evidence), rung.probability]
+    return row
 
 
 def causes_of(outcome: Outcome) -> list[str]:

@@ -26,6 +26,7 @@ from symhyb.correction.search.trajectory import (
     keys_of,
     own_key,
 )
+from symhyb.discrepancy.fitting.task import Fit
 from symhyb.discrepancy.places.hypotheses import Hypothesis
 from symhyb.discrepancy.words.formula import LAW
 from symhyb.judgement import ACCURACY, NEAR_NOISE, OUTSTANDING, PIECES
@@ -109,12 +110,18 @@ def unit_of(trial: Refined) -> float:
 
 
 def piece_of(trial: Refined) -> float:
-    """χ² of one independent piece of what a structure leaves: of its residuals by their
+    """χ² of one independent piece of what a structure leaves."""
+    return piece(trial.fit)
+
+
+def piece(fit: Fit) -> float:
+    """χ² of one independent piece of what a fit leaves: of its residuals by their
     correlation, and of what is more than noise, or differs between repeated runs, as one of few. A
     missing force repeats wherever the motion does; that the samples are many makes it no better
     known."""
-    lacking = max(left(trial) - NEAR_NOISE * samples(trial), trial.fit.floor * samples(trial))
-    return max(unit_of(trial), lacking / PIECES)
+    count = max(float(fit.count.sum()), 2.0)
+    lacking = max(fit.train + fit.validation - NEAR_NOISE * count, fit.floor * count)
+    return max(fit.scale * fit.correlation, lacking / PIECES)
 
 
 def part_left(trial: Refined, nothing: Refined) -> float:
