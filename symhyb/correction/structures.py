@@ -45,15 +45,15 @@ the begin of the fit, or throughout if they are not fitted."""
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Structured:
-    """What each structure fitted (None: it cannot be simulated), and ``ln_evidence`` (S,), 0 of the
-    likeliest and −inf of one that cannot be simulated."""
+    """What each structure fitted (None: it cannot be simulated), and ``ln_evidence`` (S,),
+    dimensionless, 0 of the likeliest and −inf of one that cannot be simulated."""
 
     fits: tuple[Calibrated | None, ...]
     ln_evidence: Array
 
     @property
     def probabilities(self) -> Array:
-        """The posterior probability (S,) of each, equal ones before."""
+        """The posterior probability (S,), dimensionless, of each, equal ones before."""
         return shares(self.ln_evidence)
 
     @property
@@ -63,7 +63,7 @@ class Structured:
 
 
 def shares(ln_evidence: Array) -> Array:
-    """Probabilities (S,) of structures that were equally probable before."""
+    """Probabilities (S,), dimensionless, of structures that were equally probable before."""
     weights = np.exp(ln_evidence - np.max(ln_evidence))
     return np.asarray(weights / weights.sum())
 

@@ -168,10 +168,10 @@ def shifted(one: Deviation) -> Shifted:
 
 
 def begun(units: Sequence[Unit], left: Array) -> Mask:
-    """The units to begin with: those within the median deviations, number by number, that normal
-    ones of so many reach. As many of the smallest as there are numbers in β beside the mean do not
-    count for the median, since least absolute deviations pass through units (DuMouchel & O'Brien,
-    Proceedings of the 21st Symposium on the Interface, 1989)."""
+    """The units (G,) to begin with: those within the median deviations, number by number, that
+    normal ones of so many reach. As many of the smallest as there are numbers in β beside the mean
+    do not count for the median, since least absolute deviations pass through units (DuMouchel &
+    O'Brien, Proceedings of the 21st Symposium on the Interface, 1989)."""
     means = np.array([one.y.mean(axis=0) for one in units])
     x = np.array([one.x.mean(axis=0) for one in units])
     beta = np.linalg.lstsq(x, means, rcond=None)[0]
