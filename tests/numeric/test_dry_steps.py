@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 import pytest
-from builders import Entries, damper, model_of, oscillator, push, spring
+from builders import Entries, damper, model_of, oscillator, push, spring, value
 from numpy.typing import ArrayLike, NDArray
 
 from symhyb.exact.simulation import simulate
@@ -14,7 +14,6 @@ from symhyb.numeric.lowered.machine import Machine, build
 from symhyb.numeric.lowered.steps import step_and_middle
 from symhyb.numeric.runs.integrate import Trajectory
 from symhyb.numeric.runs.scenario import Scenario
-from symhyb.numeric.runs.windows import Block, WindowModel
 
 Array = NDArray[np.float64]
 H, MASS, LEVEL = 0.01, 1.2, 60.0  # s, kg, N: it comes to rest from 0.1 m/s within 2 ms
@@ -131,14 +130,16 @@ def light_on_heavy() -> Machine:
 
 
 def simulated(machine: Machine, start: ArrayLike, t: Array, f: Array) -> tuple[Array, Trajectory]:
-    """The places (N, n) in windows of one step a sample under a force (N,) in N, and the exact
+    """The places (N, n) in one step a sample under a force (N,) in N, and the exact
     run, in which friction holds, lets go and turns over at located times."""
     x0 = np.asarray(start, float)
-    nothing = np.full((1, t.size, len(machine.model.sensors)), np.nan)
-    block = Block(t[None], f[None, :, None], nothing, np.ones((1, t.size - 1), np.int64))
-    x, _ = WindowModel(machine).simulate(block, x0[None], machine.values)
+    step, x = window_step(state_form(machine)), [x0]
+    for i, h in enumerate(np.diff(t)):
+        x.append(value(step, x[-1], f[i], f[i + 1], t[i], h, machine.values))
     q, v = x0[: machine.n], x0[machine.n :]
-    return x[0, :, : machine.n], simulate(machine, Scenario(t, q, v, t, f[:, None]), exact=True)
+    return np.array(x)[:, : machine.n], simulate(
+        machine, Scenario(t, q, v, t, f[:, None]), exact=True
+    )
 
 
 def test_a_light_slider_on_a_cart_is_followed_in_steps_far_above_its_time_constant() -> None:
@@ -157,17 +158,3 @@ def test_a_mass_that_sticks_in_every_swing_agrees_with_exact_stick_slip() -> Non
     places, exact = simulated(machine, [0.02, 0.1], t, 6 * np.sin(6 * t))
     assert np.mean(exact.v[:, 0] == 0) > 0.05
     assert places == pytest.approx(exact.q, abs=1e-4)
-
-
-def test_windows_know_what_a_place_that_comes_to_rest_keeps() -> None:
-    """The way to rest is v²m/2c: of a change of the speed its slope is left, and the rest goes."""
-    machine = rubbing(1e-6)
-    model, t = WindowModel(machine), np.linspace(0, 0.05, 6)[None]
-    nothing = np.full((1, 6, 1), np.nan)
-    parts = np.full((1, 5), 8)
-    block = Block(t, np.zeros((1, 6, 1)), nothing, parts)
-    linear = model.differentiate(block, np.array([[0.0, 0.45]]), machine.values)
-    assert linear.x[0, -1] == pytest.approx([0.45**2 * MASS / 2 / LEVEL, 0.0], abs=1e-6)
-    by_speed = linear.from_start()[0, :, 0, 1]
-    assert by_speed[-1] == pytest.approx(0.45 * MASS / LEVEL, rel=0.1)
-    assert by_speed[-1] == pytest.approx(by_speed[2], rel=1e-3)

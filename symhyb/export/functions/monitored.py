@@ -11,7 +11,7 @@ from typing import Any
 import casadi as ca
 
 from symhyb.discrepancy.places.hypotheses import Library
-from symhyb.numeric.lowered.dry_steps import window_step
+from symhyb.numeric.lowered.dry_steps import step_of
 from symhyb.numeric.lowered.dynamics import inner_form
 from symhyb.numeric.lowered.machine import Machine
 from symhyb.numeric.lowered.steps import rate_slopes, rosenbrock_step
@@ -66,7 +66,7 @@ def monitored(
         *_inner("model_inner", machine),
         *_inner("model_tried", library.machine),
         ("model_forces", _forces(library)),
-        ("model_step", window_step(form)),
+        ("model_step", step_of(form)),
         ("model_rate_slopes", rate_slopes(form, list(windows.free), True)),
         ("model_sense", Steps(form, list(windows.free)).sense),
     ]

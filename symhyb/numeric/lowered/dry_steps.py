@@ -45,12 +45,14 @@ from symhyb.numeric.lowered.steps import (
     factored,
     implicit,
     solved,
+    step_and_middle,
     stepped,
 )
 
 TURNED = 3.0  # transitions: friction is at 99.5 % of its level there
 SWEEPS = 8  # of bounded impulses, where not all places are held; two that are coupled by 0.9 are
 # then within 3 % of each other
+FEW = 3  # coordinates, as of machines that a few causes explain
 TINY = 1e-100  # SI: a step of no length, and friction of no level, change nothing
 
 Matrix = Sequence[Sequence[ca.SX]]
@@ -74,6 +76,12 @@ class Rub:
     direction: ca.SX
     pull: ca.SX
     quick: ca.SX
+
+
+def step_of(form: StateForm) -> ca.Function:
+    """The step of windows: set-valued friction where more coordinates are free than ``FEW``. Others
+    take many steps near reversals, from which slopes follow that a step over a reversal lacks."""
+    return window_step(form) if len(form.free) > FEW else step_and_middle(form)
 
 
 def window_step(form: StateForm) -> ca.Function:
