@@ -80,7 +80,8 @@ class Rub:
 
 def step_of(form: StateForm) -> ca.Function:
     """The step of windows: set-valued friction where more coordinates are free than ``FEW``. Others
-    take many steps near reversals, from which slopes follow that a step over a reversal lacks."""
+    take many smoothed steps near reversals; on one of them (EMPS) set-valued ones gave another
+    answer, for a reason that is not known."""
     return window_step(form) if len(form.free) > FEW else step_and_middle(form)
 
 
