@@ -66,6 +66,18 @@ def opened(model: Model, equations: Equations) -> Equations:
     return _on_sides(model, whole)
 
 
+def levels(model: Model, equations: Equations) -> tuple[sp.Expr, ...]:
+    """What each dry friction holds at most against a motion forwards and backwards, N, where its
+    place moves as it does, and the rate within which its law turns over, m/s: three for each, in
+    the order of :func:`symhyb.model.switching.frictions`."""
+    found = list[sp.Expr]()
+    for i in frictions(model):
+        term, values = _term(equations, i), _values(model, equations, i)
+        level, lean = friction_level(term.s, term.r, values), values.get("asymmetry", ZERO)
+        found += [level * (1 + lean), level * (1 - lean), transition(values)]
+    return tuple(found)
+
+
 def banded(model: Model, equations: Equations) -> Equations:
     """The same with modes as further inputs and their arguments as further outputs, in the order
     of :func:`symhyb.model.switching.modes`."""

@@ -9,9 +9,9 @@ from symhyb.discrepancy.recorded.runs import (
     COORDINATES_FEW,
     FINE_LEAST,
     Run,
-    fine_for,
     fine_needed,
     noise_sd,
+    stepped_for,
     with_noise,
 )
 from symhyb.numeric.lowered.machine import Machine, build
@@ -76,4 +76,19 @@ def test_how_fine_reversals_are_is_left_open_where_many_coordinates_move(masses:
     assert needed > FINE_LEAST
     assert run.fine == (needed if masses == COORDINATES_FEW else FINE_LEAST)
     # with the laws that act known, smooth ones, no finer steps are needed
-    assert fine_for(machine, run, 1.0) == 1
+    assert stepped_for(machine, run, 1.0).fine == 1
+
+
+def test_laws_that_hold_what_the_model_lets_fall_need_fewer_steps() -> None:
+    """A mass that runs away at 100/s asks for eight steps between samples; held by a spring it
+    swings as recorded, and one is enough. There are never more than before."""
+    falling = build(oscillator({"hold": spring("k")}, {"k": (-1e4, "N/m")}))
+    held = build(oscillator({"hold": spring("k")}, {"k": (1.2 * (2 * np.pi) ** 2, "N/m")}))
+    swing = recording(
+        T, place=np.sin(2 * np.pi * T) + 1e-5 * np.random.default_rng(1).normal(size=500)
+    )
+    first = Run(swing, motion_of(swing, falling), np.empty(0))
+    (run,) = with_noise([first], noise_sd([first], falling), WindowModel(falling))
+    assert run.steps == 8
+    assert stepped_for(held, run, 1.0).steps == 1
+    assert stepped_for(falling, run, 1.0).steps <= 8

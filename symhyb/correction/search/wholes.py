@@ -13,7 +13,7 @@ from symhyb.correction.search.setting import Setting, Stage
 from symhyb.correction.search.trajectory import with_causes
 from symhyb.correction.search.trials import Row, first_guess
 from symhyb.data.groups import Own
-from symhyb.discrepancy.recorded.runs import Run, cut_within, fine_for, fine_needed, has_many
+from symhyb.discrepancy.recorded.runs import Run, cut_within, fine_needed, has_many, stepped_for
 from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.numeric.lowered.machine import Machine, build
 
@@ -80,17 +80,22 @@ def whole_of(
 def _as_fine_as_needed(
     prepared: Prepared, setting: Setting, machine: Machine | None = None
 ) -> tuple[Prepared, Setting]:
-    """Recordings and windows of a machine of more than a few coordinates with steps near reversals
-    as fine as a ``machine`` with a whole asks for, or whatever could act: without the masses that a
-    whole has, friction turns light bodies over in no time."""
+    """Recordings and windows of a machine of more than a few coordinates with as many steps, and as
+    fine ones near reversals, as a ``machine`` with a whole asks for, or whatever could act: without
+    the masses that a whole has, friction turns light bodies over in no time."""
     if not has_many(prepared.machine):
         return prepared, setting
     runs, unseen = (_fine(prepared, setting, machine, x) for x in (prepared.runs, prepared.holdout))
-    fine = {id(run.recording): run.fine for run in runs}
+    found = {id(run.recording): (run.steps, run.fine) for run in runs}
+
+    def stepped(cut: Cut) -> Cut:
+        steps, fine = found[id(cut.source[0])]
+        return replace(cut, steps=steps, fine=fine)
+
     stages = [
         Stage(
             stage.length_s,
-            tuple(replace(cut, fine=fine[id(cut.source[0])]) for cut in stage.cuts),
+            tuple(map(stepped, stage.cuts)),
         )
         for stage in setting.stages
     ]
@@ -103,4 +108,4 @@ def _fine(
     if machine is None:
         return tuple(replace(run, fine=fine_needed(prepared.machine, run)) for run in runs)
     length = setting.stages[-1].length_s
-    return tuple(replace(run, fine=fine_for(machine, run, length)) for run in runs)
+    return tuple(stepped_for(machine, run, length) for run in runs)

@@ -104,8 +104,8 @@ def has_many(machine: Machine) -> bool:
 
 def with_noise(runs: Sequence[Run], sd: Array, model: WindowModel) -> tuple[Run, ...]:
     """The runs with this noise (m,), SI, and as many integration steps as it asks for. How fine
-    they are near reversals is left open for a machine of many coordinates, where :func:`fine_for`
-    says it once it is known what acts."""
+    they are near reversals is left open for a machine of many coordinates, where
+    :func:`stepped_for` says it once it is known what acts."""
     known = [replace(run, sd=sd) for run in runs]
     stepped = [replace(run, steps=_steps_needed(model, run)) for run in known]
     if has_many(model.machine):
@@ -170,24 +170,30 @@ def fine_needed(machine: Machine, run: Run) -> int:
     return _enough(WindowModel(steep), run, cut, first, FINE_MOST)
 
 
-def fine_for(machine: Machine, run: Run, length_s: float) -> int:
-    """How much finer near reversals for a machine whose laws are those that are searched for: the
-    error in all windows of ``length_s`` together may be a tenth of what it leaves of the recording,
-    if that is more than noise. A joint that friction holds lets go at one time or another by
-    little; no steps are so fine that this is the same in every window."""
+def stepped_for(machine: Machine, run: Run, length_s: float) -> Run:
+    """The run with as many steps between samples, and as fine ones near reversals, as a machine
+    needs whose laws are those that are searched for: the error in all windows of ``length_s``
+    together may be a tenth of what it leaves of the recording, if that is more than noise. A joint
+    that friction holds lets go at one time or another by little; no steps are so fine that this is
+    the same in every window. There are no more steps than for the model as given, which may fall
+    where the machine is held."""
 
-    def cut(fine: int) -> Cut | None:
-        found = cut_within(replace(run, fine=fine), machine, length_s)
+    def cut(steps: int, fine: int) -> Cut | None:
+        found = cut_within(replace(run, steps=steps, fine=fine), machine, length_s)
         return None if found is None else found.suited(machine)
 
-    model, first = WindowModel(machine), cut(FINE_LEAST)
+    model, first = WindowModel(machine), cut(run.steps, FINE_LEAST)
     if first is None:
-        return run.fine
+        return run
     with np.errstate(over="ignore", invalid="ignore"):
         _, y = model.simulate(first.block, first.start, machine.values)
         left = np.sqrt(mean_of_seen((y - first.block.y) ** 2, axis=1))
     louder = replace(run, sd=np.fmax(run.sd, _together(np.fmin(left, _reach(run, machine)))))
-    return _enough(model, louder, cut, 1, FINE_MOST, _in_all)
+    steps = run.steps
+    if (least := _for_bends(model, run)) < steps:
+        steps = _enough(model, louder, lambda n: cut(n, FINE_LEAST), least, steps, _in_all)
+    fine = _enough(model, louder, lambda n: cut(steps, n), 1, FINE_MOST, _in_all)
+    return replace(run, steps=steps, fine=fine)
 
 
 def _together(errors: Array) -> Array:

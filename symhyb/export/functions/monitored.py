@@ -11,9 +11,10 @@ from typing import Any
 import casadi as ca
 
 from symhyb.discrepancy.places.hypotheses import Library
+from symhyb.numeric.lowered.dry_steps import step_of
 from symhyb.numeric.lowered.dynamics import inner_form
 from symhyb.numeric.lowered.machine import Machine
-from symhyb.numeric.lowered.steps import rate_slopes, rosenbrock_step, step_and_middle
+from symhyb.numeric.lowered.steps import rate_slopes, rosenbrock_step
 from symhyb.numeric.runs.window_steps import Steps
 from symhyb.numeric.runs.windows import WindowModel
 
@@ -65,7 +66,7 @@ def monitored(
         *_inner("model_inner", machine),
         *_inner("model_tried", library.machine),
         ("model_forces", _forces(library)),
-        ("model_step", step_and_middle(form)),
+        ("model_step", step_of(form)),
         ("model_rate_slopes", rate_slopes(form, list(windows.free), True)),
         ("model_sense", Steps(form, list(windows.free)).sense),
     ]

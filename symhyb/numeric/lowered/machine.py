@@ -14,6 +14,7 @@ import numpy as np
 
 from symhyb.asked import asked
 from symhyb.model.closed import require_open
+from symhyb.model.switching import frictions
 from symhyb.model.types import Model
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.kernels.memory import kept
@@ -70,6 +71,9 @@ class Machine:
         closure_slopes: (q, v, t, p) -> (m, P) slopes of what is open and of its rate by p.
         sampled: (q, v, z, u, t, p) -> (S,) declared states after a sample, those that are not
             sampled as they are; None where none is.
+        levels: (q, v, z, u, t, p) -> (3 F,) of each dry friction what it holds at most against a
+            motion forwards, and backwards, N, and the rate within which it turns over, m/s, in the
+            order of :func:`symhyb.model.switching.frictions`; None without.
         shared: (q, t, p) -> (n, n) what constraints leave of a generalized force, as in
             ``discrepancy``.
         values: (P,) parameter values in the order of ``model.all_parameters()``.
@@ -97,6 +101,7 @@ class Machine:
     closure_slopes: ca.Function | None = None
     shared: ca.Function | None = None
     sampled: ca.Function | None = None
+    levels: ca.Function | None = None
 
     def __repr__(self) -> str:
         title = self.model.title or self.model.file
@@ -211,7 +216,7 @@ def _from_cache(model: Model, keep: bool, opening: Opening) -> dict[str, ca.Func
 def _lowered(model: Model, opening: Opening = "closed") -> dict[str, ca.Function]:
     from symhyb.mechanics.constraints import closures
     from symhyb.mechanics.equations import derive  # SymPy takes half a second to import
-    from symhyb.mechanics.opened import banded, opened
+    from symhyb.mechanics.opened import banded, levels, opened
     from symhyb.numeric.lowered.translate import Lowered
 
     fills = {
@@ -274,6 +279,8 @@ def _lowered(model: Model, opening: Opening = "closed") -> dict[str, ca.Function
 
     here, moving = [q, v, z, u, t, p], [q, v, a, z, u, t, p]
     optional = {"input_matrix": function("input_matrix", [q, v, t, p], [slope])} if linear else {}
+    if opening == "closed" and frictions(model):
+        optional["levels"] = function("levels", here, [low.column(levels(model, equations))])
     if any(state.next for state in model.states):
         optional["sampled"] = function("sampled", here, [low.column(equations.nexts)])
     if loops is not None:

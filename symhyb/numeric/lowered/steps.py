@@ -10,6 +10,9 @@ step), with the reduction for second-order systems to as many equations as there
 inner states.
 """
 
+from collections.abc import Callable
+from dataclasses import dataclass
+
 import casadi as ca
 
 from symhyb.numeric.lowered.dynamics import StateForm
@@ -60,30 +63,54 @@ _DIAGONAL = 0.25
 Row = dict[int, ca.SX]  # what is not zero in a row of a matrix, by its column
 
 
+Given = tuple[ca.SX, ca.SX, ca.SX, ca.SX, ca.SX, ca.SX]
+"""The arguments of a step: x, d0, d1, t, h, p."""
+Acting = Callable[[ca.SX, ca.SX, ca.SX], ca.SX]
+"""(x, d, t) -> a generalized force (n,) that acts there besides those of the machine, SI."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stepped:
+    """A step in symbols: the slopes ``by_q`` and ``by_y`` of the rates of y = (v, z) at x, and x
+    ``after`` the step and in its ``middle``."""
+
+    by_q: ca.SX
+    by_y: ca.SX
+    after: ca.SX
+    middle: ca.SX
+
+
 def rosenbrock_step(form: StateForm) -> ca.Function:
     """Return (x, d0, d1, t, h, p) -> x after h seconds, x = (q, v, z) of length X, SI.
 
     The drive runs linearly from d0 to d1 over the step (first-order hold). A step with h = 0
     returns x.
     """
-    given, after, _ = _step(form)
-    return ca.Function("step", given, [after], {"cse": True})
+    given = arguments(form)
+    return ca.Function("step", [*given], [stepped(form, given).after], {"cse": True})
 
 
 def step_and_middle(form: StateForm) -> ca.Function:
     """The same with x in the middle of the step as a second output."""
-    given, *both = _step(form)
-    return ca.Function("step", given, both, {"cse": True})
+    given = arguments(form)
+    step = stepped(form, given)
+    return ca.Function("step", [*given], [step.after, step.middle], {"cse": True})
 
 
-def _step(form: StateForm) -> tuple[list[ca.SX], ca.SX, ca.SX]:
-    """The arguments of a step, and x after it and in its middle."""
+def arguments(form: StateForm) -> Given:
+    """Fresh symbols for the arguments of a step."""
+    x, d0, t, p, _ = form.symbols()
+    return x, d0, ca.SX.sym("d1", form.drive), t, ca.SX.sym("h"), p
+
+
+def stepped(form: StateForm, given: Given, acting: Acting | None = None) -> Stepped:
+    """The step in symbols; ``acting`` is what acts along it besides the forces of the machine."""
     f, size = len(form.free), form.size
-    x, d0, t, p, w = form.symbols()
-    d1, h, s = ca.SX.sym("d1", form.drive), ca.SX.sym("h"), ca.SX.sym("s")
+    x, d0, d1, t, h, p = given
+    s, still = ca.SX.sym("s"), ca.SX.zeros(form.machine.n)
     q, y = ca.SX.sym("q", f), ca.SX.sym("y", size - f)  # y = (v, z)
-    held = d0 + s * (d1 - d0)
-    value = form.rates()(ca.vertcat(q, y), held, t + s * h, p, 0 * w)
+    here = ca.vertcat(q, y), d0 + s * (d1 - d0), t + s * h
+    value = form.rates()(*here, p, still if acting is None else acting(*here))
     rate = ca.Function("f", [q, y, s], [value], {"allow_free": True})
     slopes = ca.Function(
         "j", [q, y, s], [ca.jacobian(value, by) for by in (q, y, s)], {"allow_free": True}
@@ -91,9 +118,7 @@ def _step(form: StateForm) -> tuple[list[ca.SX], ca.SX, ca.SX]:
     q0, y0 = x[:f, 0], x[f:, 0]
     by_q, by_y, by_s = slopes(q0, y0, 0)
     step = _DIAGONAL * h
-    matrix = ca.SX.eye(size - f) - step * by_y
-    matrix[:, :f] -= step**2 * by_q
-    rows = factored(matrix)
+    rows = factored(implicit(by_q, by_y, step))
     stages: list[tuple[ca.SX, ca.SX]] = []
     for a, c, alpha, gamma in zip(_A, _C, _ALPHA, _GAMMA, strict=True):
         q_i, y_i = _combined(a, stages, q0, y0)
@@ -105,7 +130,15 @@ def _step(form: StateForm) -> tuple[list[ca.SX], ca.SX, ca.SX]:
     after = ca.vertcat(*_combined(_M, stages, q0, y0))
     bent, more = (ca.vertcat(*_combined(row, stages[:5], 0 * q0, 0 * y0)) for row in _WITHIN)
     middle = (x + after) / 2 + (bent + more / 2) / 4
-    return [x, d0, d1, t, h, p], after, middle
+    return Stepped(by_q, by_y, after, middle)
+
+
+def implicit(by_q: ca.SX, by_y: ca.SX, step: ca.SX) -> ca.SX:
+    """The matrix I − h ∂y'/∂y − h² ∂y'/∂q of a linearly implicit step of h seconds, positions
+    eliminated (y = (v, z))."""
+    matrix = ca.SX.eye(by_y.shape[0]) - step * by_y
+    matrix[:, : by_q.shape[1]] -= step**2 * by_q
+    return matrix
 
 
 def rate_slopes(form: StateForm, free: list[int], forces: bool) -> ca.Function:

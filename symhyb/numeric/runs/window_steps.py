@@ -23,8 +23,9 @@ from symhyb.numeric.kernels.chains import Chains
 from symhyb.numeric.kernels.collocation import collocated
 from symhyb.numeric.kernels.memory import kept
 from symhyb.numeric.kernels.vector import along
+from symhyb.numeric.lowered.dry_steps import step_of
 from symhyb.numeric.lowered.dynamics import StateForm
-from symhyb.numeric.lowered.steps import rate_slopes, step_and_middle
+from symhyb.numeric.lowered.steps import rate_slopes
 
 STEPS_AT_ONCE = 4096
 SAME = 1e-9  # of a drive or a step: less is rounding
@@ -75,7 +76,7 @@ class Steps:
     @property
     def run(self) -> Chains:
         """The steps of chains, with the state in the middle of each: the same whatever is free."""
-        return kept(("steps", self._form.key), lambda: Chains(step_and_middle(self._form)))
+        return kept(("steps", self._form.key), lambda: Chains(step_of(self._form)))
 
     def slopes(self, run: Taken, p: Array, forces: bool) -> Array:
         """Slopes of steps by x, free parameters and, if asked for, test ``forces`` (S, X + F + n,
