@@ -11,25 +11,20 @@ nothing here is a test.
 
 import argparse
 import re
-import resource
-import subprocess
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import mujoco  # type: ignore[import-untyped]
 import numpy as np
+from in_c import played_in_c
 from numpy.typing import NDArray
 
-from symhyb.export.monitor.files import monitor_files
 from symhyb.imports.deliver import Order, model_of, read_robot
 from symhyb.model.read import parse_model
 from symhyb.model.types import Model
-from symhyb.monitoring.begun import begun
-from symhyb.monitoring.feed import Feed
 from symhyb.monitoring.watching import Watch, watch
 
 Array = NDArray[np.float64]
@@ -169,28 +164,11 @@ def said_in_python(rows: list[str]) -> Said:
 
 def said_in_c(rows: list[str]) -> Said:
     """By the monitor in C, which is silent after its first name."""
-    first, feed = round(REFERENCE_S * RATE), Feed(arm_model(), None, "arm.csv")
-    for row in rows[: 1 + first]:
-        feed.take(row)
-    found = begun(feed.model, feed.piece(first), 1.0, "arm.csv")
-    with TemporaryDirectory() as folder:
-        for name, text in monitor_files(found, "arm", "arm.csv", 1.0).items():
-            (Path(folder) / name).write_text(text, encoding="utf-8")
-        command = ["cc", "-std=c99", "-O2", "arm.c", "arm_main.c", "-lm", "-o", "arm"]
-        subprocess.run(command, cwd=folder, check=True)
-        before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        given = "\n".join(rows[1 + first :])
-        done = subprocess.run(
-            [f"{folder}/arm"], input=given, text=True, check=False, capture_output=True
-        )
-        after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    if done.returncode not in (0, 1):
-        raise RuntimeError(f"the monitor ended with {done.returncode}: {done.stderr}")
-    told = done.stdout.splitlines()
-    at = tuple(float(line.split(" ")[0]) for line in told if "something has changed" in line)
-    names = tuple(line for line in told if "what has changed" in line)
-    cost = (after.ru_utime - before.ru_utime) / ((len(rows) - first - 1) / RATE)
-    return Said(at, names, cost)
+    first = round(REFERENCE_S * RATE)
+    played = played_in_c(arm_model(), rows, first, "arm")
+    at = tuple(float(one.split(" ")[0]) for one in played.lines if "something has changed" in one)
+    names = tuple(one for one in played.lines if "what has changed" in one)
+    return Said(at, names, played.spent_s / ((len(rows) - first - 1) / RATE))
 
 
 def main() -> None:

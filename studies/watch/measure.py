@@ -9,22 +9,17 @@ after its first alarm and costs next to nothing. Prints a table; nothing here is
 """
 
 import argparse
-import resource
-import subprocess
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import numpy as np
+from in_c import played_in_c
 from scipy.integrate import solve_ivp
 
-from symhyb.export.monitor.files import monitor_files
 from symhyb.model.read import read_model
-from symhyb.monitoring.begun import begun
 from symhyb.monitoring.events import Event
-from symhyb.monitoring.feed import Feed
 from symhyb.monitoring.watching import Watch, watch
 
 MODEL = Path(__file__).parent / "model.toml"
@@ -98,23 +93,9 @@ def told(seed: int, change: Drawn | None, seconds: float) -> tuple[list[Event], 
 def alarms_in_c(seed: int, seconds: float) -> tuple[int, float]:
     """Whether the monitor in C sees a change in a run without one, and the seconds of processor
     that its process takes for each second of the source."""
-    model, rows = read_model(MODEL), list(lines(seed, seconds, None))
-    feed, first = Feed(model, None, "null.csv"), round(REFERENCE_S * RATE)
-    for row in rows[: 1 + first]:
-        feed.take(row)
-    found = begun(model, feed.piece(first), 1.0, "null.csv")
-    with TemporaryDirectory() as folder:
-        for name, text in monitor_files(found, "slide", "null.csv", 1.0).items():
-            (Path(folder) / name).write_text(text, encoding="utf-8")
-        command = ["cc", "-std=c99", "-O2", "slide.c", "slide_main.c", "-lm", "-o", "slide"]
-        subprocess.run(command, cwd=folder, check=True)
-        before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        given = "\n".join(rows[1 + first :])
-        done = subprocess.run([f"{folder}/slide"], input=given, text=True, check=False)
-        after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    if done.returncode > 1:
-        raise RuntimeError(f"the monitor ended with {done.returncode}")
-    return done.returncode, (after.ru_utime - before.ru_utime) / (seconds - REFERENCE_S)
+    rows, first = list(lines(seed, seconds, None)), round(REFERENCE_S * RATE)
+    played = played_in_c(read_model(MODEL), rows, first, "slide")
+    return int(played.changed), played.spent_s / (seconds - REFERENCE_S)
 
 
 def main() -> None:

@@ -11,7 +11,7 @@ from tests.scripts import scripts
 
 @pytest.fixture(scope="module")
 def arm() -> Iterator[ModuleType]:
-    with scripts("watch", ("arm",)) as found:
+    with scripts("watch", ("in_c", "arm")) as found:
         yield found["arm"]
 
 
