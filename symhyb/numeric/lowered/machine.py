@@ -73,7 +73,7 @@ class Machine:
             sampled as they are; None where none is.
         levels: (q, v, z, u, t, p) -> (3 F,) of each dry friction what it holds at most against a
             motion forwards, and backwards, N, and the rate within which it turns over, m/s, in the
-            order of :func:`symhyb.model.switching.frictions`; None without.
+            order of ``symhyb.model.switching.frictions``; None without.
         shared: (q, t, p) -> (n, n) what constraints leave of a generalized force, as in
             ``discrepancy``.
         values: (P,) parameter values in the order of ``model.all_parameters()``.
