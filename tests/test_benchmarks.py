@@ -116,6 +116,7 @@ def test_a_force_is_measured_in_a_process_of_its_own(study: Study) -> None:
     assert all(seconds > 0 for seconds in times.values())
 
 
+@pytest.mark.slow
 def test_rows_of_regression_name_their_bars(study: Study) -> None:
     rows = study["regression"].rows(2000, 200, 3, 1)
     assert [r.bar for r in rows] == [20, None, 0.05, 200]

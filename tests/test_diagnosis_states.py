@@ -82,9 +82,8 @@ def test_a_wrong_resistance_is_found_and_nothing_else(ammeter: bool) -> None:
     assert found.sd < 0.01
 
 
-@pytest.mark.parametrize(
-    "ammeter", [pytest.param(False), pytest.param(True, marks=pytest.mark.slow)]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("ammeter", [False, True])
 def test_missing_friction_is_found_and_nothing_else(ammeter: bool) -> None:
     diagnosis = sh.diagnose(motor(ammeter=ammeter), recorded(ammeter, friction=0.004))
     assert diagnosis.verdict == "missing physics"

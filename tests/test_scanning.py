@@ -63,6 +63,7 @@ def test_what_is_lacking_is_named_and_every_stretch_has_it(written):
     assert np.mean(lacking) == pytest.approx(DRAG * np.sqrt(np.mean(v**4)), rel=0.03)
 
 
+@pytest.mark.slow
 def test_a_stretch_in_which_more_acts_is_unlike_the_others(written):
     path = written(*columns_of(300, sticky_from=FROM))
     found = scan(spring_model(), path, stretches=10)

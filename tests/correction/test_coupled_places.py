@@ -83,6 +83,7 @@ def test_losses_of_single_joints_make_no_place() -> None:
     assert after.library.places == before.library.places
 
 
+@pytest.mark.slow
 def test_windows_are_no_finer_than_the_whole_asks_for() -> None:
     prepared, before, after = begun(SHARED, DRY)
     was, now = (item.stages[-1].cuts[0].fine for item in (before, after))

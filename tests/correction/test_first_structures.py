@@ -71,6 +71,7 @@ def geared(stated: bool = True) -> Setting:
     return settle(prepare(model, rows))
 
 
+@pytest.mark.slow
 def test_play_is_carried_to_long_windows_with_all_parameters_that_state_an_sd() -> None:
     setting = geared()
     trials, told = Trials(setting, lambda line: None), setting.stages
@@ -90,6 +91,7 @@ def test_play_is_carried_to_long_windows_with_all_parameters_that_state_an_sd() 
     assert found["d"]["value"] == pytest.approx(LOAD - 1.0, rel=0.01)
 
 
+@pytest.mark.slow
 def test_without_a_stated_sd_nothing_more_is_begun_with() -> None:
     setting = geared(stated=False)
     trials = Trials(setting, lambda line: None)

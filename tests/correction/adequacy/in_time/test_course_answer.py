@@ -60,6 +60,7 @@ def test_points_stand_where_a_course_bends_and_none_where_it_is_straight() -> No
     assert len(_points(line_of(1.0 + 0.02 * T, 0.05))[0]) == 2
 
 
+@pytest.mark.slow
 def test_a_step_is_found_with_its_time() -> None:
     answer = answer_of(stepped)
     assert answer is not None
@@ -86,6 +87,7 @@ def test_a_pulsation_is_found() -> None:
     assert np.all(np.abs(off) < 4 * answer.course.sd)
 
 
+@pytest.mark.slow
 def test_levels_are_found_as_a_line_through_points() -> None:
     answer = answer_of(staged)
     assert answer is not None
