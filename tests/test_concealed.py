@@ -233,7 +233,7 @@ def test_cases_are_diagnosed_and_scored(study: Study, tmp_path: Path, seed: int)
         assert row.error == pytest.approx(1.0, abs=0.1)
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_fleet_has_one_machine_and_where_asked_one_run_with_more_of_the_force(
     study: Study,
 ) -> None:

@@ -113,14 +113,13 @@ def short(study: Study, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(study["plans"], "SYSTEMS", brief)
 
 
-@pytest.mark.slow
 @pytest.mark.usefixtures("short")
 @pytest.mark.parametrize(
     ("seed", "sort"),
     [
         (9, "coloured"),
-        pytest.param(5, "held", marks=pytest.mark.slow),
-        (3, "unmeasured"),
+        pytest.param(5, "held", marks=pytest.mark.thorough),
+        pytest.param(3, "unmeasured", marks=pytest.mark.slow),
         (10, "unmeasured"),
     ],
 )

@@ -213,7 +213,7 @@ def simple(study: Study) -> list[int]:
     return [s for s in range(200) if plan_of(s).system.n == 1 and plan_of(s).noise <= 0.01]
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_concealed_cases_of_the_subset_are_named(study: Study, tmp_path: Path) -> None:
     """The first five of the simple seeds with one concealed force that is not masked."""
     plan_of, forces = study["plans"].plan_of, study["effects"].FORCES

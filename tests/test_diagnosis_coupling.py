@@ -10,7 +10,7 @@ from symhyb.model.types import Pair
 from tests.correction.adequacy.test_named_coupling import CASES, PLATE, tilted
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_coupling_is_named_and_the_model_follows_unseen_data(tmp_path: Path) -> None:
     by_place, by_rate, true = CASES["both"]
     seen, unseen = (tilted(seed, by_place, by_rate) for seed in (3, 4))

@@ -40,7 +40,7 @@ def test_nothing_is_missing_where_the_file_states_it() -> None:
     assert diagnosis.verdict == "nothing missing"
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_mass_that_runs_out_is_named_with_its_course() -> None:
     diagnosis = sh.diagnose(model("m"), emptied())
     assert diagnosis.verdict == "parameters"

@@ -15,7 +15,7 @@ def held(x: float) -> float:
     return 3.0 * float(np.tanh(x / 0.2))
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_spring_that_saturates_is_found_as_a_curve(tmp_path: Path) -> None:
     model, run = pushed_model(), resisted(2, lambda x, v: held(x))
     diagnosis = sh.diagnose(model, run)

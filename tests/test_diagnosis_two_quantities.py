@@ -20,7 +20,7 @@ def held(x: float) -> float:
     return float(np.expm1(4 * x))
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_loss_that_changes_with_place_is_a_product() -> None:
     model, run = pushed_model(), resisted(2, lambda x, v: 0.4 * loss(v) * more_there(x), 2000)
     diagnosis = sh.diagnose(model, run)
@@ -35,7 +35,7 @@ def test_a_loss_that_changes_with_place_is_a_product() -> None:
     assert all(b < 0.1 * a for a, b in zip(before, after, strict=True) if a and b)
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_spring_and_a_loss_without_names_are_two_curves() -> None:
     model, run = pushed_model(), resisted(2, lambda x, v: held(x) + 1.5 * loss(v))
     diagnosis = sh.diagnose(model, run)

@@ -120,7 +120,7 @@ def test_what_runs_away_is_worse_than_everything(study: SimpleNamespace) -> None
     assert study.run.rounded({"a": [float("nan"), 0.123456, 3]}) == {"a": [None, 0.1235, 3]}
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_set_from_end_to_end(study: SimpleNamespace) -> None:
     """One set of parameters through every learner, formulation, host and coupling."""
     reported = study.run.one(0, steps=(1e-3,), excitations=2)

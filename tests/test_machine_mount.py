@@ -90,7 +90,7 @@ def test_slsqp_finds_the_mount_and_none_nearby_is_better(study: ModuleType, kept
             assert not kept_room or study.rms(y)[0] > found.felt
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 @needs_compiler
 def test_every_way_leads_to_the_same_mount(study: ModuleType, kept: dict) -> None:
     run = study.rig()

@@ -144,7 +144,7 @@ def test_a_rotor_and_the_delay_are_named(study: ModuleType, tmp_path: Path) -> N
     assert (runs.after < 1e-4).all()
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_payload_and_the_delay_are_named(study: ModuleType, tmp_path: Path) -> None:
     diagnosis = study.diagnosed(study.CASES["payload_point"], tmp_path).diagnosis
     assert diagnosis.verdict == "missing physics"
@@ -157,7 +157,7 @@ def test_a_payload_and_the_delay_are_named(study: ModuleType, tmp_path: Path) ->
     assert len(diagnosis.measurement) == 3
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_ball_in_the_hand_is_named_beside_its_own_inertia(
     study: ModuleType, tmp_path: Path
 ) -> None:

@@ -59,7 +59,7 @@ def test_all_recordings_must_agree_and_the_file_goes_first() -> None:
     assert as_sampled(model(), ()).inputs[0].between == "line"
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_smooth_input_is_no_missing_physics() -> None:
     """At 25 samples a period and 0.1 % noise the corners that lines cut would be seen."""
     omega, m, k, d = 2 * np.pi * 4, 1.0, 25.0, 0.6

@@ -233,7 +233,7 @@ def test_an_order_that_cannot_be_met_writes_nothing(
     assert not output.exists()
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_two_coordinates_steep_friction_a_bent_sensor_and_memory(tmp_path: Path) -> None:
     later = stretch(cart(3), slice(8000, None))
     program = made(cart_begun(), tmp_path)

@@ -87,7 +87,7 @@ def test_a_task_that_kills_its_worker_fails_and_no_other(folder: Path) -> None:
     assert (again.before, again.failed) == (5, {})
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_worker_that_is_killed_once_costs_no_task(folder: Path) -> None:
     assert run(folder, sweeps.deadly_once).failed == {}
     assert sorted(set(performed(folder))) == sorted(performed(folder))

@@ -59,7 +59,7 @@ def test_a_force_of_both_is_a_factor_or_a_sum(
     assert sorted((cause.kind, cause.options) for cause in answer.causes) == kinds
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_force_that_is_no_product_and_no_sum_is_no_curve() -> None:
     ground, found = judged(resisted(3, lambda x, v: 0.5 * np.tanh(3 * (x + 0.3 * v))))
     assert found.certain("law") == On("x")

@@ -92,7 +92,7 @@ def test_the_corrected_model_states_it_in_the_unit_of_the_channel(answer: Answer
     assert after < 0.1 * before
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_diagnosis_names_it_and_predicts_other_recordings() -> None:
     train, unseen = (with_pressure(changing(seed, stiffened)) for seed in (5, 6))
     diagnosis = sh.diagnose(rigged(), train, unseen)
