@@ -102,10 +102,8 @@ def calibrated(
     tell = say or silent
     items = chosen(model, free)
     if not stated:
-        items = tuple(replace(item, sd=None) for item in items)
-    require_known(model, several(recordings), [item.path for item in items])
-    if still(several(recordings)):
-        raise InputError(Problem("no sensor changes in any recording: nothing can be fitted"))
+        items = unstated(items)
+    require_shown(model, recordings, [item.path for item in items])
     with one_thread():
         done = _fitted(model, model, items, recordings, tell)
         if not moved(done.parameters, model):
@@ -152,6 +150,24 @@ def chosen(model: Model, free: Sequence[str] = ()) -> tuple[Parameter, ...]:
         text = "no parameter states an sd, so none is uncertain; say which are to be fitted"
         raise InputError(Problem(text, "parameters", model.file))
     return tuple(found)
+
+
+def unstated(items: Sequence[Parameter]) -> tuple[Parameter, ...]:
+    """The same parameters without what the model file says of their deviations."""
+    return tuple(replace(item, sd=None) for item in items)
+
+
+def require_shown(
+    model: Model, recordings: Recording | Sequence[Recording], paths: Sequence[str]
+) -> None:
+    """Refuse recordings that state what is to be fitted as known, or in which nothing changes.
+
+    Raises:
+        InputError: they do.
+    """
+    require_known(model, several(recordings), paths)
+    if still(several(recordings)):
+        raise InputError(Problem("no sensor changes in any recording: nothing can be fitted"))
 
 
 def _calibrated(model: Model, items: Sequence[Parameter], prepared: Prepared) -> Calibrated:

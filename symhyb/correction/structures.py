@@ -13,7 +13,7 @@ best, its numbers paid (Schwarz, Annals of Statistics 6, 1978). Sizes: S structu
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -23,16 +23,16 @@ from symhyb.correction.calibration import (
     chosen,
     moved,
     on_windows,
+    require_shown,
+    unstated,
 )
 from symhyb.correction.search.preparing import Prepared, prepare
 from symhyb.correction.search.score import piece
-from symhyb.data.cleaning import still
-from symhyb.data.known import require_known
-from symhyb.data.recording import Recording, several
+from symhyb.data.recording import Recording
 from symhyb.discrepancy.fitting.task import Fit
 from symhyb.discrepancy.places.hypotheses import with_channels
 from symhyb.discrepancy.recorded.windows import Cut
-from symhyb.errors import InputError, NumericsError, Problem
+from symhyb.errors import NumericsError
 from symhyb.model.types import Model, Parameter
 from symhyb.model.write import set_parameters
 from symhyb.numeric.kernels.buffers import Array
@@ -79,37 +79,25 @@ def structured(
         NumericsError: none of the structures can be simulated along them.
     """
     models = [set_parameters(model, dict(values)) for _, values in asked]
-    free = [_unstated(one, names) for one, (names, _) in zip(models, asked, strict=True)]
+    free = [unstated(chosen(one, names)) for one, (names, _) in zip(models, asked, strict=True)]
     every = list(dict.fromkeys(item.path for items in free for item in items))
-    require_known(model, several(recordings), every)
-    if still(several(recordings)):
-        raise InputError(Problem("no sensor changes in any recording: nothing can be fitted"))
+    require_shown(model, recordings, every)
     widest = max(range(len(free)), key=lambda i: len(free[i]))
     with one_thread():
-        prepared, start = prepare(models[widest], recordings), models[widest]
+        start = models[widest]
+        prepared = prepare(start, recordings)
         cuts = all_windows(prepared)
-        try:
-            first, _ = on_windows(start, free[widest], prepared, cuts, prepared.machine.values)
-        except NumericsError:
-            pass
-        else:
-            if moved(first.parameters, start):
-                start = first.model
-                prepared = prepare(start, recordings)
-                cuts = all_windows(prepared)
+        first, _ = _tried(start, free[widest], prepared, cuts, prepared.machine.values)
+        if first is not None and moved(first.parameters, start):
+            prepared = prepare(first.model, recordings)
+            cuts = all_windows(prepared)
         done = []
         for one, items in zip(models, free, strict=True):
             begin = _beginning(prepared, one, items, every, free[widest])
             done.append(_tried(one, items, prepared, cuts, begin))
-    fits = [fit for _, fit in done if fit is not None]
-    if not fits:
+    if all(fit is None for _, fit in done):
         raise NumericsError("none of the structures can be simulated along these recordings")
-    return Structured(tuple(one for one, _ in done), _evidence([fit for _, fit in done], fits))
-
-
-def _unstated(model: Model, names: Sequence[str]) -> tuple[Parameter, ...]:
-    """The numbers of a structure, without what the model file says of their deviations."""
-    return tuple(replace(item, sd=None) for item in chosen(model, names))
+    return Structured(tuple(one for one, _ in done), _evidence([fit for _, fit in done]))
 
 
 def _beginning(
@@ -143,12 +131,13 @@ def _tried(
         return None, None
 
 
-def _evidence(every: Sequence[Fit | None], fits: Sequence[Fit]) -> Array:
+def _evidence(every: Sequence[Fit | None]) -> Array:
     """ln of the evidence of each structure (S,), less that of the likeliest."""
-    price = math.log(max(float(fits[0].count.sum()), 2.0))
+    fits = [fit for fit in every if fit is not None]
+    price = math.log(fits[0].samples)
 
     def left(fit: Fit, unit: float) -> float:
-        return (fit.train + fit.validation) / unit + price * fit.values.size
+        return fit.left / unit + price * fit.values.size
 
     unit = piece(min(fits, key=lambda fit: piece(fit) * left(fit, piece(fit))))
     logs = np.array([-math.inf if fit is None else -left(fit, unit) / 2 for fit in every])

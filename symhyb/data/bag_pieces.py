@@ -5,7 +5,6 @@ measured earlier. So a piece ends some seconds before the last message that was 
 """
 
 from collections.abc import Iterator
-from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -66,8 +65,7 @@ class _Kept:
 
     def read(self, part: Path, rows: int) -> Iterator[Table]:
         """The pieces that end in a file."""
-        with ExitStack() as stack:
-            reader = stack.enter_context(opened(part))
+        with opened(part) as reader:
             wanted = rows + self._most()
             for logged, topic in taken(reader, part, self.topics, self.notes, self.file):
                 if self.zero is None and topic.numbers:
@@ -96,9 +94,9 @@ class _Kept:
         """Columns, with a problem where the time of their topic is another clock than before."""
         named = ((c.part, c.inside.partition(" ")[0]) for c in columns)
         others = {part: name for part, name in named if name in CLOCKS[1:]}
-        before = dict(self.clocks)
-        self.clocks = {**others, **before}
-        changed = {part for part, name in others.items() if before.get(part, name) != name}
+        changed = {
+            part for part, name in others.items() if self.clocks.setdefault(part, name) != name
+        }
         return tuple(
             replace(c, problem=_two_clocks(c, self.file)) if c.part in changed else c
             for c in columns

@@ -38,7 +38,7 @@ def merged(groups: Sequence[Channels], table: Table) -> Channels:
     inputs: dict[str, NDArray[np.float64]] = {}
     sensors: dict[str, NDArray[np.float64]] = {}
     for group in groups:
-        rows = _nearest(group.t, union) if group.t.size else np.empty(0, np.intp)
+        rows = _nearest(group.t, union)
         for target, channels in ((inputs, group.inputs), (sensors, group.sensors)):
             for name, values in channels.items():
                 target[name] = np.full(union.size, np.nan)

@@ -99,9 +99,15 @@ def curve_tables(
             text = f"a table of {names} needs {ranges}: {' and '.join(lacking)}, in SI"
             problems.append(Problem(text, f"elements.{members[0][0].name}", model.file))
             continue
-        known = [span for span in given.values() if span is not None]
-        made = _map if over == BOTH else _table
-        found.append(made(model, place, over, members, known))
+        begun = [
+            _begun(members, one, span, PLACES_FIRST if over == BOTH else ROWS_FIRST)
+            for one, span in given.items()
+            if span is not None
+        ]
+        if over == BOTH:
+            found.append(_map(model, place, members, begun[0], begun[1]))
+        else:
+            found.append(_table(model, place, over, members, begun[0]))
     if problems:
         raise InputError(problems)
     return tuple(found)
@@ -197,21 +203,20 @@ def _begun(members: Sequence[tuple[Element, Law]], over: str, span: Span, first:
     return np.union1d(np.linspace(*span, first), [x for x in marks if span[0] < x < span[1]])
 
 
-def _map(
-    model: Model,
-    place: Place,
-    _: str,
-    members: Sequence[tuple[Element, Law]],
-    spans: Sequence[Span],
-) -> MapTable:
+def _together(members: Sequence[tuple[Element, Law]]) -> Law:
+    """The force of all elements, SI."""
+
     def force(s: Array, r: Array) -> Array:
         total: Array = sum((law(s, r) for _, law in members), np.zeros(np.shape(s + r)))
         return total
 
-    begun = [
-        _begun(members, over, span, PLACES_FIRST) for over, span in zip(OVER, spans, strict=True)
-    ]
-    x, y, z, missed = gridded(force, begun[0], begun[1])
+    return force
+
+
+def _map(
+    model: Model, place: Place, members: Sequence[tuple[Element, Law]], x: Array, y: Array
+) -> MapTable:
+    x, y, z, missed = gridded(_together(members), x, y)
     along, up = stretch_unit(model, place), force_unit(model, place)
     across = along / parse_unit("s")
     units = along.text, across.text, up.text
@@ -221,19 +226,15 @@ def _map(
 
 
 def _table(
-    model: Model,
-    place: Place,
-    over: str,
-    members: Sequence[tuple[Element, Law]],
-    spans: Sequence[Span],
+    model: Model, place: Place, over: str, members: Sequence[tuple[Element, Law]], x: Array
 ) -> CurveTable:
+    both = _together(members)
+
     def force(x: Array) -> Array:
         still = np.zeros_like(x)
-        given = (x, still) if over == "stretch" else (still, x)
-        total: Array = sum((law(*given) for _, law in members), still)
-        return total
+        return both(x, still) if over == "stretch" else both(still, x)
 
-    x = _refined(force, _begun(members, over, spans[0], ROWS_FIRST))
+    x = _refined(force, x)
     along, up = stretch_unit(model, place), force_unit(model, place)
     along = along if over == "stretch" else along / parse_unit("s")
     units = (along.text, up.text)

@@ -10,11 +10,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from symhyb.limits import MAP_PLACES
 from symhyb.model.types import Place, place_text
 from symhyb.numeric.kernels.buffers import Array
 
 ACCURACY = 1e-3  # of the largest force: what a straight line between two rows or places may miss
-PLACES_FIRST, PLACES_MOST = 9, 50  # along each axis; no more are read from the file of a map
+PLACES_FIRST = 9  # along each axis
 
 Law = Callable[[Array, Array], Array]
 """The force over stretch and rate, SI, of arrays that fit each other."""
@@ -79,8 +80,8 @@ def gridded(law: Law, x: Array, y: Array) -> tuple[Array, Array, Array, float]:
         in_y = law(x[:, None], between_y[None, :]) - 0.5 * (force[:, :-1] + force[:, 1:])
         missed_x = np.abs(in_x).max(axis=1) / largest
         missed_y = np.abs(in_y).max(axis=0) / largest
-        more_x = _worst(between_x, missed_x, PLACES_MOST - x.size)
-        more_y = _worst(between_y, missed_y, PLACES_MOST - y.size)
+        more_x = _worst(between_x, missed_x, MAP_PLACES - x.size)
+        more_y = _worst(between_y, missed_y, MAP_PLACES - y.size)
         if not (more_x.size or more_y.size):
             return x, y, force, float(max(missed_x.max(), missed_y.max()))
         x, y = np.union1d(x, more_x), np.union1d(y, more_y)

@@ -14,7 +14,7 @@ from symhyb.errors import InputError, Problem
 from symhyb.fleet.deviations import Judged, Shifted, judged, shifted
 from symhyb.fleet.members import Member, members_of
 from symhyb.fleet.population import Array, Population, Unit
-from symhyb.fleet.rungs import Weighed, chosen_rung, in_structure, weighed
+from symhyb.fleet.rungs import Weighed, with_structure
 from symhyb.fleet.scales import factors_of, units_in
 from symhyb.fleet.trends import OwnTrend, own_trends
 from symhyb.judgement import FEWEST, SMALL
@@ -170,9 +170,7 @@ def fleet_of(
             no structure of that name; fewer than three units, or conditions that do not vary or
             follow from each other or from the groupings.
     """
-    structures = weighed(outcomes)
-    name = chosen_rung(structures, structure)
-    outcomes = in_structure(outcomes, name) if name else outcomes
+    structures, name, outcomes = with_structure(outcomes, structure)
     members = members_of(outcomes, unit, conditions, among)
     centre = _centre(members, conditions)
     size = members[0].fits[0].values.size

@@ -12,7 +12,7 @@ from symhyb.errors import InputError
 from symhyb.fleet.fleet import Fleet, Own, fleet_of
 from symhyb.fleet.members import condition_of, unit_of
 from symhyb.fleet.population import Array
-from symhyb.fleet.rungs import chosen_rung, in_structure, weighed
+from symhyb.fleet.rungs import with_structure
 from symhyb.fleet.words import reason_sentence
 from symhyb.judgement import FEWEST
 from symhyb.tasks.folder import Entry
@@ -62,8 +62,7 @@ def worth_looking(
     Raises:
         InputError: as :func:`symhyb.fleet.fleet.fleet_of`.
     """
-    name = chosen_rung(weighed(outcomes), structure)
-    outcomes = in_structure(outcomes, name) if name else outcomes
+    _, name, outcomes = with_structure(outcomes, structure)
     done = [one for one in outcomes.tasks if one.state == FINISHED]
     found = list(_left(outcomes.tasks, done, unit, conditions))
     if done and all(one.fitted is not None for one in done):

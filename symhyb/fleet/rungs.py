@@ -56,9 +56,20 @@ def weighed(outcomes: Outcomes) -> tuple[Weighed, ...]:
     )
 
 
+def with_structure(outcomes: Outcomes, name: str = "") -> tuple[tuple[Weighed, ...], str, Outcomes]:
+    """The structures that tasks compared, the one whose numbers are compared (the one of this name,
+    else the likeliest), and the outcomes with its numbers; as they are where none were compared.
+
+    Raises:
+        InputError: its tasks compared different structures, or there is none of that name.
+    """
+    found = weighed(outcomes)
+    chosen = chosen_rung(found, name)
+    return found, chosen, in_structure(outcomes, chosen) if chosen else outcomes
+
+
 def chosen_rung(found: Sequence[Weighed], name: str = "") -> str:
-    """The name of the structure whose numbers are compared: the one that is asked for, else the
-    likeliest of the fleet; empty where none were compared.
+    """The name of the structure that is asked for, else of the likeliest; empty without any.
 
     Raises:
         InputError: there is none of that name.

@@ -10,7 +10,8 @@ from scipy.interpolate import RegularGridInterpolator
 from symhyb.errors import InputError
 from symhyb.export.curve_table import curve_tables
 from symhyb.export.deliver import Order, deliver
-from symhyb.export.map_table import ACCURACY, PLACES_MOST, MapTable, gridded
+from symhyb.export.map_table import ACCURACY, MapTable, gridded
+from symhyb.limits import MAP_PLACES
 from symhyb.model.read import read_model
 from symhyb.model.types import Model
 from symhyb.numeric.kernels.buffers import Array
@@ -61,7 +62,7 @@ def test_places_are_added_where_the_law_bends() -> None:
     off = np.abs(table((s, r)) - bent(s, r)).max() / 2
     assert missed <= 3 * ACCURACY
     assert off < 2 * missed
-    assert x.size <= PLACES_MOST
+    assert x.size <= MAP_PLACES
     inner = np.diff(x)[np.abs(x[:-1]) < 0.3].mean()
     assert inner < np.diff(x)[np.abs(x[:-1]) > 0.5].mean() / 2
 

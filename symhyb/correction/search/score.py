@@ -65,12 +65,12 @@ def uncertain(trial: Refined) -> int:
 
 def left(trial: Refined) -> float:
     """χ² of all windows."""
-    return trial.fit.train + trial.fit.validation
+    return trial.fit.left
 
 
 def samples(trial: Refined) -> float:
     """How many samples the windows have."""
-    return max(float(trial.fit.count.sum()), 2.0)
+    return trial.fit.samples
 
 
 def cost(trial: Refined) -> float:
@@ -105,8 +105,8 @@ def prior_sd(trial: Refined, cause: Hypothesis) -> float:
 
 
 def unit_of(trial: Refined) -> float:
-    """χ² of one independent sample: residual variance times its correlation."""
-    return trial.fit.scale * trial.fit.correlation
+    """χ² of one independent sample."""
+    return trial.fit.unit
 
 
 def piece_of(trial: Refined) -> float:
@@ -119,9 +119,8 @@ def piece(fit: Fit) -> float:
     correlation, and of what is more than noise, or differs between repeated runs, as one of few. A
     missing force repeats wherever the motion does; that the samples are many makes it no better
     known."""
-    count = max(float(fit.count.sum()), 2.0)
-    lacking = max(fit.train + fit.validation - NEAR_NOISE * count, fit.floor * count)
-    return max(fit.scale * fit.correlation, lacking / PIECES)
+    lacking = max(fit.left - NEAR_NOISE * fit.samples, fit.floor * fit.samples)
+    return max(fit.unit, lacking / PIECES)
 
 
 def part_left(trial: Refined, nothing: Refined) -> float:

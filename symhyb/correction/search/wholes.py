@@ -92,13 +92,7 @@ def _as_fine_as_needed(
         steps, fine = found[id(cut.source[0])]
         return replace(cut, steps=steps, fine=fine)
 
-    stages = [
-        Stage(
-            stage.length_s,
-            tuple(map(stepped, stage.cuts)),
-        )
-        for stage in setting.stages
-    ]
+    stages = [Stage(stage.length_s, tuple(map(stepped, stage.cuts))) for stage in setting.stages]
     return replace(prepared, runs=runs, holdout=unseen), replace(setting, stages=tuple(stages))
 
 

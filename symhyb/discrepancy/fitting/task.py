@@ -55,6 +55,21 @@ class Fit:
         never below what repeated runs differ by."""
         return max(self.train / max(float(self.count[~self.held].sum()), 1.0), self.floor, 1e-30)
 
+    @property
+    def left(self) -> float:
+        """χ² of all windows."""
+        return self.train + self.validation
+
+    @property
+    def samples(self) -> float:
+        """How many samples the windows have."""
+        return max(float(self.count.sum()), 2.0)
+
+    @property
+    def unit(self) -> float:
+        """χ² of one independent sample: residual variance times its correlation."""
+        return self.scale * self.correlation
+
 
 @dataclass(frozen=True, slots=True)
 class Task:

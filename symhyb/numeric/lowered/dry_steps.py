@@ -91,8 +91,7 @@ def window_step(form: StateForm) -> ca.Function:
     given = arguments(form)
     rubs = _rubs(form, given)
     if not rubs:
-        step = stepped(form, given)
-        return ca.Function("step", [*given], [step.after, step.middle], {"cse": True})
+        return step_and_middle(form)
     known = _regime(form, given, rubs)
     step = stepped(form, given, _kept_up(form, given, rubs, known))
     return ca.Function("step", [*given], [*_turned(form, given, step, rubs, known)], {"cse": True})
