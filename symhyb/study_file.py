@@ -30,11 +30,9 @@ made of one study in :mod:`symhyb.study_sweep`.
 """
 
 import os
-import re
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import islice, takewhile
 from pathlib import Path
 
 from symhyb.data.groups import EACH, Own
@@ -218,24 +216,4 @@ def _fit(root: Table, sweep: Sweep | None) -> tuple[str, ...] | None:
 def _problems(faults: list[Fault], text: str, file: Path) -> Iterator[Problem]:
     source = scan(text)
     for path, sentence in faults:
-        repeated = re.fullmatch(r"(\w+)\[(\d+)\]", path[0]) if path else None
-        if repeated:
-            line = _line(text, repeated[1], int(repeated[2]), path[1:])
-        else:
-            line = source.line(*path)
-        yield Problem(sentence, ".".join(path), str(file), line)
-
-
-def _line(text: str, table: str, number: int, keys: tuple[str, ...]) -> int:
-    """Say where the ``number``-th table ``[[table]]`` stands, or a key of it, or a key of a table
-    in it; 0 if it is not found (an array in braces)."""
-    lines = list(enumerate(text.split("\n"), 1))
-    heads = (line for line, words in lines if re.match(rf"\s*\[\[\s*{table}\s*\]\]", words))
-    place = next(islice(heads, number - 1, None), 0)
-    own = takewhile(lambda at: not re.match(rf"\s*\[(?!\s*{table}\.)", at[1]), lines[place:])
-    inside = list(own) if place else []
-    for key in keys:
-        name = re.escape(key)
-        wanted = rf"\s*{name}\s*=|\s*\[\s*{table}\.{name}\s*\]"
-        place = next((line for line, words in inside if re.match(wanted, words)), place)
-    return place
+        yield Problem(sentence, ".".join(path), str(file), source.line(*path))

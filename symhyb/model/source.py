@@ -44,7 +44,8 @@ class Entry:
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """A TOML text and where its names stand."""
+    """A TOML text and where its names stand; the tables of an array ``[[name]]`` are ``name[1]``,
+    ``name[2]``, …"""
 
     text: str
     entries: dict[Path, Entry]
@@ -52,8 +53,10 @@ class Source:
     def line(self, *path: str) -> int:
         """The line of a name, else of the nearest table around it, else 0 (the whole file)."""
         for length in range(len(path), 0, -1):
-            if path[:length] in self.entries:
-                return self.entries[path[:length]].line
+            around, name = path[: length - 1], path[length - 1]
+            for found in ((*around, name), (*around, name.partition("[")[0])):  # or an array
+                if found in self.entries:
+                    return self.entries[found].line
         return 0
 
 
@@ -75,19 +78,32 @@ _Found = tuple[Path, int, int, int, int, bool]
 def _statements(text: str) -> Iterator[_Found]:
     """Walk table headers and ``key = value`` lines."""
     table: Path = ()
+    counts: dict[Path, int] = {}
     position = _blank(text, 1 if text.startswith("\ufeff") else 0)
     while position < len(text):
         if text[position] == "[":
-            start = position
-            table, _, position = _key(text, position + 1 + text.startswith("[[", position))
-            position = text.index("]", position) + 1
-            position += text.startswith("]", position)
+            start, one_of_many = position, text.startswith("[[", position)
+            name, _, position = _key(text, position + 1 + one_of_many)
+            position = text.index("]", position) + 1 + one_of_many
+            table = _numbered(name, counts, one_of_many)
             yield table, start, start, position, position, False
         else:
             found = list(_pair(text, position, table, inline=False))
             yield from found
             position = found[0][4]
         position = _blank(text, position)
+
+
+def _numbered(name: Path, counts: dict[Path, int], one_more: bool) -> Path:
+    """The name of a table with the number of the last table of each array that it is in; the
+    ``counts`` of these, by name, get the table if it is ``one_more`` of an array."""
+    table: Path = ()
+    for i, part in enumerate(name):
+        inside = (*table, part)
+        if one_more and i == len(name) - 1:
+            counts[inside] = counts.get(inside, 0) + 1
+        table = (*table, f"{part}[{counts[inside]}]" if inside in counts else part)
+    return table
 
 
 def _pair(text: str, position: int, table: Path, inline: bool) -> Iterator[_Found]:
