@@ -108,7 +108,10 @@ pos_x2 = { measures = "x2", unit = "m" }
 """
 
 
-@pytest.mark.parametrize("size", [3.0, pytest.param(24.0, marks=pytest.mark.thorough)])
+@pytest.mark.parametrize(
+    "size",
+    [pytest.param(3.0, marks=pytest.mark.slow), pytest.param(24.0, marks=pytest.mark.thorough)],
+)
 def test_masses_that_overtake_each_other_tell_no_physics(size: float) -> None:
     """Equations without lengths let two masses pass through each other; points cannot."""
 

@@ -150,6 +150,7 @@ def test_contenders_of_the_matching_find_the_planted_parameters(
     assert np.all(reach < 0.5 * trajectories.TRUE)
 
 
+@pytest.mark.slow
 def test_rows_of_matching_name_their_bars(study: Study) -> None:
     rows = study["trajectories"].rows((2000, 3000), 1)
     assert [r.bar for r in rows] == [3, 1.5]
@@ -157,6 +158,7 @@ def test_rows_of_matching_name_their_bars(study: Study) -> None:
 
 
 @pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+@pytest.mark.slow
 def test_contenders_of_the_compiled_path_give_the_same_numbers(
     study: Study,
 ) -> None:
@@ -183,6 +185,7 @@ def test_rows_of_simulation_name_their_bars(study: Study) -> None:
     assert all(np.isfinite(r.value) and r.value > 0 for r in rows)
 
 
+@pytest.mark.slow
 def test_rows_of_exact_friction_name_their_bars(study: Study) -> None:
     rows = study["sticking"].rows(2.0, 201, 1)
     assert [r.bar for r in rows] == [5.0, 1e-6, 1.0] * 2
@@ -334,6 +337,7 @@ def test_the_study_of_the_workers_has_as_many_tasks_as_wanted(study: Study, tmp_
     assert [one.study.noise.seed for one in tasks] == list(range(5))
 
 
+@pytest.mark.slow
 def test_the_day_of_the_arm_is_that_of_its_model_but_for_the_friction(
     study: Study, tmp_path: Path
 ) -> None:

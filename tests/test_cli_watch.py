@@ -67,6 +67,7 @@ def test_a_source_that_is_none_is_one_error(
     assert said in done.err
 
 
+@pytest.mark.slow
 def test_a_log_survives_a_kill(model: Path, tmp_path: Path) -> None:
     source, log = written(tmp_path / "rig.csv", STIFFNESS), tmp_path / "log.jsonl"
     watch = [sys.executable, "-m", "symhyb", "watch", str(model), str(source)]

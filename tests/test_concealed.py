@@ -219,8 +219,13 @@ def test_one_spring_is_compared_as_a_whole(study: Study) -> None:
     assert (row.name, row.structure, row.wrong) == (1, False, ())
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", [8, 10, 9])
+@pytest.mark.parametrize(
+    "seed",
+    [
+        *(pytest.param(seed, marks=pytest.mark.slow) for seed in (8, 10)),
+        pytest.param(9, marks=pytest.mark.thorough),
+    ],
+)
 def test_cases_are_diagnosed_and_scored(study: Study, tmp_path: Path, seed: int) -> None:
     """Drag of a sled, ripple of a rig, and a sled with nothing concealed."""
     scored = run(study, [seed], tmp_path, errors=True)

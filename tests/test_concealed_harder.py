@@ -119,7 +119,7 @@ def short(study: Study, monkeypatch: pytest.MonkeyPatch) -> None:
     [
         (9, "coloured"),
         pytest.param(5, "held", marks=pytest.mark.thorough),
-        pytest.param(3, "unmeasured", marks=pytest.mark.slow),
+        pytest.param(3, "unmeasured", marks=pytest.mark.thorough),
         (10, "unmeasured"),
     ],
 )
@@ -169,7 +169,7 @@ def test_no_input_of_the_rig_is_held(study: Study) -> None:
         assert study["harder"].harder(case).hardship["sort"] in ("coloured", "unmeasured")
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_incomplete_draws_are_kept_where_asked(study: Study, tmp_path: Path) -> None:
     """Seed 34 has no complete draw, seed 10 has one at once."""
     draw, plans = study["draw"], study["plans"]

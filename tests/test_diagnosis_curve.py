@@ -44,6 +44,7 @@ def test_beside_a_known_curve_what_is_missing_is_found() -> None:
     assert abs(cubic - 1500.0) < 4 * sd
 
 
+@pytest.mark.slow
 def test_with_the_curve_nothing_is_missing() -> None:
     run = driven(lambda x, v, z, f: (strut(v), 0.0), seed=4)
     assert sh.diagnose(knowing(), run).verdict == "nothing missing"

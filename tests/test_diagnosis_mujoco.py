@@ -28,7 +28,9 @@ def of_press(seed: int, end: float = 4.0, xml: str = PRESS) -> Recording:
     return recorded(xml, drive(seed, 3.0, -5.0, 12.0), NOISE["press"], end, seed)
 
 
-@pytest.mark.parametrize(("make", "run"), [(finger, of_finger), (press, of_press)])
+@pytest.mark.parametrize(
+    ("make", "run"), [pytest.param(finger, of_finger, marks=pytest.mark.slow), (press, of_press)]
+)
 def test_what_mujoco_recorded_lacks_nothing_and_windows_are_its_own(make, run, tmp_path) -> None:  # type: ignore[no-untyped-def]
     model, recording = make(tmp_path), run(1)
     found = compare(model, recording)

@@ -181,6 +181,7 @@ def test_an_unknown_own_name_is_one_clear_error(name: str) -> None:
         check_own(spring_model(), [name])
 
 
+@pytest.mark.slow
 def test_friction_that_begins_half_way_is_located_and_named() -> None:
     def law(t: float, x: float, v: float) -> float:
         return dry(1.0)(t, x, v) if t >= 6.2 else 0.0
@@ -200,7 +201,7 @@ def test_friction_that_begins_half_way_is_located_and_named() -> None:
     assert found.stability > 10 / 11
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_friction_that_changes_half_way_is_not_said_to_be_constant() -> None:
     def law(t: float, x: float, v: float) -> float:
         return dry(1.0 if t >= 5.0 else 0.5)(t, x, v)

@@ -82,8 +82,10 @@ def test_a_wrong_resistance_is_found_and_nothing_else(ammeter: bool) -> None:
     assert found.sd < 0.01
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("ammeter", [False, True])
+@pytest.mark.parametrize(
+    "ammeter",
+    [pytest.param(False, marks=pytest.mark.slow), pytest.param(True, marks=pytest.mark.thorough)],
+)
 def test_missing_friction_is_found_and_nothing_else(ammeter: bool) -> None:
     diagnosis = sh.diagnose(motor(ammeter=ammeter), recorded(ammeter, friction=0.004))
     assert diagnosis.verdict == "missing physics"
@@ -100,7 +102,7 @@ def test_nothing_is_missing(ammeter: bool) -> None:
     assert diagnosis.verdict == "nothing missing"
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_missing_back_emf_is_named_as_what_it_does_to_the_shaft() -> None:
     """L i' = u − R i lacks −k φ'. What is missing is the torque k i_2 of a current with
     L i_2' = −R i_2 − k φ': a Maxwell element of stiffness k²/L and damping k²/R."""

@@ -69,8 +69,13 @@ def recorded(seed: int) -> Recording:
     return Recording(f"run{seed}.csv", t, {"f": f}, {"place": x}, (), "")
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("sd", [", sd = 2", ""])
+@pytest.mark.parametrize(
+    "sd",
+    [
+        pytest.param(", sd = 2", marks=pytest.mark.thorough),
+        pytest.param("", marks=pytest.mark.slow),
+    ],
+)
 def test_a_damper_that_differs_by_direction_is_found_beside_the_one_of_the_model(sd: str) -> None:
     found = sh.diagnose(declared(sd), recorded(1), recorded(2))
     (one,) = found.found

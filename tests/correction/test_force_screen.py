@@ -114,7 +114,7 @@ def test_what_is_left_is_that_of_the_rows() -> None:
     assert found.left(best) == pytest.approx([left], rel=1e-6)
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_every_mass_and_loss_of_a_chain_is_seen_at_once() -> None:
     prepared = prepare(chain(), recorded())
     setting = settle(prepared)

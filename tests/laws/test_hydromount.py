@@ -79,7 +79,7 @@ def by_hand(square: float, play: float) -> Array:
     ("more", "square", "play"),
     [
         ({}, 0.0, 0.0),
-        ({"drag": "b_f"}, SQUARE, 0.0),
+        pytest.param({"drag": "b_f"}, SQUARE, 0.0, marks=pytest.mark.slow),
         ({"drag": "b_f", "clearance": "c_f"}, SQUARE, PLAY),
     ],
 )
@@ -91,6 +91,7 @@ def test_it_moves_as_scipy_says(more: dict[str, str], square: float, play: float
     assert run.z[:, 0] == pytest.approx(true[1], abs=2e-7)
 
 
+@pytest.mark.slow
 def test_the_exact_run_is_the_same() -> None:
     scenario = Scenario(T, np.array([0.01]), np.zeros(1), T, PUSH[:, None])
     run = simulate(build(mounted(drag="b_f")), scenario, exact=True)

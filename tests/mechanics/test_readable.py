@@ -21,7 +21,7 @@ from symhyb.model.types import Between, Element, Model, Network, On
 from symhyb.numeric.lowered.machine import Machine, build
 
 MODELS = sorted((Path(__file__).parents[2] / "models").glob("*.toml"))
-LARGE = {"six_joint_arm"}  # its numbers are put in for half a minute
+LARGE = {"bicycle", "six_joint_arm"}  # their numbers are put in for half a minute
 
 EVERY_KIND = """\
 symhyb = 1
@@ -221,7 +221,7 @@ def test_a_chain_of_twelve_links_is_short_and_fast() -> None:
     assert text.count("sin(") == 12  # each sine once
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_point_that_moves_by_a_long_product_is_no_trap() -> None:
     """Written out, the second derivative of 60 factors has 200 000 of them."""
     tens = ("*".join(f"(1+{i}*x/l)" for i in range(k, k + 10)) for k in range(1, 61, 10))

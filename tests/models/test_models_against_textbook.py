@@ -44,7 +44,10 @@ def test_every_shipped_model_is_verified() -> None:
     assert {path.stem for path in MODELS.glob("*.toml")} - others == set(NAMES) == set(WRITTEN)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(x, marks=pytest.mark.slow) if x == "triple_pendulum" else x for x in NAMES],
+)
 def test_equations_agree_with_lagranges_method_at_random_states(name: str) -> None:
     machine, book = machine_of(name), by_hand(name)
     s, p = random_states(machine, name, STATES), machine.values

@@ -37,15 +37,16 @@ def checks() -> FirstChecks:
     return first_checks(build(model), run, corrected=build(corrected))
 
 
-def test_the_page_says_each_check(checks: FirstChecks, case: tuple[Diagnosis, Verdict]) -> None:
-    page = render_page("rig", *case, first=checks)
+@pytest.mark.parametrize("name", ["undecided", "failed"])
+def test_the_page_says_each_check(checks: FirstChecks, cases: Cases, name: str) -> None:
+    page = render_page("rig", *cases[name](), first=checks)
     assert "First checks" in page
-    for name in ("sampling", "delays", "rest", "modes", "response", "energy"):
-        assert f"<dt>{name}</dt>" in page
+    for check in ("sampling", "delays", "rest", "modes", "response", "energy"):
+        assert f"<dt>{check}</dt>" in page
     assert "damping ratio 0" in page
     natural, ratio = np.sqrt(K / M) / (2 * np.pi), D / (2 * np.sqrt(K * M))
     assert f"{natural:.3f} Hz, damping ratio {ratio:.4f}" in page.replace("\u00a0", " ")
-    assert "First checks" not in render_page("rig", *case)
+    assert "First checks" not in render_page("rig", *cases[name]())
 
 
 def test_the_response_is_drawn_at_the_lines_of_the_drive(checks: FirstChecks) -> None:

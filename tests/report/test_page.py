@@ -4,10 +4,12 @@ import re
 from base64 import b64encode
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from hashlib import sha256
 from html.parser import HTMLParser
 
 import pytest
+from made_results import ALL_VERDICTS, CASES
 
 from symhyb.discrepancy.results import Diagnosis, Estimate, Verdict
 from symhyb.model.types import Between, Model, On
@@ -16,6 +18,7 @@ from symhyb.report.embed import library
 from symhyb.report.tables import place_units
 
 Cases = dict[str, Callable[[], tuple[Diagnosis, Verdict]]]
+PageOf = Callable[[str], tuple[str, "Page"]]
 VOID = frozenset({"meta", "img", "br", "input"})
 DIFFERENCE = "--- a.toml\n+++ b.toml\n [elements.motor]\n+[elements.found_drag]\n-k = 980\n"
 
@@ -60,10 +63,15 @@ def rendered(case: tuple[Diagnosis, Verdict], model: Model | None) -> tuple[str,
     return html, Page(html)
 
 
-def test_every_verdict_makes_a_page_that_needs_nothing_else(
-    case: tuple[Diagnosis, Verdict], model: Model
-) -> None:
-    html, page = rendered(case, model)
+@pytest.fixture(scope="module")
+def page_of(model: Model) -> PageOf:
+    """The page of each synthetic result, rendered once."""
+    return cache(lambda name: rendered(CASES[name](), model))
+
+
+@pytest.mark.parametrize("name", ALL_VERDICTS)
+def test_every_verdict_makes_a_page_that_needs_nothing_else(name: str, page_of: PageOf) -> None:
+    html, page = page_of(name)
     assert "link" not in page.seen
     assert not page.values("script", "src")
     html = html.replace(library(), "")  # which the policy keeps from all other places
@@ -75,8 +83,9 @@ def test_every_verdict_makes_a_page_that_needs_nothing_else(
     assert not page.values("a", "href")
 
 
-def test_every_verdict_is_accessible(case: tuple[Diagnosis, Verdict], model: Model) -> None:
-    _, page = rendered(case, model)
+@pytest.mark.parametrize("name", ALL_VERDICTS)
+def test_every_verdict_is_accessible(name: str, page_of: PageOf) -> None:
+    _, page = page_of(name)
     assert page.seen.count("h1") == 1
     assert all(len(alternative or "") > 20 for alternative in page.values("img", "alt"))
     assert len(page.values("img", "alt")) == page.seen.count("img")
@@ -84,8 +93,8 @@ def test_every_verdict_is_accessible(case: tuple[Diagnosis, Verdict], model: Mod
     assert set(page.values("th", "scope")) <= {"col"}
 
 
-def test_sentences_come_first_then_pictures_then_tables(cases: Cases, model: Model) -> None:
-    html, page = rendered(cases["missing"](), model)
+def test_sentences_come_first_then_pictures_then_tables(page_of: PageOf) -> None:
+    html, page = page_of("missing")
     order = [
         "Missing physics",
         "On q the model lacks",
@@ -111,8 +120,8 @@ def test_sentences_come_first_then_pictures_then_tables(cases: Cases, model: Mod
     assert html.index("<img") < html.index("<table")
 
 
-def test_values_are_given_with_deviation_and_unit(cases: Cases, model: Model) -> None:
-    _, page = rendered(cases["missing"](), model)
+def test_values_are_given_with_deviation_and_unit(page_of: PageOf) -> None:
+    _, page = page_of("missing")
     assert "20.41 ± 0.12 N" in page.text
     assert "203.4 ± 1.3 N·s/m" in page.text
     assert "0.0123 mm" in page.text  # noise in the unit of the sensor
@@ -120,22 +129,22 @@ def test_values_are_given_with_deviation_and_unit(cases: Cases, model: Model) ->
     assert "carry the verdict" in page.text
 
 
-def test_lines_of_the_difference_are_marked(cases: Cases, model: Model) -> None:
-    html, _ = rendered(cases["missing"](), model)
+def test_lines_of_the_difference_are_marked(page_of: PageOf) -> None:
+    html, _ = page_of("missing")
     assert '<span class="plus">+[elements.found_drag]</span>' in html
     assert '<span class="minus">-k = 980</span>' in html
     assert '<span class="place">--- a.toml</span>' in html
 
 
-def test_hostile_names_stay_text(cases: Cases, model: Model) -> None:
-    html, page = rendered(cases["hostile"](), model)
+def test_hostile_names_stay_text(page_of: PageOf) -> None:
+    html, page = page_of("hostile")
     assert "<script>alert" not in html
     assert page.seen.count("script") == 3
     assert "<script>alert('x')</script>" in page.text
 
 
-def test_nothing_runs_but_the_scripts_of_the_page(cases: Cases, model: Model) -> None:
-    html, page = rendered(cases["hostile"](), model)
+def test_nothing_runs_but_the_scripts_of_the_page(page_of: PageOf) -> None:
+    html, page = page_of("hostile")
     (policy,) = [one for one in page.values("meta", "content") if one and "default-src" in one]
     held = policy.split("script-src ")[1].split()
     bodies = re.findall(r"<script>(.*?)</script>", html, re.DOTALL)
@@ -153,23 +162,23 @@ def test_a_page_without_figures_over_time_has_no_script(cases: Cases, model: Mod
     assert "script-src &#39;none&#39;" in html
 
 
-def test_every_figure_over_time_is_there_without_scripts_too(cases: Cases, model: Model) -> None:
-    _, page = rendered(cases["missing"](), model)
+def test_every_figure_over_time_is_there_without_scripts_too(page_of: PageOf) -> None:
+    _, page = page_of("missing")
     kinds = page.values("figure", "class")
     assert kinds.count("still") == 2
     assert kinds.count("also") == 1
 
 
-def test_nothing_missing_makes_a_short_page(cases: Cases, model: Model) -> None:
-    _, page = rendered(cases["null"](), model)
+def test_nothing_missing_makes_a_short_page(page_of: PageOf) -> None:
+    _, page = page_of("null")
     assert "What was found" not in page.text
     assert "unexplained" not in page.text
     assert "No recording was held out" in page.text
     assert "Before is the model as given" not in page.text
 
 
-def test_failures_are_said(cases: Cases, model: Model) -> None:
-    _, page = rendered(cases["failed"](), model)
+def test_failures_are_said(page_of: PageOf) -> None:
+    _, page = page_of("failed")
     assert "It stopped at 12 s" in page.text
     assert "could not be computed" in page.text
     assert "in simulation.csv: 1 more measured signals" in page.text
@@ -206,15 +215,18 @@ def test_places_have_the_units_of_their_coordinate(
     assert (shown.stretch.text, shown.rate.text, shown.force.text) == units
 
 
-def test_a_force_of_time_alone_is_drawn_over_time_alone(cases: Cases, model: Model) -> None:
+def test_a_force_of_time_alone_is_drawn_over_time_alone(
+    cases: Cases, model: Model, page_of: PageOf
+) -> None:
     diagnosis, verdict = cases["missing"]()
-    _, page = rendered((diagnosis, verdict), model)
+    _, page = page_of("missing")
     assert "ΔF on q, over rate and stretch (DATA_EMPS.mat)" in page.text
     assert "The same over time" in page.text
     kinds = {"harmonic": False, "hysteresis": True}
     for kind, over_motion in kinds.items():
         effect = replace(diagnosis.found[0], element=replace(diagnosis.found[0].element, kind=kind))
-        _, page = rendered((replace(diagnosis, found=(effect,)), verdict), model)
+        bare = replace(verdict, traces=())
+        _, page = rendered((replace(diagnosis, found=(effect,)), bare), model)
         assert ("over rate and stretch (DATA_EMPS.mat)" in page.text) == over_motion
         assert ("ΔF on q, over time (DATA_EMPS.mat)" in page.text) != over_motion
     assert "a few cycles" not in page.text  # said in the picture, not beside it
@@ -229,6 +241,7 @@ def test_numbers_of_found_effects_are_in_units_that_people_say(cases: Cases, mod
     )
     element = replace(diagnosis.found[0].element, kind="harmonic")
     effect = replace(diagnosis.found[0], element=element, estimates=sine)
-    _, page = rendered((replace(diagnosis, found=(effect,)), verdict), model)
+    bare = replace(diagnosis, found=(effect,), clouds=())
+    _, page = rendered((bare, replace(verdict, traces=())), model)
     assert "3.700 ± 0.007 Hz" in page.text
     assert "0.60 ± 0.03 rad" in page.text

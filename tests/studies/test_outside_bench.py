@@ -174,6 +174,7 @@ def test_what_a_number_absorbs_is_not_beyond(study: Study) -> None:
     assert same < 0.01
 
 
+@pytest.mark.slow
 def test_a_case_is_sealed_and_drawn_again_alike(study: Study, tmp_path: Path) -> None:
     draw, kind = study["draw"], study["kinds"].KINDS["noise growing"]
     folder = draw.write(kind, 0, tmp_path)

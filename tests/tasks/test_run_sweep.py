@@ -65,7 +65,7 @@ def test_a_part_is_run_and_the_rest_later(folder: Path) -> None:
     assert len(performed(folder)) == 6
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_recording_that_changed_is_diagnosed_anew(folder: Path) -> None:
     run(folder, sweeps.quick)
     (folder / "r2.csv").write_text("another\n")
@@ -109,6 +109,7 @@ def test_a_full_disk_is_one_error_and_what_is_finished_stays(folder: Path) -> No
     assert run(folder, sweeps.quick, resume=True).failed == {}
 
 
+@pytest.mark.slow
 def test_of_two_runs_into_one_folder_the_second_is_refused(folder: Path) -> None:
     with (
         held(folder / "out"),

@@ -66,7 +66,7 @@ def test_a_force_that_is_no_product_and_no_sum_is_no_curve() -> None:
     assert instead_of_class(ground, found) is None
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_sharp_knee_has_as_many_points_as_it_needs() -> None:
     """Beside nothing the unknown force hides the knee: points are chosen along the curve's own
     motion."""

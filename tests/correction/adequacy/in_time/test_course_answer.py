@@ -117,7 +117,7 @@ def test_only_a_certain_class_says_what_changes() -> None:
     assert changes(still) is None
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_another_number_whose_course_explains_as_much_is_said() -> None:
     # two springs side by side are one: which of them changes no recording can show
     text = pushed_model().text.replace('stiffness = "k"', 'stiffness = "k1 + k2"')
