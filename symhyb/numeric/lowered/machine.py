@@ -368,4 +368,6 @@ def structure_of(model: Model) -> str:
         constraints_key(model),
         model.file if any(e.network for e in model.elements) else "",
     )
-    return repr(parts)
+    channels = (*model.inputs, *model.sensors)
+    shared = [(c.name, c.shared_delay.path) for c in channels if c.shared_delay is not None]
+    return repr(parts) + (repr(shared) if shared else "")

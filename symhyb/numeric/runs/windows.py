@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from symhyb.model.delays import delayed_by
 from symhyb.model.unsampled import require_unsampled
 from symhyb.numeric.kernels.actuators import Acted
 from symhyb.numeric.kernels.buffers import Array, held_at, held_mean
@@ -139,7 +140,7 @@ class WindowModel:
         require_unsampled(machine.model, "an estimation from recordings")
         self.machine, self.free = machine, free
         paths = [item.path for item in machine.model.all_parameters()]
-        moved = [paths[i].removesuffix(".delay") for i in free if paths[i].endswith(".delay")]
+        moved = [name for i in free for name in delayed_by(machine.model, paths[i])]
         shaping = shaping_paths(machine, free)
         self.form = state_form(machine, tuple(dict.fromkeys((*moved, *late))), shaping)
         self._smooth, self._held = bent_columns(machine.model.inputs)
