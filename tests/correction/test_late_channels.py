@@ -92,6 +92,11 @@ def test_an_alternative_stands_with_each_channel() -> None:
     assert [one.together for one in beside] == [1, 1, 1]
 
 
+def test_what_stands_instead_of_it_names_a_delay_that_a_file_can_state() -> None:
+    gain = Alternative("all inputs.delay", "gain", (), 2.0, channel="place")
+    assert channel_by_channel(MODEL, (gain,)) == (replace(gain, instead_of="f.delay"),)
+
+
 def test_the_cause_is_named_by_its_side() -> None:
     assert cause_phrase(CAUSES["all inputs.delay"]) == "one delay of all inputs"
     assert cause_phrase(CAUSES["f.delay"]) == "a delay in channel f"

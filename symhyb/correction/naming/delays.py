@@ -48,12 +48,15 @@ def shared_path(model: Model, channel: str) -> str:
 def channel_by_channel(
     model: Model, alternatives: Sequence[Alternative]
 ) -> tuple[Alternative, ...]:
-    """Alternatives in which a delay that channels share stands with each of them, together;
-    ``model`` has what they share."""
-    sides = {path.removesuffix(".delay"): names for path, names in shared_delays(model).items()}
+    """Alternatives in which a delay that channels share stands with each of them, together, and
+    what stands instead of it instead of that of the first; ``model`` has what they share."""
+    shared = shared_delays(model)
+    sides = {path.removesuffix(".delay"): names for path, names in shared.items()}
     number = max((one.together for one in alternatives), default=0)
     rows: list[Alternative] = []
     for one in alternatives:
+        if one.instead_of in shared:
+            one = replace(one, instead_of=f"{shared[one.instead_of][0]}.delay")
         names = sides.get(one.channel or "") if one.kind == "delay" else None
         if names is None:
             rows.append(one)
