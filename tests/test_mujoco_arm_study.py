@@ -9,6 +9,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 
+import symhyb as sh
 from symhyb.model.types import At, On
 from tests.scripts import scripts
 
@@ -124,6 +125,18 @@ def test_the_owner_says_that_torques_are_held(recordings: ModuleType, tmp_path: 
         assert delays == ({0.003} if name in ("play_delay", "play_stated") else {0.0})
 
 
+def assert_one_delay(diagnosis: sh.Diagnosis, *joints: str) -> None:
+    """All commands act 3 ms late, by one number, and nothing else is wrong with a channel."""
+    faults = diagnosis.measurement
+    assert [(one.channel, one.kind) for one in faults] == [
+        (f"{joint}_torque", "delay") for joint in joints
+    ]
+    assert {(one.value, one.together) for one in faults} == {(faults[0].value, 1)}
+    assert faults[0].value == pytest.approx(3e-3, abs=1e-5)
+    late = {one.channel for one in diagnosis.alternatives if one.kind == "delay"}
+    assert late >= {*joints}
+
+
 @pytest.mark.slow
 def test_a_rotor_and_the_delay_are_named(study: ModuleType, tmp_path: Path) -> None:
     answer = study.diagnosed(study.CASES["rotor"], tmp_path)
@@ -133,11 +146,7 @@ def test_a_rotor_and_the_delay_are_named(study: ModuleType, tmp_path: Path) -> N
     assert rotor.element.kind == "added_mass"
     assert rotor.element.place == On("elbow")
     assert rotor.mass.value == pytest.approx(0.03, rel=0.005)
-    assert {(one.channel, one.kind) for one in diagnosis.measurement} == {
-        (joint, "delay") for joint in ("base", "shoulder", "elbow")
-    }
-    for fault in diagnosis.measurement:
-        assert fault.value == pytest.approx(3e-3, abs=1e-5)
+    assert_one_delay(diagnosis, "base", "shoulder", "elbow")
     scores = answer.verdict.to_frame()
     runs = scores[scores.score == "free_run_rmse"]
     assert (runs.before > 1e-2).all()
@@ -152,9 +161,20 @@ def test_a_payload_and_the_delay_are_named(study: ModuleType, tmp_path: Path) ->
     assert (payload.element.kind, payload.element.place) == ("payload", At("hand"))
     assert payload.mass.value == pytest.approx(0.4, rel=0.005)
     assert payload.mass.sd < 0.002
-    delays = {one.channel: one.value for one in diagnosis.measurement if one.kind == "delay"}
-    assert delays == pytest.approx(dict.fromkeys(("base", "shoulder", "elbow"), 3e-3), abs=1e-5)
-    assert len(diagnosis.measurement) == 3
+    assert_one_delay(diagnosis, "base", "shoulder", "elbow")
+
+
+@pytest.mark.thorough
+def test_play_in_a_gear_is_named_beside_the_delay(study: ModuleType, tmp_path: Path) -> None:
+    """Without an sd of the file's stiffness, what is missing is a spring of the opposite sign."""
+    diagnosis = study.diagnosed(study.CASES["play"], tmp_path).diagnosis
+    assert diagnosis.verdict == "missing physics"
+    found = {one.element.kind: one for one in diagnosis.found}
+    assert {*found} == {"gap", "spring"}
+    assert {one.element.place for one in diagnosis.found} == {On("gear")}
+    assert found["gap"].clearance.value == pytest.approx(5e-3, rel=0.003)
+    assert found["spring"].stiffness.value == pytest.approx(-400, rel=0.005)
+    assert_one_delay(diagnosis, "shoulder", "elbow")
 
 
 @pytest.mark.thorough

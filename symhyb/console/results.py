@@ -14,7 +14,7 @@ from symhyb.discrepancy.results import Diagnosis, Found
 from symhyb.discrepancy.words.effects import amount_text
 from symhyb.discrepancy.words.wording import (
     grouped_alternatives,
-    measurement_phrase,
+    measurement_phrases,
     parameter_phrase,
     percent_text,
 )
@@ -96,7 +96,7 @@ def print_checks(checks: Sequence[Check]) -> None:
 def _effects(diagnosis: Diagnosis) -> Iterator[str]:
     yield from map(_effect, diagnosis.found)
     yield from map(parameter_phrase, diagnosis.parameters)
-    yield from map(measurement_phrase, diagnosis.measurement)
+    yield from measurement_phrases(diagnosis.measurement)
 
 
 def _effect(found: Found) -> str:

@@ -204,13 +204,15 @@ class Repeats:
 @dataclass(frozen=True, slots=True)
 class Measurement:
     """A fault of a channel: its gain, offset or delay, what its actuator does to an input, or the
-    time constant of a sensor that lags."""
+    time constant of a sensor that lags. Faults with the same number ``together``, above 0, are one
+    fault with one number, which these channels share."""
 
     channel: str
     kind: ChannelKind
     value: float
     sd: float
     unit: str
+    together: int = 0
 
     @property
     def called(self) -> tuple[str, ...]:

@@ -89,7 +89,8 @@ class Input:
     does before that (:mod:`symhyb.model.actuators`) are the ``actuator`` numbers, in their order.
 
     ``between`` says how it runs between its samples: a ``line``, ``smooth`` or ``held``; unset, a
-    recording shows whether it is smooth. ``local`` is a column of :mod:`symhyb.model.local`.
+    recording shows whether it is smooth. ``local`` is a column of :mod:`symhyb.model.local`. A
+    ``shared_delay`` (:mod:`symhyb.model.delays`), which is in no file, adds to the delay.
     """
 
     name: str
@@ -101,13 +102,15 @@ class Input:
     between: str = ""
     local: bool = False
     actuator: tuple[Parameter, ...] = ()
+    shared_delay: Parameter | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Sensor:
     """A recorded signal that measures: recorded(t) = gain·true(t − delay) + offset.
 
-    ``measures`` is an expression in all that moves or acts, ``sd`` that of its noise, in ``unit``.
+    ``measures`` is an expression in all that moves or acts, ``sd`` that of its noise, in ``unit``;
+    ``shared_delay`` as of an input.
     """
 
     name: str
@@ -118,6 +121,7 @@ class Sensor:
     gain: Parameter | None = None
     offset: Parameter | None = None
     delay: Parameter | None = None
+    shared_delay: Parameter | None = None
 
 
 Vector = tuple[Expression, ...]
@@ -345,7 +349,7 @@ class Model:
 
     def all_parameters(self) -> tuple[Parameter, ...]:
         """Every parameter in the order of the machine's vector p: the model's own, the elements',
-        then the numbers that inputs and sensors state."""
+        then the numbers that inputs and sensors state, then the delays that they share."""
         return tuple(self._parameters())
 
     def _parameters(self) -> Iterator[Parameter]:
@@ -355,6 +359,7 @@ class Model:
         channels: tuple[Input | Sensor, ...] = (*self.inputs, *self.sensors)
         for channel in channels:
             yield from numbers_of(channel)
+        yield from dict.fromkeys(filter(None, (channel.shared_delay for channel in channels)))
 
 
 _DECLARED = tuple(one.name for one in fields(Model) if one.default == ())  # what has names

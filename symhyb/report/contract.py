@@ -87,6 +87,7 @@ def to_json(diagnosis: Diagnosis, verdict: Verdict) -> DiagnosisDocument:
                 "value": _fitted(fault.value, f"{fault.kind} of {fault.channel}"),
                 "sd": _bounded(fault.sd),
                 "unit": fault.unit,
+                "together": fault.together,
             }
             for fault in diagnosis.measurement
         ],

@@ -125,13 +125,15 @@ class ParameterEntry(TypedDict):
 
 class MeasurementEntry(TypedDict):
     """A gain, offset or delay of a channel, a number of the actuator of an input, or the time
-    constant of a sensor that lags."""
+    constant of a sensor that lags. Those with the same number ``together``, above 0, are one
+    number, which these channels share."""
 
     channel: str
     kind: ChannelKind
     value: float
     sd: float
     unit: str
+    together: NotRequired[int]
 
 
 FaultKind = Literal["unit", "sign", "swap", "time", "clock"]

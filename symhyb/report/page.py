@@ -9,7 +9,7 @@ from symhyb.discrepancy.checks.first_checks import FirstChecks
 from symhyb.discrepancy.results import Diagnosis, Verdict
 from symhyb.discrepancy.words.wording import (
     grouped_alternatives,
-    measurement_phrase,
+    measurement_phrases,
     parameter_phrase,
 )
 from symhyb.model.types import Model
@@ -108,7 +108,7 @@ def template(name: str) -> Template:
 
 def _besides(diagnosis: Diagnosis) -> Iterable[str]:
     yield from map(parameter_phrase, diagnosis.parameters)
-    yield from map(measurement_phrase, diagnosis.measurement)
+    yield from measurement_phrases(diagnosis.measurement)
 
 
 def _omitted(diagnosis: Diagnosis, verdict: Verdict) -> list[str]:

@@ -56,6 +56,7 @@ from symhyb.judgement import (
     PROBABLE,
     SMALL,
 )
+from symhyb.model.delays import delayed_by
 from symhyb.model.types import Place
 from symhyb.numeric.kernels.buffers import Array
 
@@ -223,19 +224,21 @@ def _small_changes(final: Refined, ground: Recorded, least: Array) -> set[Hypoth
 def _staircases(ground: Recorded, base: Fitted, rows: Sequence[Row]) -> list[Fitted]:
     """The structure with staircases in place of delays of inputs that are as long as one: an input
     that is held for a while arrives half of that late on average."""
-    inputs = [f"{item.name}.delay" for item in ground.windows.machine.model.recorded_inputs]
+    model = ground.windows.machine.model
+    inputs = [item.name for item in model.recorded_inputs]
     longest = 0.5 * (LONGEST + 1) * ground.step_s
-    late = [
-        i
+    late = {
+        i: [inputs.index(name) for name in delayed_by(model, cause.path) if name in inputs]
         for i, cause in enumerate(base.causes)
-        if cause.path in inputs and 0 < base.p[base.machine.column(cause.path)] < longest
-    ]
+        if cause.kind == "delay" and 0 < base.p[base.machine.column(cause.path)] < longest
+    }
+    late = {i: which for i, which in late.items() if which}
     if not late:
         return []
     kept = [i for i in range(len(base.causes)) if i not in late]
     begin = [rows[i] for i in kept]
     start = likeliest(ground, [base.causes[i] for i in kept], begin)
-    held = held_input(around(ground, start), [inputs.index(base.causes[i].path) for i in late])
+    held = held_input(around(ground, start), sorted({i for which in late.values() for i in which}))
     return [_beside(ground, start, begin, held, range(len(kept)))]
 
 

@@ -12,7 +12,7 @@ from symhyb.correction.advice.bounds import Bounds
 from symhyb.correction.advice.offers import factor_of, peaks, rest_of, resting, rounded
 from symhyb.correction.advice.signals import signal_of
 from symhyb.correction.search.preparing import Prepared
-from symhyb.correction.search.trajectory import Refined
+from symhyb.correction.search.trajectory import Refined, delayed
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.motion import Motion
 from symhyb.discrepancy.recorded.windows import turning
@@ -107,7 +107,7 @@ def _simulated(
 ) -> tuple[Array, Array]:
     """States (N, X) and outputs (N, m) of one long run; finer near reversals where a law is
     steep."""
-    late = tuple(c.path.removesuffix(".delay") for c in truth.causes if c.kind == "delay")
+    late = delayed(truth)
     model = WindowModel(truth.machine, tuple(map(truth.machine.column, truth.paths)), late)
     run = prepared.runs[0]
     sharp = steep(truth.machine.model)

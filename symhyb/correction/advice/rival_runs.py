@@ -14,7 +14,7 @@ from symhyb.correction.naming.findings import cause_phrase, rivals_of
 from symhyb.correction.naming.probability import shares
 from symhyb.correction.search.decision import Decision
 from symhyb.correction.search.setting import Setting
-from symhyb.correction.search.trajectory import Refined
+from symhyb.correction.search.trajectory import Refined, delayed
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.discrepancy.results import RivalRun
@@ -87,7 +87,7 @@ def simulated(trial: Refined, which: int, item: Cut) -> tuple[Array, NDArray[np.
     fitted to (N, m), SI, and in which window of ``item`` (N, m): each begins at its fitted initial
     state. NaN and −1 outside of the windows; not finite where one runs away."""
     recording = item.source[0]
-    late = tuple(c.path.removesuffix(".delay") for c in trial.causes if c.kind == "delay")
+    late = delayed(trial)
     model, p = WindowModel(trial.machine, late=late), trial.of(recording)
     item = item.suited(trial.machine).in_time(model, p)
     with np.errstate(all="ignore"):

@@ -14,6 +14,7 @@ from symhyb.correction.naming.curve_points import (
     curve_values,
     value_estimates,
 )
+from symhyb.correction.naming.delays import late_channels
 from symhyb.correction.naming.probability import probabilities
 from symhyb.correction.naming.textbook import critical_share
 from symhyb.correction.search.conventions import Exchange, exchange
@@ -256,13 +257,13 @@ def channel_faults(final: Refined, doubt: Collection[Hypothesis] = ()) -> tuple[
     declared = {item.path: item for item in final.machine.model.all_parameters()}
     rows = []
     for cause in final.causes:
-        if cause.kind in CHANNEL_KINDS and cause not in doubt:
+        if cause.kind in CHANNEL_KINDS and cause.kind != "delay" and cause not in doubt:
             item = declared[cause.path]
             value, sd = (number / item.unit.factor for number in final.value(cause.path))
             kind = CHANNEL_KINDS[cause.kind]
             for name in late_sensors(cause) or (item.owner,):
                 rows.append(Measurement(name, kind, value, sd, item.unit.text))
-    return tuple(rows)
+    return (*rows, *late_channels(final, doubt))
 
 
 def cause_phrase(cause: Hypothesis) -> str:
@@ -276,6 +277,8 @@ def cause_phrase(cause: Hypothesis) -> str:
         return said
     if cause.kind == "parameter":
         return alternative_phrase(replace(plain, parameter=cause.path))
+    if cause.kind == "delay" and cause.options:
+        return f"one delay of {cause.path.removesuffix('.delay')}"
     if cause.kind == SENSOR_LAG:
         return alternative_phrase(replace(plain, channel=joined(late_sensors(cause))))
     return alternative_phrase(replace(plain, channel=cause.path.split(".")[0]))

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from symhyb.correction.naming.delays import shared_path
 from symhyb.correction.naming.findings import Named, element_names
 from symhyb.correction.search.trajectory import Refined, late_sensors
 from symhyb.discrepancy.posterior import Posterior
@@ -61,6 +62,7 @@ def _claimed(
         name = f"{m.channel}.{m.kind}"
         late = (cause.path for cause in final.causes if m.channel in late_sensors(cause))
         path = next(late, "") if m.kind == SENSOR_LAG else name
+        path = shared_path(final.machine.model, m.channel) if m.together else path
         yield name, path, m.value, m.sd, m.unit, name
 
 

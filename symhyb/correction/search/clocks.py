@@ -69,7 +69,8 @@ def drifting(setting: Setting, again: Again) -> RecordingFault | None:
     ``again`` prepares the recordings anew with clocks put right.
     """
     stage = _stage(setting)
-    names = [c.path.removesuffix(".delay") for c in setting.parametric if c.kind == "delay"]
+    every = setting.parametric
+    names = [every[i].path.removesuffix(".delay") for i in _own_delays(setting)]
     first = _fits(setting, stage)
     if not first:
         return None
@@ -119,11 +120,17 @@ def _staged(setting: Setting) -> tuple[Setting, Stage]:
 
 def _fits(setting: Setting, stage: Stage) -> list[_Fit]:
     """The drift of every channel, fitted by itself; none where too few windows show one."""
-    delays = [i for i, cause in enumerate(setting.parametric) if cause.kind == "delay"]
+    delays = _own_delays(setting)
     grams, held, times, count = _windows(setting, stage, delays)
     if times.size < WINDOWS_LEAST or not held.any() or not np.isfinite(grams).all():
         return []
     return [_fitted(grams[:, [[i], [-1]], [i, -1]], held, times, count) for i in range(len(delays))]
+
+
+def _own_delays(setting: Setting) -> list[int]:
+    """The delays of channels by themselves, by their place among the parametric causes."""
+    every = enumerate(setting.parametric)
+    return [i for i, cause in every if cause.kind == "delay" and not cause.options]
 
 
 def _fitted(grams: Array, held: NDArray[np.bool_], times: Array, count: NDArray[np.int64]) -> _Fit:

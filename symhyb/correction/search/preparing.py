@@ -41,6 +41,7 @@ from symhyb.discrepancy.results import RecordingFault
 from symhyb.errors import InputError, Problem
 from symhyb.judgement import ACCURACY, GROWN, LARGE, NEGLIGIBLE, WINDOWS_LEAST
 from symhyb.laws.reach import Reach
+from symhyb.model.delays import with_shared_delays
 from symhyb.model.types import Model, On, Place
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.lowered.machine import Machine, build
@@ -97,7 +98,7 @@ def prepare(
     require_groups(recordings, holdout, by_name(own))
     recordings, holdout = cleaned(recordings, model), cleaned(holdout, model)
     model, (recordings, holdout) = along_recordings(model, recordings, holdout)
-    extended = with_channels(as_sampled(model, recordings))
+    extended = _extended(as_sampled(model, recordings), recordings)
     machine = build(extended)
     first = [Run(r, motion_of(r, machine), np.empty(0)) for r in recordings]
     repair = suspect(machine, first)
@@ -125,6 +126,12 @@ def prepare(
     windows = WindowModel(machine)
     train, unseen = (with_noise(group, sd, windows) for group in (runs, proofs))
     return Prepared(extended, machine, train, unseen, sd, shortest, faults, repeats)
+
+
+def _extended(model: Model, recordings: Sequence[Recording]) -> Model:
+    """The model with all numbers of channels that may be fitted to these recordings."""
+    shown = {name for recording in recordings for name in recording.sensors}
+    return with_shared_delays(with_channels(model), shown)
 
 
 def _recorded(runs: Sequence[Run]) -> NDArray[np.bool_]:

@@ -20,6 +20,7 @@ from symhyb.discrepancy.recorded.windows import Cut
 from symhyb.judgement import GAIN_REACH
 from symhyb.laws import LAWS
 from symhyb.model.actuators import ACTUATOR_KEYS, SENSOR_LAG, usual_unit
+from symhyb.model.delays import delayed_by
 from symhyb.model.late import with_lag
 from symhyb.model.types import Element, Input, Model, Parameter
 from symhyb.numeric.kernels.buffers import Array
@@ -166,6 +167,13 @@ def with_causes(
 def late_sensors(cause: Hypothesis) -> tuple[str, ...]:
     """The sensors that lag by the one time constant of a cause."""
     return tuple(name for key, name in cause.options if key == "sensor")
+
+
+def delayed(trial: "_Numbered") -> tuple[str, ...]:
+    """The channels whose delays a structure has, each by itself or with others."""
+    paths = [cause.path for cause in trial.causes if cause.kind == "delay"]
+    model = trial.machine.model
+    return tuple(dict.fromkeys(name for path in paths for name in delayed_by(model, path)))
 
 
 def _with_actuator(item: Input, causes: Sequence[Hypothesis]) -> Input:

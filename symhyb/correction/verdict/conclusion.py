@@ -15,6 +15,7 @@ from symhyb.correction.naming.actuator_rivals import (
     named_on_the_way,
 )
 from symhyb.correction.naming.classes import class_found, classes_said
+from symhyb.correction.naming.delays import channel_by_channel
 from symhyb.correction.naming.findings import (
     Named,
     alternatives_of,
@@ -91,8 +92,9 @@ def concluded(
         *added_alternatives(model, known.completed),
         *alternatives_of(model, decision, titles, known.doubt),
     )
+    alternatives = channel_by_channel(final.machine.model, alternatives)
     group = 1 + max((one.together for one in alternatives), default=0)
-    alternatives += late_on_the_other_side(model, faults, group)
+    alternatives += late_on_the_other_side(model, faults, group, alternatives)
     alternatives = (*actuator_rivals(choice.behind, group + 1), *alternatives)
     acts = any(fault.kind in ACTUATOR_KEYS for fault in faults)
     verdict = _verdict(known, judged, bool(found) or acts, bool(faults), bool(parameters))

@@ -9,7 +9,7 @@ from symhyb.correction.naming.findings import Named
 from symhyb.correction.search.preparing import Prepared
 from symhyb.correction.search.selection import many
 from symhyb.correction.search.setting import Setting, Stage
-from symhyb.correction.search.trajectory import Refined, grouped, own_values, refine
+from symhyb.correction.search.trajectory import Refined, delayed, grouped, own_values, refine
 from symhyb.deadline import OutOfTimeError, within
 from symhyb.discrepancy.fitting.matching import TRIAL_DECREASE, TRIAL_ITERATIONS, fit
 from symhyb.discrepancy.fitting.task import Task, starts_only
@@ -98,7 +98,7 @@ def _unseen(prepared: Prepared, stage: Stage, trial: Refined) -> _Unseen:
     cuts = tuple(item.suited(trial.machine) for item in cuts)
     if not cuts:
         return _Unseen(float("nan"), float("nan"), float("nan"))
-    late = tuple(c.path.removesuffix(".delay") for c in trial.causes if c.kind == "delay")
+    late = delayed(trial)
     model = WindowModel(trial.machine, late=late)
     residual, measured, cost, count = [], [], 0.0, 0.0
     any_held = any(item.held.any() for item in cuts)

@@ -24,7 +24,7 @@ from symhyb.discrepancy.words.wording import (
     capital,
     effect_phrase,
     joined,
-    measurement_phrase,
+    measurement_phrases,
     number_text,
     parameter_phrase,
     percent_text,
@@ -106,7 +106,7 @@ def withdrawn(diagnosis: Diagnosis, reason: str, best: str = "what fits best") -
         for item in diagnosis.found
     ]
     named += map(parameter_phrase, diagnosis.parameters)
-    named += [measurement_phrase(fault) for fault in diagnosis.measurement if fault.sd > 0]
+    named += measurement_phrases([fault for fault in diagnosis.measurement if fault.sd > 0])
     fitting = f" ({best}: {joined(named)})" if named else ""
     return replace(
         diagnosis,

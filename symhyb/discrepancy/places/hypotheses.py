@@ -11,7 +11,7 @@ which laws are tried where, and in what shapes, is said by
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from math import inf, isfinite
 from typing import TypeVar
 
@@ -24,6 +24,7 @@ from symhyb.discrepancy.words.formula import LAW, law_element, law_unit
 from symhyb.laws.base import Key, Terms
 from symhyb.laws.cardinal import parts_of
 from symhyb.laws.curve import factor_name, value_name
+from symhyb.model.delays import channels_of, shared_delays
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import (
     Between,
@@ -266,8 +267,8 @@ def families_of(causes: Iterable[Hypothesis]) -> frozenset[tuple[object, int]]:
 
 
 def parametric_hypotheses(model: Model) -> tuple[Hypothesis, ...]:
-    """Parameters and numbers of actuators that state an ``sd``, and gain, offset and delay of every
-    channel.
+    """Parameters and numbers of actuators that state an ``sd``, gain, offset and delay of every
+    channel, and delays that channels share.
 
     ``model`` must come from :func:`with_channels`.
     """
@@ -279,11 +280,13 @@ def parametric_hypotheses(model: Model) -> tuple[Hypothesis, ...]:
     for number in (number for item in model.recorded_inputs for number in item.actuator):
         if number.sd is not None:
             found.append(Hypothesis(number.name, None, ("value",), (True,), path=number.path))
-    channels: tuple[Input | Sensor, ...] = (*model.recorded_inputs, *model.sensors)
-    for channel in channels:
+    for channel in channels_of(model):
         for kind in ("gain", "offset", "delay"):
             path = f"{channel.name}.{kind}"
             found.append(Hypothesis(kind, None, ("value",), (False,), path=path))
+    for path, late in shared_delays(model).items():
+        words = tuple(("late", name) for name in late)
+        found.append(Hypothesis("delay", None, ("value",), (False,), path=path, options=words))
     return tuple(found)
 
 
@@ -305,13 +308,10 @@ Channel = TypeVar("Channel", Input, Sensor)
 
 
 def _stated(channel: Channel) -> Channel:
-    gain = channel.gain or Parameter("gain", 1.0, ONE, about=ASSUMED, owner=channel.name)
-    offset = channel.offset or Parameter(
-        "offset", 0.0, channel.unit, about=ASSUMED, owner=channel.name
-    )
-    late = channel.delay or Parameter(
-        "delay", 0.0, parse_unit("s"), about=ASSUMED, owner=channel.name
-    )
+    none = partial(Parameter, about=ASSUMED, owner=channel.name)
+    gain = channel.gain or none("gain", 1.0, ONE)
+    offset = channel.offset or none("offset", 0.0, channel.unit)
+    late = channel.delay or none("delay", 0.0, parse_unit("s"))
     return replace(channel, gain=gain, offset=offset, delay=late)
 
 

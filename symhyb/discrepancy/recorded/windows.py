@@ -24,7 +24,7 @@ from symhyb.model.types import Input
 from symhyb.model.vocabulary import KINDS
 from symhyb.numeric.kernels.buffers import Array
 from symhyb.numeric.kernels.vector import along
-from symhyb.numeric.lowered.dynamics import state_form
+from symhyb.numeric.lowered.dynamics import delay_of, state_form
 from symhyb.numeric.lowered.known import with_known
 from symhyb.numeric.lowered.machine import Machine
 from symhyb.numeric.runs.between import bent_columns, finer
@@ -150,7 +150,7 @@ class Cut:
         for j, sensor in enumerate(sensors):
             if sensor.name in model.form.late:
                 stated = sensor.delay.si if sensor.delay else 0.0
-                delay = float(p[model.machine.column(f"{sensor.name}.delay")])
+                delay = delay_of(model.machine, sensor, p)
                 shifts[j] = round((delay - stated) / step)
         late = tuple((shifts * step).tolist()) if shifts.any() else ()
         if late == self.block.late:

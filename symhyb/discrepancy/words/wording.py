@@ -96,6 +96,20 @@ def parameter_phrase(parameter: Reestimated) -> str:
     return f"{parameter.name} = {value} (the model said {_given(parameter.was, parameter.unit)})"
 
 
+def measurement_phrases(faults: Sequence[Measurement]) -> list[str]:
+    """Say faults of channels, one that several share once: ``x and y arrive 12 ms late, all by one
+    delay``."""
+    said: list[str] = []
+    for fault in faults:
+        sharing = [one for one in faults if fault.together and one.together == fault.together]
+        if len(sharing) < 2:
+            said.append(measurement_phrase(fault))
+        elif fault is sharing[0]:
+            names = joined([one.channel for one in sharing])
+            said.append(f"{names} arrive {_late(fault)}, all by one delay")
+    return said
+
+
 def measurement_phrase(fault: Measurement) -> str:
     """Say a fault of a channel: ``laser has an offset of 2.1 ± 0.3 mm``, ``f arrives 12 ms late``,
     and what an actuator does: ``f saturates at 2.1 ± 0.1 N``.
@@ -111,13 +125,16 @@ def measurement_phrase(fault: Measurement) -> str:
         hold = small_text(fault.value, fault.unit, digits=3)
         return f"{fault.channel} is held between its recorded values, for {hold} each"
     if fault.kind == "delay":
-        late = "early" if fault.value < 0.0 else "late"
-        return (
-            f"{fault.channel} arrives {small_text(abs(fault.value), fault.unit, fault.sd)} {late}"
-        )
+        return f"{fault.channel} arrives {_late(fault)}"
     article = "an" if fault.kind == "offset" else "a"
     amount = quantity_text(fault.value, fault.unit, fault.sd)
     return f"{fault.channel} has {article} {fault.kind} of {amount}"
+
+
+def _late(fault: Measurement) -> str:
+    """By how much a channel is late, or early."""
+    late = "early" if fault.value < 0.0 else "late"
+    return f"{small_text(abs(fault.value), fault.unit, fault.sd)} {late}"
 
 
 def _acts(fault: Measurement) -> str:
@@ -165,8 +182,8 @@ def verdict_sentence(
 ) -> str:
     """Say the verdict with what it rests on; what else was found follows in a second sentence. That
     the physics holds is said only where nothing acts ``beyond`` what is named."""
-    acts = [measurement_phrase(one) for one in measurement if one.kind in ACTUATOR_KEYS]
-    wrong = [measurement_phrase(one) for one in measurement if one.kind not in ACTUATOR_KEYS]
+    acts = measurement_phrases([one for one in measurement if one.kind in ACTUATOR_KEYS])
+    wrong = measurement_phrases([one for one in measurement if one.kind not in ACTUATOR_KEYS])
     channels = joined(wrong)
     values = joined([parameter_phrase(parameter) for parameter in parameters])
     match verdict:

@@ -25,6 +25,7 @@ from functools import lru_cache
 import casadi as ca
 import numpy as np
 
+from symhyb.model.delays import delay_paths
 from symhyb.model.types import Input, Sensor
 from symhyb.numeric.kernels.actuators import Acted
 from symhyb.numeric.kernels.buffers import Array, held_at, resampled
@@ -143,7 +144,7 @@ class StateForm:
         it is differentiated, else the one that the model states."""
         item = self.machine.model.inputs[i]
         if item.name in self.late:
-            return float(p[self.machine.column(f"{item.name}.delay")])
+            return delay_of(self.machine, item, p)
         return item.delay.si if item.delay else 0.0
 
     def unpack(self, x: ca.SX, d: ca.SX, p: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX, ca.SX]:
@@ -160,7 +161,7 @@ class StateForm:
             column, at = self.machine.column(path), self.first_slope + j
             off = p[column] - d[at + len(self.shaping)]
             acts[self._owner(path)] += off * d[at]
-        u = ca.vertcat(*(self._late(i.name, acts[j], d, p, j) for j, i in self._channels(0)))
+        u = ca.vertcat(*(self._late(i, acts[j], d, p, j) for j, i in self._channels(0)))
         return q, v, x[2 * f :, 0], u if k else d[:0, 0], d[k + 2 * g : k + 3 * g, 0]
 
     def _owner(self, path: str) -> int:
@@ -173,17 +174,18 @@ class StateForm:
         channels: tuple[Input | Sensor, ...] = (model.inputs, model.sensors)[which]
         return list(enumerate(channels))
 
-    def _late(self, name: str, value: ca.SX, d: ca.SX, p: ca.SX, i: int) -> ca.SX:
+    def _late(self, item: Input | Sensor, value: ca.SX, d: ca.SX, p: ca.SX, i: int) -> ca.SX:
         """An input as it acts under its delay."""
-        if name not in self.late:
+        if item.name not in self.late:
             return value
         first = self.inputs + 3 * len(self.given)
-        return value - self._lag(name, d, p, i) * d[first + i]
+        return value - self._lag(item, d, p, i) * d[first + i]
 
-    def _lag(self, name: str, d: ca.SX, p: ca.SX, i: int) -> ca.SX:
+    def _lag(self, item: Input | Sensor, d: ca.SX, p: ca.SX, i: int) -> ca.SX:
         """The delay of a channel beyond what its signal was cleared of; sensors follow inputs."""
         first = 2 * self.inputs + 3 * len(self.given)
-        return p[self.machine.column(f"{name}.delay")] - d[first + i]
+        own = [p[self.machine.column(path)] for path in delay_paths(item)]
+        return sum(own[1:], own[0]) - d[first + i]
 
     @property
     def key(self) -> tuple[object, ...]:
@@ -215,7 +217,7 @@ class StateForm:
         y = self.machine.sensed(q, v, a, z, u, t, p, w)
         for j, sensor in self._channels(1):
             if sensor.name in self.late:
-                lag = self._lag(sensor.name, d, p, self.inputs + j)
+                lag = self._lag(sensor, d, p, self.inputs + j)
                 slope = d[self.inputs + 3 * len(self.given) :][: self.inputs]
                 u_half, u_then = (u - h * slope if self.inputs else u for h in (lag / 2, lag))
                 q_half, v_half = q - lag / 2 * v + lag**2 / 8 * a, v - lag / 2 * a
@@ -264,6 +266,11 @@ class StateForm:
         q[..., list(self.given)] = d[..., k : k + g]
         v[..., list(self.given)] = d[..., k + g : k + 2 * g]
         return q, v
+
+
+def delay_of(machine: Machine, channel: Input | Sensor, p: Array) -> float:
+    """The delay of a channel under the parameters ``p`` (P,), SI: its own and what it shares, s."""
+    return float(sum(p[machine.column(path)] for path in delay_paths(channel)))
 
 
 @lru_cache(maxsize=16)

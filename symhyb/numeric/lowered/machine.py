@@ -14,6 +14,7 @@ import numpy as np
 
 from symhyb.asked import asked
 from symhyb.model.closed import require_open
+from symhyb.model.delays import shared_delays
 from symhyb.model.switching import frictions
 from symhyb.model.types import Model
 from symhyb.numeric.kernels.buffers import Array
@@ -368,4 +369,5 @@ def structure_of(model: Model) -> str:
         constraints_key(model),
         model.file if any(e.network for e in model.elements) else "",
     )
-    return repr(parts)
+    shared = shared_delays(model)
+    return repr(parts) + (repr(shared) if shared else "")

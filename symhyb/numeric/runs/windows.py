@@ -12,9 +12,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from symhyb.model.delays import delayed_by
 from symhyb.model.unsampled import require_unsampled
 from symhyb.numeric.kernels.actuators import Acted
-from symhyb.numeric.kernels.buffers import Array, held_at, held_mean
+from symhyb.numeric.kernels.buffers import Array, held_line
 from symhyb.numeric.kernels.memory import kept
 from symhyb.numeric.kernels.sweeps import joined, responses
 from symhyb.numeric.kernels.vector import along
@@ -139,7 +140,7 @@ class WindowModel:
         require_unsampled(machine.model, "an estimation from recordings")
         self.machine, self.free = machine, free
         paths = [item.path for item in machine.model.all_parameters()]
-        moved = [paths[i].removesuffix(".delay") for i in free if paths[i].endswith(".delay")]
+        moved = [name for i in free for name in delayed_by(machine.model, paths[i])]
         shaping = shaping_paths(machine, free)
         self.form = state_form(machine, tuple(dict.fromkeys((*moved, *late))), shaping)
         self._smooth, self._held = bent_columns(machine.model.inputs)
@@ -339,18 +340,17 @@ class WindowModel:
         acted: Mapping[int, Acted],
     ) -> None:
         """Put inputs that hold each sample until the next, under a delay, into drives (S, …) at the
-        begin and the end of steps at ``t`` (S,) of length ``h`` (S,): their mean over the step,
-        whose impulse is exact, and its slope by time."""
+        begin and the end of steps at ``t`` (S,) of length ``h`` (S,): a line over the step, whose
+        impulse and first moment are exact, and its slopes by time."""
         times, values = block.record
         first = self.form.inputs + 3 * len(self.form.given)  # of the slopes
         for i in self._held if times.size else ():
             lag, signal = self.form.cleared(i, p), acted[i].u if i in acted else values[:, i]
-            begin, end = t - lag, t + h - lag
+            sides, slopes = held_line(times, signal, t - lag, t + h - lag)
             if lag:
-                d0[:, i] = d1[:, i] = held_mean(times, signal, begin, end)
+                d0[:, i], d1[:, i] = sides
             if self.form.late:
-                change = held_at(times, signal, end) - held_at(times, signal, begin)
-                d0[:, first + i] = d1[:, first + i] = change / h
+                d0[:, first + i], d1[:, first + i] = slopes
 
     def _nothing(self, windows: int, steps: int, what: str) -> list[Array]:
         columns = {"plain": [], "fit": [len(self.free)], "screen": [len(self.free)]}[what]
