@@ -3,6 +3,7 @@
 Heavy modules are imported inside the verb that needs them, so that help answers at once.
 """
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -44,6 +45,14 @@ Structure = Annotated[
         " of the likeliest.",
     ),
 ]
+Together = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="NAME=NUMBERS",
+        help="A cause that scales several numbers, as friction=c,F: units are compared by one"
+        " factor in their place. Repeat it.",
+    ),
+]
 
 
 def fleet(
@@ -52,6 +61,7 @@ def fleet(
     over: Over = None,
     among: Among = None,
     structure: Structure = "",
+    together: Together = None,
     csv: Annotated[
         Path | None,
         typer.Option(
@@ -86,7 +96,8 @@ def fleet(
     for file in (csv, picture):
         require_new(file, force)
     outcomes = read_outcomes(directory)
-    found = fleet_of(outcomes, unit, listed(over), listed(among), structure)
+    causes = _causes(together)
+    found = fleet_of(outcomes, unit, listed(over), listed(among), structure, causes)
     if csv is not None:
         write_units(found, csv)
     if picture is not None:
@@ -104,6 +115,7 @@ def next_(
     over: Over = None,
     among: Among = None,
     structure: Structure = "",
+    together: Together = None,
     most: Annotated[int, typer.Option(metavar="N", min=1, help="List so many at most.")] = 20,
     as_json: Json = False,
 ) -> None:
@@ -124,8 +136,28 @@ def next_(
     from symhyb.tasks.outcome import read_outcomes
 
     outcomes = read_outcomes(directory)
-    found = worth_looking(outcomes, unit, listed(over), listed(among), structure)
+    causes = _causes(together)
+    found = worth_looking(outcomes, unit, listed(over), listed(among), structure, causes)
     if as_json:
         print_json([asdict(one) for one in found[:most]])
         return
     print_next(found, most)
+
+
+def _causes(options: Sequence[str] | None) -> dict[str, tuple[str, ...]]:
+    """The numbers of each cause.
+
+    Raises:
+        InputError: one without a name or twice.
+    """
+    from symhyb.errors import InputError, Problem
+
+    found: dict[str, tuple[str, ...]] = {}
+    for text in options or ():
+        name, equals, numbers = (part.strip() for part in text.partition("="))
+        if not (name and equals):
+            raise InputError(Problem(f"'{text}' must be NAME=NUMBERS", "--together"))
+        if name in found:
+            raise InputError(Problem("is stated twice", f"--together {name}"))
+        found[name] = listed([numbers])
+    return found

@@ -51,6 +51,23 @@ def test_what_to_look_at_next(symhyb: Call, folder: Path) -> None:
     assert (one["why"], one["unit"]) == ("numbers", "r8.csv")
 
 
+def test_causes_are_compared_by_one_factor(symhyb: Call, folder: Path) -> None:
+    done = symhyb("fleet", "out", "--together", "loss=d,laser.gain")
+    assert done.status == 1, done.err
+    assert "note: loss is one factor on d and laser.gain" in done.out
+    for option, said in (
+        ("loss", "must be NAME=NUMBERS"),
+        ("loss=d", "needs two numbers or more"),
+        ("loss=d,gain", "'gain' was not fitted"),
+    ):
+        for verb in ("fleet", "next"):
+            done = symhyb(verb, "out", "--together", option)
+            assert (done.status, done.out) == (2, "")
+            assert said in done.err
+    twice = symhyb("fleet", "out", "--together", "a=k,d", "--together", "a=k,d")
+    assert "--together a: is stated twice" in twice.err
+
+
 def test_what_is_wrong_is_said(symhyb: Call, folder: Path, tmp_path: Path) -> None:
     done = symhyb("fleet", "out", "--over", "warn")
     assert (done.status, done.out) == (2, "")

@@ -16,6 +16,7 @@ from symhyb.fleet.members import Member, members_of
 from symhyb.fleet.population import Array, Population, Unit
 from symhyb.fleet.rungs import Weighed, with_structure
 from symhyb.fleet.scales import factors_of, units_in
+from symhyb.fleet.together import Together, scaled_together
 from symhyb.fleet.trends import OwnTrend, own_trends
 from symhyb.judgement import FEWEST, SMALL
 from symhyb.tasks.outcome import FAILED, NOT_RUN, Outcomes
@@ -130,7 +131,8 @@ class Fleet:
     ``conditions`` (C) and their ``centre`` (C,); how many tasks ``failed`` or were ``not_run``;
     ``tested`` is whether there are enough units to say which of them deviate. Where tasks compared
     ``structures`` the numbers are those of one ``structure``; units are compared with those that
-    have the same values of the groupings ``among``."""
+    have the same values of the groupings ``among``. ``together`` are causes by their
+    names, each with the numbers in the place of which one factor stands."""
 
     title: str
     numbers: tuple[Common, ...]
@@ -143,6 +145,7 @@ class Fleet:
     structures: tuple[Weighed, ...] = ()
     structure: str = ""
     among: tuple[str, ...] = ()
+    together: tuple[tuple[str, tuple[str, ...]], ...] = ()
 
     @property
     def deviating(self) -> tuple[Own, ...]:
@@ -157,12 +160,14 @@ def fleet_of(
     conditions: Sequence[str] = (),
     among: Sequence[str] = (),
     structure: str = "",
+    together: Together | None = None,
 ) -> Fleet:
     """The fleet of a study whose tasks fit, by the grouping ``unit`` or a unit a task, and how its
     numbers depend on ``conditions``: groupings with numbers, or known parameters. Each unit is
     compared with those that share the groupings ``among``, which have a mean of their own. Where
     tasks compared structures, the numbers are those of one of them, the likeliest unless one is
-    named.
+    named. Of a cause that scales several numbers ``together``, given by its name, units are
+    compared by the factor.
 
     Raises:
         InputError: tasks that diagnose, that vary more than the recordings, or that fitted other
@@ -171,7 +176,7 @@ def fleet_of(
             follow from each other or from the groupings.
     """
     structures, name, outcomes = with_structure(outcomes, structure)
-    members = members_of(outcomes, unit, conditions, among)
+    members = scaled_together(members_of(outcomes, unit, conditions, among), together or {})
     centre = _centre(members, conditions)
     size = members[0].fits[0].values.size
     left = np.array([min(max(one.left, 1e-30), 1e30) for one in members])
@@ -209,6 +214,7 @@ def fleet_of(
         structures,
         name,
         tuple(among),
+        tuple((cause, tuple(numbers)) for cause, numbers in (together or {}).items()),
     )
 
 
@@ -339,8 +345,7 @@ def _reason(
 ) -> Reason | None:
     """Why a unit is named, None if it is one of the others."""
     if found.structure(at):
-        usual = float(np.exp(np.mean(np.log(left[found.kept]))))
-        times = float(np.sqrt(left[at] / usual))
+        times = float(np.sqrt(left[at] / found.usual[at]))
         return Reason("structure", float(found.by_rest[at]), times=times)
     trends, chance = trend
     if not found.deviates(at):

@@ -13,6 +13,7 @@ from symhyb.fleet.fleet import Fleet, Own, fleet_of
 from symhyb.fleet.members import condition_of, unit_of
 from symhyb.fleet.population import Array
 from symhyb.fleet.rungs import with_structure
+from symhyb.fleet.together import Together
 from symhyb.fleet.words import reason_sentence
 from symhyb.judgement import FEWEST
 from symhyb.tasks.folder import Entry
@@ -51,6 +52,7 @@ def worth_looking(
     conditions: Sequence[str] = (),
     among: Sequence[str] = (),
     structure: str = "",
+    together: Together | None = None,
 ) -> tuple[Next, ...]:
     """The tasks of a study that are worth looking at, most urgent first.
 
@@ -67,7 +69,7 @@ def worth_looking(
     found = list(_left(outcomes.tasks, done, unit, conditions))
     if done and all(one.fitted is not None for one in done):
         try:
-            fleet = fleet_of(outcomes, unit, conditions, among, name)
+            fleet = fleet_of(outcomes, unit, conditions, among, name, together)
         except InputError:
             if len({unit_of(one.entry, unit) for one in done}) >= FEWEST:
                 raise
@@ -83,15 +85,15 @@ def _of_units(fleet: Fleet, tasks: dict[str, Outcome]) -> Iterator[Next]:
     for one in fleet.deviating:
         if one.reason is None:
             continue
-        task = _telling(one, tasks)
+        task = _telling(one, tasks, dict(fleet.together))
         yield _next(task.entry, one.name, one.reason.kind, reason_sentence(one.reason))
     for one in fleet.units:
         if one.bounds and one.reason is None:
             text = f"{', '.join(one.bounds)} ends at the bound of what is possible"
-            yield _next(_telling(one, tasks).entry, one.name, "bound", text)
+            yield _next(_telling(one, tasks, {}).entry, one.name, "bound", text)
 
 
-def _telling(one: Own, tasks: dict[str, Outcome]) -> Outcome:
+def _telling(one: Own, tasks: dict[str, Outcome], together: Together) -> Outcome:
     """Of the tasks of a unit the one that leaves most beyond noise where that is why it is named,
     else the one with the most information on the number that deviates."""
     every = [tasks[name] for name in one.tasks]
@@ -104,7 +106,7 @@ def _telling(one: Own, tasks: dict[str, Outcome]) -> Outcome:
         if reason is not None and reason.kind == "structure":
             return fit.samples / max(fit.correlation_time, 1.0) * (fit.after - 1.0)
         names = reason.names if reason is not None else one.bounds
-        places = [fit.names.index(name) for name in names]
+        places = [fit.names.index(n) for name in names for n in together.get(name, (name,))]
         return float(np.min(1 / fit.sd[places] ** 2, initial=np.inf))
 
     return max(every, key=worth)

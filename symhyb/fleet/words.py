@@ -86,6 +86,8 @@ def slope_sentence(fleet: Fleet, number: Common, slope: Slope) -> str:
 
 def fleet_notes(fleet: Fleet) -> Iterator[str]:
     """What is to be said beside the numbers: what was not judged, and recordings of little use."""
+    for cause, numbers in fleet.together:
+        yield f"{cause} is one factor on {joined(list(numbers))}, 1 where they are the usual ones"
     if not fleet.tested:
         yield (
             f"{len(fleet.units)} units are too few to say which of them deviate in"

@@ -22,6 +22,7 @@ def fleet_facts(fleet: Fleet) -> dict[str, Any]:
             for name, mean in zip(fleet.conditions, fleet.centre, strict=True)
         },
         "among": list(fleet.among),
+        "together": {cause: list(numbers) for cause, numbers in fleet.together},
         "structures": [
             {
                 "name": one.name,
