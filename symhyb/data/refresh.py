@@ -76,7 +76,7 @@ def refresh(signals: Sequence[tuple[Signal, Signal]]) -> Refresh | None:
         return None
     best = [_known(*signals[i]) for _, i in shown[:MEASURED]]
     period = _measured(best, found[shown[0][1]][1])
-    each = tuple(aged(t, y, period) for t, y in signals)
+    each = tuple(_aged(t, y, period) for t, y in signals)
     seen = [one for one in each if one is not None]
     left = sum(one.after for one in seen)
     if not seen or left > SMALL * sum(one.before for one in seen):
@@ -144,26 +144,24 @@ def _measured(best: Sequence[tuple[Signal, Signal]], near: float) -> float:
     steps = np.linspace(-1, 1, TRIED) * near**2 * FINE * 4 / lasting
 
     def left(period: float) -> float:
-        return sum(_cost(t, aged(t, y, period), period) for t, y in some)
+        return sum(_cost(t, _aged(t, y, period), period) for t, y in some)
 
     return float(min(near + steps, key=left))
 
 
-def _cost(t: Signal, one: Aged | None, period: float) -> float:
+def _cost(t: Signal, aged: Aged | None, period: float) -> float:
     """−2 ln of the likelihood of ages along times (N,), s, with what the changes of their phase
     cost, up to a constant."""
-    if one is None:
+    if aged is None:
         return np.inf
-    phase = np.mod(t - one.ages, period)
+    phase = np.mod(t - aged.ages, period)
     changes = np.abs(np.diff(phase)) > period / PHASES / 2
-    after = max(one.after, TINY)
+    after = max(aged.after, TINY)
     return float(t.size * np.log(after) + 2 * np.log(2 * t.size) * changes.sum())
 
 
-def aged(t: Signal, y: Signal, period: float) -> Aged | None:
-    """The ages of the samples of one recording, times (N,) in s and values (N,), NaN where missing,
-    by a clock of a known ``period`` in s, with motion and ages determined in turn; None where it
-    moves too little to show them."""
+def _aged(t: Signal, y: Signal, period: float) -> Aged | None:
+    """The ages of the samples of one recording, with motion and ages determined in turn."""
     seen = np.isfinite(y)
     known, values = t[seen], y[seen]
     least = ROUNDING * float(np.ptp(values)) if known.size else 0.0
