@@ -111,7 +111,7 @@ def test_a_run_comes_to_where_friction_holds_it(parts) -> None:
     pull = 0.535 * 9.81 * 0.1 * np.sin(angles[-1])
     left = 9.6 * duties[-1] - pull
     assert abs(left) < NUMBERS["F"] + NUMBERS["mu"] * pull + 1e-3
-    assert duties[-1] == pytest.approx(0.163 * 8 * (0.6 - angles[-1]))
+    assert duties[-1] == pytest.approx(parts["runs"].PER_RAD * 8 * (0.6 - angles[-1]))
 
 
 def test_without_friction_and_motor_energy_is_kept(parts) -> None:
@@ -142,3 +142,50 @@ def test_what_is_stated_is_altered_and_the_groups_stay(parts, folder: Path) -> N
     weak = parts["altered"].altered(runs[1], "gain", weights, NUMBERS)
     assert weak.kp == pytest.approx(4 / 1.03)
     assert weak.gain == "4"
+
+
+def swung(parts, gain: float = 1.0):  # type: ignore[no-untyped-def]
+    """A run whose servo takes a goal two and three samples late, in steps of its encoder, and
+    states a gain of 8 where it has so many times that; read every 10 ms, refreshed every 8."""
+    step = 2 * np.pi / 4096
+    t = 0.01 * np.arange(400)
+    goal = np.cos(4 * t)
+    fresh = np.floor(t / 0.008) * 0.008
+    q = step * np.round(0.8 * np.cos(4 * fresh - 0.3) / step)
+    sent = parts["runs"].sent_before(goal)
+    late = np.where(np.arange(400) % 2, sent[:, 1], sent[:, 2])
+    goal_had = np.floor(late / step) * step
+    duty = gain * parts["runs"].PER_RAD * 8 * np.nan_to_num(goal_had - q)
+    run = parts["runs"].Run(
+        1, 0.535, 0.1, 8.0, "sin", 0, t, q, duty, np.ones(400), goal, 30.0, 12.0, sent=sent
+    )
+    return run, goal_had
+
+
+def test_the_goal_that_a_servo_has_is_found_whatever_its_gain(parts) -> None:
+    for gain in (1.0, 1.03, 0.9):
+        run, wanted = swung(parts, gain)
+        found, put = parts["runs"].has(run)
+        seen = np.isfinite(put)
+        assert seen.mean() > 0.9
+        assert found[seen] == pytest.approx(wanted[seen])
+        error = 8 * (found - run.q)[seen]
+        fitted = put[seen] @ error / (error @ error) / parts["runs"].PER_RAD
+        assert fitted == pytest.approx(gain, rel=1e-4)
+
+
+def test_a_duty_that_fits_no_goal_is_missing(parts) -> None:
+    run, _ = swung(parts)
+    duty = run.duty.copy()
+    duty[100:110] += 0.003
+    duty[200:210] = 1.0
+    _, put = parts["runs"].has(replace(run, duty=duty, on=np.where(run.t < 3, 1.0, 0.0)))
+    assert np.isnan(put[[*range(100, 110), *range(200, 210), *range(300, 400)]]).all()
+    assert np.isfinite(put[110:200]).mean() > 0.9
+
+
+def test_other_runs_are_drawn_with_a_seed(parts, folder: Path) -> None:
+    runs = parts["runs"].read_runs(folder)
+    assert parts["altered"].picked(runs) == {2: "mass", 5: "friction"}
+    drawn = [tuple(parts["altered"].picked(runs, seed)) for seed in range(8)]
+    assert set(drawn) == {(2, 5), (5, 2)}

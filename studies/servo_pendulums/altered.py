@@ -1,20 +1,22 @@
 """Twenty runs altered by hand among those of a study: does the fleet name them, and no others?
 
-python studies/servo_pendulums/altered.py OUT FITS [EVERY [WITHOUT]]
+python studies/servo_pendulums/altered.py OUT FITS [EVERY [WITHOUT [SEED]]]
 symhyb run OUT/ladder.toml -o out --workers 1          # weight and friction
 symhyb run OUT/gain.toml -o gains --workers 1          # the gain
-symhyb fleet out --among mount,trajectory,gain
+symhyb fleet out --among mount,trajectory,gain --together friction=c,F,mu
 
 FITS is what symhyb run left of the ladder of the runs as they are; EVERY and WITHOUT as of runs.py.
 
-Of mounts and trajectories in turn one run of the half that nothing was developed on is altered:
+Of mounts and trajectories in turn one run of the half that nothing was developed on is altered, or
+with a SEED any that are drawn of that half:
 
 mass      the stated weight is the next one of the four, what the arm carries stays
 gain      the stated gain is 1/1.03 of what the controller has
 friction  damping, dry friction and friction by load are 1.5 times what was fitted to this run. The
           run is simulated with both by the equations below, and the difference of the simulations
-          is added to what was recorded, of the angle and of the duty. What the model lacks, noise
-          and steps of the encoder stay as they were recorded.
+          is added to the recorded angle, in whole steps of the encoder. The duty is what the
+          controller makes of that, its goal being the same; where it was at its limit, the
+          difference of the simulations is added. What the model lacks and noise stay as recorded.
 
     (m l² + J) q'' = k u − k_e on q' − c q' − (F + mu |m g l sin q|) tanh(q'/w) − m g l sin q
     u = on clip(g kp (passed(goal) − q), ±1), passed: 25 ms late and no faster than 7.5 rad/s
@@ -29,7 +31,16 @@ from pathlib import Path
 import numpy as np
 from falls import FOLDER, folder_of_runs
 from numpy.typing import NDArray
-from runs import Run, asked, chosen, read_runs, restated, write_runs
+from runs import (
+    PER_RAD,
+    STEPS,
+    Run,
+    asked,
+    chosen,
+    read_runs,
+    restated,
+    write_runs,
+)
 
 from symhyb.tasks.outcome import read_outcomes
 
@@ -41,7 +52,7 @@ STEP = 5e-4  # s
 WIDTH = 0.02  # rad/s: within it friction turns over
 GRAVITY = 9.81  # m/s²
 TORQUE, COUNTER = 9.6, 1.10  # N·m at full duty, N·m·s/rad: k and k_e of motor.toml
-PER_RAD, LATE, FASTEST = 0.163, 0.025, 7.5  # 1/rad, s, rad/s: of the controller
+LATE, FASTEST = 0.025, 7.5  # s, rad/s: of the controller
 
 Array = NDArray[np.float64]
 
@@ -83,13 +94,16 @@ def simulated(run: Run, numbers: Mapping[str, float], more: float = 1.0) -> tupl
 def with_friction(run: Run, numbers: Mapping[str, float]) -> Run:
     """A run as it would have been with more friction."""
     before, after = (simulated(run, numbers, more) for more in (1.0, MORE_FRICTION))
-    duty = np.clip(run.duty + after[1] - before[1], -1.0, 1.0)
-    return replace(run, q=run.q + after[0] - before[0], duty=duty)
+    step = 2 * np.pi / STEPS
+    moved = step * np.round((after[0] - before[0]) / step)
+    made = np.where(abs(run.duty) < 1, -PER_RAD * run.kp * run.on * moved, after[1] - before[1])
+    return replace(run, q=run.q + moved, duty=np.clip(run.duty + made, -1.0, 1.0))
 
 
-def picked(runs: Sequence[Run]) -> dict[int, str]:
+def picked(runs: Sequence[Run], seed: int | None = None) -> dict[int, str]:
     """The runs to be altered, by their number, with the kind: of mounts, trajectories and gains
-    in turn the first run of the half of the figures, then second ones."""
+    in turn the first run of the half of the figures, then second ones; with a ``seed`` any of
+    them."""
     cells: dict[tuple[float, float, str, float], list[Run]] = {}
     for one in runs:
         if one.half == 1:
@@ -97,6 +111,9 @@ def picked(runs: Sequence[Run]) -> dict[int, str]:
     every = [cells[key] for key in sorted(cells)]
     some = [part[0] for part in every[:: max(len(every) // COUNT, 1)]]
     some += [part[1] for part in every if len(part) > 1]
+    if seed is not None:
+        whole = [one for part in every for one in part]
+        some = [whole[i] for i in np.random.default_rng(seed).permutation(len(whole))]
     return {one.run: KINDS[i % len(KINDS)] for i, one in enumerate(some[:COUNT])}
 
 
@@ -134,8 +151,9 @@ def main() -> None:
     folder, out = folder_of_runs(), Path(sys.argv[1])
     if folder is None:
         raise SystemExit(f"no {FOLDER} in the folder that SYMHYB_DATA names")
-    runs = chosen(read_runs(folder), *asked(sys.argv[3:]))
-    numbers, kinds = fitted_numbers(Path(sys.argv[2])), picked(runs)
+    runs = chosen(read_runs(folder), *asked(sys.argv[3:5]))
+    seed = int(sys.argv[5]) if len(sys.argv) > 5 else None
+    numbers, kinds = fitted_numbers(Path(sys.argv[2])), picked(runs, seed)
     weights = sorted({one.mass for one in runs})
     changed = [
         altered(one, kinds[one.run], weights, numbers[one.name]) if one.run in kinds else one

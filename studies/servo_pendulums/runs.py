@@ -20,6 +20,7 @@ import numpy as np
 import pandas as pd
 from falls import FOLDER, JUMP, folder_of_runs
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 from scipy.ndimage import median_filter
 
 HERE = Path(__file__).parent
@@ -27,6 +28,12 @@ TEMPERATURE = (5.0, 100.0)  # °C: what is outside is a read error, of a motor i
 VOLTS = (9.0, 15.0)  # V: likewise, of a supply of 12 V
 BACKWARDS = 1024  # of the reported duty: the bit of its direction
 FULL = 1000  # of the reported duty: all of the supply
+STEPS = 4096  # of the encoder, a turn
+PER_RAD = 0.25 / FULL * STEPS / (2 * np.pi)  # 1/rad: duty of an error of one rad, for kp = 1
+SENT = 8  # goals, the last ones, of which the servo may still have any
+REACH = np.linspace(0.8, 1.25, 91)  # of the stated gain: where it is looked for
+FITS = 0.5  # steps of the encoder: a duty that is further off has none of the goals
+ROUNDS = 5  # of the gain and of which goals fit
 
 Array = NDArray[np.float64]
 
@@ -38,7 +45,8 @@ class Run:
     supply, whether it is ``on`` (N,), and the wanted angle (N,) in rad. ``misread`` counts samples
     by channel; ``warm`` (°C) and ``volts`` (V) are means of the others. ``repetition`` counts the
     runs of one weight, length, gain and trajectory from 0; of the groups ``mount`` and ``gain`` it
-    is whatever is stated."""
+    is whatever is stated. ``sent`` (N, L) are the goals that were sent before each sample, the last
+    one first, NaN where there was none."""
 
     run: int
     mass: float
@@ -56,6 +64,7 @@ class Run:
     misread: dict[str, int] = field(default_factory=dict)
     mount: str = ""
     gain: str = ""
+    sent: Array = field(default_factory=lambda: np.zeros((0, SENT)))
 
     @property
     def name(self) -> str:
@@ -97,7 +106,7 @@ def _run(number: int, one: pd.Series, part: pd.DataFrame, repetition: int) -> Ru
     warm, cold = part.temp.to_numpy(), ~part.temp.between(*TEMPERATURE).to_numpy()
     volts, none = part.input_volts.to_numpy(), ~part.input_volts.between(*VOLTS).to_numpy()
     misread = {"position": jumps, "temperature": cold, "volts": none}
-    t = part.timestamp.to_numpy()
+    t, goal = part.timestamp.to_numpy(), part.goal_position.to_numpy()
     return Run(
         number,
         float(one.mass),
@@ -109,13 +118,65 @@ def _run(number: int, one: pd.Series, part: pd.DataFrame, repetition: int) -> Ru
         np.where(jumps, np.nan, q),
         duty_of(part.torque.to_numpy()),
         part.torque_enable.to_numpy(dtype=np.float64),
-        part.goal_position.to_numpy(),
+        goal,
         float(np.mean(warm[~cold])),
         float(np.mean(volts[~none])),
         {channel: int(bad.sum()) for channel, bad in misread.items() if bad.any()},
         f"{one.mass:g} kg {one.length:g} m",
         f"{one.kp:g}",
+        sent_before(goal),
     )
+
+
+def sent_before(goal: Array) -> Array:
+    """The goals (N, L) that were sent before each sample, the last one first."""
+    found = np.full((goal.size, SENT), np.nan)
+    for k in range(SENT):
+        found[k + 1 :, k] = goal[: max(goal.size - k - 1, 0)]
+    return found
+
+
+def has(run: Run) -> tuple[Array, Array]:
+    """The goal (N,) in rad that the servo has at each sample, and its duty (N,) where it fits one.
+
+    The servo takes goals in whole steps of its encoder, one every 20 ms, late. Its duty is
+    g kp (goal − q) with the q that it reports; so of those sent the goal is the one next to
+    q + duty/(g kp), with the g by which duties fit best, what is beyond a step counting as a step,
+    and which those that fit agree on. The duty is missing where the
+    motor is off or at its limit, and where none of the goals fits: it is followed by 7.5 rad/s at
+    most."""
+    step = 2 * np.pi / STEPS
+    goals = np.floor(run.sent / step) * step
+    known = np.isfinite(run.q) & np.isfinite(goals).all(axis=1)
+    known &= (run.on > 0) & (abs(run.duty) < 1.0)
+    if not known.any():
+        return run.goal, np.full(run.t.size, np.nan)
+
+    def next_to(gain: float) -> tuple[Array, Array]:
+        off = goals[known] - (run.q + run.duty / (gain * run.kp))[known, None]
+        which = abs(off).argmin(axis=1)
+        rows = np.arange(which.size)
+        return goals[known][rows, which], abs(off[rows, which])
+
+    best = min(REACH * PER_RAD, key=lambda gain: float(np.minimum(next_to(gain)[1], step).sum()))
+    goal, off = next_to(best)
+    for _ in range(ROUNDS):
+        fits = off < 4 * FITS * step
+        error = goal[fits] - run.q[known][fits]
+        if not error.any():
+            break
+        best = float(run.duty[known][fits] @ error / (error @ error)) / run.kp
+        goal, off = next_to(best)
+    found, duty = run.goal.copy(), np.full(run.t.size, np.nan)
+    found[known], duty[known] = goal, np.where(off < FITS * step, run.duty[known], np.nan)
+    return found, duty
+
+
+def without_gaps(run: Run) -> Array:
+    """The angles (N,), a cubic spline where they are missing and no duty is compared."""
+    seen = np.isfinite(run.q)
+    within = np.clip(run.t, run.t[seen][0], run.t[seen][-1])
+    return np.where(seen, run.q, CubicSpline(run.t[seen], run.q[seen])(within))
 
 
 def chosen(runs: Sequence[Run], every: int, without: str = "") -> list[Run]:
@@ -131,6 +192,7 @@ def chosen(runs: Sequence[Run], every: int, without: str = "") -> list[Run]:
     return [one for one in runs if place(one) % every == 0 and one.trajectory != without]
 
 
+MODELS = ("motor.toml", "gain-model.toml", "ladder.toml", "gain.toml")
 GROUPS = ("mount", "trajectory", "gain", "half", "repetition", "warm", "volts", "run")
 
 
@@ -138,8 +200,9 @@ def write_runs(runs: Sequence[Run], out: Path) -> None:
     """Leave a CSV a run, a table of them, the models and the studies."""
     out.mkdir(parents=True, exist_ok=True)
     for one in runs:
-        columns = {"t": one.t, "encoder": one.q, "duty": one.duty, "on": one.on}
-        frame = pd.DataFrame({**columns, "goal": one.goal})
+        columns = {"t": one.t, "encoder": one.q, "duty": one.duty, "on": one.on, "goal": one.goal}
+        known = dict(zip(("seen", "has", "put"), (without_gaps(one), *has(one)), strict=True))
+        frame = pd.DataFrame({**columns, **known})
         frame.to_csv(out / one.name, index=False)
     _write_table(runs, {"m": "mass", "l": "length", "kp": "kp"}, out / "runs.csv")
     _write_table(runs, {"kp": "kp"}, out / "gains.csv")
@@ -147,7 +210,7 @@ def write_runs(runs: Sequence[Run], out: Path) -> None:
         writer = csv.writer(stream, lineterminator="\n")
         writer.writerow(["file", "channel", "samples"])
         writer.writerows([one.name, *pair] for one in runs for pair in one.misread.items())
-    for name in ("motor.toml", "gain-model.toml", "ladder.toml", "gain.toml"):
+    for name in MODELS:
         text = (HERE / name).read_text(encoding="utf-8")
         (out / name).write_text(text, encoding="utf-8")
 

@@ -64,13 +64,15 @@ class Shifted:
 class Judged:
     """The ``population`` of the units that are ``kept`` (N,), the deviation of every unit, and
     probabilities after correction for their number: of its numbers, and of what its fit leaves
-    (N,). ``tested`` is whether there are enough units to say who deviates."""
+    (N,). ``usual`` (N,) is what fits of the others leave under the same conditions, χ² per sample.
+    ``tested`` is whether there are enough units to say who deviates."""
 
     population: Population
     kept: Mask
     deviations: tuple[Deviation, ...]
     by_numbers: Array
     by_rest: Array
+    usual: Array
     tested: bool
 
     def structure(self, at: int) -> bool:
@@ -92,15 +94,15 @@ def judged(units: Sequence[Unit], left: Array, freedom: Array) -> Judged:
         everyone, sure = np.ones(count, dtype=bool), np.ones(count)
         found = chosen_population(units)
         off = tuple(deviation(found, one, everyone, units, 0) for one in range(count))
-        return Judged(found, everyone, off, sure, sure, False)
-    kept = begun(units, left)
+        return Judged(found, everyone, off, sure, sure, left, False)
+    kept, x = begun(units, left), np.array([one.x.mean(axis=0) for one in units])
     seen: list[bytes] = []
     for _ in range(ROUNDS):
         seen.append(kept.tobytes())
         found = chosen_population([one for one, use in zip(units, kept, strict=True) if use])
         freed = int(kept.sum()) - conditions
         off = tuple(deviation(found, one, kept, units, freed) for one in range(count))
-        rest = _of_rest(left, freedom, kept)
+        rest, usual = _of_rest(left, freedom, kept, x)
         raw = np.concatenate([[one.probability for one in off], rest])
         corrected = false_discovery_control(np.clip(raw, 0.0, 1.0))
         by_numbers, by_rest = corrected[:count], corrected[count:]
@@ -108,7 +110,7 @@ def judged(units: Sequence[Unit], left: Array, freedom: Array) -> Judged:
         if int(now.sum()) < least or now.tobytes() in seen or not _determined(units, now):
             break
         kept = now
-    return Judged(found, kept, off, by_numbers, by_rest, True)
+    return Judged(found, kept, off, by_numbers, by_rest, usual, True)
 
 
 def deviation(
@@ -204,13 +206,20 @@ def _determined(units: Sequence[Unit], kept: Mask) -> bool:
     return bool(np.linalg.matrix_rank(x) == x.shape[1])
 
 
-def _of_rest(left: Array, freedom: Array, kept: Mask) -> Array:
-    """Probabilities (N,) that a fit leaves as much as it does, if its unit is one of the others:
-    ln χ² varies as it does among them, and at least as the noise makes it. What is no more than the
-    noise of the others is no deviation."""
-    logs = np.log(left)
-    middle = float(np.mean(logs[kept]))
-    scatter = float(np.var(logs[kept], ddof=1))
-    spread = np.sqrt(np.maximum(scatter, 2.0 / np.maximum(freedom, 1.0)))
-    found = t.sf((logs - middle) / spread, max(int(kept.sum()) - 1, 1))
-    return np.where(logs - middle > np.log(NEAR_NOISE), found, 1.0)
+def _of_rest(left: Array, freedom: Array, kept: Mask, x: Array) -> tuple[Array, Array]:
+    """Probabilities (N,) that a fit leaves as much as it does, if its unit is one of the others
+    under the same conditions ``x`` (N, C), and what these leave there (N,): ln χ² varies as it does
+    among them, and at least as the noise makes it. What is no more than the noise of the others is
+    no deviation."""
+    logs, design = np.log(left), x[kept]
+    gram = np.linalg.pinv(design.T @ design, hermitian=True)
+    off = logs - x @ (gram @ design.T @ logs[kept])
+    freed = max(int(kept.sum()) - x.shape[1], 1)
+    scatter = float(np.sum(off[kept] ** 2)) / freed
+    lever = np.einsum("ni,ij,nj->n", x, gram, x)
+    own = np.where(kept, np.maximum(1.0 - lever, 1e-9), 1.0)
+    off = off / own  # from what the others leave alone
+    error = np.where(kept, 1.0 / own, 1.0 + lever)
+    spread = np.sqrt(np.maximum(scatter, 2.0 / np.maximum(freedom, 1.0)) * error)
+    found = t.sf(off / spread, freed)
+    return np.where(off > np.log(NEAR_NOISE), found, 1.0), np.exp(logs - off)

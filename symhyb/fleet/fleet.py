@@ -339,8 +339,7 @@ def _reason(
 ) -> Reason | None:
     """Why a unit is named, None if it is one of the others."""
     if found.structure(at):
-        usual = float(np.exp(np.mean(np.log(left[found.kept]))))
-        times = float(np.sqrt(left[at] / usual))
+        times = float(np.sqrt(left[at] / found.usual[at]))
         return Reason("structure", float(found.by_rest[at]), times=times)
     trends, chance = trend
     if not found.deviates(at):

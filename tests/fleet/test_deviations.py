@@ -1,6 +1,7 @@
 """Units that deviate: which, by which numbers, and how seldom one is named that does not."""
 
 import numpy as np
+import pytest
 from fleets import drawn
 
 from symhyb.fleet.deviations import Deviation, judged, shifted
@@ -56,6 +57,19 @@ def test_what_the_fit_leaves_says_that_the_structure_does_not_hold() -> None:
     left[12] = 1.08 * np.exp(np.log(left).mean())
     quiet = judged(units, np.where(np.arange(60) == 12, left, 1.0), np.full(60, 1e9))
     assert not quiet.structure(12)  # no more than how well the noise is known
+
+
+def test_what_a_fit_leaves_is_compared_among_peers() -> None:
+    units, left = drawn(2, 60, MEAN, BETWEEN, ERROR), noise(2, 60)
+    peers = np.where(np.arange(60) < 20, 1.0, -1.0)
+    grouped = [
+        Unit(one.y, one.s, np.array([[1.0, code]])) for one, code in zip(units, peers, strict=True)
+    ]
+    left[:20] *= 50  # a motion that the structure follows badly in all units alike
+    left[[7, 40]] *= 4
+    found = judged(grouped, left, np.full(60, FREEDOM))
+    assert [at for at in range(60) if found.structure(at)] == [7, 40]
+    assert left[[7, 40]] / found.usual[[7, 40]] == pytest.approx(4.0, rel=0.2)
 
 
 def test_few_are_named_where_all_are_alike() -> None:
