@@ -3,7 +3,7 @@
 python studies/servo_pendulums/altered.py OUT FITS [EVERY [WITHOUT [SEED]]]
 symhyb run OUT/ladder.toml -o out --workers 1          # weight and friction
 symhyb run OUT/gain.toml -o gains --workers 1          # the gain
-symhyb fleet out --among mount,trajectory,gain --together friction=c,F,mu
+symhyb fleet out --among mount,trajectory,gain
 
 FITS is what symhyb run left of the ladder of the runs as they are; EVERY and WITHOUT as of runs.py.
 
