@@ -75,6 +75,7 @@ def test_runs_and_gradients_are_those_without_symhyb(study: ModuleType) -> None:
 
 
 @needs_compiler
+@pytest.mark.slow
 def test_slsqp_finds_the_mount_and_none_nearby_is_better(study: ModuleType, kept: dict) -> None:
     found, record = study.by_slsqp(study.rig()), study.excitation()
     other = kept["ways"]["without symhyb"]

@@ -134,6 +134,7 @@ def test_large_missing_forces_are_no_lies(model: Model, run: Recording) -> None:
     assert reported(model, run) == ()
 
 
+@pytest.mark.slow
 def test_a_wrong_unit_is_said_first_and_the_diagnosis_goes_on() -> None:
     run = shown(pendulum_recording(5, {"coulomb": 0.2}), encoder=DEGREES)
     diagnosis = sh.diagnose(pendulum_model(), run)

@@ -46,6 +46,7 @@ def written(tmp_path):
     return write
 
 
+@pytest.mark.slow
 def test_what_is_lacking_is_named_and_every_stretch_has_it(written):
     found = scan(spring_model(), written(*columns_of(120)), stretches=6)
     (law,) = found.proposed
@@ -101,6 +102,7 @@ def test_nothing_is_proposed_where_nothing_lacks(written):
     assert all(one.force[0] < 0.02 * one.applied[0] for one in found.stretches)
 
 
+@pytest.mark.slow
 def test_the_verb_says_what_to_do_next(written, tmp_path, symhyb):
     path = written(*columns_of(300, sticky_from=FROM))
     model, table = tmp_path / "rig.toml", tmp_path / "stretches.csv"

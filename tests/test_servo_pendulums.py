@@ -136,6 +136,7 @@ def test_friction_of_each_mount_halves_the_errors_on_unseen_falls(study, falls):
     assert 1e3 * study.error(swapped, unseen) > 60
 
 
+@pytest.mark.slow
 def test_the_encoder_is_refreshed_every_eight_milliseconds(study, falls):
     """The sentence of the page on the clock of the encoder."""
     learned, _ = study.split(falls)

@@ -786,6 +786,7 @@ def test_advice_that_fails_costs_only_the_advice(
     assert replace(reported, notes=plain.notes, log=plain.log) == plain
 
 
+@pytest.mark.slow
 def test_the_files_are_there_before_advice_is_sought(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -78,6 +78,7 @@ def test_the_sum_of_two_rates_becomes_a_place() -> None:
     assert {*after.library.places} - {*before.library.places} == {On("q2 + q3")}
 
 
+@pytest.mark.slow
 def test_losses_of_single_joints_make_no_place() -> None:
     _, before, after = begun(0.0, 0.0)
     assert after.library.places == before.library.places

@@ -99,6 +99,7 @@ def test_without_a_stated_sd_nothing_more_is_begun_with() -> None:
     assert not list(begun_along(trials, trials.refined(()), problems))
 
 
+@pytest.mark.slow
 def test_a_parameter_that_is_in_every_structure_is_in_none_twice(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

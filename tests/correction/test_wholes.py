@@ -65,6 +65,7 @@ def test_losses_that_forces_show_hold_up_what_falls_in_the_model() -> None:
     assert [cut.rows.shape for cut in last] == [c.rows.shape for c in after.stages[-1].cuts]
 
 
+@pytest.mark.slow
 def test_windows_stay_short_where_forces_show_nothing_that_holds() -> None:
     prepared = prepare(arm(), recorded(np.zeros(JOINTS)))
     before = settle(prepared)

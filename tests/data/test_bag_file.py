@@ -135,6 +135,7 @@ def test_a_message_alone_is_a_number_and_a_long_array_is_left_out(bag):
     assert table.notes[-1] == "map.data has more than 64 elements: left out"
 
 
+@pytest.mark.slow
 def test_packed_bags_are_read_or_said(bag, run):
     plain = read_table(bag("bag", run)).find("drive.force.data")[0].values
     for fmt in rosbag1.Writer.CompressionFormat:

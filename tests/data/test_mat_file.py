@@ -106,6 +106,7 @@ def test_an_array_of_structures_is_a_part_each(model, write, signals):
         read_recording(f"{path}#run", model)
 
 
+@pytest.mark.slow
 def test_cells_one_after_the_other(write, model, signals):
     pieces = [slice(0, 40), slice(40, 70), slice(70, None)]
     cells = {name: np.empty(3, dtype=object) for name in signals}

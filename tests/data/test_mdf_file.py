@@ -48,6 +48,7 @@ def test_a_group_is_read_with_its_times_and_units(
     assert recording.notes == ()
 
 
+@pytest.mark.slow
 def test_groups_of_different_rates_are_merged(model, write, content, signals):
     t, slow = signals["t"], signals["t"][::10]
     path = write(
@@ -91,6 +92,7 @@ def test_what_is_no_mdf_file(write, junk):
         read_table(write("run.mf4", junk))
 
 
+@pytest.mark.slow
 def test_cuts_and_damage_are_one_sentence_or_the_same_values(write, content, one_group):
     whole = content(one_group)
     names = read_table(write("run.mf4", whole)).names()
@@ -110,6 +112,7 @@ def test_a_measurement_without_a_sample(write, content, one_group):
         read_table(write("run.mf4", content(empty)))
 
 
+@pytest.mark.slow
 def test_damage_inside_is_a_sentence_and_nothing_is_printed(write, content, one_group, capfd):
     whole, said = content(one_group), []
     for place in range(64, len(whole), 211):

@@ -145,6 +145,7 @@ def test_the_script_needs_nothing_of_symhyb():
     assert imported - set(sys.stdlib_module_names) == {"numpy", "scipy"}
 
 
+@pytest.mark.slow
 def test_the_command_line_writes_both_folders(generate, tmp_path, monkeypatch, capsys):
     for arguments, study in ((["-o"], "oscillator"), (["--null", "-o"], "null")):
         monkeypatch.setattr("sys.argv", ["generate.py", *arguments, str(tmp_path / study)])

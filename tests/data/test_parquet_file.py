@@ -53,6 +53,7 @@ def test_what_pandas_writes(model, write, signals):
     assert any(note.startswith("column name is") for note in recording.notes)
 
 
+@pytest.mark.slow
 def test_what_cannot_be_used(write, signals):
     whole = content_of(arrow.table({n: arrow.array(v) for n, v in signals.items()}))
     for content, message in (

@@ -69,6 +69,7 @@ def test_rows_above_and_columns_beside_the_table(model, write, signals):
     assert read_table(path).names() == ["t", "f", "laser", "accel"]
 
 
+@pytest.mark.slow
 def test_a_sheet_is_chosen_behind_the_name_of_the_file(model, write, signals):
     twice = {name: 2 * values for name, values in signals.items()}
     content = book(**{"first run": rows_of(signals), "second run": rows_of(twice)})
@@ -99,6 +100,7 @@ def test_sheets_of_different_rates_are_merged(model, write, signals):
     assert "sensor accel: 20 Hz beside rows at 100 Hz; missing in between" in recording.notes
 
 
+@pytest.mark.slow
 def test_runs_below_one_another_are_numbered(model, write, signals):
     rows = rows_of(signals)
     path = write("run.xlsx", book(Sheet1=[*rows, *rows[1:61]]))
@@ -156,6 +158,7 @@ def test_what_cannot_be_used(write, content, message):
         read_table(write("run.xlsx", content))
 
 
+@pytest.mark.slow
 def test_cuts_and_other_archives_are_one_sentence(write, signals):
     whole = book(Sheet1=rows_of(signals))
     other = io.BytesIO()

@@ -212,6 +212,7 @@ def everything() -> tuple[Hypothesis, ...]:
     return (*force_hypotheses(cart_pole(), places), ripple, mode, track)
 
 
+@pytest.mark.slow
 def test_probes_are_the_law_in_its_unknown_numbers() -> None:
     """The force of any values is the sum of value times probe, at every place and kind, what
     remembers and what has mass included."""

@@ -102,6 +102,7 @@ def recording(model: Model, seed: int = 0, name: str = "run.csv") -> Recording:
     return Recording(name, t, {"f": random.normal(size=t.size)}, sensors, (), "")
 
 
+@pytest.mark.slow
 def test_a_linear_fmu_becomes_its_own_equations(tmp_path: Path) -> None:
     run = recording(MASS)
     local, ((same,),) = along_recordings(as_fmu(MASS, tmp_path), [run])
@@ -128,6 +129,7 @@ def test_a_linear_fmu_becomes_its_own_equations(tmp_path: Path) -> None:
         )
 
 
+@pytest.mark.slow
 def test_a_nonlinear_fmu_lacks_what_its_model_lacks(tmp_path: Path) -> None:
     closed, run = as_fmu(SWING, tmp_path), recording(SWING)
     found, known = compare(closed, run), compare(SWING, run)
@@ -192,6 +194,7 @@ def test_recordings_and_models_of_others_stay_as_they_are() -> None:
     assert plain(run) is run
 
 
+@pytest.mark.slow
 def test_repeats_are_told_by_what_was_recorded(tmp_path: Path) -> None:
     random = np.random.default_rng(9)
     first = recording(SWING)

@@ -98,6 +98,7 @@ def scattered() -> tuple[Array, Array]:
     return np.array(misses), np.array(deviations)
 
 
+@pytest.mark.slow
 def test_planted_values_come_back_within_their_deviations() -> None:
     misses, sd = scattered()
     assert np.mean(np.abs(misses) < 3) > 0.95

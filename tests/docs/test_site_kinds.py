@@ -22,6 +22,7 @@ def test_every_kind_has_its_law_its_keys_and_its_places(law: Law) -> None:
     assert [place for place in law.placements if f"`{place}`" not in text] == []
 
 
+@pytest.mark.slow
 def test_every_kind_that_acts_by_itself_is_drawn() -> None:
     written = {"force", "torque", "law", "network"}
     assert DRIVES.keys() == KINDS.keys() - written

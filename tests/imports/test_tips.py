@@ -134,6 +134,7 @@ def test_names_of_points_are_no_other_names() -> None:
     assert "the point '0 tip' is called link_0_tip here" in notes
 
 
+@pytest.mark.slow
 def test_a_payload_at_a_point_is_a_mass_at_that_link() -> None:
     """Torques with a payload are those of Newton-Euler with the mass in the URDF."""
     hand = joint("hand_weld", "fixed", "finger", "hand", (0.1, -0.05, 0.02), (0.4, 0.2, -0.3))

@@ -62,6 +62,7 @@ def run(folder: Path, *command: str) -> str:
     return done.stdout
 
 
+@pytest.mark.slow
 def test_the_law_of_the_page_passes_the_tests_of_every_law(extended: Path) -> None:
     command = (sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-W", "error")
     reported = run(extended, *command, "-k", "magnet", "test_each_law.py")

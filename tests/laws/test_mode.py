@@ -117,6 +117,7 @@ def test_it_moves_as_scipy_says() -> None:
     assert simulate(machine(), scenario()).y[:, 0] == pytest.approx(by_hand(), abs=1e-8)
 
 
+@pytest.mark.slow
 def test_the_exact_run_is_the_same() -> None:
     assert simulate(machine(), scenario(), exact=True).y[:, 0] == pytest.approx(by_hand(), abs=1e-7)
 

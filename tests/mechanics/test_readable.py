@@ -199,6 +199,7 @@ def test_what_is_printed_is_what_the_machine_computes(path: Path) -> None:
     compare(read_model(path), 3)
 
 
+@pytest.mark.slow
 def test_every_kind_and_place_is_printed_as_it_is_computed() -> None:
     compare(parse_model(EVERY_KIND))
 

@@ -64,6 +64,7 @@ def test_a_sensor_that_one_rival_alone_can_be_told_by_is_drawn() -> None:
     assert drawn.startswith(b"<?xml")
 
 
+@pytest.mark.slow
 def test_the_page_shows_rivals_where_there_are_any(cases: Cases) -> None:
     shown = render_page("Slide", *cases["undecided"]())
     assert "Where the rivals would differ" in shown

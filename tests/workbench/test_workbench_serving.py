@@ -134,6 +134,7 @@ def test_a_port_that_is_taken_is_said(server: Workbench, tmp_path: Path) -> None
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
+@pytest.mark.slow
 def test_ctrl_c_ends_the_command_cleanly(write_result: Write) -> None:
     command = [sys.executable, "-m", "symhyb", "view", str(write_result("one"))]
     before = signal.signal(signal.SIGINT, signal.default_int_handler)  # where a shell ignores it

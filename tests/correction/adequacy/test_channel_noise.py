@@ -117,6 +117,7 @@ def pulled(*sizes: float) -> tuple[Recorded, Fitted]:
     return setting, fitted(setting, (), (), setting.first_noise())
 
 
+@pytest.mark.slow
 def test_forces_without_memory_are_noise_of_the_inputs_that_push_there() -> None:
     setting, trial = pulled(0.8, 0.6)
     found = noisy_inputs(setting, trial, beyond(setting, trial))

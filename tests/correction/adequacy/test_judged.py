@@ -118,6 +118,7 @@ def test_an_unmeasured_force_acts_and_is_of_no_other_class() -> None:
     assert found.class_probability < 0.5
 
 
+@pytest.mark.slow
 def test_an_input_that_saturates_is_its_class_and_takes_the_gain_with_it() -> None:
     alone = judged(saturated(14))
     assert alone.classes[0][0].kind == "input"
@@ -279,6 +280,7 @@ def test_what_acts_in_a_part_is_judged_there() -> None:
     assert same.items[0].rows.size == whole.items[0].rows.size
 
 
+@pytest.mark.slow
 def test_a_law_that_is_small_against_what_acts_beyond_is_in_doubt() -> None:
     planted = markov(np.random.default_rng(17), SAMPLES, 3.0, 0.3)
     found = judged(

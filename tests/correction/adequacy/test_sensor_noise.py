@@ -86,6 +86,7 @@ def test_what_is_missing_is_named_under_coloured_noise() -> None:
     assert found.noise["laser"] == pytest.approx(TOTAL, rel=0.15)
 
 
+@pytest.mark.slow
 def test_nothing_is_missing_under_coloured_noise() -> None:
     found = sh.diagnose(pushed_model(), pushed(8, samples=800, colour=COLOUR))
     assert found.verdict == "nothing missing"

@@ -87,6 +87,7 @@ def test_a_listed_law_is_told_by_name() -> None:
     assert answer is None or [cause.kind for cause in answer.causes] == ["drag"]
 
 
+@pytest.mark.slow
 def test_where_nothing_acts_there_is_no_curve() -> None:
     ground, found = judged(resisted(5, lambda x, v: 0.0))
     assert found.certain("law") is None

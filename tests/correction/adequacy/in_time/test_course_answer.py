@@ -71,6 +71,7 @@ def test_a_step_is_found_with_its_time() -> None:
     assert np.all(np.abs(np.array(course.shape.values) - (1.0, 0.9)) < 4 * course.sd[:2])
 
 
+@pytest.mark.slow
 def test_a_drift_is_found() -> None:
     answer = answer_of(drifted)
     assert answer is not None
@@ -79,6 +80,7 @@ def test_a_drift_is_found() -> None:
     assert np.all(np.abs(off) < 4 * answer.course.sd)
 
 
+@pytest.mark.slow
 def test_a_pulsation_is_found() -> None:
     answer = answer_of(pulsed)
     assert answer is not None

@@ -71,6 +71,7 @@ def test_a_number_that_follows_a_channel_has_its_course_over_that(answer: Answer
     assert np.all(answer.course.sd < 0.003)
 
 
+@pytest.mark.slow
 def test_a_drift_beside_a_channel_that_runs_otherwise_stays_one_over_the_time() -> None:
     known = answer_of(drifted)
     assert (known.course.shape.over, known.course.shape.name) == ("", "drift")
