@@ -130,7 +130,7 @@ def test_the_oracle_knows_the_deviation_of_a_linear_regression(study: Study) -> 
     assert sd == pytest.approx([0.5 / np.sqrt(1000) / 2.0], rel=1e-6)
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_constant_force_has_the_offset_of_the_input_as_its_twin(study: Study) -> None:
     draw, plans = study["conceal"], study["plans"]
     case = next(

@@ -118,7 +118,7 @@ def recorded(study: Study, name: str, effects: tuple[Any, ...], seed: int) -> An
     return study["peer_motion"].Recorded(system, e.t, e.u, q, None, cell)
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("name", "kind", "key", "size"),
     [("duffing", "drag", "drag", 8.0), ("rig", "friction", "coulomb", 6.0)],

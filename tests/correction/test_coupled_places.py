@@ -93,7 +93,7 @@ def test_windows_are_no_finer_than_the_whole_asks_for() -> None:
     assert all(cut.fine == now for stage in after.stages for cut in stage.cuts)
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_every_loss_of_the_arm_is_named_and_measured() -> None:
     found = sh.diagnose(arm(), recorded(SHARED, DRY)).found
     values = {(one.element.kind, one.element.place): one for one in found}

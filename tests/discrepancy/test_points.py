@@ -33,7 +33,7 @@ def test_friction_at_a_point_scales_with_its_speed() -> None:
     assert point_hypotheses(double_pendulum(), [(q, 0 * v, T)], 1e-3) == ()
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_drag_at_the_hand_of_a_double_pendulum_is_found_there() -> None:
     model = parse_model(PENDULUM, "pendulum.toml")
     diagnosis = sh.diagnose(model, pendulum(1, tip=0.05), pendulum(2, tip=0.05))

@@ -56,7 +56,7 @@ def test_every_task_is_performed_once_and_kept(folder: Path) -> None:
     assert len(performed(folder)) == 6
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_part_is_run_and_the_rest_later(folder: Path) -> None:
     assert run(folder, sweeps.quick, only=("recordings=r1.csv",)) == Ran(6, 2, 0, {})
     states = [one.state for one in read_outcomes(folder / "out").tasks]

@@ -77,7 +77,7 @@ def test_noise_that_is_a_small_part_of_what_is_left_decides_nothing(
     assert (along is not None) == (scale > 1.1)
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_what_is_missing_is_named_under_coloured_noise() -> None:
     made = pushed(7, samples=SAMPLES, damping=0.75, colour=COLOUR)
     found = sh.diagnose(pushed_model(), made)

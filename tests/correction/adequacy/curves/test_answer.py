@@ -33,21 +33,28 @@ def test_a_force_without_a_name_becomes_a_curve() -> None:
     assert np.sqrt(np.mean((made - true) ** 2)) < 0.15 * np.std(true)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("force", "kinds"),
     [
-        (lambda x, v: 1.5 * x**2 * v, [("curve", (("over", "stretch"), ("times", "rate")))]),
-        (
+        pytest.param(
+            lambda x, v: 1.5 * x**2 * v,
+            [("curve", (("over", "stretch"), ("times", "rate")))],
+            marks=pytest.mark.slow,
+            id="damping over the stretch",
+        ),
+        pytest.param(
             lambda x, v: rubber(x, v) + 0.4 * np.arcsinh(6 * v),
             [("curve", (("over", "rate"),)), ("curve", (("over", "stretch"),))],
+            marks=pytest.mark.thorough,
+            id="two curves",
         ),
-        (
+        pytest.param(
             lambda x, v: rubber(x, v) + 0.4 * v * abs(v),
             [("curve", (("over", "stretch"),)), ("drag", ())],
+            marks=pytest.mark.thorough,
+            id="a curve and a law by name",
         ),
     ],
-    ids=["damping over the stretch", "two curves", "a curve and a law by name"],
 )
 def test_a_force_of_both_is_a_factor_or_a_sum(
     force: Force, kinds: list[tuple[str, tuple[tuple[str, str], ...]]]
