@@ -120,7 +120,7 @@ def test_a_sensor_that_lags_is_named_and_written_as_a_state(tmp_path: Path) -> N
     ]
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_an_input_that_lags_is_named_as_before_and_no_sensor() -> None:
     """Where the machine bends, its motion shows on which side the lag is."""
     diagnosis = sh.diagnose(parse_model(HARDENING), of_one(late(1, 400.0, "force")))

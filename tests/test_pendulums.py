@@ -69,7 +69,7 @@ def test_the_reference_leaves_what_the_readme_says(
     assert reference.single(("c1",), reference.LEARNED).fitted == pytest.approx(9.4, abs=0.3)
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_the_single_pendulum_rubs_dry_and_drags(tmp_path: Path, public_file: Public) -> None:
     public_file("pendulum", "SinglePendulumDataForParameterEstimation.mat")
     result = run_study(STUDY / "single" / "study.toml", tmp_path)

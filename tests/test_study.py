@@ -155,7 +155,7 @@ def test_a_network_is_left_beside_the_corrected_model(tmp_path: Path) -> None:
     )
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_last_values_and_a_remainder_name_nothing(tmp_path: Path) -> None:
     study = read_study(STUDIES / "oscillator" / "study.toml")
     plain = module.carry_out(study)
