@@ -31,16 +31,7 @@ from pathlib import Path
 import numpy as np
 from falls import FOLDER, folder_of_runs
 from numpy.typing import NDArray
-from runs import (
-    PER_RAD,
-    STEPS,
-    Run,
-    asked,
-    chosen,
-    read_runs,
-    restated,
-    write_runs,
-)
+from runs import PER_RAD, STEPS, Run, asked, chosen, read_runs, restated, write_runs
 
 from symhyb.tasks.outcome import read_outcomes
 

@@ -192,7 +192,6 @@ def chosen(runs: Sequence[Run], every: int, without: str = "") -> list[Run]:
     return [one for one in runs if place(one) % every == 0 and one.trajectory != without]
 
 
-MODELS = ("motor.toml", "gain-model.toml", "ladder.toml", "gain.toml")
 GROUPS = ("mount", "trajectory", "gain", "half", "repetition", "warm", "volts", "run")
 
 
@@ -210,7 +209,7 @@ def write_runs(runs: Sequence[Run], out: Path) -> None:
         writer = csv.writer(stream, lineterminator="\n")
         writer.writerow(["file", "channel", "samples"])
         writer.writerows([one.name, *pair] for one in runs for pair in one.misread.items())
-    for name in MODELS:
+    for name in ("motor.toml", "gain-model.toml", "ladder.toml", "gain.toml"):
         text = (HERE / name).read_text(encoding="utf-8")
         (out / name).write_text(text, encoding="utf-8")
 

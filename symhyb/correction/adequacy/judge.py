@@ -227,19 +227,19 @@ def _staircases(ground: Recorded, base: Fitted, rows: Sequence[Row]) -> list[Fit
     model = ground.windows.machine.model
     inputs = [item.name for item in model.recorded_inputs]
     longest = 0.5 * (LONGEST + 1) * ground.step_s
-    late = {
-        i: [inputs.index(name) for name in delayed_by(model, cause.path) if name in inputs]
-        for i, cause in enumerate(base.causes)
-        if cause.kind == "delay" and 0 < base.p[base.machine.column(cause.path)] < longest
-    }
-    late = {i: which for i, which in late.items() if which}
+    late, held = [], set[int]()
+    for i, cause in enumerate(base.causes):
+        if cause.kind == "delay" and 0 < base.p[base.machine.column(cause.path)] < longest:
+            which = {inputs.index(x) for x in delayed_by(model, cause.path) if x in inputs}
+            late += [i] if which else []
+            held |= which
     if not late:
         return []
     kept = [i for i in range(len(base.causes)) if i not in late]
     begin = [rows[i] for i in kept]
     start = likeliest(ground, [base.causes[i] for i in kept], begin)
-    held = held_input(around(ground, start), sorted({i for which in late.values() for i in which}))
-    return [_beside(ground, start, begin, held, range(len(kept)))]
+    staircase = held_input(around(ground, start), sorted(held))
+    return [_beside(ground, start, begin, staircase, range(len(kept)))]
 
 
 def _raced(ground: Recorded, start: Fitted, rows: Sequence[Row], decided: Decided) -> list[Fitted]:

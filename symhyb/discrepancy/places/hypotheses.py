@@ -13,7 +13,6 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from math import inf, isfinite
-from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,17 +23,15 @@ from symhyb.discrepancy.words.formula import LAW, law_element, law_unit
 from symhyb.laws.base import Key, Terms
 from symhyb.laws.cardinal import parts_of
 from symhyb.laws.curve import factor_name, value_name
-from symhyb.model.delays import channels_of, shared_delays
+from symhyb.model.delays import Channel, channels_of, shared_delays
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import (
     Between,
     Element,
-    Input,
     Model,
     On,
     Parameter,
     Place,
-    Sensor,
     place_text,
 )
 from symhyb.model.vocabulary import KINDS, curve_units, expressed, key_of, key_unit, worded
@@ -302,9 +299,6 @@ def with_channels(model: Model) -> Model:
         inputs=tuple(item if item.local else _stated(item) for item in model.inputs),
         sensors=tuple(_stated(item) for item in model.sensors),
     )
-
-
-Channel = TypeVar("Channel", Input, Sensor)
 
 
 def _stated(channel: Channel) -> Channel:

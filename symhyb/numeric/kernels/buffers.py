@@ -80,9 +80,13 @@ def held_at(t: Array, values: Array, at: Array) -> Array:
     """A signal (K,) that is held from each of the times ``t`` (K,), s, to the next, at other times
     (any shape), in its unit; its first and last value hold outside. Rounding of a time does not
     bring back the value before."""
+    return np.asarray(values[_held_since(t, at)])
+
+
+def _held_since(t: Array, at: Array) -> NDArray[np.int64]:
+    """Which sample a held signal has at other times (any shape)."""
     slack = SLACK * float(np.median(np.diff(t))) if t.size > 1 else 0.0
-    place = np.searchsorted(t, at + slack, side="right") - 1
-    return np.asarray(values[np.clip(place, 0, t.size - 1)])
+    return np.clip(np.searchsorted(t, at + slack, side="right") - 1, 0, t.size - 1)
 
 
 def held_line(t: Array, values: Array, begin: Array, end: Array) -> tuple[Array, Array]:
@@ -93,15 +97,11 @@ def held_line(t: Array, values: Array, begin: Array, end: Array) -> tuple[Array,
 
         one jump Δ at the share f of the step:   mean ∓ 3 Δ f (1 − f)
     """
-    last = t.size - 1
-    slack = SLACK * float(np.median(np.diff(t))) if t.size > 1 else 0.0
-    first, then = (
-        np.clip(np.searchsorted(t, at + slack, side="right") - 1, 0, last) for at in (begin, end)
-    )
+    first, then = _held_since(t, begin), _held_since(t, end)
     h, stood = end - begin, values[first]
     mean, moment = stood.astype(float), np.full(h.shape, 0.5) * stood
     for jump in range(1, int((then - first).max(initial=0)) + 1):
-        k = np.minimum(first + jump, last)
+        k = np.minimum(first + jump, t.size - 1)
         left = np.where(jump <= then - first, end - t[k], 0.0) / h
         change = values[k] - values[k - 1]
         mean, moment = mean + change * left, moment + 0.5 * change * left**2

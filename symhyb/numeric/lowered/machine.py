@@ -368,6 +368,6 @@ def structure_of(model: Model) -> str:
         model.local,
         constraints_key(model),
         model.file if any(e.network for e in model.elements) else "",
+        shared_delays(model),
     )
-    shared = shared_delays(model)
-    return repr(parts) + (repr(shared) if shared else "")
+    return repr(parts)

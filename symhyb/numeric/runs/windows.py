@@ -346,6 +346,8 @@ class WindowModel:
         first = self.form.inputs + 3 * len(self.form.given)  # of the slopes
         for i in self._held if times.size else ():
             lag, signal = self.form.cleared(i, p), acted[i].u if i in acted else values[:, i]
+            if not (lag or self.form.late):
+                continue
             sides, slopes = held_line(times, signal, t - lag, t + h - lag)
             if lag:
                 d0[:, i], d1[:, i] = sides
