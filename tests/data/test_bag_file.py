@@ -200,6 +200,7 @@ def test_damage_inside_is_a_sentence_and_nothing_is_printed(bag, run, kind, capf
     assert capfd.readouterr() == ("", "")
 
 
+@pytest.mark.slow
 def test_a_chunk_that_unpacks_to_more_than_memory_is_one_sentence(bag, run):
     """Two gigabytes of zeros in eight megabytes."""
     lz4 = pytest.importorskip("lz4.frame")

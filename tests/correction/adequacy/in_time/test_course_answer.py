@@ -99,6 +99,7 @@ def test_levels_are_found_as_a_line_through_points() -> None:
     assert np.sqrt(np.mean(off**2)) < 0.01
 
 
+@pytest.mark.slow
 def test_an_input_that_fades_has_the_course_of_its_factor() -> None:
     answer = answer_of(lambda t: 1.0 - 0.02 * t, "f")
     assert answer is not None

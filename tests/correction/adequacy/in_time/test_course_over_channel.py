@@ -77,6 +77,7 @@ def test_a_drift_beside_a_channel_that_runs_otherwise_stays_one_over_the_time() 
     assert (known.course.shape.over, known.course.shape.name) == ("", "drift")
 
 
+@pytest.mark.slow
 def test_the_corrected_model_states_it_in_the_unit_of_the_channel(answer: Answer) -> None:
     run = with_pressure(changing(6, stiffened))
     ground = setting_of(rigged(), run)
