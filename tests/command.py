@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from symhyb.cli import main
+from symhyb.cli.app import main
 
 
 @dataclass(frozen=True, slots=True)

@@ -171,7 +171,7 @@ def _command(command: str) -> tuple[int, str]:
             ["bash", "-c", command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
         )
         return done.returncode, done.stdout
-    from symhyb.cli import main
+    from symhyb.cli.app import main
 
     out, status = io.StringIO(), 0
     with (

@@ -163,7 +163,7 @@ def test_importing_symhyb_loads_nothing_heavy() -> None:
 def test_help_loads_nothing_heavy() -> None:
     code = (
         "import sys\n"
-        "from symhyb.cli import main\n"
+        "from symhyb.cli.app import main\n"
         "sys.argv = ['symhyb', '--help']\n"
         "try:\n    main()\nexcept SystemExit as stop:\n    assert not stop.code, stop.code"
     )

@@ -14,7 +14,7 @@ from test_diagnosis_held import held_recording
 from typer.testing import CliRunner
 
 import symhyb as sh
-from symhyb.cli import app
+from symhyb.cli.app import app
 from symhyb.correction.search import decide as search
 from symhyb.correction.verdict import choice as choosing
 from symhyb.correction.verdict import decided as deciding

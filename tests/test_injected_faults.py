@@ -76,7 +76,7 @@ def fault(folder: Path, kind: int, at: int, events: tuple[str, ...] = WRITES) ->
 
 def called(monkeypatch: pytest.MonkeyPatch, *arguments: object) -> int:
     """The exit status of the command line in this process."""
-    from symhyb.cli import main
+    from symhyb.cli.app import main
 
     monkeypatch.setattr(sys, "argv", ["symhyb", *map(str, arguments)])
     before = signal.getsignal(signal.SIGTERM)

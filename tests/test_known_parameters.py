@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 import symhyb as sh
-from symhyb.cli import app
+from symhyb.cli.app import app
 from symhyb.correction.calibration import calibrated
 from symhyb.discrepancy.checks.first_checks import first_checks
 from tests.known_weights import BARE, PENDULUM, WEIGHTS, recorded, swing

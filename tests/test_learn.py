@@ -15,7 +15,7 @@ import pytest
 from builders import DRIVEN_MASS, cart_and_pole
 
 import symhyb as sh
-from symhyb.cli import main
+from symhyb.cli.app import main
 from symhyb.learning import Learned, simulate_corrected
 from symhyb.model.read import parse_model
 from symhyb.numeric.runs.integrate import simulate

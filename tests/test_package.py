@@ -51,7 +51,7 @@ def test_what_is_in_the_wheel_runs(tmp_path: Path) -> None:
     told = run("import symhyb; print(symhyb.__file__)").stdout
     assert Path(told.strip()).is_relative_to(tmp_path)
     model, record = ROOT / "models" / "oscillator.toml", ROOT / "studies/oscillator/train.csv"
-    done = run("from symhyb.cli import main; main()", "diagnose", model, record, "-o", "out")
+    done = run("from symhyb.cli.app import main; main()", "diagnose", model, record, "-o", "out")
     assert done.returncode == 1, done.stderr
     assert "drag" in done.stdout
     left = {file.name for file in (tmp_path / "out").iterdir()}

@@ -7,7 +7,7 @@ from typing import Any
 
 from typer.main import get_command
 
-from symhyb.cli import app
+from symhyb.cli.app import app
 
 UNFORMATTED = "\b"  # before a paragraph whose lines stay as they are
 

@@ -96,7 +96,7 @@ def diagnosed(masses: int, samples: int, folder: Path) -> Cost:
     np.savetxt(data, table, delimiter=",", header=header, comments="", fmt="%.9g")
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     code = (
-        "import resource, sys; from symhyb.cli import main\n"
+        "import resource, sys; from symhyb.cli.app import main\n"
         "try: main()\n"
         "finally: print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss, file=sys.stderr)"
     )

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from timing import Row, in_turns, middle, milliseconds
 
-HELP = "import sys; sys.argv = ['symhyb', '--help']; from symhyb.cli import main; main()"
+HELP = "import sys; sys.argv = ['symhyb', '--help']; from symhyb.cli.app import main; main()"
 PROGRAMS = {
     "help": HELP,
     "sympy": "import sympy",

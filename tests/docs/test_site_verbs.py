@@ -6,7 +6,7 @@ import typer
 from _site.verbs import paragraphs, plain, section, verbs, verbs_text
 from typer.main import get_command
 
-from symhyb.cli import app
+from symhyb.cli.app import app
 
 
 def test_every_verb_has_its_section() -> None:

@@ -25,7 +25,7 @@ b = { value = 0.8, sd = 0.03, unit = "N*s^2/m^2", about = "drag quadratic in spe
 
 def symhyb(*arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        [sys.executable, "-c", "from symhyb.cli import main; main()", *arguments],
+        [sys.executable, "-c", "from symhyb.cli.app import main; main()", *arguments],
         capture_output=True,
         text=True,
         check=False,

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from symhyb.cli import main
+from symhyb.cli.app import main
 from symhyb.errors import InputError
 from symhyb.export.robot.robot_file import rewritten
 from symhyb.imports.deliver import Order, model_of, read_robot

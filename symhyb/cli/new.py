@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from symhyb.cli_options import Force, ModelFile, listed
+from symhyb.cli.options import Force, ModelFile, listed
 
 
 def new(

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from command import Call
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 MODEL = ROOT / "models" / "oscillator.toml"
 TRAIN = ROOT / "studies" / "oscillator" / "train.csv"
 

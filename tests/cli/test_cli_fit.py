@@ -9,7 +9,7 @@ from command import Call
 
 from symhyb.model.read import read_model
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 MODEL = str(ROOT / "models" / "oscillator.toml")
 TRAIN = str(ROOT / "studies" / "null" / "train.csv")
 

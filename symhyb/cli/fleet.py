@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from symhyb.cli_options import Force, Json, listed, print_json
+from symhyb.cli.options import Force, Json, listed, print_json
 
 Left = Annotated[Path, typer.Argument(metavar="DIR", help="Folder that symhyb run left.")]
 Unit = Annotated[

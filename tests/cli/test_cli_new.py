@@ -11,7 +11,7 @@ from command import Call
 from symhyb.drafting.templates import TEMPLATES
 from symhyb.model.read import read_model
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 TRAIN = ROOT / "studies" / "oscillator" / "train.csv"
 
 LOGGER = """time [ms],Kraft (N),pos mm,acc [g],speed [mm/s],temp [degC],gain

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from robots import ARM, joint, link, robot
 
-from symhyb.cli import main
+from symhyb.cli.app import main
 
 
 def run(*words: str) -> int:
@@ -56,7 +56,7 @@ def test_mistakes_end_with_status_2(tmp_path: Path, capsys: pytest.CaptureFixtur
 
 def test_help_loads_no_numerics() -> None:
     code = (
-        "import sys; from symhyb.imports.verb import import_; "
+        "import sys; from symhyb.cli.imports import import_; "
         "print(sorted({'numpy', 'sympy', 'defusedxml', 'xml.sax'} & set(sys.modules)))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

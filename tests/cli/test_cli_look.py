@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from command import Call
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 MODEL = ROOT / "models" / "oscillator.toml"
 TRAIN = ROOT / "studies" / "oscillator" / "train.csv"
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from test_cli import VERBS
 
-PAGE = (Path(__file__).parent.parent / "docs" / "commands.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[2] / "docs" / "commands.md").read_text(encoding="utf-8")
 
 
 def test_every_verb_has_a_section_with_a_run() -> None:

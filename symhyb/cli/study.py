@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from symhyb.cli_options import Folder
+from symhyb.cli.options import Folder
 
 if TYPE_CHECKING:
     from symhyb.study_file import Study

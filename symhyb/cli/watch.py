@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from symhyb.cli_options import Map, ModelFile
+from symhyb.cli.options import Map, ModelFile
 
 
 def watch(

@@ -5,7 +5,7 @@ Heavy modules are imported inside, so that help answers at once.
 
 import typer
 
-from symhyb.cli_options import Json, print_json
+from symhyb.cli.options import Json, print_json
 
 
 def doctor(as_json: Json = False) -> None:

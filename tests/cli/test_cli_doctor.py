@@ -12,7 +12,7 @@ from symhyb.console import doctor
 from symhyb.console.doctor import EXTRAS, LIBRARIES, Finding, healthy, tried
 from symhyb.numeric.kernels.compiled import find_compiler
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 
 

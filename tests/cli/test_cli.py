@@ -19,7 +19,7 @@ from fakes import NOTHING, Fake, fake_diagnosis, friction
 from symhyb.errors import NumericsError
 from symhyb.model.read import read_model
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 OSCILLATOR = str(ROOT / "models" / "oscillator.toml")
 TRAIN, HOLDOUT = (str(ROOT / "studies" / "oscillator" / f"{n}.csv") for n in ("train", "holdout"))
 SCHEMA = ROOT / "symhyb" / "report" / "diagnosis.schema.json"
@@ -190,7 +190,7 @@ def test_python_runs_the_package_as_the_command() -> None:
 
 def test_help_lists_every_verb_and_answers_at_once() -> None:
     code = (
-        "import atexit, sys, time; from symhyb.cli import main; "
+        "import atexit, sys, time; from symhyb.cli.app import main; "
         "atexit.register(lambda: print(time.process_time(), file=sys.stderr)); main()"
     )
 
@@ -208,7 +208,7 @@ def test_help_lists_every_verb_and_answers_at_once() -> None:
 def test_help_loads_no_numerics() -> None:
     """What takes time to load is loaded where it is used, whatever the machine."""
     code = (
-        "import atexit, sys; from symhyb.cli import main; "
+        "import atexit, sys; from symhyb.cli.app import main; "
         "atexit.register(lambda: print(*sys.modules, file=sys.stderr)); main()"
     )
     command = [sys.executable, "-c", code, "--help"]
@@ -303,7 +303,7 @@ def test_diff_of_a_model_with_itself_and_with_another(symhyb: Call, write: Write
 def test_a_pipe_that_does_not_know_every_letter_still_gets_its_sentences() -> None:
     model = str(ROOT / "models" / "cartpole.toml")
     done = subprocess.run(
-        [sys.executable, "-c", "from symhyb.cli import main; main()", "check", model],
+        [sys.executable, "-c", "from symhyb.cli.app import main; main()", "check", model],
         capture_output=True,
         env={**os.environ, "PYTHONIOENCODING": "ascii"},
     )

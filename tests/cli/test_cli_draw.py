@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from command import Call
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 
 
 @pytest.mark.parametrize("model", ["cartpole", "furuta_pendulum", "four_bar"])

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from symhyb.cli_options import Map
+from symhyb.cli.options import Map
 
 
 def view(

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from symhyb.cli_options import Json, print_json
+from symhyb.cli.options import Json, print_json
 
 data = typer.Typer(
     help="Public recordings that symhyb knows by name.", no_args_is_help=True, rich_markup_mode=None

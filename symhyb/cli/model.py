@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from symhyb.cli_options import Json, Known, Map, ModelFile, print_json
+from symhyb.cli.options import Json, Known, Map, ModelFile, print_json
 from symhyb.errors import InputError
 
 
