@@ -28,7 +28,7 @@ _HOMES = {
     "symhyb.correction.learning.network": ("train_network",),
     "symhyb.diagnosis": ("diagnose",),
     "symhyb.learning": ("learn",),
-    "symhyb.study": ("run_study",),
+    "symhyb.study.run": ("run_study",),
     "symhyb.report.files": ("write_diagnosis", "write_report", "write_simulation"),
     "symhyb.errors": ("InputError", "NumericsError", "Problem"),
 }

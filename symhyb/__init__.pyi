@@ -30,7 +30,7 @@ from symhyb.report.files import write_diagnosis as write_diagnosis
 from symhyb.report.files import write_report as write_report
 from symhyb.report.files import write_simulation as write_simulation
 from symhyb.running import simulate as simulate
-from symhyb.study import run_study as run_study
+from symhyb.study.run import run_study as run_study
 
 __version__: str
 __all__ = [

@@ -80,7 +80,7 @@ def _without_data(text: str) -> str:
 
 
 def _module(file: str) -> str:
-    """The file below the folder of packages, as ``symhyb/study.py``."""
+    """The file below the folder of packages, as ``symhyb/study/run.py``."""
     parts = Path(file).parts
     for root in ("site-packages", "dist-packages"):
         if root in parts:

@@ -14,8 +14,8 @@ from symhyb.model.read import read_model
 from symhyb.model.types import Model
 from symhyb.numeric.kernels.memory import seldom_collected
 from symhyb.steps import Say, silent
-from symhyb.study import read_all
-from symhyb.study_file import Study
+from symhyb.study.file import Study
+from symhyb.study.run import read_all
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -13,13 +13,13 @@ from symhyb.learning import Learned, learn
 from symhyb.model.diff import diff
 from symhyb.model.read import read_model
 from symhyb.model.write import write_model
-from symhyb.provenance import sha256_of, table_hashes, versions
 from symhyb.report.files import write_diagnosis, write_simulation
 from symhyb.report.learned import learned_json, render_learned
 from symhyb.report.learned_document import LearnedDocument
 from symhyb.steps import Say, silent
-from symhyb.study import StudyResult, carry_out, read_all
-from symhyb.study_file import Study
+from symhyb.study.file import Study
+from symhyb.study.provenance import sha256_of, table_hashes, versions
+from symhyb.study.run import StudyResult, carry_out, read_all
 from symhyb.writing import staged
 
 

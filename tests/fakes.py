@@ -5,7 +5,6 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from symhyb import study
 from symhyb.diagnosis import Concluded
 from symhyb.discrepancy.results import (
     Alternative,
@@ -19,6 +18,7 @@ from symhyb.discrepancy.results import (
 )
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import Element, On, Parameter
+from symhyb.study import run as study
 from symhyb.units import parse_unit
 
 NOTHING = Diagnosis("nothing missing", "Nothing is missing.", remainder=1.0)

@@ -16,7 +16,7 @@ from sympy.physics.mechanics import dynamicsymbols
 import symhyb as sh
 from symhyb.model.read import parse_model
 from symhyb.numeric.kernels.compiled import find_compiler
-from symhyb.study_file import read_study
+from symhyb.study.file import read_study
 from symhyb.tasks.expand import tasks_of
 from tests.scripts import scripts
 

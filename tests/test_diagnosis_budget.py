@@ -212,7 +212,7 @@ def test_the_command_line_takes_a_budget_and_leaves_all_files(
         'symhyb = 1\nmodel = "model.toml"\nbudget = "50 s"\n[[train]]\nfile = "run.csv"\n',
         encoding="utf-8",
     )
-    from symhyb.study_file import read_study
+    from symhyb.study.file import read_study
 
     assert read_study(tmp_path / "study.toml").budget_s == 50.0
     (tmp_path / "study.toml").write_text(

@@ -16,8 +16,8 @@ from symhyb.correction.advice.advice import CLOSED as NO_ADVICE
 from symhyb.correction.advice.advice import advise
 from symhyb.model.closed import CLOSED
 from symhyb.monitoring.gauge import gauge_of
-from symhyb.study import carry_out
-from symhyb.study_file import Study
+from symhyb.study.file import Study
+from symhyb.study.run import carry_out
 from tests.fmu_rigs import as_fmu
 
 HIDDEN = {"coulomb": 0.7}

@@ -13,9 +13,9 @@ import symhyb as sh
 from symhyb.console.results import print_result
 from symhyb.report import to_json
 from symhyb.report.tables import fleet_table
-from symhyb.study import carry_out, leave_files
-from symhyb.study_file import Study
-from symhyb.study_sources import Source
+from symhyb.study.file import Study
+from symhyb.study.run import carry_out, leave_files
+from symhyb.study.sources import Source
 from tests.rigs import DAMPING, MASS, STIFFNESS, spring_model
 
 SCHEMA = Path(sh.__file__).parent / "report" / "diagnosis.schema.json"

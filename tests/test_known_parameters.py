@@ -151,8 +151,8 @@ def test_a_study_says_for_each_recording_what_is_known(folder, runs):
         known = f"{{ m = {1000 * run.parameters['m']}, l = {run.parameters['l']} }}"
         parts.append(f'[[train]]\nfile = "{run.name}"\nparameters = {known}')
     (folder / "study.toml").write_text("\n".join(parts), encoding="utf-8")
-    from symhyb.study import read_all
-    from symhyb.study_file import read_study
+    from symhyb.study.file import read_study
+    from symhyb.study.run import read_all
 
     model = sh.read_model(folder / "model.toml")
     read, _ = read_all(read_study(folder / "study.toml"), model)

@@ -8,10 +8,10 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from symhyb.expected import read_expected
 from symhyb.model.types import At, On
-from symhyb.study import run_study
-from symhyb.study_file import read_study
+from symhyb.study.expected import read_expected
+from symhyb.study.file import read_study
+from symhyb.study.run import run_study
 
 STUDY = Path(__file__).parent.parent / "studies" / "pendulum"
 INERTIA = 0.1476 * 9.81 * 0.1478 / 64.045  # of the arm about its pivot, kg·m²

@@ -10,8 +10,8 @@ from types import ModuleType
 import pytest
 from fakes import Fake, fake_diagnosis, friction
 
-from symhyb.published import Published, Reference
-from symhyb.study import run_study
+from symhyb.study.published import Published, Reference
+from symhyb.study.run import run_study
 from tests.scripts import scripts
 
 ROOT = Path(__file__).parent.parent

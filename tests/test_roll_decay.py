@@ -9,11 +9,11 @@ import pytest
 from fakes import friction, verdict
 
 from symhyb.discrepancy.results import Alternative, Diagnosis, Estimate
-from symhyb.expected import Expected, check, read_expected
 from symhyb.model.types import On
 from symhyb.report.contract import to_json
-from symhyb.study import carry_out, run_study
-from symhyb.study_file import read_study
+from symhyb.study.expected import Expected, check, read_expected
+from symhyb.study.file import read_study
+from symhyb.study.run import carry_out, run_study
 
 STUDY = Path(__file__).parent.parent / "studies" / "roll_decay"
 Public = Callable[..., Path]
@@ -68,7 +68,7 @@ def test_at_speed_damping_is_mostly_linear_and_unseen_data_choose_nothing(
     random = np.random.default_rng(3)
     noise = {"roll": 0.1 * random.standard_normal(unseen.t.size)}
     given = (result.train, (replace(unseen, sensors=noise),))
-    monkeypatch.setattr("symhyb.study.read_all", lambda study, model: given)
+    monkeypatch.setattr("symhyb.study.run.read_all", lambda study, model: given)
     blind = carry_out(read_study(STUDY / "at_speed" / "study.toml"))
 
     def reported(diagnosis: Diagnosis) -> dict[str, object]:  # the share alone is of unseen data

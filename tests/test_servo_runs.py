@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from symhyb.study_file import read_study
+from symhyb.study.file import read_study
 from symhyb.tasks.expand import tasks_of
 from tests.scripts import scripts
 

@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from symhyb import study as chain
 from symhyb.data.recording import Recording
 from symhyb.diagnosis import diagnose
 from symhyb.discrepancy.results import Diagnosis
 from symhyb.model.read import read_model
 from symhyb.model.types import Model
-from symhyb.study_file import read_study
+from symhyb.study import run as chain
+from symhyb.study.file import read_study
 
 Claims = dict[str, list[str]]
 

@@ -12,7 +12,7 @@ import numpy as np
 from growth import chain, recorded
 from timing import Row, in_turns, middle, milliseconds
 
-from symhyb.study_file import read_study
+from symhyb.study.file import read_study
 from symhyb.tasks.run import How, run_sweep
 
 SAMPLES, LEVEL = 1000, 0.002

@@ -15,9 +15,9 @@ from pathlib import Path
 from symhyb.console.results import print_checks, print_result
 from symhyb.console.terminal import progress
 from symhyb.errors import SymhybError
-from symhyb.expected import Check, Expected, check
 from symhyb.report.contract import to_json
-from symhyb.study import StudyResult, run_study
+from symhyb.study.expected import Check, Expected, check
+from symhyb.study.run import StudyResult, run_study
 
 HERE = Path(__file__).resolve().parent
 OUTPUT = HERE.parent.parent / "build" / "demo"

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 from reference import FIRST, LEARNED, NUMBERS, simulated, single, swing
 
-from symhyb.expected import found_terms
+from symhyb.study.expected import found_terms
 
 HERE = Path(__file__).resolve().parent
 WEIGHT = 0.1476 * 9.81 * 0.1478  # m g l, N·m

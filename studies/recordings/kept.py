@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from symhyb.expected import Expected, read_expected
 from symhyb.report.contract import to_json
-from symhyb.study import StudyResult, manifest
-from symhyb.study_file import Study, read_study
+from symhyb.study.expected import Expected, read_expected
+from symhyb.study.file import Study, read_study
+from symhyb.study.run import StudyResult, manifest
 
 STUDIES = Path(__file__).resolve().parents[1]
 RESULTS = Path(__file__).resolve().parent / "results"

@@ -17,7 +17,7 @@ from kept import RESULTS, STUDIES, Case, cases, keep
 from picture import draw
 from words import about, knows, numbers, own_scores, reported, rivals, score_rows, short
 
-from symhyb.study import run_study
+from symhyb.study.run import run_study
 
 DOCS = STUDIES.parent / "docs"
 PAGE = DOCS / "recordings.md"

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from symhyb.discrepancy.results import Cloud, Trace
 from symhyb.model.types import Model, On
-from symhyb.study import StudyResult
+from symhyb.study.run import StudyResult
 from symhyb.units import parse_unit
 
 matplotlib.use("Agg")

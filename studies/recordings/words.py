@@ -10,11 +10,11 @@ from kept import Case
 
 from symhyb.data.catalogue import named as dataset_named
 from symhyb.discrepancy.words.amounts import joined, number_text, quantity_text
-from symhyb.expected import found_terms, score_at
 from symhyb.model.read import read_model
 from symhyb.model.types import Model, place_text
-from symhyb.published import Reference
-from symhyb.study_sources import Source
+from symhyb.study.expected import found_terms, score_at
+from symhyb.study.published import Reference
+from symhyb.study.sources import Source
 from symhyb.units import parse_unit
 
 SCORES = {"window": "windows of {window}", "free_run": "free run"}

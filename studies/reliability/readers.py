@@ -22,14 +22,14 @@ from grammar import expression, unit
 from mutate import of_bytes, of_json, of_toml, of_zip
 
 from symhyb.errors import InputError, Problem
-from symhyb.expected import read_expected
 from symhyb.imports.deliver import Order, model_of
 from symhyb.imports.urdf import parse_urdf
 from symhyb.model.expression import ExpressionError, parse_expression, show
 from symhyb.model.read import parse_model
 from symhyb.numeric.lowered.machine import build
 from symhyb.numeric.lowered.network import evaluated, parsed
-from symhyb.study_file import read_study
+from symhyb.study.expected import read_expected
+from symhyb.study.file import read_study
 from symhyb.units import UnitError, parse_unit
 
 HERE = Path(__file__).resolve().parent

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from scipy.optimize import curve_fit
 
 from symhyb.data.datasets import fetch
-from symhyb.expected import found_terms
+from symhyb.study.expected import found_terms
 
 HERE = Path(__file__).resolve().parent
 PERIOD, OMEGA = 2.55, 2.461  # s, rad/s

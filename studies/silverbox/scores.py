@@ -26,7 +26,7 @@ from symhyb.discrepancy.fitting.initialised import initialised_run
 from symhyb.model.read import read_model
 from symhyb.model.types import Model
 from symhyb.model.write import write_model
-from symhyb.study_file import read_study
+from symhyb.study.file import read_study
 
 STUDY = Path(__file__).with_name("study.toml")
 STEP = 1.6384e-3  # s between samples

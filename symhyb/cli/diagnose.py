@@ -93,9 +93,9 @@ def diagnose(
     from symhyb.data.groups import by_name
     from symhyb.deadline import required_seconds
     from symhyb.report.contract import to_json
-    from symhyb.study import StudyResult, carry_out, leave_files
-    from symhyb.study_file import Study
-    from symhyb.study_sources import Source
+    from symhyb.study.file import Study
+    from symhyb.study.run import StudyResult, carry_out, leave_files
+    from symhyb.study.sources import Source
     from symhyb.writing import require_folder
 
     study = Study(

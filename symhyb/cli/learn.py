@@ -126,8 +126,8 @@ def learn(
     from symhyb.console.terminal import progress
     from symhyb.data.columns import read_map
     from symhyb.learned_run import Order, carry_out_order, leave_learned
-    from symhyb.study_file import Study
-    from symhyb.study_sources import Source
+    from symhyb.study.file import Study
+    from symhyb.study.sources import Source
     from symhyb.writing import require_folder
 
     study = Study(

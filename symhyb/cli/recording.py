@@ -226,8 +226,8 @@ def fit(
     from symhyb.fitted_run import fit_study
     from symhyb.model.write import write_model
     from symhyb.report.contract import scores_json
-    from symhyb.study_file import Study
-    from symhyb.study_sources import Source
+    from symhyb.study.file import Study
+    from symhyb.study.sources import Source
     from symhyb.writing import require_new
 
     require_new(output, force)

@@ -11,7 +11,7 @@ import typer
 from symhyb.cli.options import Folder
 
 if TYPE_CHECKING:
-    from symhyb.study_file import Study
+    from symhyb.study.file import Study
     from symhyb.tasks.run import How
 
 Left = Annotated[Path, typer.Argument(metavar="DIR", help="Folder that symhyb run left.")]
@@ -55,7 +55,7 @@ def run(
       symhyb run studies/emps/study.toml -o out
     """
     from symhyb.errors import InputError, Problem
-    from symhyb.study_file import read_study
+    from symhyb.study.file import read_study
     from symhyb.tasks.run import How
 
     how = How(workers, scheduler, resume, tuple(only or ()))
@@ -77,7 +77,7 @@ def run(
 def _run_one(study: "Study", output: Path) -> None:
     from symhyb.console.results import print_checks, print_result, printed_if_interrupted
     from symhyb.console.terminal import progress
-    from symhyb.study import run_read
+    from symhyb.study.run import run_read
 
     with printed_if_interrupted(output) as keep, progress() as say:
         result = run_read(study, output, say, keep)

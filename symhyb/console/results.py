@@ -18,15 +18,15 @@ from symhyb.discrepancy.words.wording import (
     parameter_phrase,
     percent_text,
 )
-from symhyb.expected import Check
 from symhyb.interruption import is_interruption
 from symhyb.model.types import place_text
 from symhyb.model.vocabulary import said_of
 from symhyb.report.sentences import alternative_sentence, remainder_sentence, score_sentences
+from symhyb.study.expected import Check
 
 if TYPE_CHECKING:  # a verb that only reads a file need not load the numerics
     from symhyb.learned_run import Outcome
-    from symhyb.study import Leave, StudyResult
+    from symhyb.study.run import Leave, StudyResult
 
 
 def print_result(result: "StudyResult", directory: Path) -> None:

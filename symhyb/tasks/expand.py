@@ -17,10 +17,10 @@ from symhyb.limits import STUDY_TASKS
 from symhyb.model.read import read_model
 from symhyb.model.types import Model
 from symhyb.model.write import set_parameters
-from symhyb.study_file import Study
-from symhyb.study_options import Options
-from symhyb.study_sources import Source
-from symhyb.study_sweep import Noise, Subsets, Sweep
+from symhyb.study.file import Study
+from symhyb.study.options import Options
+from symhyb.study.sources import Source
+from symhyb.study.sweep import Noise, Subsets, Sweep
 from symhyb.tasks.keys import Digests, key_of
 
 WHOLE = "study"

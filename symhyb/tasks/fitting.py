@@ -23,10 +23,10 @@ from symhyb.model.read import read_model
 from symhyb.model.types import Model
 from symhyb.model.write import set_parameters, write_model
 from symhyb.numeric.kernels.buffers import Array
-from symhyb.provenance import entry_of, sha256_of, table_hashes, versions
 from symhyb.report.contract import finite
-from symhyb.study import read_all
-from symhyb.study_file import Study
+from symhyb.study.file import Study
+from symhyb.study.provenance import entry_of, sha256_of, table_hashes, versions
+from symhyb.study.run import read_all
 from symhyb.tasks.expand import Task
 from symhyb.writing import write_file
 

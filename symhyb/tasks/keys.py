@@ -14,9 +14,9 @@ from symhyb.data.formats import files_of
 from symhyb.errors import InputError, Problem
 from symhyb.model.types import Model
 from symhyb.model.write import text_of
-from symhyb.provenance import table_hashes
-from symhyb.study_file import Study
-from symhyb.study_sources import Source
+from symhyb.study.file import Study
+from symhyb.study.provenance import table_hashes
+from symhyb.study.sources import Source
 
 FORMAT = 1
 """Of what is hashed."""

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from symhyb.errors import InputError, Problem
-from symhyb.expected import found_terms, place_name
 from symhyb.limits import DIAGNOSIS_BYTES, content_of
+from symhyb.study.expected import found_terms, place_name
 from symhyb.tasks.fitting import NAME as FIT
 from symhyb.tasks.fitting import Fitted, read_fit
 from symhyb.tasks.folder import TASKS, Entry, ended, read_index

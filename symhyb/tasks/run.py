@@ -7,7 +7,7 @@ from pathlib import Path
 
 from symhyb.errors import InputError, Problem
 from symhyb.steps import Counted, Say, silent
-from symhyb.study_file import Study
+from symhyb.study.file import Study
 from symhyb.tasks.cluster import run_there
 from symhyb.tasks.expand import Task, chosen, tasks_of
 from symhyb.tasks.folder import (

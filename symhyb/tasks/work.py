@@ -11,8 +11,8 @@ from pathlib import Path
 from symhyb.errors import InputError, NumericsError, visible
 from symhyb.fault import NAME, fault_text
 from symhyb.numeric.kernels.threads import one_thread
-from symhyb.study import StudyResult, carry_out, leave_files, manifest
-from symhyb.study_file import Study
+from symhyb.study.file import Study
+from symhyb.study.run import StudyResult, carry_out, leave_files, manifest
 from symhyb.tasks.expand import Task
 from symhyb.tasks.fitting import leave_fit
 from symhyb.tasks.folder import Ended, FullError, Why, begin, end, finished, leave_ended, whole

@@ -9,9 +9,9 @@ from typing import Any
 from symhyb.fault import error_sentences
 from symhyb.interruption import is_interruption, listen
 from symhyb.steps import Counted
-from symhyb.study import StudyResult, carry_out, leave_files
-from symhyb.study_file import Study
-from symhyb.study_sources import Source
+from symhyb.study.file import Study
+from symhyb.study.run import StudyResult, carry_out, leave_files
+from symhyb.study.sources import Source
 from symhyb.writing import require_folder
 
 

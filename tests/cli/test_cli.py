@@ -654,7 +654,7 @@ def test_a_diagnosis_that_is_interrupted_after_its_files_are_left_is_printed(
         raise KeyboardInterrupt
 
     fake(friction())
-    monkeypatch.setattr("symhyb.study.advised", interrupted)
+    monkeypatch.setattr("symhyb.study.run.advised", interrupted)
     done = diagnose(symhyb, tmp_path / "out", *["--json"] * as_json)
     assert done.status == 130
     assert "so far: the diagnosis, which is written" in done.err

@@ -8,8 +8,8 @@ import pytest
 import symhyb as sh
 from symhyb.data.group_table import read_groups
 from symhyb.data.groups import by_name, require_groups
-from symhyb.study import read_all
-from symhyb.study_file import read_study
+from symhyb.study.file import read_study
+from symhyb.study.run import read_all
 from tests.known_weights import BARE
 
 T = np.arange(0, 3, 0.01)

@@ -15,7 +15,7 @@ from symhyb.model.render import render
 from symhyb.model.types import Model
 from symhyb.model.varied import written_with_factor
 from symhyb.model.write import append_elements, write_model
-from symhyb.provenance import table_hashes
+from symhyb.study.provenance import table_hashes
 from tests.builders import DRIVEN_MASS
 
 STRUT = """[elements.strut]

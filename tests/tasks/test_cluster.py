@@ -14,7 +14,7 @@ import sweeps
 from sweeps import write_sweep
 
 from symhyb.errors import InputError
-from symhyb.study_file import read_study
+from symhyb.study.file import read_study
 from symhyb.tasks import cluster
 from symhyb.tasks.outcome import read_outcomes
 from symhyb.tasks.rows import csv_text, rows_of

@@ -9,7 +9,7 @@ from sweeps import write_sweep
 
 from symhyb.errors import InputError
 from symhyb.fleet.rungs import weighed
-from symhyb.study_file import read_study
+from symhyb.study.file import read_study
 from symhyb.tasks.expand import tasks_of
 from symhyb.tasks.fitting import read_fit
 from symhyb.tasks.outcome import read_outcomes

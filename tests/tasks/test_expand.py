@@ -7,8 +7,8 @@ import pytest
 from sweeps import SWEEP, write_sweep
 
 from symhyb.errors import InputError
-from symhyb.study_file import read_study
-from symhyb.study_sweep import Noise, Subsets, Sweep
+from symhyb.study.file import read_study
+from symhyb.study.sweep import Noise, Subsets, Sweep
 from symhyb.tasks import keys
 from symhyb.tasks.expand import Task, chosen, tasks_of
 

@@ -8,8 +8,8 @@ import pytest
 from sweeps import write_sweep
 
 from symhyb.errors import InputError
-from symhyb.study import run_study
-from symhyb.study_file import read_study
+from symhyb.study.file import read_study
+from symhyb.study.run import run_study
 from symhyb.tasks.expand import tasks_of
 from symhyb.tasks.fitting import read_fit
 from symhyb.tasks.outcome import FITTED, read_outcomes

@@ -12,7 +12,7 @@ from sweeps import write_sweep
 
 from symhyb.errors import InputError
 from symhyb.report.contract import to_json
-from symhyb.study_file import read_study
+from symhyb.study.file import read_study
 from symhyb.tasks.differences import differences_of
 from symhyb.tasks.expand import tasks_of
 from symhyb.tasks.folder import Ended, held, leave_ended, prepare, whole, write_index

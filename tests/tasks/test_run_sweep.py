@@ -13,7 +13,7 @@ import sweeps
 from sweeps import write_sweep
 
 from symhyb.errors import InputError
-from symhyb.study_file import read_study
+from symhyb.study.file import read_study
 from symhyb.tasks.folder import ended, held, there
 from symhyb.tasks.outcome import read_outcomes
 from symhyb.tasks.processes import Perform
@@ -124,7 +124,7 @@ SCRIPT = """\
 import sys
 sys.path.insert(0, {tests!r})
 import sweeps
-from symhyb.study_file import read_study
+from symhyb.study.file import read_study
 from symhyb.tasks.run import How, run_sweep
 run_sweep(read_study("study.toml"), "out", How(workers=2, resume=True), perform=sweeps.slow)
 """

@@ -11,8 +11,8 @@ from fakes import fake_diagnosis, friction
 from sweeps import write_sweep
 
 from symhyb.errors import InputError, NumericsError, Problem
-from symhyb.study import run_study
-from symhyb.study_file import read_study
+from symhyb.study.file import read_study
+from symhyb.study.run import run_study
 from symhyb.tasks import work
 from symhyb.tasks.expand import Task, tasks_of
 from symhyb.tasks.folder import AGAIN, begun, ended, finished, prepare
@@ -35,8 +35,8 @@ def test_a_task_leaves_the_files_of_a_diagnosis_and_what_went_in(
     task: Task, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked = fake_diagnosis(monkeypatch)(friction())
-    monkeypatch.setattr("symhyb.study.apply", lambda model, *_: model)
-    monkeypatch.setattr("symhyb.study._first_checks", lambda *_: None)
+    monkeypatch.setattr("symhyb.study.run.apply", lambda model, *_: model)
+    monkeypatch.setattr("symhyb.study.run._first_checks", lambda *_: None)
     monkeypatch.setattr(work, "leave_files", lambda result, folder: (folder / "a").touch())
     monkeypatch.chdir("/")  # as a worker elsewhere
     assert work.perform(task, tmp_path / "out") == work.Done(task.key)

@@ -7,9 +7,9 @@ import jsonschema
 import pytest
 
 from symhyb.errors import InputError
-from symhyb.study_file import Study, read_study
-from symhyb.study_schema import study_schema
-from symhyb.study_sweep import Noise, Structure, Subsets, Sweep
+from symhyb.study.file import Study, read_study
+from symhyb.study.schema import study_schema
+from symhyb.study.sweep import Noise, Structure, Subsets, Sweep
 
 VALID = jsonschema.Draft7Validator(study_schema())
 

@@ -10,7 +10,7 @@ from symhyb import __version__
 from symhyb.data.recording import Recording
 from symhyb.limits import TEXT_BYTES, content_of
 from symhyb.model.types import Model
-from symhyb.study_sources import Source
+from symhyb.study.sources import Source
 
 LIBRARIES = ("numpy", "scipy", "casadi", "sympy", "pysindy", "scikit-learn")
 

@@ -6,8 +6,8 @@ import pytest
 
 from symhyb.errors import InputError
 from symhyb.limits import STUDY_RECORDINGS
-from symhyb.study_file import read_study
-from symhyb.study_sources import Source
+from symhyb.study.file import read_study
+from symhyb.study.sources import Source
 
 HEAD = 'symhyb = 1\nmodel = "model.toml"\n'
 
@@ -152,6 +152,6 @@ def test_more_recordings_than_the_limit_are_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert STUDY_RECORDINGS > 500
-    monkeypatch.setattr("symhyb.study_sources.STUDY_RECORDINGS", 1)
+    monkeypatch.setattr("symhyb.study.sources.STUDY_RECORDINGS", 1)
     (found,) = problems(study(tmp_path, '[[train]]\nfiles = "runs/*.csv"\n'))
     assert "2 recordings are more than 1" in found

@@ -27,7 +27,7 @@ from symhyb.discrepancy.results import VerdictName
 from symhyb.errors import InputError, Problem, did_you_mean
 from symhyb.limits import text_of
 from symhyb.model.tables import Fault, Table, describe
-from symhyb.published import Published, read_published
+from symhyb.study.published import Published, read_published
 
 SHAPES = ("length", "stribeck", "transition")
 """Terms that shape a law and are no effect of their own."""

@@ -1,4 +1,4 @@
-"""The JSON Schema of study.toml: ``python -m symhyb.study_schema [FILE]`` writes it."""
+"""The JSON Schema of study.toml: ``python -m symhyb.study.schema [FILE]`` writes it."""
 
 import sys
 from pathlib import Path
@@ -18,8 +18,8 @@ from symhyb.model.schema_parts import (
     truth,
     write,
 )
-from symhyb.study_file import FORMAT
-from symhyb.study_sources import ORIGINS
+from symhyb.study.file import FORMAT
+from symhyb.study.sources import ORIGINS
 
 FILE = Path(__file__).with_name("study.schema.json")
 

@@ -9,11 +9,11 @@ import pytest
 from fakes import friction
 
 import symhyb as sh
-from symhyb.study_file import read_study
+from symhyb.study.file import read_study
 from tests.rigs import made, spring_model, spring_recording
 from tests.unseen import assert_unseen_chooses_nothing, claims, noise_like, with_and_without
 
-STUDIES = Path(__file__).parent.parent / "studies"
+STUDIES = Path(__file__).parents[2] / "studies"
 
 
 def studies() -> list[Path]:

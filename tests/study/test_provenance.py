@@ -9,7 +9,7 @@ import pytest
 
 from symhyb import __version__
 from symhyb.errors import InputError
-from symhyb.provenance import LIBRARIES, sha256_of, versions
+from symhyb.study.provenance import LIBRARIES, sha256_of, versions
 
 
 def test_versions_are_those_that_are_installed() -> None:

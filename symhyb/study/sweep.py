@@ -27,9 +27,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from symhyb.model.tables import Table, describe
-from symhyb.study_folders import Folders
-from symhyb.study_options import KEYS, Options, read_options
-from symhyb.study_sources import file_named
+from symhyb.study.folders import Folders
+from symhyb.study.options import KEYS, Options, read_options
+from symhyb.study.sources import file_named
 
 AXES = ("models", "each", "values", "subsets", "noise", "options", "structures")
 FEWEST_STRUCTURES = 2  # that can be compared

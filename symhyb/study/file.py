@@ -25,8 +25,8 @@ map  = { force = "F [kN]" }              # instead of, and besides, the entries 
 window_s      = 0.25                     # without it, chosen from the recordings
 force_band_hz = 60
 
-How many recordings are named at once stands in :mod:`symhyb.study_sources`, how many diagnoses are
-made of one study in :mod:`symhyb.study_sweep`.
+How many recordings are named at once stands in :mod:`symhyb.study.sources`, how many diagnoses are
+made of one study in :mod:`symhyb.study.sweep`.
 """
 
 import os
@@ -41,10 +41,10 @@ from symhyb.errors import InputError, Problem
 from symhyb.limits import text_of
 from symhyb.model.source import scan
 from symhyb.model.tables import Fault, Table, describe
-from symhyb.study_folders import Folders, folders_of
-from symhyb.study_options import read_options
-from symhyb.study_sources import Source, file_named, read_sources
-from symhyb.study_sweep import Noise, Structure, Sweep, read_noise, read_sweep, read_values
+from symhyb.study.folders import Folders, folders_of
+from symhyb.study.options import read_options
+from symhyb.study.sources import Source, file_named, read_sources
+from symhyb.study.sweep import Noise, Structure, Sweep, read_noise, read_sweep, read_values
 
 FORMAT = 1
 """The version of the study file that is read."""

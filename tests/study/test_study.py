@@ -13,26 +13,26 @@ from builders import DRIVEN_MASS
 from fakes import NOTHING, Fake, fake_diagnosis, friction, verdict
 
 import symhyb.diagnosis as diagnosis_module
-from symhyb import study as module
 from symhyb.data.recording import read_recording
 from symhyb.diagnosis import Concluded, advised, diagnose
 from symhyb.discrepancy.fitting.judge import judge
 from symhyb.discrepancy.results import Alternative, Diagnosis, Estimate, Measurement, Reestimated
 from symhyb.errors import InputError, NumericsError
-from symhyb.expected import Expected, check, found_terms, read_expected
 from symhyb.model.read import read_model
 from symhyb.model.tables import shorten
 from symhyb.model.types import Between, On
 from symhyb.model.write import write_model
-from symhyb.provenance import table_hashes
-from symhyb.published import Reference
 from symhyb.report.contract import to_json
-from symhyb.study import manifest, run_study
-from symhyb.study_file import Study, read_study
-from symhyb.study_sources import Source
+from symhyb.study import run as module
+from symhyb.study.expected import Expected, check, found_terms, read_expected
+from symhyb.study.file import Study, read_study
+from symhyb.study.provenance import table_hashes
+from symhyb.study.published import Reference
+from symhyb.study.run import manifest, run_study
+from symhyb.study.sources import Source
 from symhyb.writing import staged
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 STUDIES = ROOT / "studies"
 
 STUDY = """\

@@ -32,7 +32,6 @@ from symhyb.discrepancy.checks.suspicion import repaired
 from symhyb.discrepancy.fitting.judge import judge
 from symhyb.discrepancy.results import Diagnosis, Verdict
 from symhyb.errors import InputError, Problem
-from symhyb.expected import Check, Expected, check, read_expected
 from symhyb.model.closed import require_open
 from symhyb.model.diff import diff
 from symhyb.model.read import read_model
@@ -40,13 +39,14 @@ from symhyb.model.types import Model
 from symhyb.model.write import set_parameters, write_model
 from symhyb.numeric.kernels.memory import seldom_collected
 from symhyb.numeric.lowered.machine import build
-from symhyb.provenance import entry_of, sha256_of, table_hashes, versions
 from symhyb.report.contract import exit_status, to_json
 from symhyb.report.files import write_diagnosis, write_report, write_simulation
 from symhyb.steps import Say, silent
-from symhyb.study_file import Study, read_study
-from symhyb.study_sources import Source
-from symhyb.study_unseen import require_unseen
+from symhyb.study.expected import Check, Expected, check, read_expected
+from symhyb.study.file import Study, read_study
+from symhyb.study.provenance import entry_of, sha256_of, table_hashes, versions
+from symhyb.study.sources import Source
+from symhyb.study.unseen import require_unseen
 from symhyb.writing import require_folder, staged
 
 COMPLETE = "the diagnosis, which is written; only what to record next is not worked out"

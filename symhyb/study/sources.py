@@ -28,7 +28,7 @@ from symhyb.data.rows import Span
 from symhyb.errors import InputError, did_you_mean
 from symhyb.limits import STUDY_RECORDINGS
 from symhyb.model.tables import Table, describe, shorten
-from symhyb.study_folders import Folders
+from symhyb.study.folders import Folders
 
 ORIGINS = ("file", "data", "files", "table")
 KEYS = (*ORIGINS, "span", "map", "parameters", "groups")

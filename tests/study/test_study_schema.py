@@ -8,10 +8,10 @@ import pytest
 
 from symhyb.errors import InputError
 from symhyb.model.schema_parts import written
-from symhyb.study_file import SECTIONS, read_study
-from symhyb.study_schema import FILE, main, study_schema
+from symhyb.study.file import SECTIONS, read_study
+from symhyb.study.schema import FILE, main, study_schema
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 SCHEMA = study_schema()
 VALID = jsonschema.Draft7Validator(SCHEMA)
 STUDIES = sorted((ROOT / "studies").rglob("study.toml"))

@@ -5,12 +5,12 @@ from typing import Any
 
 from symhyb.data.groups import by_name
 from symhyb.model.tables import Table, describe
-from symhyb.study_sources import text_map
+from symhyb.study.sources import text_map
 
 KEYS = ("map", "own", "score", "finish")
 
 Options = dict[str, Any]
-"""By the field of :class:`~symhyb.study_file.Study` its value."""
+"""By the field of :class:`~symhyb.study.file.Study` its value."""
 
 
 def read_options(table: Table) -> Options:
