@@ -37,7 +37,7 @@ fuzz: $(READY)
 # all that calls a library, and of whole diagnoses
 OLDEST := build/oldest
 OF_OLDEST := cli data export imports laws model numeric optimisation report \
-	test_diagnosis.py test_learn.py
+	diagnosis/test_diagnosis.py test_learn.py
 # but for those that need the tools of development, or look at the newest versions
 NOT_OF_OLDEST := report/test_contract.py::test_the_schemas_are_those_of_the_types \
 	laws/test_add_a_law.py::test_the_law_of_the_page_is_written_as_all_code_is

@@ -14,7 +14,7 @@ from symhyb.study.published import Published, Reference
 from symhyb.study.run import run_study
 from tests.scripts import scripts
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture(scope="module")

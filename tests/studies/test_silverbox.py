@@ -15,7 +15,7 @@ from symhyb.correction.learning.remainder import remainder
 from symhyb.model.read import parse_model, read_model
 from symhyb.model.types import Model
 
-FOLDER = Path(__file__).parent.parent / "studies" / "silverbox"
+FOLDER = Path(__file__).parents[2] / "studies" / "silverbox"
 NAMED = """
 [elements.found_spring]
 kind = "spring"

@@ -14,7 +14,7 @@ import symhyb as sh
 from symhyb.numeric.kernels import compiled
 from tests.scripts import scripts
 
-FOLDER = Path(__file__).parents[1] / "studies" / "swing_up"
+FOLDER = Path(__file__).parents[2] / "studies" / "swing_up"
 NAMES = ("engine", "generate", "plan", "feedback", "swing")
 needs_compiler = pytest.mark.skipif(compiled.find_compiler() is None, reason="no C compiler")
 

@@ -13,7 +13,7 @@ from symhyb.study.expected import read_expected
 from symhyb.study.file import read_study
 from symhyb.study.run import run_study
 
-STUDY = Path(__file__).parent.parent / "studies" / "pendulum"
+STUDY = Path(__file__).parents[2] / "studies" / "pendulum"
 INERTIA = 0.1476 * 9.81 * 0.1478 / 64.045  # of the arm about its pivot, kg·m²
 Public = Callable[..., Path]
 

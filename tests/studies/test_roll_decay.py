@@ -15,7 +15,7 @@ from symhyb.study.expected import Expected, check, read_expected
 from symhyb.study.file import read_study
 from symhyb.study.run import carry_out, run_study
 
-STUDY = Path(__file__).parent.parent / "studies" / "roll_decay"
+STUDY = Path(__file__).parents[2] / "studies" / "roll_decay"
 Public = Callable[..., Path]
 
 

@@ -20,7 +20,7 @@ from symhyb.study.file import read_study
 from symhyb.tasks.expand import tasks_of
 from tests.scripts import scripts
 
-FOLDER = Path(__file__).parents[1] / "studies" / "benchmarks"
+FOLDER = Path(__file__).parents[2] / "studies" / "benchmarks"
 Study = Mapping[str, ModuleType]
 NAMES = (
     "bench",

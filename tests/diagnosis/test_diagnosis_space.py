@@ -16,7 +16,7 @@ import symhyb as sh
 from symhyb.model.read import parse_model
 from symhyb.model.types import At, On
 
-MODEL = Path(__file__).parents[1] / "models" / "furuta_pendulum.toml"
+MODEL = Path(__file__).parents[2] / "models" / "furuta_pendulum.toml"
 END, STEP = 10.0, 0.01
 
 

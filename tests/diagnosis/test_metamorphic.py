@@ -19,7 +19,7 @@ from symhyb.model.read import parse_model
 
 pytestmark = pytest.mark.thorough
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 Texts = Mapping[str, str]
 """What stands in a model file, and what in its place."""
 

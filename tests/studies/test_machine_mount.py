@@ -12,7 +12,7 @@ import pytest
 from symhyb.numeric.kernels import compiled
 from tests.scripts import scripts
 
-FOLDER = Path(__file__).parents[1] / "studies" / "machine_mount"
+FOLDER = Path(__file__).parents[2] / "studies" / "machine_mount"
 needs_compiler = pytest.mark.skipif(compiled.find_compiler() is None, reason="no C compiler")
 
 

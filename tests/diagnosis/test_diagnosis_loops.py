@@ -16,7 +16,7 @@ from symhyb.model.types import On
 
 pytestmark = pytest.mark.thorough
 
-MODEL = read_model(Path(__file__).parents[1] / "models" / "slider_crank.toml")
+MODEL = read_model(Path(__file__).parents[2] / "models" / "slider_crank.toml")
 FRICTION, TRANSITION = 2.0, 2e-3  # N on the slider, m/s
 STARTS = (0.3, 1.0, 2.0)  # rad
 STEP, LENGTH = 0.01, 4.0  # s
