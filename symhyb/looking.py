@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from symhyb.data.formats import read_table
+from symhyb.data.files.formats import read_table
 from symhyb.data.known_table import table_of_known, values_in
 from symhyb.data.look import Look, look_at
 from symhyb.data.recording import Recording, read_recording

@@ -10,10 +10,10 @@ from dataclasses import asdict, replace
 
 import numpy as np
 
-from symhyb.data.apart import Allowed, read_apart
-from symhyb.data.mujoco_answers import Engine, content_of_mjcf, machine_from
-from symhyb.data.packed import packed, unpacked
-from symhyb.data.table import Column, Table, refusal
+from symhyb.data.files.apart import Allowed, read_apart
+from symhyb.data.files.table import Column, Table, refusal
+from symhyb.data.hosts.mujoco_answers import Engine, content_of_mjcf, machine_from
+from symhyb.data.hosts.packed import packed, unpacked
 from symhyb.errors import InputError, Problem
 from symhyb.limits import FMU_CALLS_A_SECOND, FMU_SECONDS, RUN_ROWS
 from symhyb.model.bare import bare
@@ -39,7 +39,7 @@ def mujoco_run(machine: Machine, scenario: Scenario, p: Array | None = None) -> 
 
     Raises:
         InputError: an element that is no force beside MuJoCo, for it has mass or remembers;
-            declared states; or what :func:`symhyb.data.mujoco_answers.ask` refuses.
+            declared states; or what :func:`symhyb.data.hosts.mujoco_answers.ask` refuses.
     """
     model = machine.model
     engine = model.mujoco

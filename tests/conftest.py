@@ -10,7 +10,7 @@ import pytest
 from command import Call, caller
 
 from symhyb.data.datasets import FOLDER, fetch
-from symhyb.data.fmu_answers import TRUST
+from symhyb.data.hosts.fmu_answers import TRUST
 from tests.absent import absent
 
 

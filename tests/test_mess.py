@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from symhyb.data.formats import AND
+from symhyb.data.files.formats import AND
 from symhyb.data.recording import read_recording
 from symhyb.model.read import read_model
 

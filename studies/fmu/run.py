@@ -22,7 +22,7 @@ from draw import write  # noqa: E402
 from plans import PLAIN, seeds_of  # noqa: E402
 
 import symhyb as sh  # noqa: E402
-from symhyb.data.fmu_answers import TRUST  # noqa: E402
+from symhyb.data.hosts.fmu_answers import TRUST  # noqa: E402
 
 
 def named(model: sh.Model, folder: Path) -> dict[str, Any]:

@@ -1,8 +1,8 @@
 """What strangers' files meet: every reader with its corpus, its words, and the errors it may raise.
 
-Readers with a native parser run inside :mod:`symhyb.data.apart` in a process of their own with
-limits. Here they run without it, to be quick: what they may do there (end by a signal, run out of
-memory) is *contained* and counted apart from failures.
+Readers with a native parser run inside :mod:`symhyb.data.files.apart` in a process of their own
+with limits. Here they run without it, to be quick: what they may do there (end by a signal, run
+out of memory) is *contained* and counted apart from failures.
 """
 
 import io

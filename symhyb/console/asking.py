@@ -6,8 +6,8 @@ from pathlib import Path
 
 import typer
 
-from symhyb.data.formats import read_table
-from symhyb.data.table import Table
+from symhyb.data.files.formats import read_table
+from symhyb.data.files.table import Table
 from symhyb.drafting.columns import Role, unit_in
 from symhyb.drafting.deliver import Order, column_of, role_from, start_text
 from symhyb.drafting.templates import TEMPLATES, read_coordinates, summary

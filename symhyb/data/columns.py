@@ -10,6 +10,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from symhyb.data.channels import Channels
+from symhyb.data.files.table import Column, Table, split_unit
 from symhyb.data.merge import merged, one_run
 from symhyb.data.source import (
     GRAVITY,
@@ -21,7 +22,6 @@ from symhyb.data.source import (
     has_rows,
     signal,
 )
-from symhyb.data.table import Column, Table, split_unit
 from symhyb.errors import InputError, Problem, did_you_mean
 from symhyb.model.expression import Name
 from symhyb.model.types import Model

@@ -12,7 +12,7 @@ from functools import partial
 from pathlib import Path
 
 from symhyb.data.catalogue import DATASETS, DataFile, Dataset, named, unknown
-from symhyb.data.table import PART
+from symhyb.data.files.table import PART
 from symhyb.errors import InputError, Problem, did_you_mean
 
 FOLDER = "SYMHYB_DATA"

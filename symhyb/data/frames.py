@@ -7,8 +7,8 @@ Values are in the units that columns state, or in those of the model file; where
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
-from symhyb.data.cells import column_of, twice
-from symhyb.data.table import Column, Table, refusal, split_unit
+from symhyb.data.files.cells import column_of, twice
+from symhyb.data.files.table import Column, Table, refusal, split_unit
 from symhyb.errors import InputError, Problem, did_you_mean, visible
 from symhyb.framed import SI, UNITS, the_xarray
 from symhyb.units import UnitError, parse_unit

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from symhyb.data.by_recording import NAMES, cells_of, row_of
+from symhyb.data.files.table import split_unit
 from symhyb.data.known import unit_text, unusable
-from symhyb.data.table import split_unit
 from symhyb.errors import InputError, Problem
 from symhyb.model.types import Model, Parameter
 from symhyb.units import UnitError, parse_unit

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symhyb.data.channels import Channels, take
+from symhyb.data.files.table import PART, Table, refusal
 from symhyb.data.rows import check_time, empty_rows, finite_or_missing, repeated_rows
-from symhyb.data.table import PART, Table, refusal
 
 SAME = 1e-3  # of the shortest step: times that differ by less are one
 

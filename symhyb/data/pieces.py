@@ -16,17 +16,17 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from symhyb.data.apart import pieces_apart
-from symhyb.data.bag_file import files_of_bag
-from symhyb.data.bag_pieces import bag_pieces
 from symhyb.data.channels import Channels, take
 from symhyb.data.columns import map_columns
-from symhyb.data.csv_pieces import csv_pieces
-from symhyb.data.mdf_pieces import mdf_pieces
-from symhyb.data.parquet_file import parquet_pieces
+from symhyb.data.files.apart import pieces_apart
+from symhyb.data.files.bag_file import files_of_bag
+from symhyb.data.files.bag_pieces import bag_pieces
+from symhyb.data.files.csv_pieces import csv_pieces
+from symhyb.data.files.mdf_pieces import mdf_pieces
+from symhyb.data.files.parquet_file import parquet_pieces
+from symhyb.data.files.table import Table, refusal
 from symhyb.data.recording import Recording, recorded_part
 from symhyb.data.rows import Span, outside
-from symhyb.data.table import Table, refusal
 from symhyb.errors import visible
 from symhyb.model.types import Model
 

@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 from symhyb.asked import asked
 from symhyb.data.channels import Channels, take
 from symhyb.data.columns import map_columns
-from symhyb.data.formats import read_table
+from symhyb.data.files.formats import read_table
+from symhyb.data.files.table import Table
 from symhyb.data.frames import table_of_dataset, table_of_frame
 from symhyb.data.groups import group_note, groups_in
 from symhyb.data.inspection import input_notes, sampling_notes, sensor_notes
 from symhyb.data.known import known_in, known_note
 from symhyb.data.rows import SHORTEST, Span, tidy, without_silent_sensors
 from symhyb.data.samples import digest, require_samples
-from symhyb.data.table import Table
 from symhyb.drawn import drawn
 from symhyb.errors import InputError, Problem, UnknownNameError, did_you_mean, visible
 from symhyb.framed import SI, Signal, dataset_of, frame_of

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symhyb.data.channels import Channels, own_step, take
-from symhyb.data.table import Table
+from symhyb.data.files.table import Table
 from symhyb.errors import InputError, Problem
 from symhyb.limits import LASTING, ROWS, SHORT, VALUE
 

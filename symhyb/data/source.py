@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from symhyb.data.table import PART, Column, Table, split_unit
+from symhyb.data.files.table import PART, Column, Table, split_unit
 from symhyb.errors import InputError, Problem, did_you_mean
 from symhyb.framed import SI
 from symhyb.model.expression import (

@@ -4,11 +4,11 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from symhyb.data.columns import TIMES, map_columns
+from symhyb.data.files.stamps import CLOCKS
+from symhyb.data.files.table import Column, Table
 from symhyb.data.recording import Recording, recorded
 from symhyb.data.rows import Span
 from symhyb.data.source import INDEX
-from symhyb.data.stamps import CLOCKS
-from symhyb.data.table import Column, Table
 from symhyb.errors import InputError, Problem
 from symhyb.model.expression import parse_expression
 from symhyb.model.types import Model, Sensor

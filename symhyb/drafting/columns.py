@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from symhyb.data.columns import TIMES
-from symhyb.data.table import Column, Table
+from symhyb.data.files.table import Column, Table
 from symhyb.model.expression import RESERVED
 from symhyb.model.types import Model
 from symhyb.units import Unit, UnitError, parse_unit

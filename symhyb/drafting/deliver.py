@@ -4,8 +4,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from symhyb.data.formats import read_table
-from symhyb.data.table import Column, Table
+from symhyb.data.files.formats import read_table
+from symhyb.data.files.table import Column, Table
 from symhyb.drafting.columns import Role, as_input, as_sensor, guessed_roles, unit_in
 from symhyb.drafting.templates import line_text, read_coordinates, template_text
 from symhyb.drafting.written import (

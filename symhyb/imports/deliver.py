@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from symhyb.data.xml_file import parse_xml
+from symhyb.data.files.xml_file import parse_xml
 from symhyb.errors import InputError, Problem
 from symhyb.imports.declare import declare
 from symhyb.imports.mjcf import parse_mjcf

@@ -16,11 +16,11 @@ from typing import Any
 
 import numpy as np
 
-from symhyb.data.apart import read_apart
-from symhyb.data.extras import needed
-from symhyb.data.mjcf_file import ROOT, WEIGHS, problems_of, shown, stripped
-from symhyb.data.table import Column, Table
-from symhyb.data.xml_file import parse_xml
+from symhyb.data.files.apart import read_apart
+from symhyb.data.files.extras import needed
+from symhyb.data.files.table import Column, Table
+from symhyb.data.files.xml_file import parse_xml
+from symhyb.data.hosts.mjcf_file import ROOT, WEIGHS, problems_of, shown, stripped
 from symhyb.errors import InputError, Problem, visible
 from symhyb.imports.rigid import Pose, about_vector, from_quaternion, here, to_rpy
 from symhyb.imports.robot import Array, Inertial, Joint, Link, Mimic, Range, Robot, Site

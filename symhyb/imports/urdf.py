@@ -13,7 +13,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from symhyb.data.xml_file import Node, parse_xml
+from symhyb.data.files.xml_file import Node, parse_xml
 from symhyb.errors import InputError, Problem, visible
 from symhyb.imports.rigid import Pose, from_rpy, is_of_a_body, moved, nearest_of_a_body
 from symhyb.imports.robot import MOVING, STRAIGHT, Inertial, Joint, Link, Mimic, Range, Robot

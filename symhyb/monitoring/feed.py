@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from symhyb.data.columns import map_columns
-from symhyb.data.csv_file import read_csv
+from symhyb.data.files.csv_file import read_csv
 from symhyb.data.recording import Recording, recorded_part
 from symhyb.errors import InputError, Problem
 from symhyb.model.types import Model

@@ -10,14 +10,14 @@ from pathlib import Path
 
 import numpy as np
 
-from symhyb.data.apart import pieces_apart
-from symhyb.data.bag_growing import bag_so_far, growing_bag, mcap_files
 from symhyb.data.channels import take
 from symhyb.data.columns import map_columns
-from symhyb.data.formats import split_part
+from symhyb.data.files.apart import pieces_apart
+from symhyb.data.files.bag_growing import bag_so_far, growing_bag, mcap_files
+from symhyb.data.files.formats import split_part
+from symhyb.data.files.table import Table, refusal
 from symhyb.data.recording import Recording, read_recording, recorded_part
 from symhyb.data.rows import SHORTEST
-from symhyb.data.table import Table, refusal
 from symhyb.errors import visible
 from symhyb.limits import READER_BYTES_A_SECOND
 from symhyb.model.types import Model

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from symhyb.data.bag_file import files_of_bag
-from symhyb.data.formats import files_of
+from symhyb.data.files.bag_file import files_of_bag
+from symhyb.data.files.formats import files_of
 from symhyb.errors import InputError, did_you_mean
 from symhyb.model.tables import shorten
 

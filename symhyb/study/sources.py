@@ -23,7 +23,7 @@ from typing import TypeVar
 
 from symhyb.data.by_recording import cells_of
 from symhyb.data.catalogue import named, unknown
-from symhyb.data.formats import split_part
+from symhyb.data.files.formats import split_part
 from symhyb.data.rows import Span
 from symhyb.errors import InputError, did_you_mean
 from symhyb.limits import STUDY_RECORDINGS

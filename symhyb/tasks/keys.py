@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from symhyb import __version__
-from symhyb.data.bag_file import files_of_bag
 from symhyb.data.datasets import fetch
-from symhyb.data.formats import files_of
+from symhyb.data.files.bag_file import files_of_bag
+from symhyb.data.files.formats import files_of
 from symhyb.errors import InputError, Problem
 from symhyb.model.types import Model
 from symhyb.model.write import text_of

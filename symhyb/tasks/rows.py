@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from symhyb.data.extras import needed
+from symhyb.data.files.extras import needed
 from symhyb.report.contract import finite
 from symhyb.tasks.fitting import Rung
 from symhyb.tasks.outcome import Outcome, Outcomes

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import TypeVar
 
 from symhyb.data.columns import map_columns
-from symhyb.data.formats import read_table
+from symhyb.data.files.formats import read_table
+from symhyb.data.files.table import Table
 from symhyb.data.recording import Recording, recorded
-from symhyb.data.table import Table
 from symhyb.errors import InputError, Problem
 from symhyb.model.read import read_model
 from symhyb.model.types import Input, Model, Parameter, Sensor

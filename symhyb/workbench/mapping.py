@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from symhyb.data.columns import channels_of
-from symhyb.data.table import Table
+from symhyb.data.files.table import Table
 from symhyb.discrepancy.words.amounts import unit_text
 from symhyb.workbench.bench import Bench
 

@@ -6,8 +6,8 @@ from functools import partial
 import numpy as np
 import pytest
 
-from symhyb.data.bag_file import folder_of_bag, read_bag
-from symhyb.data.formats import read_table
+from symhyb.data.files.bag_file import folder_of_bag, read_bag
+from symhyb.data.files.formats import read_table
 from symhyb.data.recording import read_recording
 from symhyb.data.whole_file import whole_file
 from symhyb.errors import InputError

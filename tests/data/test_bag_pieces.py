@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from symhyb.data import bag_pieces
+from symhyb.data.files import bag_pieces
 from symhyb.data.pieces import pieces_of
 from symhyb.data.recording import read_recording
 from symhyb.errors import InputError

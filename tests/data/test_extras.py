@@ -5,13 +5,13 @@ import sys
 
 import pytest
 
-from symhyb.data.bag_file import read_bag
-from symhyb.data.mat_file import read_mat
-from symhyb.data.mdf_file import read_mdf
-from symhyb.data.parquet_file import read_parquet
-from symhyb.data.sheet_file import read_excel
-from symhyb.data.tdms_file import read_tdms
-from symhyb.data.ulog_file import read_ulog
+from symhyb.data.files.bag_file import read_bag
+from symhyb.data.files.mat_file import read_mat
+from symhyb.data.files.mdf_file import read_mdf
+from symhyb.data.files.parquet_file import read_parquet
+from symhyb.data.files.sheet_file import read_excel
+from symhyb.data.files.tdms_file import read_tdms
+from symhyb.data.files.ulog_file import read_ulog
 from symhyb.errors import InputError
 
 EXTRAS = (
@@ -44,7 +44,7 @@ def test_a_missing_package_is_named_with_its_cure(monkeypatch, reader, content, 
 def test_reading_text_imports_no_other_reader(write):
     path = write("run.csv", "t,x\n0,1\n1,2\n")
     code = (
-        "import sys; from symhyb.data.formats import read_table; import symhyb.data;"
+        "import sys; from symhyb.data.files.formats import read_table; import symhyb.data;"
         f" read_table({str(path)!r}); print([name for name in {EXTRAS!r} if name in sys.modules])"
     )
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from builders import DRIVEN_MASS
 
-from symhyb.data import fmu_answers
-from symhyb.data.answers import Answer, Question
-from symhyb.data.fmu_answers import ask
+from symhyb.data.hosts import fmu_answers
+from symhyb.data.hosts.answers import Answer, Question
+from symhyb.data.hosts.fmu_answers import ask
 from symhyb.errors import InputError
 from symhyb.model.fmu import Fmu
 from symhyb.model.read import parse_model, read_model

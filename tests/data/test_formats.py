@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from symhyb.data.formats import files_of, read_table
+from symhyb.data.files.formats import files_of, read_table
 from symhyb.data.recording import read_recording
 from symhyb.errors import InputError
 

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from symhyb.data.formats import read_table
+from symhyb.data.files.formats import read_table
 from symhyb.data.recording import read_recording
 from symhyb.errors import InputError
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from symhyb.data.csv_file import read_csv
-from symhyb.data.formats import read_table
+from symhyb.data.files.csv_file import read_csv
+from symhyb.data.files.formats import read_table
+from symhyb.data.files.table import split_unit
 from symhyb.data.recording import read_recording
-from symhyb.data.table import split_unit
 from symhyb.errors import InputError
 
 

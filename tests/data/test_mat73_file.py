@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 
-from symhyb.data.formats import read_table
-from symhyb.data.mat_file import read_mat
+from symhyb.data.files.formats import read_table
+from symhyb.data.files.mat_file import read_mat
 from symhyb.data.recording import read_recording
 from symhyb.errors import InputError
 

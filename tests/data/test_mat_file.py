@@ -8,8 +8,8 @@ import pytest
 from scipy.io import savemat
 from scipy.sparse import csc_array
 
-from symhyb.data.formats import read_table
-from symhyb.data.mat_file import read_mat
+from symhyb.data.files.formats import read_table
+from symhyb.data.files.mat_file import read_mat
 from symhyb.data.recording import read_recording
 from symhyb.errors import InputError
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from symhyb.data.formats import read_table
-from symhyb.data.mdf_file import read_mdf
+from symhyb.data.files.formats import read_table
+from symhyb.data.files.mdf_file import read_mdf
 from symhyb.data.recording import read_recording
 from symhyb.errors import InputError
 

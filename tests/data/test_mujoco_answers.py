@@ -7,8 +7,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from symhyb.data.answers import Answer, Question
-from symhyb.data.mujoco_answers import ask
+from symhyb.data.hosts.answers import Answer, Question
+from symhyb.data.hosts.mujoco_answers import ask
 from symhyb.errors import InputError
 from symhyb.model.types import Model
 from tests.mujoco_rigs import FINGER, PRESS, finger, press, written

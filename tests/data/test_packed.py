@@ -5,7 +5,7 @@ import io
 import numpy as np
 import pytest
 
-from symhyb.data.packed import packed, unpacked
+from symhyb.data.hosts.packed import packed, unpacked
 
 
 def test_words_and_arrays_come_out_as_they_went_in() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from symhyb.data.formats import read_table
+from symhyb.data.files.formats import read_table
 from symhyb.data.recording import read_recording
 from symhyb.errors import InputError
 

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from symhyb.data import apart
-from symhyb.data.apart import read_apart
-from symhyb.data.table import Column, Table, refusal
+from symhyb.data.files import apart
+from symhyb.data.files.apart import read_apart
+from symhyb.data.files.table import Column, Table, refusal
 from symhyb.errors import InputError, Problem
 
 Reader = Callable[[bytes, str], Table]

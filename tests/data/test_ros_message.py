@@ -5,7 +5,7 @@ import struct
 import numpy as np
 import pytest
 
-from symhyb.data.ros_message import UnreadableError, decoder
+from symhyb.data.files.ros_message import UnreadableError, decoder
 
 interfaces = pytest.importorskip("rosbags.interfaces", reason="the extra rosbag is not installed")
 typesys = pytest.importorskip("rosbags.typesys", reason="the extra rosbag is not installed")

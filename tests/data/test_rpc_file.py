@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from symhyb.data.formats import read_table
+from symhyb.data.files.formats import read_table
+from symhyb.data.files.rpc_file import read_rpc
 from symhyb.data.recording import read_recording
-from symhyb.data.rpc_file import read_rpc
 from symhyb.errors import InputError
 
 

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from symhyb.data.stamps import time_notes, times_of
+from symhyb.data.files.stamps import time_notes, times_of
 
 SECOND = 1_000_000_000
 START = 1_709_646_312 * SECOND

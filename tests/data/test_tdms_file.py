@@ -5,9 +5,9 @@ import io
 import numpy as np
 import pytest
 
-from symhyb.data.formats import read_table
+from symhyb.data.files.formats import read_table
+from symhyb.data.files.tdms_file import read_tdms
 from symhyb.data.recording import read_recording
-from symhyb.data.tdms_file import read_tdms
 from symhyb.errors import InputError
 
 nptdms = pytest.importorskip("nptdms", reason="the extra tdms is not installed")

@@ -5,10 +5,10 @@ import struct
 import numpy as np
 import pytest
 
-from symhyb.data import apart
-from symhyb.data.formats import read_table
+from symhyb.data.files import apart
+from symhyb.data.files.formats import read_table
+from symhyb.data.files.ulog_file import MAGIC, read_ulog
 from symhyb.data.recording import read_recording
-from symhyb.data.ulog_file import MAGIC, read_ulog
 from symhyb.errors import InputError
 
 pytest.importorskip("pyulog", reason="the extra ulog is not installed")

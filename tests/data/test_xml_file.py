@@ -4,7 +4,7 @@ import sys
 
 import pytest
 
-from symhyb.data.xml_file import parse_xml
+from symhyb.data.files.xml_file import parse_xml
 from symhyb.errors import InputError
 from symhyb.limits import XML_DEEP
 

@@ -16,8 +16,8 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from symhyb.data import fmu_answers, mujoco_answers
-from symhyb.data.answers import Answer, Question
+from symhyb.data.hosts import fmu_answers, mujoco_answers
+from symhyb.data.hosts.answers import Answer, Question
 from symhyb.data.recording import Recording
 from symhyb.discrepancy.recorded.motion import Motion, motion_of, unplaced
 from symhyb.discrepancy.recorded.signals import acting
@@ -47,8 +47,8 @@ def along_recordings(
     runs with local equations, and recordings with what varies in these along them.
 
     Raises:
-        InputError: as :func:`symhyb.data.fmu_answers.ask` and that of ``mujoco_answers``; or no
-            sensor shows where a coordinate is.
+        InputError: as :func:`symhyb.data.hosts.fmu_answers.ask` and that of ``mujoco_answers``; or
+            no sensor shows where a coordinate is.
     """
     if model.engine is None:
         return model, tuple(map(tuple, groups))

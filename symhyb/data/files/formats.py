@@ -11,18 +11,18 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from symhyb.data.apart import read_apart
-from symhyb.data.bag_file import folder_of_bag, read_bag
-from symhyb.data.csv_file import read_csv
-from symhyb.data.json_file import read_json
-from symhyb.data.mat_file import read_mat
-from symhyb.data.mdf_file import read_mdf
-from symhyb.data.parquet_file import read_parquet
-from symhyb.data.rpc_file import read_rpc
-from symhyb.data.sheet_file import read_excel
-from symhyb.data.table import PART, Table, choose, following, refusal
-from symhyb.data.tdms_file import read_tdms
-from symhyb.data.ulog_file import read_ulog
+from symhyb.data.files.apart import read_apart
+from symhyb.data.files.bag_file import folder_of_bag, read_bag
+from symhyb.data.files.csv_file import read_csv
+from symhyb.data.files.json_file import read_json
+from symhyb.data.files.mat_file import read_mat
+from symhyb.data.files.mdf_file import read_mdf
+from symhyb.data.files.parquet_file import read_parquet
+from symhyb.data.files.rpc_file import read_rpc
+from symhyb.data.files.sheet_file import read_excel
+from symhyb.data.files.table import PART, Table, choose, following, refusal
+from symhyb.data.files.tdms_file import read_tdms
+from symhyb.data.files.ulog_file import read_ulog
 from symhyb.errors import did_you_mean, visible
 from symhyb.limits import RECORDING_BYTES, content_of
 

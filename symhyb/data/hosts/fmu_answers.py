@@ -21,11 +21,11 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from symhyb.data.answers import Answer, Array, Question
-from symhyb.data.apart import Allowed, read_apart
-from symhyb.data.extras import needed
-from symhyb.data.packed import packed, unpacked
-from symhyb.data.table import Table, refusal
+from symhyb.data.files.apart import Allowed, read_apart
+from symhyb.data.files.extras import needed
+from symhyb.data.files.table import Table, refusal
+from symhyb.data.hosts.answers import Answer, Array, Question
+from symhyb.data.hosts.packed import packed, unpacked
 from symhyb.errors import InputError, Problem, did_you_mean
 from symhyb.limits import FMU_BYTES, FMU_CALLS_A_SECOND, FMU_SECONDS, FMU_UNPACKED, content_of
 from symhyb.model.fmu import Fmu

@@ -9,7 +9,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from symhyb.data.table import Column, Table
+from symhyb.data.files.table import Column, Table
 
 Array = NDArray[np.float64]
 

@@ -21,7 +21,7 @@ from typing import Any, BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-from symhyb.data.table import Column, Table, refusal
+from symhyb.data.files.table import Column, Table, refusal
 from symhyb.errors import InputError, Problem
 from symhyb.limits import (
     READER_BYTES_A_SECOND,
@@ -33,8 +33,8 @@ from symhyb.limits import (
 
 PIPE_BYTES = 1 << 20  # that a reader of pieces is ahead
 _LENGTH = struct.Struct("<Q")  # of the header, before it
-_START = "from symhyb.data.apart import serve; serve()"
-_START_PIECES = "from symhyb.data.apart import serve_pieces; serve_pieces()"
+_START = "from symhyb.data.files.apart import serve; serve()"
+_START_PIECES = "from symhyb.data.files.apart import serve_pieces; serve_pieces()"
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "ARROW_IO_THREADS")
 
 

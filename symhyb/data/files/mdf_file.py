@@ -20,8 +20,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from symhyb.data.extras import first_line, needed
-from symhyb.data.table import Column, Table, headed, in_part, refusal
+from symhyb.data.files.extras import first_line, needed
+from symhyb.data.files.table import Column, Table, headed, in_part, refusal
 from symhyb.errors import Problem
 
 TIME = "t [s]"

@@ -14,7 +14,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from symhyb.data.table import Column, Table, headed, refusal
+from symhyb.data.files.table import Column, Table, headed, refusal
 from symhyb.errors import InputError, Problem
 from symhyb.limits import COLUMNS, ROWS
 

@@ -1,8 +1,9 @@
 """Bags of ROS 1 (.bag) and ROS 2 (.mcap, .db3, and the folders they stand in), by rosbags.
 
 A topic is a part of the file with times of its own; ``/arm/joint_states`` is called
-``arm.joint_states``. Its channels are the numbers in its messages (:mod:`symhyb.data.ros_message`),
-its times are chosen by :mod:`symhyb.data.stamps`, and counted from the first message of the file.
+``arm.joint_states``. Its channels are the numbers in its messages
+(:mod:`symhyb.data.files.ros_message`), its times are chosen by :mod:`symhyb.data.files.stamps`, and
+counted from the first message of the file.
 """
 
 import io
@@ -19,10 +20,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from symhyb.data.extras import first_line, needed
-from symhyb.data.ros_message import WIDEST, Message, UnreadableError, decoder
-from symhyb.data.stamps import CLOCKS, Times, time_notes, times_of
-from symhyb.data.table import Column, Table, in_part, refusal
+from symhyb.data.files.extras import first_line, needed
+from symhyb.data.files.ros_message import WIDEST, Message, UnreadableError, decoder
+from symhyb.data.files.stamps import CLOCKS, Times, time_notes, times_of
+from symhyb.data.files.table import Column, Table, in_part, refusal
 from symhyb.errors import InputError, Problem
 from symhyb.limits import COLUMNS, RECORDING_BYTES
 

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from symhyb.data.cells import numbers_in
-from symhyb.data.table import NO_UNIT, Column, Table, is_unit, refusal, split_unit
+from symhyb.data.files.cells import numbers_in
+from symhyb.data.files.table import NO_UNIT, Column, Table, is_unit, refusal, split_unit
 from symhyb.errors import Problem
 from symhyb.limits import COLUMNS
 

@@ -6,15 +6,15 @@ from typing import Any
 
 import numpy as np
 
-from symhyb.data.mat73_file import is_newer, read_mat73
-from symhyb.data.nested import Unfit, columns_of
-from symhyb.data.table import Table, refusal
+from symhyb.data.files.mat73_file import is_newer, read_mat73
+from symhyb.data.files.nested import Unfit, columns_of
+from symhyb.data.files.table import Table, refusal
 
 _HEADER = 128  # bytes: text, version, byte order
 
 
 def read_mat(content: bytes, file: str) -> Table:
-    """Read the vectors and numbers of a MAT file of any version, see :mod:`symhyb.data.nested`.
+    """Read the vectors and numbers of a MAT file of any version (:mod:`symhyb.data.files.nested`).
 
     Raises:
         InputError: not a MAT file, or cut off, or damaged.

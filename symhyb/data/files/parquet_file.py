@@ -4,9 +4,9 @@ from collections.abc import Iterator
 from os import SEEK_END
 from typing import Any
 
-from symhyb.data.cells import column_of, twice
-from symhyb.data.extras import needed
-from symhyb.data.table import Column, Table, headed, refusal
+from symhyb.data.files.cells import column_of, twice
+from symhyb.data.files.extras import needed
+from symhyb.data.files.table import Column, Table, headed, refusal
 from symhyb.errors import InputError
 
 _MAGIC, _LOCKED = b"PAR1", b"PARE"

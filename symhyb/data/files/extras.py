@@ -3,7 +3,7 @@
 from importlib import import_module
 from typing import Any
 
-from symhyb.data.table import refusal
+from symhyb.data.files.table import refusal
 
 
 def needed(module: str, extra: str, file: str) -> Any:

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from symhyb.data.extras import first_line, needed
-from symhyb.data.nested import Unfit, columns_of
-from symhyb.data.table import Table, refusal
+from symhyb.data.files.extras import first_line, needed
+from symhyb.data.files.nested import Unfit, columns_of
+from symhyb.data.files.table import Table, refusal
 from symhyb.limits import STRUCTURES_DEEP, VARIABLE_NUMBERS
 
 _MAGIC = b"\x89HDF\r\n\x1a\n"

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from symhyb.data.extras import first_line, needed
-from symhyb.data.mdf_file import group_columns, parts_of, quiet, without_formulas
-from symhyb.data.table import Column, Table, refusal
+from symhyb.data.files.extras import first_line, needed
+from symhyb.data.files.mdf_file import group_columns, parts_of, quiet, without_formulas
+from symhyb.data.files.table import Column, Table, refusal
 
 
 def mdf_pieces(path: str, file: str, rows: int) -> Iterator[Table]:

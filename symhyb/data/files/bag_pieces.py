@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from symhyb.data.bag_file import (
+from symhyb.data.files.bag_file import (
     Topic,
     called,
     damaged,
@@ -21,9 +21,9 @@ from symhyb.data.bag_file import (
     table_of,
     taken,
 )
-from symhyb.data.bag_growing import OVERLAP_NS
-from symhyb.data.stamps import CLOCKS, NS
-from symhyb.data.table import Column, Table
+from symhyb.data.files.bag_growing import OVERLAP_NS
+from symhyb.data.files.stamps import CLOCKS, NS
+from symhyb.data.files.table import Column, Table
 from symhyb.errors import InputError, Problem
 
 MAGIC_BYTES = 16

@@ -3,8 +3,9 @@
 A topic is a part of the file with times of its own; of several instances of a topic each is one
 (``sensor_accel_0``, ``sensor_accel_1``, numbered as PX4 does). Fields are called by their names,
 elements of arrays counted from 1 (``q.1``). ``timestamp`` is when a message was sent,
-``timestamp_sample``, where there is one, when it was measured (:mod:`symhyb.data.stamps`); both
-count from the start of the controller, t from the first message of the file. Units are not in it.
+``timestamp_sample``, where there is one, when it was measured (:mod:`symhyb.data.files.stamps`);
+both count from the start of the controller, t from the first message of the file. Units are not in
+it.
 """
 
 import io
@@ -16,9 +17,9 @@ from typing import Any
 
 import numpy as np
 
-from symhyb.data.extras import first_line, needed
-from symhyb.data.stamps import Nanoseconds, Times, time_notes, times_of
-from symhyb.data.table import Column, Table, in_part, refusal
+from symhyb.data.files.extras import first_line, needed
+from symhyb.data.files.stamps import Nanoseconds, Times, time_notes, times_of
+from symhyb.data.files.table import Column, Table, in_part, refusal
 from symhyb.limits import COLUMNS
 
 MAGIC = b"ULog\x01\x12\x35"

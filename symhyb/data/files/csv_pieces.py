@@ -4,8 +4,8 @@ above the first row."""
 from collections.abc import Iterator
 from dataclasses import replace
 
-from symhyb.data.csv_file import read_csv
-from symhyb.data.table import Table, refusal
+from symhyb.data.files.csv_file import read_csv
+from symhyb.data.files.table import Table, refusal
 from symhyb.errors import InputError, Problem
 
 LINE_MOST = 1_000_000  # bytes

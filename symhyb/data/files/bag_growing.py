@@ -16,9 +16,17 @@ from struct import Struct
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from symhyb.data.bag_file import MCAP, Topic, natural, opened, read_into, require_rosbags, table_of
-from symhyb.data.extras import first_line
-from symhyb.data.table import Table, refusal
+from symhyb.data.files.bag_file import (
+    MCAP,
+    Topic,
+    natural,
+    opened,
+    read_into,
+    require_rosbags,
+    table_of,
+)
+from symhyb.data.files.extras import first_line
+from symhyb.data.files.table import Table, refusal
 from symhyb.errors import InputError
 from symhyb.limits import RECORDING_BYTES
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from symhyb.data.table import Column, headed
+from symhyb.data.files.table import Column, headed
 from symhyb.errors import Problem
 
 if TYPE_CHECKING:

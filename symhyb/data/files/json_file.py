@@ -14,8 +14,8 @@ from itertools import chain
 import numpy as np
 from numpy.typing import NDArray
 
-from symhyb.data.nested import Unfit, columns_of
-from symhyb.data.table import Table, refusal
+from symhyb.data.files.nested import Unfit, columns_of
+from symhyb.data.files.table import Table, refusal
 
 NAMELESS = "data"  # how the vectors of a table without names are called: data.1, data.2, …
 

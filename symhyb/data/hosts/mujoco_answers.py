@@ -25,13 +25,13 @@ from typing import Any
 
 import numpy as np
 
-from symhyb.data.answers import Answer, Array, Question
-from symhyb.data.apart import Allowed, read_apart
-from symhyb.data.extras import needed
-from symhyb.data.mjcf_file import TOUCHES, WEIGHS, problems_of, shown, stripped, touching
-from symhyb.data.packed import packed, unpacked
-from symhyb.data.table import Table, refusal
-from symhyb.data.xml_file import parse_xml
+from symhyb.data.files.apart import Allowed, read_apart
+from symhyb.data.files.extras import needed
+from symhyb.data.files.table import Table, refusal
+from symhyb.data.files.xml_file import parse_xml
+from symhyb.data.hosts.answers import Answer, Array, Question
+from symhyb.data.hosts.mjcf_file import TOUCHES, WEIGHS, problems_of, shown, stripped, touching
+from symhyb.data.hosts.packed import packed, unpacked
 from symhyb.errors import InputError, Problem, did_you_mean, visible
 from symhyb.limits import FMU_CALLS_A_SECOND, FMU_SECONDS, ROBOT_BYTES, content_of
 from symhyb.model.mujoco import Drive, Mujoco, Number

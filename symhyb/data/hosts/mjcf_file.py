@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from symhyb.data.xml_file import Node
+from symhyb.data.files.xml_file import Node
 from symhyb.errors import Problem, visible
 from symhyb.limits import DECLARED
 from symhyb.model.tables import shorten

@@ -7,9 +7,9 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 from zipfile import BadZipFile, ZipFile
 
-from symhyb.data.cells import column_of, twice
-from symhyb.data.extras import needed
-from symhyb.data.table import Column, Table, refusal
+from symhyb.data.files.cells import column_of, twice
+from symhyb.data.files.extras import needed
+from symhyb.data.files.table import Column, Table, refusal
 from symhyb.limits import PACKED_LEAST, PACKED_TIMES
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from symhyb.data.table import Column
+from symhyb.data.files.table import Column
 from symhyb.limits import STRUCTURES_DEEP
 
 WIDEST = 64  # columns of a matrix that are vectors; above that it is a map or a picture

@@ -1,0 +1,1 @@
+"""Programs that have a machine, asked for its masses, forces and slopes: an FMU, MuJoCo."""
