@@ -6,13 +6,10 @@
 The names of the keys under ``[inputs]`` of a model file, their units and what is refused.
 """
 
-from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Literal
+from collections.abc import Mapping
+from typing import Literal
 
 from symhyb.units import ONE, Unit, parse_unit
-
-if TYPE_CHECKING:
-    from symhyb.model.types import Input, Parameter, Sensor
 
 ActuatorKey = Literal["quantum", "dead_band", "backlash", "limit", "rate_limit", "lag"]
 ACTUATOR_KEYS: tuple[ActuatorKey, ...] = (  # in the order in which they act
@@ -56,9 +53,3 @@ def refused(key: str, value: float) -> str:
     if key in ACTUATOR_KEYS and key not in MAY_BE_ZERO and value <= 0:
         return "must be positive: such an actuator does nothing"
     return ""
-
-
-def numbers_of(channel: "Input | Sensor") -> "Iterator[Parameter]":
-    """The numbers that a channel states: gain, offset, delay, then those of its actuator."""
-    yield from filter(None, (channel.gain, channel.offset, channel.delay))
-    yield from getattr(channel, "actuator", ())

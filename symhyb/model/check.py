@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 
-from symhyb.model.actuators import numbers_of
 from symhyb.model.check_constraints import constraint_faults
 from symhyb.model.check_elements import element_faults
 from symhyb.model.check_states import state_faults
@@ -139,7 +138,7 @@ def _name_faults(model: Model) -> Iterator[Fault]:
                 yield path, f"'{own.name}' is already declared in [{seen[own.name]}]"
     paths = [parameter.path for parameter in model.all_parameters()]
     for channel in model.sensors:
-        for fault in numbers_of(channel):
+        for fault in channel.numbers:
             if paths.count(fault.path) > 1:
                 place = ("sensors", channel.name, fault.name)
                 yield place, f"another '{fault.path}' is stated elsewhere; rename the sensor"

@@ -6,7 +6,6 @@ from collections.abc import Iterator, Mapping
 from difflib import unified_diff
 
 from symhyb.asked import asked
-from symhyb.model.actuators import numbers_of
 from symhyb.model.constraints import Constraint
 from symhyb.model.curves import Curve
 from symhyb.model.expression import Name
@@ -269,7 +268,7 @@ def _channel_facets(channel: Input | Sensor) -> Facets:
         facets["sd"] = f"{channel.sd:.6g}"
     if isinstance(channel, Input) and channel.between:
         facets["between"] = channel.between
-    for value in numbers_of(channel):
+    for value in channel.numbers:
         facets[value.name] = _quantity(value)
     return facets
 

@@ -4,7 +4,6 @@ import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from symhyb.errors import visible
-from symhyb.model.actuators import numbers_of
 from symhyb.model.constraints import CONSTRAINTS, Constraint
 from symhyb.model.curves import EXTRAPOLATIONS, INTERPOLATIONS, Curve
 from symhyb.model.expression import Expression
@@ -388,6 +387,6 @@ def _channel(channel: Input | Sensor) -> str:
     elif channel.between:
         entries.append(("between", channel.between))
     text = _inline([*entries, ("about", channel.about)])
-    for value in numbers_of(channel):
+    for value in channel.numbers:
         text = text[:-2] + f", {value.name} = {_parameter(value)} }}"
     return text

@@ -12,7 +12,6 @@ from symhyb.by_name import Items, name_items
 from symhyb.laws.cardinal import Part
 from symhyb.laws.characteristic import Characteristic
 from symhyb.laws.surface import Surface
-from symhyb.model.actuators import numbers_of
 from symhyb.model.constraints import Assembly, Constraint
 from symhyb.model.curves import Curve
 from symhyb.model.expression import Expression
@@ -104,6 +103,11 @@ class Input:
     actuator: tuple[Parameter, ...] = ()
     shared_delay: Parameter | None = None
 
+    @property
+    def numbers(self) -> tuple[Parameter, ...]:
+        """What it states: gain, offset and delay, then the numbers of its actuator."""
+        return (*filter(None, (self.gain, self.offset, self.delay)), *self.actuator)
+
 
 @dataclass(frozen=True, slots=True)
 class Sensor:
@@ -122,6 +126,11 @@ class Sensor:
     offset: Parameter | None = None
     delay: Parameter | None = None
     shared_delay: Parameter | None = None
+
+    @property
+    def numbers(self) -> tuple[Parameter, ...]:
+        """What it states: gain, offset and delay."""
+        return tuple(filter(None, (self.gain, self.offset, self.delay)))
 
 
 Vector = tuple[Expression, ...]
@@ -358,7 +367,7 @@ class Model:
             yield from element.parameters
         channels: tuple[Input | Sensor, ...] = (*self.inputs, *self.sensors)
         for channel in channels:
-            yield from numbers_of(channel)
+            yield from channel.numbers
         yield from dict.fromkeys(filter(None, (channel.shared_delay for channel in channels)))
 
 
