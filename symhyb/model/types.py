@@ -105,7 +105,7 @@ class Input:
 
     @property
     def numbers(self) -> tuple[Parameter, ...]:
-        """What it states: gain, offset and delay, then the numbers of its actuator."""
+        """Gain, offset and delay, as far as stated, then the numbers of its actuator."""
         return (*filter(None, (self.gain, self.offset, self.delay)), *self.actuator)
 
 
@@ -129,7 +129,7 @@ class Sensor:
 
     @property
     def numbers(self) -> tuple[Parameter, ...]:
-        """What it states: gain, offset and delay."""
+        """Gain, offset and delay, as far as stated."""
         return tuple(filter(None, (self.gain, self.offset, self.delay)))
 
 
