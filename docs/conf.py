@@ -30,6 +30,7 @@ extensions = [
 contents_titles = {"CHANGELOG": "Changes"}
 contents_pages = (
     "docs/index",
+    "docs/method",
     "docs/tutorials/index",
     "docs/how-to/index",
     "docs/reference/python/index",

@@ -2,7 +2,7 @@
 
 Motion and noise → all causes screened together on growing windows → structures refined on
 trajectories and judged on held windows → the map of places → what was found, in words. The unseen
-recordings prove; they never choose. docs/method.md has the statistics and what was measured.
+recordings prove; they never choose. docs/method has the statistics and what was measured.
 """
 
 from collections.abc import Sequence

@@ -1,8 +1,8 @@
 """The numbers that decide: few, each in one module with its source, and nowhere else.
 
-Every constant of ``symhyb/judgement.py`` stands in the table of docs/method.md with the words that
-stand beside it, and ``correction`` and ``discrepancy`` compare with nothing else where a judgement
-stands. What else they compare with is listed here by its kind.
+Every constant of ``symhyb/judgement.py`` stands in the table of docs/method/numbers.md with the
+words that stand beside it, and ``correction`` and ``discrepancy`` compare with nothing else where a
+judgement stands. What else they compare with is listed here by its kind.
 """
 
 import ast
@@ -16,7 +16,7 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 PACKAGE = ROOT / "symhyb"
-METHOD = ROOT / "docs" / "method.md"
+METHOD = ROOT / "docs" / "method"
 MOST_CONSTANTS = 60
 ROOMS = ("correction", "discrepancy")
 
@@ -178,7 +178,7 @@ def constants() -> tuple[Constant, ...]:
 
 
 def table() -> str:
-    """The constants as docs/method.md shows them."""
+    """The constants as docs/method/numbers.md shows them."""
     lines = ["| constant | value | meaning | source |", "|---|---|---|---|"]
     question = ""
     for one in constants():
@@ -228,11 +228,12 @@ def test_each_has_a_meaning_and_a_source_and_they_are_few() -> None:
 
 
 def test_the_table_of_the_method_is_the_module() -> None:
-    assert table() in METHOD.read_text(encoding="utf-8"), f"docs/method.md should have\n{table()}"
+    page = METHOD / "numbers.md"
+    assert table() in page.read_text(encoding="utf-8"), f"{page} should have\n{table()}"
 
 
 def test_the_method_names_no_other_constant() -> None:
-    text = METHOD.read_text(encoding="utf-8")
+    text = "\n".join(page.read_text(encoding="utf-8") for page in METHOD.glob("*.md"))
     brackets = re.findall(r"\[([^\]]*`[^\]]*)\](?!\()", text)
     named = {name for group in brackets for name in re.findall(r"`([A-Z][A-Z_]+)`", group)}
     assert named <= judgements()
